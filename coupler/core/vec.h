@@ -1,0 +1,19 @@
+#pragma once
+// Vectors and rotations that every room speaks. World coordinates, SI, z up.
+#include <Eigen/Core>
+#include <Eigen/Geometry>
+
+namespace sunder {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using Quat = Eigen::Quaterniond;  // Eigen's constructor takes w, x, y, z
+
+/// Rotation by the vector w [rad]; exact for any angle.
+Quat rotation_from_vector(const Vec3& w);
+
+/// The shortest rotation vector of q [rad], |.| <= pi; inverse of rotation_from_vector.
+Vec3 rotation_vector(const Quat& q);
+
+}  // namespace sunder

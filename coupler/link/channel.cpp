@@ -1,0 +1,94 @@
+#include "coupler/link/channel.h"
+
+#include <chrono>
+#include <cstring>
+
+#include <zmq.hpp>
+
+#include "coupler/core/error.h"
+#include "coupler/link/messages.h"
+
+namespace sunder::link {
+namespace {
+
+constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
+constexpr int kPollMs = 100;
+
+}  // namespace
+
+struct Channel::Sockets {
+  zmq::context_t context{1};
+  zmq::socket_t data{context, zmq::socket_type::pair};
+  zmq::socket_t monitor{context, zmq::socket_type::pair};
+  bool was_connected = false, lost = false;
+
+  void read_events() {
+    zmq::message_t event, address;
+    while (monitor.recv(event, zmq::recv_flags::dontwait)) {
+      std::uint16_t kind = 0;
+      std::memcpy(&kind, event.data(), sizeof kind);
+      (void)monitor.recv(address, zmq::recv_flags::none);
+      if (kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) was_connected = true;
+      if (kind == ZMQ_EVENT_DISCONNECTED && was_connected) lost = true;
+    }
+  }
+};
+
+Channel::Channel(Role role, const std::string& endpoint) : s_(std::make_unique<Sockets>()) {
+  const bool local = endpoint.rfind("ipc://", 0) == 0 || endpoint.rfind("tcp://127.", 0) == 0;
+  require(local, "--endpoint {}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet",
+          endpoint);
+  auto& d = s_->data;
+  d.set(zmq::sockopt::linger, 500);
+  d.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxMessage));
+  d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
+  d.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
+  d.set(zmq::sockopt::sndtimeo, 2000);
+  static int number = 0;
+  const std::string watch = "inproc://monitor-" + std::to_string(number++);
+  zmq_socket_monitor(d.handle(), watch.c_str(), ZMQ_EVENT_ALL);
+  s_->monitor.connect(watch);
+  try {
+    if (role == Role::kBind)
+      d.bind(endpoint);
+    else
+      d.connect(endpoint);
+  } catch (const zmq::error_t& e) {
+    throw Error(
+        Exit::kBadInput, "bad_endpoint",
+        fmt::format("--endpoint {}: {}; is another run using it, may its folder be written?", endpoint, e.what()));
+  }
+}
+
+Channel::~Channel() { zmq_socket_monitor(s_->data.handle(), nullptr, 0); }
+
+void Channel::check_peer() {
+  s_->read_events();
+  if (s_->lost)
+    throw Error(Exit::kPeerLost, "peer_lost", "the other process is gone: its connection closed without a goodbye");
+}
+
+void Channel::send(const std::string& bytes) {
+  if (!s_->data.send(zmq::buffer(bytes), zmq::send_flags::none))
+    throw Error(Exit::kPeerLost, "peer_lost", "the other process takes no messages any more");
+}
+
+std::string Channel::receive(double connect_s) {
+  const auto start = std::chrono::steady_clock::now();
+  while (true) {
+    zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0}, {s_->monitor.handle(), 0, ZMQ_POLLIN, 0}};
+    try {
+      zmq::poll(items, 2, std::chrono::milliseconds(kPollMs));
+    } catch (const zmq::error_t& e) {
+      if (e.num() != EINTR) throw;
+    }
+    zmq::message_t message;
+    if (s_->data.recv(message, zmq::recv_flags::dontwait)) return message.to_string();
+    check_peer();
+    const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    if (!s_->was_connected && waited > connect_s)
+      throw Error(Exit::kPeerLost, "peer_lost", fmt::format("nobody connected within {} s", connect_s));
+  }
+}
+
+}  // namespace sunder::link

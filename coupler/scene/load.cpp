@@ -1,0 +1,125 @@
+#include "coupler/scene/load.h"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <sstream>
+
+#include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/text_format.h>
+
+#include "coupler/core/hash.h"
+
+namespace sunder::scene {
+namespace pb = google::protobuf;
+
+struct LoadedScene::Places {
+  pb::TextFormat::ParseInfoTree tree;
+};
+LoadedScene::LoadedScene() : places_(std::make_unique<Places>()) {}
+LoadedScene::~LoadedScene() = default;
+LoadedScene::LoadedScene(LoadedScene&&) noexcept = default;
+
+namespace {
+
+constexpr std::size_t kMaxSceneBytes = 64u << 20;
+
+std::size_t edit_distance(const std::string& a, const std::string& b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t above = row[j];
+      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
+      diagonal = above;
+    }
+  }
+  return row.back();
+}
+
+// 'Message type "sunder.proto.Shell" has no field named "thicknes_m".' -> the nearest one that it has
+std::string remedy(const std::string& message) {
+  const auto quoted = [&](std::size_t from) {
+    const std::size_t a = message.find('"', from), b = message.find('"', a + 1);
+    return a == std::string::npos || b == std::string::npos ? std::string() : message.substr(a + 1, b - a - 1);
+  };
+  if (message.find("has no field named") == std::string::npos) return "see proto/scene.proto for fields and types";
+  const auto* type = pb::DescriptorPool::generated_pool()->FindMessageTypeByName(quoted(0));
+  const std::string name = quoted(message.find("named"));
+  std::string best, all;
+  for (int i = 0; type && i < type->field_count(); ++i) {
+    const std::string candidate = type->field(i)->name();
+    all += (i ? ", " : "") + candidate;
+    if (best.empty() || edit_distance(name, candidate) < edit_distance(name, best)) best = candidate;
+  }
+  return "did you mean '" + best + "'? It has: " + all;
+}
+
+struct Collector : pb::io::ErrorCollector {
+  const std::string& path;
+  explicit Collector(const std::string& path) : path(path) {}
+  void AddError(int line, pb::io::ColumnNumber column, const std::string& message) override {
+    Error e(Exit::kBadInput, "bad_scene",
+            fmt::format("{}:{}:{}: {} {}", path, line + 1, column + 1, message, remedy(message)));
+    e.file = path, e.line = line + 1, e.column = column + 1;
+    const std::size_t at = message.find("named \"");
+    if (at != std::string::npos) e.field = message.substr(at + 7, message.rfind('"') - at - 7);
+    throw e;  // the first error is the one to mend
+  }
+};
+
+}  // namespace
+
+void LoadedScene::fail(const std::string& field, const std::string& problem) const {
+  // walk the field as far as the file has it
+  const pb::TextFormat::ParseInfoTree* tree = &places_->tree;
+  const pb::Descriptor* type = proto::Scene::descriptor();
+  pb::TextFormat::ParseLocation place(-1, -1);
+  std::istringstream steps(field);
+  for (std::string step; tree && type && std::getline(steps, step, '.');) {
+    int index = -1;
+    if (const auto bracket = step.find('['); bracket != std::string::npos) {
+      index = std::atoi(step.c_str() + bracket + 1);
+      step.resize(bracket);
+    }
+    const auto* f = type->FindFieldByName(step);
+    if (!f) break;
+    const auto here = tree->GetLocation(f, f->is_repeated() ? std::max(index, 0) : -1);
+    if (here.line >= 0) place = here;
+    type = f->message_type();
+    tree = type ? tree->GetTreeForNested(f, f->is_repeated() ? std::max(index, 0) : -1) : nullptr;
+  }
+  Error e(Exit::kBadInput, "bad_scene",
+          place.line >= 0 ? fmt::format("{}:{}:{}: {}: {}", path, place.line + 1, place.column + 1, field, problem)
+                          : fmt::format("{}: {}: {}", path, field, problem));
+  e.file = path, e.field = field, e.line = place.line + 1, e.column = place.column + 1;
+  throw e;
+}
+
+LoadedScene load(const std::string& path, const std::vector<std::string>& settings) {
+  LoadedScene scene;
+  scene.path = path;
+  std::ifstream in(path, std::ios::binary);
+  require(in.good(), "{}: cannot be read; is the path right?", path);
+  std::stringstream text;
+  text << in.rdbuf();
+  require(text.str().size() <= kMaxSceneBytes, "{}: {} bytes; a scene has at most {}", path, text.str().size(),
+          kMaxSceneBytes);
+  Collector collector(path);
+  pb::TextFormat::Parser parser;
+  parser.RecordErrorsTo(&collector);
+  parser.WriteLocationsTo(&scene.places_->tree);
+  require(parser.ParseFromString(text.str(), &scene.message), "{}: is no scene", path);
+  for (const std::string& setting : settings) apply_setting(scene.message, setting);
+  std::string canonical;
+  pb::TextFormat::PrintToString(scene.message, &canonical);
+  Sha256 hash;
+  hash.add(canonical);
+  scene.hash = hash.hex();
+  validate(scene);
+  return scene;
+}
+
+}  // namespace sunder::scene

@@ -1,0 +1,57 @@
+#pragma once
+// Reads a scene file: text -> message, settings applied, everything checked; every error says
+// file:line:column, field, value and remedy.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "coupler/core/error.h"
+#include "coupler/core/vec.h"
+#include "scene.pb.h"
+
+namespace sunder::scene {
+
+class LoadedScene {
+ public:
+  LoadedScene();
+  ~LoadedScene();
+  LoadedScene(LoadedScene&&) noexcept;
+
+  proto::Scene message;
+  std::string path;
+  std::string hash;  // SHA-256 of the message as text, settings included
+
+  /// Throws Error (bad_scene) at the place of `field` ("shells[0].plate.size_x_m"), or at the nearest
+  /// enclosing one that the file has.
+  [[noreturn]] void fail(const std::string& field, const std::string& problem) const;
+  template <class... Args>
+  void check(bool good, const std::string& field, fmt::format_string<Args...> format, Args&&... args) const {
+    if (!good) fail(field, fmt::format(format, std::forward<Args>(args)...));
+  }
+
+ private:
+  friend LoadedScene load(const std::string&, const std::vector<std::string>&);
+  struct Places;
+  std::unique_ptr<Places> places_;
+};
+
+/// `settings`: name.path=value, as in bodies[ball].twist.linear.z=-20.
+LoadedScene load(const std::string& path, const std::vector<std::string>& settings);
+
+/// Applies one setting; throws Error (bad_setting) with what there is instead.
+void apply_setting(proto::Scene& scene, const std::string& setting);
+
+/// What needs no geometry: numbers, names, references, counts, paths.
+void validate(const LoadedScene& scene);
+
+/// Corners of an OFF or OBJ file below the scene's folder [m].
+std::vector<Vec3> read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh);
+
+inline Vec3 to_vec(const proto::Vec3& v) { return {v.x(), v.y(), v.z()}; }
+inline Quat to_quat(const proto::Pose& p) {
+  if (!p.has_orientation()) return Quat::Identity();
+  const auto& q = p.orientation();
+  return Quat(q.w(), q.x(), q.y(), q.z()).normalized();
+}
+
+}  // namespace sunder::scene

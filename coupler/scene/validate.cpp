@@ -1,0 +1,173 @@
+#include <cmath>
+#include <set>
+
+#include "coupler/scene/load.h"
+
+namespace sunder::scene {
+namespace {
+
+constexpr int kMaxElements = 4096;         // along one side of a patch
+constexpr double kMaxControlPoints = 4e6;  // of a scene
+
+using Scene = LoadedScene;
+
+void positive(const Scene& s, const std::string& field, bool has, double value, const char* unit) {
+  s.check(has, field, "is missing; give a positive number [{}]", unit);
+  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [{}]", value, unit);
+}
+void not_negative(const Scene& s, const std::string& field, bool has, double value) {
+  s.check(!has || (std::isfinite(value) && value >= 0.0), field, "is {}; must be finite and not negative", value);
+}
+void finite(const Scene& s, const std::string& field, const proto::Vec3& v) {
+  s.check(std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()), field,
+          "is ({}, {}, {}); must be finite", v.x(), v.y(), v.z());
+}
+void pose(const Scene& s, const std::string& field, const proto::Pose& p) {
+  finite(s, field + ".position", p.position());
+  if (!p.has_orientation()) return;
+  const auto& q = p.orientation();
+  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  s.check(std::abs(norm - 1.0) < 1e-6, field + ".orientation",
+          "has length {}; a rotation is a quaternion w x y z of length 1", norm);
+}
+
+void material(const Scene& s, const std::string& f, const proto::Material& m) {
+  positive(s, f + ".density", m.has_density(), m.density(), "kg/m^3");
+  if (m.has_youngs_modulus()) positive(s, f + ".youngs_modulus", true, m.youngs_modulus(), "Pa");
+  s.check(!m.has_poisson_ratio() || (m.poisson_ratio() > -1.0 && m.poisson_ratio() < 0.5), f + ".poisson_ratio",
+          "is {}; must lie between -1 and 0.5", m.poisson_ratio());
+  if (m.has_strength()) {
+    positive(s, f + ".strength", true, m.strength(), "Pa");
+    s.check(m.has_fracture_energy(), f + ".fracture_energy", "is missing; a material with a strength needs it [J/m^2]");
+  }
+  if (m.has_fracture_energy()) positive(s, f + ".fracture_energy", true, m.fracture_energy(), "J/m^2");
+  if (m.has_weibull_modulus()) positive(s, f + ".weibull_modulus", true, m.weibull_modulus(), "-");
+  if (m.has_flaw_spacing_m()) positive(s, f + ".flaw_spacing_m", true, m.flaw_spacing_m(), "m");
+  not_negative(s, f + ".mass_damping_per_s", m.has_mass_damping_per_s(), m.mass_damping_per_s());
+}
+
+void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {
+  s.check(materials.count(shell.material()), f + ".material", "'{}' is no material of this scene", shell.material());
+  for (const auto& m : s.message.materials())
+    if (m.name() == shell.material())
+      s.check(m.has_youngs_modulus() && m.has_poisson_ratio(), f + ".material",
+              "'{}' has no youngs_modulus or poisson_ratio; a shell needs both", m.name());
+  positive(s, f + ".thickness_m", shell.has_thickness_m(), shell.thickness_m(), "m");
+  s.check(!shell.has_layers() || (shell.layers() >= 1 && shell.layers() <= 16), f + ".layers", "is {}; 1 to 16",
+          shell.layers());
+  s.check(!shell.has_gauss_points() || shell.gauss_points() == 2 || shell.gauss_points() == 3, f + ".gauss_points",
+          "is {}; 2 or 3", shell.gauss_points());
+  s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f, "has no patch; give plate {{...}} or nurbs {{...}}");
+  if (shell.has_plate()) {
+    const auto& p = shell.plate();
+    positive(s, f + ".plate.size_x_m", p.has_size_x_m(), p.size_x_m(), "m");
+    positive(s, f + ".plate.size_y_m", p.has_size_y_m(), p.size_y_m(), "m");
+    for (const auto& [name, n] : {std::pair{"elements_x", p.elements_x()}, std::pair{"elements_y", p.elements_y()}})
+      s.check(n >= 1 && n <= kMaxElements, f + ".plate." + name, "is {}; 1 to {} elements along a side", n,
+              kMaxElements);
+    s.check(double(p.elements_x()) * p.elements_y() <= kMaxControlPoints, f + ".plate",
+            "has {} elements; at most {} in all", double(p.elements_x()) * p.elements_y(), kMaxControlPoints);
+    pose(s, f + ".plate.pose", p.pose());
+  }
+  for (int i = 0; i < shell.supports_size(); ++i) {
+    const std::string g = fmt::format("{}.supports[{}]", f, i);
+    s.check(shell.supports(i).edges_size() > 0, g + ".edges", "is empty; name ALL, U_MIN, U_MAX, V_MIN or V_MAX");
+    s.check(shell.supports(i).kind() != proto::Support::KIND_UNSPECIFIED, g + ".kind",
+            "is missing; CLAMPED or SIMPLY_SUPPORTED");
+    for (const int edge : shell.supports(i).edges())
+      s.check(edge >= proto::Support::ALL && edge <= proto::Support::V_MAX, g + ".edges",
+              "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
+  }
+  for (int i = 0; i < shell.cuts_size(); ++i) {
+    const std::string g = fmt::format("{}.cuts[{}]", f, i);
+    s.check(shell.cuts(i).points_size() >= 2, g + ".points", "has {} points; a cut has at least two",
+            shell.cuts(i).points_size());
+    not_negative(s, g + ".time_s", true, shell.cuts(i).time_s());
+    for (const auto& p : shell.cuts(i).points())
+      s.check(std::isfinite(p.u()) && std::isfinite(p.v()), g + ".points", "has a point that is not finite");
+  }
+  finite(s, f + ".velocity", shell.velocity());
+}
+
+void body(const Scene& s, const std::string& f, const proto::Body& b, const std::set<std::string>& materials,
+          const std::set<std::string>& names) {
+  const bool fixed = b.is_static() || b.has_half_space();
+  s.check(fixed || materials.count(b.material()), f + ".material",
+          "'{}' is no material of this scene; a moving body needs one for its density", b.material());
+  s.check(b.shape_case() != proto::Body::SHAPE_NOT_SET, f, "has no shape; give sphere, box, half_space or mesh");
+  if (b.has_sphere()) positive(s, f + ".sphere.radius_m", b.sphere().has_radius_m(), b.sphere().radius_m(), "m");
+  if (b.has_box())
+    for (const double edge : {b.box().size_m().x(), b.box().size_m().y(), b.box().size_m().z()})
+      positive(s, f + ".box.size_m", b.box().has_size_m(), edge, "m");
+  if (b.has_mesh()) read_mesh(s, f + ".mesh", b.mesh());
+  pose(s, f + ".pose", b.pose());
+  finite(s, f + ".twist.linear", b.twist().linear());
+  finite(s, f + ".twist.angular", b.twist().angular());
+  if (!b.has_launch()) return;
+  s.check(!fixed, f + ".launch", "a static body cannot be launched");
+  positive(s, f + ".launch.speed", b.launch().has_speed(), b.launch().speed(), "m/s");
+  s.check(std::isfinite(b.launch().angle_deg()) && std::abs(b.launch().angle_deg()) < 90.0, f + ".launch.angle_deg",
+          "is {}; less than 90 degrees off the normal", b.launch().angle_deg());
+  s.check(std::isfinite(b.launch().azimuth_deg()), f + ".launch.azimuth_deg", "must be finite");
+  s.check(names.count(b.launch().target()) && b.launch().target() != b.name(), f + ".launch.target",
+          "'{}' is no other shell or body of this scene", b.launch().target());
+}
+
+}  // namespace
+
+void validate(const LoadedScene& s) {
+  const proto::Scene& m = s.message;
+  positive(s, "end_time_s", m.has_end_time_s(), m.end_time_s(), "s");
+  positive(s, "window_s", m.has_window_s(), m.window_s(), "s");
+  if (m.has_settle_window_s()) {
+    positive(s, "settle_window_s", true, m.settle_window_s(), "s");
+    const double ratio = m.settle_window_s() / m.window_s();
+    s.check(ratio >= 1.0 - 1e-9 && ratio < 1e6 && std::abs(ratio - std::round(ratio)) < 1e-6 * ratio, "settle_window_s",
+            "is {} times window_s; must be a whole multiple", ratio);
+  }
+  s.check(m.end_time_s() / m.window_s() < 1e9, "window_s", "is {}: {:.3g} windows until end_time_s; at most 1e9",
+          m.window_s(), m.end_time_s() / m.window_s());
+  s.check(!m.has_time_step_safety() || (m.time_step_safety() > 0.0 && m.time_step_safety() <= 1.0), "time_step_safety",
+          "is {}; a share of the stable step, above 0 and at most 1", m.time_step_safety());
+  finite(s, "gravity", m.gravity());
+  std::set<std::string> names, materials;
+  const auto name = [&](const std::string& field, const std::string& n, std::set<std::string>& set) {
+    s.check(!n.empty() && n.size() < 200 &&
+                n.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos,
+            field + ".name", "'{}' is no snake_case name", n);
+    s.check(set.insert(n).second, field + ".name", "'{}' is used twice; names are unique", n);
+  };
+  for (int i = 0; i < m.materials_size(); ++i) {
+    name(fmt::format("materials[{}]", i), m.materials(i).name(), materials);
+    material(s, fmt::format("materials[{}]", i), m.materials(i));
+  }
+  for (int i = 0; i < m.shells_size(); ++i) name(fmt::format("shells[{}]", i), m.shells(i).name(), names);
+  for (int i = 0; i < m.bodies_size(); ++i) name(fmt::format("bodies[{}]", i), m.bodies(i).name(), names);
+  for (int i = 0; i < m.shells_size(); ++i) shell(s, fmt::format("shells[{}]", i), m.shells(i), materials);
+  for (int i = 0; i < m.bodies_size(); ++i) body(s, fmt::format("bodies[{}]", i), m.bodies(i), materials, names);
+  s.check(m.shells_size() <= 1, "shells", "{} shells; one for now: contact between shells is not there yet",
+          m.shells_size());
+  for (int i = 0; i < m.contacts_size(); ++i) {
+    const auto& c = m.contacts(i);
+    const std::string f = fmt::format("contacts[{}]", i);
+    s.check(c.first().empty() == c.second().empty(), f, "names one side only; name both, or none for the default");
+    s.check(c.first().empty() || names.count(c.first()), f + ".first", "'{}' is no shell or body of this scene",
+            c.first());
+    s.check(c.second().empty() || names.count(c.second()), f + ".second", "'{}' is no shell or body of this scene",
+            c.second());
+    not_negative(s, f + ".friction", c.has_friction(), c.friction());
+    s.check(!c.has_restitution() || (c.restitution() >= 0.0 && c.restitution() <= 1.0), f + ".restitution",
+            "is {}; 0 to 1", c.restitution());
+  }
+  const auto& r = m.fracture();
+  if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
+  if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
+  if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
+  if (r.has_interlock_strength()) positive(s, "fracture.interlock_strength", true, r.interlock_strength(), "Pa");
+  if (m.output().has_frame_interval_s())
+    positive(s, "output.frame_interval_s", true, m.output().frame_interval_s(), "s");
+  if (m.output().has_shell_frame_interval_s())
+    positive(s, "output.shell_frame_interval_s", true, m.output().shell_frame_interval_s(), "s");
+}
+
+}  // namespace sunder::scene

@@ -1,0 +1,162 @@
+"""Arguments of `sunder`, and what each command does."""
+from __future__ import annotations
+
+import argparse
+import difflib
+import os
+import signal
+import subprocess
+import sys
+from pathlib import Path
+from types import FrameType
+from typing import NoReturn
+
+from .build import BUILD_DIR_VARIABLE, build_dir, ensure_built
+from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
+
+COMMANDS = ("run", "check", "test")
+EPILOG = f"""\
+exit status:
+  0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
+  3 one of the two processes was lost, 4 physics or ledger, 130 interrupted
+
+environment:
+  {BUILD_DIR_VARIABLE}  use the executables of this build folder (shell/sunder-shell,
+                    rigid/sunder-rigid); nothing is installed or built then
+"""
+
+
+def _setting(text: str) -> str:
+    path, equals, _ = text.partition("=")
+    if not equals or not path:
+        raise argparse.ArgumentTypeError(f"'{text}' is not PATH=VALUE, e.g. bodies[ball].twist.linear.z=-20")
+    return text
+
+
+def _positive_seconds(text: str) -> str:
+    try:
+        good = 0.0 < float(text) < float("inf")
+    except ValueError:
+        good = False
+    if not good:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a positive number of seconds")
+    return text
+
+
+def _threads(text: str) -> str:
+    if not text.isascii() or not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
+    return text
+
+
+class _Parser(argparse.ArgumentParser):
+    """Like argparse, but an unknown command gets a suggestion."""
+
+    def error(self, message: str) -> NoReturn:
+        raise CommandError(f"{message}; see '{self.prog} --help'", BAD_INPUT)
+
+
+def make_parser() -> argparse.ArgumentParser:
+    """The parser of the whole command line."""
+    raw = argparse.RawDescriptionHelpFormatter
+    parser = _Parser(prog="sunder", formatter_class=raw, epilog=EPILOG, allow_abbrev=False,
+                     description="Tears and shatters thin shells; the pieces fall in a rigid-body engine.\n"
+                                 "Installs and builds what is missing by itself.")
+    commands = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=_Parser)
+
+    run = commands.add_parser(
+        "run", formatter_class=raw, allow_abbrev=False, help="run a scene and draw its pictures",
+        description="Checks the scene, runs it in two processes, draws contact_sheet.png.\n"
+                    "Ctrl-C ends the run after the current window, with the pictures so far.",
+        epilog="example:\n  sunder run scenes/glass.textproto --set 'bodies[ball].twist.linear.z=-10'\n\n" + EPILOG)
+    check = commands.add_parser(
+        "check", formatter_class=raw, allow_abbrev=False, help="check a scene and say what it will cost",
+        description="Reports errors with line, field and remedy; else sizes, stable step, minutes, memory.",
+        epilog=EPILOG)
+    for command in (run, check):
+        command.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)")
+        command.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[],
+                             type=_setting, help="change a field, e.g. shells[pane].thickness_m=0.003; repeatable")
+    run.add_argument("--out", metavar="DIR", type=Path,
+                     help="run folder; an earlier run there is replaced (default: runs/<scene>-<date>-<time>)")
+    run.add_argument("--rigid", metavar="ENGINE", default="bullet",
+                     help="rigid-body engine, or the path of a program that serves one (default: bullet)")
+    run.add_argument("--until", metavar="SECONDS", type=_positive_seconds,
+                     help="end at this simulated time instead of the scene's end_time_s")
+    run.add_argument("--threads", metavar="N", type=_threads, help="threads of the shell solver (default: all)")
+    run.add_argument("--quiet", action="store_true", help="no progress and no summary, errors only")
+
+    test = commands.add_parser(
+        "test", formatter_class=raw, help="build everything and run the tests", usage="sunder test [CTEST_ARGUMENT ...]",
+        description="What follows goes to ctest, e.g. sunder test -R vtp", epilog=EPILOG, add_help=False)
+    test.add_argument("ctest", nargs=argparse.REMAINDER)
+    return parser
+
+
+def _suggestion(command: str) -> str:
+    near = difflib.get_close_matches(command, COMMANDS, n=1, cutoff=0.5)
+    hint = f"did you mean '{near[0]}'?" if near else f"the commands are {', '.join(COMMANDS)}"
+    return f"unknown command '{command}'; {hint} See 'sunder --help'"
+
+
+def _check(scene: Path, settings: list[str]) -> int:
+    executables = ensure_built()
+    command = [str(executables.shell), "--scene", str(scene), "--check"]
+    status = subprocess.run(command + [part for s in settings for part in ("--set", s)], check=False).returncode
+    if status < 0:
+        raise CommandError(f"sunder-shell {how_it_ended(status)} while checking {scene}", PEER_LOST)
+    return status
+
+
+def _test(arguments: list[str]) -> int:
+    ensure_built(all_targets=True)
+    command = ["ctest", "--test-dir", str(build_dir()), "--output-on-failure", "-j2", *arguments]
+    environment = {key: value for key, value in os.environ.items() if key != BUILD_DIR_VARIABLE}
+    environment["PATH"] = "/usr/bin:/bin:" + environment.get("PATH", "")
+    status = subprocess.run(command, check=False, env=environment).returncode
+    return DONE if status == 0 else CHECK_FAILED
+
+
+def _dispatch(arguments: list[str]) -> int:
+    parser = make_parser()
+    if not arguments:
+        parser.print_help(sys.stderr)
+        return BAD_INPUT
+    if not arguments[0].startswith("-") and arguments[0] not in COMMANDS:
+        raise CommandError(_suggestion(arguments[0]), BAD_INPUT)
+    if arguments[0] == "test":  # by hand: argparse would take ctest's options for its own
+        if arguments[1:2] in (["--help"], ["-h"]):
+            parser._subparsers._group_actions[0].choices["test"].print_help()  # type: ignore[union-attr]
+            return DONE
+        return _test(arguments[1:])
+    options = parser.parse_args(arguments)
+    if not options.scene.is_file():
+        raise CommandError(f"{options.scene}: no such scene file", BAD_INPUT)
+    if options.command == "check":
+        return _check(options.scene, options.settings)
+    from .run import run_scene  # here: `--help` and `check` do without it
+    return run_scene(options.scene, options.out, options.rigid, options.settings, options.until,
+                     options.threads, options.quiet)
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    del number, frame
+    raise Interrupted
+
+
+def main(arguments: list[str]) -> int:
+    """Runs the command line `arguments` (without the program's name); returns the exit status."""
+    for number in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
+        if number != signal.SIGHUP or signal.getsignal(number) != signal.SIG_IGN:  # nohup stays nohup
+            signal.signal(number, _interrupt)
+    try:
+        return _dispatch(arguments)
+    except CommandError as error:
+        print(f"sunder: {error}", file=sys.stderr)
+        return error.status
+    except (Interrupted, KeyboardInterrupt):
+        print("sunder: interrupted", file=sys.stderr)
+        return INTERRUPTED
+    except BrokenPipeError:  # e.g. `sunder --help | head -1`
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return DONE

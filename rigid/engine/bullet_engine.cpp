@@ -1,0 +1,237 @@
+#include "rigid/engine/bullet_engine.h"
+
+#include <cmath>
+#include <map>
+
+#include "coupler/core/error.h"
+#include "rigid/engine/bullet_shapes.h"
+#include "rigid/engine/bullet_world.h"
+
+namespace sunder::rigid {
+namespace {
+
+/// Turn per window above which the average angular velocity is not trusted (its logarithm is
+/// ambiguous from pi on); the handback's own is solved on instead.
+constexpr double kFastTurn = 0.7;        // [rad]
+constexpr double kUnitTolerance = 1e-6;  // of |q| [-]
+
+btVector3 plain(const Vec3& v) { return btVector3(v.x(), v.y(), v.z()); }
+Vec3 plain(const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); }
+
+btTransform bullet_pose(const BodyMotion& m) {
+  const Quat& q = m.orientation;
+  return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), plain(kLengthScale * m.position));
+}
+
+bool finite(const BodyMotion& m) {
+  return m.position.allFinite() && m.orientation.coeffs().allFinite() && m.velocity.allFinite() &&
+         m.angular_momentum.allFinite();
+}
+
+/// Orientation after a free flight of h seconds that starts with the angular velocity w [rad/s].
+Quat free_turn(const RigidBody& body, const Vec3& w, double h) {
+  const Quat& start = body.motion.orientation;
+  const Vec3 momentum = body.apply_inertia(w);
+  const auto spin_at = [&](const Quat& q) -> Vec3 {
+    return q * (q.conjugate() * momentum).cwiseQuotient(body.principal_inertia);
+  };
+  const Quat middle = (rotation_from_vector(0.5 * h * w) * start).normalized();
+  return (rotation_from_vector(h * spin_at(middle)) * start).normalized();
+}
+
+struct Held {
+  RigidBody body;  // the master: what Bullet holds is a rounded copy
+  BulletShape shape;
+  std::unique_ptr<btRigidBody> rigid;  // null until the first window
+};
+
+/// A body on its way through a window. Velocities are those that the solver is given [Bullet units].
+struct Transit {
+  Held* held;
+  const BodyMotion* handback;
+  bool fast = false, touched = false;
+  Vec3 spin = Vec3::Zero();  // [rad/s]
+  btVector3 linear{0, 0, 0}, angular{0, 0, 0};
+  btTransform pose = btTransform::getIdentity();
+};
+
+void check_body(const RigidBody& body) {
+  const BodyMotion& m = body.motion;
+  if (!finite(m)) reject_body(body, "motion", "holds a number that is not finite");
+  const double length = m.orientation.norm();
+  if (std::abs(length - 1.0) > kUnitTolerance)
+    reject_body(body, "motion.orientation", fmt::format("has length {}, must be 1; normalize it", length));
+  if (body.is_static) return;
+  if (!std::isfinite(body.mass) || !(body.mass > 0.0))
+    reject_body(body, "mass", fmt::format("is {} kg, must be positive and finite; or make the body static", body.mass));
+  const Vec3& inertia = body.principal_inertia;
+  if (!inertia.allFinite() || !(inertia.minCoeff() > 0.0))
+    reject_body(body, "principal_inertia",
+                fmt::format("is ({}, {}, {}) kg m^2, must be positive and finite; or make the body static", inertia.x(),
+                            inertia.y(), inertia.z()));
+}
+
+[[noreturn]] void reject_handback(BodyId id, const std::string& what) {
+  Error error(Exit::kBadInput, "bad_handback", fmt::format("handback of body {}: {}", id, what));
+  error.body = std::to_string(id);
+  throw error;
+}
+
+}  // namespace
+
+struct BulletEngine::Impl {
+  std::map<BodyId, Held> bodies;  // before the world: it refers to them to its end
+  BulletWorld world;
+
+  void insert_new_bodies();
+  std::vector<Transit> match(const std::vector<Handback>& handbacks);
+};
+
+/// In id order whatever the order of add().
+void BulletEngine::Impl::insert_new_bodies() {
+  for (auto& [id, held] : bodies) {
+    if (held.rigid) continue;
+    const RigidBody& body = held.body;
+    const double mass = body.is_static ? 0.0 : kMassScale * body.mass;
+    const Vec3 inertia = body.is_static ? Vec3(Vec3::Zero()) : body.principal_inertia;
+    btRigidBody::btRigidBodyConstructionInfo construction(
+        mass, nullptr, held.shape.get(), plain(Vec3(kMassScale * kLengthScale * kLengthScale * inertia)));
+    construction.m_startWorldTransform = bullet_pose(body.motion);
+    held.rigid = std::make_unique<btRigidBody>(construction);
+    world.add(*held.rigid, body.contact_group);
+  }
+}
+
+std::vector<Transit> BulletEngine::Impl::match(const std::vector<Handback>& handbacks) {
+  std::vector<Transit> transits;
+  auto next = handbacks.begin();
+  for (auto& [id, held] : bodies) {
+    if (held.body.is_static) continue;
+    if (next == handbacks.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
+    if (next->id < id) break;
+    if (!finite(next->motion)) reject_handback(id, "holds a number that is not finite");
+    const double length = next->motion.orientation.norm();
+    if (std::abs(length - 1.0) > kUnitTolerance)
+      reject_handback(id, fmt::format("orientation has length {}, must be 1", length));
+    transits.push_back({.held = &held, .handback = &next->motion});
+    ++next;
+  }
+  if (next != handbacks.end())
+    reject_handback(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  return transits;
+}
+
+BulletEngine::BulletEngine() : impl_(std::make_unique<Impl>()) {}
+BulletEngine::~BulletEngine() = default;
+
+EngineInfo BulletEngine::info() const {
+  const int version = btGetVersion();
+  return {"bullet",
+          fmt::format("{}.{}", version / 100, version % 100),
+          {"convex_hulls", "compound", "double_precision", "deterministic"}};
+}
+
+void BulletEngine::add(const RigidBody& body) {
+  if (body.id == 0) reject_body(body, "id", "is 0, which is never used; count from 1");
+  if (impl_->bodies.count(body.id)) reject_body(body, "id", "is held already; ids are for the whole run");
+  check_body(body);
+  impl_->bodies.emplace(body.id, Held{body, make_bullet_shape(body), nullptr});
+}
+
+void BulletEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
+  for (const ContactLaw& law : laws) {
+    if (!(law.friction >= 0.0) || !std::isfinite(law.friction) || !(law.restitution >= 0.0 && law.restitution <= 1.0))
+      throw Error(Exit::kBadInput, "bad_contact_law",
+                  fmt::format("contact groups {} and {}: friction {} must be at least 0, restitution {} in 0..1",
+                              law.first_group, law.second_group, law.friction, law.restitution));
+  }
+  impl_->world.set_contact_laws(laws);
+}
+
+void BulletEngine::advance(double window_s, const std::vector<Handback>& handbacks) {
+  if (!(window_s > 0.0) || !std::isfinite(window_s))
+    throw Error(Exit::kBadInput, "bad_handback", fmt::format("window_s is {} s, must be positive", window_s));
+  std::vector<Transit> transits = impl_->match(handbacks);
+  impl_->insert_new_bodies();
+
+  for (Transit& t : transits) {
+    const BodyMotion &start = t.held->body.motion, &end = *t.handback;
+    RigidBody& body = t.held->body;
+    const Quat turn = end.orientation * start.orientation.conjugate();
+    t.spin = rotation_vector(turn) / window_s;
+    const Vec3 end_spin =
+        end.orientation * (end.orientation.conjugate() * end.angular_momentum).cwiseQuotient(body.principal_inertia);
+    t.fast = end_spin.norm() * window_s > kFastTurn || t.spin.norm() * window_s > kFastTurn;
+    if (t.fast) t.spin = end_spin;
+    t.linear = plain(Vec3(kLengthScale / window_s * (end.position - start.position)));
+    t.angular = plain(t.spin);
+    t.held->rigid->setLinearVelocity(t.linear);
+    t.held->rigid->setAngularVelocity(t.angular);
+    t.pose = t.held->rigid->getWorldTransform();
+  }
+
+  bool any_touched = false;
+  if (impl_->world.detect(window_s)) {
+    impl_->world.solve(window_s);
+    for (Transit& t : transits) {
+      const btRigidBody& rigid = *t.held->rigid;
+      t.touched = !(rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular &&
+                    rigid.getWorldTransform() == t.pose);
+      any_touched = any_touched || t.touched;
+    }
+  }
+
+  for (Transit& t : transits) {
+    btRigidBody& rigid = *t.held->rigid;
+    BodyMotion master = *t.handback;  // to the bit where nothing touched it
+    if (t.touched) {
+      const Vec3 dv = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
+      const Vec3 dw = plain(rigid.getAngularVelocity() - t.angular);
+      const btTransform& pushed = rigid.getWorldTransform();
+      const Vec3 push = plain(pushed.getOrigin() - t.pose.getOrigin()) / kLengthScale;
+      btQuaternion push_turn;
+      (pushed.getBasis() * t.pose.getBasis().transpose()).getRotation(push_turn);
+      master.position += window_s * dv + push;
+      // The handback pose, turned by the difference between two free flights from the start: with and
+      // without the change of spin. exp(H (w + dw)) alone holds w fixed, and a thin shard that an impact
+      // sets spinning then gains energy of order (|w| H)^2. Bounded however fast the body turns.
+      const Quat without = free_turn(t.held->body, t.spin, window_s),
+                 with = free_turn(t.held->body, t.spin + dw, window_s);
+      const Quat turned = with * without.conjugate() * t.handback->orientation;
+      master.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
+      master.velocity += dv;
+      master.angular_momentum += t.held->body.apply_inertia(dw);  // at the start, as the solver had it
+    }
+    t.held->body.motion = master;
+    rigid.setCenterOfMassTransform(bullet_pose(master));
+  }
+  if (!any_touched) return;
+
+  for (Transit& t : transits) {
+    btRigidBody& rigid = *t.held->rigid;
+    t.linear = plain(Vec3(kLengthScale * t.held->body.motion.velocity));
+    t.angular = plain(t.held->body.angular_velocity());
+    rigid.setLinearVelocity(t.linear);
+    rigid.setAngularVelocity(t.angular);
+  }
+  impl_->world.relax(window_s);
+  for (Transit& t : transits) {
+    const btRigidBody& rigid = *t.held->rigid;
+    if (rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular) continue;
+    RigidBody& body = t.held->body;
+    body.motion.velocity += plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
+    body.motion.angular_momentum += body.apply_inertia(plain(rigid.getAngularVelocity() - t.angular));
+  }
+}
+
+std::vector<EngineState> BulletEngine::states() const {
+  std::vector<EngineState> result;
+  for (const auto& [id, held] : impl_->bodies) {
+    if (held.body.is_static) continue;
+    const double mass = held.rigid ? held.rigid->getMass() / kMassScale : held.body.mass;
+    result.push_back({id, mass, held.body.motion});
+  }
+  return result;
+}
+
+}  // namespace sunder::rigid

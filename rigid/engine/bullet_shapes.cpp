@@ -1,0 +1,157 @@
+#include "rigid/engine/bullet_shapes.h"
+
+#include <LinearMath/btConvexHullComputer.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/core/error.h"
+
+namespace sunder::rigid {
+namespace {
+
+/// Share of the distance from the middle to the nearest face that shrinking may take: a sliver
+/// thinner than two margins keeps a core, and its margin is what was taken, so its size is kept.
+constexpr double kShrinkClamp = 0.45;  // [-]
+/// Shrinking and rounding cuts sharp corners by margin * (1/sin(half angle) - 1); where that is more
+/// than this, the margin is halved.
+constexpr double kMaxCornerLoss_m = 0.7e-3;
+/// Below it the hull is used as it is: GJK works in double on a margin of 1 um.
+constexpr double kLeastMargin_m = 1e-6;
+/// Share of (bounding diagonal)^3 below which a part is flat.
+constexpr double kFlatShare = 1e-12;  // [-]
+
+btVector3 scaled(const Vec3& p) { return btVector3(kLengthScale * p.x(), kLengthScale * p.y(), kLengthScale * p.z()); }
+
+/// Volume of the hull [Bullet units], by tetrahedra over fans of its faces.
+double hull_volume(const btConvexHullComputer& hull) {
+  double six_volumes = 0.0;
+  const btVector3 origin = hull.vertices[0];
+  for (int f = 0; f < hull.faces.size(); ++f) {
+    const auto* first = &hull.edges[hull.faces[f]];
+    const btVector3 a = hull.vertices[first->getSourceVertex()] - origin;
+    for (const auto* e = first->getNextEdgeOfFace(); e->getTargetVertex() != first->getSourceVertex();
+         e = e->getNextEdgeOfFace()) {
+      const btVector3 b = hull.vertices[e->getSourceVertex()] - origin;
+      const btVector3 c = hull.vertices[e->getTargetVertex()] - origin;
+      six_volumes += a.dot(b.cross(c));
+    }
+  }
+  return std::abs(six_volumes) / 6.0;
+}
+
+/// How far the worst corner of the part lies outside the shrunk and rounded hull [Bullet lengths];
+/// an upper bound, since it looks at the shrunk corners only.
+double corner_loss(const btConvexHullComputer& unshrunk, const btConvexHullComputer& shrunk, double margin) {
+  double worst = 0.0;
+  for (int i = 0; i < unshrunk.vertices.size(); ++i) {
+    double nearest = BT_LARGE_FLOAT;
+    for (int k = 0; k < shrunk.vertices.size(); ++k)
+      nearest = std::min(nearest, (shrunk.vertices[k] - unshrunk.vertices[i]).length());
+    worst = std::max(worst, nearest - margin);
+  }
+  return worst;
+}
+
+std::unique_ptr<btCollisionShape> make_hull(const RigidBody& body, const std::vector<Vec3>& part, std::size_t index) {
+  const std::string field = fmt::format("shape.parts[{}]", index);
+  if (part.size() < 4)
+    reject_body(body, field, fmt::format("has {} corners, needs at least 4; leave the part out", part.size()));
+  std::vector<btVector3> corners;
+  Vec3 low = part.front(), high = part.front();
+  for (const Vec3& p : part) {
+    if (!p.allFinite())
+      reject_body(body, field, fmt::format("has a corner ({}, {}, {}) that is not finite", p.x(), p.y(), p.z()));
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+    corners.push_back(scaled(p));
+  }
+  const int count = static_cast<int>(corners.size());
+  const auto compute = [&](btConvexHullComputer& hull, double shrink) {
+    return hull.compute(&corners[0].m_floats[0], sizeof(btVector3), count, shrink, kShrinkClamp);
+  };
+  btConvexHullComputer unshrunk;
+  compute(unshrunk, 0.0);
+  const double diagonal = (high - low).norm();
+  const double volume =
+      unshrunk.vertices.size() < 4 ? 0.0 : hull_volume(unshrunk) / (kLengthScale * kLengthScale * kLengthScale);
+  if (!(volume > kFlatShare * diagonal * diagonal * diagonal))
+    reject_body(body, field, fmt::format("has volume {} m^3, must enclose some; leave flat parts out", volume));
+
+  auto shape = std::make_unique<btConvexHullShape>();
+  // No initializePolyhedralFeatures: on shrunk hulls contact would begin two margins too late.
+  for (double shrink_m = kMargin_m; shrink_m >= kLeastMargin_m; shrink_m *= 0.5) {
+    btConvexHullComputer hull;
+    const double margin = compute(hull, kLengthScale * shrink_m);  // < 0: nothing would remain
+    if (margin <= 0.0 || hull.vertices.size() < 4) continue;
+    if (corner_loss(unshrunk, hull, margin) > kLengthScale * kMaxCornerLoss_m) continue;
+    for (int i = 0; i < hull.vertices.size(); ++i) shape->addPoint(hull.vertices[i], false);
+    shape->recalcLocalAabb();
+    shape->setMargin(margin);
+    return shape;
+  }
+  for (const btVector3& c : corners) shape->addPoint(c, false);
+  shape->recalcLocalAabb();
+  shape->setMargin(kLengthScale * kLeastMargin_m);
+  return shape;
+}
+
+/// Gives the youngest child what it meets half spaces with.
+void touch_planes_by(BulletShape& shape, PlanePoints points) {
+  shape.plane_points.push_back(std::make_unique<PlanePoints>(std::move(points)));
+  shape.children.back()->setUserPointer(shape.plane_points.back().get());
+}
+
+}  // namespace
+
+void reject_body(const RigidBody& body, const std::string& field, const std::string& what) {
+  Error error(Exit::kBadInput, "bad_body", fmt::format("body {} '{}': {} {}", body.id, body.name, field, what));
+  error.field = field;
+  error.body = body.name;
+  throw error;
+}
+
+BulletShape make_bullet_shape(const RigidBody& body) {
+  BulletShape result;
+  if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
+    if (!(sphere->radius > 0.0) || !std::isfinite(sphere->radius))
+      reject_body(body, "shape.radius", fmt::format("is {} m, must be positive and finite", sphere->radius));
+    result.children.push_back(std::make_unique<btSphereShape>(kLengthScale * sphere->radius));
+    touch_planes_by(result, {{btVector3(0, 0, 0)}, kLengthScale * sphere->radius});
+  } else if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
+    const Vec3& h = box->half_size;
+    if (!h.allFinite() || !(h.minCoeff() > 0.0))
+      reject_body(body, "shape.half_size",
+                  fmt::format("is ({}, {}, {}) m, must be positive and finite", h.x(), h.y(), h.z()));
+    auto shape = std::make_unique<btBoxShape>(scaled(h));
+    shape->setMargin(kLengthScale * std::min(kMargin_m, kShrinkClamp * h.minCoeff()));  // keeps the outer size
+    result.children.push_back(std::move(shape));
+    PlanePoints corners;
+    for (int k = 0; k < 8; ++k) {
+      const Vec3 signs(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
+      corners.points.push_back(scaled(signs.cwiseProduct(h)));
+    }
+    touch_planes_by(result, std::move(corners));
+  } else if (std::holds_alternative<HalfSpaceShape>(body.shape)) {
+    if (!body.is_static) reject_body(body, "shape", "is a half space that moves; make it static or use a box");
+    // A plane, not a big box: depth is signed everywhere, so that nothing gets out below.
+    result.children.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0));
+  } else {
+    const auto& parts = std::get<ConvexShape>(body.shape).parts;
+    if (parts.empty()) reject_body(body, "shape.parts", "is empty; give at least one convex part");
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      result.children.push_back(make_hull(body, parts[i], i));
+      PlanePoints corners;
+      for (const Vec3& p : parts[i]) corners.points.push_back(scaled(p));
+      touch_planes_by(result, std::move(corners));
+    }
+    if (parts.size() > 1) {
+      auto compound = std::make_unique<btCompoundShape>();
+      for (const auto& child : result.children) compound->addChildShape(btTransform::getIdentity(), child.get());
+      result.compound = std::move(compound);
+    }
+  }
+  return result;
+}
+
+}  // namespace sunder::rigid

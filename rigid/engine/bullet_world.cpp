@@ -1,0 +1,213 @@
+#include "rigid/engine/bullet_world.h"
+
+#include <algorithm>
+#include <set>
+
+#include "rigid/engine/bullet_shapes.h"
+
+// A global of Bullet without a declaration in its headers.
+extern btScalar gContactBreakingThreshold;
+
+namespace sunder::rigid {
+namespace {
+
+/// Contacts are kept and foreseen up to this gap; less stacks worse, more keeps stale points.
+constexpr double kContactGap_m = 2e-3;
+/// Meeting slower than this is no impact and does not bounce: resting closes with g H per window.
+constexpr double kImpactSpeed_m_s = 0.05;
+constexpr int kIterations = 50;  // stacks of twenty plates stand with 20 to 50
+/// Share of a penetration taken back per window by moving poses, never by velocities.
+constexpr double kPositionShare = 0.2;  // [-]
+/// Bullet leaves out points farther apart than this; how relax() drops a row.
+constexpr double kProcessed = 1e6, kLeftOut = 1e7;  // [Bullet lengths]
+
+std::pair<std::uint64_t, std::uint64_t> ordered(std::uint64_t a, std::uint64_t b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+btDefaultCollisionConstructionInfo pool_sizes() {
+  btDefaultCollisionConstructionInfo info;
+  info.m_customCollisionAlgorithmMaxElementSize = PlaneCreateFunc::algorithm_size();
+  return info;
+}
+
+btVector3 velocity_at(const btCollisionObject& object, const btVector3& world_point) {
+  const btRigidBody* body = btRigidBody::upcast(&object);
+  return body->getVelocityInLocalPoint(world_point - body->getCenterOfMassPosition());
+}
+
+}  // namespace
+
+int BulletWorld::island(const Row& row) {
+  return std::max(row.first->getIslandTag(), row.second->getIslandTag());  // a static body has -1
+}
+
+class BulletWorld::World final : public btDiscreteDynamicsWorld {
+ public:
+  using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
+
+  // No predict: without damping and forces it would only fill the pose for continuous collision.
+  void detect(double h) {
+    getDispatchInfo().m_timeStep = h;
+    getDispatchInfo().m_stepCount = 0;
+    performDiscreteCollisionDetection();
+    calculateSimulationIslands();
+  }
+  void solve(double h) {
+    getSolverInfo().m_timeStep = h;
+    solveConstraints(getSolverInfo());
+  }
+};
+
+void BodyTag::set(btRigidBody& body, int slot, std::uint32_t contact_group) {
+  body.setUserIndex(slot);
+  body.setUserIndex2(static_cast<int>(contact_group));
+}
+
+BulletWorld::BulletWorld() : configuration_(pool_sizes()), dispatcher_(&configuration_) {
+  configuration_.setConvexConvexMultipointIterations(3, 3);  // one point is too few for plate on plate
+  for (int shape : {SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
+    dispatcher_.registerCollisionCreateFunc(shape, STATIC_PLANE_PROXYTYPE, &shape_on_plane_);
+    dispatcher_.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, shape, &plane_under_shape_);
+  }
+  // The further points come from turning a body a little and back: on a sphere they are no contacts, a
+  // ball on a plate sinks in by them and rolls off.
+  for (int shape : {BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
+    dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, shape, &one_point_);
+    dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
+  }
+  gContactBreakingThreshold = kLengthScale * kContactGap_m;  // process-wide; every instance sets the same
+  // Else the gap would be a share of each body's size.
+  dispatcher_.setDispatcherFlags(dispatcher_.getDispatcherFlags() &
+                                 ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
+  world_ = std::make_unique<World>(&dispatcher_, &broadphase_, &solver_, &configuration_);
+  world_->setGravity(btVector3(0, 0, 0));  // the handbacks carry gravity
+  world_->getDispatchInfo().m_useContinuous = false;
+  btContactSolverInfo& info = world_->getSolverInfo();
+  info.m_numIterations = kIterations;
+  info.m_erp2 = kPositionShare;
+  info.m_splitImpulsePenetrationThreshold = 0.0;  // Bullet's -0.04 turns shallow penetration into velocity
+  // Two directions, the first along the slip: one alone leaves the other free.
+  info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
+}
+
+BulletWorld::~BulletWorld() = default;
+
+void BulletWorld::add(btRigidBody& body, std::uint32_t contact_group) {
+  BodyTag::set(body, next_slot_++, contact_group);
+  body.setDamping(0, 0);
+  body.setSleepingThresholds(0, 0);
+  body.setActivationState(DISABLE_DEACTIVATION);
+  body.setFlags(BT_DISABLE_WORLD_GRAVITY);  // and no gyroscopic flag: the handback turned the body already
+  body.setGravity(btVector3(0, 0, 0));
+  body.setCcdMotionThreshold(0);
+  body.setContactProcessingThreshold(kProcessed);
+  world_->addRigidBody(&body);
+}
+
+void BulletWorld::set_contact_laws(const std::vector<ContactLaw>& laws) {
+  laws_.clear();
+  for (const ContactLaw& law : laws) laws_[ordered(law.first_group, law.second_group)] = law;
+}
+
+const ContactLaw& BulletWorld::law(const btCollisionObject& a, const btCollisionObject& b) const {
+  const auto found = laws_.find(ordered(BodyTag::group(a), BodyTag::group(b)));
+  return found == laws_.end() ? other_pairs_ : found->second;
+}
+
+bool BulletWorld::detect(double window_s) {
+  world_->detect(window_s);
+  rows_.clear();
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+    const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+    const ContactLaw& pair_law = law(a, b);
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+      btManifoldPoint& point = manifold.getContactPoint(k);
+      // Set here instead of through Bullet's callbacks, which are process-wide.
+      point.m_combinedFriction = pair_law.friction;
+      point.m_combinedRestitution = 0.0;  // relax() gives it, see there
+      const btVector3 closing =
+          velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
+      rows_.push_back({&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, false});
+    }
+  }
+  update_allowances();
+  return !rows_.empty();
+}
+
+void BulletWorld::update_allowances() {
+  // Depth of each pair that has an allowance or a newborn body.
+  std::map<Pair, double> depths;
+  for (const Row& row : rows_) {
+    const Pair pair = ordered(BodyTag::slot(*row.first), BodyTag::slot(*row.second));
+    if (pair.second < static_cast<std::uint64_t>(first_newborn_slot_) && !allowances_.count(pair)) continue;
+    double& depth = depths[pair];  // 0 where new
+    depth = std::max(depth, -row.point->getDistance());
+  }
+  std::map<Pair, double> next;
+  for (const auto& [pair, depth] : depths) {
+    const auto known = allowances_.find(pair);
+    const double allowance = known == allowances_.end() ? depth : std::min(depth, known->second);
+    if (allowance > 0.0) next[pair] = allowance;  // a pair that has come apart is as any other
+  }
+  allowances_ = std::move(next);
+  first_newborn_slot_ = next_slot_;
+  if (allowances_.empty()) return;
+  for (Row& row : rows_) {
+    const auto found = allowances_.find(ordered(BodyTag::slot(*row.first), BodyTag::slot(*row.second)));
+    if (found == allowances_.end()) continue;
+    row.allowance = found->second;
+    row.point->setDistance(row.point->getDistance() + row.allowance);
+  }
+}
+
+void BulletWorld::solve(double window_s) { world_->solve(window_s); }
+
+void BulletWorld::relax(double window_s) {
+  // Restitution is given here and not in solve(): there a foreseen contact (gap > 0) has to close its
+  // gap in the window, and Bullet would take that closing off the rebound.
+  struct Kept {
+    double impulse, lateral_1, lateral_2;
+  };
+  std::vector<Kept> kept;
+  kept.reserve(rows_.size());
+  for (Row& row : rows_) {
+    btManifoldPoint& point = *row.point;
+    kept.push_back({point.m_appliedImpulse, point.m_appliedImpulseLateral1, point.m_appliedImpulseLateral2});
+    point.m_positionWorldOnA = row.first->getWorldTransform() * point.m_localPointA;
+    point.m_positionWorldOnB = row.second->getWorldTransform() * point.m_localPointB;
+    const double gap =
+        (point.m_positionWorldOnA - point.m_positionWorldOnB).dot(point.m_normalWorldOnB) + row.allowance;
+    row.acted = point.m_appliedImpulse > 0.0;
+    point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);
+    if (row.acted && row.restitution > 0.0 && row.approach > kLengthScale * kImpactSpeed_m_s) {
+      // Bullet aims at the velocity -distance * erp / H
+      point.setDistance(-row.restitution * row.approach * window_s);
+      point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+      point.m_contactERP = 1.0;
+    }
+  }
+  btContactSolverInfo& info = world_->getSolverInfo();
+  const int mode = info.m_solverMode;
+  info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;  // the impulses of solve() are in the velocities already
+  info.m_splitImpulse = false;                    // poses stay
+  world_->solve(window_s);
+  info.m_solverMode = mode;
+  info.m_splitImpulse = true;
+  // solve() of the next window starts from its own impulses, but not where there was an impact: with a
+  // heavy body on a light one the iterations would not take back all of it, and it would push.
+  std::set<int> struck_islands;
+  for (const Row& row : rows_)
+    if (row.approach > kLengthScale * kImpactSpeed_m_s && row.acted) struck_islands.insert(island(row));
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    btManifoldPoint& point = *rows_[i].point;
+    point.m_appliedImpulse = struck_islands.count(island(rows_[i])) ? 0.0 : kept[i].impulse;
+    point.m_appliedImpulseLateral1 = kept[i].lateral_1;
+    point.m_appliedImpulseLateral2 = kept[i].lateral_2;
+    point.m_contactPointFlags &= ~BT_CONTACT_FLAG_HAS_CONTACT_ERP;
+    point.m_contactERP = 0.0;
+  }
+}
+
+}  // namespace sunder::rigid

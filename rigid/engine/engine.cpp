@@ -1,0 +1,16 @@
+#include "rigid/engine/engine.h"
+
+#include "coupler/core/error.h"
+#include "rigid/engine/bullet_engine.h"
+
+namespace sunder::rigid {
+
+std::vector<std::string> engine_names() { return {"bullet"}; }
+
+std::unique_ptr<Engine> make_engine(const std::string& name) {
+  if (name == "bullet") return std::make_unique<BulletEngine>();
+  throw Error(Exit::kBadInput, "unknown_engine",
+              fmt::format("engine '{}' is unknown; engines: {}", name, fmt::join(engine_names(), ", ")));
+}
+
+}  // namespace sunder::rigid

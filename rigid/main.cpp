@@ -1,0 +1,65 @@
+// sunder-rigid: serves one session with a rigid-body engine.
+#include <csignal>
+#include <cstdio>
+#include <string>
+
+#include <sys/prctl.h>
+
+#include "coupler/core/error.h"
+#include "coupler/link/server.h"
+#include "rigid/engine/engine.h"
+
+namespace {
+
+constexpr const char* kUsage =
+    "sunder-rigid --endpoint ipc://PATH [--engine NAME] [--die-with-parent]\n"
+    "Binds the endpoint, serves one session and ends with it.\n"
+    "Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.\n";
+
+int run(int argc, char** argv) {
+  std::string endpoint, name = "bullet";
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (option == "--help") return std::fputs(kUsage, stdout), 0;
+    if (option == "--die-with-parent") {
+      prctl(PR_SET_PDEATHSIG, SIGTERM);
+      continue;
+    }
+    sunder::require(i + 1 < argc && (option == "--endpoint" || option == "--engine"),
+                    "{}: unknown option or no value\n{}", option, kUsage);
+    (option == "--endpoint" ? endpoint : name) = argv[++i];
+  }
+  sunder::require(!endpoint.empty(), "--endpoint is missing\n{}", kUsage);
+  const auto engine = sunder::rigid::make_engine(name);
+  const auto info = engine->info();
+  sunder::link::RigidService service;
+  service.peer = {info.name, info.version, info.capabilities};
+  service.add = [&](const sunder::RigidBody& b) { engine->add(b); };
+  service.set_contact_laws = [&](const std::vector<sunder::ContactLaw>& laws) { engine->set_contact_laws(laws); };
+  service.advance = [&](double window_s, const std::vector<sunder::link::Motion>& motions) {
+    std::vector<sunder::rigid::Handback> handbacks;
+    for (const auto& m : motions) handbacks.push_back({m.id, m.motion});
+    engine->advance(window_s, handbacks);
+  };
+  service.states = [&] {
+    std::vector<sunder::link::State> out;
+    for (const auto& s : engine->states()) out.push_back({s.id, s.mass, s.motion});
+    return out;
+  };
+  sunder::link::serve(endpoint, service);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  try {
+    return run(argc, argv);
+  } catch (const sunder::Error& e) {
+    fmt::print(stderr, "sunder-rigid: {}: {}\n", e.kind, e.what());
+    return static_cast<int>(e.status);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "sunder-rigid: {}\n", e.what());
+    return static_cast<int>(sunder::Exit::kPhysics);
+  }
+}

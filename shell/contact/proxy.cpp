@@ -1,0 +1,116 @@
+#include "shell/contact/proxy.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sunder::shell {
+namespace {
+
+// Planes of the hull of a few corners: every triple that has all others on one side.
+template <class Plane>
+std::vector<Plane> hull_planes(const std::vector<Vec3>& corners) {
+  std::vector<Plane> planes;
+  double size = 0.0;
+  for (const Vec3& c : corners) size = std::max(size, (c - corners[0]).norm());
+  const double tolerance = 1e-7 * size;
+  const int n = static_cast<int>(corners.size());
+  for (int i = 0; i < n; ++i)
+    for (int j = i + 1; j < n; ++j)
+      for (int k = j + 1; k < n; ++k) {
+        Vec3 normal = (corners[j] - corners[i]).cross(corners[k] - corners[i]);
+        const double length = normal.norm();
+        if (length < tolerance * size) continue;
+        normal /= length;
+        double low = 0.0, high = 0.0;
+        for (const Vec3& c : corners) {
+          const double s = normal.dot(c - corners[i]);
+          low = std::min(low, s), high = std::max(high, s);
+        }
+        if (high > tolerance && low < -tolerance) continue;
+        if (high > tolerance) normal = -normal;
+        const double offset = normal.dot(corners[i]);
+        const bool known = std::any_of(planes.begin(), planes.end(), [&](const Plane& p) {
+          return p.normal.dot(normal) > 1.0 - 1e-10 && std::abs(p.offset - offset) < 10.0 * tolerance;
+        });
+        if (!known) planes.push_back({normal, offset});
+      }
+  return planes;
+}
+
+}  // namespace
+
+Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, double effective_mass, double friction, double restitution) {
+  const double v_n = n.dot(v_rel);
+  if (v_n >= 0.0) return Vec3::Zero();  // separating
+  const Vec3 v_t = v_rel - v_n * n;
+  const double j_n = -(1.0 + restitution) * effective_mass * v_n;
+  const double speed = v_t.norm();
+  const double j_t = std::min(friction * j_n, effective_mass * speed);  // |j_t| <= mu j_n
+  return j_n * n - (speed > 0.0 ? Vec3(j_t / speed * v_t) : Vec3(Vec3::Zero()));
+}
+
+Proxy::Proxy(RigidBody b) : body(std::move(b)) {
+  if (const auto* s = std::get_if<SphereShape>(&body.shape)) radius_ = s->radius;
+  if (const auto* s = std::get_if<BoxShape>(&body.shape)) radius_ = s->half_size.norm();
+  if (std::holds_alternative<HalfSpaceShape>(body.shape)) radius_ = std::numeric_limits<double>::infinity();
+  if (const auto* s = std::get_if<ConvexShape>(&body.shape))
+    for (const auto& part : s->parts) {
+      parts_.push_back(hull_planes<Plane>(part));
+      for (const Vec3& c : part) radius_ = std::max(radius_, c.norm());
+    }
+}
+
+Proxy::Distance Proxy::distance(const Vec3& world) const {
+  const Quat& q = body.motion.orientation;
+  if (const auto* s = std::get_if<SphereShape>(&body.shape)) {
+    const Vec3 d = world - body.motion.position;
+    const double r = d.norm();
+    return {r - s->radius, r > 0.0 ? Vec3(d / r) : Vec3(Vec3::UnitZ())};
+  }
+  const Vec3 local = q.conjugate() * (world - body.motion.position);
+  if (std::holds_alternative<HalfSpaceShape>(body.shape)) return {local.z(), q * Vec3::UnitZ()};
+  if (const auto* s = std::get_if<BoxShape>(&body.shape)) {
+    const Vec3 over = local.cwiseAbs() - s->half_size;
+    const Vec3 sign(std::copysign(1.0, local.x()), std::copysign(1.0, local.y()), std::copysign(1.0, local.z()));
+    const Vec3 out = over.cwiseMax(0.0);
+    if (out.squaredNorm() > 0.0) return {out.norm(), q * out.cwiseProduct(sign).normalized()};
+    int axis = 0;
+    over.maxCoeff(&axis);
+    Vec3 n = Vec3::Zero();
+    n[axis] = sign[axis];
+    return {over[axis], q * n};
+  }
+  Distance best{std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
+  for (const auto& planes : parts_) {  // inside a part: its nearest face; outside: a lower bound, never negative
+    Distance part{-std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
+    for (const Plane& p : planes) {
+      const double s = p.normal.dot(local) - p.offset;
+      if (s > part.value) part = {s, p.normal};
+    }
+    if (part.value < best.value) best = part;
+  }
+  best.normal = q * best.normal;
+  return best;
+}
+
+Vec3 Proxy::velocity_at(const Vec3& world) const {
+  if (body.is_static) return Vec3::Zero();
+  return body.motion.velocity + body.angular_velocity().cross(world - body.motion.position);
+}
+
+double Proxy::inverse_mass_at(const Vec3& world, const Vec3& n) const {
+  if (body.is_static) return 0.0;
+  const Vec3 arm = (world - body.motion.position).cross(n);
+  return 1.0 / body.mass + arm.dot(body.apply_inverse_inertia(arm));
+}
+
+void Proxy::apply(const Vec3& world, const Vec3& j) {
+  const Vec3 turn = (world - body.motion.position).cross(j);
+  linear_impulse += j, angular_impulse += turn;
+  if (body.is_static) return;
+  body.motion.velocity += j / body.mass;
+  body.motion.angular_momentum += turn;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,46 @@
+#pragma once
+// Bodies as the shell meets them: true mass and inertia, a signed distance, moved by each impulse at once.
+#include <vector>
+
+#include "coupler/core/body.h"
+
+namespace sunder::shell {
+
+/// Coulomb impulse on a surface sample [N s]; the caller books its negative on the body.
+/// n points out of the body, v_rel = v_sample - v_body [m/s]; `effective_mass` of the pair along any
+/// direction [kg].
+Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, double effective_mass, double friction, double restitution);
+
+class Proxy {
+ public:
+  explicit Proxy(RigidBody body);
+  RigidBody body;
+  Vec3 linear_impulse = Vec3::Zero();   // from the shell in this window [N s]
+  Vec3 angular_impulse = Vec3::Zero();  // about the centre of mass [N m s]
+  // The ledger's other page: what the shell's control points received, summed where they are.
+  Vec3 shell_linear = Vec3::Zero(), shell_angular = Vec3::Zero();
+  double impulse_sum = 0.0;  // of |J| [N s]
+
+  struct Distance {
+    double value;  // [m], negative inside
+    Vec3 normal;   // outward, world
+  };
+  Distance distance(const Vec3& world) const;
+  double radius() const { return radius_; }  // of a sphere about the centre that holds the body; infinite: half space
+  /// v of the body's material at a world point [m/s].
+  Vec3 velocity_at(const Vec3& world) const;
+  /// 1 / effective mass at a world point along n [1/kg].
+  double inverse_mass_at(const Vec3& world, const Vec3& n) const;
+  /// The body takes impulse j at a world point and books it.
+  void apply(const Vec3& world, const Vec3& j);
+
+ private:
+  struct Plane {
+    Vec3 normal;    // outward, body coordinates
+    double offset;  // normal . x <= offset inside
+  };
+  std::vector<std::vector<Plane>> parts_;
+  double radius_ = 0.0;
+};
+
+}  // namespace sunder::shell

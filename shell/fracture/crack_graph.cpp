@@ -1,0 +1,53 @@
+#include "shell/fracture/crack_graph.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sunder::shell {
+
+CrackGraph::CrackGraph(const Vec2& low, const Vec2& high, double reach, double lengthening)
+    : low_(low), size_(reach), lengthening_(lengthening) {
+  nx_ = static_cast<int>(std::ceil((high.x() - low.x()) / size_)) + 1;
+  ny_ = static_cast<int>(std::ceil((high.y() - low.y()) / size_)) + 1;
+  bins_.resize(static_cast<std::size_t>(nx_) * ny_);
+}
+
+int CrackGraph::add_vertex(const Vec2& p) {
+  vertices_.push_back(p);
+  return static_cast<int>(vertices_.size()) - 1;
+}
+
+int CrackGraph::add_edge(int from, int to, int crack, double time, int face) {
+  CrackEdge e;
+  e.from = from, e.to = to, e.crack = crack, e.time = time, e.face = face;
+  e.a = vertices_[from], e.b = vertices_[to];
+  const double length = (e.b - e.a).norm();
+  if (length < 1e-3 * lengthening_) return -1;
+  const Vec2 d = (e.b - e.a) / length;
+  e.long_a = e.a - lengthening_ * d, e.long_b = e.b + lengthening_ * d;
+  const int index = static_cast<int>(edges_.size());
+  edges_.push_back(e);
+  total_length_ += length;
+  const Vec2 lo = e.long_a.cwiseMin(e.long_b) - low_, hi = e.long_a.cwiseMax(e.long_b) - low_;
+  for (int j = bin(lo.y(), ny_); j <= bin(hi.y(), ny_); ++j)
+    for (int i = bin(lo.x(), nx_); i <= bin(hi.x(), nx_); ++i)
+      bins_[static_cast<std::size_t>(j) * nx_ + i].push_back(index);
+  return index;
+}
+
+bool CrackGraph::visible(const Vec2& a, const Vec2& b, int skip1, int skip2) const {
+  bool clear = true;
+  near(a, b, 0.0, [&](int e) {
+    if (e != skip1 && e != skip2 && segments_meet(a, b, edges_[e].long_a, edges_[e].long_b)) clear = false;
+    return clear;
+  });
+  return clear;
+}
+
+double CrackGraph::distance(const Vec2& p, int e, Vec2& foot) const {
+  const Vec2 d = edges_[e].b - edges_[e].a;
+  foot = edges_[e].a + std::clamp((p - edges_[e].a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d;
+  return (p - foot).norm();
+}
+
+}  // namespace sunder::shell

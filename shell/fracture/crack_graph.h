@@ -1,0 +1,75 @@
+#pragma once
+// The cracks of a patch: a graph in its parameter domain to which vertices and edges are only added,
+// so that every earlier crack is part of every later one.
+#include <functional>
+#include <vector>
+
+#include "coupler/core/vec.h"
+
+namespace sunder::shell {
+
+/// Twice the signed area of the triangle p q r.
+inline double orientation(const Vec2& p, const Vec2& q, const Vec2& r) {
+  return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
+}
+/// Closed segments ab and cd meet (touching counts).
+inline bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
+  return orientation(a, b, c) * orientation(a, b, d) <= 0.0 && orientation(c, d, a) * orientation(c, d, b) <= 0.0;
+}
+
+struct CrackEdge {
+  int from = 0, to = 0;  // vertices
+  Vec2 a, b;             // their parameter points
+  Vec2 long_a, long_b;   // lengthened a little at both ends: nothing sees past a vertex
+  int crack = 0;         // edges of one crack share a number
+  double time = 0.0;     // of birth [s]
+  int face = 0;          // tension side that opened it: -1, +1; 0: cut
+};
+
+class CrackGraph {
+ public:
+  /// `reach`: bin size [m]; `lengthening`: how far visibility extends an edge beyond its ends [m].
+  CrackGraph(const Vec2& low, const Vec2& high, double reach, double lengthening);
+
+  int add_vertex(const Vec2& p);
+  /// Returns the number of the edge, or -1 where it would have no length.
+  int add_edge(int from, int to, int crack, double time, int face);
+  int new_crack() { return cracks_++; }
+
+  const std::vector<Vec2>& vertices() const { return vertices_; }
+  const std::vector<CrackEdge>& edges() const { return edges_; }
+  double total_length() const { return total_length_; }
+
+  /// Nothing lies between a and b but edges `skip1`, `skip2`.
+  bool visible(const Vec2& a, const Vec2& b, int skip1 = -1, int skip2 = -1) const;
+  /// Calls back every edge whose bins touch the box of a and b widened by pad; stops where false returns.
+  /// An edge may come more than once.
+  template <class F>
+  void near(const Vec2& a, const Vec2& b, double pad, F&& callback) const {
+    const int i0 = bin(std::min(a.x(), b.x()) - pad - low_.x(), nx_),
+              i1 = bin(std::max(a.x(), b.x()) + pad - low_.x(), nx_);
+    const int j0 = bin(std::min(a.y(), b.y()) - pad - low_.y(), ny_),
+              j1 = bin(std::max(a.y(), b.y()) + pad - low_.y(), ny_);
+    for (int j = j0; j <= j1; ++j)
+      for (int i = i0; i <= i1; ++i)
+        for (const int e : bins_[static_cast<std::size_t>(j) * nx_ + i])
+          if (!callback(e)) return;
+  }
+  /// Distance from p to edge e; `foot` is the nearest point.
+  double distance(const Vec2& p, int e, Vec2& foot) const;
+
+ private:
+  int bin(double offset, int count) const {
+    const int i = static_cast<int>(std::floor(offset / size_));
+    return i < 0 ? 0 : i >= count ? count - 1 : i;
+  }
+  Vec2 low_;
+  double size_, lengthening_;
+  int nx_, ny_, cracks_ = 0;
+  double total_length_ = 0.0;
+  std::vector<Vec2> vertices_;
+  std::vector<CrackEdge> edges_;
+  std::vector<std::vector<int>> bins_;
+};
+
+}  // namespace sunder::shell

@@ -1,0 +1,133 @@
+#include "shell/fracture/mls.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+namespace sunder::shell {
+namespace {
+
+struct Candidate {
+  double distance;  // largest of the two coordinates, in spacings
+  int control_point;
+  Vec2 offset;  // from p, in spacings
+};
+
+struct Window {
+  double w, d, dd;
+};
+// Paper eq. 18 with its second branch corrected: w(1/2) = 1/6 from both sides, w(1) = 0.
+Window window(double s) {
+  const double r = std::abs(s), sign = s < 0 ? -1.0 : 1.0;
+  if (r <= 0.5) return {2.0 / 3.0 - 4.0 * r * r + 4.0 * r * r * r, (-8.0 * r + 12.0 * r * r) * sign, -8.0 + 24.0 * r};
+  if (r <= 1.0)
+    return {4.0 / 3.0 - 4.0 * r + 4.0 * r * r - 4.0 / 3.0 * r * r * r, (-4.0 + 8.0 * r - 4.0 * r * r) * sign,
+            8.0 - 8.0 * r};
+  return {0.0, 0.0, 0.0};
+}
+
+// The basis is centred on the point and scaled by the support d; derivatives are those of the full
+// expression N_k = gamma(p)^T p_k W(p - p_k), gamma = A^-1 p. Returns false where cond(A) > limit.
+template <int B>
+bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, double su, double sv, double limit,
+                     std::vector<MlsFunction>& out) {
+  using Matrix = Eigen::Matrix<double, B, B>;
+  using Column = Eigen::Matrix<double, B, 1>;
+  Matrix a = Matrix::Zero(), a1 = a, a2 = a, a11 = a, a22 = a, a12 = a;
+  thread_local std::vector<Column> p;
+  thread_local std::vector<std::array<double, 6>> w;
+  p.resize(n), w.resize(n);
+  for (int k = 0; k < n; ++k) {
+    const double x = candidates[k].offset.x() / d, y = candidates[k].offset.y() / d;
+    const Window wx = window(-x), wy = window(-y);
+    w[k] = {wx.w * wy.w, wx.d * wy.w, wx.w * wy.d, wx.dd * wy.w, wx.w * wy.dd, wx.d * wy.d};
+    if constexpr (B == 6)
+      p[k] << 1.0, x, y, x * x, x * y, y * y;
+    else
+      p[k] << 1.0, x, y;
+    a += w[k][0] * (p[k] * p[k].transpose());
+  }
+  Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
+  const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(B - 1);
+  if (!(low > 0.0) || high > limit * low) return false;
+  for (int k = 0; k < n; ++k) {
+    const Matrix pp = p[k] * p[k].transpose();
+    a1 += w[k][1] * pp, a2 += w[k][2] * pp, a11 += w[k][3] * pp, a22 += w[k][4] * pp, a12 += w[k][5] * pp;
+  }
+  const Eigen::LDLT<Matrix> inverse(a);
+  Column e = Column::Zero(), e1 = e, e2 = e, e11 = e, e22 = e, e12 = e;
+  e(0) = 1.0, e1(1) = 1.0, e2(2) = 1.0;
+  if constexpr (B == 6) e11(3) = 2.0, e22(5) = 2.0, e12(4) = 1.0;
+  const Column g = inverse.solve(e), g1 = inverse.solve(e1 - a1 * g), g2 = inverse.solve(e2 - a2 * g);
+  const Column g11 = inverse.solve(e11 - 2.0 * a1 * g1 - a11 * g), g22 = inverse.solve(e22 - 2.0 * a2 * g2 - a22 * g);
+  const Column g12 = inverse.solve(e12 - a1 * g2 - a2 * g1 - a12 * g);
+  out.resize(n);
+  const double iu = 1.0 / (d * su), iv = 1.0 / (d * sv);
+  for (int k = 0; k < n; ++k) {
+    const double c = g.dot(p[k]), c1 = g1.dot(p[k]), c2 = g2.dot(p[k]);
+    const auto& v = w[k];
+    MlsFunction& f = out[k];
+    f.control_point = candidates[k].control_point;
+    f.n[0] = c * v[0];
+    f.n[1] = (c1 * v[0] + c * v[1]) * iu;
+    f.n[2] = (c2 * v[0] + c * v[2]) * iv;
+    if constexpr (B == 6) {
+      f.n[3] = (g11.dot(p[k]) * v[0] + 2.0 * c1 * v[1] + c * v[3]) * iu * iu;
+      f.n[4] = (g22.dot(p[k]) * v[0] + 2.0 * c2 * v[2] + c * v[4]) * iv * iv;
+      f.n[5] = (g12.dot(p[k]) * v[0] + c1 * v[2] + c2 * v[1] + c * v[5]) * iu * iv;
+    } else {
+      f.n[3] = f.n[4] = f.n[5] = 0.0;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v,
+                   int skip_edge) {
+  std::vector<Candidate> seen;
+  const int reach = static_cast<int>(std::ceil(kLargestSupport)) + 1;
+  for (int j = std::max(0, span_v + 1 - reach); j <= std::min(grid.rows - 1, span_v + 1 + reach); ++j)
+    for (int i = std::max(0, span_u + 1 - reach); i <= std::min(grid.columns - 1, span_u + 1 + reach); ++i) {
+      const int k = j * grid.columns + i;
+      const Vec2& q = (*grid.parameter)[k];
+      const Vec2 offset((q.x() - p.x()) / grid.spacing_u, (q.y() - p.y()) / grid.spacing_v);
+      const double distance = std::max(std::abs(offset.x()), std::abs(offset.y()));
+      if (distance < kLargestSupport && cracks.visible(p, q, skip_edge)) seen.push_back({distance, k, offset});
+    }
+  std::sort(seen.begin(), seen.end(), [](const Candidate& a, const Candidate& b) {
+    return a.distance != b.distance ? a.distance < b.distance : a.control_point < b.control_point;
+  });
+  const auto within = [&](double d) {
+    int n = 0;
+    while (n < static_cast<int>(seen.size()) && seen[n].distance < d) ++n;
+    return n;
+  };
+  MlsPoint point;
+  for (double d = kSmallestSupport; d <= kLargestSupport + 1e-9; d += kSupportStep) {
+    const int n = within(d);
+    if (n >= 9 && shape_functions<6>(seen, n, d, grid.spacing_u, grid.spacing_v, kGoodCondition, point.functions)) {
+      point.basis = MlsBasis::kQuadratic;
+      return point;
+    }
+  }
+  const int all = static_cast<int>(seen.size());
+  if (all >= 9 &&
+      shape_functions<6>(seen, all, kLargestSupport, grid.spacing_u, grid.spacing_v, kLastCondition, point.functions)) {
+    point.basis = MlsBasis::kQuadratic;
+    return point;
+  }
+  for (double d = kSmallestSupport; d <= kLargestSupport + 1e-9; d += 2.0 * kSupportStep) {
+    const int n = within(d);
+    if (n >= 4 && shape_functions<3>(seen, n, d, grid.spacing_u, grid.spacing_v, kLinearCondition, point.functions)) {
+      point.basis = MlsBasis::kLinear;
+      return point;
+    }
+  }
+  point.functions.clear();
+  return point;
+}
+
+}  // namespace sunder::shell

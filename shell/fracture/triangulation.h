@@ -1,0 +1,33 @@
+#pragma once
+// The parameter domain cut by the cracks: a constrained Delaunay triangulation. Connected triangles are
+// the pieces; the same triangles are drawn and become collision shapes.
+#include <array>
+#include <vector>
+
+#include "shell/fracture/crack_graph.h"
+#include "shell/geometry/knots.h"
+
+namespace sunder::shell {
+
+struct Triangulation {
+  std::vector<Vec2> vertices;
+  std::vector<std::array<int, 3>> triangles;   // counter-clockwise
+  std::vector<std::array<int, 3>> neighbours;  // across the edge opposite a corner; -1: crack or border
+  std::vector<std::array<char, 3>> crack;      // that edge is a crack (border: 0)
+  std::vector<int> piece;                      // of each triangle, numbered from 0
+  int pieces = 0;
+  std::vector<int> owner;  // piece of each query point
+};
+
+/// Vertices: knots of the patch (but those almost on a crack) and crack vertices. `queries` are located
+/// (points inside the domain). Pieces smaller than `crumb` [m^2] are joined to their largest neighbour.
+Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackGraph& cracks,
+                          const std::vector<Vec2>& queries, double spacing, double crumb);
+
+/// Convex polygons that cover a piece: its outline triangulated and merged while what the hull adds
+/// stays below `tolerance` [m^2] each.
+std::vector<std::vector<Vec2>> convex_parts(const Triangulation& t, int piece, double tolerance);
+
+double triangle_area(const Vec2& a, const Vec2& b, const Vec2& c);
+
+}  // namespace sunder::shell

@@ -1,0 +1,240 @@
+#include "shell/io/build.h"
+
+#include <cmath>
+#include <map>
+#include <numbers>
+
+#include <Eigen/Dense>
+
+#include "shell/contact/proxy.h"
+
+namespace sunder::shell {
+namespace {
+
+const proto::Material* find_material(const proto::Scene& s, const std::string& name) {
+  for (const auto& m : s.materials())
+    if (m.name() == name) return &m;
+  return nullptr;
+}
+
+template <class F>
+auto at_field(const scene::LoadedScene& scene, const std::string& field, F&& f) {
+  try {
+    return f();
+  } catch (const Error& e) {
+    if (!e.file.empty()) throw;
+    scene.fail(field, e.what());
+  }
+}
+
+Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+  if (s.has_plate()) {
+    const auto& p = s.plate();
+    return plate(p.size_x_m(), p.size_y_m(), p.elements_x(), p.elements_y(), scene::to_vec(p.pose().position()),
+                 scene::to_quat(p.pose()));
+  }
+  const auto& n = s.nurbs();
+  const auto knots = [&](const auto& list, const char* name) {
+    return at_field(scene, field + ".nurbs." + name, [&] { return KnotVector({list.begin(), list.end()}, name); });
+  };
+  Patch patch{
+      knots(n.knots_u(), "knots_u"), knots(n.knots_v(), "knots_v"), {}, {n.weights().begin(), n.weights().end()}};
+  for (const auto& p : n.control_points()) patch.control_points.push_back(scene::to_vec(p));
+  if (patch.weights.empty()) patch.weights.assign(patch.control_points.size(), 1.0);
+  at_field(scene, field + ".nurbs.control_points", [&] {
+    validate(patch, "nurbs");
+    return 0;
+  });
+  return patch;
+}
+
+ShellModel make_model(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+  const auto& mat = *find_material(scene.message, s.material());
+  ShellMaterial material;
+  material.density = mat.density(), material.youngs_modulus = mat.youngs_modulus(),
+  material.poisson_ratio = mat.poisson_ratio();
+  material.strength = mat.strength(), material.fracture_energy = mat.fracture_energy();
+  material.weibull_modulus = mat.weibull_modulus();
+  material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : 4e-3;
+  material.mass_damping = mat.mass_damping_per_s();
+  std::vector<EdgeSupport> supports;
+  for (const auto& support : s.supports()) {
+    EdgeSupport e;
+    e.clamped = support.kind() == proto::Support::CLAMPED;
+    for (const int edge : support.edges())
+      e.edges |= edge == proto::Support::ALL ? kUMin | kUMax | kVMin | kVMax : 1 << (edge - proto::Support::U_MIN);
+    supports.push_back(e);
+  }
+  const Patch patch = make_patch(scene, s, field);
+  return at_field(scene, field, [&] {
+    return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2,
+                      s.has_gauss_points() ? s.gauss_points() : 2, supports);
+  });
+}
+
+// Mass, centre and inertia of the hull of points, by tetrahedra over its faces from the mean point.
+void hull_properties(const std::vector<Vec3>& points, double density, RigidBody& b) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  double volume = 0.0;
+  Vec3 first = Vec3::Zero();
+  Mat3 second = Mat3::Zero();
+  const std::size_t n = points.size();
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t k = 0; k < n; ++k) {
+        if (i >= j || i >= k || j == k) continue;  // each oriented triple once
+        const Vec3 normal = (points[j] - points[i]).cross(points[k] - points[i]);
+        if (normal.norm() < 1e-300) continue;
+        bool face = true;
+        for (std::size_t l = 0; l < n && face; ++l) face = normal.dot(points[l] - points[i]) <= 1e-9 * normal.norm();
+        if (!face) continue;
+        const Vec3 a = points[i] - mean, c = points[j] - mean, d = points[k] - mean, sum = a + c + d;
+        const double v = a.dot(c.cross(d)) / 6.0;
+        volume += v, first += v / 4.0 * sum;
+        second += v / 20.0 * (sum * sum.transpose() + a * a.transpose() + c * c.transpose() + d * d.transpose());
+      }
+  const Vec3 offset = first / volume;
+  second -= volume * offset * offset.transpose();
+  b.mass = density * volume;
+  const Mat3 inertia = density * (second.trace() * Mat3::Identity() - second);
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  Mat3 frame = axes.eigenvectors();
+  if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);
+  b.principal_inertia = axes.eigenvalues();
+  std::vector<Vec3> corners;
+  for (const Vec3& p : points) corners.push_back(frame.transpose() * (p - mean - offset));
+  b.shape = ConvexShape{{corners}};
+  b.motion.position += b.motion.orientation * (mean + offset);
+  b.motion.orientation = (b.motion.orientation * Quat(frame)).normalized();
+}
+
+RigidBody make_body(const scene::LoadedScene& scene, const proto::Body& m, BodyId id, const std::string& field) {
+  RigidBody b;
+  b.id = id, b.name = m.name(), b.is_static = m.is_static() || m.has_half_space();
+  b.motion.position = scene::to_vec(m.pose().position());
+  b.motion.orientation = scene::to_quat(m.pose());
+  b.motion.velocity = scene::to_vec(m.twist().linear());
+  const auto* material = find_material(scene.message, m.material());
+  const double density = material ? material->density() : 1000.0;
+  if (m.has_sphere()) {
+    const double r = m.sphere().radius_m();
+    b.mass = density * 4.0 / 3.0 * std::numbers::pi * r * r * r;
+    b.principal_inertia = Vec3::Constant(0.4 * b.mass * r * r);
+    b.shape = SphereShape{r};
+  } else if (m.has_box()) {
+    const Vec3 h = 0.5 * scene::to_vec(m.box().size_m());
+    b.mass = 8.0 * density * h.prod();
+    b.principal_inertia =
+        b.mass / 3.0 *
+        Vec3(h.y() * h.y() + h.z() * h.z(), h.x() * h.x() + h.z() * h.z(), h.x() * h.x() + h.y() * h.y());
+    b.shape = BoxShape{h};
+  } else if (m.has_half_space()) {
+    b.shape = HalfSpaceShape{};
+  } else {
+    hull_properties(scene::read_mesh(scene, field + ".mesh", m.mesh()), density, b);
+  }
+  if (b.is_static)
+    b.mass = 0.0, b.motion.velocity.setZero();
+  else
+    b.motion.angular_momentum = b.apply_inertia(scene::to_vec(m.twist().angular()));
+  return b;
+}
+
+void launch(const scene::LoadedScene& scene, const RunSetup& setup, const proto::Body& m, RigidBody& b) {
+  Vec3 target = Vec3::Zero(), normal = Vec3::UnitZ();
+  for (const ShellModel& s : setup.shells)
+    if (s.name == m.launch().target()) {
+      const Vec2 middle(0.5 * (s.patch.knots_u.begin() + s.patch.knots_u.end()),
+                        0.5 * (s.patch.knots_v.begin() + s.patch.knots_v.end()));
+      const SurfacePoint q = s.patch.evaluate(middle);
+      target = q.x, normal = q.u.cross(q.v).normalized();
+    }
+  for (const auto& other : scene.message.bodies())
+    if (other.name() == m.launch().target()) target = scene::to_vec(other.pose().position());
+  const double degree = std::numbers::pi / 180.0, angle = m.launch().angle_deg() * degree,
+               azimuth = m.launch().azimuth_deg() * degree;
+  const Vec3 side = normal.unitOrthogonal(), other = normal.cross(side);
+  const Vec3 from = std::cos(angle) * normal + std::sin(angle) * (std::cos(azimuth) * side + std::sin(azimuth) * other);
+  b.motion.position = target + (b.motion.position - target).norm() * from;
+  b.motion.velocity = -m.launch().speed() * from;
+}
+
+}  // namespace
+
+RunSetup build(const scene::LoadedScene& scene) {
+  const proto::Scene& m = scene.message;
+  RunSetup r;
+  r.name = m.name();
+  r.end_time = m.end_time_s(), r.window = m.window_s();
+  r.settle_window = m.has_settle_window_s() ? m.settle_window_s() : m.window_s();
+  if (m.has_time_step_safety()) r.safety = m.time_step_safety();
+  r.gravity = m.has_gravity() ? scene::to_vec(m.gravity()) : Vec3(0.0, 0.0, -9.81);
+  r.frame_interval = m.output().has_frame_interval_s() ? m.output().frame_interval_s() : r.end_time / 60.0;
+  r.shell_frame_interval =
+      m.output().has_shell_frame_interval_s() ? m.output().shell_frame_interval_s() : r.frame_interval;
+  r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : 3e-4;
+  r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;
+  r.seed = static_cast<std::uint64_t>(m.fracture().seed());
+  std::map<std::string, std::uint32_t> groups;
+  for (int i = 0; i < m.shells_size(); ++i) {
+    const std::string field = fmt::format("shells[{}]", i);
+    r.shells.push_back(make_model(scene, m.shells(i), field));
+    ShellModel& s = r.shells.back();
+    groups[s.name] = s.contact_group = static_cast<std::uint32_t>(groups.size());
+    r.shell_velocity = scene::to_vec(m.shells(i).velocity());
+    for (int k = 0; k < m.shells(i).cuts_size(); ++k) {
+      PrescribedCut cut{{}, m.shells(i).cuts(k).time_s()};
+      for (const auto& p : m.shells(i).cuts(k).points()) {
+        cut.points.emplace_back(p.u(), p.v());
+        scene.check(s.patch.contains(cut.points.back()), fmt::format("{}.cuts[{}].points", field, k),
+                    "({}, {}) lies outside the patch, whose parameters run to ({}, {})", p.u(), p.v(),
+                    s.patch.knots_u.end(), s.patch.knots_v.end());
+      }
+      r.cuts.push_back(std::move(cut));
+    }
+    r.tips = s.material.strength > 0.0 && m.fracture().mode() != proto::Fracture::CUTS;
+    if (r.tips) {
+      r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
+      if (m.fracture().has_interlock_strength()) r.rules.interlock_strength = m.fracture().interlock_strength();
+      if (m.fracture().has_interlock()) r.rules.interlock = m.fracture().interlock();
+    }
+  }
+  for (int i = 0; i < m.bodies_size(); ++i) {
+    const std::string field = fmt::format("bodies[{}]", i);
+    RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);
+    if (m.bodies(i).has_launch()) launch(scene, r, m.bodies(i), b);
+    groups[b.name] = b.contact_group = static_cast<std::uint32_t>(groups.size());
+    for (const ShellModel& s : r.shells) {
+      const Proxy proxy(b);
+      double least = 1e300;
+      for (int q = 0; q < s.tables.blocks(); ++q)
+        for (int e = 0; e < s.tables.spans_u; ++e)
+          least =
+              std::min(least, proxy.distance(s.patch.evaluate(gauss_point(s.patch, s.tables, q, e).parameter).x).value);
+      scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + ".pose",
+                  "'{}' starts {:.3g} m inside shell '{}'; move it away", b.name, 0.5 * s.thickness - least, s.name);
+    }
+    r.bodies.push_back(std::move(b));
+  }
+  ContactLaw fallback;
+  for (const auto& c : m.contacts())
+    if (c.first().empty()) {
+      if (c.has_friction()) fallback.friction = c.friction();
+      if (c.has_restitution()) fallback.restitution = c.restitution();
+    }
+  for (std::uint32_t a = 0; a < groups.size(); ++a)
+    for (std::uint32_t b = a; b < groups.size(); ++b) r.laws.push_back({a, b, fallback.friction, fallback.restitution});
+  for (const auto& c : m.contacts()) {
+    if (c.first().empty()) continue;
+    for (ContactLaw& law : r.laws)
+      if ((law.first_group == groups[c.first()] && law.second_group == groups[c.second()]) ||
+          (law.first_group == groups[c.second()] && law.second_group == groups[c.first()])) {
+        if (c.has_friction()) law.friction = c.friction();
+        if (c.has_restitution()) law.restitution = c.restitution();
+      }
+  }
+  return r;
+}
+
+}  // namespace sunder::shell

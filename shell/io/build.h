@@ -1,0 +1,37 @@
+#pragma once
+// Scene -> model: shells, bodies, contact coefficients.
+#include <vector>
+
+#include "coupler/core/body.h"
+#include "coupler/scene/load.h"
+#include "shell/solver/model.h"
+#include "shell/solver/tips.h"
+
+namespace sunder::shell {
+
+struct PrescribedCut {
+  std::vector<Vec2> points;
+  double time = 0.0;
+};
+
+/// All that a run needs from a scene, in plain types.
+struct RunSetup {
+  std::string name;
+  double end_time = 0.0, window = 0.0, settle_window = 0.0, safety = 0.8;  // [s], [-]
+  double frame_interval = 0.0, shell_frame_interval = 0.0;
+  double quiet_time = 0.0, latest_freeze = 0.0;
+  Vec3 gravity = Vec3::Zero();
+  std::vector<ShellModel> shells;  // none or one
+  Vec3 shell_velocity = Vec3::Zero();
+  std::vector<PrescribedCut> cuts;
+  bool tips = false;  // cracks find their own way
+  CrackRules rules;
+  std::uint64_t seed = 0;
+  std::vector<RigidBody> bodies;
+  std::vector<std::string> body_kinds;
+  std::vector<ContactLaw> laws;
+};
+
+RunSetup build(const scene::LoadedScene& scene);
+
+}  // namespace sunder::shell

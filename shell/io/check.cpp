@@ -1,0 +1,55 @@
+#include "shell/io/check.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup) {
+  std::string out = fmt::format("scene          {}\nbodies         {}\n", setup.name, setup.bodies.size());
+  for (const ShellModel& m : setup.shells) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    std::vector<double> mode;
+    const double step = stable_step(m, s, 120, 1, mode, setup.tips || !setup.cuts.empty());
+    scene.check(setup.window >= step, "window_s",
+                "is {} s, shorter than the stable step of shell '{}', {:.3g} s; make it a multiple of that",
+                setup.window, m.name, step);
+    const int layers = m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size());
+    const double shell_time = std::min(setup.latest_freeze, setup.end_time);
+    const double substeps = std::ceil(setup.window / (setup.safety * step)) * shell_time / setup.window;
+    const auto start = std::chrono::steady_clock::now();
+    constexpr int kTrials = 20;
+    for (int i = 0; i < kTrials; ++i) compute_forces(m, s, false, 1.0, 1);
+    const double cost = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kTrials;
+    out += fmt::format(
+        "shell          {}\ncontrol points {}\ngauss points   {}\nlayer points   {}\nspacing        {:.4g} m\nstable "
+        "step    {:.4g} s\n",
+        m.name, m.control_points(), m.tables.gauss_points(), layers, m.spacing, step);
+    out += fmt::format("substeps       at most {:.0f}, {:.0f} a window of {:g} s, until {:g} s\n", substeps,
+                       std::ceil(setup.window / (setup.safety * step)), setup.window, shell_time);
+    out += fmt::format(
+        "time           at most {:.2g} min on one thread for the uncracked shell (measured now: {:.3g} ms a substep)\n",
+        substeps * cost / 60.0, 1e3 * cost);
+    out +=
+        fmt::format("memory         about {:.0f} MB\n",
+                    1e-6 * (2.0 * 8.0 * s.tables.metric.size() + 8.0 * (s.surface_stress.size() + 12.0 * s.x.size())));
+    if (m.material.strength > 0.0) {
+      const double resolved = 2.0 * m.material.youngs_modulus * m.material.fracture_energy /
+                              (std::sqrt(3.0) * m.material.strength * m.material.strength);
+      out += m.spacing < resolved
+                 ? fmt::format("fracture       the spacing resolves the fracture energy (needs below {:.3g} m)\n",
+                               resolved)
+                 : fmt::format(
+                       "fracture       the spacing does not resolve the softening (that needs below {:.3g} m, or more "
+                       "than {:.3g} J/m^2): the law falls at once, tips obey the fracture energy\n",
+                       resolved,
+                       m.spacing * std::sqrt(3.0) * m.material.strength * m.material.strength /
+                           (2.0 * m.material.youngs_modulus));
+    }
+  }
+  return out;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,211 @@
+#include "shell/io/frames.h"
+
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "coupler/core/error.h"
+#include "shell/io/vtp.h"
+#include "shell/solver/insertion.h"
+
+namespace sunder::shell {
+namespace {
+
+struct Corner {
+  Vec3 x, v, u;  // position, velocity, displacement
+};
+
+// A surface point on its own side of the cracks.
+Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool near_crack) {
+  Corner c{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  const auto add = [&](double n, int slot) {
+    c.x += n * s.position(slot), c.v += n * s.velocity(slot), c.u += n * (s.position(slot) - s.at(m.rest, slot));
+  };
+  const ShapeFunctions f = m.patch.shape_functions(p);
+  bool clear = true;
+  for (int k = 0; k < 9 && clear && near_crack; ++k)
+    clear = s.cracks.visible(p, m.parameter[(f.span_v + k / 3) * m.tables.columns + f.span_u + k % 3]);
+  if (clear) {
+    for (int k = 0; k < 9; ++k) add(f.value[k], (f.span_v + k / 3) * m.tables.stride + f.span_u + k % 3);
+    return c;
+  }
+  const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, f.span_u, f.span_v);
+  if (mls.basis != MlsBasis::kNone) {
+    for (const MlsFunction& n : mls.functions) add(n.n[0], m.tables.slot(n.control_point));
+    return c;
+  }
+  // too little in sight: moves with the nearest control point
+  int nearest = 0;
+  double distance = 1e300;
+  for (int k = 0; k < 9; ++k) {
+    const int i = (f.span_v + k / 3) * m.tables.columns + f.span_u + k % 3;
+    const double d = (m.parameter[i] - p).squaredNorm() + (s.cracks.visible(p, m.parameter[i]) ? 0.0 : 1.0);
+    if (d < distance) distance = d, nearest = i;
+  }
+  const int slot = m.tables.slot(nearest);
+  c.u = s.position(slot) - s.at(m.rest, slot), c.v = s.velocity(slot);
+  c.x = m.patch.evaluate(p).x + c.u;
+  return c;
+}
+
+VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, s, pieces);
+  VtpMesh mesh;
+  VtpArray velocity{"velocity", 3, {}}, displacement{"displacement", 3, {}};
+  VtpArray damage{"damage", 1, {}}, history{"c_his", 1, {}}, fragment{"fragment", 1, {}};
+  const auto corner = [&](const Vec2& p, bool near_crack) {
+    const Corner c = evaluate(m, s, p, near_crack);
+    mesh.points.push_back(c.x);
+    velocity.values.insert(velocity.values.end(), {c.v.x(), c.v.y(), c.v.z()});
+    displacement.values.insert(displacement.values.end(), {c.u.x(), c.u.y(), c.u.z()});
+    return static_cast<int>(mesh.points.size()) - 1;
+  };
+  std::vector<char> near(t.vertices.size(), 0);
+  for (std::size_t i = 0; i < near.size(); ++i)
+    s.cracks.near(t.vertices[i], t.vertices[i], 2.0 * m.spacing, [&](int e) {
+      Vec2 foot;
+      if (s.cracks.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
+      return !near[i];
+    });
+  std::vector<int> shared(t.vertices.size(), -1);
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    if (pieces[t.piece[i]].gone || pieces[t.piece[i]].control_points.empty()) continue;
+    const auto& c = t.triangles[i];
+    const Vec2 centre = (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
+    std::vector<int> polygon;
+    for (int k = 0; k < 3; ++k) {
+      if (!near[c[k]]) {
+        if (shared[c[k]] < 0) shared[c[k]] = corner(t.vertices[c[k]], false);
+        polygon.push_back(shared[c[k]]);
+      } else {
+        polygon.push_back(corner(t.vertices[c[k]] + 0.01 * (centre - t.vertices[c[k]]), true));
+      }
+    }
+    mesh.polygons.push_back(polygon);
+    const int lane = m.patch.knots_u.span_of(centre.x()), f = m.patch.knots_v.span_of(centre.y());
+    const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
+    damage.values.push_back(s.c[g]), history.values.push_back(s.c_his[g]), fragment.values.push_back(t.piece[i]);
+  }
+  mesh.point_data = {velocity, displacement};
+  mesh.cell_data = {damage, history, fragment};
+  return mesh;
+}
+
+VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
+  VtpMesh mesh;
+  VtpArray crack{"crack", 1, {}}, time{"time", 1, {}};
+  for (const CrackEdge& e : s.cracks.edges()) {
+    std::vector<int> line;
+    for (const Vec2& p : {e.a, e.b}) {
+      const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()),
+          high(m.patch.knots_u.end(), m.patch.knots_v.end());
+      mesh.points.push_back(m.patch.evaluate(p.cwiseMax(low).cwiseMin(high)).x);
+      line.push_back(static_cast<int>(mesh.points.size()) - 1);
+    }
+    mesh.lines.push_back(line);
+    crack.values.push_back(e.crack), time.values.push_back(e.time);
+  }
+  // Lines lie on the surface at rest: their displacement is zero, so that they can be laid over any frame.
+  mesh.point_data = {{"displacement", 3, std::vector<double>(3 * mesh.points.size(), 0.0)}};
+  mesh.cell_data = {crack, time};
+  return mesh;
+}
+
+struct BodyMesh {
+  VtpMesh mesh;
+  VtpArray body{"body", 1, {}}, kind{"kind", 1, {}};
+  void polygon(const std::vector<Vec3>& points, BodyId id, int k) {
+    std::vector<int> p;
+    for (const Vec3& x : points) {
+      p.push_back(static_cast<int>(mesh.points.size()));
+      mesh.points.push_back(x);
+    }
+    for (std::size_t i = 1; i + 1 < p.size(); ++i) {
+      mesh.polygons.push_back({p[0], p[i], p[i + 1]});
+      body.values.push_back(id), kind.values.push_back(k);
+    }
+  }
+};
+
+void add_prism(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& corners, int kind) {
+  const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
+  const std::size_t n = corners.size() / 2;
+  std::vector<Vec3> low, high;
+  for (std::size_t i = 0; i < n; ++i)
+    low.insert(low.begin(), world(corners[2 * i])), high.push_back(world(corners[2 * i + 1]));
+  out.polygon(low, b.id, kind), out.polygon(high, b.id, kind);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t j = (i + 1) % n;
+    out.polygon({world(corners[2 * i]), world(corners[2 * j]), world(corners[2 * j + 1]), world(corners[2 * i + 1])},
+                b.id, kind);
+  }
+}
+
+void add_hull(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& c, int kind) {
+  const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
+  for (std::size_t i = 0; i < c.size(); ++i)
+    for (std::size_t j = 0; j < c.size(); ++j)
+      for (std::size_t k = 0; k < c.size(); ++k) {
+        if (i >= j || i >= k || j == k) continue;
+        const Vec3 n = (c[j] - c[i]).cross(c[k] - c[i]);
+        bool face = n.norm() > 0.0;
+        for (std::size_t l = 0; l < c.size() && face; ++l) face = n.dot(c[l] - c[i]) <= 1e-9 * n.norm();
+        if (face) out.polygon({world(c[i]), world(c[j]), world(c[k])}, b.id, kind);
+      }
+}
+
+void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
+  const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
+  const int kind = b.id >= first_shard ? (b.is_static ? 3 : 1) : (b.is_static ? 2 : 0);
+  if (const auto* s = std::get_if<SphereShape>(&b.shape)) {
+    constexpr int kRings = 12, kSectors = 24;
+    const auto at = [&](int i, int j) -> Vec3 {
+      const double polar = std::numbers::pi * i / kRings, around = 2.0 * std::numbers::pi * j / kSectors;
+      return world(s->radius *
+                   Vec3(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar)));
+    };
+    for (int i = 0; i < kRings; ++i)
+      for (int j = 0; j < kSectors; ++j)
+        out.polygon({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}, b.id, kind);
+  } else if (const auto* s = std::get_if<BoxShape>(&b.shape)) {
+    std::vector<Vec3> corners;
+    for (const auto& [x, y] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}})
+      for (const int z : {-1, 1}) corners.push_back(s->half_size.cwiseProduct(Vec3(x, y, z)));
+    add_prism(out, b, corners, kind);
+  } else if (std::holds_alternative<HalfSpaceShape>(b.shape)) {
+    out.polygon({world({-1, -1, 0}), world({1, -1, 0}), world({1, 1, 0}), world({-1, 1, 0})}, b.id, kind);
+  } else if (const auto* s = std::get_if<ConvexShape>(&b.shape)) {
+    for (const auto& part : s->parts)
+      b.id >= first_shard ? add_prism(out, b, part, kind) : add_hull(out, b, part, kind);
+  }
+}
+
+}  // namespace
+
+FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
+  std::error_code error;
+  std::filesystem::create_directories(folder_ + "/frames", error);
+  if (error) throw Error(Exit::kBadInput, "bad_output", fmt::format("{}/frames: {}", folder_, error.message()));
+}
+
+void FrameWriter::write(double time, const ShellModel* model, const ShellState* state,
+                        const std::vector<RigidBody>& bodies, BodyId first_shard) {
+  const auto put = [&](int part, const char* kind, const VtpMesh& mesh) {
+    const std::string name = fmt::format("frames/{}_{:06d}.vtp", kind, count_);
+    write_vtp(folder_ + "/" + name, mesh);
+    index_ += fmt::format("<DataSet timestep=\"{:.9g}\" part=\"{}\" file=\"{}\"/>\n", time, part, name);
+  };
+  if (model && state) put(0, "shell", shell_mesh(*model, *state)), put(1, "cracks", crack_mesh(*model, *state));
+  BodyMesh out;
+  for (const RigidBody& b : bodies) add_body(out, b, first_shard);
+  out.mesh.cell_data = {out.body, out.kind};
+  put(2, "bodies", out.mesh);
+  ++count_;
+  write_atomically(folder_ + "/frames.pvd",
+                   "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "
+                   "byte_order=\"LittleEndian\">\n<Collection>\n" +
+                       index_ + "</Collection>\n</VTKFile>\n");
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,25 @@
+#pragma once
+// Pictures of a moment: shell, cracks and bodies as .vtp, all moments in frames.pvd.
+#include <string>
+#include <vector>
+
+#include "coupler/core/body.h"
+#include "shell/solver/handoff.h"
+
+namespace sunder::shell {
+
+class FrameWriter {
+ public:
+  explicit FrameWriter(std::string folder);
+  /// `shell` may be null: then only bodies are written. `shards` start at this body id.
+  void write(double time, const ShellModel* model, const ShellState* state, const std::vector<RigidBody>& bodies,
+             BodyId first_shard);
+  int count() const { return count_; }
+
+ private:
+  std::string folder_;
+  int count_ = 0;
+  std::string index_;
+};
+
+}  // namespace sunder::shell

@@ -1,0 +1,153 @@
+// What a run leaves behind: frames, series.csv, run.json, progress.
+#include <algorithm>
+#include <chrono>
+#include <cstdio>
+
+#include <unistd.h>
+
+#include "coupler/core/hash.h"
+#include "shell/io/run.h"
+#include "shell/io/vtp.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kProgressInterval = 0.5;  // [s]
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\')
+      out += '\\', out += c;
+    else if (static_cast<unsigned char>(c) < 0x20)
+      out += fmt::format("\\u{:04x}", static_cast<int>(c));
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+std::string number(double v) { return std::isfinite(v) ? fmt::format("{:.17g}", v) : "null"; }
+
+}  // namespace
+
+void Run::write_frame() {
+  const double start = now();
+  std::vector<RigidBody> bodies;
+  for (const Proxy& p : proxies_) bodies.push_back(p.body);
+  const ShellModel* model = state_ ? &setup_.shells[0] : nullptr;
+  frames_.write(time(), model, state_.get(), bodies, first_shard_);
+  next_frame_ = time() + (state_ ? setup_.shell_frame_interval : setup_.frame_interval);
+  write_atomically(options_.out + "/series.csv", series_);
+  stage_s_["io"] += now() - start;
+}
+
+void Run::write_series_row() {
+  const EnergyBook& b = state_ ? state_->book : book_;
+  series_ += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{}\n", time(), kinetic_,
+                         elastic_, b.fracture, b.contact, b.handoff, engine_loss_, residual_,
+                         state_ ? state_->cracks.total_length() : 0.0, fragments_, handed_off_);
+}
+
+void Run::progress() {
+  if (options_.quiet) return;
+  const double t = now();
+  if (t - last_progress_ < kProgressInterval) return;
+  last_progress_ = t;
+  const double wall = t - wall_start_, done = time();
+  // The shell's windows cost far more than the engine's: what is left of each at its own pace.
+  const double left =
+      done > 0.0
+          ? wall / done * ((state_ ? std::min(setup_.end_time, std::max(2.0 * done, 0.005)) : setup_.end_time) - done)
+          : 0.0;
+  const char* end = isatty(2) ? "\r" : "\n";
+  fmt::print(stderr, "{:.5f} of {:g} s  {:.0f} substeps/s  {} fragments, {} handed off  {} {:.0f} s left    {}", done,
+             setup_.end_time, static_cast<double>(substeps_) / wall, fragments_, handed_off_,
+             state_ ? "shell: at least" : "bodies:", left, end);
+  std::fflush(stderr);
+}
+
+std::string Run::state_hash() const {
+  Sha256 h;
+  if (state_) {
+    h.add(state_->x), h.add(state_->v);
+    h.add(state_->c_his.data(), state_->c_his.size() * sizeof(float));
+    for (const CrackEdge& e : state_->cracks.edges())
+      h.add(std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
+  }
+  for (const Proxy& p : proxies_) {
+    const BodyMotion& m = p.body.motion;
+    h.add(std::vector<double>{static_cast<double>(p.body.id), m.position.x(), m.position.y(), m.position.z(),
+                              m.orientation.w(), m.orientation.x(), m.orientation.y(), m.orientation.z(),
+                              m.velocity.x(), m.velocity.y(), m.velocity.z(), m.angular_momentum.x(),
+                              m.angular_momentum.y(), m.angular_momentum.z()});
+  }
+  return h.hex();
+}
+
+void Run::write_summary(const std::string& status, const Error* error) {
+  const EnergyBook& b = state_ ? state_->book : book_;
+  std::string j =
+      "{\n  \"schema\": 1,\n  \"status\": " + quoted(status) + ",\n  \"scene\": " + quoted(setup_.name) + ",\n";
+  j += "  \"scene_hash\": " + quoted(options_.scene_hash) + ",\n";
+  if (error)
+    j += fmt::format(
+        "  \"error\": {{\"kind\": {}, \"message\": {}, \"file\": {}, \"line\": {}, \"field\": {}, \"window\": {}, "
+        "\"body\": {}}},\n",
+        quoted(error->kind), quoted(error->what()), quoted(error->file), error->line, quoted(error->field),
+        error->window, quoted(error->body));
+  if (client_)
+    j += fmt::format("  \"engine\": {{\"name\": {}, \"version\": {}}},\n", quoted(client_->peer().name),
+                     quoted(client_->peer().version));
+  int patches = 0, points = 0, gauss = 0, layers = 0;
+  for (const ShellModel& m : setup_.shells) {
+    ++patches, points += m.control_points(), gauss += m.tables.gauss_points();
+    layers += m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size());
+  }
+  j += fmt::format(
+      "  \"counts\": {{\"patches\": {}, \"control_points\": {}, \"gauss_points\": {}, \"layer_points\": {}, "
+      "\"fragments\": {}, \"handed_off\": {}}},\n",
+      patches, points, gauss, layers, fragments_, handed_off_);
+  std::string stages;
+  double total = 0.0;
+  for (const auto& [name, seconds] : stage_s_)
+    stages += fmt::format("{}{}: {}", stages.empty() ? "" : ", ", quoted(name), number(seconds)), total += seconds;
+  j += fmt::format(
+      "  \"time\": {{\"simulated_s\": {}, \"wall_s\": {}, \"windows\": {}, \"substeps\": {}, \"frozen_at_s\": {}, "
+      "\"stage_s\": {{{}}}}},\n",
+      number(time()), number(now() - wall_start_), windows_, substeps_, frozen_at_ < 0.0 ? "null" : number(frozen_at_),
+      stages);
+  j += fmt::format(
+      "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": 0, "
+      "\"contact\": {}, \"handoff_lost\": {}, \"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
+      "\"residual_relative\": {}}},\n",
+      number(kinetic_), number(elastic_), number(b.fracture), number(b.contact), number(b.handoff), number(b.injected),
+      number(b.frozen), number(engine_loss_), number(residual_));
+  j += fmt::format("  \"ledger\": {{\"linear_max\": {}, \"angular_max\": {}}},\n", number(ledger_linear_),
+                   number(ledger_angular_));
+  j += fmt::format(
+      "  \"handoff\": {{\"mass_error_max\": {}, \"momentum_error_max\": {}, \"angular_momentum_error_max\": {}, "
+      "\"mass_geometry_error_max\": {}, \"area_m2\": {}, \"detached_area_m2\": {}}},\n",
+      number(mass_error_), number(momentum_error_), number(angular_error_), number(geometry_error_),
+      number(handed_area_), number(detached_area_));
+  j += fmt::format("  \"stable_step\": {{\"initial_s\": {}, \"smallest_s\": {}}},\n", number(initial_step_),
+                   number(smallest_step_));
+  std::string models;
+  const auto model = [&](const char* name, const char* why, const char* stage) {
+    const auto it = stage_s_.find(stage);
+    models += fmt::format("{}{{\"name\": {}, \"why\": {}, \"share\": {}}}", models.empty() ? "" : ", ", quoted(name),
+                          quoted(why), number(it == stage_s_.end() || total == 0.0 ? 0.0 : it->second / total));
+  };
+  if (!setup_.shells.empty()) model("kirchhoff_love_plane_stress", "the scene has a shell", "internal_force");
+  if (!setup_.shells.empty() && !setup_.bodies.empty())
+    model("shell_contact", "bodies can meet the shell", "rigid_contact");
+  if (setup_.tips) model("tip_cracks", "the shell's material has a strength", "crack_update");
+  if (!setup_.cuts.empty()) model("prescribed_cuts", "the shell has cuts", "crack_update");
+  if (!setup_.bodies.empty() || handed_off_ > 0) model("rigid_engine", "there are rigid bodies", "coupling");
+  j += "  \"models\": [" + models + "],\n  \"state_hash\": " + quoted(state_hash()) + "\n}\n";
+  write_atomically(options_.out + "/run.json", j);
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,352 @@
+#include "shell/io/run.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <set>
+
+#include "coupler/core/error.h"
+#include "shell/solver/insertion.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kLedgerTolerance = 1e-12;  // of the sum of |J|; double precision leaves some 1e-15
+constexpr double kSmallPiece = 30.0;        // spacings squared: too small to bend, leaves at once
+constexpr double kSettleTime = 5e-5;        // a larger piece stays so long, its cracks may still branch [s]
+constexpr int kRigidSubsteps = 4;           // of free flight in a window without a shell
+constexpr int kFirstIterations = 120, kLaterIterations = 6;  // of the stable step
+
+double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+struct Stopwatch {
+  double& sum;
+  double start = now();
+  explicit Stopwatch(double& sum) : sum(sum) {}
+  ~Stopwatch() { sum += now() - start; }
+};
+
+}  // namespace
+
+Run::Run(RunSetup setup, RunOptions options)
+    : setup_(std::move(setup)), options_(std::move(options)), frames_(options_.out), random_(setup_.seed) {
+  wall_start_ = now();
+  if (options_.until > 0.0) setup_.end_time = std::min(setup_.end_time, options_.until);
+  setup_.latest_freeze = std::min(setup_.latest_freeze, setup_.end_time);
+  for (const RigidBody& b : setup_.bodies) proxies_.emplace_back(b);
+  next_id_ = first_shard_ = static_cast<BodyId>(setup_.bodies.size() + 1);
+}
+
+void Run::start() {
+  client_ = std::make_unique<link::RigidClient>(options_.endpoint, options_.scene_hash);
+  client_->load(setup_.bodies, setup_.laws);
+  if (!setup_.shells.empty()) {
+    const ShellModel& m = setup_.shells[0];
+    state_ = std::make_unique<ShellState>(make_state(m, setup_.shell_velocity, setup_.seed));
+    state_->cut_done.assign(setup_.cuts.size(), 0);
+    for (const Proxy& p : proxies_)
+      for (const ContactLaw& law : setup_.laws)
+        if ((law.first_group == m.contact_group && law.second_group == p.body.contact_group) ||
+            (law.second_group == m.contact_group && law.first_group == p.body.contact_group)) {
+          coefficients_.push_back({law.friction, law.restitution});
+          break;
+        }
+    initial_step_ = smallest_step_ = stable_step(m, *state_, kFirstIterations, options_.threads, mode_, can_crack());
+    require(setup_.window >= initial_step_,
+            "window_s is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple", setup_.window,
+            initial_step_);
+  }
+  reference_energy_ = total_energy(0.0);
+  for (const Proxy& p : proxies_) initial_energy_ += p.body.kinetic_energy();
+  series_ =
+      "time [s],kinetic [J],elastic [J],fracture [J],contact [J],handoff [J],engine [J],residual [-],cracks "
+      "[m],fragments [-],handed_off [-]\n";
+  write_summary("running", nullptr);
+  write_frame();
+}
+
+double Run::bodies_energy() const {
+  double sum = 0.0;
+  for (const Proxy& p : proxies_)
+    if (!p.body.is_static) sum += p.body.kinetic_energy() - p.body.mass * setup_.gravity.dot(p.body.motion.position);
+  return sum;
+}
+
+double Run::total_energy(double dt) {
+  double sum = bodies_energy();
+  kinetic_ = elastic_ = 0.0;
+  for (const Proxy& p : proxies_) kinetic_ += p.body.kinetic_energy();
+  if (!state_) return sum;
+  const ShellModel& m = setup_.shells[0];
+  elastic_ = compute_forces(m, *state_, true, 0.0, options_.threads);
+  const double kinetic = kinetic_energy(m, *state_, dt);
+  kinetic_ += kinetic;
+  for (int i = 0; i < m.tables.plane; ++i)
+    if (state_->inverse_mass[i] > 0.0) sum -= state_->mass[i] * setup_.gravity.dot(state_->position(i));
+  return sum + elastic_ + kinetic;
+}
+
+void Run::substep(double dt) {
+  const ShellModel& m = setup_.shells[0];
+  ShellState& s = *state_;
+  const double t = time() + dt * static_cast<double>(substeps_);
+  (void)t;
+  {
+    Stopwatch w(stage_s_["internal_force"]);
+    const double share = setup_.tips ? std::min(1.0, dt * m.wave_speed() / m.spacing) : 0.0;
+    compute_forces(m, s, false, share, options_.threads);
+  }
+  {
+    Stopwatch w(stage_s_["kick_drift"]);
+    kick(m, s, setup_.gravity, dt);
+    for (Proxy& p : proxies_)
+      if (!p.body.is_static) p.body.motion.velocity += dt * setup_.gravity;
+  }
+  {
+    Stopwatch w(stage_s_["rigid_contact"]);
+    if (candidates_.age++ % kContactRefresh == 0) {
+      refresh_candidates(m, s, proxies_, dt, candidates_);
+      candidates_.age = 1;
+    }
+    if (contact(m, s, proxies_, coefficients_, candidates_) > 0) last_contact_ = time();
+  }
+  {
+    Stopwatch w(stage_s_["kick_drift"]);
+    drift(s, dt);
+    for (Proxy& p : proxies_)
+      if (!p.body.is_static) p.body.drift(dt);
+  }
+}
+
+void Run::shell_window() {
+  const ShellModel& m = setup_.shells[0];
+  ShellState& s = *state_;
+  const int n = std::max(1, static_cast<int>(std::ceil(setup_.window / (setup_.safety * smallest_step_))));
+  const double dt = dt_ = setup_.window / n;
+  for (std::size_t i = 0; i < setup_.cuts.size(); ++i)
+    if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * setup_.window) {
+      Stopwatch w(stage_s_["crack_update"]);
+      insert_polyline(m, s, setup_.cuts[i].points, time());
+      s.cut_done[i] = 1, candidates_.age = 0;
+    }
+  for (int k = 0; k < n; ++k) {
+    substep(dt);
+    ++substeps_;
+    if (setup_.tips) {
+      Stopwatch w(stage_s_["crack_update"]);
+      if (grow_cracks(m, s, setup_.rules, time() + (k + 1) * dt, dt, random_) > 0) candidates_.age = 0;
+    }
+    if (k % 64 == 63) {
+      client_->check_peer();
+      progress();
+    }
+  }
+  check_ledger();
+  std::vector<RigidBody> births = take_off(false);
+  exchange(1, setup_.window, births);
+  Stopwatch w(stage_s_["internal_force"]);
+  const double energy = total_energy(dt);
+  const EnergyBook& b = s.book;
+  const double booked = b.fracture + b.contact + b.handoff + b.frozen + engine_loss_ - b.injected;
+  residual_ = initial_energy_ > 0.0 ? (energy + booked - reference_energy_) / initial_energy_
+                                    : energy + booked - reference_energy_;
+  if (!std::isfinite(energy) || std::abs(energy) > 100.0 * (std::abs(reference_energy_) + initial_energy_ + 1.0)) {
+    Error e(
+        Exit::kPhysics, "unstable",
+        fmt::format(
+            "the energy is {:.3g} J after it was {:.3g} J at the start: the shell is unstable; lower time_step_safety",
+            energy, reference_energy_));
+    e.window = windows_;
+    throw e;
+  }
+  if (s.cracks.edges().size() != edges_partitioned_) {
+    smallest_step_ =
+        std::min(smallest_step_, stable_step(m, s, kLaterIterations, options_.threads, mode_, can_crack()));
+    edges_partitioned_ = s.cracks.edges().size();
+  }
+}
+
+void Run::check_ledger() {
+  for (Proxy& p : proxies_) {
+    if (p.impulse_sum == 0.0) continue;
+    const double arm = std::isfinite(p.radius()) ? p.radius() : 1.0;
+    const double linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
+    const double angular = (p.angular_impulse + p.shell_angular).norm() / (p.impulse_sum * arm);
+    ledger_linear_ = std::max(ledger_linear_, linear), ledger_angular_ = std::max(ledger_angular_, angular);
+    if (linear > kLedgerTolerance || angular > kLedgerTolerance) {
+      Error e(Exit::kPhysics, "ledger",
+              fmt::format(
+                  "window {}: what the shell lost, body '{}' did not gain: {:.3g} linear, {:.3g} angular of {:.3g} N s",
+                  windows_, p.body.name, linear, angular, p.impulse_sum));
+      e.window = windows_, e.body = p.body.name;
+      throw e;
+    }
+  }
+}
+
+std::vector<RigidBody> Run::take_off(bool all) {
+  std::vector<RigidBody> births;
+  const ShellModel& m = setup_.shells[0];
+  ShellState& s = *state_;
+  if (s.cracks.edges().empty()) return births;
+  Stopwatch w(stage_s_["crack_update"]);
+  if (all) release_interlocks(m, s, 0.0, true);
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, s, pieces);
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    const auto& c = t.triangles[i];
+    for (const Vec2& r : rubble_)
+      if (orientation(t.vertices[c[0]], t.vertices[c[1]], r) >= 0 &&
+          orientation(t.vertices[c[1]], t.vertices[c[2]], r) >= 0 &&
+          orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0 && pieces[t.piece[i]].control_points.empty())
+        pieces[t.piece[i]].gone = true;
+  }
+  fragments_ = t.pieces;
+  double before = 0.0;
+  bool any = false;
+  for (Piece& p : pieces) {
+    if (p.held || p.gone || p.interlocked) continue;
+    if (t.pieces == 1) {  // nothing has separated: a free shell stays a shell
+      continue;
+    }
+    if (!all && !p.control_points.empty() && p.area > kSmallPiece * m.spacing * m.spacing) {
+      const auto [since, fresh] = detached_since_.try_emplace(p.control_points[0], tick_);
+      if (static_cast<double>(tick_ - since->second) * setup_.window < kSettleTime) continue;
+    }
+    if (!any) before = total_energy(dt_), any = true;
+    if (p.control_points.empty())
+      for (std::size_t i = 0; i < t.triangles.size(); ++i)
+        if (t.piece[i] == p.number) {
+          const auto& c = t.triangles[i];
+          rubble_.push_back((t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0);
+        }
+    Handoff h = hand_off(m, s, t, p, next_id_++, dt_);
+    const double mass = m.material.density * m.thickness * h.area;
+    geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
+    handed_area_ += h.area, ++handed_off_;
+    p.gone = true;
+    births.push_back(h.body);
+    proxies_.emplace_back(h.body);
+    double friction = 0.5, restitution = 0.0;
+    for (const ContactLaw& law : setup_.laws)
+      if (law.first_group == m.contact_group && law.second_group == m.contact_group)
+        friction = law.friction, restitution = law.restitution;
+    coefficients_.push_back({friction, restitution});
+    candidates_.age = 0;
+  }
+  detached_area_ = 0.0;
+  for (const Piece& p : pieces)
+    if (!p.held) detached_area_ += p.area;
+  if (any) s.book.handoff += before - total_energy(dt_);
+  return births;
+}
+
+void Run::exchange(int ticks, double window, const std::vector<RigidBody>& births) {
+  Stopwatch w(stage_s_["coupling"]);
+  std::vector<link::Motion> motions;
+  const std::size_t old = proxies_.size() - births.size();
+  const double before = bodies_energy();
+  for (std::size_t i = 0; i < old; ++i) {
+    Proxy& p = proxies_[i];
+    if (!p.body.is_static) motions.push_back({p.body.id, p.body.motion, p.linear_impulse, p.angular_impulse});
+    p.linear_impulse = p.angular_impulse = p.shell_linear = p.shell_angular = Vec3::Zero();
+    p.impulse_sum = 0.0;
+  }
+  const auto states = client_->window(tick_, ticks, window, motions, births);
+  check_births(births, states);
+  std::size_t k = 0;
+  for (Proxy& p : proxies_)
+    if (!p.body.is_static) p.body.motion = states[k++].motion;
+  engine_loss_ += before - bodies_energy();
+  tick_ += ticks;
+  ++windows_;
+}
+
+void Run::check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states) {
+  for (const RigidBody& b : births)
+    for (const link::State& s : states) {
+      if (s.id != b.id || b.is_static) continue;
+      const Vec3 momentum = b.mass * b.motion.velocity;
+      const double scale = std::max(momentum.norm(), 1e-12), turn = std::max(b.motion.angular_momentum.norm(), 1e-12);
+      mass_error_ = std::max(mass_error_, std::abs(s.mass - b.mass) / b.mass);
+      momentum_error_ = std::max(momentum_error_, (s.mass * s.motion.velocity - momentum).norm() / scale);
+      angular_error_ = std::max(angular_error_, (s.motion.angular_momentum - b.motion.angular_momentum).norm() / turn);
+    }
+}
+
+bool Run::cracking_has_ended() const {
+  if (!state_ || state_->last_crack_time < 0.0) return false;
+  for (const char done : state_->cut_done)
+    if (!done) return false;
+  if (time() >= setup_.latest_freeze) return true;
+  return time() - std::max(state_->last_crack_time, last_contact_) > setup_.quiet_time;
+}
+
+void Run::freeze_shell() {
+  const ShellModel& m = setup_.shells[0];
+  std::vector<RigidBody> births = take_off(true);
+  const double before = total_energy(dt_);
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, *state_, pieces);
+  RigidBody remains = freeze(m, *state_, t, pieces, next_id_++);
+  const auto& shape = std::get<ConvexShape>(remains.shape);
+  if (!shape.parts.empty()) {
+    births.push_back(remains);
+    proxies_.emplace_back(remains);
+  }
+  book_ = state_->book;
+  write_summary("running", nullptr);
+  state_hash();
+  frozen_at_ = time();
+  state_.reset();
+  book_.frozen += before - total_energy(dt_);
+  exchange(1, setup_.window, births);  // newborn bodies do not move in the window of their birth
+}
+
+void Run::rigid_window() {
+  const auto ratio = static_cast<std::int64_t>(std::llround(setup_.settle_window / setup_.window));
+  const std::int64_t end = std::llround(setup_.end_time / setup_.window);
+  const int ticks = static_cast<int>(std::max<std::int64_t>(1, std::min(ratio, end - tick_)));
+  const double window = ticks * setup_.window, h = window / kRigidSubsteps;
+  for (Proxy& p : proxies_)
+    for (int k = 0; k < kRigidSubsteps && !p.body.is_static; ++k) {
+      p.body.motion.velocity += h * setup_.gravity;
+      p.body.drift(h);
+    }
+  exchange(ticks, window, {});
+  const double energy = total_energy(0.0);
+  const EnergyBook& b = book_;
+  const double booked = b.fracture + b.contact + b.handoff + b.frozen + engine_loss_ - b.injected;
+  if (initial_energy_ > 0.0) residual_ = (energy + booked - reference_energy_) / initial_energy_;
+}
+
+Exit Run::execute(const std::atomic<bool>& interrupted) {
+  try {
+    start();
+    const std::int64_t end = std::llround(setup_.end_time / setup_.window);
+    while (tick_ < end && !interrupted) {
+      if (state_ && cracking_has_ended())
+        freeze_shell();
+      else if (state_)
+        shell_window();
+      else
+        rigid_window();
+      if (time() >= next_frame_) write_frame();
+      write_series_row();
+      progress();
+    }
+    write_frame();
+    client_->bye();
+    write_summary(interrupted ? "interrupted" : "done", nullptr);
+    return interrupted ? Exit::kInterrupted : Exit::kDone;
+  } catch (const Error& e) {
+    if (client_) client_->abort(e.kind, e.what());
+    try {
+      write_summary("failed", &e);
+    } catch (const Error&) {  // the disk is full: the message on the terminal remains
+    }
+    throw;
+  }
+}
+
+}  // namespace sunder::shell

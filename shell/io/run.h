@@ -1,0 +1,78 @@
+#pragma once
+// A whole run: windows of substeps against proxies, exchanged with the rigid process.
+#include <atomic>
+#include <map>
+#include <string>
+
+#include "coupler/link/client.h"
+#include "shell/io/build.h"
+#include "shell/io/frames.h"
+#include "shell/solver/step.h"
+
+namespace sunder::shell {
+
+struct RunOptions {
+  std::string out, endpoint, scene_hash;
+  double until = 0.0;  // [s]; 0: the scene's end
+  int threads = 1;
+  bool quiet = false;
+};
+
+class Run {
+ public:
+  Run(RunSetup setup, RunOptions options);
+  /// Returns done or interrupted; throws Error after run.json says why.
+  Exit execute(const std::atomic<bool>& interrupted);
+
+ private:
+  void start();
+  void shell_window();
+  void rigid_window();
+  void substep(double dt);
+  std::vector<RigidBody> take_off(bool all);
+  void exchange(int ticks, double window, const std::vector<RigidBody>& births);
+  void check_ledger();
+  void check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states);
+  bool can_crack() const { return setup_.tips || !setup_.cuts.empty(); }
+  bool cracking_has_ended() const;
+  void freeze_shell();
+  double total_energy(double dt);
+  double bodies_energy() const;
+  void write_frame();
+  void write_series_row();
+  void write_summary(const std::string& status, const Error* error);
+  void progress();
+  std::string state_hash() const;
+  double time() const { return static_cast<double>(tick_) * setup_.window; }
+
+  RunSetup setup_;
+  RunOptions options_;
+  FrameWriter frames_;
+  std::unique_ptr<link::RigidClient> client_;
+  std::unique_ptr<ShellState> state_;  // none once frozen
+  std::vector<Proxy> proxies_;         // moving and static bodies of the scene and shards, by id
+  std::vector<ContactCoefficients> coefficients_;
+  ContactCandidates candidates_;
+  std::vector<double> mode_;                    // of the stable step's power iteration
+  std::map<int, std::int64_t> detached_since_;  // lowest control point of a piece -> tick
+  std::vector<Vec2> rubble_;                    // centres of pieces without control points that have left
+  std::uint64_t random_ = 0;
+  std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;
+  std::size_t edges_partitioned_ = 0;
+  BodyId first_shard_ = 1, next_id_ = 1;
+  int fragments_ = 0, handed_off_ = 0;
+  double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;
+  double initial_step_ = 0.0, smallest_step_ = 0.0;
+  double last_contact_ = 0.0;
+  double initial_energy_ = 0.0, reference_energy_ = 0.0, engine_loss_ = 0.0, residual_ = 0.0, support_work_ = 0.0;
+  double kinetic_ = 0.0, elastic_ = 0.0;
+  double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
+  double mass_error_ = 0.0, momentum_error_ = 0.0, angular_error_ = 0.0, geometry_error_ = 0.0;
+  double next_frame_ = 0.0, wall_start_ = 0.0, last_progress_ = 0.0;
+  double frozen_at_ = -1.0;
+  EnergyBook book_;  // of the shell, kept when it is frozen
+  std::map<std::string, double> stage_s_;
+  std::string series_;
+};
+
+}  // namespace sunder::shell

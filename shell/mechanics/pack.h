@@ -1,0 +1,79 @@
+#pragma once
+// Four doubles that are worked on at once. The force kernels are written once for a scalar type T and
+// run with T = Pack in the solver, T = double in tests.
+#include <bit>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+namespace sunder::shell {
+
+typedef double Pack __attribute__((vector_size(32)));
+typedef std::int64_t IntPack __attribute__((vector_size(32)));
+constexpr int kLanes = 4;
+
+template <class T>
+constexpr int lanes() {
+  return sizeof(T) / sizeof(double);
+}
+template <class T>
+inline T load(const double* p) {
+  T t;
+  std::memcpy(&t, p, sizeof(T));
+  return t;
+}
+template <class T>
+inline void store(double* p, const T& t) {
+  std::memcpy(p, &t, sizeof(T));
+}
+template <class T>
+inline T splat(double value) {
+  return T{} + value;
+}
+
+inline double select(bool mask, double a, double b) { return mask ? a : b; }
+inline Pack select(IntPack mask, Pack a, Pack b) { return mask ? a : b; }
+
+inline double square_root(double a) { return std::sqrt(a); }
+inline Pack square_root(Pack a) {
+  Pack r{};
+  for (int i = 0; i < kLanes; ++i) r[i] = __builtin_sqrt(a[i]);
+  return r;
+}
+
+/// Splits a > 0 (normal numbers) into m 2^k with sqrt(1/2) <= m < sqrt(2).
+inline void split_exponent(double a, double& mantissa, double& exponent) {
+  int k;
+  mantissa = std::frexp(a, &k);  // [1/2, 1)
+  if (mantissa < 0.70710678118654752) mantissa *= 2.0, --k;
+  exponent = k;
+}
+inline void split_exponent(Pack a, Pack& mantissa, Pack& exponent) {
+  const IntPack bits = std::bit_cast<IntPack>(a);
+  const IntPack from_half = bits - 0x3fe6a09e667f3bcdLL;      // bits of sqrt(1/2)
+  const IntPack biased = (from_half + (1024LL << 52)) >> 52;  // k + 1024, positive for all normal a
+  mantissa = std::bit_cast<Pack>(bits - ((biased - 1024) << 52));
+  // an integer below 2^52 put into the mantissa of 2^52: no packed conversion needed
+  exponent = std::bit_cast<Pack>(biased | 0x4330000000000000LL) - (4503599627370496.0 + 1024.0);
+}
+
+/// Natural logarithm of a positive normal number, error below 2e-16 + 1 ulp:
+/// ln m = 2 atanh((m-1)/(m+1)), |argument| < 0.1716.
+template <class T>
+inline T logarithm(T a) {
+  T m, k;
+  split_exponent(a, m, k);
+  const T z = (m - 1.0) / (m + 1.0), q = z * z;
+  T s = splat<T>(2.0 / 19.0);
+  s = s * q + 2.0 / 17.0;
+  s = s * q + 2.0 / 15.0;
+  s = s * q + 2.0 / 13.0;
+  s = s * q + 2.0 / 11.0;
+  s = s * q + 2.0 / 9.0;
+  s = s * q + 2.0 / 7.0;
+  s = s * q + 2.0 / 5.0;
+  s = s * q + 2.0 / 3.0;
+  return k * 0.69314718055994530942 + (z * 2.0 + z * q * s);
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,73 @@
+#pragma once
+// Compressible neo-Hookean material in true plane stress, in curvilinear components.
+#include "shell/mechanics/pack.h"
+
+namespace sunder::shell {
+
+/// Symmetric 2x2 tensor: components 11, 22, 12.
+template <class T>
+struct Sym2 {
+  T c11, c22, c12;
+};
+
+template <class T>
+inline T determinant(const Sym2<T>& a) {
+  return a.c11 * a.c22 - a.c12 * a.c12;
+}
+
+/// Lame constants [Pa].
+struct Elasticity {
+  double mu = 0.0, lambda = 0.0;
+};
+inline Elasticity elasticity(double youngs_modulus, double poisson_ratio) {
+  return {youngs_modulus / (2.0 * (1.0 + poisson_ratio)),
+          youngs_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio))};
+}
+
+/// Newton steps for the thickness stretch beyond the first (which is exact to second order in strain).
+/// Convex for lambda >= 0, so it converges from one side; the error squares every time.
+constexpr int kThicknessNewtonSteps = 3;
+
+template <class T>
+struct PlaneStress {
+  Sym2<T> s;   // second Piola-Kirchhoff stress, contravariant [Pa / metric]
+  T stretch2;  // thickness stretch squared
+  T log_area;  // ln J0, J0 the area ratio
+};
+
+/// psi = mu/2 (tr C - 3) - mu ln J + lambda/2 ln^2 J with the thickness stretch from sigma_33 = 0:
+///   g(s) = mu (s - 1) + lambda/2 ln s + lambda ln J0 = 0,  s = stretch^2;  S = mu (Abar^-1 - s C^-1).
+/// `c` is the current, `a` the reference metric at this layer (covariant, both positive definite).
+/// Newton in s = stretch^2 from the root of the linearised equation; a step may take s to a quarter
+/// of itself at the least, since the root is positive and the logarithm ends at zero.
+template <class T>
+inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
+  const T dc = determinant(c), da = determinant(a);
+  PlaneStress<T> r;
+  r.log_area = 0.5 * logarithm<T>(dc / da);
+  const double kappa = 2.0 * e.lambda / (e.lambda + 2.0 * e.mu);
+  const T u = -kappa * r.log_area;                                         // ln s to first order
+  T s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
+  s = select(s > 0.05, s, splat<T>(0.05));
+  for (int i = 0; i < kThicknessNewtonSteps; ++i) {
+    const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * r.log_area;
+    const T step = g / (e.mu + 0.5 * e.lambda / s);
+    const T next = s - step;
+    s = select(next > 0.25 * s, next, 0.25 * s);
+  }
+  r.stretch2 = s;
+  const T ic = s / dc, ia = 1.0 / da;
+  r.s = {e.mu * (a.c22 * ia - ic * c.c22), e.mu * (a.c11 * ia - ic * c.c11), e.mu * (ic * c.c12 - a.c12 * ia)};
+  return r;
+}
+
+/// Energy per reference volume [J/m^3] of the same state.
+template <class T>
+inline T plane_stress_energy(const PlaneStress<T>& p, const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
+  const T ia = 1.0 / determinant(a);
+  const T trace = (c.c11 * a.c22 + c.c22 * a.c11 - 2.0 * c.c12 * a.c12) * ia;  // tr(Abar^-1 C)
+  const T log_j = p.log_area + 0.5 * logarithm<T>(p.stretch2);
+  return 0.5 * e.mu * (trace + p.stretch2 - 3.0) - e.mu * log_j + 0.5 * e.lambda * log_j * log_j;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,115 @@
+#include "shell/mechanics/row_tables.h"
+
+#include "coupler/core/error.h"
+#include "shell/geometry/quadrature.h"
+
+namespace sunder::shell {
+
+Layers gauss_layers(int count, double thickness) {
+  const GaussRule& rule = gauss_rule(count);
+  Layers layers;
+  for (int l = 0; l < count; ++l) {
+    layers.zeta.push_back(0.5 * thickness * rule.point[l]);
+    layers.weight.push_back(0.5 * thickness * rule.weight[l]);
+  }
+  return layers;
+}
+
+namespace {
+
+int round_up(int n, int to) { return (n + to - 1) / to * to; }
+
+// The basis of a span; for a span of no length (never summed) any regular numbers will do.
+Basis basis_at(const KnotVector& knots, int span, double point) {
+  if (knots.span_length(span) == 0.0) return {{0.5, 0.5, 0.0}, {-1.0, 1.0, 0.0}, {0.0, 0.0, 0.0}};
+  return knots.basis(span, knots.span_begin(span) + 0.5 * (1.0 + point) * knots.span_length(span));
+}
+
+}  // namespace
+
+GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane) {
+  const GaussRule& rule = gauss_rule(t.gauss);
+  const int row = block / t.gauss, a = block % t.gauss, f = row / t.gauss, b = row % t.gauss;
+  const double lu = patch.knots_u.span_length(lane), lv = patch.knots_v.span_length(f);
+  return {{patch.knots_u.span_begin(lane) + 0.5 * (1.0 + rule.point[a]) * lu,
+           patch.knots_v.span_begin(f) + 0.5 * (1.0 + rule.point[b]) * lv},
+          0.25 * lu * lv * rule.weight[a] * rule.weight[b]};
+}
+
+RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, const Elasticity& elasticity,
+                          const std::string& field) {
+  RowTables t;
+  t.columns = patch.columns(), t.rows = patch.rows();
+  t.spans_u = patch.knots_u.spans(), t.spans_v = patch.knots_v.spans();
+  t.gauss = gauss;
+  t.lanes = round_up(t.spans_u, kLanes);
+  t.stride = round_up(t.lanes + kDegree, 8);
+  if (t.stride % 16 == 0) t.stride += 8;  // an odd number of 64-byte lines
+  t.plane = t.stride * t.rows;
+  t.rational = patch.rational();
+  t.layers = layers;
+  t.elasticity = elasticity;
+
+  const GaussRule& rule = gauss_rule(gauss);
+  t.basis_u.assign(static_cast<std::size_t>(gauss) * 9 * t.lanes, 0.0);
+  for (int a = 0; a < gauss; ++a)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const Basis basis = basis_at(patch.knots_u, e, rule.point[a]);
+      for (int k = 0; k < kSupport; ++k) {
+        t.basis_u[((a * 3 + 0) * 3 + k) * t.lanes + e] = basis.value[k];
+        t.basis_u[((a * 3 + 1) * 3 + k) * t.lanes + e] = basis.first[k];
+        t.basis_u[((a * 3 + 2) * 3 + k) * t.lanes + e] = basis.second[k];
+      }
+    }
+  for (int f = 0; f < t.spans_v; ++f)
+    for (int b = 0; b < gauss; ++b) {
+      const Basis basis = basis_at(patch.knots_v, f, rule.point[b]);
+      t.basis_v.insert(t.basis_v.end(), basis.value.begin(), basis.value.end());
+      t.basis_v.insert(t.basis_v.end(), basis.first.begin(), basis.first.end());
+      t.basis_v.insert(t.basis_v.end(), basis.second.begin(), basis.second.end());
+    }
+  t.weight.assign(t.plane, 0.0);
+  for (int i = 0; i < t.columns * t.rows; ++i) t.weight[t.slot(i)] = patch.weights[i];
+
+  t.metric.assign(static_cast<std::size_t>(t.blocks()) * kMetricFields * t.lanes, 0.0);
+  if (t.rational) t.denominator.assign(static_cast<std::size_t>(t.blocks()) * kRationalFields * t.lanes, 0.0);
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.lanes; ++e) {
+      t.metric[t.at(q, kMetricFields, kA11, e)] = t.metric[t.at(q, kMetricFields, kA22, e)] = 1.0;
+      if (t.rational) t.denominator[t.at(q, kRationalFields, kInvW, e)] = 1.0;
+      if (e >= t.spans_u) continue;
+      const GaussPoint g = gauss_point(patch, t, q, e);
+      if (g.weight == 0.0) continue;
+      const SurfacePoint s = patch.evaluate(g.parameter);
+      const Vec3 cross = s.u.cross(s.v);
+      const double jacobian = cross.norm();
+      require(
+          jacobian > 1e-10 * std::max(1e-300, s.u.norm() * s.v.norm()) && s.u.norm() > 0 && s.v.norm() > 0,
+          "{}: the surface is degenerate at (u, v) = ({}, {}): its tangents are parallel or vanish; move the control "
+          "points around it apart",
+          field, g.parameter.x(), g.parameter.y());
+      const Vec3 n = cross / jacobian;
+      double* m = &t.metric[t.at(q, kMetricFields, 0, e)];
+      m[kA11 * t.lanes] = s.u.dot(s.u), m[kA22 * t.lanes] = s.v.dot(s.v), m[kA12 * t.lanes] = s.u.dot(s.v);
+      m[kB11 * t.lanes] = s.uu.dot(n), m[kB22 * t.lanes] = s.vv.dot(n), m[kB12 * t.lanes] = s.uv.dot(n);
+      m[kArea * t.lanes] = jacobian * g.weight;
+      if (t.rational) {
+        const Basis bu = basis_at(patch.knots_u, e, rule.point[q % gauss]);
+        const int row = q / gauss;
+        const Basis bv = basis_at(patch.knots_v, row / gauss, rule.point[row % gauss]);
+        double w[6] = {};
+        for (int j = 0; j < kSupport; ++j)
+          for (int i = 0; i < kSupport; ++i) {
+            const double weight = patch.weights[(row / gauss + j) * t.columns + e + i];
+            w[0] += weight * bu.value[i] * bv.value[j], w[1] += weight * bu.first[i] * bv.value[j];
+            w[2] += weight * bu.value[i] * bv.first[j], w[3] += weight * bu.second[i] * bv.value[j];
+            w[4] += weight * bu.value[i] * bv.second[j], w[5] += weight * bu.first[i] * bv.first[j];
+          }
+        w[0] = 1.0 / w[0];
+        for (int i = 0; i < kRationalFields; ++i) t.denominator[t.at(q, kRationalFields, i, e)] = w[i];
+      }
+    }
+  return t;
+}
+
+}  // namespace sunder::shell

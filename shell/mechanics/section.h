@@ -1,0 +1,96 @@
+#pragma once
+// One point of the mid-surface: from tangents and second derivatives to forces on them.
+#include "shell/mechanics/plane_stress.h"
+#include "shell/mechanics/row_tables.h"
+
+namespace sunder::shell {
+
+template <class T>
+struct Vector {
+  T x, y, z;
+};
+template <class T>
+inline T dot(const Vector<T>& a, const Vector<T>& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/// First and second derivatives of the surface; as forces: what is conjugate to them.
+template <class T>
+struct Derivatives {
+  Vector<T> u, v, uu, vv, uv;
+};
+
+/// Resultants over the thickness per reference area, contravariant: n [N/m], m [N].
+template <class T>
+struct Resultants {
+  Sym2<T> n, m;
+  T energy;  // [J/m^2]; only where asked for
+};
+
+template <class T>
+struct ReferenceMetric {
+  Sym2<T> a, b;
+};
+
+/// Surface measures of the current state.
+template <class T>
+struct Forms {
+  Vector<T> normal;
+  Sym2<T> a, b;  // first and second fundamental form
+};
+
+template <class T>
+inline Forms<T> surface_forms(const Derivatives<T>& d) {
+  Forms<T> f;
+  f.normal = {d.u.y * d.v.z - d.u.z * d.v.y, d.u.z * d.v.x - d.u.x * d.v.z, d.u.x * d.v.y - d.u.y * d.v.x};
+  f.a = {dot(d.u, d.u), dot(d.v, d.v), dot(d.u, d.v)};
+  const T inverse = 1.0 / square_root(determinant(f.a));
+  f.normal = {f.normal.x * inverse, f.normal.y * inverse, f.normal.z * inverse};
+  f.b = {dot(d.uu, f.normal), dot(d.vv, f.normal), dot(d.uv, f.normal)};
+  return f;
+}
+
+/// C(zeta) = a - 2 zeta b against Abar(zeta) = abar - 2 zeta bbar, integrated over the layers.
+template <class T, bool kEnergy>
+inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
+                                      const Elasticity& e) {
+  Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
+  for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
+    const double z = layers.zeta[l], w = layers.weight[l];
+    const Sym2<T> c{f.a.c11 - 2.0 * z * f.b.c11, f.a.c22 - 2.0 * z * f.b.c22, f.a.c12 - 2.0 * z * f.b.c12};
+    const Sym2<T> a{ref.a.c11 - 2.0 * z * ref.b.c11, ref.a.c22 - 2.0 * z * ref.b.c22, ref.a.c12 - 2.0 * z * ref.b.c12};
+    const PlaneStress<T> p = plane_stress<T>(c, a, e);
+    r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
+    r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
+    if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, a, e);
+  }
+  return r;
+}
+
+/// Forces conjugate to the derivatives, for reference area `area`:
+/// on x_,alpha: -area (n^ab a_b + m^bc Gamma^a_bc n), on x_,ab: +area m^ab n (12 counted twice).
+template <class T>
+inline Derivatives<T> section_forces(const Derivatives<T>& d, const Forms<T>& f, const Resultants<T>& r,
+                                     const T& area) {
+  const T inverse = 1.0 / determinant(f.a);
+  const T i11 = f.a.c22 * inverse, i22 = f.a.c11 * inverse, i12 = -f.a.c12 * inverse;
+  // w = m^bc x_,bc, so m^bc Gamma^a_bc = w . a^a
+  const Vector<T> w{r.m.c11 * d.uu.x + r.m.c22 * d.vv.x + 2.0 * r.m.c12 * d.uv.x,
+                    r.m.c11 * d.uu.y + r.m.c22 * d.vv.y + 2.0 * r.m.c12 * d.uv.y,
+                    r.m.c11 * d.uu.z + r.m.c22 * d.vv.z + 2.0 * r.m.c12 * d.uv.z};
+  const T wu = dot(w, d.u), wv = dot(w, d.v);
+  const T k1 = i11 * wu + i12 * wv, k2 = i12 * wu + i22 * wv;
+  const Vector<T>& n = f.normal;
+  const T h11 = area * r.m.c11, h22 = area * r.m.c22, h12 = 2.0 * area * r.m.c12;
+  Derivatives<T> g;
+  g.u = {-area * (r.n.c11 * d.u.x + r.n.c12 * d.v.x + k1 * n.x), -area * (r.n.c11 * d.u.y + r.n.c12 * d.v.y + k1 * n.y),
+         -area * (r.n.c11 * d.u.z + r.n.c12 * d.v.z + k1 * n.z)};
+  g.v = {-area * (r.n.c12 * d.u.x + r.n.c22 * d.v.x + k2 * n.x), -area * (r.n.c12 * d.u.y + r.n.c22 * d.v.y + k2 * n.y),
+         -area * (r.n.c12 * d.u.z + r.n.c22 * d.v.z + k2 * n.z)};
+  g.uu = {h11 * n.x, h11 * n.y, h11 * n.z};
+  g.vv = {h22 * n.x, h22 * n.y, h22 * n.z};
+  g.uv = {h12 * n.x, h12 * n.y, h12 * n.z};
+  return g;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,258 @@
+#include "shell/solver/handoff.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "coupler/core/error.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kDonorShare = 0.5;  // a control point gives away at most this share of its mass
+
+// Rest geometry of a piece: the mid-surface triangles thickened by tau.
+struct Geometry {
+  double area = 0.0;
+  Vec3 centre = Vec3::Zero();
+  Mat3 second = Mat3::Zero();  // integral of (x - centre)(x - centre)^T over the volume / tau
+};
+
+Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
+  Geometry g;
+  Mat3 about_origin = Mat3::Zero();
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    if (t.piece[i] != piece) continue;
+    Vec3 c[3];
+    for (int k = 0; k < 3; ++k) c[k] = m.patch.evaluate(t.vertices[t.triangles[i][k]]).x;
+    const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
+    const double area = 0.5 * cross.norm();
+    if (area == 0.0) continue;
+    const Vec3 n = cross / (2.0 * area), sum = c[0] + c[1] + c[2];
+    g.area += area, g.centre += area / 3.0 * sum;
+    Mat3 second = sum * sum.transpose();
+    for (const Vec3& p : c) second += p * p.transpose();
+    about_origin += area / 12.0 * second + area * m.thickness * m.thickness / 12.0 * n * n.transpose();
+  }
+  if (g.area > 0.0) {
+    g.centre /= g.area;
+    g.second = about_origin - g.area * g.centre * g.centre.transpose();
+  }
+  return g;
+}
+
+// Rotation and translation of rest positions that fit the present ones best (mass-weighted).
+void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& slots, Mat3& rotation, Vec3& from,
+              Vec3& to) {
+  double mass = 0.0;
+  from = to = Vec3::Zero();
+  for (const int slot : slots) {
+    mass += s.mass[slot];
+    from += s.mass[slot] * s.at(m.rest, slot), to += s.mass[slot] * s.position(slot);
+  }
+  from /= mass, to /= mass;
+  Mat3 covariance = Mat3::Zero();
+  for (const int slot : slots)
+    covariance += s.mass[slot] * (s.position(slot) - to) * (s.at(m.rest, slot) - from).transpose();
+  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  rotation = Mat3::Identity();
+  // fewer than three points, or points in a line, fix no rotation
+  if (svd.singularValues()[1] < 1e-6 * svd.singularValues()[0]) return;
+  Mat3 sign = Mat3::Identity();
+  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  rotation = svd.matrixU() * sign * svd.matrixV().transpose();
+}
+
+// Control points that stay, nearest to the piece's centre first.
+std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Triangulation& t, const Piece& piece) {
+  std::vector<Vec2> border;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    if (t.piece[i] == piece.number)
+      for (int k = 0; k < 3; ++k)
+        if (t.crack[i][k])
+          border.push_back(0.5 * (t.vertices[t.triangles[i][(k + 1) % 3]] + t.vertices[t.triangles[i][(k + 2) % 3]]));
+  std::vector<std::pair<double, int>> found;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    if (t.owner[i] == piece.number || s.gone[slot] || s.mass[slot] <= 0.0) continue;
+    double nearest = 1e300;
+    for (const Vec2& b : border) nearest = std::min(nearest, (m.parameter[i] - b).squaredNorm());
+    found.push_back({nearest, slot});
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<int> slots;
+  for (const auto& f : found) slots.push_back(f.second);
+  return slots;
+}
+
+std::vector<std::vector<Vec3>> thick_parts(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre,
+                                           const Mat3& to_body) {
+  std::vector<std::vector<Vec3>> parts;
+  for (const auto& polygon : convex_parts(t, piece, 0.04 * m.spacing * m.spacing)) {
+    auto& corners = parts.emplace_back();
+    for (const Vec2& p : polygon) {
+      const SurfacePoint q = m.patch.evaluate(p);
+      const Vec3 n = q.u.cross(q.v).normalized();
+      for (const double side : {-0.5, 0.5}) corners.push_back(to_body * (q.x + side * m.thickness * n - centre));
+    }
+  }
+  return parts;
+}
+
+// The piece's points leave: nothing reads or moves them any more.
+void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
+  const RowTables& t = m.tables;
+  const std::size_t plane = t.plane;
+  std::vector<char> own(plane, 0);
+  for (const int i : piece.control_points) {
+    const int slot = t.slot(i);
+    own[slot] = 1, s.gone[slot] = 1;
+    s.inverse_mass[slot] = 0.0, s.mass[slot] = 0.0;
+    for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
+  }
+  for (GatheredPoint& g : s.points)
+    if (g.kind != PointKind::kDead && own[g.functions[0].slot]) g.kind = PointKind::kDead, g.functions.clear();
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) {
+      double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];
+      if (area > 0.0 && own[q / (t.gauss * t.gauss) * t.stride + e]) area = 0.0;
+      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
+      if (area == 0.0 && (point < 0 || s.points[point].kind == PointKind::kDead))
+        for (int k = 0; k < 6; ++k) s.surface_stress[t.at(q, 6, k, e)] = 0.0;
+    }
+  for (Interlock& lock : s.interlocks)
+    for (const auto* side : {&lock.plus, &lock.minus})
+      for (const auto& f : *side)
+        if (own[f.slot]) lock.holds = false;
+  for (Tip& tip : s.tips)
+    if (tip.alive) {
+      const int i = m.patch.knots_v.span_of(tip.p.y()) * t.stride + m.patch.knots_u.span_of(tip.p.x());
+      if (own[i]) tip.alive = false;
+    }
+}
+
+}  // namespace
+
+Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Piece>& pieces) {
+  Triangulation t =
+      triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, m.parameter, m.spacing, 0.02 * m.spacing * m.spacing);
+  pieces.assign(t.pieces, {});
+  for (int i = 0; i < t.pieces; ++i) pieces[i].number = i;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    const auto& c = t.triangles[i];
+    pieces[t.piece[i]].area += triangle_area(t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]]);
+  }
+  std::vector<int> gone(t.pieces, 0);
+  for (int i = 0; i < m.control_points(); ++i) {
+    if (t.owner[i] < 0) continue;
+    Piece& p = pieces[t.owner[i]];
+    p.control_points.push_back(i);
+    p.held = p.held || m.held[m.tables.slot(i)];
+    gone[t.owner[i]] += s.gone[m.tables.slot(i)];
+  }
+  for (Piece& p : pieces) p.gone = !p.control_points.empty() && gone[p.number] > 0;
+  for (const Interlock& lock : s.interlocks) {
+    if (!lock.holds) continue;
+    int a = -1, b = -1;
+    for (const auto& f : lock.plus) a = t.owner[f.slot / m.tables.stride * m.tables.columns + f.slot % m.tables.stride];
+    for (const auto& f : lock.minus)
+      b = t.owner[f.slot / m.tables.stride * m.tables.columns + f.slot % m.tables.stride];
+    if (a != b && a >= 0 && b >= 0) pieces[a].interlocked = pieces[b].interlocked = true;
+  }
+  return t;
+}
+
+Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, const Piece& piece, BodyId id, double dt) {
+  const Geometry g = rest_geometry(m, t, piece.number);
+  Handoff out;
+  out.area = g.area;
+  const double target = m.material.density * m.thickness * g.area;
+  std::vector<int> slots;
+  double mass = 0.0;
+  Vec3 momentum = Vec3::Zero();
+  const auto velocity_now = [&](int slot) -> Vec3 {  // half a step on, at the time of the positions
+    return s.velocity(slot) + 0.5 * dt * s.inverse_mass[slot] * s.at(s.force, slot);
+  };
+  for (const int i : piece.control_points) {
+    const int slot = m.tables.slot(i);
+    slots.push_back(slot);
+    mass += s.mass[slot];
+    momentum += s.mass[slot] * velocity_now(slot);
+  }
+  const std::vector<int> beside = neighbours(m, s, t, piece);
+  // where is the piece, and how turned
+  std::vector<int> fitted = slots;
+  for (std::size_t k = 0; fitted.size() < 4 && k < beside.size(); ++k) fitted.push_back(beside[k]);
+  ensure(!fitted.empty(), "piece {} has no control point near it", piece.number);
+  Mat3 rotation;
+  Vec3 from, to;
+  fit_pose(m, s, fitted, rotation, from, to);
+  const Vec3 centre = to + rotation * (g.centre - from);
+  Vec3 angular = Vec3::Zero();
+  for (const int slot : slots) angular += s.mass[slot] * (s.position(slot) - centre).cross(velocity_now(slot));
+  // Mass that lumping put on the wrong side crosses the crack, with the velocity that it has there.
+  double missing = target - mass;
+  out.mass_moved = missing;
+  if (missing > 0.0) {
+    for (const int slot : beside) {
+      const double part = std::min(missing, kDonorShare * s.mass[slot]);
+      const Vec3 v = m.held[slot] ? Vec3(Vec3::Zero()) : velocity_now(slot);
+      momentum += part * v;
+      angular += part * (s.position(slot) - centre).cross(v);
+      s.mass[slot] -= part;
+      if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
+      if ((missing -= part) <= 0.0) break;
+    }
+  } else if (missing < 0.0 && !beside.empty()) {
+    const std::size_t takers = std::min<std::size_t>(beside.size(), 12);
+    const Vec3 v = momentum / mass;
+    for (std::size_t k = 0; k < takers; ++k) {
+      const int slot = beside[k];
+      const double part = -missing / static_cast<double>(takers);
+      momentum -= part * v;
+      angular -= part * (s.position(slot) - centre).cross(v);
+      const Vec3 old = s.velocity(slot);
+      if (s.inverse_mass[slot] > 0.0) {
+        const Vec3 mixed = (s.mass[slot] * old + part * v) / (s.mass[slot] + part);
+        s.add_velocity(slot, mixed - old);
+      }
+      s.mass[slot] += part;
+      if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
+    }
+  }
+  const Mat3 inertia = m.material.density * m.thickness * (g.second.trace() * Mat3::Identity() - g.second);
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  Mat3 frame = axes.eigenvectors();
+  if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);
+  RigidBody& b = out.body;
+  b.id = id, b.name = fmt::format("shard_{}", id);
+  b.mass = target;
+  b.principal_inertia = axes.eigenvalues();
+  b.motion.position = centre;
+  b.motion.orientation = Quat(Mat3(rotation * frame)).normalized();
+  b.motion.velocity = momentum / target;
+  b.motion.angular_momentum = angular;
+  b.shape = ConvexShape{thick_parts(m, t, piece.number, g.centre, frame.transpose())};
+  b.contact_group = m.contact_group;
+  remove_piece(m, s, piece);
+  return out;
+}
+
+RigidBody freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const std::vector<Piece>& pieces,
+                 BodyId id) {
+  RigidBody b;
+  b.id = id, b.name = m.name + "_remains", b.is_static = true;
+  b.contact_group = m.contact_group;
+  ConvexShape shape;
+  for (const Piece& p : pieces)
+    if (!p.gone && !p.control_points.empty())
+      for (auto& part : thick_parts(m, t, p.number, Vec3::Zero(), Mat3::Identity()))
+        shape.parts.push_back(std::move(part));
+  b.shape = std::move(shape);
+  for (const Piece& p : pieces)
+    if (!p.gone) remove_piece(m, s, p);
+  return b;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,41 @@
+#pragma once
+// Pieces that have come off leave the shell and become rigid bodies.
+#include <vector>
+
+#include "coupler/core/body.h"
+#include "shell/fracture/triangulation.h"
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+struct Piece {
+  int number = 0;     // in the triangulation
+  double area = 0.0;  // at rest [m^2]
+  std::vector<int> control_points;
+  bool held = false;         // a support holds it
+  bool gone = false;         // handed off before
+  bool interlocked = false;  // still fastened to another piece
+};
+
+/// Triangulates the present cracks and lists the pieces.
+Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces);
+
+/// What became of a piece that left.
+struct Handoff {
+  RigidBody body;
+  double area = 0.0;        // [m^2]
+  double mass_moved = 0.0;  // [kg] that crossed the crack so that the piece weighs rho tau area
+};
+
+/// Makes a rigid body of a piece at its rest shape, best fitted to its control points: mass rho tau
+/// area, linear and angular momentum of its control points exactly. What lumping put on the wrong side
+/// of the crack is exchanged with the nearest control points that stay, each with its own momentum.
+/// The piece's control points and Gauss points leave the shell; the caller books the energy that is lost.
+Handoff hand_off(const ShellModel& model, ShellState& state, const Triangulation& t, const Piece& piece, BodyId id,
+                 double dt);
+
+/// What is left as a static body at its rest shape; the shell is then empty.
+RigidBody freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,
+                 BodyId id);
+
+}  // namespace sunder::shell

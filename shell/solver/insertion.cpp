@@ -1,0 +1,179 @@
+#include "shell/solver/insertion.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sunder::shell {
+namespace {
+
+std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
+  std::vector<GatheredFunction> out;
+  for (const MlsFunction& f : p.functions) out.push_back({m.tables.slot(f.control_point), f.n});
+  return out;
+}
+
+void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
+  const RowTables& t = m.tables;
+  const Vec2 p = gauss_point(m.patch, t, block, lane).parameter;
+  int& index = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+  if (index < 0) {
+    index = static_cast<int>(s.points.size());
+    s.points.emplace_back();
+    s.points.back().block = block, s.points.back().lane = lane;
+    s.points.back().area = t.metric[t.at(block, kMetricFields, kArea, lane)];
+    s.tables.metric[t.at(block, kMetricFields, kArea, lane)] = 0.0;  // the row kernel leaves it out from now on
+  }
+  GatheredPoint& g = s.points[index];
+  const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, lane, block / (t.gauss * t.gauss));
+  g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
+           : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
+                                             : PointKind::kDead;
+  g.functions = to_slots(m, mls);
+  if (g.kind == PointKind::kDead) {
+    for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
+    return;
+  }
+  const Forms<double> rest = surface_forms(gather(t, g.functions, m.rest));
+  g.metric = {rest.a, rest.b};
+}
+
+// Value functions on both sides of an edge's midpoint. False where a side has too few control points.
+bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
+  const CrackEdge& e = s.cracks.edges()[lock.edge];
+  const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x());
+  const Vec2 middle = 0.5 * (e.a + e.b);
+  std::vector<GatheredFunction>* sides[2] = {&lock.plus, &lock.minus};
+  for (int side = 0; side < 2; ++side) {
+    const Vec2 p = middle + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
+    if (!m.patch.contains(p)) return false;
+    const MlsPoint mls =
+        mls_point(control_grid(m), s.cracks, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
+    if (mls.basis == MlsBasis::kNone) return false;
+    *sides[side] = to_slots(m, mls);
+  }
+  return true;
+}
+
+}  // namespace
+
+ControlGrid control_grid(const ShellModel& m) {
+  return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
+}
+
+int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,
+                bool interlock) {
+  const int index = s.cracks.add_edge(from, to, crack, time, face);
+  if (index < 0) return index;
+  const RowTables& t = m.tables;
+  const CrackEdge& e = s.cracks.edges()[index];
+  const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
+  const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
+  std::vector<std::pair<int, int>> touched;
+  for (int f = m.patch.knots_v.span_of(low.y()); f <= m.patch.knots_v.span_of(high.y()); ++f)
+    for (int lane = m.patch.knots_u.span_of(low.x()); lane <= m.patch.knots_u.span_of(high.x()); ++lane)
+      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
+        const int block = f * t.gauss * t.gauss + sub;
+        const GaussPoint g = gauss_point(m.patch, t, block, lane);
+        if (g.weight == 0.0) continue;
+        const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+        bool hit = false;
+        const auto cut = [&](int control_point) {
+          return segments_meet(g.parameter, m.parameter[control_point], e.long_a, e.long_b);
+        };
+        if (point < 0)
+          for (int k = 0; k < 9 && !hit; ++k) hit = cut((f + k / 3) * t.columns + lane + k % 3);
+        else
+          for (const GatheredFunction& n : s.points[point].functions)
+            if ((hit = cut(n.slot / t.stride * t.columns + n.slot % t.stride))) break;
+        if (hit) touched.push_back({block, lane});
+      }
+  double before = 0.0, after = 0.0;
+  for (const auto& [block, lane] : touched) {
+    int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+    if (point < 0) {  // its energy with the patch's own functions
+      GatheredPoint g;
+      const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
+      for (int k = 0; k < 9; ++k)
+        g.functions.push_back({(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
+                               {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+      const double* metric = &t.metric[t.at(block, kMetricFields, 0, lane)];
+      g.kind = PointKind::kQuadratic, g.area = metric[kArea * t.lanes];
+      g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
+                  {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
+      before += point_energy(t, g, s.x);
+    } else {
+      before += point_energy(t, s.points[point], s.x);
+    }
+    recompute(m, s, block, lane);
+    after += point_energy(t, s.points[s.point_of[static_cast<std::size_t>(block) * t.lanes + lane]], s.x);
+  }
+  (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
+  for (Interlock& lock : s.interlocks) {
+    if (!lock.holds) continue;
+    const CrackEdge& own = s.cracks.edges()[lock.edge];
+    const Vec2 middle = 0.5 * (own.a + own.b);
+    bool hit = false;
+    for (const auto* side : {&lock.plus, &lock.minus})
+      for (const GatheredFunction& n : *side)
+        hit = hit ||
+              segments_meet(middle, m.parameter[n.slot / t.stride * t.columns + n.slot % t.stride], e.long_a, e.long_b);
+    if (hit && !fasten(m, s, lock)) lock.holds = false;
+  }
+  if (interlock) {
+    Interlock lock;
+    lock.edge = index;
+    lock.area = (e.b - e.a).norm() * m.thickness;
+    if (fasten(m, s, lock)) s.interlocks.push_back(std::move(lock));
+  }
+  s.last_crack_time = time;
+  return index;
+}
+
+void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>& points, double time) {
+  const int crack = s.cracks.new_crack();
+  const auto run_out = [&](Vec2 end, const Vec2& from) {  // 1 % beyond the border, so that the cut is complete
+    const Vec2 d = (end - from).normalized();
+    if (!m.patch.contains(end + m.spacing * d)) end += 1.01 * m.spacing * d;
+    return end;
+  };
+  int last = -1;
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    Vec2 a = points[i], b = points[i + 1];
+    if (i == 0) a = run_out(a, b);
+    if (i + 2 == points.size()) b = run_out(b, points[i]);
+    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
+    if (last < 0) last = s.cracks.add_vertex(a);
+    for (int k = 1; k <= pieces; ++k) {
+      const int next = s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
+      insert_edge(m, s, last, next, crack, time, 0, false);
+      last = next;
+    }
+  }
+}
+
+void release_interlocks(const ShellModel& m, ShellState& s, double shear_strength, bool all) {
+  const double stiffness = m.material.youngs_modulus / m.spacing;
+  const double opening = m.material.strength > 0.0 ? m.material.fracture_energy / m.material.strength : 0.0;
+  for (Interlock& lock : s.interlocks) {
+    if (!lock.holds) continue;
+    Vec3 plus = Vec3::Zero(), minus = Vec3::Zero();
+    for (const auto& f : lock.plus) plus += f.n[0] * s.position(f.slot);
+    for (const auto& f : lock.minus) minus += f.n[0] * s.position(f.slot);
+    const CrackEdge& e = s.cracks.edges()[lock.edge];
+    const Vec2 d = (e.b - e.a).normalized();
+    // normal of the crack in the deformed surface, from its plus side's tangents
+    Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
+    for (const auto& f : lock.plus) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
+    const Vec3 along = d.x() * tu + d.y() * tv, n3 = tu.cross(tv);
+    const Vec3 normal = n3.cross(along).normalized();  // from the minus to the plus side
+    const Vec3 gap = plus - minus;
+    const double open = gap.dot(normal);
+    const double shear = stiffness * (gap - open * normal).norm();
+    if (all || open > opening || shear > shear_strength) {
+      lock.holds = false;
+      s.book.fracture += 0.5 * stiffness * lock.area * gap.squaredNorm();
+    }
+  }
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,22 @@
+#pragma once
+// New crack edges enter the mechanics here, whoever proposed them.
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+/// Adds the edge and gives every Gauss point and interlock whose sight it cuts new shape functions.
+/// Books the jump of elastic energy. Returns the edge or -1 where it would have no length.
+int insert_edge(const ShellModel& model, ShellState& state, int from, int to, int crack, double time, int face,
+                bool interlock);
+
+/// Cuts along a polyline in parameter space, in edges of about one spacing; ends within a spacing of
+/// the border run out over it.
+void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time);
+
+/// Lets go where faces open or shear off: opening beyond fracture energy / strength, or shear traction
+/// beyond `shear_strength` [Pa]. `all`: everywhere. Books what the springs held.
+void release_interlocks(const ShellModel& model, ShellState& state, double shear_strength, bool all);
+
+ControlGrid control_grid(const ShellModel& model);
+
+}  // namespace sunder::shell

@@ -1,0 +1,52 @@
+#include "shell/solver/model.h"
+
+#include <cmath>
+
+namespace sunder::shell {
+
+double ShellModel::wave_speed() const {
+  return std::sqrt(material.youngs_modulus / (1.0 - material.poisson_ratio * material.poisson_ratio) /
+                   material.density);
+}
+
+double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh equation
+  const double nu = material.poisson_ratio;
+  return std::sqrt(tables.elasticity.mu / material.density) * (0.862 + 1.14 * nu) / (1.0 + nu);
+}
+
+ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
+                      int layers, int gauss, const std::vector<EdgeSupport>& supports) {
+  ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, 0, 0, 0};
+  m.tables = make_row_tables(m.patch, gauss, gauss_layers(layers, thickness),
+                             elasticity(material.youngs_modulus, material.poisson_ratio), "shell '" + name + "'");
+  const RowTables& t = m.tables;
+  m.mass.assign(t.plane, 0.0);
+  // m_I = integral of rho tau N_I: the row sum of the consistent mass, positive for B-splines
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
+      if (area == 0.0) continue;
+      const ShapeFunctions s = m.patch.shape_functions(gauss_point(m.patch, t, q, e).parameter);
+      for (int k = 0; k < 9; ++k)
+        m.mass[(s.span_v + k / 3) * t.stride + s.span_u + k % 3] += material.density * thickness * area * s.value[k];
+    }
+  m.rest.assign(3 * static_cast<std::size_t>(t.plane), 0.0);
+  for (int i = 0; i < m.control_points(); ++i)
+    for (int d = 0; d < 3; ++d)
+      m.rest[static_cast<std::size_t>(d) * t.plane + t.slot(i)] = m.patch.control_points[i][d];
+  m.held.assign(t.plane, 0);
+  for (const EdgeSupport& support : supports)
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int column = i % t.columns, row = i / t.columns, width = support.clamped ? 2 : 1;
+      if (((support.edges & kUMin) && column < width) || ((support.edges & kUMax) && column >= t.columns - width) ||
+          ((support.edges & kVMin) && row < width) || ((support.edges & kVMax) && row >= t.rows - width))
+        m.held[t.slot(i)] = 1;
+    }
+  for (int i = 0; i < m.control_points(); ++i) m.parameter.push_back(m.patch.greville(i));
+  m.spacing_u = (m.patch.knots_u.end() - m.patch.knots_u.begin()) / t.spans_u;
+  m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;
+  m.spacing = std::sqrt(m.spacing_u * m.spacing_v);
+  return m;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,49 @@
+#pragma once
+// One shell: what does not change during a run.
+#include <string>
+#include <vector>
+
+#include "shell/geometry/patch.h"
+#include "shell/mechanics/row_tables.h"
+
+namespace sunder::shell {
+
+struct ShellMaterial {
+  double density = 0.0, youngs_modulus = 0.0, poisson_ratio = 0.0;  // [kg/m^3], [Pa], [-]
+  double strength = 0.0;                                            // [Pa]; 0: does not break
+  double fracture_energy = 0.0;                                     // [J/m^2]
+  double weibull_modulus = 0.0;                                     // 0: no scatter
+  double flaw_spacing = 0.0;                                        // [m]
+  double mass_damping = 0.0;                                        // [1/s]
+};
+
+struct ShellModel {
+  std::string name;
+  Patch patch;  // parameters are lengths
+  double thickness = 0.0;
+  ShellMaterial material;
+  std::uint32_t contact_group = 0;
+  RowTables tables;
+  std::vector<double> mass;     // lumped, of each slot [kg]; padding 0
+  std::vector<double> rest;     // positions at rest, [3][plane]
+  std::vector<char> held;       // slot is held by a support
+  std::vector<Vec2> parameter;  // Greville point of each control point
+  double spacing = 0.0;         // mean length of an element [m]
+  double spacing_u = 0.0, spacing_v = 0.0;
+
+  int control_points() const { return tables.columns * tables.rows; }
+  double wave_speed() const;      // of compression in the plane [m/s]
+  double rayleigh_speed() const;  // [m/s]
+};
+
+/// Edges of a patch as bits.
+enum EdgeBit { kUMin = 1, kUMax = 2, kVMin = 4, kVMax = 8 };
+struct EdgeSupport {
+  int edges = 0;
+  bool clamped = true;  // slope held too
+};
+
+ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
+                      int layers, int gauss, const std::vector<EdgeSupport>& supports);
+
+}  // namespace sunder::shell

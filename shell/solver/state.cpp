@@ -1,0 +1,170 @@
+#include "shell/solver/state.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "coupler/core/error.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kLengthening = 1e-2;  // of the spacing: crack edges block sight this far past their ends
+
+// Weibull strengths on a lattice of cells of the flaw spacing, turned and shifted by the seed so that
+// it shares no direction with the patch.
+void scatter_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
+  const RowTables& t = m.tables;
+  s.strength.assign(static_cast<std::size_t>(t.blocks()) * t.lanes, m.material.strength);
+  const double w = m.material.weibull_modulus;
+  if (w <= 0.0) return;
+  std::mt19937_64 random(seed * 7919 + 1);
+  const auto uniform = [](std::uint64_t bits) { return (static_cast<double>(bits >> 11) + 0.5) * 0x1.0p-53; };
+  const double angle = uniform(random()) * 3.14159265358979, shift_u = uniform(random()), shift_v = uniform(random());
+  const std::uint64_t salt = random();
+  const double mean = std::tgamma(1.0 + 1.0 / w);
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const Vec2 p = gauss_point(m.patch, t, q, e).parameter;
+      const double a = (std::cos(angle) * p.x() - std::sin(angle) * p.y()) / m.material.flaw_spacing + shift_u;
+      const double b = (std::sin(angle) * p.x() + std::cos(angle) * p.y()) / m.material.flaw_spacing + shift_v;
+      std::uint64_t h = salt;  // splitmix over the cell's coordinates
+      for (const double cell : {std::floor(a), std::floor(b)}) {
+        h += static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) + 0x9e3779b97f4a7c15ULL;
+        h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ULL;
+        h = (h ^ (h >> 27)) * 0x94d049bb133111ebULL;
+        h ^= h >> 31;
+      }
+      s.strength[static_cast<std::size_t>(q) * t.lanes + e] =
+          m.material.strength * std::pow(-std::log(uniform(h)), 1.0 / w) / mean;
+    }
+}
+
+double interlock_forces(const ShellModel& m, ShellState& s) {
+  const std::size_t plane = m.tables.plane;
+  const double stiffness = m.material.youngs_modulus / m.spacing;  // [Pa/m]: that of one element
+  double energy = 0.0;
+  for (const Interlock& lock : s.interlocks) {
+    if (!lock.holds) continue;
+    Vec3 gap = Vec3::Zero();
+    for (const auto& f : lock.plus) gap += f.n[0] * s.position(f.slot);
+    for (const auto& f : lock.minus) gap -= f.n[0] * s.position(f.slot);
+    const double k = stiffness * lock.area;
+    energy += 0.5 * k * gap.squaredNorm();
+    const Vec3 force = -k * gap;  // along the line between the two points: no torque
+    for (int d = 0; d < 3; ++d) {
+      for (const auto& f : lock.plus) s.force[d * plane + f.slot] += f.n[0] * force[d];
+      for (const auto& f : lock.minus) s.force[d * plane + f.slot] -= f.n[0] * force[d];
+    }
+  }
+  return energy;
+}
+
+}  // namespace
+
+ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t seed) {
+  const RowTables& t = m.tables;
+  ShellState s;
+  const std::size_t plane = t.plane, gauss = static_cast<std::size_t>(t.blocks()) * t.lanes;
+  s.x.assign(3 * plane, 0.0), s.v.assign(3 * plane, 0.0), s.force.assign(3 * plane, 0.0);
+  s.mass = m.mass;
+  s.inverse_mass.assign(plane, 0.0);
+  s.gone.assign(plane, 0);
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = t.slot(i);
+    for (int d = 0; d < 3; ++d) s.x[d * plane + slot] = m.patch.control_points[i][d];
+    if (m.held[slot]) continue;
+    s.inverse_mass[slot] = 1.0 / m.mass[slot];
+    for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = velocity[d];
+  }
+  s.surface_stress.assign(gauss * 6, 0.0);
+  s.c.assign(gauss, 0.0f), s.c_his.assign(gauss, 0.0f);
+  s.point_of.assign(gauss, -1);
+  s.tables = t;
+  s.cracks = CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()},
+                        {m.patch.knots_u.end(), m.patch.knots_v.end()}, 2.0 * m.spacing, kLengthening * m.spacing);
+  scatter_strength(m, s, seed);
+  return s;
+}
+
+double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
+  SurfaceStress stress;
+  if (stress_share > 0.0) stress = {&s.surface_stress, stress_share};
+  double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force);
+  sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force);
+  s.interlock_energy = interlock_forces(m, s);
+  return energy ? sum + s.interlock_energy : 0.0;
+}
+
+double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
+  const std::size_t plane = m.tables.plane;
+  double sum = 0.0;
+  for (int d = 0; d < 3; ++d)
+    for (std::size_t i = 0; i < plane; ++i) {
+      if (s.inverse_mass[i] == 0.0) continue;
+      const double v = s.v[d * plane + i] + 0.5 * dt * s.inverse_mass[i] * s.force[d * plane + i];
+      sum += 0.5 * s.mass[i] * v * v;
+    }
+  return sum;
+}
+
+double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, std::vector<double>& mode,
+                   bool as_if_free) {
+  const std::size_t plane = m.tables.plane, size = 3 * plane;
+  if (mode.size() != size) {
+    mode.assign(size, 0.0);
+    std::mt19937_64 random(1);
+    for (double& z : mode) z = static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0;
+  }
+  std::vector<double> inverse_mass = s.inverse_mass;
+  for (std::size_t i = 0; i < plane && as_if_free; ++i)
+    if (m.held[i] && s.mass[i] > 0.0) inverse_mass[i] = 1.0 / s.mass[i];
+  const std::vector<double> x = s.x;
+  compute_forces(m, s, false, 0.0, threads);
+  const std::vector<double> f0 = s.force;
+  double lambda = 0.0;
+  const double epsilon = 1e-7 * m.spacing * std::sqrt(static_cast<double>(m.control_points()));
+  for (int it = 0; it < iterations; ++it) {
+    double norm = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+      if (inverse_mass[i % plane] == 0.0) mode[i] = 0.0;
+      norm += mode[i] * mode[i];
+    }
+    norm = std::sqrt(norm);
+    if (norm == 0.0) break;
+    for (std::size_t i = 0; i < size; ++i) s.x[i] = x[i] + epsilon * (mode[i] /= norm);
+    compute_forces(m, s, false, 0.0, threads);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < size; ++i) {
+      mode[i] = -(s.force[i] - f0[i]) / epsilon * inverse_mass[i % plane];
+      sum += mode[i] * mode[i];
+    }
+    lambda = std::sqrt(sum);
+  }
+  s.x = x;
+  s.force = f0;
+  return lambda > 0.0 ? 2.0 / std::sqrt(lambda) : std::numeric_limits<double>::infinity();
+}
+
+void sample_functions(const ShellModel& m, const ShellState& s, int block, int lane,
+                      std::vector<GatheredFunction>& out) {
+  out.clear();
+  const RowTables& t = m.tables;
+  const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+  if (point >= 0) {
+    if (s.points[point].kind != PointKind::kDead) out = s.points[point].functions;
+    return;
+  }
+  const int row = block / t.gauss, a = block % t.gauss, f = row / t.gauss;
+  const double inverse = t.rational ? t.denominator[t.at(block, kRationalFields, kInvW, lane)] : 1.0;
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      const int slot = (f + j) * t.stride + lane + i;
+      const double value =
+          t.basis_u[((a * 3) * 3 + i) * t.lanes + lane] * t.basis_v[static_cast<std::size_t>(row) * 9 + j];
+      out.push_back({slot, {t.rational ? value * t.weight[slot] * inverse : value, 0, 0, 0, 0, 0}});
+    }
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,95 @@
+#pragma once
+// One shell: what changes during a run.
+#include <vector>
+
+#include "shell/fracture/crack_graph.h"
+#include "shell/fracture/mls.h"
+#include "shell/mechanics/point_force.h"
+#include "shell/solver/model.h"
+
+namespace sunder::shell {
+
+/// A running end of a crack.
+struct Tip {
+  Vec2 p, direction;
+  int vertex = 0, edge = -1, crack = 0;
+  int face = 0;                   // tension side, -1 or +1
+  double pending = 0.0;           // length that it may advance [m]
+  double since_branch = 0.0;      // [m]
+  double mean[4] = {0, 0, 0, 0};  // stress while `pending` grew, weighted by speed: 11 22 12, weight
+  bool alive = true;
+};
+
+/// The two faces of a fresh crack hold on to one another at one point per edge until they open or shear
+/// off: what a crack that is open on one side only transmits through the other.
+struct Interlock {
+  int edge = 0;
+  double area = 0.0;  // [m^2]
+  std::vector<GatheredFunction> plus, minus;
+  bool holds = true;
+};
+
+/// Energies that left the mechanics, each booked where it went [J].
+struct EnergyBook {
+  double fracture = 0.0;  // released when cracks were inserted and interlock broke
+  double injected = 0.0;  // positive jumps at insertion
+  double contact = 0.0;   // inelastic and frictional, shell against bodies
+  double handoff = 0.0;   // kinetic and elastic energy that a rigid piece cannot carry
+  double damping = 0.0;
+  double frozen = 0.0;  // of what is held when the shell is frozen
+};
+
+struct ShellState {
+  std::vector<double> x, v, force;     // [3][plane]
+  std::vector<double> mass;            // of each slot, as it stands (pieces that left took theirs)
+  std::vector<double> inverse_mass;    // 0: held, padding or gone
+  std::vector<char> gone;              // control point belongs to a piece that was handed off
+  std::vector<double> surface_stress;  // [block][6][lane]
+  std::vector<double> strength;        // [block][lane], with its scatter
+  std::vector<float> c, c_his;         // [block][lane]
+  RowTables tables;                    // as the model's, areas of gathered points taken out
+  std::vector<GatheredPoint> points;   // Gauss points that a crack has touched
+  std::vector<int> point_of;           // [block][lane]: index into points, -1: none
+  CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
+  std::vector<Tip> tips;
+  std::vector<Interlock> interlocks;
+  std::vector<char> cut_done;     // prescribed cuts that have been made
+  double last_crack_time = -1.0;  // [s]
+  EnergyBook book;
+  RowScratch row_scratch;
+  std::vector<double> point_scratch;
+  double interlock_energy = 0.0;
+
+  Vec3 position(int slot) const { return at(x, slot); }
+  Vec3 velocity(int slot) const { return at(v, slot); }
+  Vec3 at(const std::vector<double>& a, int slot) const {
+    const std::size_t plane = a.size() / 3;
+    return {a[slot], a[plane + slot], a[2 * plane + slot]};
+  }
+  void add_velocity(int slot, const Vec3& dv) {
+    const std::size_t plane = v.size() / 3;
+    v[slot] += dv.x(), v[plane + slot] += dv.y(), v[2 * plane + slot] += dv.z();
+  }
+};
+
+ShellState make_state(const ShellModel& model, const Vec3& velocity, std::uint64_t seed);
+
+/// Forces at the present positions into state.force: elastic, cracked points, interlock.
+/// Returns the elastic energy [J] where `energy`.
+double compute_forces(const ShellModel& model, ShellState& state, bool energy, double stress_share, int threads);
+
+/// Kinetic energy [J] with the velocities half a step of `dt` further along the present force.
+double kinetic_energy(const ShellModel& model, const ShellState& state, double dt);
+
+/// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by power
+/// iteration, which approaches from above. `mode` keeps the vector between calls (empty: start anew).
+/// `as_if_free`: supports are left out. A free edge halves the stable step of a clamped plate, and every
+/// crack makes free edges, so a shell that can crack is stepped as if it were free from the start.
+double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, std::vector<double>& mode,
+                   bool as_if_free);
+
+/// Value shape functions of a Gauss point as it stands: gathered ones, else the patch's.
+void sample_functions(const ShellModel& model, const ShellState& state, int block, int lane,
+                      std::vector<GatheredFunction>& out);
+
+}  // namespace sunder::shell

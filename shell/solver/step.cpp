@@ -1,0 +1,140 @@
+#include "shell/solver/step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace sunder::shell {
+namespace {
+
+constexpr int kTile = 8;  // elements a side of a tile, the coarse unit of the search
+
+struct Sampled {
+  Vec3 x, v;
+};
+Sampled sample(const ShellState& s, const std::vector<GatheredFunction>& functions) {
+  Sampled r{Vec3::Zero(), Vec3::Zero()};
+  for (const auto& f : functions) r.x += f.n[0] * s.position(f.slot), r.v += f.n[0] * s.velocity(f.slot);
+  return r;
+}
+
+}  // namespace
+
+void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vector<Proxy>& bodies, double dt,
+                        ContactCandidates& c) {
+  const RowTables& t = m.tables;
+  c.age = 0;
+  c.of_body.resize(bodies.size());
+  double speed = 0.0;
+  for (int i = 0; i < m.control_points(); ++i) speed = std::max(speed, s.velocity(t.slot(i)).squaredNorm());
+  speed = std::sqrt(speed);
+  const int tiles_u = (t.spans_u + kTile - 1) / kTile, tiles_v = (t.spans_v + kTile - 1) / kTile;
+  std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(tiles_u) * tiles_v);
+  for (int tv = 0; tv < tiles_v; ++tv)
+    for (int tu = 0; tu < tiles_u; ++tu)
+      for (int j = tv * kTile; j < std::min(t.rows, (tv + 1) * kTile + 2); ++j)
+        for (int i = tu * kTile; i < std::min(t.columns, (tu + 1) * kTile + 2); ++i)
+          if (!s.gone[j * t.stride + i]) boxes[tv * tiles_u + tu].extend(s.position(j * t.stride + i));
+  std::vector<GatheredFunction> functions;
+  for (std::size_t b = 0; b < bodies.size(); ++b) {
+    auto& list = c.of_body[b];
+    list.clear();
+    const Proxy& body = bodies[b];
+    const double reach = body.body.is_static ? 0.0 : body.body.angular_velocity().norm() * body.radius();
+    // twice what both can move until the next refresh: control points may speed up meanwhile
+    const double margin = m.thickness + 2.0 * kContactRefresh * dt * (speed + body.body.motion.velocity.norm() + reach);
+    const Vec3 centre = body.body.motion.position;
+    for (int tile = 0; tile < tiles_u * tiles_v; ++tile) {
+      if (boxes[tile].isEmpty()) continue;
+      const double pad = margin + 2.0 * m.spacing;  // cracked points may lie outside their control points
+      if (std::isfinite(body.radius())) {
+        const double r = body.radius() + pad;
+        if (boxes[tile].squaredExteriorDistance(centre) > r * r) continue;
+      } else {
+        double low = std::numeric_limits<double>::infinity();
+        for (int k = 0; k < 8; ++k)
+          low = std::min(low, body.distance(boxes[tile].corner(static_cast<Eigen::AlignedBox3d::CornerType>(k))).value);
+        if (low > pad) continue;
+      }
+      const int tu = tile % tiles_u, tv = tile / tiles_u;
+      for (int f = tv * kTile; f < std::min(t.spans_v, (tv + 1) * kTile); ++f)
+        for (int lane = tu * kTile; lane < std::min(t.spans_u, (tu + 1) * kTile); ++lane)
+          for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
+            const int block = f * t.gauss * t.gauss + sub;
+            if (t.metric[t.at(block, kMetricFields, kArea, lane)] == 0.0) continue;
+            sample_functions(m, s, block, lane, functions);
+            if (functions.empty() || s.gone[functions[0].slot]) continue;
+            if (body.distance(sample(s, functions).x).value < margin) list.push_back({block, lane, functions});
+          }
+    }
+  }
+}
+
+int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
+            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates) {
+  int touching = 0;
+  for (std::size_t b = 0; b < candidates.of_body.size(); ++b) {
+    if (candidates.of_body[b].empty()) continue;
+    Proxy& body = bodies[b];
+    for (const auto& candidate : candidates.of_body[b]) {
+      const Sampled at = sample(s, candidate.functions);
+      const Proxy::Distance middle = body.distance(at.x);
+      if (middle.value > 0.5 * m.thickness) continue;
+      // the face towards the body: half a thickness off the middle along the shell's own normal
+      Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
+      const bool gathered = candidate.functions.front().n[1] != 0.0 || candidate.functions.size() != 9;
+      if (gathered) {
+        for (const auto& f : candidate.functions) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
+      } else {
+        const ShapeFunctions n =
+            m.patch.shape_functions(gauss_point(m.patch, m.tables, candidate.block, candidate.lane).parameter);
+        for (int k = 0; k < 9; ++k) {
+          const Vec3 x = s.position((n.span_v + k / 3) * m.tables.stride + n.span_u + k % 3);
+          tu += n.u[k] * x, tv += n.v[k] * x;
+        }
+      }
+      Vec3 normal = tu.cross(tv).normalized();
+      if (normal.dot(middle.normal) > 0.0) normal = -normal;  // towards the body
+      const Vec3 face = at.x + 0.5 * m.thickness * normal;
+      const Proxy::Distance gap = body.distance(face);
+      if (gap.value >= 0.0) continue;
+      ++touching;
+      // The impulse acts on both sides at the mid-surface point, where the shape functions place it:
+      // linear and angular momentum then close to round-off.
+      const Vec3 before = at.v - body.velocity_at(at.x);
+      double inverse = body.inverse_mass_at(at.x, gap.normal);
+      for (const auto& f : candidate.functions) inverse += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
+      if (inverse <= 0.0) continue;
+      const Vec3 j =
+          contact_impulse(gap.normal, before, 1.0 / inverse, coefficients[b].friction, coefficients[b].restitution);
+      if (j.isZero(0.0)) continue;
+      for (const auto& f : candidate.functions) {
+        s.add_velocity(f.slot, (f.n[0] * s.inverse_mass[f.slot]) * j);
+        body.shell_linear += f.n[0] * j;
+        body.shell_angular += (s.position(f.slot) - body.body.motion.position).cross(f.n[0] * j);
+      }
+      body.impulse_sum += j.norm();
+      body.apply(at.x, -j);
+      const Vec3 after = sample(s, candidate.functions).v - body.velocity_at(at.x);
+      s.book.contact -= 0.5 * j.dot(before + after);  // exact work of an impulse
+    }
+  }
+  return touching;
+}
+
+void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
+  const std::size_t plane = m.tables.plane;
+  const double keep = 1.0 - dt * m.material.mass_damping;
+  for (int d = 0; d < 3; ++d) {
+    double *v = &s.v[d * plane], *f = &s.force[d * plane];
+    const double g = dt * gravity[d];
+    for (std::size_t i = 0; i < plane; ++i)
+      v[i] = keep * v[i] + (s.inverse_mass[i] > 0.0 ? dt * s.inverse_mass[i] * f[i] + g : 0.0);
+  }
+}
+
+void drift(ShellState& s, double dt) {
+  for (std::size_t i = 0; i < s.x.size(); ++i) s.x[i] += dt * s.v[i];
+}
+
+}  // namespace sunder::shell

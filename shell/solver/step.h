@@ -1,0 +1,36 @@
+#pragma once
+// One substep of a shell with the bodies that it meets.
+#include "shell/contact/proxy.h"
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+/// Friction and restitution between the shell and each proxy, by index.
+struct ContactCoefficients {
+  double friction = 0.5, restitution = 0.0;
+};
+
+/// Which surface samples may meet which body within the next substeps; refreshed every so often.
+struct ContactCandidates {
+  struct Sample {
+    int block, lane;
+    std::vector<GatheredFunction> functions;
+  };
+  std::vector<std::vector<Sample>> of_body;
+  int age = 0;
+};
+constexpr int kContactRefresh = 16;  // substeps
+
+void refresh_candidates(const ShellModel& model, const ShellState& state, const std::vector<Proxy>& bodies, double dt,
+                        ContactCandidates& candidates);
+
+/// Impulses at the Gauss points' surface, one body and one sample after the other (Gauss-Seidel);
+/// returns the number of samples in contact.
+int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
+            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates);
+
+/// v += dt (f/m + gravity - alpha v); force must be that of the present positions.
+void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt);
+void drift(ShellState& state, double dt);
+
+}  // namespace sunder::shell

@@ -1,0 +1,151 @@
+"""Installing and building, without apt and cmake: what is asked of them, and what is said when they fail."""
+from __future__ import annotations
+
+import contextlib
+import fcntl
+import io
+import os
+import tempfile
+import threading
+import time
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools import build, install, logged
+from sunder_tools.errors import CommandError
+
+
+class Building(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.root = Path(os.path.realpath(temporary.name))
+        self.folder = self.root / "build" / "release"
+        self.said = io.StringIO()
+        self.commands: list[list[str]] = []
+        self.status = 0
+        for context in (mock.patch.object(build, "REPOSITORY", self.root), contextlib.redirect_stderr(self.said),
+                        mock.patch.object(build, "ensure_installed"), mock.patch.object(build, "run_logged", self.run_fake),
+                        mock.patch.dict(os.environ)):
+            context.__enter__()
+            self.addCleanup(context.__exit__, None, None, None)
+        os.environ.pop(build.BUILD_DIR_VARIABLE, None)
+
+    def run_fake(self, command: list[str], log: Path, cwd: Path | None = None, on_line=None) -> int:
+        self.commands.append(command)
+        self.assertEqual(cwd, self.root)
+        if command[1] == "--preset":
+            self.folder.mkdir(parents=True)
+            (self.folder / "build.ninja").write_text("")
+            (self.folder / "CMakeCache.txt").write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={self.root}\n")
+        with log.open("a") as sink:
+            sink.write("".join(f"line {k}\n" for k in range(100)))
+        for line in ("[1/2] one", "[2/2] two") if on_line and len(self.commands) < 3 else ():
+            on_line(line)
+        return self.status
+
+    def test_configures_once(self) -> None:
+        found = build.ensure_built()
+        self.assertEqual(found.shell, self.folder / "shell" / "sunder-shell")
+        self.assertEqual([c[:3] for c in self.commands],
+                         [["cmake", "--preset", "release"], ["cmake", "--build", str(self.folder)]])
+        self.assertIn("sunder-rigid", self.commands[1])
+        self.assertIn("building 2 steps", self.said.getvalue())
+        said = self.said.getvalue()
+        build.ensure_built(all_targets=True)
+        self.assertEqual(len(self.commands), 3)
+        self.assertNotIn("--target", self.commands[2])
+        self.assertEqual(self.said.getvalue(), said, "nothing to do, nothing to say")
+
+    def test_a_moved_checkout_is_configured_again(self) -> None:
+        self.folder.mkdir(parents=True)
+        (self.folder / "CMakeCache.txt").write_text("CMAKE_HOME_DIRECTORY:INTERNAL=/elsewhere\n")
+        (self.folder / "stale").write_text("")
+        build.ensure_built()
+        self.assertEqual(self.commands[0][:2], ["cmake", "--preset"])
+        self.assertFalse((self.folder / "stale").exists())
+
+    def test_failure_shows_the_end_of_the_log(self) -> None:
+        self.status = 1
+        with self.assertRaises(CommandError) as raised:
+            build.ensure_built()
+        self.assertEqual(raised.exception.status, 2)
+        self.assertIn("line 99\nconfiguring failed with status 1", str(raised.exception))
+        self.assertNotIn("line 59\n", str(raised.exception))
+
+    def test_the_second_builder_waits_and_says_so(self) -> None:
+        (self.root / "build").mkdir()
+        with (self.root / "build" / "lock").open("a") as lock:
+            fcntl.flock(lock, fcntl.LOCK_EX)
+            second = threading.Thread(target=build.ensure_built)
+            second.start()
+            end = time.monotonic() + 5
+            while "another sunder is building" not in self.said.getvalue():
+                self.assertLess(time.monotonic(), end)
+                time.sleep(0.01)
+            self.assertEqual(self.commands, [])
+        second.join(5)
+        self.assertEqual(len(self.commands), 2)
+
+    def test_a_build_folder_without_executables_is_refused(self) -> None:
+        os.environ[build.BUILD_DIR_VARIABLE] = str(self.root)
+        with self.assertRaisesRegex(CommandError, "not an executable"):
+            build.ensure_built()
+
+
+class Installing(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.log = Path(temporary.name) / "install.log"
+
+    def test_nothing_missing_runs_nothing(self) -> None:
+        with mock.patch.object(install, "missing_packages", return_value=[]), \
+                mock.patch.object(install, "run_logged") as run:
+            install.ensure_installed(self.log)
+        run.assert_not_called()
+
+    def test_only_what_is_missing_is_installed(self) -> None:
+        with mock.patch.object(install, "missing_packages", side_effect=[["cmake", "g++"], []]), \
+                mock.patch.object(install, "_as_root", return_value=["sudo", "-n"]), \
+                mock.patch.object(install, "run_logged", return_value=0) as run, \
+                contextlib.redirect_stderr(io.StringIO()):
+            install.ensure_installed(self.log)
+        update, get = (call.args[0] for call in run.call_args_list)
+        self.assertEqual(update[-1], "update")
+        self.assertEqual(get[-4:], ["-y", "--no-install-recommends", "cmake", "g++"])
+        self.assertEqual(get[:4], ["sudo", "-n", "env", "DEBIAN_FRONTEND=noninteractive"])
+
+    def test_without_the_right_to_install_the_command_is_said(self) -> None:
+        with mock.patch.object(install, "missing_packages", return_value=["cmake"]), \
+                mock.patch.object(install, "_as_root", return_value=None), \
+                self.assertRaisesRegex(CommandError, "sudo sh -c 'apt-get update && apt-get install .* cmake'"):
+            install.ensure_installed(self.log)
+
+    def test_apt_failure_shows_log_and_remedy(self) -> None:
+        def fail(command: list[str], log: Path) -> int:
+            log.write_text("E: Could not resolve 'deb.debian.org'\n")
+            return 100
+        with mock.patch.object(install, "missing_packages", return_value=["cmake"]), \
+                mock.patch.object(install, "_as_root", return_value=[]), \
+                mock.patch.object(install, "run_logged", fail), contextlib.redirect_stderr(io.StringIO()), \
+                self.assertRaisesRegex(CommandError, "(?s)Could not resolve.*update failed with status 100.*check network"):
+            install.ensure_installed(self.log)
+
+    def test_unknown_package_is_missing(self) -> None:
+        self.assertEqual(install.missing_packages(("python3", "no-such-package-here")), ["no-such-package-here"])
+
+
+class Logged(unittest.TestCase):
+    def test_output_status_and_lines(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            log, lines = Path(folder) / "log", []
+            self.assertEqual(logged.run_logged(["sh", "-c", "echo one; echo two >&2; exit 7"], log, None, lines.append), 7)
+            self.assertEqual(lines, ["one", "two"])
+            self.assertEqual(logged.tail(log, 1), "two")
+
+
+if __name__ == "__main__":
+    unittest.main()

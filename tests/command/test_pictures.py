@@ -1,0 +1,141 @@
+"""Reading frames and drawing them."""
+from __future__ import annotations
+
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from .synthetic import SyntheticRun, write_vtp
+from sunder_tools.frames import choose_frames, list_frames
+from sunder_tools.pictures import SHEET, time_text, write_contact_sheet
+from sunder_tools.raster import orthographic_camera, perspective_camera, rasterise
+from sunder_tools.vtp import VtpError, read_vtp
+
+
+class InAFolder(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+
+
+class VtpReader(InAFolder):
+    def setUp(self) -> None:
+        super().setUp()
+        self.path = self.folder / "mesh.vtp"
+        write_vtp(self.path, [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [[0, 1, 2], [0, 2, 3]],
+                  point_data={"velocity": np.arange(12.0).reshape(4, 3)}, cell_data={"fragment": np.array([7, 8])})
+
+    def test_reads_back_what_was_written(self) -> None:
+        mesh = read_vtp(self.path)
+        np.testing.assert_array_equal(mesh.points[3], [0, 0, 1])
+        np.testing.assert_array_equal(mesh.triangles, [[0, 1, 2], [0, 2, 3]])
+        np.testing.assert_array_equal(mesh.point_data["velocity"], np.arange(12.0).reshape(4, 3))
+        np.testing.assert_array_equal(mesh.of_triangles("fragment", 0), [7, 8])
+
+    def test_reads_lines_and_an_empty_mesh(self) -> None:
+        write_vtp(self.path, [[0, 0, 0], [1, 0, 0], [0, 1, 0]], segments=[[0, 1], [1, 2]])
+        np.testing.assert_array_equal(read_vtp(self.path).segments(), [[0, 1], [1, 2]])
+        write_vtp(self.path, [])
+        self.assertEqual(len(read_vtp(self.path).points), 0)
+
+    def test_rejects_every_truncation(self) -> None:
+        whole = self.path.read_bytes()
+        for length in range(len(whole) - 2):  # the last byte is a line feed
+            self.path.write_bytes(whole[:length])
+            with self.assertRaises(VtpError, msg=f"first {length} of {len(whole)} bytes"):
+                read_vtp(self.path)
+
+    def test_rejects_other_flavours(self) -> None:
+        whole = self.path.read_bytes()
+        for old, new in ((b"LittleEndian", b"BigEndian   "), (b"UInt64", b"UInt32"), (b"PolyData\" v", b"PolyDatx\" v"),
+                         (b"Float32", b"Float16"), (b'"appended"', b'"binary"  '), (b'encoding="raw"', b'encoding="b64"'),
+                         (b'NumberOfPoints="4"', b'NumberOfPoints="3"'), (b'NumberOfPolys="2"', b'NumberOfPolys="1"')):
+            self.assertIn(old, whole)
+            self.path.write_bytes(whole.replace(old, new))
+            with self.assertRaises(VtpError, msg=old.decode()):
+                read_vtp(self.path)
+
+    def test_rejects_bad_values(self) -> None:
+        for points, triangles in (([[0, 0, 0], [1, 0, 0], [0, np.nan, 0]], [[0, 1, 2]]),
+                                  ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 3]]),
+                                  ([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, -1]])):
+            write_vtp(self.path, points, triangles)
+            with self.assertRaises(VtpError):
+                read_vtp(self.path)
+
+
+class Rasteriser(unittest.TestCase):
+    def test_nearest_triangle_wins_and_areas_are_right(self) -> None:
+        pixels = np.array([[0, 0], [100, 0], [0, 100], [0, 0], [50, 0], [0, 50]], float)
+        index, depth = rasterise(pixels, np.array([1.0, 1, 1, 2, 2, 2]), np.array([[0, 1, 2], [5, 4, 3]]), 120, 110)
+        # half a pixel along the slanted edge: area ± its length in pixels
+        self.assertAlmostEqual((index == 1).sum(), 1250, delta=50)
+        self.assertAlmostEqual((index >= 0).sum(), 5000, delta=100)
+        self.assertEqual(depth[index == 1].min(), 2.0)
+
+    def test_unproject_is_the_inverse_of_project(self) -> None:
+        points = np.random.default_rng(3).uniform(-0.4, 0.4, (50, 3))
+        low, high = points.min(axis=0), points.max(axis=0)
+        for camera in (perspective_camera(low, high, np.array([-0.4, 0.8, -0.5]), 400, 300),
+                       orthographic_camera(low, np.array([0.0, 1, 0]), np.array([0.0, 0, 1]), 200.0, 900.0, 400, 300)):
+            pixels, near = camera.project(points)
+            np.testing.assert_allclose(camera.unproject(pixels, near), points, atol=1e-12)  # round-off
+
+    def test_perspective_camera_has_the_box_in_view(self) -> None:
+        low, high = np.array([-1.0, -0.5, 0.0]), np.array([0.5, 0.7, 0.8])
+        camera = perspective_camera(low, high, np.array([-0.4, 0.8, -0.5]), 400, 300)
+        corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
+        pixels, _ = camera.project(corners)
+        self.assertTrue(((pixels > 0) & (pixels < [400, 300])).all())
+        self.assertGreater((np.ptp(pixels, axis=0) / [400, 300]).max(), 0.9, "and fills it")
+
+
+class ContactSheet(InAFolder):
+    def synthetic(self, count: int) -> None:
+        run = SyntheticRun(self.folder, elements=12, fragments=20, count=count)
+        for k in range(count):
+            run.write(k)
+
+    def test_has_its_size_and_shows_something_everywhere(self) -> None:
+        self.synthetic(20)
+        path = write_contact_sheet(self.folder)
+        self.assertEqual(path, self.folder / "contact_sheet.png")
+        with Image.open(path) as image:
+            self.assertEqual(image.size, SHEET)
+            picture = np.asarray(image.convert("L"), float)
+        for row in range(3):
+            for column in range(4):
+                panel = picture[60 + row * 368:400 + row * 368, 20 + column * 488:470 + column * 488]
+                self.assertGreater(panel.std(), 5.0, f"panel {row} {column} is blank")
+        self.assertGreater(picture[1200:1950, 100:800].std(), 5.0, "crack pattern is blank")
+        self.assertGreater(picture[1200:1950, 1000:1900].std(), 5.0, "side view is blank")
+        self.assertEqual([p.name for p in self.folder.glob(".*")], [], "a temporary file is left")
+
+    def test_few_frames_and_no_frames(self) -> None:
+        self.synthetic(3)
+        write_contact_sheet(self.folder)
+        (self.folder / "frames.pvd").write_text("<VTKFile><Collection/></VTKFile>")
+        with self.assertRaises(VtpError):
+            write_contact_sheet(self.folder)
+
+    def test_breaking_gets_more_panels_than_its_share_of_time(self) -> None:
+        self.synthetic(60)
+        frames = list_frames(self.folder)
+        chosen = choose_frames(frames, 12)
+        self.assertEqual(len(chosen), 12)
+        self.assertEqual((chosen[0], chosen[-1]), (frames[0], frames[-1]))
+        self.assertEqual([f.time_s for f in chosen], sorted({f.time_s for f in chosen}))
+        self.assertGreaterEqual(sum(f.time_s < 2e-3 for f in chosen), 4)
+
+    def test_times_read_well(self) -> None:
+        self.assertEqual([time_text(t) for t in (0.0, 3.5e-4, 9.999e-4, 4.2e-3, 0.25, 1.25)],
+                         ["0", "350 µs", "1 ms", "4.2 ms", "250 ms", "1.25 s"])
+
+
+if __name__ == "__main__":
+    unittest.main()

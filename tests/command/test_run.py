@@ -1,0 +1,230 @@
+"""`sunder run` with fake executables: outcomes, exit statuses, and what is left behind."""
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+from . import REPOSITORY
+from .fakes import write_executables
+
+
+class RunCommand(unittest.TestCase):
+    def setUp(self) -> None:
+        self._temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(self._temporary.cleanup)
+        self.here = Path(self._temporary.name)
+        for name in ("tmp", "pids", "work"):
+            (self.here / name).mkdir()
+        write_executables(self.here / "build")
+        self.scene = self.here / "work" / "pane.textproto"
+        self.scene.write_text("name: 'pane'\n")
+
+    def start(self, *arguments: str, **environment: str) -> subprocess.Popen[str]:
+        process = subprocess.Popen(
+            [REPOSITORY / "coupler" / "sunder", *arguments], cwd=self.here / "work", text=True,
+            stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
+            env={**os.environ, "SUNDER_BUILD_DIR": str(self.here / "build"), "TMPDIR": str(self.here / "tmp"),
+                 "FAKE_PIDS": str(self.here / "pids"), **environment})
+        self.addCleanup(self._end, process)
+        return process
+
+    @staticmethod
+    def _end(process: subprocess.Popen[str]) -> None:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def run_to_end(self, *arguments: str, **environment: str) -> tuple[int, str, str]:
+        process = self.start(*arguments, **environment)
+        out, err = process.communicate(timeout=60)
+        return process.returncode, out, err
+
+    def wait_for_frames(self, folder: Path, count: int = 3) -> None:
+        end = time.monotonic() + 10
+        while len(list(folder.glob("frames/bodies_*.vtp"))) < count:
+            self.assertLess(time.monotonic(), end, "no frames came")
+            time.sleep(0.01)
+
+    def pid(self, name: str) -> int:
+        return int((self.here / "pids" / f"{name}.pid").read_text())
+
+    def assert_nothing_left(self) -> None:
+        self.assertEqual(list((self.here / "tmp").iterdir()), [], "socket folder is still there")
+        for name in ("shell", "rigid"):
+            with self.assertRaises(ProcessLookupError):
+                os.kill(self.pid(name), 0)
+
+    def test_done(self) -> None:
+        status, out, err = self.run_to_end("run", str(self.scene))
+        self.assertEqual(status, 0, err)
+        folder, = (self.here / "work" / "runs").iterdir()
+        self.assertRegex(folder.name, r"^pane-\d{8}-\d{6}$")
+        self.assertIn("contact_sheet.png", out)
+        self.assertIn("handed to the engine 31", out)
+        self.assertIn("frame 5", err)
+        self.assertIn("frame 5\n", (folder / "shell.log").read_text())
+        self.assertIn("peer is here", (folder / "rigid.log").read_text())
+        self.assertTrue((folder / "contact_sheet.png").is_file())
+        self.assert_nothing_left()
+
+    def test_refused_scene_leaves_nothing(self) -> None:
+        self.scene.write_text("wrong: 1\n")
+        status, _, err = self.run_to_end("run", str(self.scene))
+        self.assertEqual(status, 2)
+        self.assertIn("pane.textproto:1:1: wrong: unknown field; remove it", err)
+        self.assertEqual([p.name for p in (self.here / "work").iterdir()], ["pane.textproto"])
+        self.assertEqual(list((self.here / "pids").iterdir()), [], "something was launched")
+
+    def test_killed_peer_ends_the_other(self) -> None:
+        for victim, other in (("rigid", "shell"), ("shell", "rigid")):
+            with self.subTest(victim=victim):
+                out = self.here / victim
+                process = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400")
+                self.wait_for_frames(out)
+                os.kill(self.pid(victim), signal.SIGKILL)
+                killed = time.monotonic()
+                while Path(f"/proc/{self.pid(other)}").exists():
+                    self.assertLess(time.monotonic() - killed, 2.0, f"{other} still runs")
+                    time.sleep(0.01)
+                _, err = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, 3)
+                self.assertIn(f"(sunder-{victim}) was killed by SIGKILL", err)
+                self.assertIn(f"{victim}.log", err)
+                run = json.loads((out / "run.json").read_text())
+                self.assertEqual(run["status"], "failed")
+                if victim == "shell":
+                    self.assertEqual(run["error"]["kind"], "peer_lost")
+                    self.assertEqual(run["engine"]["name"], "fake", "what was there is kept")
+                self.assertTrue((out / "contact_sheet.png").exists())
+                self.assert_nothing_left()
+                self.assertEqual(self.run_to_end("run", str(self.scene), "--out", str(out))[0], 0)
+
+    def test_deaf_peer_is_stopped(self) -> None:
+        for victim, deaf in (("rigid", "SHELL"), ("shell", "RIGID")):
+            with self.subTest(victim=victim):
+                out = self.here / victim
+                process = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400",
+                                     **{"FAKE_" + deaf: "deaf"})
+                self.wait_for_frames(out)
+                os.kill(self.pid(victim), signal.SIGKILL)
+                killed = time.monotonic()
+                while Path(f"/proc/{self.pid(deaf.lower())}").exists():
+                    self.assertLess(time.monotonic() - killed, 3.5)  # 2 s grace, 0.5 s after SIGTERM, slack
+                    time.sleep(0.02)
+                _, err = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, 3)
+                self.assertIn(f"(sunder-{victim}) was killed by SIGKILL", err)
+                self.assertEqual(json.loads((out / "run.json").read_text())["error"]["kind"], "peer_lost")
+                self.assert_nothing_left()
+
+    def test_interrupt_writes_pictures(self) -> None:
+        for number in (signal.SIGINT, signal.SIGTERM):
+            with self.subTest(number=number):
+                out = self.here / number.name
+                process = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400")
+                self.wait_for_frames(out)
+                os.kill(process.pid, number)
+                text, err = process.communicate(timeout=60)
+                self.assertEqual(process.returncode, 130, err)
+                self.assertIn("interrupted", text)
+                self.assertTrue((out / "contact_sheet.png").exists())
+                self.assertEqual(json.loads((out / "run.json").read_text())["status"], "interrupted")
+                self.assert_nothing_left()
+
+    def test_second_interrupt_kills(self) -> None:
+        out = self.here / "out"
+        process = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400", FAKE_SHELL="deaf")
+        self.wait_for_frames(out)
+        os.kill(process.pid, signal.SIGINT)
+        time.sleep(0.3)
+        self.assertIsNone(process.poll())
+        os.kill(process.pid, signal.SIGINT)
+        process.communicate(timeout=60)
+        self.assertEqual(process.returncode, 130)
+        self.assertEqual(json.loads((out / "run.json").read_text())["status"], "interrupted")
+        self.assert_nothing_left()
+
+    def test_two_at_once_get_their_own_folders(self) -> None:
+        processes = [self.start("run", str(self.scene), "--quiet") for _ in range(2)]
+        for process in processes:
+            process.communicate(timeout=60)
+            self.assertEqual(process.returncode, 0)
+        self.assertEqual(len(list((self.here / "work" / "runs").glob("pane-*/run.json"))), 2)
+
+    def test_out_is_not_shared_while_in_use(self) -> None:
+        out = self.here / "out"
+        first = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400")
+        self.wait_for_frames(out)
+        status, _, err = self.run_to_end("run", str(self.scene), "--out", str(out))
+        self.assertEqual(status, 2)
+        self.assertIn("another run is writing there", err)
+        self.assertIsNone(first.poll())
+
+    def test_foreign_folder_is_refused_and_own_is_replaced(self) -> None:
+        out = self.here / "out"
+        out.mkdir()
+        (out / "thesis.tex").write_text("years of work")
+        status, _, err = self.run_to_end("run", str(self.scene), "--out", str(out))
+        self.assertEqual(status, 2)
+        self.assertIn("holds other files", err)
+        (out / "run.json").write_text("{}")
+        (out / "frames").mkdir()
+        (out / "frames" / "old.vtp").write_text("old")
+        self.scene.write_text("wrong: 1\n")
+        self.assertEqual(self.run_to_end("run", str(self.scene), "--out", str(out))[0], 2)
+        self.assertTrue((out / "frames" / "old.vtp").exists(), "a refused scene must not cost the old run")
+        self.scene.write_text("")
+        self.assertEqual(self.run_to_end("run", str(self.scene), "--out", str(out))[0], 0)
+        self.assertFalse((out / "frames" / "old.vtp").exists())
+        self.assertTrue((out / "thesis.tex").exists())
+
+    def test_engine_that_refuses(self) -> None:
+        status, _, err = self.run_to_end("run", str(self.scene), "--rigid", "nonesuch", FAKE_RIGID="refuse")
+        self.assertEqual(status, 2)
+        self.assertIn("--engine nonesuch: no such engine", err)
+        self.assertFalse((self.here / "work" / "runs").exists())
+
+    def test_engine_as_a_path(self) -> None:
+        engine = self.here / "mine"
+        engine.write_text((self.here / "build" / "rigid" / "sunder-rigid").read_text())
+        engine.chmod(0o755)
+        (self.here / "build" / "rigid" / "sunder-rigid").write_text("#!/bin/sh\nexit 9\n")
+        self.assertEqual(self.run_to_end("run", str(self.scene), "--rigid", str(engine))[0], 0)
+        status, _, err = self.run_to_end("run", str(self.scene), "--rigid", str(self.scene))
+        self.assertEqual(status, 2)
+        self.assertIn("not an executable file", err)
+
+    @unittest.skipUnless(Path("/proc/sys").is_dir(), "needs a folder that even root cannot write to")
+    def test_unwritable_out(self) -> None:
+        status, _, err = self.run_to_end("run", str(self.scene), "--out", "/proc/sys/run")
+        self.assertEqual(status, 2)
+        self.assertIn("cannot write the run folder", err)
+
+    def test_command_line_errors(self) -> None:
+        for arguments, words in ((["rnu"], "did you mean 'run'"), (["run"], "SCENE"),
+                                 (["run", "no.textproto"], "no such scene"),
+                                 (["run", str(self.scene), "--set", "x"], "PATH=VALUE"),
+                                 (["run", str(self.scene), "--until", "nan"], "positive"),
+                                 (["run", str(self.scene), "--threads", "0"], "at least 1")):
+            with self.subTest(arguments=arguments):
+                status, _, err = self.run_to_end(*arguments)
+                self.assertEqual(status, 2)
+                self.assertIn(words, err)
+        for arguments in (["--help"], ["run", "--help"], ["check", "--help"], ["test", "--help"]):
+            self.assertEqual(self.run_to_end(*arguments)[0], 0)
+
+    def test_check(self) -> None:
+        status, out, _ = self.run_to_end("check", str(self.scene))
+        self.assertEqual((status, out), (0, "report\n"))
+        self.scene.write_text("wrong: 1\n")
+        self.assertEqual(self.run_to_end("check", str(self.scene))[0], 2)
+
+
+if __name__ == "__main__":
+    unittest.main()
