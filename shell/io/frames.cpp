@@ -1,7 +1,9 @@
 #include "shell/io/frames.h"
 
+#include <array>
 #include <cmath>
 #include <filesystem>
+#include <map>
 #include <numbers>
 
 #include "coupler/core/error.h"
@@ -48,6 +50,31 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
   return c;
 }
 
+// Numbers for the corners of all triangles: equal where triangles around a vertex hang together.
+std::vector<std::array<int, 3>> fans(const Triangulation& t) {
+  const int n = static_cast<int>(t.triangles.size());
+  std::vector<int> parent(3 * static_cast<std::size_t>(n));
+  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = static_cast<int>(i);
+  const auto root = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  for (int i = 0; i < n; ++i)
+    for (const int other : t.neighbours[i]) {
+      if (other < 0) continue;
+      for (int k = 0; k < 3; ++k)
+        for (int l = 0; l < 3; ++l)
+          if (t.triangles[i][k] == t.triangles[other][l]) {
+            const int a = root(3 * i + k), b = root(3 * other + l);
+            parent[std::max(a, b)] = std::min(a, b);
+          }
+    }
+  std::vector<std::array<int, 3>> fan(n);
+  for (int i = 0; i < n; ++i)
+    for (int k = 0; k < 3; ++k) fan[i][k] = root(3 * i + k);
+  return fan;
+}
+
 VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
@@ -68,19 +95,32 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
       if (s.cracks.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
       return !near[i];
     });
-  std::vector<int> shared(t.vertices.size(), -1);
+  // A vertex on a crack stands once for each fan of triangles that hang together around it.
+  const std::vector<std::array<int, 3>> fan = fans(t);
+  std::map<int, Vec2> fan_sum;  // of centres, and how many: the fan's own side of its vertex
+  std::map<int, int> fan_count;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    for (int k = 0; k < 3; ++k) {
+      const auto& c = t.triangles[i];
+      if (!near[c[k]]) continue;
+      const auto [it, fresh] = fan_sum.try_emplace(fan[i][k], Vec2::Zero());
+      it->second += (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
+      ++fan_count[fan[i][k]];
+    }
+  std::map<int, int> shared;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
     if (pieces[t.piece[i]].gone || pieces[t.piece[i]].control_points.empty()) continue;
     const auto& c = t.triangles[i];
     const Vec2 centre = (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
     std::vector<int> polygon;
     for (int k = 0; k < 3; ++k) {
-      if (!near[c[k]]) {
-        if (shared[c[k]] < 0) shared[c[k]] = corner(t.vertices[c[k]], false);
-        polygon.push_back(shared[c[k]]);
-      } else {
-        polygon.push_back(corner(t.vertices[c[k]] + 0.01 * (centre - t.vertices[c[k]]), true));
+      const auto [it, fresh] = shared.try_emplace(fan[i][k], 0);
+      if (fresh) {
+        Vec2 p = t.vertices[c[k]];
+        if (near[c[k]]) p += 0.01 * (fan_sum[fan[i][k]] / fan_count[fan[i][k]] - p);
+        it->second = corner(p, near[c[k]]);
       }
+      polygon.push_back(it->second);
     }
     mesh.polygons.push_back(polygon);
     const int lane = m.patch.knots_u.span_of(centre.x()), f = m.patch.knots_v.span_of(centre.y());
