@@ -54,6 +54,14 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   return true;
 }
 
+double interlock_energy(const ShellModel& m, const ShellState& s, const Interlock& lock) {
+  if (!lock.holds) return 0.0;
+  Vec3 gap = Vec3::Zero();
+  for (const auto& f : lock.plus) gap += f.n[0] * s.position(f.slot);
+  for (const auto& f : lock.minus) gap -= f.n[0] * s.position(f.slot);
+  return 0.5 * m.material.youngs_modulus / m.spacing * lock.area * gap.squaredNorm();
+}
+
 }  // namespace
 
 ControlGrid control_grid(const ShellModel& m) {
@@ -107,7 +115,6 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     recompute(m, s, block, lane);
     after += point_energy(t, s.points[s.point_of[static_cast<std::size_t>(block) * t.lanes + lane]], s.x);
   }
-  (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
     const CrackEdge& own = s.cracks.edges()[lock.edge];
@@ -117,13 +124,20 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
       for (const GatheredFunction& n : *side)
         hit = hit ||
               segments_meet(middle, m.parameter[n.slot / t.stride * t.columns + n.slot % t.stride], e.long_a, e.long_b);
-    if (hit && !fasten(m, s, lock)) lock.holds = false;
+    if (!hit) continue;
+    before += interlock_energy(m, s, lock);
+    lock.holds = fasten(m, s, lock);
+    after += interlock_energy(m, s, lock);
   }
+  (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
   if (interlock) {
     Interlock lock;
     lock.edge = index;
     lock.area = (e.b - e.a).norm() * m.thickness;
-    if (fasten(m, s, lock)) s.interlocks.push_back(std::move(lock));
+    if (fasten(m, s, lock)) {
+      s.book.injected += interlock_energy(m, s, lock);  // the faces do not meet to round-off when they are fastened
+      s.interlocks.push_back(std::move(lock));
+    }
   }
   s.last_crack_time = time;
   return index;

@@ -1,0 +1,98 @@
+// Every broken scene is refused with line, field and remedy.
+#include <filesystem>
+#include <fstream>
+
+#include <gtest/gtest.h>
+
+#include "coupler/scene/load.h"
+#include "shell/io/build.h"
+#include "shell/io/check.h"
+
+namespace {
+
+const std::string kScene = R"(name: "small"
+end_time_s: 1
+window_s: 1e-4
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 }
+shells {
+  name: "pane"
+  material: "glass"
+  thickness_m: 0.004
+  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }
+}
+bodies {
+  name: "ball"
+  material: "glass"
+  sphere { radius_m: 0.02 }
+  pose { position { z: 0.1 } }
+}
+)";
+
+std::string replaced(const std::string& from, const std::string& to) {
+  std::string text = kScene;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+sunder::Error refusal(const std::string& text, const std::vector<std::string>& settings = {}) {
+  const std::string path = testing::TempDir() + "/scene_test.textproto";
+  std::ofstream(path) << text;
+  try {
+    const auto scene = sunder::scene::load(path, settings);
+    sunder::shell::check_report(scene, sunder::shell::build(scene));
+  } catch (const sunder::Error& e) {
+    return e;
+  }
+  return sunder::Error(sunder::Exit::kDone, "accepted", "");
+}
+
+struct Case {
+  const char *from, *to;
+  int line;
+  const char* says;
+};
+
+class BrokenScene : public testing::TestWithParam<Case> {};
+
+TEST_P(BrokenScene, IsRefusedWithLineFieldAndRemedy) {
+  const Case& c = GetParam();
+  const sunder::Error e = refusal(replaced(c.from, c.to));
+  EXPECT_EQ(e.status, sunder::Exit::kBadInput);
+  EXPECT_EQ(e.line, c.line) << e.what();
+  EXPECT_NE(std::string(e.what()).find(c.says), std::string::npos) << e.what();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    All, BrokenScene,
+    testing::Values(
+        Case{"thickness_m", "thicknes_m", 8, "did you mean 'thickness_m'"},
+        Case{"thickness_m: 0.004", "thickness_m: \"thin\"", 8, "Expected double"},
+        Case{"  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }", "", 5, "has no patch"},
+        Case{"density: 2500", "density: nan", 4, "must be positive"}, Case{"0.004", "-0.004", 8, "must be positive"},
+        Case{"plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
+             "nurbs { knots_u: [0,0,0,2,1,3,3,3] knots_v: [0,0,0,1,1,1] }", 9, "knots never fall"},
+        Case{"plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
+             "nurbs { knots_u: [0,0,0,1,1,1] knots_v: [0,0,0,1,1,1] control_points { x: 1 } }", 9, "3 x 3 = 9"},
+        Case{"pose { position { z: 0.1 } }", "launch { speed: 3 target: \"nobody\" }", 15, "'nobody' is no other"},
+        Case{"name: \"ball\"", "name: \"pane\"", 12, "used twice"},
+        Case{"pose { position { z: 0.1 } }", "pose { orientation { w: 1 x: 0.5 } }", 15, "quaternion"},
+        Case{"sphere { radius_m: 0.02 }", "mesh { path: \"../../x.off\" }", 14, "outside the scene's folder"},
+        Case{"window_s: 1e-4", "window_s: 1e-8", 3, "shorter than the stable step"},
+        Case{"z: 0.1", "z: 0.01", 15, "inside shell"},
+        Case{"elements_x: 8", "elements_x: 1000000000", 9, "1 to 4096"}));
+
+TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
+
+TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
+  const std::string path = testing::TempDir() + "/scene_test.textproto";
+  std::ofstream(path) << kScene;
+  const auto scene = sunder::scene::load(path, {"bodies[ball].twist.linear.z=-20"});
+  EXPECT_EQ(scene.message.bodies(0).twist().linear().z(), -20.0);
+  EXPECT_NE(std::string(refusal(kScene, {"bodies[bal].twist.linear.z=1"}).what()).find("there are: ball"),
+            std::string::npos);
+  EXPECT_NE(std::string(refusal(kScene, {"end_time=1"}).what()).find("no field"), std::string::npos);
+  EXPECT_EQ(refusal(kScene, {"end_time_s=soon"}).kind, "bad_setting");
+}
+
+}  // namespace
