@@ -46,7 +46,9 @@ def write_vtp(path: Path, points, triangles=(), segments=(), point_data=None, ce
             + "<Points>\n" + array("Points", points, "f8", 3) + "</Points>\n"
             + cells("Verts", [], 1) + cells("Lines", segments, 2) + cells("Polys", triangles, 3)
             + '</Piece>\n</PolyData>\n<AppendedData encoding="raw">\n_')
-    path.write_bytes(text.encode() + b"".join(blocks) + b"\n</AppendedData>\n</VTKFile>\n")
+    part = path.with_suffix(".part")  # as the solver does: a killed writer leaves no half frame
+    part.write_bytes(text.encode() + b"".join(blocks) + b"\n</AppendedData>\n</VTKFile>\n")
+    part.rename(path)
 
 
 def ball(radius: float, rings: int = 12) -> tuple[np.ndarray, np.ndarray]:
