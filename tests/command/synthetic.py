@@ -113,9 +113,11 @@ class SyntheticRun:
         self._write_bodies(k, time_s, third)
         for part, name in parts + [(2, "bodies")]:
             self.entries.append(f'<DataSet timestep="{time_s!r}" part="{part}" file="frames/{name}_{k:06d}.vtp"/>')
-        (self.folder / "frames.pvd").write_text(
+        part = self.folder / "frames.pvd.part"
+        part.write_text(
             '<?xml version="1.0"?>\n<VTKFile type="Collection" version="1.0" byte_order="LittleEndian">\n<Collection>\n'
             + "\n".join(self.entries) + "\n</Collection>\n</VTKFile>\n")
+        part.rename(self.folder / "frames.pvd")
 
     def _crack_edges(self, where: np.ndarray) -> np.ndarray:
         owner: dict[tuple[int, int], int] = {}
