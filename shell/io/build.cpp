@@ -196,7 +196,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     r.tips = s.material.strength > 0.0 && m.fracture().mode() != proto::Fracture::CUTS;
     if (r.tips) {
       r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
-      if (m.fracture().has_interlock_strength()) r.rules.interlock_strength = m.fracture().interlock_strength();
+      if (m.fracture().has_interlock_strength()) r.rules.faces.shear_strength = m.fracture().interlock_strength();
+      if (m.fracture().has_interlock_opening_m()) r.rules.faces.opening = m.fracture().interlock_opening_m();
       if (m.fracture().has_interlock()) r.rules.interlock = m.fracture().interlock();
     }
   }

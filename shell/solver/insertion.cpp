@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shell/solver/interlock.h"
+
 namespace sunder::shell {
 namespace {
 
@@ -35,31 +37,6 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
   }
   const Forms<double> rest = surface_forms(gather(t, g.functions, m.rest));
   g.metric = {rest.a, rest.b};
-}
-
-// Value functions on both sides of an edge's midpoint. False where a side has too few control points.
-bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
-  const CrackEdge& e = s.cracks.edges()[lock.edge];
-  const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x());
-  const Vec2 middle = 0.5 * (e.a + e.b);
-  std::vector<GatheredFunction>* sides[2] = {&lock.plus, &lock.minus};
-  for (int side = 0; side < 2; ++side) {
-    const Vec2 p = middle + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
-    if (!m.patch.contains(p)) return false;
-    const MlsPoint mls =
-        mls_point(control_grid(m), s.cracks, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
-    if (mls.basis == MlsBasis::kNone) return false;
-    *sides[side] = to_slots(m, mls);
-  }
-  return true;
-}
-
-double interlock_energy(const ShellModel& m, const ShellState& s, const Interlock& lock) {
-  if (!lock.holds) return 0.0;
-  Vec3 gap = Vec3::Zero();
-  for (const auto& f : lock.plus) gap += f.n[0] * s.position(f.slot);
-  for (const auto& f : lock.minus) gap -= f.n[0] * s.position(f.slot);
-  return 0.5 * m.material.youngs_modulus / m.spacing * lock.area * gap.squaredNorm();
 }
 
 }  // namespace
@@ -125,22 +102,14 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
         hit = hit ||
               segments_meet(middle, m.parameter[n.slot / t.stride * t.columns + n.slot % t.stride], e.long_a, e.long_b);
     if (!hit) continue;
-    const double held = interlock_energy(m, s, lock);
-    before += held;
-    lock.holds = fasten(m, s, lock);
-    // New functions may see the faces further apart than they were: letting go beats energy out of nothing.
-    if (interlock_energy(m, s, lock) > held) lock.holds = false;
-    after += interlock_energy(m, s, lock);
+    refasten(m, s, lock);
   }
   (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
   if (interlock) {
     Interlock lock;
     lock.edge = index;
     lock.area = (e.b - e.a).norm() * m.thickness;
-    if (fasten(m, s, lock)) {
-      s.book.injected += interlock_energy(m, s, lock);  // the faces do not meet to round-off when they are fastened
-      s.interlocks.push_back(std::move(lock));
-    }
+    if (fasten(m, s, lock)) s.interlocks.push_back(std::move(lock));
   }
   s.last_crack_time = time;
   return index;
@@ -164,31 +133,6 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
       const int next = s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
       insert_edge(m, s, last, next, crack, time, 0, false);
       last = next;
-    }
-  }
-}
-
-void release_interlocks(const ShellModel& m, ShellState& s, double shear_strength, bool all) {
-  const double stiffness = m.material.youngs_modulus / m.spacing;
-  const double opening = m.material.strength > 0.0 ? m.material.fracture_energy / m.material.strength : 0.0;
-  for (Interlock& lock : s.interlocks) {
-    if (!lock.holds) continue;
-    Vec3 plus = Vec3::Zero(), minus = Vec3::Zero();
-    for (const auto& f : lock.plus) plus += f.n[0] * s.position(f.slot);
-    for (const auto& f : lock.minus) minus += f.n[0] * s.position(f.slot);
-    const CrackEdge& e = s.cracks.edges()[lock.edge];
-    const Vec2 d = (e.b - e.a).normalized();
-    // normal of the crack in the deformed surface, from its plus side's tangents
-    Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
-    for (const auto& f : lock.plus) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
-    const Vec3 along = d.x() * tu + d.y() * tv, n3 = tu.cross(tv);
-    const Vec3 normal = n3.cross(along).normalized();  // from the minus to the plus side
-    const Vec3 gap = plus - minus;
-    const double open = gap.dot(normal);
-    const double shear = stiffness * (gap - open * normal).norm();
-    if (all || open > opening || shear > shear_strength) {
-      lock.holds = false;
-      s.book.fracture += 0.5 * stiffness * lock.area * gap.squaredNorm();
     }
   }
 }

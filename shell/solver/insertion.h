@@ -13,10 +13,6 @@ int insert_edge(const ShellModel& model, ShellState& state, int from, int to, in
 /// the border run out over it.
 void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time);
 
-/// Lets go where faces open or shear off: opening beyond fracture energy / strength, or shear traction
-/// beyond `shear_strength` [Pa]. `all`: everywhere. Books what the springs held.
-void release_interlocks(const ShellModel& model, ShellState& state, double shear_strength, bool all);
-
 ControlGrid control_grid(const ShellModel& model);
 
 }  // namespace sunder::shell

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "coupler/core/error.h"
+#include "shell/solver/interlock.h"
 
 namespace sunder::shell {
 namespace {
@@ -39,26 +40,6 @@ void scatter_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
       s.strength[static_cast<std::size_t>(q) * t.lanes + e] =
           m.material.strength * std::pow(-std::log(uniform(h)), 1.0 / w) / mean;
     }
-}
-
-double interlock_forces(const ShellModel& m, ShellState& s) {
-  const std::size_t plane = m.tables.plane;
-  const double stiffness = m.material.youngs_modulus / m.spacing;  // [Pa/m]: that of one element
-  double energy = 0.0;
-  for (const Interlock& lock : s.interlocks) {
-    if (!lock.holds) continue;
-    Vec3 gap = Vec3::Zero();
-    for (const auto& f : lock.plus) gap += f.n[0] * s.position(f.slot);
-    for (const auto& f : lock.minus) gap -= f.n[0] * s.position(f.slot);
-    const double k = stiffness * lock.area;
-    energy += 0.5 * k * gap.squaredNorm();
-    const Vec3 force = -k * gap;  // along the line between the two points: no torque
-    for (int d = 0; d < 3; ++d) {
-      for (const auto& f : lock.plus) s.force[d * plane + f.slot] += f.n[0] * force[d];
-      for (const auto& f : lock.minus) s.force[d * plane + f.slot] -= f.n[0] * force[d];
-    }
-  }
-  return energy;
 }
 
 }  // namespace

@@ -20,12 +20,12 @@ struct Tip {
   bool alive = true;
 };
 
-/// The two faces of a fresh crack hold on to one another at one point per edge until they open or shear
-/// off: what a crack that is open on one side only transmits through the other.
+/// The two faces of a fresh crack bear on one another at the middle of an edge (solver/interlock.h).
 struct Interlock {
   int edge = 0;
   double area = 0.0;  // [m^2]
   std::vector<GatheredFunction> plus, minus;
+  Vec3 rest = Vec3::Zero();  // gap without force: across, along, normal [m]
   bool holds = true;
 };
 

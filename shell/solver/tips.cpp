@@ -304,7 +304,7 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
   r.turn = 10.0 * std::numbers::pi / 180.0;
   r.branch_ratio = std::numbers::sqrt2;
   r.branch_angle = 28.0 * std::numbers::pi / 180.0;
-  r.interlock_strength = m.material.strength;
+  r.faces = {0.05 * m.thickness, m.material.strength};
   return r;
 }
 
@@ -312,7 +312,7 @@ int grow_cracks(const ShellModel& m, ShellState& s, const CrackRules& r, double 
                 std::uint64_t& random) {
   int inserted = grow_tips(m, s, r, time, dt);
   inserted += nucleate(m, s, r, time, random);
-  if (!s.interlocks.empty()) release_interlocks(m, s, r.interlock_strength, false);
+  if (!s.interlocks.empty()) release_interlocks(m, s, r.faces, false);
   return inserted;
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 // Cracks that find their own way: nucleation by strength, growth at tips by fracture energy.
 // The rules and what is known of them: METHOD of the design, shell/README.md "How cracks run".
-#include "shell/solver/state.h"
+#include "shell/solver/interlock.h"
 
 namespace sunder::shell {
 
@@ -20,7 +20,7 @@ struct CrackRules {
   double star_ratio = 0.6;          // principal stresses nearer than this start a star
   int star_arms = 3;
   int nucleations_per_step = 2;
-  double interlock_strength = 0.0;  // [Pa]
+  InterlockLaw faces;               // of fresh cracks
   bool interlock = true;
 };
 

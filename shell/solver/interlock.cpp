@@ -1,0 +1,140 @@
+#include "shell/solver/interlock.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shell/solver/insertion.h"
+
+namespace sunder::shell {
+namespace {
+
+// The gap from the minus to the plus side in the frame of the deformed surface.
+struct Gap {
+  Vec3 g;                      // plus - minus
+  Vec3 tu, tv;                 // mean tangents of the two sides
+  Vec3 across, along, normal;  // orthonormal; across points from the minus to the plus side
+  double c, d;                 // lengths of tu x tv and of the edge's tangent
+  Vec3 components() const { return {g.dot(across), g.dot(along), g.dot(normal)}; }
+};
+
+Vec2 direction(const ShellState& s, const Interlock& lock) {
+  const CrackEdge& e = s.cracks.edges()[lock.edge];
+  return (e.b - e.a).normalized();
+}
+
+Gap gap_of(const ShellState& s, const Interlock& lock) {
+  Gap r;
+  r.g = r.tu = r.tv = Vec3::Zero();
+  for (const auto& f : lock.plus) {
+    const Vec3 x = s.position(f.slot);
+    r.g += f.n[0] * x, r.tu += 0.5 * f.n[1] * x, r.tv += 0.5 * f.n[2] * x;
+  }
+  for (const auto& f : lock.minus) {
+    const Vec3 x = s.position(f.slot);
+    r.g -= f.n[0] * x, r.tu += 0.5 * f.n[1] * x, r.tv += 0.5 * f.n[2] * x;
+  }
+  const Vec2 p = direction(s, lock);
+  const Vec3 c = r.tu.cross(r.tv), d = p.x() * r.tu + p.y() * r.tv;
+  r.c = c.norm(), r.d = d.norm();
+  r.normal = c / r.c, r.along = d / r.d, r.across = r.normal.cross(r.along);
+  return r;
+}
+
+// Faces that have turned against one another, or whose surroundings are crushed, do not key any more.
+constexpr double kLeastCosine = 0.7;               // between the normals of the two sides
+constexpr double kLeastArea = 0.5, kMostArea = 2;  // of the mean tangents' parallelogram
+
+bool sound(const ShellState& s, const Interlock& lock, const Gap& gap) {
+  Vec3 n[2];
+  for (int side = 0; side < 2; ++side) {
+    Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
+    for (const auto& f : side == 0 ? lock.plus : lock.minus)
+      tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
+    n[side] = tu.cross(tv).normalized();
+  }
+  const double rest = 1.0;
+  return n[0].dot(n[1]) > kLeastCosine && gap.c > kLeastArea * rest && gap.c < kMostArea * rest;
+}
+
+// Extension of the springs: across only where the faces are pressed together.
+Vec3 extension(const Gap& gap, const Interlock& lock) {
+  Vec3 e = gap.components() - lock.rest;
+  e[0] = std::min(e[0], 0.0);
+  return e;
+}
+
+double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // that of one element [Pa/m]
+
+bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
+  const CrackEdge& e = s.cracks.edges()[lock.edge];
+  const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x()), middle = 0.5 * (e.a + e.b);
+  std::vector<GatheredFunction>* sides[2] = {&lock.plus, &lock.minus};
+  for (int side = 0; side < 2; ++side) {
+    const Vec2 p = middle + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
+    if (!m.patch.contains(p)) return false;
+    const MlsPoint mls =
+        mls_point(control_grid(m), s.cracks, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
+    if (mls.basis == MlsBasis::kNone) return false;
+    sides[side]->clear();
+    for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
+  }
+  return true;
+}
+
+}  // namespace
+
+bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
+  if (!attach(m, s, lock)) return false;
+  lock.rest = gap_of(s, lock).components();  // one-sided shape functions do not meet to round-off
+  return lock.rest.allFinite();
+}
+
+void refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
+  const Vec3 before = gap_of(s, lock).components() - lock.rest;
+  lock.holds = attach(m, s, lock);
+  if (!lock.holds) return;
+  lock.rest = gap_of(s, lock).components() - before;
+  lock.holds = lock.rest.allFinite();
+}
+
+double interlock_forces(const ShellModel& m, ShellState& s) {
+  const std::size_t plane = m.tables.plane;
+  double energy = 0.0;
+  for (const Interlock& lock : s.interlocks) {
+    if (!lock.holds) continue;
+    const Gap gap = gap_of(s, lock);
+    const Vec3 e = extension(gap, lock);
+    if (e.isZero(0.0)) continue;
+    const double k = stiffness(m) * lock.area;
+    energy += 0.5 * k * e.squaredNorm();
+    // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
+    // g . d across = d normal . (along x g) + d along . (g x normal)
+    const Vec3 on_gap = k * (e[0] * gap.across + e[1] * gap.along + e[2] * gap.normal);
+    const Vec3 on_normal = k * (e[2] * gap.g + e[0] * gap.along.cross(gap.g));
+    const Vec3 on_along = k * (e[1] * gap.g + e[0] * gap.g.cross(gap.normal));
+    const Vec3 a = (on_normal - gap.normal * gap.normal.dot(on_normal)) / gap.c;
+    const Vec3 b = (on_along - gap.along * gap.along.dot(on_along)) / gap.d;
+    const Vec2 p = direction(s, lock);
+    const Vec3 on_u = 0.5 * (gap.tv.cross(a) + p.x() * b), on_v = 0.5 * (a.cross(gap.tu) + p.y() * b);
+    for (int side = 0; side < 2; ++side)
+      for (const auto& f : side == 0 ? lock.plus : lock.minus) {
+        const Vec3 force = -((side == 0 ? f.n[0] : -f.n[0]) * on_gap + f.n[1] * on_u + f.n[2] * on_v);
+        for (int d = 0; d < 3; ++d) s.force[d * plane + f.slot] += force[d];
+      }
+  }
+  return energy;
+}
+
+void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
+  for (Interlock& lock : s.interlocks) {
+    if (!lock.holds) continue;
+    const Gap gap = gap_of(s, lock);
+    const double open = gap.components()[0] - lock.rest[0];
+    const Vec3 e = extension(gap, lock);
+    if (!all && sound(s, lock, gap) && open <= law.opening && stiffness(m) * std::hypot(e[1], e[2]) <= law.shear_strength) continue;
+    lock.holds = false;
+    s.book.fracture += 0.5 * stiffness(m) * lock.area * e.squaredNorm();
+  }
+}
+
+}  // namespace sunder::shell

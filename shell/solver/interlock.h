@@ -1,0 +1,29 @@
+#pragma once
+// Fresh crack faces bear on one another: they push in compression and key into one another in shear, as
+// rough faces do, until they have opened by more than the height of the roughness. A crack never bears
+// tension. One point per edge, at its middle, evaluated with each side's own shape functions.
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+/// When faces let go.
+struct InterlockLaw {
+  double opening = 0.0;         // [m]: faces further apart key no longer
+  double shear_strength = 0.0;  // [Pa]
+};
+
+/// Fastens the two sides of an edge as they stand: the spring starts without force.
+/// False where a side sees too few control points.
+bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
+
+/// After another crack has cut its sight: new shape functions, the same force components and energy.
+void refasten(const ShellModel& model, const ShellState& state, Interlock& lock);
+
+/// Adds the forces to state.force; returns the energy [J]. A function of the gap in the frame of the
+/// deformed surface, so momentum and angular momentum are kept to round-off.
+double interlock_forces(const ShellModel& model, ShellState& state);
+
+/// Lets go where faces have opened or sheared too far (`all`: everywhere); books what the springs held.
+void release_interlocks(const ShellModel& model, ShellState& state, const InterlockLaw& law, bool all);
+
+}  // namespace sunder::shell
