@@ -53,7 +53,6 @@ class Run {
   std::vector<Proxy> proxies_;         // moving and static bodies of the scene and shards, by id
   std::vector<ContactCoefficients> coefficients_;
   ContactCandidates candidates_;
-  std::vector<double> mode_;                    // of the stable step's power iteration
   std::map<int, std::int64_t> detached_since_;  // lowest control point of a piece -> tick
   std::vector<Vec2> rubble_;                    // centres of pieces without control points that have left
   std::uint64_t random_ = 0;

@@ -49,6 +49,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
                 bool interlock) {
   const int index = s.cracks.add_edge(from, to, crack, time, face);
   if (index < 0) return index;
+  s.interlock_of.push_back(-1);
   const RowTables& t = m.tables;
   const CrackEdge& e = s.cracks.edges()[index];
   const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
@@ -109,7 +110,10 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     Interlock lock;
     lock.edge = index;
     lock.area = (e.b - e.a).norm() * m.thickness;
-    if (fasten(m, s, lock)) s.interlocks.push_back(std::move(lock));
+    if (fasten(m, s, lock)) {
+      s.interlock_of[index] = static_cast<int>(s.interlocks.size());
+      s.interlocks.push_back(std::move(lock));
+    }
   }
   s.last_crack_time = time;
   return index;

@@ -90,14 +90,22 @@ double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
   return sum;
 }
 
-double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, std::vector<double>& mode,
-                   bool as_if_free) {
+double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
+                   std::size_t first_edge) {
   const std::size_t plane = m.tables.plane, size = 3 * plane;
-  if (mode.size() != size) {
-    mode.assign(size, 0.0);
-    std::mt19937_64 random(1);
-    for (double& z : mode) z = static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0;
+  std::vector<char> start(plane, first_edge >= s.cracks.edges().size());
+  const Vec2 reach = kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+  for (std::size_t e = first_edge; e < s.cracks.edges().size(); ++e) {
+    const Vec2 low = s.cracks.edges()[e].a.cwiseMin(s.cracks.edges()[e].b) - reach,
+               high = s.cracks.edges()[e].a.cwiseMax(s.cracks.edges()[e].b) + reach;
+    for (int i = 0; i < m.control_points(); ++i)
+      if ((m.parameter[i].array() > low.array()).all() && (m.parameter[i].array() < high.array()).all())
+        start[m.tables.slot(i)] = 1;
   }
+  std::vector<double> mode(size, 0.0);
+  std::mt19937_64 random(1);
+  for (std::size_t i = 0; i < size; ++i)
+    if (start[i % plane]) mode[i] = static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0;
   std::vector<double> inverse_mass = s.inverse_mass;
   for (std::size_t i = 0; i < plane && as_if_free; ++i)
     if (m.held[i] && s.mass[i] > 0.0) inverse_mass[i] = 1.0 / s.mass[i];

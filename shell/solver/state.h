@@ -16,7 +16,7 @@ struct Tip {
   int face = 0;                   // tension side, -1 or +1
   double pending = 0.0;           // length that it may advance [m]
   double since_branch = 0.0;      // [m]
-  double mean[4] = {0, 0, 0, 0};  // stress while `pending` grew, weighted by speed: 11 22 12, weight
+  double mean[7] = {};            // stress of both faces while `pending` grew, weighted by speed; weight
   bool alive = true;
 };
 
@@ -53,6 +53,7 @@ struct ShellState {
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Tip> tips;
   std::vector<Interlock> interlocks;
+  std::vector<int> interlock_of;  // of each crack edge, -1: none
   std::vector<char> cut_done;     // prescribed cuts that have been made
   double last_crack_time = -1.0;  // [s]
   EnergyBook book;
@@ -82,11 +83,13 @@ double compute_forces(const ShellModel& model, ShellState& state, bool energy, d
 double kinetic_energy(const ShellModel& model, const ShellState& state, double dt);
 
 /// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by power
-/// iteration, which approaches from above. `mode` keeps the vector between calls (empty: start anew).
+/// iteration, which approaches from above. It starts from noise on the control points within reach of
+/// crack edges from `first_edge` on, or on all of them where there are none: a mode that a new crack made
+/// is local, and a vector kept from before would not contain it.
 /// `as_if_free`: supports are left out. A free edge halves the stable step of a clamped plate, and every
 /// crack makes free edges, so a shell that can crack is stepped as if it were free from the start.
-double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, std::vector<double>& mode,
-                   bool as_if_free);
+double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, bool as_if_free,
+                   std::size_t first_edge = 0);
 
 /// Value shape functions of a Gauss point as it stands: gathered ones, else the patch's.
 void sample_functions(const ShellModel& model, const ShellState& state, int block, int lane,

@@ -9,6 +9,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
+
 Vec2 turned(const Vec2& d, double angle) {
   return {std::cos(angle) * d.x() - std::sin(angle) * d.y(), std::sin(angle) * d.x() + std::cos(angle) * d.y()};
 }
@@ -23,13 +25,37 @@ Principal principal(double s11, double s22, double s12) {
   return {mean + radius, mean - radius, Vec2(-std::sin(angle), std::cos(angle))};
 }
 
-// Stress across direction d, and the turn towards the best direction within the limit.
-double opening_stress(const double* s, const Vec2& d, double limit, double& turn) {
-  Vec2 best = principal(s[0], s[1], s[2]).crack;
-  if (best.dot(d) < 0.0) best = -best;
-  turn = std::clamp(std::atan2(d.x() * best.y() - d.y() * best.x(), d.dot(best)), -limit, limit);
-  const Vec2 q = turned(d, turn);
+double across(const double* s, const Vec2& q) {  // normal stress on a crack along q
   return q.y() * q.y() * s[0] + q.x() * q.x() * s[1] - 2.0 * q.x() * q.y() * s[2];
+}
+
+// What drives a tip: sqrt(energy release / resistance), the face that opens it and the turn towards the
+// best direction within the limit. Energy releases of stretching and of bending add; compression closes
+// the face that bending opens.
+struct Drive {
+  double ratio = 0.0, turn = 0.0;
+  int face = 0;
+};
+Drive drive_of(const double* six, const Vec2& d, const CrackRules& r) {
+  Drive best;
+  for (const int face : {-1, 1}) {
+    const double* own = face < 0 ? six : six + 3;
+    const double* other = face < 0 ? six + 3 : six;
+    Vec2 along = principal(own[0], own[1], own[2]).crack;
+    if (along.dot(d) < 0.0) along = -along;
+    Drive q;
+    q.face = face;
+    q.turn = std::clamp(std::atan2(d.x() * along.y() - d.y() * along.x(), d.dot(along)), -r.turn, r.turn);
+    const Vec2 c = turned(d, q.turn);
+    const double here = across(own, c), there = across(other, c);
+    const double stretch = 0.5 * (here + there), bend = 0.5 * (here - there);
+    if (stretch > 0.0)
+      q.ratio = std::hypot(stretch / r.tip_strength, std::max(0.0, bend) / r.tip_bending_strength);
+    else
+      q.ratio = std::max(0.0, here) / r.tip_bending_strength;
+    if (q.ratio > best.ratio) best = q;
+  }
+  return best;
 }
 
 template <class F>
@@ -71,6 +97,15 @@ bool stress_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r,
   return true;
 }
 
+// A crack that opens one face runs across one that opened the other and still keys, for that one is closed
+// where this one opens: the radial cracks of a struck pane cross its rings.
+bool crosses(const ShellState& s, int edge, const Tip& tip, const Vec2& d) {
+  const CrackEdge& e = s.cracks.edges()[edge];
+  const int lock = s.interlock_of[edge];
+  return lock >= 0 && s.interlocks[lock].holds && e.face * tip.face < 0 &&
+         std::abs((e.b - e.a).normalized().dot(d)) < kCrossingCosine;
+}
+
 // Runs the tip one edge along d; ends on what lies within reach. Returns edges inserted.
 int advance(const ShellModel& m, ShellState& s, const CrackRules& r, Tip& tip, const Vec2& d, double time) {
   const Vec2 a = tip.p;
@@ -78,6 +113,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, Tip& tip, c
   bool ends = false;
   const double reach = r.advance + r.join;
   double nearest = 2.0;
+  int hit = -1;
   const Vec2 far = reach * d;
   s.cracks.near(a, a + far, 0.0, [&](int e) {  // straight ahead: end on it
     const CrackEdge& c = s.cracks.edges()[e];
@@ -86,12 +122,13 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, Tip& tip, c
     const double det = q.x() * far.y() - far.x() * q.y();
     if (std::abs(det) < 1e-30) return true;
     const double along = (q.x() * o.y() - o.x() * q.y()) / det, across = (far.x() * o.y() - o.x() * far.y()) / det;
-    if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0) nearest = std::min(nearest, along);
+    if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest) nearest = along, hit = e;
     return true;
   });
   const double past = 2e-3 * m.spacing;  // joins cross what they join, so that nothing sees between
   if (nearest <= 1.0) {
-    b = a + nearest * far + past * d, ends = true;
+    b = a + nearest * far + past * d;
+    ends = !crosses(s, hit, tip, d);
   } else {
     double snap = 0.7 * r.join;
     Vec2 foot, best = b;
@@ -106,7 +143,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, Tip& tip, c
     });
     if (ends) b = best + past * (best - a).normalized();
   }
-  if (!ends && !m.patch.contains(a + reach * d)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
+  if (!ends && hit < 0 && !m.patch.contains(a + reach * d)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
   const int vertex = s.cracks.add_vertex(b);
   const int edge = insert_edge(m, s, tip.vertex, vertex, tip.crack, time, tip.face, r.interlock);
   if (edge < 0) {
@@ -115,7 +152,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, Tip& tip, c
   }
   tip.since_branch += (b - a).norm();
   tip.edge = edge, tip.vertex = vertex, tip.direction = (b - a).normalized(), tip.p = b;
-  std::fill(tip.mean, tip.mean + 4, 0.0);
+  std::fill(tip.mean, tip.mean + 7, 0.0);
   if (ends) tip.alive = false;
   return 1;
 }
@@ -142,29 +179,25 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
   for (std::size_t i = 0; i < count; ++i) {
     Tip tip = s.tips[i];  // a copy: branching appends to the vector
     if (!tip.alive) continue;
-    double six[6], turn;
+    double six[6];
     if (!stress_ahead(m, s, r, tip, six)) {
       s.tips[i].alive = false;
       continue;
     }
-    const double low = opening_stress(six, tip.direction, r.turn, turn),
-                 high = opening_stress(six + 3, tip.direction, r.turn, turn);
-    const double* face = high > low ? six + 3 : six;
-    const double stress = std::max(low, high);
-    if (stress <= r.tip_strength) continue;
-    tip.face = high > low ? 1 : -1;
+    const Drive now = drive_of(six, tip.direction, r);
+    if (now.ratio <= 1.0) continue;
+    tip.face = now.face;
     // Freund: energy release falls to zero at the Rayleigh speed; it balances the resistance at this speed
-    const double ratio = r.tip_strength / stress;
-    const double speed = std::min(r.speed_limit, rayleigh * (1.0 - ratio * ratio));
+    const double speed = std::min(r.speed_limit, rayleigh * (1.0 - 1.0 / (now.ratio * now.ratio)));
     tip.pending += speed * dt;
-    for (int k = 0; k < 3; ++k) tip.mean[k] += speed * face[k];
-    tip.mean[3] += speed;
+    for (int k = 0; k < 6; ++k) tip.mean[k] += speed * six[k];
+    tip.mean[6] += speed;
     if (tip.pending >= r.advance) {
       tip.pending -= r.advance;
-      const double mean[3] = {tip.mean[0] / tip.mean[3], tip.mean[1] / tip.mean[3], tip.mean[2] / tip.mean[3]};
-      const double drive = opening_stress(mean, tip.direction, r.turn, turn);
-      const Vec2 d = turned(tip.direction, turn);
-      if (drive > r.branch_ratio * r.tip_strength && tip.since_branch > r.branch_spacing &&
+      for (int k = 0; k < 6; ++k) six[k] = tip.mean[k] / tip.mean[6];
+      const Drive mean = drive_of(six, tip.direction, r);
+      const Vec2 d = turned(tip.direction, mean.turn);
+      if (mean.ratio > r.branch_ratio && tip.since_branch > r.branch_spacing &&
           room_to_branch(s, r, s.tips[i], m.spacing)) {
         Tip twin = tip;
         inserted += advance(m, s, r, tip, turned(d, r.branch_angle), time);
@@ -289,6 +322,26 @@ int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double tim
   return inserted;
 }
 
+// Mean opening stress over the half disc ahead of a tip, weight exp(-2 r^2/R^2), in units of
+// sqrt(E G/R). kRadial is the mean of (r/R)^-1/2.
+constexpr double kRadial = 1.5420;
+// Stretching, K = sqrt(E G): sigma = K / sqrt(2 pi r) cos(t/2) (1 + sin(t/2) sin(3t/2)), mean of angles 1.1704
+constexpr double kStretchMean = 1.1704 * kRadial * 0.39894;
+// Bending of a Kirchhoff-Love plate (Williams 1961): surface stress k / sqrt(2 r) g(t) with the energy
+// release k^2 pi (1 + nu) / (3 E (3 + nu)); g from w = r^3/2 (a cos 3t/2 + b cos t/2) with free faces.
+double bending_mean(double nu) {
+  constexpr int kAngles = 200;
+  double sum = 0.0;
+  for (int i = 0; i < kAngles; ++i) {
+    const double t = std::numbers::pi * ((i + 0.5) / kAngles - 0.5), c1 = std::cos(0.5 * t), c3 = std::cos(1.5 * t);
+    const double rr = (3.0 + 5.0 * nu) * c1 - (7.0 + nu) * c3, tt = (5.0 + 3.0 * nu) * c1 + (7.0 + nu) * c3;
+    const double rt = (7.0 + nu) * std::sin(1.5 * t) - (1.0 - nu) * std::sin(0.5 * t);
+    const double s = std::sin(t), c = std::cos(t);
+    sum += (rr * s * s + tt * c * c + 2.0 * rt * s * c) / (4.0 * (3.0 + nu) * kAngles);
+  }
+  return sum * kRadial / std::numbers::sqrt2 * std::sqrt(3.0 * (3.0 + nu) / (std::numbers::pi * (1.0 + nu)));
+}
+
 }  // namespace
 
 CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
@@ -297,9 +350,9 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
   r.tip_radius = tip_radius > 0.0 ? tip_radius : 2.5 * l;
   r.advance = 0.75 * l;
   r.speed_limit = 0.6 * m.rayleigh_speed();
-  // K_Ic = sqrt(E G); 0.72 is the mean of the opening stress over the half disc ahead of a mode I tip
-  r.tip_strength = std::min(m.material.strength,
-                            0.72 * std::sqrt(m.material.youngs_modulus * m.material.fracture_energy / r.tip_radius));
+  const double toughness = std::sqrt(m.material.youngs_modulus * m.material.fracture_energy / r.tip_radius);
+  r.tip_strength = std::min(m.material.strength, kStretchMean * toughness);
+  r.tip_bending_strength = std::min(m.material.strength, bending_mean(m.material.poisson_ratio) * toughness);
   r.branch_spacing = 8.0 * l, r.tip_clearance = 2.5 * l, r.parallel_clearance = 4.0 * l, r.join = l;
   r.turn = 10.0 * std::numbers::pi / 180.0;
   r.branch_ratio = std::numbers::sqrt2;

@@ -9,8 +9,9 @@ struct CrackRules {
   double tip_radius = 0.0;          // a tip averages stress over this half disc [m]
   double advance = 0.0;             // length of a new edge [m]
   double speed_limit = 0.0;         // [m/s]
-  double tip_strength = 0.0;        // stress at which a tip runs [Pa]
-  double branch_ratio = 1.5;        // of tip stress to tip strength at which it branches
+  double tip_strength = 0.0;        // mean stress ahead at which a tip runs, stretching [Pa]
+  double tip_bending_strength = 0;  // the same on the surface, bending [Pa]
+  double branch_ratio = 1.5;        // of the drive at which a tip branches: twice the energy release at sqrt 2
   double branch_angle = 0.49;       // of each arm [rad]
   double branch_spacing = 0.0;      // run before the next branch [m]
   double tip_clearance = 0.0;       // no nucleation or branch so near another tip [m]
