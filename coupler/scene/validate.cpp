@@ -163,8 +163,7 @@ void validate(const LoadedScene& s) {
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
   if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
   if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
-  if (r.has_interlock_opening_m())
-    positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");
+  if (r.has_interlock_opening_m()) positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");
   if (r.has_interlock_strength()) positive(s, "fracture.interlock_strength", true, r.interlock_strength(), "Pa");
   if (m.output().has_frame_interval_s())
     positive(s, "output.frame_interval_s", true, m.output().frame_interval_s(), "s");

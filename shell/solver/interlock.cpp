@@ -52,8 +52,7 @@ bool sound(const ShellState& s, const Interlock& lock, const Gap& gap) {
       tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
     n[side] = tu.cross(tv).normalized();
   }
-  const double rest = 1.0;
-  return n[0].dot(n[1]) > kLeastCosine && gap.c > kLeastArea * rest && gap.c < kMostArea * rest;
+  return n[0].dot(n[1]) > kLeastCosine && gap.c > kLeastArea * lock.rest_area && gap.c < kMostArea * lock.rest_area;
 }
 
 // Extension of the springs: across only where the faces are pressed together.
@@ -85,7 +84,9 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
 
 bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   if (!attach(m, s, lock)) return false;
-  lock.rest = gap_of(s, lock).components();  // one-sided shape functions do not meet to round-off
+  const Gap gap = gap_of(s, lock);
+  lock.rest_area = gap.c;
+  lock.rest = gap.components();  // one-sided shape functions do not meet to round-off
   return lock.rest.allFinite();
 }
 
@@ -131,7 +132,9 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     const Gap gap = gap_of(s, lock);
     const double open = gap.components()[0] - lock.rest[0];
     const Vec3 e = extension(gap, lock);
-    if (!all && sound(s, lock, gap) && open <= law.opening && stiffness(m) * std::hypot(e[1], e[2]) <= law.shear_strength) continue;
+    if (!all && sound(s, lock, gap) && open <= law.opening &&
+        stiffness(m) * std::hypot(e[1], e[2]) <= law.shear_strength)
+      continue;
     lock.holds = false;
     s.book.fracture += 0.5 * stiffness(m) * lock.area * e.squaredNorm();
   }

@@ -13,10 +13,10 @@ namespace sunder::shell {
 struct Tip {
   Vec2 p, direction;
   int vertex = 0, edge = -1, crack = 0;
-  int face = 0;                   // tension side, -1 or +1
-  double pending = 0.0;           // length that it may advance [m]
-  double since_branch = 0.0;      // [m]
-  double mean[7] = {};            // stress of both faces while `pending` grew, weighted by speed; weight
+  int face = 0;               // tension side, -1 or +1
+  double pending = 0.0;       // length that it may advance [m]
+  double since_branch = 0.0;  // [m]
+  double mean[7] = {};        // stress of both faces while `pending` grew, weighted by speed; weight
   bool alive = true;
 };
 
@@ -26,6 +26,7 @@ struct Interlock {
   double area = 0.0;  // [m^2]
   std::vector<GatheredFunction> plus, minus;
   Vec3 rest = Vec3::Zero();  // gap without force: across, along, normal [m]
+  double rest_area = 1.0;    // of the tangents' parallelogram when it was fastened
   bool holds = true;
 };
 

@@ -9,6 +9,7 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kCrushing = 10.0;       // compressive over tensile strength of glass and ceramics, about
 constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
 
 Vec2 turned(const Vec2& d, double angle) {
@@ -357,7 +358,7 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
   r.turn = 10.0 * std::numbers::pi / 180.0;
   r.branch_ratio = std::numbers::sqrt2;
   r.branch_angle = 28.0 * std::numbers::pi / 180.0;
-  r.faces = {0.05 * m.thickness, m.material.strength};
+  r.faces = {0.05 * m.thickness, kCrushing * m.material.strength};
   return r;
 }
 

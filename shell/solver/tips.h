@@ -21,7 +21,7 @@ struct CrackRules {
   double star_ratio = 0.6;          // principal stresses nearer than this start a star
   int star_arms = 3;
   int nucleations_per_step = 2;
-  InterlockLaw faces;               // of fresh cracks
+  InterlockLaw faces;  // of fresh cracks
   bool interlock = true;
 };
 

@@ -1,0 +1,70 @@
+#pragma once
+// Shells that several tests use.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+inline ShellMaterial glass() {
+  ShellMaterial m;
+  m.density = 2500, m.youngs_modulus = 70e9, m.poisson_ratio = 0.22;
+  return m;
+}
+
+// A patch with unequal weights, unequal knots and curvature.
+inline Patch rational_patch() {
+  Patch p{KnotVector({0, 0, 0, 0.3, 0.5, 1, 1, 1}, "u"), KnotVector({0, 0, 0, 0.4, 1, 1, 1}, "v"), {}, {}};
+  for (int j = 0; j < p.rows(); ++j)
+    for (int i = 0; i < p.columns(); ++i) {
+      const double u = p.knots_u.greville(i), v = p.knots_v.greville(j);
+      p.control_points.emplace_back(u, v + 0.1 * u * u, 0.2 * u * u - 0.1 * u * v);
+      p.weights.push_back(1.0 + 0.2 * ((i + j) % 2));
+    }
+  return p;
+}
+
+inline void disturb(ShellState& s, const ShellModel& m, double size) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(-size, size);
+  for (int i = 0; i < m.control_points(); ++i)
+    for (int d = 0; d < 3; ++d) s.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += uniform(random);
+}
+
+inline void expect_gradient(const ShellModel& m, ShellState& s) {
+  compute_forces(m, s, false, 0.0, 1);
+  const std::vector<double> force = s.force;
+  double scale = 0.0;
+  for (const double f : force) scale = std::max(scale, std::abs(f));
+  const double epsilon = 1e-6 * m.spacing;
+  for (int i = 0; i < m.control_points(); i += 3)
+    for (int d = 0; d < 3; ++d) {
+      const std::size_t k = d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i);
+      const double x = s.x[k];
+      s.x[k] = x + epsilon;
+      const double high = compute_forces(m, s, true, 0.0, 1);
+      s.x[k] = x - epsilon;
+      const double low = compute_forces(m, s, true, 0.0, 1);
+      s.x[k] = x;
+      // central differences: O(epsilon^2) plus round-off of the energy over epsilon
+      EXPECT_NEAR(force[k], -(high - low) / (2.0 * epsilon), 1e-5 * scale)
+          << "control point " << i << " direction " << d;
+    }
+}
+
+struct Balance {
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  // sums over all control points [N], [N m]
+  double scale = 0.0;                                // sum of |f| [N]
+};
+inline Balance balance(const ShellModel& m, const ShellState& s) {
+  Balance b;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const Vec3 f = s.at(s.force, m.tables.slot(i));
+    b.force += f, b.torque += s.position(m.tables.slot(i)).cross(f), b.scale += f.norm();
+  }
+  return b;
+}
+
+}  // namespace sunder::shell
