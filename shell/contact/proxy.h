@@ -20,6 +20,7 @@ class Proxy {
   // The ledger's other page: what the shell's control points received, summed where they are.
   Vec3 shell_linear = Vec3::Zero(), shell_angular = Vec3::Zero();
   double impulse_sum = 0.0;  // of |J| [N s]
+  double moment_sum = 0.0;   // of the moments on the shell's page, each entry's magnitude [N m s]
 
   struct Distance {
     double value;  // [m], negative inside

@@ -164,19 +164,20 @@ void Run::shell_window() {
     e.window = windows_;
     throw e;
   }
-  if (s.cracks.edges().size() != edges_partitioned_) {
-    const double step = stable_step(m, s, kLaterIterations, options_.threads, can_crack(), edges_partitioned_);
-    smallest_step_ = std::min(smallest_step_, step);
-    edges_partitioned_ = s.cracks.edges().size();
+  for (; edges_seen_ < s.cracks.edges().size(); ++edges_seen_)
+    changed_.push_back(0.5 * (s.cracks.edges()[edges_seen_].a + s.cracks.edges()[edges_seen_].b));
+  if (!changed_.empty()) {
+    smallest_step_ =
+        std::min(smallest_step_, stable_step(m, s, kLaterIterations, options_.threads, can_crack(), changed_));
+    changed_.clear();
   }
 }
 
 void Run::check_ledger() {
   for (Proxy& p : proxies_) {
     if (p.impulse_sum == 0.0) continue;
-    const double arm = std::isfinite(p.radius()) ? p.radius() : 1.0;
     const double linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
-    const double angular = (p.angular_impulse + p.shell_angular).norm() / (p.impulse_sum * arm);
+    const double angular = (p.angular_impulse + p.shell_angular).norm() / p.moment_sum;
     ledger_linear_ = std::max(ledger_linear_, linear), ledger_angular_ = std::max(ledger_angular_, angular);
     if (linear > kLedgerTolerance || angular > kLedgerTolerance) {
       Error e(Exit::kPhysics, "ledger",
@@ -229,6 +230,8 @@ std::vector<RigidBody> Run::take_off(bool all) {
     const double mass = m.material.density * m.thickness * h.area;
     geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
     handed_area_ += h.area, ++handed_off_;
+    for (const int slot : h.donors)
+      changed_.push_back(m.parameter[slot / m.tables.stride * m.tables.columns + slot % m.tables.stride]);
     p.gone = true;
     births.push_back(h.body);
     proxies_.emplace_back(h.body);
@@ -255,7 +258,7 @@ void Run::exchange(int ticks, double window, const std::vector<RigidBody>& birth
     Proxy& p = proxies_[i];
     if (!p.body.is_static) motions.push_back({p.body.id, p.body.motion, p.linear_impulse, p.angular_impulse});
     p.linear_impulse = p.angular_impulse = p.shell_linear = p.shell_angular = Vec3::Zero();
-    p.impulse_sum = 0.0;
+    p.impulse_sum = p.moment_sum = 0.0;
   }
   const auto states = client_->window(tick_, ticks, window, motions, births);
   check_births(births, states);

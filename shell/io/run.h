@@ -57,7 +57,8 @@ class Run {
   std::vector<Vec2> rubble_;                    // centres of pieces without control points that have left
   std::uint64_t random_ = 0;
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;
-  std::size_t edges_partitioned_ = 0;
+  std::size_t edges_seen_ = 0;  // crack edges that the stable step knows
+  std::vector<Vec2> changed_;   // where shape functions or masses have changed since it was last measured
   BodyId first_shard_ = 1, next_id_ = 1;
   int fragments_ = 0, handed_off_ = 0;
   double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;

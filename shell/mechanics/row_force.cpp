@@ -58,6 +58,9 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, in
       const double *first = value + 3 * lanes, *second = value + 6 * lanes;
       const double* metric = &t.metric[t.at(block, kMetricFields, 0, 0)];
       for (int e = 0; e < lanes; e += kLanes) {
+        const Pack area = load<Pack>(metric + kArea * lanes + e);
+        const IntPack summed = area > 0.0;  // padding, empty spans and points that a crack has touched are not
+        if (!(summed[0] | summed[1] | summed[2] | summed[3])) continue;
         Derivatives<Pack> d;
         d.u = contract3(first, lanes, c, stride, e);
         d.v = contract3(value, lanes, c + 3 * stride, stride, e);
@@ -80,10 +83,8 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, in
                                          load<Pack>(metric + kA12 * lanes + e)},
                                         {load<Pack>(metric + kB11 * lanes + e), load<Pack>(metric + kB22 * lanes + e),
                                          load<Pack>(metric + kB12 * lanes + e)}};
-        const Pack area = load<Pack>(metric + kArea * lanes + e);
         const Forms<Pack> forms = surface_forms(d);
         const Resultants<Pack> r = integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
-        const IntPack summed = area > 0.0;  // padding, empty spans and points that a crack has touched are not
         if constexpr (kEnergy) energy += select(summed, area * r.energy, Pack{});
         if constexpr (kStress) {
           double* s = stress.values->data() + t.at(block, 6, 0, e);

@@ -10,7 +10,10 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kDonorShare = 0.5;  // a control point gives away at most this share of its mass
+// A control point that stays keeps at least this share of its first mass, however many pieces leave beside
+// it: the stable step falls with the root of the mass.
+constexpr double kLeastMass = 0.5;
+constexpr double kLastMass = 0.02;  // where that is not enough, as when the last pieces leave
 
 // Rest geometry of a piece: the mid-surface triangles thickened by tau.
 struct Geometry {
@@ -112,7 +115,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
   for (GatheredPoint& g : s.points)
-    if (g.kind != PointKind::kDead && own[g.functions[0].slot]) g.kind = PointKind::kDead, g.functions.clear();
+    if (g.kind != PointKind::kDead && own[g.functions[0].slot]) g.kind = PointKind::kDead, set_functions(g, {});
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];
@@ -167,7 +170,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   const Geometry g = rest_geometry(m, t, piece.number);
   Handoff out;
   out.area = g.area;
-  const double target = m.material.density * m.thickness * g.area;
+  double target = m.material.density * m.thickness * g.area;
   std::vector<int> slots;
   double mass = 0.0;
   Vec3 momentum = Vec3::Zero();
@@ -195,15 +198,18 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   double missing = target - mass;
   out.mass_moved = missing;
   if (missing > 0.0) {
-    for (const int slot : beside) {
-      const double part = std::min(missing, kDonorShare * s.mass[slot]);
-      const Vec3 v = m.held[slot] ? Vec3(Vec3::Zero()) : velocity_now(slot);
-      momentum += part * v;
-      angular += part * (s.position(slot) - centre).cross(v);
-      s.mass[slot] -= part;
-      if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
-      if ((missing -= part) <= 0.0) break;
-    }
+    for (const double least : {kLeastMass, kLastMass})
+      for (const int slot : beside) {
+        const double part = std::min(missing, s.mass[slot] - least * m.mass[slot]);
+        if (part <= 0.0) continue;
+        const Vec3 v = m.held[slot] ? Vec3(Vec3::Zero()) : velocity_now(slot);
+        momentum += part * v;
+        angular += part * (s.position(slot) - centre).cross(v);
+        s.mass[slot] -= part;
+        if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
+        out.donors.push_back(slot);
+        missing -= part;
+      }
   } else if (missing < 0.0 && !beside.empty()) {
     const std::size_t takers = std::min<std::size_t>(beside.size(), 12);
     const Vec3 v = momentum / mass;
@@ -221,6 +227,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
       if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
     }
   }
+  target -= std::max(0.0, missing);  // nobody left to give it: the run reports it as an error of the geometry
   const Mat3 inertia = m.material.density * m.thickness * (g.second.trace() * Mat3::Identity() - g.second);
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
   Mat3 frame = axes.eigenvectors();

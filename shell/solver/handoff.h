@@ -25,6 +25,7 @@ struct Handoff {
   RigidBody body;
   double area = 0.0;        // [m^2]
   double mass_moved = 0.0;  // [kg] that crossed the crack so that the piece weighs rho tau area
+  std::vector<int> donors;  // slots that gave mass and stay
 };
 
 /// Makes a rigid body of a piece at its rest shape, best fitted to its control points: mass rho tau

@@ -30,12 +30,12 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
-  g.functions = to_slots(m, mls);
+  set_functions(g, to_slots(m, mls));
   if (g.kind == PointKind::kDead) {
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
     return;
   }
-  const Forms<double> rest = surface_forms(gather(t, g.functions, m.rest));
+  const Forms<double> rest = surface_forms(gather(t, g, m.rest));
   g.metric = {rest.a, rest.b};
 }
 
@@ -79,9 +79,11 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     if (point < 0) {  // its energy with the patch's own functions
       GatheredPoint g;
       const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
+      std::vector<GatheredFunction> own;
       for (int k = 0; k < 9; ++k)
-        g.functions.push_back({(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
-                               {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+        own.push_back({(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
+                       {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+      set_functions(g, std::move(own));
       const double* metric = &t.metric[t.at(block, kMetricFields, 0, lane)];
       g.kind = PointKind::kQuadratic, g.area = metric[kArea * t.lanes];
       g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},

@@ -44,6 +44,10 @@ Gap gap_of(const ShellState& s, const Interlock& lock) {
 constexpr double kLeastCosine = 0.7;               // between the normals of the two sides
 constexpr double kLeastArea = 0.5, kMostArea = 2;  // of the mean tangents' parallelogram
 
+// Sum of squares of a side's value functions; it multiplies the spring's stiffness over a control point's
+// mass. About 1 for a point at the edge of its support; a wild extrapolation would cost the time step.
+constexpr double kMostAmplification = 3.0;
+
 bool sound(const ShellState& s, const Interlock& lock, const Gap& gap) {
   Vec3 n[2];
   for (int side = 0; side < 2; ++side) {
@@ -73,7 +77,9 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
     if (!m.patch.contains(p)) return false;
     const MlsPoint mls =
         mls_point(control_grid(m), s.cracks, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
-    if (mls.basis == MlsBasis::kNone) return false;
+    double amplification = 0.0;
+    for (const MlsFunction& f : mls.functions) amplification += f.n[0] * f.n[0];
+    if (mls.basis == MlsBasis::kNone || amplification > kMostAmplification) return false;
     sides[side]->clear();
     for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
   }

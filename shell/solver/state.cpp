@@ -91,17 +91,13 @@ double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
 }
 
 double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
-                   std::size_t first_edge) {
+                   const std::vector<Vec2>& around) {
   const std::size_t plane = m.tables.plane, size = 3 * plane;
-  std::vector<char> start(plane, first_edge >= s.cracks.edges().size());
+  std::vector<char> start(plane, around.empty());
   const Vec2 reach = kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
-  for (std::size_t e = first_edge; e < s.cracks.edges().size(); ++e) {
-    const Vec2 low = s.cracks.edges()[e].a.cwiseMin(s.cracks.edges()[e].b) - reach,
-               high = s.cracks.edges()[e].a.cwiseMax(s.cracks.edges()[e].b) + reach;
+  for (const Vec2& p : around)
     for (int i = 0; i < m.control_points(); ++i)
-      if ((m.parameter[i].array() > low.array()).all() && (m.parameter[i].array() < high.array()).all())
-        start[m.tables.slot(i)] = 1;
-  }
+      if (((m.parameter[i] - p).cwiseAbs().array() < reach.array()).all()) start[m.tables.slot(i)] = 1;
   std::vector<double> mode(size, 0.0);
   std::mt19937_64 random(1);
   for (std::size_t i = 0; i < size; ++i)

@@ -111,7 +111,9 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       for (const auto& f : candidate.functions) {
         s.add_velocity(f.slot, (f.n[0] * s.inverse_mass[f.slot]) * j);
         body.shell_linear += f.n[0] * j;
-        body.shell_angular += (s.position(f.slot) - body.body.motion.position).cross(f.n[0] * j);
+        const Vec3 arm = s.position(f.slot) - body.body.motion.position;
+        body.shell_angular += arm.cross(f.n[0] * j);
+        body.moment_sum += arm.norm() * std::abs(f.n[0]) * j.norm();
       }
       body.impulse_sum += j.norm();
       body.apply(at.x, -j);
