@@ -132,14 +132,14 @@ void Run::shell_window() {
     if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * setup_.window) {
       Stopwatch w(stage_s_["crack_update"]);
       insert_polyline(m, s, setup_.cuts[i].points, time());
-      s.cut_done[i] = 1, candidates_.age = 0;
+      s.cut_done[i] = 1;
     }
   for (int k = 0; k < n; ++k) {
     substep(dt);
     ++substeps_;
     if (setup_.tips) {
       Stopwatch w(stage_s_["crack_update"]);
-      if (grow_cracks(m, s, setup_.rules, time() + (k + 1) * dt, dt, random_) > 0) candidates_.age = 0;
+      grow_cracks(m, s, setup_.rules, time() + (k + 1) * dt, dt, random_);
     }
     if (k % 64 == 63) {
       client_->check_peer();

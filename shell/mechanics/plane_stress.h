@@ -35,28 +35,77 @@ struct PlaneStress {
   T log_area;  // ln J0, J0 the area ratio
 };
 
+/// Area ratios nearer to 1 than this take polynomials, which are exact to round-off there, instead of
+/// logarithms; shells of glass and steel never leave that range until they break.
+constexpr double kSmallAreaChange = 0.04;
+
+inline bool all_below(double a, double limit) { return a < limit && a > -limit; }
+inline bool all_below(Pack a, double limit) {
+  const IntPack inside = (a < limit) & (a > -limit);
+  return (inside[0] & inside[1] & inside[2] & inside[3]) != 0;
+}
+
+/// ln(1 + e) for |e| < kSmallAreaChange: 2 atanh(e / (2 + e)), the rest of the series below 1e-20.
+template <class T>
+inline T small_log1p(T e) {
+  const T z = e / (2.0 + e), q = z * z;
+  T s = splat<T>(2.0 / 11.0);
+  s = s * q + 2.0 / 9.0;
+  s = s * q + 2.0 / 7.0;
+  s = s * q + 2.0 / 5.0;
+  s = s * q + 2.0 / 3.0;
+  return z * 2.0 + z * q * s;
+}
+
+/// e^u - 1 for |u| < 0.04: the rest of the series below 1e-19.
+template <class T>
+inline T small_expm1(T u) {
+  T s = splat<T>(1.0 / 362880.0);
+  s = s * u + 1.0 / 40320.0;
+  s = s * u + 1.0 / 5040.0;
+  s = s * u + 1.0 / 720.0;
+  s = s * u + 1.0 / 120.0;
+  s = s * u + 1.0 / 24.0;
+  s = s * u + 1.0 / 6.0;
+  s = s * u + 0.5;
+  return u + u * u * s;
+}
+
 /// psi = mu/2 (tr C - 3) - mu ln J + lambda/2 ln^2 J with the thickness stretch from sigma_33 = 0:
 ///   g(s) = mu (s - 1) + lambda/2 ln s + lambda ln J0 = 0,  s = stretch^2;  S = mu (Abar^-1 - s C^-1).
 /// `c` is the current, `a` the reference metric at this layer (covariant, both positive definite).
-/// Newton in s = stretch^2 from the root of the linearised equation; a step may take s to a quarter
-/// of itself at the least, since the root is positive and the logarithm ends at zero.
+/// Near the reference state Newton runs in u = ln s, twice (the error goes as u^2, u^4, u^8). Elsewhere
+/// in s from the root of the linearised equation; a step may take s to a quarter of itself at the
+/// least, since the root is positive and the logarithm ends at zero.
 template <class T>
 inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
-  const T dc = determinant(c), da = determinant(a);
-  PlaneStress<T> r;
-  r.log_area = 0.5 * logarithm<T>(dc / da);
+  const T dc = determinant(c), da = determinant(a), ia = 1.0 / da;
+  const T change = (dc - da) * ia;  // of the squared area ratio
   const double kappa = 2.0 * e.lambda / (e.lambda + 2.0 * e.mu);
-  const T u = -kappa * r.log_area;                                         // ln s to first order
-  T s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
-  s = select(s > 0.05, s, splat<T>(0.05));
-  for (int i = 0; i < kThicknessNewtonSteps; ++i) {
-    const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * r.log_area;
-    const T step = g / (e.mu + 0.5 * e.lambda / s);
-    const T next = s - step;
-    s = select(next > 0.25 * s, next, 0.25 * s);
+  PlaneStress<T> r;
+  T s;
+  if (all_below(change, kSmallAreaChange)) {
+    r.log_area = 0.5 * small_log1p<T>(change);
+    T u = -kappa * r.log_area;
+    for (int i = 0; i < 2; ++i) {
+      const T grown = small_expm1<T>(u);
+      u = u - (e.mu * grown + 0.5 * e.lambda * u + e.lambda * r.log_area) / (e.mu * (1.0 + grown) + 0.5 * e.lambda);
+    }
+    s = 1.0 + small_expm1<T>(u);
+  } else {
+    r.log_area = 0.5 * logarithm<T>(dc * ia);
+    const T u = -kappa * r.log_area;                                       // ln s to first order
+    s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
+    s = select(s > 0.05, s, splat<T>(0.05));
+    for (int i = 0; i < kThicknessNewtonSteps; ++i) {
+      const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * r.log_area;
+      const T step = g / (e.mu + 0.5 * e.lambda / s);
+      const T next = s - step;
+      s = select(next > 0.25 * s, next, 0.25 * s);
+    }
   }
   r.stretch2 = s;
-  const T ic = s / dc, ia = 1.0 / da;
+  const T ic = s / dc;
   r.s = {e.mu * (a.c22 * ia - ic * c.c22), e.mu * (a.c11 * ia - ic * c.c11), e.mu * (ic * c.c12 - a.c12 * ia)};
   return r;
 }

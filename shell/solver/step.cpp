@@ -9,13 +9,15 @@ namespace {
 
 constexpr int kTile = 8;  // elements a side of a tile, the coarse unit of the search
 
-struct Sampled {
-  Vec3 x, v;
-};
-Sampled sample(const ShellState& s, const std::vector<GatheredFunction>& functions) {
-  Sampled r{Vec3::Zero(), Vec3::Zero()};
-  for (const auto& f : functions) r.x += f.n[0] * s.position(f.slot), r.v += f.n[0] * s.velocity(f.slot);
-  return r;
+Vec3 position(const ShellState& s, const std::vector<GatheredFunction>& functions) {
+  Vec3 x = Vec3::Zero();
+  for (const auto& f : functions) x += f.n[0] * s.position(f.slot);
+  return x;
+}
+Vec3 velocity(const ShellState& s, const std::vector<GatheredFunction>& functions) {
+  Vec3 v = Vec3::Zero();
+  for (const auto& f : functions) v += f.n[0] * s.velocity(f.slot);
+  return v;
 }
 
 }  // namespace
@@ -35,6 +37,12 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
       for (int j = tv * kTile; j < std::min(t.rows, (tv + 1) * kTile + 2); ++j)
         for (int i = tu * kTile; i < std::min(t.columns, (tu + 1) * kTile + 2); ++i)
           if (!s.gone[j * t.stride + i]) boxes[tv * tiles_u + tu].extend(s.position(j * t.stride + i));
+  // Samples' places, found once however many bodies ask.
+  struct Sample {
+    Vec3 x;
+    bool known = false, there = false;
+  };
+  std::vector<Sample> samples(static_cast<std::size_t>(t.blocks()) * t.lanes);
   std::vector<GatheredFunction> functions;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     auto& list = c.of_body[b];
@@ -42,7 +50,8 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
     const Proxy& body = bodies[b];
     const double reach = body.body.is_static ? 0.0 : body.body.angular_velocity().norm() * body.radius();
     // twice what both can move until the next refresh: control points may speed up meanwhile
-    const double margin = m.thickness + 2.0 * kContactRefresh * dt * (speed + body.body.motion.velocity.norm() + reach);
+    const double travel = 2.0 * dt * (speed + body.body.motion.velocity.norm() + reach);  // a substep
+    const double margin = m.thickness + kContactRefresh * travel;
     const Vec3 centre = body.body.motion.position;
     for (int tile = 0; tile < tiles_u * tiles_v; ++tile) {
       if (boxes[tile].isEmpty()) continue;
@@ -62,9 +71,18 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
           for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
             const int block = f * t.gauss * t.gauss + sub;
             if (t.metric[t.at(block, kMetricFields, kArea, lane)] == 0.0) continue;
-            sample_functions(m, s, block, lane, functions);
-            if (functions.empty() || s.gone[functions[0].slot]) continue;
-            if (body.distance(sample(s, functions).x).value < margin) list.push_back({block, lane, functions});
+            Sample& q = samples[static_cast<std::size_t>(block) * t.lanes + lane];
+            if (!q.known) {
+              sample_functions(m, s, block, lane, functions);
+              q.known = true, q.there = !functions.empty() && !s.gone[functions[0].slot];
+              if (q.there) q.x = position(s, functions);
+            }
+            if (!q.there || (q.x - centre).norm() > body.radius() + margin) continue;
+            const double gap = body.distance(q.x).value;
+            if (gap >= margin) continue;
+            const double free = std::max(0.0, gap - 0.5 * m.thickness);
+            const int first = static_cast<int>(std::min(free / travel, static_cast<double>(kContactRefresh)));
+            list.push_back({block, lane, first});
           }
     }
   }
@@ -73,18 +91,22 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
 int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates) {
   int touching = 0;
+  std::vector<GatheredFunction> functions;
   for (std::size_t b = 0; b < candidates.of_body.size(); ++b) {
     if (candidates.of_body[b].empty()) continue;
     Proxy& body = bodies[b];
     for (const auto& candidate : candidates.of_body[b]) {
-      const Sampled at = sample(s, candidate.functions);
-      const Proxy::Distance middle = body.distance(at.x);
+      if (candidates.age <= candidate.first) continue;
+      sample_functions(m, s, candidate.block, candidate.lane, functions);  // a crack may have changed them
+      if (functions.empty() || s.gone[functions[0].slot]) continue;
+      const Vec3 x = position(s, functions);
+      const Proxy::Distance middle = body.distance(x);
       if (middle.value > 0.5 * m.thickness) continue;
       // the face towards the body: half a thickness off the middle along the shell's own normal
       Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
-      const bool gathered = candidate.functions.front().n[1] != 0.0 || candidate.functions.size() != 9;
+      const bool gathered = functions.front().n[1] != 0.0 || functions.size() != 9;
       if (gathered) {
-        for (const auto& f : candidate.functions) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
+        for (const auto& f : functions) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
       } else {
         const ShapeFunctions n =
             m.patch.shape_functions(gauss_point(m.patch, m.tables, candidate.block, candidate.lane).parameter);
@@ -95,20 +117,20 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       }
       Vec3 normal = tu.cross(tv).normalized();
       if (normal.dot(middle.normal) > 0.0) normal = -normal;  // towards the body
-      const Vec3 face = at.x + 0.5 * m.thickness * normal;
+      const Vec3 face = x + 0.5 * m.thickness * normal;
       const Proxy::Distance gap = body.distance(face);
       if (gap.value >= 0.0) continue;
       ++touching;
       // The impulse acts on both sides at the mid-surface point, where the shape functions place it:
       // linear and angular momentum then close to round-off.
-      const Vec3 before = at.v - body.velocity_at(at.x);
-      double inverse = body.inverse_mass_at(at.x, gap.normal);
-      for (const auto& f : candidate.functions) inverse += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
+      const Vec3 before = velocity(s, functions) - body.velocity_at(x);
+      double inverse = body.inverse_mass_at(x, gap.normal);
+      for (const auto& f : functions) inverse += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
       if (inverse <= 0.0) continue;
       const Vec3 j =
           contact_impulse(gap.normal, before, 1.0 / inverse, coefficients[b].friction, coefficients[b].restitution);
       if (j.isZero(0.0)) continue;
-      for (const auto& f : candidate.functions) {
+      for (const auto& f : functions) {
         s.add_velocity(f.slot, (f.n[0] * s.inverse_mass[f.slot]) * j);
         body.shell_linear += f.n[0] * j;
         const Vec3 arm = s.position(f.slot) - body.body.motion.position;
@@ -116,8 +138,8 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
         body.moment_sum += arm.norm() * std::abs(f.n[0]) * j.norm();
       }
       body.impulse_sum += j.norm();
-      body.apply(at.x, -j);
-      const Vec3 after = sample(s, candidate.functions).v - body.velocity_at(at.x);
+      body.apply(x, -j);
+      const Vec3 after = velocity(s, functions) - body.velocity_at(x);
       s.book.contact -= 0.5 * j.dot(before + after);  // exact work of an impulse
     }
   }

@@ -14,10 +14,10 @@ struct ContactCoefficients {
 struct ContactCandidates {
   struct Sample {
     int block, lane;
-    std::vector<GatheredFunction> functions;
+    int first = 0;  // substeps from the refresh in which it cannot touch
   };
   std::vector<std::vector<Sample>> of_body;
-  int age = 0;
+  int age = 0;  // substeps since the refresh
 };
 constexpr int kContactRefresh = 16;  // substeps
 
