@@ -161,6 +161,9 @@ void validate(const LoadedScene& s) {
   }
   const auto& r = m.fracture();
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
+  if (r.has_quiet_growth())
+    s.check(r.quiet_growth() >= 0.0 && r.quiet_growth() < 1.0, "fracture.quiet_growth",
+            "is {}, must be a share from 0 to below 1", r.quiet_growth());
   if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
   if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
   if (r.has_interlock_opening_m()) positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");

@@ -173,7 +173,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.frame_interval = m.output().has_frame_interval_s() ? m.output().frame_interval_s() : r.end_time / 60.0;
   r.shell_frame_interval =
       m.output().has_shell_frame_interval_s() ? m.output().shell_frame_interval_s() : r.frame_interval;
-  r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : 3e-4;
+  r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : 5e-4;
+  r.quiet_growth = m.fracture().has_quiet_growth() ? m.fracture().quiet_growth() : 0.01;
   r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;
   r.seed = static_cast<std::uint64_t>(m.fracture().seed());
   std::map<std::string, std::uint32_t> groups;

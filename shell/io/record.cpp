@@ -13,6 +13,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kProgressInterval = 0.5;  // [s]
+constexpr double kCountedShare = 1e-3;     // of the shells' area: smaller shards are splinters
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
@@ -71,6 +72,7 @@ void Run::progress() {
 
 std::string Run::state_hash() const {
   Sha256 h;
+  h.add(frozen_hash_.data(), frozen_hash_.size());
   if (state_) {
     h.add(state_->x), h.add(state_->v);
     h.add(state_->c_his.data(), state_->c_his.size() * sizeof(float));
@@ -85,6 +87,37 @@ std::string Run::state_hash() const {
                               m.angular_momentum.y(), m.angular_momentum.z()});
   }
   return h.hex();
+}
+
+std::string Run::shards_summary() const {
+  double whole = 0.0, fastest = 0.0, largest = 0.0;
+  BodyId which = 0;
+  for (const ShellModel& m : setup_.shells)
+    for (int i = 0; i < m.control_points(); ++i) whole += m.mass[m.tables.slot(i)] / (m.material.density * m.thickness);
+  int big = 0;
+  for (const ShardRecord& r : shards_) {
+    big += r.area >= kCountedShare * whole;
+    largest = std::max(largest, r.area);
+    for (const Proxy& p : proxies_)
+      if (p.body.id == r.id && p.body.motion.velocity.norm() > fastest)
+        fastest = p.body.motion.velocity.norm(), which = r.id;
+  }
+  return fmt::format(
+      "  \"shards\": {{\"at_least_0.1_percent\": {}, \"largest_m2\": {}, \"fastest_m_per_s\": {}, \"fastest_id\": "
+      "{}}},\n",
+      big, number(largest), number(fastest), which);
+}
+
+void Run::write_shards() const {
+  std::string out = "id,birth [s],area [m^2],mass [kg],speed at birth [m/s],speed at the end [m/s],x [m],y [m],z [m]\n";
+  for (const ShardRecord& r : shards_)
+    for (const Proxy& p : proxies_)
+      if (p.body.id == r.id) {
+        const Vec3& x = p.body.motion.position;
+        out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g}\n", r.id, r.birth, r.area,
+                           r.mass, r.birth_speed, p.body.motion.velocity.norm(), x.x(), x.y(), x.z());
+      }
+  write_atomically(options_.out + "/shards.csv", out);
 }
 
 void Run::write_summary(const std::string& status, const Error* error) {
@@ -116,9 +149,9 @@ void Run::write_summary(const std::string& status, const Error* error) {
     stages += fmt::format("{}{}: {}", stages.empty() ? "" : ", ", quoted(name), number(seconds)), total += seconds;
   j += fmt::format(
       "  \"time\": {{\"simulated_s\": {}, \"wall_s\": {}, \"windows\": {}, \"substeps\": {}, \"frozen_at_s\": {}, "
-      "\"stage_s\": {{{}}}}},\n",
+      "\"frozen_why\": {}, \"stage_s\": {{{}}}}},\n",
       number(time()), number(now() - wall_start_), windows_, substeps_, frozen_at_ < 0.0 ? "null" : number(frozen_at_),
-      stages);
+      frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
   j += fmt::format(
       "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": 0, "
       "\"contact\": {}, \"handoff_lost\": {}, \"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
@@ -132,6 +165,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
       "\"mass_geometry_error_max\": {}, \"area_m2\": {}, \"detached_area_m2\": {}}},\n",
       number(mass_error_), number(momentum_error_), number(angular_error_), number(geometry_error_),
       number(handed_area_), number(detached_area_));
+  j += shards_summary();
   j += fmt::format("  \"stable_step\": {{\"initial_s\": {}, \"smallest_s\": {}}},\n", number(initial_step_),
                    number(smallest_step_));
   std::string models;
@@ -147,6 +181,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
   if (!setup_.cuts.empty()) model("prescribed_cuts", "the shell has cuts", "crack_update");
   if (!setup_.bodies.empty() || handed_off_ > 0) model("rigid_engine", "there are rigid bodies", "coupling");
   j += "  \"models\": [" + models + "],\n  \"state_hash\": " + quoted(state_hash()) + "\n}\n";
+  write_shards();
   write_atomically(options_.out + "/run.json", j);
 }
 

@@ -112,7 +112,7 @@ void Run::substep(double dt) {
       refresh_candidates(m, s, proxies_, dt, candidates_);
       candidates_.age = 1;
     }
-    if (contact(m, s, proxies_, coefficients_, candidates_) > 0) last_contact_ = time();
+    contact(m, s, proxies_, coefficients_, candidates_);
   }
   {
     Stopwatch w(stage_s_["kick_drift"]);
@@ -147,6 +147,8 @@ void Run::shell_window() {
     }
   }
   check_ledger();
+  for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
+    if (proxies_[i].impulse_sum > 0.0 && !proxies_[i].body.is_static) last_push_ = time() + setup_.window;
   std::vector<RigidBody> births = take_off(false);
   exchange(1, setup_.window, births);
   Stopwatch w(stage_s_["internal_force"]);
@@ -230,6 +232,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
     const double mass = m.material.density * m.thickness * h.area;
     geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
     handed_area_ += h.area, ++handed_off_;
+    shards_.push_back({h.body.id, time() + setup_.window, h.area, h.body.mass, h.body.motion.velocity.norm()});
     for (const int slot : h.donors)
       changed_.push_back(m.parameter[slot / m.tables.stride * m.tables.columns + slot % m.tables.stride]);
     p.gone = true;
@@ -282,15 +285,20 @@ void Run::check_births(const std::vector<RigidBody>& births, const std::vector<l
     }
 }
 
-bool Run::cracking_has_ended() const {
-  if (!state_ || state_->last_crack_time < 0.0) return false;
+std::string Run::cracking_has_ended() {
+  if (state_->last_crack_time < 0.0) return "";
   for (const char done : state_->cut_done)
-    if (!done) return false;
-  if (time() >= setup_.latest_freeze) return true;
-  return time() - std::max(state_->last_crack_time, last_contact_) > setup_.quiet_time;
+    if (!done) return "";
+  const double length = state_->cracks.total_length(), since = time() - setup_.quiet_time * (1.0 + 1e-9);
+  crack_lengths_.emplace_back(time(), length);
+  while (crack_lengths_.size() > 1 && crack_lengths_[1].first <= since) crack_lengths_.pop_front();
+  const auto& [then, before] = crack_lengths_.front();
+  if (then <= since + setup_.window && last_push_ <= since && length - before <= setup_.quiet_growth * length)
+    return fmt::format("cracks grew by {:.2g} of their length within {:g} s", 1.0 - before / length, setup_.quiet_time);
+  return time() >= setup_.latest_freeze * (1.0 - 1e-9) ? "latest_freeze_s" : "";
 }
 
-void Run::freeze_shell() {
+void Run::freeze_shell(const std::string& why) {
   const ShellModel& m = setup_.shells[0];
   std::vector<RigidBody> births = take_off(true);
   const double before = total_energy(dt_);
@@ -303,9 +311,8 @@ void Run::freeze_shell() {
     proxies_.emplace_back(remains);
   }
   book_ = state_->book;
-  write_summary("running", nullptr);
-  state_hash();
-  frozen_at_ = time();
+  frozen_hash_ = state_hash();
+  frozen_at_ = time(), frozen_why_ = why;
   state_.reset();
   book_.frozen += before - total_energy(dt_);
   exchange(1, setup_.window, births);  // newborn bodies do not move in the window of their birth
@@ -333,8 +340,9 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     start();
     const std::int64_t end = std::llround(setup_.end_time / setup_.window);
     while (tick_ < end && !interrupted) {
-      if (state_ && cracking_has_ended())
-        freeze_shell();
+      const std::string why = state_ ? cracking_has_ended() : "";
+      if (!why.empty())
+        freeze_shell(why);
       else if (state_)
         shell_window();
       else

@@ -1,6 +1,7 @@
 #pragma once
 // A whole run: windows of substeps against proxies, exchanged with the rigid process.
 #include <atomic>
+#include <deque>
 #include <map>
 #include <string>
 
@@ -16,6 +17,13 @@ struct RunOptions {
   double until = 0.0;  // [s]; 0: the scene's end
   int threads = 1;
   bool quiet = false;
+};
+
+/// A piece that was handed off, as shards.csv has it.
+struct ShardRecord {
+  BodyId id = 0;
+  double birth = 0.0, area = 0.0, mass = 0.0;  // [s], [m^2], [kg]
+  double birth_speed = 0.0;                    // [m/s]
 };
 
 class Run {
@@ -34,12 +42,15 @@ class Run {
   void check_ledger();
   void check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states);
   bool can_crack() const { return setup_.tips || !setup_.cuts.empty(); }
-  bool cracking_has_ended() const;
-  void freeze_shell();
+  /// Why the shell may be frozen now; empty: it may not.
+  std::string cracking_has_ended();
+  void freeze_shell(const std::string& why);
   double total_energy(double dt);
   double bodies_energy() const;
   void write_frame();
   void write_series_row();
+  void write_shards() const;
+  std::string shards_summary() const;
   void write_summary(const std::string& status, const Error* error);
   void progress();
   std::string state_hash() const;
@@ -63,13 +74,16 @@ class Run {
   int fragments_ = 0, handed_off_ = 0;
   double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;
   double initial_step_ = 0.0, smallest_step_ = 0.0;
-  double last_contact_ = 0.0;
+  double last_push_ = -1.0;                              // when a moving body of the scene last touched the shell [s]
+  std::deque<std::pair<double, double>> crack_lengths_;  // time [s], total length [m], over the quiet time
   double initial_energy_ = 0.0, reference_energy_ = 0.0, engine_loss_ = 0.0, residual_ = 0.0, support_work_ = 0.0;
   double kinetic_ = 0.0, elastic_ = 0.0;
   double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
   double mass_error_ = 0.0, momentum_error_ = 0.0, angular_error_ = 0.0, geometry_error_ = 0.0;
   double next_frame_ = 0.0, wall_start_ = 0.0, last_progress_ = 0.0;
   double frozen_at_ = -1.0;
+  std::string frozen_why_, frozen_hash_;  // hash of the shell as it was frozen
+  std::vector<ShardRecord> shards_;
   EnergyBook book_;  // of the shell, kept when it is frozen
   std::map<std::string, double> stage_s_;
   std::string series_;
