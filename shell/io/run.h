@@ -36,6 +36,7 @@ class Run {
   void start();
   void shell_window();
   void rigid_window();
+  std::int64_t settle_ticks() const;  // length of the next window without a shell
   void substep(double dt);
   std::vector<RigidBody> take_off(bool all);
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
