@@ -251,6 +251,16 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const O
     return true;
   });
   if (shielded) return 0;
+  // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
+  // a wave passes, would leave the sheet full of cracks one edge long.
+  double strongest = 0.0;
+  for (const double sign : {-1.0, 1.0}) {
+    Tip tip;
+    tip.p = p, tip.direction = sign * stress.crack;
+    double ahead[6];
+    if (stress_ahead(m, s, r, tip, ahead)) strongest = std::max(strongest, drive_of(ahead, tip.direction, r).ratio);
+  }
+  if (strongest <= 1.0) return 0;
   const int crack = s.cracks.new_crack();
   int inserted = 0;
   const auto start = [&](int from, const Vec2& to) {
@@ -348,7 +358,7 @@ double bending_mean(double nu) {
 CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
   const double l = m.spacing;
   CrackRules r;
-  r.tip_radius = tip_radius > 0.0 ? tip_radius : 2.5 * l;
+  r.tip_radius = tip_radius > 0.0 ? tip_radius : 1.5 * l;
   r.advance = 0.75 * l;
   r.speed_limit = 0.6 * m.rayleigh_speed();
   const double toughness = std::sqrt(m.material.youngs_modulus * m.material.fracture_energy / r.tip_radius);
