@@ -109,13 +109,15 @@ std::string Run::shards_summary() const {
 }
 
 void Run::write_shards() const {
-  std::string out = "id,birth [s],area [m^2],mass [kg],speed at birth [m/s],speed at the end [m/s],x [m],y [m],z [m]\n";
+  std::string out =
+      "id,birth [s],area [m^2],mass [kg],speed at birth [m/s],speed at the end [m/s],x [m],y [m],z [m],convex parts "
+      "[-]\n";
   for (const ShardRecord& r : shards_)
     for (const Proxy& p : proxies_)
       if (p.body.id == r.id) {
         const Vec3& x = p.body.motion.position;
-        out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g}\n", r.id, r.birth, r.area,
-                           r.mass, r.birth_speed, p.body.motion.velocity.norm(), x.x(), x.y(), x.z());
+        out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{}\n", r.id, r.birth, r.area,
+                           r.mass, r.birth_speed, p.body.motion.velocity.norm(), x.x(), x.y(), x.z(), r.parts);
       }
   write_atomically(options_.out + "/shards.csv", out);
 }

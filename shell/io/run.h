@@ -24,6 +24,7 @@ struct ShardRecord {
   BodyId id = 0;
   double birth = 0.0, area = 0.0, mass = 0.0;  // [s], [m^2], [kg]
   double birth_speed = 0.0;                    // [m/s]
+  int parts = 0;                               // convex ones
 };
 
 class Run {

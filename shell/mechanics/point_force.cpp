@@ -15,32 +15,27 @@ Forms<double> forms_of(const GatheredPoint& p, const Derivatives<double>& d) {
   return f;
 }
 
-// Derivatives of the positions at one point: u v uu vv uv of x, then of y, then of z.
-void gather_point(const RowTables& t, const GatheredPoint& p, const double* x, double* out) {
-  Pack sum[15] = {};
-  const std::size_t plane = t.plane;
-  for (const FunctionBlock& f : p.blocks)
-    for (int c = 0; c < 3; ++c) {
-      const double* from = x + c * plane;
-      const Pack v{from[f.slot[0]], from[f.slot[1]], from[f.slot[2]], from[f.slot[3]]};
-      for (int k = 0; k < 5; ++k) sum[5 * c + k] += load<Pack>(f.n[k]) * v;
-    }
-  for (int k = 0; k < 15; ++k) out[k] = (sum[k][0] + sum[k][1]) + (sum[k][2] + sum[k][3]);
+// Positions and forces of the gathered points stand as x y z and a padding, so that a function's control
+// point is one load.
+struct Tangents {
+  Pack d[5] = {};  // u v uu vv uv, lanes x y z
+};
+Tangents gather_point(const GatheredPoint& p, const double* x4) {
+  Tangents t;
+  for (const GatheredFunction& f : p.functions) {
+    const Pack x = load<Pack>(x4 + kLanes * f.slot);
+    for (int k = 0; k < 5; ++k) t.d[k] += f.n[k + 1] * x;
+  }
+  return t;
 }
 
-void scatter_point(const RowTables& t, const GatheredPoint& p, const double* g, double* force) {
-  const std::size_t plane = t.plane;
-  for (const FunctionBlock& f : p.blocks)
-    for (int c = 0; c < 3; ++c) {
-      Pack sum{};
-      for (int k = 0; k < 5; ++k) sum += load<Pack>(f.n[k]) * g[5 * c + k];
-      double* to = force + c * plane;
-      for (int i = 0; i < kLanes; ++i) to[f.slot[i]] += sum[i];
-    }
-}
-
-Derivatives<Pack> derivatives(const Pack* d) {
-  return {{d[0], d[5], d[10]}, {d[1], d[6], d[11]}, {d[2], d[7], d[12]}, {d[3], d[8], d[13]}, {d[4], d[9], d[14]}};
+void scatter_point(const GatheredPoint& p, const Pack* g, double* force4) {
+  for (const GatheredFunction& f : p.functions) {
+    double* to = force4 + kLanes * f.slot;
+    Pack sum = load<Pack>(to);
+    for (int k = 0; k < 5; ++k) sum += f.n[k + 1] * g[k];
+    store<Pack>(to, sum);
+  }
 }
 
 void record_stress(const RowTables& t, const GatheredPoint& p, const double* n, const double* m, double thickness,
@@ -56,29 +51,24 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const double* n, 
 
 // Up to four points side by side; returns their energy where asked for.
 template <bool kEnergy>
-double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x, double thickness,
-             SurfaceStress stress, double* force) {
-  double lanes[15][kLanes] = {};
+double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
+             SurfaceStress stress, double* force4) {
+  Pack d[5][3] = {};  // derivative, direction; a lane for each point
   ReferenceMetric<Pack> ref{};
   Pack area{};
   IntPack linear{};
+  Tangents tangents;
   for (int i = 0; i < kLanes; ++i) {
     const GatheredPoint& p = *points[std::min(i, count - 1)];
-    if (i < count) {
-      double d[15];
-      gather_point(t, p, x, d);
-      for (int k = 0; k < 15; ++k) lanes[k][i] = d[k];
-      area[i] = p.area;
-    } else {
-      for (int k = 0; k < 15; ++k) lanes[k][i] = lanes[k][0];
-    }
+    if (i < count) tangents = gather_point(p, x4), area[i] = p.area;  // lanes beyond repeat the last point
+    for (int k = 0; k < 5; ++k)
+      for (int c = 0; c < 3; ++c) d[k][c][i] = tangents.d[k][c];
     linear[i] = p.kind == PointKind::kLinear ? -1 : 0;
     ref.a.c11[i] = p.metric.a.c11, ref.a.c22[i] = p.metric.a.c22, ref.a.c12[i] = p.metric.a.c12;
     ref.b.c11[i] = p.metric.b.c11, ref.b.c22[i] = p.metric.b.c22, ref.b.c12[i] = p.metric.b.c12;
   }
-  Pack d[15];
-  for (int k = 0; k < 15; ++k) d[k] = load<Pack>(lanes[k]);
-  const Derivatives<Pack> x_d = derivatives(d);
+  const auto vector = [&](int k) { return Vector<Pack>{d[k][0], d[k][1], d[k][2]}; };
+  const Derivatives<Pack> x_d{vector(0), vector(1), vector(2), vector(3), vector(4)};
   Forms<Pack> f = surface_forms(x_d);
   // a linear basis has no bending: curvature stays that of the rest state
   const Pack none{};
@@ -86,8 +76,7 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   Resultants<Pack> r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity);
   r.m = {select(linear, none, r.m.c11), select(linear, none, r.m.c22), select(linear, none, r.m.c12)};
   const Derivatives<Pack> g = section_forces(x_d, f, r, area);
-  const Pack all[15] = {g.u.x,  g.v.x,  g.uu.x, g.vv.x, g.uv.x, g.u.y,  g.v.y, g.uu.y,
-                        g.vv.y, g.uv.y, g.u.z,  g.v.z,  g.uu.z, g.vv.z, g.uv.z};
+  const Vector<Pack> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
   const Pack ratio = determinant(f.a) / determinant(ref.a);
   double sum = 0.0;
   for (int i = 0; i < count; ++i) {
@@ -96,15 +85,15 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     if (!(ratio[i] > kCrushed) || !std::isfinite(n[0] + n[1] + m[0] + m[1])) continue;
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];
     if (stress.values) record_stress(t, *points[i], n, m, thickness, stress);
-    double own[15];
-    for (int k = 0; k < 15; ++k) own[k] = all[k][i];
-    scatter_point(t, *points[i], own, force);
+    Pack own[5];
+    for (int k = 0; k < 5; ++k) own[k] = Pack{all[k].x[i], all[k].y[i], all[k].z[i], 0.0};
+    scatter_point(*points[i], own, force4);
   }
   return sum;
 }
 
 double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::size_t begin, std::size_t end,
-             const std::vector<double>& x, bool energy, SurfaceStress stress, double* force) {
+             const double* x4, bool energy, SurfaceStress stress, double* force4) {
   double sum = 0.0, thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
   const GatheredPoint* four[kLanes];
@@ -112,7 +101,7 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
   for (std::size_t i = begin; i < end; ++i) {
     if (points[i].kind != PointKind::kDead) four[count++] = &points[i];
     if (count < kLanes && (i + 1 < end || count == 0)) continue;
-    sum += (energy ? batch<true> : batch<false>)(t, four, count, x.data(), thickness, stress, force);
+    sum += (energy ? batch<true> : batch<false>)(t, four, count, x4, thickness, stress, force4);
     count = 0;
   }
   return sum;
@@ -120,21 +109,13 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
 
 }  // namespace
 
-void set_functions(GatheredPoint& p, std::vector<GatheredFunction> functions) {
-  p.functions = std::move(functions);
-  p.blocks.assign((p.functions.size() + kLanes - 1) / kLanes, {});
-  for (std::size_t i = 0; i < p.blocks.size() * kLanes; ++i) {
-    FunctionBlock& b = p.blocks[i / kLanes];
-    const bool pad = i >= p.functions.size();
-    b.slot[i % kLanes] = p.functions[pad ? 0 : i].slot;
-    for (int k = 0; k < 5; ++k) b.n[k][i % kLanes] = pad ? 0.0 : p.functions[i].n[k + 1];
-  }
-}
-
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
-  double d[15];
-  gather_point(t, p, x.data(), d);
-  return {{d[0], d[5], d[10]}, {d[1], d[6], d[11]}, {d[2], d[7], d[12]}, {d[3], d[8], d[13]}, {d[4], d[9], d[14]}};
+  double d[5][3] = {};
+  for (const GatheredFunction& f : p.functions)
+    for (int c = 0; c < 3; ++c)
+      for (int k = 0; k < 5; ++k) d[k][c] += f.n[k + 1] * x[static_cast<std::size_t>(c) * t.plane + f.slot];
+  const auto vector = [&](int k) { return Vector<double>{d[k][0], d[k][1], d[k][2]}; };
+  return {vector(0), vector(1), vector(2), vector(3), vector(4)};
 }
 
 double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
@@ -149,20 +130,26 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
                         std::vector<double>& force) {
   if (points.empty()) return 0.0;
-  const std::size_t size = force.size();
-  scratch.resize(kChunks * size);
+  const std::size_t plane = t.plane, size = kLanes * plane;
+  scratch.resize((kChunks + 1) * size);
+  double* x4 = scratch.data() + kChunks * size;
+  for (std::size_t i = 0; i < plane; ++i) {
+    for (int c = 0; c < 3; ++c) x4[kLanes * i + c] = x[c * plane + i];
+    x4[kLanes * i + 3] = 0.0;
+  }
   double sums[kChunks] = {};
 #pragma omp parallel for schedule(static, 1) num_threads(std::min(threads, kChunks))
   for (int c = 0; c < kChunks; ++c) {
     double* own = scratch.data() + c * size;
     std::fill(own, own + size, 0.0);
-    sums[c] = chunk(t, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks, x, energy, stress, own);
+    sums[c] = chunk(t, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks, x4, energy, stress, own);
   }
   double sum = 0.0;
   for (int c = 0; c < kChunks; ++c) {
     sum += sums[c];
     const double* own = scratch.data() + c * size;
-    for (std::size_t i = 0; i < size; ++i) force[i] += own[i];
+    for (int d = 0; d < 3; ++d)
+      for (std::size_t i = 0; i < plane; ++i) force[d * plane + i] += own[kLanes * i + d];
   }
   return sum;
 }

@@ -14,12 +14,6 @@ struct GatheredFunction {
   std::array<double, 6> n;  // value, u, v, uu, vv, uv
 };
 
-/// Derivatives of four functions side by side, as the force loop reads them; padded with zeros.
-struct FunctionBlock {
-  std::array<int, kLanes> slot;
-  double n[5][kLanes];  // u, v, uu, vv, uv
-};
-
 enum class PointKind { kQuadratic, kLinear, kDead };  // linear: membrane only; dead: carries nothing
 
 struct GatheredPoint {
@@ -28,11 +22,7 @@ struct GatheredPoint {
   double area = 0.0;                 // reference area [m^2]
   ReferenceMetric<double> metric{};  // with these shape functions, so that the rest state has no strain
   std::vector<GatheredFunction> functions;
-  std::vector<FunctionBlock> blocks;  // of `functions`
 };
-
-/// Sets both.
-void set_functions(GatheredPoint& point, std::vector<GatheredFunction> functions);
 
 /// Adds the points' forces to `force` [3][plane]; returns their elastic energy [J] if `energy`.
 /// Deterministic: a fixed number of chunks, summed in order. Stress as in row_forces.

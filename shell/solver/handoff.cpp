@@ -115,7 +115,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
   for (GatheredPoint& g : s.points)
-    if (g.kind != PointKind::kDead && own[g.functions[0].slot]) g.kind = PointKind::kDead, set_functions(g, {});
+    if (g.kind != PointKind::kDead && own[g.functions[0].slot]) g.kind = PointKind::kDead, g.functions.clear();
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];

@@ -30,7 +30,7 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
-  set_functions(g, to_slots(m, mls));
+  g.functions = to_slots(m, mls);
   if (g.kind == PointKind::kDead) {
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
     return;
@@ -83,7 +83,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
       for (int k = 0; k < 9; ++k)
         own.push_back({(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
                        {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
-      set_functions(g, std::move(own));
+      g.functions = std::move(own);
       const double* metric = &t.metric[t.at(block, kMetricFields, 0, lane)];
       g.kind = PointKind::kQuadratic, g.area = metric[kArea * t.lanes];
       g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},

@@ -13,6 +13,7 @@ struct Gap {
   Vec3 g;                      // plus - minus
   Vec3 tu, tv;                 // mean tangents of the two sides
   Vec3 across, along, normal;  // orthonormal; across points from the minus to the plus side
+  Vec3 side[2];                // normals of the plus and the minus side
   double c, d;                 // lengths of tu x tv and of the edge's tangent
   Vec3 components() const { return {g.dot(across), g.dot(along), g.dot(normal)}; }
 };
@@ -25,13 +26,15 @@ Vec2 direction(const ShellState& s, const Interlock& lock) {
 Gap gap_of(const ShellState& s, const Interlock& lock) {
   Gap r;
   r.g = r.tu = r.tv = Vec3::Zero();
-  for (const auto& f : lock.plus) {
-    const Vec3 x = s.position(f.slot);
-    r.g += f.n[0] * x, r.tu += 0.5 * f.n[1] * x, r.tv += 0.5 * f.n[2] * x;
-  }
-  for (const auto& f : lock.minus) {
-    const Vec3 x = s.position(f.slot);
-    r.g -= f.n[0] * x, r.tu += 0.5 * f.n[1] * x, r.tv += 0.5 * f.n[2] * x;
+  for (int side = 0; side < 2; ++side) {
+    Vec3 at = Vec3::Zero(), tu = Vec3::Zero(), tv = Vec3::Zero();
+    for (const auto& f : side == 0 ? lock.plus : lock.minus) {
+      const Vec3 x = s.position(f.slot);
+      at += f.n[0] * x, tu += f.n[1] * x, tv += f.n[2] * x;
+    }
+    r.g += side == 0 ? at : Vec3(-at);
+    r.tu += 0.5 * tu, r.tv += 0.5 * tv;
+    r.side[side] = tu.cross(tv).normalized();
   }
   const Vec2 p = direction(s, lock);
   const Vec3 c = r.tu.cross(r.tv), d = p.x() * r.tu + p.y() * r.tv;
@@ -48,15 +51,9 @@ constexpr double kLeastArea = 0.5, kMostArea = 2;  // of the mean tangents' para
 // mass. About 1 for a point at the edge of its support; a wild extrapolation would cost the time step.
 constexpr double kMostAmplification = 3.0;
 
-bool sound(const ShellState& s, const Interlock& lock, const Gap& gap) {
-  Vec3 n[2];
-  for (int side = 0; side < 2; ++side) {
-    Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
-    for (const auto& f : side == 0 ? lock.plus : lock.minus)
-      tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
-    n[side] = tu.cross(tv).normalized();
-  }
-  return n[0].dot(n[1]) > kLeastCosine && gap.c > kLeastArea * lock.rest_area && gap.c < kMostArea * lock.rest_area;
+bool sound(const Interlock& lock, const Gap& gap) {
+  const double cosine = gap.side[0].dot(gap.side[1]);
+  return cosine > kLeastCosine && gap.c > kLeastArea * lock.rest_area && gap.c < kMostArea * lock.rest_area;
 }
 
 // Extension of the springs: across only where the faces are pressed together.
@@ -107,13 +104,17 @@ void refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 double interlock_forces(const ShellModel& m, ShellState& s) {
   const std::size_t plane = m.tables.plane;
   double energy = 0.0;
-  for (const Interlock& lock : s.interlocks) {
+  for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
     const Gap gap = gap_of(s, lock);
     const Vec3 e = extension(gap, lock);
-    if (e.isZero(0.0)) continue;
     const double k = stiffness(m) * lock.area;
-    energy += 0.5 * k * e.squaredNorm();
+    lock.opening = gap.components()[0] - lock.rest[0];
+    lock.shear = stiffness(m) * std::hypot(e[1], e[2]);
+    lock.sound = sound(lock, gap);
+    lock.energy = 0.5 * k * e.squaredNorm();
+    energy += lock.energy;
+    if (e.isZero(0.0)) continue;
     // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
     // g . d across = d normal . (along x g) + d along . (g x normal)
     const Vec3 on_gap = k * (e[0] * gap.across + e[1] * gap.along + e[2] * gap.normal);
@@ -132,17 +133,12 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
   return energy;
 }
 
-void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
+void release_interlocks(ShellState& s, const InterlockLaw& law, bool all) {
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
-    const Gap gap = gap_of(s, lock);
-    const double open = gap.components()[0] - lock.rest[0];
-    const Vec3 e = extension(gap, lock);
-    if (!all && sound(s, lock, gap) && open <= law.opening &&
-        stiffness(m) * std::hypot(e[1], e[2]) <= law.shear_strength)
-      continue;
+    if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
     lock.holds = false;
-    s.book.fracture += 0.5 * stiffness(m) * lock.area * e.squaredNorm();
+    s.book.fracture += lock.energy;
   }
 }
 

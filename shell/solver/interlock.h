@@ -23,7 +23,8 @@ void refasten(const ShellModel& model, const ShellState& state, Interlock& lock)
 /// deformed surface, so momentum and angular momentum are kept to round-off.
 double interlock_forces(const ShellModel& model, ShellState& state);
 
-/// Lets go where faces have opened or sheared too far (`all`: everywhere); books what the springs held.
-void release_interlocks(const ShellModel& model, ShellState& state, const InterlockLaw& law, bool all);
+/// Lets go where the last force found faces opened or sheared too far (`all`: everywhere); books what the
+/// springs then held.
+void release_interlocks(ShellState& state, const InterlockLaw& law, bool all);
 
 }  // namespace sunder::shell

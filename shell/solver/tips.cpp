@@ -372,11 +372,15 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
   return r;
 }
 
+int crack_interval(const CrackRules& r, double dt) {
+  return std::max(1, static_cast<int>(0.5 * r.advance / (r.speed_limit * dt)));
+}
+
 int grow_cracks(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt,
                 std::uint64_t& random) {
   int inserted = grow_tips(m, s, r, time, dt);
   inserted += nucleate(m, s, r, time, random);
-  if (!s.interlocks.empty()) release_interlocks(m, s, r.faces, false);
+  if (!s.interlocks.empty()) release_interlocks(s, r.faces, false);
   return inserted;
 }
 

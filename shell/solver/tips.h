@@ -27,7 +27,10 @@ struct CrackRules {
 
 CrackRules make_crack_rules(const ShellModel& model, double tip_radius);
 
-/// One substep of nucleation and growth. `random` is advanced only where a star takes a random phase.
+/// Substeps between two looks at the cracks: a tip at full speed is seen twice on its way along an edge.
+int crack_interval(const CrackRules& rules, double dt);
+
+/// Nucleation and growth over the last `dt` seconds. `random` is advanced only where a star takes a random phase.
 /// Returns the number of edges inserted.
 int grow_cracks(const ShellModel& model, ShellState& state, const CrackRules& rules, double time, double dt,
                 std::uint64_t& random);
