@@ -56,11 +56,11 @@ def varied(ids: np.ndarray, base: np.ndarray, amount: float) -> np.ndarray:
 def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
     """A number per point, the same for points in one place (and with the same number in `apart`)."""
     cell = np.round(points / WELD_M).astype(np.int64)
-    with np.errstate(over="ignore"):
-        key = cell[:, 0] * 73856093 ^ cell[:, 1] * 83492791 * 4099 ^ cell[:, 2] * 19349663 * 16411
-        if apart is not None:
-            key = key * 1000003 + apart
-    return np.unique(key, return_inverse=True)[1]
+    if apart is not None:
+        cell = np.column_stack([cell, np.asarray(apart, np.int64)])
+    cell = np.ascontiguousarray(cell)
+    whole = cell.view([("", np.int64)] * cell.shape[1]).ravel()  # a row as one value, so that none collide
+    return np.unique(whole, return_inverse=True)[1]
 
 
 def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: np.ndarray | None) -> np.ndarray:

@@ -23,7 +23,7 @@ PATTERN = 860                  # [px] side of the crack pattern
 DETAIL = 250                   # [px] height of the strip just above the floor
 SAMPLES = 2                    # per pixel and direction
 DIRECTION = (-0.42, 0.80, -0.46)  # of sight in the panels
-FAR_M = 1.5                    # what lies further from the pane does not decide the framing
+FAR = 1.3                      # pane widths; what lies further from its middle does not decide the framing
 PAPER, TEXT = (250, 250, 249), (38, 46, 54)
 SHEET = (COLUMNS * PANEL[0] + (COLUMNS + 1) * GAP, HEAD + ROWS * (PANEL[1] + GAP) + GAP + PATTERN + GAP)
 
@@ -99,10 +99,10 @@ def _boxes(first: Frame, scenes: list[Scene]) -> tuple[tuple[np.ndarray, np.ndar
     floor = scenes[-1].floor_z
     if floor is not None and floor < centre[2]:
         low[2] = max(low[2], floor)
-    lying = [near(points, FAR_M) for points in (scenes[-1].shards, scenes[-1].moving, scenes[len(scenes) // 2].shards)]
+    lying = [near(points, FAR * size) for points in (scenes[-1].shards, scenes[-1].moving, scenes[len(scenes) // 2].shards)]
     all_ = np.concatenate([np.stack([low, high]), *lying])
     wide_low, wide_high = all_.min(axis=0), all_.max(axis=0)
-    if floor is not None and floor > centre[2] - 2.0 * FAR_M:
+    if floor is not None and floor > centre[2] - 3.0 * size:
         wide_low[2] = min(wide_low[2], floor)
     return (low, high), (wide_low, wide_high)
 

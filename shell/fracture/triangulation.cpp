@@ -2,26 +2,11 @@
 
 #include <algorithm>
 #include <map>
-#include <numeric>
 
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_face_base_with_info_2.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
-#include <CGAL/convex_hull_2.h>
+#include "shell/fracture/cdt.h"
 
 namespace sunder::shell {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
-using FaceInfo = CGAL::Triangulation_face_base_with_info_2<int, Kernel>;
-using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel, FaceInfo>;
-using Data = CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>;
-using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Data, CGAL::Exact_predicates_tag>;
-using Point = Kernel::Point_2;
-
-Point point(const Vec2& p) { return {p.x(), p.y()}; }
 
 // The part of ab inside the box; false where there is none.
 bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
@@ -43,19 +28,6 @@ bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
   if (t0 > 0.0) a = (from + t0 * d).cwiseMax(low).cwiseMin(high);
   return true;
 }
-
-struct DisjointSets {
-  std::vector<int> parent;
-  explicit DisjointSets(int n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-  int root(int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  void join(int a, int b) {
-    a = root(a), b = root(b);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-};
 
 }  // namespace
 
@@ -138,93 +110,6 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
     t.owner.push_back(face->info() >= 0 ? t.piece[face->info()] : -1);
   }
   return t;
-}
-
-std::vector<std::vector<Vec2>> convex_parts(const Triangulation& t, int piece, double tolerance) {
-  struct Polygon {
-    std::vector<Vec2> hull;
-    double area, hull_area;
-  };
-  // outline triangulation: constraints are the edges where the piece ends
-  Cdt cdt;
-  double whole = 0.0;
-  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
-    if (t.piece[i] != piece) continue;
-    const auto& c = t.triangles[i];
-    whole += triangle_area(t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]]);
-  }
-  std::map<std::pair<int, int>, int> edges;  // undirected edge -> how many of the piece's triangles have it
-  for (std::size_t i = 0; i < t.triangles.size(); ++i)
-    if (t.piece[i] == piece)
-      for (int k = 0; k < 3; ++k) {
-        const int a = t.triangles[i][(k + 1) % 3], b = t.triangles[i][(k + 2) % 3];
-        ++edges[{std::min(a, b), std::max(a, b)}];
-      }
-  for (const auto& [edge, count] : edges)
-    if (count == 1) cdt.insert_constraint(point(t.vertices[edge.first]), point(t.vertices[edge.second]));
-  for (auto it = cdt.all_faces_begin(); it != cdt.all_faces_end(); ++it) it->info() = -1;
-  // inside by parity of constrained edges crossed from infinity
-  std::vector<Cdt::Face_handle> front{cdt.infinite_face()};
-  cdt.infinite_face()->info() = 0;
-  while (!front.empty()) {
-    const auto face = front.back();
-    front.pop_back();
-    for (int k = 0; k < 3; ++k) {
-      const auto next = face->neighbor(k);
-      if (next->info() >= 0) continue;
-      next->info() = face->info() + (face->is_constrained(k) ? 1 : 0);
-      front.push_back(next);
-    }
-  }
-  std::vector<Polygon> polygons;
-  std::map<Cdt::Face_handle, int> number;
-  std::vector<std::pair<int, int>> pairs;
-  for (auto it = cdt.finite_faces_begin(); it != cdt.finite_faces_end(); ++it) {
-    if (it->info() % 2 == 0) continue;
-    Polygon p;
-    for (int k = 0; k < 3; ++k) p.hull.emplace_back(it->vertex(k)->point().x(), it->vertex(k)->point().y());
-    p.area = p.hull_area = triangle_area(p.hull[0], p.hull[1], p.hull[2]);
-    number[it] = static_cast<int>(polygons.size());
-    polygons.push_back(std::move(p));
-  }
-  for (auto it = cdt.finite_faces_begin(); it != cdt.finite_faces_end(); ++it)
-    for (int k = 0; k < 3 && number.count(it); ++k)
-      if (!it->is_constrained(k) && number.count(it->neighbor(k)) && number[it] < number[it->neighbor(k)])
-        pairs.push_back({number[it], number[it->neighbor(k)]});
-  std::sort(pairs.begin(), pairs.end());
-  DisjointSets sets(static_cast<int>(polygons.size()));
-  const auto joined = [&](const Polygon& a, const Polygon& b) {
-    std::vector<Point> points, hull;
-    for (const auto* p : {&a, &b})
-      for (const Vec2& q : p->hull) points.push_back(point(q));
-    CGAL::convex_hull_2(points.begin(), points.end(), std::back_inserter(hull));
-    Polygon r;
-    for (const Point& q : hull) r.hull.emplace_back(q.x(), q.y());
-    r.area = a.area + b.area, r.hull_area = 0.0;
-    for (std::size_t k = 1; k + 1 < r.hull.size(); ++k)
-      r.hull_area += triangle_area(r.hull[0], r.hull[k], r.hull[k + 1]);
-    return r;
-  };
-  for (bool again = true; again;) {  // the merge that adds least, as long as one adds little
-    again = false;
-    double best = tolerance;
-    std::pair<int, int> which;
-    for (const auto& [a, b] : pairs) {
-      const int ra = sets.root(a), rb = sets.root(b);
-      if (ra == rb) continue;
-      const Polygon r = joined(polygons[ra], polygons[rb]);
-      if (r.hull_area - r.area < best) best = r.hull_area - r.area, which = {ra, rb}, again = true;
-    }
-    if (!again) break;
-    const int keep = std::min(which.first, which.second), other = std::max(which.first, which.second);
-    polygons[keep] = joined(polygons[keep], polygons[other]);
-    sets.join(keep, other);
-  }
-  std::vector<std::vector<Vec2>> parts;
-  for (std::size_t i = 0; i < polygons.size(); ++i)
-    if (sets.root(static_cast<int>(i)) == static_cast<int>(i) && polygons[i].area > 1e-6 * whole)
-      parts.push_back(polygons[i].hull);
-  return parts;
 }
 
 }  // namespace sunder::shell

@@ -24,10 +24,6 @@ struct Triangulation {
 Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackGraph& cracks,
                           const std::vector<Vec2>& queries, double spacing, double crumb);
 
-/// Convex polygons that cover a piece: its outline triangulated and merged while what the hull adds
-/// stays below `tolerance` [m^2] each.
-std::vector<std::vector<Vec2>> convex_parts(const Triangulation& t, int piece, double tolerance);
-
 double triangle_area(const Vec2& a, const Vec2& b, const Vec2& c);
 
 }  // namespace sunder::shell

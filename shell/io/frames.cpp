@@ -195,9 +195,23 @@ void add_hull(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& c, int
       }
 }
 
+int kind_of(const RigidBody& b, BodyId first_shard) {
+  return b.id >= first_shard ? (b.is_static ? 3 : 1) : (b.is_static ? 2 : 0);
+}
+
+void add_mesh(BodyMesh& out, const RigidBody& b, const DrawnMesh& mesh, int kind) {
+  const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
+  const int first = static_cast<int>(out.mesh.points.size());
+  for (const Vec3& p : mesh.points) out.mesh.points.push_back(world(p));
+  for (const auto& c : mesh.triangles) {
+    out.mesh.polygons.push_back({first + c[0], first + c[1], first + c[2]});
+    out.body.values.push_back(b.id), out.kind.values.push_back(kind);
+  }
+}
+
 void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
   const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
-  const int kind = b.id >= first_shard ? (b.is_static ? 3 : 1) : (b.is_static ? 2 : 0);
+  const int kind = kind_of(b, first_shard);
   if (const auto* s = std::get_if<SphereShape>(&b.shape)) {
     constexpr int kRings = 12, kSectors = 24;
     const auto at = [&](int i, int j) -> Vec3 {
@@ -216,8 +230,7 @@ void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
   } else if (std::holds_alternative<HalfSpaceShape>(b.shape)) {
     out.polygon({world({-1, -1, 0}), world({1, -1, 0}), world({1, 1, 0}), world({-1, 1, 0})}, b.id, kind);
   } else if (const auto* s = std::get_if<ConvexShape>(&b.shape)) {
-    for (const auto& part : s->parts)
-      b.id >= first_shard ? add_prism(out, b, part, kind) : add_hull(out, b, part, kind);
+    for (const auto& part : s->parts) add_hull(out, b, part, kind);
   }
 }
 
@@ -238,7 +251,13 @@ void FrameWriter::write(double time, const ShellModel* model, const ShellState* 
   };
   if (model && state) put(0, "shell", shell_mesh(*model, *state)), put(1, "cracks", crack_mesh(*model, *state));
   BodyMesh out;
-  for (const RigidBody& b : bodies) add_body(out, b, first_shard);
+  for (const RigidBody& b : bodies) {
+    const auto it = drawn_.find(b.id);
+    if (it != drawn_.end())
+      add_mesh(out, b, it->second, kind_of(b, first_shard));
+    else
+      add_body(out, b, first_shard);
+  }
   out.mesh.cell_data = {out.body, out.kind};
   put(2, "bodies", out.mesh);
   ++count_;

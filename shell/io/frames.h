@@ -1,5 +1,6 @@
 #pragma once
 // Pictures of a moment: shell, cracks and bodies as .vtp, all moments in frames.pvd.
+#include <map>
 #include <string>
 #include <vector>
 
@@ -14,12 +15,15 @@ class FrameWriter {
   /// `shell` may be null: then only bodies are written. `shards` start at this body id.
   void write(double time, const ShellModel* model, const ShellState* state, const std::vector<RigidBody>& bodies,
              BodyId first_shard);
+  /// From now on the body is drawn as this mesh, not as its convex parts.
+  void draw_as(BodyId id, DrawnMesh mesh) { drawn_[id] = std::move(mesh); }
   int count() const { return count_; }
 
  private:
   std::string folder_;
   int count_ = 0;
   std::string index_;
+  std::map<BodyId, DrawnMesh> drawn_;
 };
 
 }  // namespace sunder::shell

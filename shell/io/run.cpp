@@ -242,6 +242,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
     for (const int slot : h.donors)
       changed_.push_back(m.parameter[slot / m.tables.stride * m.tables.columns + slot % m.tables.stride]);
     p.gone = true;
+    frames_.draw_as(h.body.id, std::move(h.drawn));
     births.push_back(h.body);
     proxies_.emplace_back(h.body);
     double friction = 0.5, restitution = 0.0;
@@ -310,10 +311,12 @@ void Run::freeze_shell(const std::string& why) {
   const double before = total_energy(dt_);
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, *state_, pieces);
-  RigidBody remains = freeze(m, *state_, t, pieces, next_id_++);
+  const Handoff frozen = freeze(m, *state_, t, pieces, next_id_++);
+  const RigidBody& remains = frozen.body;
   const auto& shape = std::get<ConvexShape>(remains.shape);
   if (!shape.parts.empty()) {
     births.push_back(remains);
+    frames_.draw_as(remains.id, frozen.drawn);
     proxies_.emplace_back(remains);
   }
   book_ = state_->book;

@@ -13,7 +13,8 @@ namespace {
 // A control point that stays keeps at least this share of its first mass, however many pieces leave beside
 // it: the stable step falls with the root of the mass.
 constexpr double kLeastMass = 0.5;
-constexpr double kLastMass = 0.02;  // where that is not enough, as when the last pieces leave
+constexpr double kPartTolerance = 0.1;  // spacings squared that a convex part may add to a piece's outline
+constexpr double kLastMass = 0.02;      // where that is not enough, as when the last pieces leave
 
 // Rest geometry of a piece: the mid-surface triangles thickened by tau.
 struct Geometry {
@@ -89,18 +90,36 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
   return slots;
 }
 
-std::vector<std::vector<Vec3>> thick_parts(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre,
-                                           const Mat3& to_body) {
-  std::vector<std::vector<Vec3>> parts;
-  for (const auto& polygon : convex_parts(t, piece, 0.04 * m.spacing * m.spacing)) {
-    auto& corners = parts.emplace_back();
+// Thickens a piece at its rest shape: convex parts to collide and a mesh to draw.
+void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
+             ConvexShape& shape, DrawnMesh& drawn) {
+  const Outline outline = outline_of(t, piece);
+  const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
+    const SurfacePoint q = m.patch.evaluate(p);
+    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
+    low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
+  };
+  for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
+    auto& corners = shape.parts.emplace_back();
     for (const Vec2& p : polygon) {
-      const SurfacePoint q = m.patch.evaluate(p);
-      const Vec3 n = q.u.cross(q.v).normalized();
-      for (const double side : {-0.5, 0.5}) corners.push_back(to_body * (q.x + side * m.thickness * n - centre));
+      corners.emplace_back(), corners.emplace_back();
+      faces(p, corners[corners.size() - 2], corners.back());
     }
   }
-  return parts;
+  const int first = static_cast<int>(drawn.points.size());
+  for (const Vec2& p : outline.vertices) {
+    drawn.points.emplace_back(), drawn.points.emplace_back();
+    faces(p, drawn.points[drawn.points.size() - 2], drawn.points.back());
+  }
+  const auto low = [&](int v) { return first + 2 * v; };
+  for (const auto& c : outline.triangles) {
+    drawn.triangles.push_back({low(c[0]) + 1, low(c[1]) + 1, low(c[2]) + 1});
+    drawn.triangles.push_back({low(c[0]), low(c[2]), low(c[1])});
+  }
+  for (const auto& [a, b] : outline.border) {
+    drawn.triangles.push_back({low(a), low(b), low(b) + 1});
+    drawn.triangles.push_back({low(a), low(b) + 1, low(a) + 1});
+  }
 }
 
 // The piece's points leave: nothing reads or moves them any more.
@@ -240,26 +259,30 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   b.motion.orientation = Quat(Mat3(rotation * frame)).normalized();
   b.motion.velocity = momentum / target;
   b.motion.angular_momentum = angular;
-  b.shape = ConvexShape{thick_parts(m, t, piece.number, g.centre, frame.transpose())};
+  ConvexShape shape;
+  thicken(m, t, piece.number, g.centre, frame.transpose(), shape, out.drawn);
+  b.shape = std::move(shape);
   b.contact_group = m.contact_group;
   remove_piece(m, s, piece);
   return out;
 }
 
-RigidBody freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const std::vector<Piece>& pieces,
-                 BodyId id) {
-  RigidBody b;
+Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const std::vector<Piece>& pieces,
+               BodyId id) {
+  Handoff out;
+  RigidBody& b = out.body;
   b.id = id, b.name = m.name + "_remains", b.is_static = true;
   b.contact_group = m.contact_group;
   ConvexShape shape;
   for (const Piece& p : pieces)
-    if (!p.gone && !p.control_points.empty())
-      for (auto& part : thick_parts(m, t, p.number, Vec3::Zero(), Mat3::Identity()))
-        shape.parts.push_back(std::move(part));
+    if (!p.gone && !p.control_points.empty()) {
+      thicken(m, t, p.number, Vec3::Zero(), Mat3::Identity(), shape, out.drawn);
+      out.area += p.area;
+    }
   b.shape = std::move(shape);
   for (const Piece& p : pieces)
     if (!p.gone) remove_piece(m, s, p);
-  return b;
+  return out;
 }
 
 }  // namespace sunder::shell

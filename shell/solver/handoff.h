@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "coupler/core/body.h"
-#include "shell/fracture/triangulation.h"
+#include "shell/fracture/outline.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -20,12 +20,19 @@ struct Piece {
 /// Triangulates the present cracks and lists the pieces.
 Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces);
 
+/// What is drawn of a body that was a piece: the thickened outline, body coordinates [m].
+struct DrawnMesh {
+  std::vector<Vec3> points;
+  std::vector<std::array<int, 3>> triangles;
+};
+
 /// What became of a piece that left.
 struct Handoff {
   RigidBody body;
   double area = 0.0;        // [m^2]
   double mass_moved = 0.0;  // [kg] that crossed the crack so that the piece weighs rho tau area
   std::vector<int> donors;  // slots that gave mass and stay
+  DrawnMesh drawn;
 };
 
 /// Makes a rigid body of a piece at its rest shape, best fitted to its control points: mass rho tau
@@ -36,7 +43,7 @@ Handoff hand_off(const ShellModel& model, ShellState& state, const Triangulation
                  double dt);
 
 /// What is left as a static body at its rest shape; the shell is then empty.
-RigidBody freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,
-                 BodyId id);
+Handoff freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,
+               BodyId id);
 
 }  // namespace sunder::shell

@@ -1,0 +1,110 @@
+#include "shell/fracture/outline.h"
+
+#include <algorithm>
+#include <map>
+
+#include <CGAL/convex_hull_2.h>
+
+#include "shell/fracture/cdt.h"
+
+namespace sunder::shell {
+
+Outline outline_of(const Triangulation& t, int piece) {
+  Cdt cdt;
+  std::map<std::pair<int, int>, int> edges;  // undirected edge -> how many of the piece's triangles have it
+  for (std::size_t i = 0; i < t.triangles.size(); ++i)
+    if (t.piece[i] == piece)
+      for (int k = 0; k < 3; ++k) {
+        const int a = t.triangles[i][(k + 1) % 3], b = t.triangles[i][(k + 2) % 3];
+        ++edges[{std::min(a, b), std::max(a, b)}];
+      }
+  for (const auto& [edge, count] : edges)
+    if (count == 1) cdt.insert_constraint(point(t.vertices[edge.first]), point(t.vertices[edge.second]));
+  for (auto it = cdt.all_faces_begin(); it != cdt.all_faces_end(); ++it) it->info() = -1;
+  // inside by parity of constrained edges crossed from infinity
+  std::vector<Cdt::Face_handle> front{cdt.infinite_face()};
+  cdt.infinite_face()->info() = 0;
+  while (!front.empty()) {
+    const auto face = front.back();
+    front.pop_back();
+    for (int k = 0; k < 3; ++k) {
+      const auto next = face->neighbor(k);
+      if (next->info() >= 0) continue;
+      next->info() = face->info() + (face->is_constrained(k) ? 1 : 0);
+      front.push_back(next);
+    }
+  }
+  Outline out;
+  for (auto it = cdt.finite_vertices_begin(); it != cdt.finite_vertices_end(); ++it) {
+    it->info() = static_cast<int>(out.vertices.size());
+    out.vertices.emplace_back(it->point().x(), it->point().y());
+  }
+  for (auto it = cdt.finite_faces_begin(); it != cdt.finite_faces_end(); ++it) {
+    if (it->info() % 2 == 0) continue;
+    out.triangles.push_back({it->vertex(0)->info(), it->vertex(1)->info(), it->vertex(2)->info()});
+    for (int k = 0; k < 3; ++k)
+      if (it->neighbor(k)->info() % 2 == 0)
+        out.border.push_back({it->vertex((k + 1) % 3)->info(), it->vertex((k + 2) % 3)->info()});
+  }
+  return out;
+}
+
+std::vector<std::vector<Vec2>> convex_parts(const Outline& outline, double tolerance) {
+  struct Polygon {
+    std::vector<Vec2> hull;
+    double area, hull_area;
+  };
+  std::vector<Polygon> polygons;
+  std::vector<std::pair<int, int>> pairs;
+  std::map<std::pair<int, int>, int> beside;  // undirected edge -> the triangle seen first on it
+  double whole = 0.0;
+  for (const auto& c : outline.triangles) {
+    Polygon p;
+    for (const int k : c) p.hull.push_back(outline.vertices[k]);
+    p.area = p.hull_area = triangle_area(p.hull[0], p.hull[1], p.hull[2]);
+    whole += p.area;
+    const int own = static_cast<int>(polygons.size());
+    for (int k = 0; k < 3; ++k) {
+      const auto edge = std::minmax(c[k], c[(k + 1) % 3]);
+      const auto [it, fresh] = beside.try_emplace({edge.first, edge.second}, own);
+      if (!fresh) pairs.push_back({it->second, own});
+    }
+    polygons.push_back(std::move(p));
+  }
+  std::sort(pairs.begin(), pairs.end());
+  DisjointSets sets(static_cast<int>(polygons.size()));
+  const auto joined = [&](const Polygon& a, const Polygon& b) {
+    std::vector<Point> points, hull;
+    for (const auto* p : {&a, &b})
+      for (const Vec2& q : p->hull) points.push_back(point(q));
+    CGAL::convex_hull_2(points.begin(), points.end(), std::back_inserter(hull));
+    Polygon r;
+    for (const Point& q : hull) r.hull.emplace_back(q.x(), q.y());
+    r.area = a.area + b.area, r.hull_area = 0.0;
+    for (std::size_t k = 1; k + 1 < r.hull.size(); ++k)
+      r.hull_area += triangle_area(r.hull[0], r.hull[k], r.hull[k + 1]);
+    return r;
+  };
+  for (bool again = true; again;) {  // the merge that adds least, as long as one adds little
+    again = false;
+    double best = tolerance;
+    std::pair<int, int> which;
+    for (const auto& [a, b] : pairs) {
+      const int ra = sets.root(a), rb = sets.root(b);
+      if (ra == rb) continue;
+      const Polygon r = joined(polygons[ra], polygons[rb]);
+      if (r.hull_area - r.area < best) best = r.hull_area - r.area, which = {ra, rb}, again = true;
+    }
+    if (!again) break;
+    const int keep = std::min(which.first, which.second), other = std::max(which.first, which.second);
+    polygons[keep] = joined(polygons[keep], polygons[other]);
+    sets.join(keep, other);
+  }
+  std::vector<std::vector<Vec2>> parts;
+  for (std::size_t i = 0; i < polygons.size(); ++i)
+    if (sets.root(static_cast<int>(i)) == static_cast<int>(i) && polygons[i].area > 1e-6 * whole)
+      parts.push_back(polygons[i].hull);
+  return parts;
+}
+
+}  // namespace sunder::shell
