@@ -44,6 +44,7 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
   if (m.has_weibull_modulus()) positive(s, f + ".weibull_modulus", true, m.weibull_modulus(), "-");
   if (m.has_flaw_spacing_m()) positive(s, f + ".flaw_spacing_m", true, m.flaw_spacing_m(), "m");
   not_negative(s, f + ".mass_damping_per_s", m.has_mass_damping_per_s(), m.mass_damping_per_s());
+  not_negative(s, f + ".stiffness_damping_s", m.has_stiffness_damping_s(), m.stiffness_damping_s());
 }
 
 void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {

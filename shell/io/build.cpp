@@ -57,6 +57,7 @@ ShellModel make_model(const scene::LoadedScene& scene, const proto::Shell& s, co
   material.weibull_modulus = mat.weibull_modulus();
   material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : 4e-3;
   material.mass_damping = mat.mass_damping_per_s();
+  material.stiffness_damping = mat.stiffness_damping_s();
   std::vector<EdgeSupport> supports;
   for (const auto& support : s.supports()) {
     EdgeSupport e;

@@ -156,10 +156,10 @@ void Run::write_summary(const std::string& status, const Error* error) {
       frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
   j += fmt::format(
       "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": 0, "
-      "\"contact\": {}, \"handoff_lost\": {}, \"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
+      "\"contact\": {}, \"damping\": {}, \"handoff_lost\": {}, \"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
       "\"residual_relative\": {}}},\n",
-      number(kinetic_), number(elastic_), number(b.fracture), number(b.contact), number(b.handoff), number(b.injected),
-      number(b.frozen), number(engine_loss_), number(residual_));
+      number(kinetic_), number(elastic_), number(b.fracture), number(b.contact), number(b.damping), number(b.handoff),
+      number(b.injected), number(b.frozen), number(engine_loss_), number(residual_));
   j += fmt::format("  \"ledger\": {{\"linear_max\": {}, \"angular_max\": {}}},\n", number(ledger_linear_),
                    number(ledger_angular_));
   j += fmt::format(

@@ -80,7 +80,7 @@ double Run::bodies_energy() const {
 }
 
 double Run::total_energy(double dt) {
-  double sum = bodies_energy();
+  double sum = bodies_energy() + frozen_potential_;
   kinetic_ = elastic_ = 0.0;
   for (const Proxy& p : proxies_) kinetic_ += p.body.kinetic_energy();
   if (!state_) return sum;
@@ -115,7 +115,7 @@ void Run::substep(double dt) {
       refresh_candidates(m, s, proxies_, dt, candidates_);
       candidates_.age = 1;
     }
-    contact(m, s, proxies_, coefficients_, candidates_);
+    contact(m, s, proxies_, coefficients_, candidates_, dt);
   }
   {
     Stopwatch w(stage_s_["kick_drift"]);
@@ -159,7 +159,7 @@ void Run::shell_window() {
   Stopwatch w(stage_s_["internal_force"]);
   const double energy = total_energy(dt);
   const EnergyBook& b = s.book;
-  const double booked = b.fracture + b.contact + b.handoff + b.frozen + engine_loss_ - b.injected;
+  const double booked = b.fracture + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected;
   residual_ = initial_energy_ > 0.0 ? (energy + booked - reference_energy_) / initial_energy_
                                     : energy + booked - reference_energy_;
   if (!std::isfinite(energy) || std::abs(energy) > 100.0 * (std::abs(reference_energy_) + initial_energy_ + 1.0)) {
@@ -311,6 +311,8 @@ void Run::freeze_shell(const std::string& why) {
   const double before = total_energy(dt_);
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, *state_, pieces);
+  for (int i = 0; i < m.tables.plane; ++i)
+    if (state_->inverse_mass[i] > 0.0) frozen_potential_ -= state_->mass[i] * setup_.gravity.dot(state_->position(i));
   const Handoff frozen = freeze(m, *state_, t, pieces, next_id_++);
   const RigidBody& remains = frozen.body;
   const auto& shape = std::get<ConvexShape>(remains.shape);
@@ -361,7 +363,7 @@ void Run::rigid_window() {
   exchange(ticks, window, {});
   const double energy = total_energy(0.0);
   const EnergyBook& b = book_;
-  const double booked = b.fracture + b.contact + b.handoff + b.frozen + engine_loss_ - b.injected;
+  const double booked = b.fracture + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected;
   if (initial_energy_ > 0.0) residual_ = (energy + booked - reference_energy_) / initial_energy_;
 }
 

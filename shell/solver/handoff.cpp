@@ -127,6 +127,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
   std::vector<char> own(plane, 0);
+  s.last_force.clear();
   for (const int i : piece.control_points) {
     const int slot = t.slot(i);
     own[slot] = 1, s.gone[slot] = 1;

@@ -118,6 +118,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     }
   }
   s.last_crack_time = time;
+  s.last_force.clear();  // the next one differs by the crack, not by motion
   return index;
 }
 

@@ -139,6 +139,7 @@ void release_interlocks(ShellState& s, const InterlockLaw& law, bool all) {
     if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
     lock.holds = false;
     s.book.fracture += lock.energy;
+    s.last_force.clear();
   }
 }
 

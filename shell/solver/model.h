@@ -15,6 +15,7 @@ struct ShellMaterial {
   double weibull_modulus = 0.0;                                     // 0: no scatter
   double flaw_spacing = 0.0;                                        // [m]
   double mass_damping = 0.0;                                        // [1/s]
+  double stiffness_damping = 0.0;                                   // [s]
 };
 
 struct ShellModel {

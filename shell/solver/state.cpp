@@ -84,8 +84,8 @@ double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
   for (int d = 0; d < 3; ++d)
     for (std::size_t i = 0; i < plane; ++i) {
       if (s.inverse_mass[i] == 0.0) continue;
-      const double v = s.v[d * plane + i] + 0.5 * dt * s.inverse_mass[i] * s.force[d * plane + i];
-      sum += 0.5 * s.mass[i] * v * v;
+      const double v = s.v[d * plane + i];
+      sum += 0.5 * s.mass[i] * v * (v + dt * s.inverse_mass[i] * s.force[d * plane + i]);
     }
   return sum;
 }
@@ -129,7 +129,11 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
   }
   s.x = x;
   s.force = f0;
-  return lambda > 0.0 ? 2.0 / std::sqrt(lambda) : std::numeric_limits<double>::infinity();
+  if (lambda <= 0.0) return std::numeric_limits<double>::infinity();
+  // central differences with damping at the velocities half a step ago
+  const double omega = std::sqrt(lambda);
+  const double damped = 0.5 * (m.material.stiffness_damping * omega + m.material.mass_damping / omega);
+  return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
 }
 
 void sample_functions(const ShellModel& m, const ShellState& s, int block, int lane,

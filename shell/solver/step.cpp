@@ -89,7 +89,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
 }
 
 int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
-            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates) {
+            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt) {
   int touching = 0;
   std::vector<GatheredFunction> functions;
   for (std::size_t b = 0; b < candidates.of_body.size(); ++b) {
@@ -140,7 +140,9 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       body.impulse_sum += j.norm();
       body.apply(x, -j);
       const Vec3 after = velocity(s, functions) - body.velocity_at(x);
-      s.book.contact -= 0.5 * j.dot(before + after);  // exact work of an impulse
+      Vec3 back = Vec3::Zero();  // what half a kick has added to the sample's velocity
+      for (const auto& f : functions) back += (f.n[0] * 0.5 * dt * s.inverse_mass[f.slot]) * s.at(s.force, f.slot);
+      s.book.contact -= j.dot(0.5 * (before + after) - back);
     }
   }
   return touching;
@@ -148,12 +150,24 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
 
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
   const std::size_t plane = m.tables.plane;
-  const double keep = 1.0 - dt * m.material.mass_damping;
+  const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
+  if (alpha > 0.0 || beta > 0.0) {
+    const bool viscous = beta > 0.0 && s.last_force.size() == s.force.size();
+    for (int d = 0; d < 3; ++d)
+      for (std::size_t i = 0; i < plane; ++i) {
+        if (s.inverse_mass[i] == 0.0) continue;
+        const std::size_t k = d * plane + i;
+        const double gain = viscous ? beta * (s.force[k] - s.last_force[k]) * s.inverse_mass[i] : 0.0;
+        const double change = gain - dt * alpha * s.v[k];  // of v
+        s.book.damping -= s.mass[i] * change * (s.v[k] + 0.5 * (dt * s.inverse_mass[i] * s.force[k] + change));
+        s.v[k] += change;
+      }
+    if (beta > 0.0) s.last_force = s.force;
+  }
   for (int d = 0; d < 3; ++d) {
     double *v = &s.v[d * plane], *f = &s.force[d * plane];
     const double g = dt * gravity[d];
-    for (std::size_t i = 0; i < plane; ++i)
-      v[i] = keep * v[i] + (s.inverse_mass[i] > 0.0 ? dt * s.inverse_mass[i] * f[i] + g : 0.0);
+    for (std::size_t i = 0; i < plane; ++i) v[i] += s.inverse_mass[i] > 0.0 ? dt * s.inverse_mass[i] * f[i] + g : 0.0;
   }
 }
 

@@ -24,12 +24,15 @@ constexpr int kContactRefresh = 16;  // substeps
 void refresh_candidates(const ShellModel& model, const ShellState& state, const std::vector<Proxy>& bodies, double dt,
                         ContactCandidates& candidates);
 
-/// Impulses at the Gauss points' surface, one body and one sample after the other (Gauss-Seidel);
-/// returns the number of samples in contact.
+/// Impulses at the Gauss points' surface, one body and one sample after the other (Gauss-Seidel), after the
+/// kick of `dt`; returns the number of samples in contact. Their work is booked so that it closes with
+/// kinetic_energy: an impulse that acts half a step after the positions works on the velocity at the
+/// positions' time, v - dt f / 2m.
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
-            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates);
+            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt);
 
-/// v += dt (f/m + gravity - alpha v); force must be that of the present positions.
+/// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is
+/// beta (f - last f) / dt = -beta K v. The work of damping is booked.
 void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt);
 void drift(ShellState& state, double dt);
 

@@ -48,7 +48,7 @@ sunder::Error refusal(const std::string& text, const std::vector<std::string>& s
 }
 
 struct Case {
-  const char *from, *to;
+  const char *name, *from, *to;
   int line;
   const char* says;
 };
@@ -66,21 +66,27 @@ TEST_P(BrokenScene, IsRefusedWithLineFieldAndRemedy) {
 INSTANTIATE_TEST_SUITE_P(
     All, BrokenScene,
     testing::Values(
-        Case{"thickness_m", "thicknes_m", 8, "did you mean 'thickness_m'"},
-        Case{"thickness_m: 0.004", "thickness_m: \"thin\"", 8, "Expected double"},
-        Case{"  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }", "", 5, "has no patch"},
-        Case{"density: 2500", "density: nan", 4, "must be positive"}, Case{"0.004", "-0.004", 8, "must be positive"},
-        Case{"plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
+        Case{"UnknownField", "thickness_m", "thicknes_m", 8, "did you mean 'thickness_m'"},
+        Case{"WrongType", "thickness_m: 0.004", "thickness_m: \"thin\"", 8, "Expected double"},
+        Case{"MissingPatch", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }", "", 5,
+             "has no patch"},
+        Case{"NotANumber", "density: 2500", "density: nan", 4, "must be positive"},
+        Case{"NegativeThickness", "0.004", "-0.004", 8, "must be positive"},
+        Case{"KnotsOutOfOrder", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
              "nurbs { knots_u: [0,0,0,2,1,3,3,3] knots_v: [0,0,0,1,1,1] }", 9, "knots never fall"},
-        Case{"plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
+        Case{"ControlNetOfTheWrongSize", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
              "nurbs { knots_u: [0,0,0,1,1,1] knots_v: [0,0,0,1,1,1] control_points { x: 1 } }", 9, "3 x 3 = 9"},
-        Case{"pose { position { z: 0.1 } }", "launch { speed: 3 target: \"nobody\" }", 15, "'nobody' is no other"},
-        Case{"name: \"ball\"", "name: \"pane\"", 12, "used twice"},
-        Case{"pose { position { z: 0.1 } }", "pose { orientation { w: 1 x: 0.5 } }", 15, "quaternion"},
-        Case{"sphere { radius_m: 0.02 }", "mesh { path: \"../../x.off\" }", 14, "outside the scene's folder"},
-        Case{"window_s: 1e-4", "window_s: 1e-8", 3, "shorter than the stable step"},
-        Case{"z: 0.1", "z: 0.01", 15, "inside shell"},
-        Case{"elements_x: 8", "elements_x: 1000000000", 9, "1 to 4096"}));
+        Case{"UnknownLaunchTarget", "pose { position { z: 0.1 } }", "launch { speed: 3 target: \"nobody\" }", 15,
+             "'nobody' is no other"},
+        Case{"DuplicateName", "name: \"ball\"", "name: \"pane\"", 12, "used twice"},
+        Case{"QuaternionOffUnitLength", "pose { position { z: 0.1 } }", "pose { orientation { w: 1 x: 0.5 } }", 15,
+             "quaternion"},
+        Case{"MeshOutsideTheFolder", "sphere { radius_m: 0.02 }", "mesh { path: \"../../x.off\" }", 14,
+             "outside the scene's folder"},
+        Case{"WindowBelowTheStableStep", "window_s: 1e-4", "window_s: 1e-8", 3, "shorter than the stable step"},
+        Case{"BodyInsideTheShell", "z: 0.1", "z: 0.01", 15, "inside shell"},
+        Case{"SpanOfABillionElements", "elements_x: 8", "elements_x: 1000000000", 9, "1 to 4096"}),
+    [](const testing::TestParamInfo<Case>& i) { return std::string(i.param.name); });
 
 TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
 
