@@ -22,6 +22,8 @@ struct Channel::Sockets {
   zmq::socket_t monitor{context, zmq::socket_type::pair};
   bool was_connected = false, lost = false;
 
+  std::string peer;
+
   void read_events() {
     zmq::message_t event, address;
     while (monitor.recv(event, zmq::recv_flags::dontwait)) {
@@ -38,6 +40,7 @@ Channel::Channel(Role role, const std::string& endpoint) : s_(std::make_unique<S
   const bool local = endpoint.rfind("ipc://", 0) == 0 || endpoint.rfind("tcp://127.", 0) == 0;
   require(local, "--endpoint {}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet",
           endpoint);
+  s_->peer = role == Role::kConnect ? "the rigid process" : "the shell process";
   auto& d = s_->data;
   d.set(zmq::sockopt::linger, 500);
   d.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxMessage));
@@ -65,12 +68,15 @@ Channel::~Channel() { zmq_socket_monitor(s_->data.handle(), nullptr, 0); }
 void Channel::check_peer() {
   s_->read_events();
   if (s_->lost)
-    throw Error(Exit::kPeerLost, "peer_lost", "the other process is gone: its connection closed without a goodbye");
+    throw Error(
+        Exit::kPeerLost, "peer_lost",
+        fmt::format("{} is gone: its connection closed, or it answered no heartbeat for {} ms, without a goodbye",
+                    s_->peer, kHeartbeatTimeoutMs));
 }
 
 void Channel::send(const std::string& bytes) {
   if (!s_->data.send(zmq::buffer(bytes), zmq::send_flags::none))
-    throw Error(Exit::kPeerLost, "peer_lost", "the other process takes no messages any more");
+    throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
 }
 
 std::string Channel::receive(double connect_s) {
@@ -87,7 +93,7 @@ std::string Channel::receive(double connect_s) {
     check_peer();
     const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!s_->was_connected && waited > connect_s)
-      throw Error(Exit::kPeerLost, "peer_lost", fmt::format("nobody connected within {} s", connect_s));
+      throw Error(Exit::kPeerLost, "peer_lost", fmt::format("{} did not connect within {} s", s_->peer, connect_s));
   }
 }
 

@@ -1,0 +1,128 @@
+#include <fmt/format.h>
+
+#include "tests/end_to_end/processes.h"
+
+using namespace sunder::test;
+
+namespace {
+constexpr double kPatience = 60.0;  // [s] for runs that take one: shared machines can be slow
+constexpr double kNotice = 2.0;     // [s] in which a side must end once the other is gone
+}  // namespace
+
+TEST(IntactPane, GivesTheBallBackWhatItTakes) {
+  Pair run("intact_pane.textproto", {});
+  ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
+  EXPECT_EQ(run.rigid->wait(kNotice), 0) << run.log("rigid");
+  EXPECT_EQ(run.text("status"), "done");
+  EXPECT_EQ(run.text("engine.name"), "bullet");
+  EXPECT_LT(run.number("ledger.linear_max"), 1e-12);
+  EXPECT_LT(run.number("ledger.angular_max"), 1e-12);
+  // geometry is nonlinear, so leapfrog keeps its energy to O(dt^2), not to round-off
+  EXPECT_LT(std::abs(run.number("energy.residual_relative")), 2e-4);
+  EXPECT_GT(run.number("energy.contact"), 0.0);  // inelastic
+  EXPECT_EQ(run.number("counts.fragments"), 0.0);
+}
+
+TEST(IntactPane, DampingTakesEnergyAndBooksIt) {
+  Pair run("intact_pane.textproto",
+           {"--set", "materials[glass].mass_damping_per_s=200", "--set", "materials[glass].stiffness_damping_s=1e-6"});
+  ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
+  EXPECT_GT(run.number("energy.damping"), 0.02);
+  EXPECT_LT(std::abs(run.number("energy.residual_relative")), 2e-4);
+}
+
+TEST(CutPane, HandsOffTheSquareAndItFallsToTheFloor) {
+  Pair run("cut_pane.textproto", {});
+  ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
+  EXPECT_EQ(run.number("counts.handed_off"), 1.0);
+  EXPECT_EQ(run.number("counts.fragments"), 2.0);
+  // the polygon's area by the shoelace formula
+  EXPECT_NEAR(run.number("handoff.area_m2"), 0.00945, 1e-12);
+  EXPECT_LT(run.number("handoff.mass_error_max"), 1e-10);
+  EXPECT_LT(run.number("handoff.momentum_error_max"), 1e-10);
+  EXPECT_LT(run.number("handoff.angular_momentum_error_max"), 1e-10);
+  EXPECT_LT(run.number("handoff.mass_geometry_error_max"), 1e-6);
+  EXPECT_GE(run.number("stable_step.smallest_s"), 0.8 * run.number("stable_step.initial_s"));
+  EXPECT_LT(run.number("shards.fastest_m_per_s"), 0.05);
+  EXPECT_NE(run.text("time.frozen_why").find("cracks grew by 0"), std::string::npos);
+  const std::string shards = read_file(run.out() + "/shards.csv");
+  std::istringstream lines(shards);
+  std::string row;
+  std::getline(lines, row), std::getline(lines, row);
+  std::vector<double> cells;
+  std::istringstream cell(row);
+  for (std::string c; std::getline(cell, c, ',');) cells.push_back(std::stod(c));
+  ASSERT_GE(cells.size(), 9u) << shards;
+  EXPECT_NEAR(cells[3], 2500 * 0.004 * 0.00945, 1e-12);  // mass
+  EXPECT_NEAR(cells[8], 0.002, 5e-4);                    // height of its middle: half the thickness
+}
+
+TEST(Run, IsTheSameForOneAndTwoThreadsAndNotForAnotherSpeed) {
+  const auto hash = [](const std::vector<std::string>& options) {
+    std::vector<std::string> all{
+        "--set", "shells[pane].plate.elements_x=40", "--set", "shells[pane].plate.elements_y=40", "--until", "3e-4"};
+    all.insert(all.end(), options.begin(), options.end());
+    Pair run("glass.textproto", all);
+    EXPECT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
+    EXPECT_GT(run.number("counts.fragments"), 1.0);
+    return run.text("state_hash");
+  };
+  const std::string one = hash({"--threads", "1"});
+  EXPECT_EQ(one.size(), 64u);
+  EXPECT_EQ(hash({"--threads", "2"}), one);
+  EXPECT_NE(hash({"--threads", "1", "--set", "bodies[ball].twist.linear.z=-20.000000000000004"}), one);
+}
+
+TEST(KilledRigid, EndsTheShellWithItsReason) {
+  Pair run("glass.textproto", {});
+  ASSERT_TRUE(run.frame(1, kPatience));
+  run.rigid->send(SIGKILL);
+  EXPECT_EQ(run.shell->wait(kNotice), 3);
+  EXPECT_EQ(run.text("status"), "failed");
+  EXPECT_EQ(run.text("error.kind"), "peer_lost");
+  EXPECT_NE(run.log("shell").find("rigid"), std::string::npos) << run.log("shell");
+}
+
+TEST(KilledShell, EndsTheRigidProcessWithItsReason) {
+  Pair run("glass.textproto", {});
+  ASSERT_TRUE(run.frame(1, kPatience));
+  run.shell->send(SIGKILL);
+  EXPECT_EQ(run.rigid->wait(kNotice), 3);
+  EXPECT_NE(run.log("rigid").find("shell"), std::string::npos) << run.log("rigid");
+}
+
+TEST(Interrupt, LeavesFramesAndSaysSo) {
+  Pair run("glass.textproto", {});
+  ASSERT_TRUE(run.frame(1, kPatience));
+  run.shell->send(SIGINT);
+  EXPECT_EQ(run.shell->wait(kNotice), 130);
+  EXPECT_EQ(run.rigid->wait(kNotice), 0);
+  EXPECT_EQ(run.text("status"), "interrupted");
+  EXPECT_TRUE(std::filesystem::exists(run.out() + "/frames.pvd"));
+}
+
+TEST(TwoRuns, DoNotDisturbOneAnother) {
+  Pair first("cut_pane.textproto", {"--until", "0.01"}), second("cut_pane.textproto", {"--until", "0.01"});
+  ASSERT_EQ(first.shell->wait(kPatience), 0) << first.log("shell");
+  ASSERT_EQ(second.shell->wait(kPatience), 0) << second.log("shell");
+  EXPECT_EQ(first.text("state_hash"), second.text("state_hash"));
+}
+
+TEST(RunFolder, TakenAwayEndsTheRunWithAMessage) {
+  Pair run("intact_pane.textproto", {"--set", "output.frame_interval_s=1e-4"});
+  ASSERT_TRUE(run.frame(0, kPatience));
+  std::error_code error;
+  std::filesystem::remove_all(run.out() + "/frames", error);  // the folder to write in is gone
+  const int status = run.shell->wait(kPatience);
+  EXPECT_EQ(status, 2) << run.log("shell");
+  EXPECT_NE(run.log("shell").find("frames"), std::string::npos) << run.log("shell");
+}
+
+TEST(FullDisk, EndsTheRunWithAMessage) {
+  // no file may grow beyond 64 KiB: what a full disk is to the run
+  Pair run("cut_pane.textproto", {}, {"/bin/bash", "-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\""});
+  EXPECT_EQ(run.shell->wait(kPatience), 2) << run.log("shell");
+  EXPECT_NE(run.log("shell").find(".vtp"), std::string::npos) << run.log("shell");
+  EXPECT_EQ(run.text("status"), "failed");  // small enough to be written still
+  EXPECT_EQ(run.rigid->wait(kNotice), 3) << run.log("rigid");
+}
