@@ -1,0 +1,106 @@
+#include <limits>
+
+#include <functional>
+
+#include <gtest/gtest.h>
+
+#include "coupler/core/error.h"
+#include "coupler/link/messages.h"
+#include "shell/contact/proxy.h"
+
+using namespace sunder;
+
+namespace {
+
+RigidBody shard() {
+  RigidBody b;
+  b.id = 3, b.name = "shard_3", b.mass = 0.2, b.principal_inertia = {1e-4, 2e-4, 2.5e-4};
+  b.motion.position = {0.1, -0.2, 0.3}, b.motion.orientation = Quat(0.5, 0.5, -0.5, 0.5);
+  b.motion.velocity = {1, 2, 3}, b.motion.angular_momentum = {1e-3, 0, -1e-3};
+  b.shape = ConvexShape{{{{0, 0, 0}, {0.1, 0, 0}, {0, 0.1, 0}, {0, 0, 0.1}}}};
+  return b;
+}
+
+std::string refusal(const proto::RigidBody& message) {
+  try {
+    link::decode(message, "births[0]");
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "bad_message");
+    return e.what();
+  }
+  return "";
+}
+
+}  // namespace
+
+TEST(Messages, ABodyComesBackBitwise) {
+  const RigidBody a = shard(), b = link::decode(link::encode(a), "body");
+  EXPECT_EQ(a.id, b.id);
+  EXPECT_EQ(a.mass, b.mass);
+  EXPECT_EQ(a.principal_inertia, b.principal_inertia);
+  EXPECT_EQ(a.motion.position, b.motion.position);
+  EXPECT_EQ(a.motion.orientation.coeffs(), b.motion.orientation.coeffs());
+  EXPECT_EQ(a.motion.velocity, b.motion.velocity);
+  EXPECT_EQ(a.motion.angular_momentum, b.motion.angular_momentum);
+  EXPECT_EQ(std::get<ConvexShape>(a.shape).parts, std::get<ConvexShape>(b.shape).parts);
+}
+
+TEST(Messages, WhatParsesButMakesNoSenseIsRefusedByName) {
+  const proto::RigidBody good = link::encode(shard());
+  EXPECT_EQ(refusal(good), "");
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const struct {
+    std::function<void(proto::RigidBody&)> spoil;
+    const char* says;
+  } cases[] = {
+      {[](auto& b) { b.set_id(0); }, "id"},
+      {[&](auto& b) { b.set_mass(nan); }, "mass"},
+      {[](auto& b) { b.set_mass(-1); }, "mass"},
+      {[](auto& b) { b.mutable_principal_inertia()->set_x(0); }, "inertia"},
+      {[&](auto& b) { b.mutable_position()->set_y(nan); }, "position"},
+      {[](auto& b) { b.mutable_orientation()->set_w(0.6); }, "orientation"},
+      {[](auto& b) { b.mutable_velocity()->set_z(std::numeric_limits<double>::infinity()); }, "velocity"},
+      {[](auto& b) { b.clear_convex(); }, "shape"},
+      {[](auto& b) { b.mutable_convex()->mutable_parts(0)->mutable_corners()->RemoveLast(); }, "coordinates"},
+      {[](auto& b) { b.mutable_convex()->clear_parts(); }, "parts"},
+  };
+  for (const auto& c : cases) {
+    proto::RigidBody bad = good;
+    c.spoil(bad);
+    const std::string said = refusal(bad);
+    EXPECT_NE(said.find(c.says), std::string::npos) << c.says << ": '" << said << "'";
+  }
+}
+
+TEST(Contact, ImpulseObeysCoulombAndNeverPulls) {
+  using shell::contact_impulse;
+  const Vec3 n(0, 0, 1);
+  EXPECT_EQ(contact_impulse(n, {1, 0, 0.1}, 2.0, 0.5, 0.0), Vec3(Vec3::Zero()));
+  const Vec3 sticks = contact_impulse(n, {0.1, 0, -1}, 2.0, 0.5, 0.0);
+  EXPECT_NEAR((sticks - Vec3(-0.2, 0, 2)).norm(), 0.0, 1e-15);
+  const Vec3 slides = contact_impulse(n, {3, 4, -1}, 2.0, 0.5, 0.0);
+  EXPECT_NEAR((slides - Vec3(-0.6, -0.8, 2)).norm(), 0.0, 1e-15);
+  EXPECT_NEAR(contact_impulse(n, {0, 0, -1}, 2.0, 0.5, 0.4).z(), 2.8, 1e-15);
+}
+
+TEST(Proxy, TurnsWithImpulsesLikeARigidBody) {
+  shell::Proxy p(shard());
+  const Vec3 at(0.2, -0.1, 0.35), j(0.01, -0.02, 0.03);
+  const double energy = p.body.kinetic_energy();
+  const Vec3 before = p.velocity_at(at);
+  p.apply(at, j);
+  const Vec3 after = p.velocity_at(at);
+  EXPECT_NEAR(p.body.kinetic_energy() - energy, 0.5 * j.dot(before + after), 1e-15);  // work of an impulse
+  EXPECT_NEAR((after - before).dot(j.normalized()), p.inverse_mass_at(at, j.normalized()) * j.norm(), 1e-14);
+}
+
+TEST(Proxy, DistanceToAConvexPartIsThatToItsPlanes) {
+  RigidBody b = shard();
+  b.motion.position.setZero(), b.motion.orientation = Quat::Identity();
+  b.shape = ConvexShape{
+      {{{-1, -1, -1}, {1, -1, -1}, {-1, 1, -1}, {1, 1, -1}, {-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, {1, 1, 1}}}};
+  const shell::Proxy p(b);
+  EXPECT_NEAR(p.distance({0.2, 0.3, 0.9}).value, -0.1, 1e-12);
+  EXPECT_NEAR((p.distance({0.2, 0.3, 0.9}).normal - Vec3(0, 0, 1)).norm(), 0.0, 1e-12);
+  EXPECT_NEAR(p.distance({0, -1.5, 0.2}).value, 0.5, 1e-12);
+}
