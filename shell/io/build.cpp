@@ -195,7 +195,20 @@ RunSetup build(const scene::LoadedScene& scene) {
       }
       r.cuts.push_back(std::move(cut));
     }
-    r.tips = s.material.strength > 0.0 && m.fracture().mode() != proto::Fracture::CUTS;
+    const auto mode = m.fracture().mode();
+    r.tips = s.material.strength > 0.0 && mode != proto::Fracture::CUTS && mode != proto::Fracture::DAMAGE;
+    if (s.material.strength > 0.0 && mode == proto::Fracture::DAMAGE) {
+      const double width =
+          m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : std::sqrt(3.0) * s.spacing;
+      const ShellMaterial& q = s.material;
+      r.brittleness = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
+      const double widest = 2.0 * q.youngs_modulus * q.fracture_energy / (q.strength * q.strength);
+      scene.check(
+          r.brittleness > 0.0, "fracture.mode",
+          "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
+          "below 2 E G_f / strength^2 = {:.3g} m; refine, or take a fracture_energy above {:.3g} J/m^2, or TIPS",
+          width, widest, q.fracture_energy * width / widest);
+    }
     if (r.tips) {
       r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
       if (m.fracture().has_interlock_strength()) r.rules.faces.shear_strength = m.fracture().interlock_strength();

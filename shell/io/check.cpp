@@ -11,7 +11,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   std::string out = fmt::format("scene          {}\nbodies         {}\n", setup.name, setup.bodies.size());
   for (const ShellModel& m : setup.shells) {
     ShellState s = make_state(m, Vec3::Zero(), 0);
-    const double step = stable_step(m, s, 120, 1, setup.tips || !setup.cuts.empty());
+    const double step = stable_step(m, s, 120, 1, setup.tips || setup.brittleness > 0.0 || !setup.cuts.empty());
     scene.check(setup.window >= step, "window_s",
                 "is {} s, shorter than the stable step of shell '{}', {:.3g} s; make it a multiple of that",
                 setup.window, m.name, step);

@@ -180,6 +180,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
   if (!setup_.shells.empty() && !setup_.bodies.empty())
     model("shell_contact", "bodies can meet the shell", "rigid_contact");
   if (setup_.tips) model("tip_cracks", "the shell's material has a strength", "crack_update");
+  if (setup_.brittleness > 0.0) model("rankine_damage", "fracture.mode is DAMAGE", "crack_update");
   if (!setup_.cuts.empty()) model("prescribed_cuts", "the shell has cuts", "crack_update");
   if (!setup_.bodies.empty() || handed_off_ > 0) model("rigid_engine", "there are rigid bodies", "coupling");
   j += "  \"models\": [" + models + "],\n  \"state_hash\": " + quoted(state_hash()) + "\n}\n";

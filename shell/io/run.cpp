@@ -6,6 +6,7 @@
 #include <set>
 
 #include "coupler/core/error.h"
+#include "shell/solver/damage_cracks.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/interlock.h"
 
@@ -51,6 +52,7 @@ void Run::start() {
     const ShellModel& m = setup_.shells[0];
     state_ = std::make_unique<ShellState>(make_state(m, setup_.shell_velocity, setup_.seed));
     state_->cut_done.assign(setup_.cuts.size(), 0);
+    state_->brittleness = setup_.brittleness;
     for (const Proxy& p : proxies_)
       for (const ContactLaw& law : setup_.laws)
         if ((law.first_group == m.contact_group && law.second_group == p.body.contact_group) ||
@@ -100,7 +102,9 @@ void Run::substep(double dt) {
   (void)t;
   {
     Stopwatch w(stage_s_["internal_force"]);
-    const double share = setup_.tips ? std::min(1.0, dt * m.wave_speed() / m.spacing) : 0.0;
+    const double share = setup_.brittleness > 0.0 ? 1.0
+                         : setup_.tips            ? std::min(1.0, dt * m.wave_speed() / m.spacing)
+                                                  : 0.0;
     compute_forces(m, s, false, share, options_.threads);
   }
   {
@@ -145,6 +149,11 @@ void Run::shell_window() {
       const int every = crack_interval(setup_.rules, dt);
       if (k % every == every - 1 || k == n - 1)
         grow_cracks(m, s, setup_.rules, time() + (k + 1) * dt, (k % every + 1) * dt, random_);
+    }
+    if (setup_.brittleness > 0.0) {
+      Stopwatch w(stage_s_["crack_update"]);
+      watch_stress(m, s);
+      extract_cracks(m, s, time() + (k + 1) * dt);
     }
     if (k % 64 == 63) {
       client_->check_peer();

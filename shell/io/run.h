@@ -43,7 +43,7 @@ class Run {
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
   void check_ledger();
   void check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states);
-  bool can_crack() const { return setup_.tips || !setup_.cuts.empty(); }
+  bool can_crack() const { return setup_.tips || setup_.brittleness > 0.0 || !setup_.cuts.empty(); }
   /// Why the shell may be frozen now; empty: it may not.
   std::string cracking_has_ended();
   void freeze_shell(const std::string& why);

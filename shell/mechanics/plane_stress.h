@@ -33,6 +33,7 @@ struct PlaneStress {
   Sym2<T> s;   // second Piola-Kirchhoff stress, contravariant [Pa / metric]
   T stretch2;  // thickness stretch squared
   T log_area;  // ln J0, J0 the area ratio
+  T area2;     // J0^2
 };
 
 /// Area ratios nearer to 1 than this take polynomials, which are exact to round-off there, instead of
@@ -83,6 +84,7 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
   const T change = (dc - da) * ia;  // of the squared area ratio
   const double kappa = 2.0 * e.lambda / (e.lambda + 2.0 * e.mu);
   PlaneStress<T> r;
+  r.area2 = dc * ia;
   T s;
   if (all_below(change, kSmallAreaChange)) {
     r.log_area = 0.5 * small_log1p<T>(change);
@@ -93,7 +95,7 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
     }
     s = 1.0 + small_expm1<T>(u);
   } else {
-    r.log_area = 0.5 * logarithm<T>(dc * ia);
+    r.log_area = 0.5 * logarithm<T>(r.area2);
     const T u = -kappa * r.log_area;                                       // ln s to first order
     s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
     s = select(s > 0.05, s, splat<T>(0.05));

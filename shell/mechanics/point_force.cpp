@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sunder::shell {
 namespace {
@@ -49,10 +50,43 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const double* n, 
   }
 }
 
+// Weakens a layer and keeps the damage.
+template <class T>
+struct Weaken {
+  T strength;
+  double brittleness;
+  T* damage;  // of each layer
+  void operator()(std::size_t layer, PlaneStress<T>& p, const Sym2<T>& c) const {
+    damage[layer] = weaken<T>(p.s, c, square_root(p.area2 * p.stretch2), strength, brittleness);
+  }
+};
+
+Sym2<Pack> difference(const Sym2<Pack>& a, const Sym2<Pack>& b) {
+  return {a.c11 - b.c11, a.c22 - b.c22, a.c12 - b.c12};
+}
+
+// What weakening spares between the last substep and this state, by the trapezoidal rule [J].
+double spared_since(const PointDamage& d, const std::array<double, 6>& forms, const std::array<double, 6>& lost,
+                    double area) {
+  double work = 0.0;
+  for (int k = 0; k < 6 && !d.fresh; ++k) {
+    const double mean = 0.5 * (lost[k] + d.lost[k]) * (k % 3 == 2 ? 2.0 : 1.0);  // 12 counts twice
+    work += mean * (forms[k] - d.forms[k]) * (k < 3 ? 0.5 : -1.0);               // dE = da / 2 - zeta db
+  }
+  return area * work;
+}
+
+// Keeps what the next substep needs. Returns what was spared and not given back where the point has healed.
+double keep(PointDamage& d, const std::array<double, 6>& forms, const std::array<double, 6>& lost, double area) {
+  d.spared += spared_since(d, forms, lost, area);
+  d.forms = forms, d.lost = lost, d.fresh = false;
+  return d.damage() > 0.0f ? 0.0 : std::exchange(d.spared, 0.0);
+}
+
 // Up to four points side by side; returns their energy where asked for.
 template <bool kEnergy>
 double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
-             SurfaceStress stress, double* force4) {
+             SurfaceStress stress, double* force4, PointDamage* const* damaged, double brittleness, double& healed) {
   Pack d[5][3] = {};  // derivative, direction; a lane for each point
   ReferenceMetric<Pack> ref{};
   Pack area{};
@@ -73,7 +107,20 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   // a linear basis has no bending: curvature stays that of the rest state
   const Pack none{};
   f.b = {select(linear, ref.b.c11, f.b.c11), select(linear, ref.b.c22, f.b.c22), select(linear, ref.b.c12, f.b.c12)};
-  Resultants<Pack> r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity);
+  Resultants<Pack> r;
+  Pack damage[kMostLayers];
+  Sym2<Pack> lost_n{}, lost_m{};
+  if (damaged) {
+    Weaken<Pack> weakening{splat<Pack>(1.0), brittleness, damage};
+    for (int i = 0; i < kLanes; ++i) weakening.strength[i] = damaged[std::min(i, count - 1)]->strength;
+    r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity, weakening);
+    if (stress.values || kEnergy) {
+      const Resultants<Pack> full = integrate_layers<Pack, false>(f, ref, t.layers, t.elasticity);
+      lost_n = difference(full.n, r.n), lost_m = difference(full.m, r.m);
+    }
+  } else {
+    r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity);
+  }
   r.m = {select(linear, none, r.m.c11), select(linear, none, r.m.c22), select(linear, none, r.m.c12)};
   const Derivatives<Pack> g = section_forces(x_d, f, r, area);
   const Vector<Pack> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
@@ -85,6 +132,20 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     if (!(ratio[i] > kCrushed) || !std::isfinite(n[0] + n[1] + m[0] + m[1])) continue;
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];
     if (stress.values) record_stress(t, *points[i], n, m, thickness, stress);
+    if (damaged) {
+      PointDamage& d = *damaged[i];
+      const std::array<double, 6> forms{f.a.c11[i], f.a.c22[i], f.a.c12[i], f.b.c11[i], f.b.c22[i], f.b.c12[i]};
+      const std::array<double, 6> lost{lost_n.c11[i], lost_n.c22[i], lost_n.c12[i],
+                                       lost_m.c11[i], lost_m.c22[i], lost_m.c12[i]};
+      if constexpr (kEnergy) sum -= d.spared + spared_since(d, forms, lost, points[i]->area);
+      if (stress.values) {
+        for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
+          d.now[l] = static_cast<float>(damage[l][i]);
+          d.history[l] = std::max(d.history[l], d.now[l]);
+        }
+        healed += keep(d, forms, lost, points[i]->area);
+      }
+    }
     Pack own[5];
     for (int k = 0; k < 5; ++k) own[k] = Pack{all[k].x[i], all[k].y[i], all[k].z[i], 0.0};
     scatter_point(*points[i], own, force4);
@@ -93,15 +154,20 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
 }
 
 double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::size_t begin, std::size_t end,
-             const double* x4, bool energy, SurfaceStress stress, double* force4) {
+             const double* x4, bool energy, SurfaceStress stress, double* force4, DamageLaw* law, double& healed) {
   double sum = 0.0, thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
   const GatheredPoint* four[kLanes];
+  PointDamage* damaged[kLanes] = {};
   int count = 0;
   for (std::size_t i = begin; i < end; ++i) {
-    if (points[i].kind != PointKind::kDead) four[count++] = &points[i];
+    if (points[i].kind != PointKind::kDead) {
+      if (law) damaged[count] = &(*law->points)[i];
+      four[count++] = &points[i];
+    }
     if (count < kLanes && (i + 1 < end || count == 0)) continue;
-    sum += (energy ? batch<true> : batch<false>)(t, four, count, x4, thickness, stress, force4);
+    sum += (energy ? batch<true> : batch<false>)(t, four, count, x4, thickness, stress, force4, law ? damaged : nullptr,
+                                                 law ? law->brittleness : 0.0, healed);
     count = 0;
   }
   return sum;
@@ -118,17 +184,28 @@ Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std
   return {vector(0), vector(1), vector(2), vector(3), vector(4)};
 }
 
-double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
+double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const PointDamage* damage,
+                    double brittleness) {
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!(determinant(f.a) > kCrushed * determinant(p.metric.a))) return 0.0;
-  const double energy = p.area * integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity).energy;
+  const Resultants<double> full = integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity);
+  double energy = p.area * full.energy;
+  if (damage) {
+    double unused[kMostLayers];
+    Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity,
+                                                           Weaken<double>{damage->strength, brittleness, unused});
+    const std::array<double, 6> forms{f.a.c11, f.a.c22, f.a.c12, f.b.c11, f.b.c22, f.b.c12};
+    const std::array<double, 6> lost{full.n.c11 - r.n.c11, full.n.c22 - r.n.c22, full.n.c12 - r.n.c12,
+                                     full.m.c11 - r.m.c11, full.m.c22 - r.m.c22, full.m.c12 - r.m.c12};
+    energy -= damage->spared + spared_since(*damage, forms, lost, p.area);
+  }
   return std::isfinite(energy) ? energy : 0.0;
 }
 
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
-                        std::vector<double>& force) {
+                        std::vector<double>& force, DamageLaw* damage) {
   if (points.empty()) return 0.0;
   const std::size_t plane = t.plane, size = kLanes * plane;
   scratch.resize((kChunks + 1) * size);
@@ -137,16 +214,18 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
     for (int c = 0; c < 3; ++c) x4[kLanes * i + c] = x[c * plane + i];
     x4[kLanes * i + 3] = 0.0;
   }
-  double sums[kChunks] = {};
+  double sums[kChunks] = {}, healed[kChunks] = {};
 #pragma omp parallel for schedule(static, 1) num_threads(std::min(threads, kChunks))
   for (int c = 0; c < kChunks; ++c) {
     double* own = scratch.data() + c * size;
     std::fill(own, own + size, 0.0);
-    sums[c] = chunk(t, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks, x4, energy, stress, own);
+    sums[c] = chunk(t, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks, x4, energy, stress, own,
+                    damage, healed[c]);
   }
   double sum = 0.0;
   for (int c = 0; c < kChunks; ++c) {
     sum += sums[c];
+    if (damage) damage->healed += healed[c];
     const double* own = scratch.data() + c * size;
     for (int d = 0; d < 3; ++d)
       for (std::size_t i = 0; i < plane; ++i) force[d * plane + i] += own[kLanes * i + d];

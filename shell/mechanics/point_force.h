@@ -1,8 +1,10 @@
 #pragma once
 // Internal forces at Gauss points with shape functions of their own: those that a crack has touched.
+#include <algorithm>
 #include <array>
 #include <vector>
 
+#include "shell/mechanics/damage.h"
 #include "shell/mechanics/row_force.h"
 #include "shell/mechanics/section.h"
 
@@ -24,14 +26,37 @@ struct GatheredPoint {
   std::vector<GatheredFunction> functions;
 };
 
+/// Rankine damage of a gathered point, layer by layer.
+constexpr int kMostLayers = 16;
+struct PointDamage {
+  double strength = 0.0;                            // [Pa]
+  std::array<float, kMostLayers> now{}, history{};  // damage and its maximum over time, of each layer
+  std::array<double, 6> forms{}, lost{};            // of the last substep: a, b and what weakening took of n, m
+  double spared = 0.0;                              // energy that the weakened stress did not store [J]
+  bool fresh = true;                                // `forms` is not of these shape functions
+  float damage() const { return *std::max_element(now.begin(), now.end()); }
+  float worst() const { return *std::max_element(history.begin(), history.end()); }
+};
+struct DamageLaw {
+  std::vector<PointDamage>* points = nullptr;  // parallel to the gathered points; null: nothing is damaged
+  double brittleness = 0.0;                    // H of eq. 9
+  // out: what points that healed in this substep had spared [J]. In one dimension nothing is left then; a
+  // closed cycle of a turning stress can leave a little.
+  double healed = 0.0;
+};
+
 /// Adds the points' forces to `force` [3][plane]; returns their elastic energy [J] if `energy`.
+/// `damage` weakens tension by the present stress; where `stress` is recorded its history is kept. Since it
+/// heals it is elastic but softer: the energy is the full material's less what weakening spared. A crack
+/// that opens there dissipates what is stored.
 /// Deterministic: a fixed number of chunks, summed in order. Stress as in row_forces.
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
-                        std::vector<double>& force);
+                        std::vector<double>& force, DamageLaw* damage = nullptr);
 
 /// Elastic energy of one point [J].
-double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
+double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                    const PointDamage* damage = nullptr, double brittleness = 0.0);
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
 

@@ -51,15 +51,21 @@ inline Forms<T> surface_forms(const Derivatives<T>& d) {
 }
 
 /// C(zeta) = a - 2 zeta b against Abar(zeta) = abar - 2 zeta bbar, integrated over the layers.
-template <class T, bool kEnergy>
+/// `soften(layer, stress, metric)` may weaken a layer's stress; its energy stays that of the full one.
+struct Intact {
+  template <class T>
+  void operator()(std::size_t, PlaneStress<T>&, const Sym2<T>&) const {}
+};
+template <class T, bool kEnergy, class Soften = Intact>
 inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
-                                      const Elasticity& e) {
+                                      const Elasticity& e, const Soften& soften = {}) {
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
     const Sym2<T> c{f.a.c11 - 2.0 * z * f.b.c11, f.a.c22 - 2.0 * z * f.b.c22, f.a.c12 - 2.0 * z * f.b.c12};
     const Sym2<T> a{ref.a.c11 - 2.0 * z * ref.b.c11, ref.a.c22 - 2.0 * z * ref.b.c22, ref.a.c12 - 2.0 * z * ref.b.c12};
-    const PlaneStress<T> p = plane_stress<T>(c, a, e);
+    PlaneStress<T> p = plane_stress<T>(c, a, e);
+    soften(l, p, c);
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
     r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
     if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, a, e);

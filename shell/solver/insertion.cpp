@@ -17,20 +17,14 @@ std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
 void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
   const Vec2 p = gauss_point(m.patch, t, block, lane).parameter;
-  int& index = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
-  if (index < 0) {
-    index = static_cast<int>(s.points.size());
-    s.points.emplace_back();
-    s.points.back().block = block, s.points.back().lane = lane;
-    s.points.back().area = t.metric[t.at(block, kMetricFields, kArea, lane)];
-    s.tables.metric[t.at(block, kMetricFields, kArea, lane)] = 0.0;  // the row kernel leaves it out from now on
-  }
+  const int index = gather_point(m, s, block, lane);
   GatheredPoint& g = s.points[index];
   const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, lane, block / (t.gauss * t.gauss));
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
   g.functions = to_slots(m, mls);
+  if (!s.damage.empty()) s.damage[index].fresh = true;
   if (g.kind == PointKind::kDead) {
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
     return;
@@ -43,6 +37,29 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
 
 ControlGrid control_grid(const ShellModel& m) {
   return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
+}
+
+int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
+  const RowTables& t = m.tables;
+  const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+  if (s.point_of[gauss] >= 0) return s.point_of[gauss];
+  GatheredPoint g;
+  g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
+  const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
+  for (int k = 0; k < 9; ++k)
+    g.functions.push_back(
+        {(n.span_v + k / 3) * t.stride + n.span_u + k % 3, {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+  double* metric = &s.tables.metric[t.at(block, kMetricFields, 0, lane)];
+  g.area = metric[kArea * t.lanes];
+  g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
+              {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
+  metric[kArea * t.lanes] = 0.0;  // the row kernel leaves it out from now on
+  s.points.push_back(std::move(g));
+  if (s.brittleness > 0.0) {
+    s.damage.emplace_back();
+    s.damage.back().strength = s.strength[gauss];
+  }
+  return s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
 }
 
 int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,
@@ -75,25 +92,15 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
       }
   double before = 0.0, after = 0.0;
   for (const auto& [block, lane] : touched) {
-    int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
-    if (point < 0) {  // its energy with the patch's own functions
-      GatheredPoint g;
-      const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
-      std::vector<GatheredFunction> own;
-      for (int k = 0; k < 9; ++k)
-        own.push_back({(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
-                       {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
-      g.functions = std::move(own);
-      const double* metric = &t.metric[t.at(block, kMetricFields, 0, lane)];
-      g.kind = PointKind::kQuadratic, g.area = metric[kArea * t.lanes];
-      g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
-                  {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
-      before += point_energy(t, g, s.x);
-    } else {
-      before += point_energy(t, s.points[point], s.x);
-    }
+    const int point = gather_point(m, s, block, lane);
+    PointDamage* damage = s.damage.empty() ? nullptr : &s.damage[point];
+    const double held = point_energy(t, s.points[point], s.x, damage, s.brittleness);
+    const double full = point_energy(t, s.points[point], s.x);
     recompute(m, s, block, lane);
-    after += point_energy(t, s.points[s.point_of[static_cast<std::size_t>(block) * t.lanes + lane]], s.x);
+    const double left = point_energy(t, s.points[point], s.x);
+    // a damaged point stores the same share of the full energy of what is left
+    if (damage) damage->spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+    before += held, after += left - (damage ? damage->spared : 0.0);
   }
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;

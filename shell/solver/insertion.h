@@ -9,6 +9,10 @@ namespace sunder::shell {
 int insert_edge(const ShellModel& model, ShellState& state, int from, int to, int crack, double time, int face,
                 bool interlock);
 
+/// The Gauss point leaves the row kernel and keeps its functions: those of the patch. Returns its index in
+/// state.points; one that has left before stays what it is.
+int gather_point(const ShellModel& model, ShellState& state, int block, int lane);
+
 /// Cuts along a polyline in parameter space, in edges of about one spacing; ends within a spacing of
 /// the border run out over it.
 void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time);

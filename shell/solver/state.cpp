@@ -73,7 +73,10 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   SurfaceStress stress;
   if (stress_share > 0.0) stress = {&s.surface_stress, stress_share};
   double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force);
-  sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force);
+  DamageLaw law{&s.damage, s.brittleness, 0.0};
+  sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
+                          s.brittleness > 0.0 ? &law : nullptr);
+  s.book.fracture -= law.healed;
   s.interlock_energy = interlock_forces(m, s);
   return energy ? sum + s.interlock_energy : 0.0;
 }

@@ -1,0 +1,49 @@
+#pragma once
+// Rankine damage of a layer (paper 5.1, eq. 9): the largest principal Cauchy stress sets the damage, which
+// weakens tension and leaves compression. It follows the present stress, so it heals.
+#include "shell/mechanics/plane_stress.h"
+
+namespace sunder::shell {
+
+/// Brittleness H = Hbar l / (1 - Hbar l) of eq. 9, Hbar = strength^2 / (2 E G_f) [1/m], l the width over
+/// which damage localises [m]. Not positive where Hbar l >= 1: the grid does not resolve the softening.
+inline double brittleness(double strength, double youngs_modulus, double fracture_energy, double width) {
+  const double product = strength * strength * width / (2.0 * youngs_modulus * fracture_energy);
+  return product < 1.0 ? product / (1.0 - product) : -1.0;
+}
+
+template <class T>
+inline T largest(const T& a, const T& b) {
+  return select(a > b, a, b);
+}
+
+/// Damage 0 to 1 under the principal stress `high` [Pa].
+template <class T>
+inline T rankine_damage(const T& high, const T& strength, double h) {
+  const T over = largest<T>(high, strength);
+  const T c = (1.0 + h) * (1.0 - strength / over);
+  return select(c < 1.0, c, splat<T>(1.0));
+}
+
+/// Weakens S (second Piola-Kirchhoff, contravariant) at metric C and volume ratio J = J0 lambda3 in place
+/// and returns the damage. With the mixed Cauchy stress sigma = S C / J of principal values s1 >= s2,
+/// sigma' = sigma - c (s1+ P1 + s2+ P2). In two dimensions the positive part is a I + b sigma: b = 1 where
+/// both are tension; b = s1 / (s1 - s2), a = -b s2 where only s1 is, and then s1 > s2.
+template <class T>
+inline T weaken(Sym2<T>& s, const Sym2<T>& c, const T& volume, const T& strength, double h) {
+  const T mean = 0.5 * (s.c11 * c.c11 + s.c22 * c.c22 + 2.0 * s.c12 * c.c12) / volume;
+  const T det_c = determinant(c);
+  const T det = determinant(s) * det_c / (volume * volume);
+  const T radius = square_root(largest<T>(mean * mean - det, splat<T>(0.0)));
+  const T high = mean + radius, low = mean - radius;
+  const T damage = rankine_damage<T>(high, strength, h);
+  // strength is positive, so damage means high > 0 and the quotient is taken where high > low only
+  const T apart = select(low < 0.0, high - low, splat<T>(1.0));
+  const T b = select(low < 0.0, high / apart, splat<T>(1.0)), a = select(low < 0.0, -low * b, splat<T>(0.0));
+  const T keep = 1.0 - damage * select(damage > 0.0, b, splat<T>(0.0));
+  const T metric = damage * a * volume / det_c;  // times the adjugate of C: J C^-1
+  s = {keep * s.c11 - metric * c.c22, keep * s.c22 - metric * c.c11, keep * s.c12 + metric * c.c12};
+  return damage;
+}
+
+}  // namespace sunder::shell
