@@ -203,7 +203,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
   ShellState& s = *state_;
   if (s.cracks.edges().empty()) return births;
   Stopwatch w(stage_s_["crack_update"]);
-  if (all) release_interlocks(s, {}, true);
+  if (all) release_interlocks(m, s, {}, true);
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {

@@ -158,8 +158,17 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
 }  // namespace
 
 Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Piece>& pieces) {
-  Triangulation t =
-      triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, m.parameter, m.spacing, 0.02 * m.spacing * m.spacing);
+  std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
+  for (Vec2& p : places)
+    s.cracks.near(p, p, m.spacing, [&](int e) {
+      Vec2 foot;
+      const CrackEdge& c = s.cracks.edges()[e];
+      const Vec2 d = (c.b - c.a).normalized();
+      if (s.cracks.distance(p, e, foot) < 1e-9 * m.spacing) p += 1e-6 * m.spacing * Vec2(-d.y(), d.x());
+      return true;
+    });
+  const Triangulation t =
+      triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing, 0.02 * m.spacing * m.spacing);
   pieces.assign(t.pieces, {});
   for (int i = 0; i < t.pieces; ++i) pieces[i].number = i;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
