@@ -12,6 +12,8 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   for (const ShellModel& m : setup.shells) {
     ShellState s = make_state(m, Vec3::Zero(), 0);
     const double step = stable_step(m, s, 120, 1, setup.tips || !setup.cuts.empty());
+    scene.check(std::isfinite(step), "shells[0].supports",
+                "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
     scene.check(setup.window >= step, "window_s",
                 "is {} s, shorter than the stable step of shell '{}', {:.3g} s; make it a multiple of that",
                 setup.window, m.name, step);

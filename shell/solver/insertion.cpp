@@ -70,7 +70,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
           for (int k = 0; k < 9 && !hit; ++k) hit = cut((f + k / 3) * t.columns + lane + k % 3);
         else
           for (const GatheredFunction& n : s.points[point].functions)
-            if ((hit = cut(n.slot / t.stride * t.columns + n.slot % t.stride))) break;
+            if ((hit = cut(t.control_point(n.slot)))) break;
         if (hit) touched.push_back({block, lane});
       }
   double before = 0.0, after = 0.0;
@@ -102,8 +102,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     bool hit = false;
     for (const auto* side : {&lock.plus, &lock.minus})
       for (const GatheredFunction& n : *side)
-        hit = hit ||
-              segments_meet(middle, m.parameter[n.slot / t.stride * t.columns + n.slot % t.stride], e.long_a, e.long_b);
+        hit = hit || segments_meet(middle, m.parameter[t.control_point(n.slot)], e.long_a, e.long_b);
     if (!hit) continue;
     refasten(m, s, lock);
   }
