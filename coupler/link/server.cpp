@@ -59,6 +59,7 @@ struct Session {
         if (w.tick() != tick || w.ticks() < 1)
           refuse(fmt::format("window at tick {} (+{}), expected {}", w.tick(), w.ticks(), tick));
         if (!std::isfinite(w.window_s()) || w.window_s() <= 0.0) refuse(fmt::format("window_s is {}", w.window_s()));
+        if (w.handbacks_size() > kMaxBodies || w.births_size() > kMaxBodies) refuse("too many bodies");
         std::vector<Motion> motions;
         for (const auto& h : w.handbacks()) {
           const std::string field = fmt::format("handbacks[{}]", h.id());

@@ -39,6 +39,8 @@ struct Stopwatch {
 Run::Run(RunSetup setup, RunOptions options)
     : setup_(std::move(setup)), options_(std::move(options)), frames_(options_.out), random_(setup_.seed) {
   wall_start_ = now();
+  require(options_.until <= 0.0 || options_.until >= setup_.window, "--until {}: less than one window of {} s",
+          options_.until, setup_.window);
   if (options_.until > 0.0) setup_.end_time = std::min(setup_.end_time, options_.until);
   setup_.latest_freeze = std::min(setup_.latest_freeze, setup_.end_time);
   for (const RigidBody& b : setup_.bodies) proxies_.emplace_back(b);
