@@ -20,6 +20,8 @@ constexpr double kSettleTime = 5e-5;        // a larger piece stays so long, its
 constexpr double kSettleTravel = 1.25;
 constexpr double kLookInterval = 0.1;  // [s] of wall time between two looks at the peer
 constexpr int kRigidSubsteps = 4;      // of free flight in a window without a shell
+constexpr double kLookInterval = 0.1;  // [s] of wall time between two looks at the peer
+constexpr int kRigidSubsteps = 4;      // of free flight in a window without a shell
 // Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
 // crack starts there: a crack that is born within a window must not find the step too large.
 constexpr double kCrackedStep = 0.7;
