@@ -18,13 +18,9 @@ constexpr double kSettleTime = 5e-5;        // a larger piece stays so long, its
 // Of the thickness, that two bodies that can meet may approach in a window without a shell, lest shards pass
 // through one another unseen: 300 shards at 10 m/s did at two thicknesses a window, none at 1.25.
 constexpr double kSettleTravel = 1.25;
-constexpr double kLookInterval = 0.1;  // [s] of wall time between two looks at the peer
-constexpr int kRigidSubsteps = 4;      // of free flight in a window without a shell
-constexpr double kLookInterval = 0.1;  // [s] of wall time between two looks at the peer
-constexpr int kRigidSubsteps = 4;      // of free flight in a window without a shell
-// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
-// crack starts there: a crack that is born within a window must not find the step too large.
-constexpr double kCrackedStep = 0.7;
+constexpr double kLookInterval = 0.1;                         // [s] of wall time between two looks at the peer
+constexpr int kRigidSubsteps = 4;                             // of free flight in a window without a shell
+constexpr int kRigidSubsteps = 4;                             // of free flight in a window without a shell
 constexpr int kFirstIterations = 120, kLaterIterations = 16;  // of the stable step
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
