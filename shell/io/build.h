@@ -14,11 +14,11 @@ struct PrescribedCut {
   double time = 0.0;
 };
 
-/// All that a run needs from a scene, in plain types.
-// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
-// crack starts there: a crack that is born within a window must not find the step too large.
+/// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
+/// crack starts there: a crack that is born within a window must not find the step too large.
 constexpr double kCrackedStep = 0.7;
 
+/// All that a run needs from a scene, in plain types.
 struct RunSetup {
   std::string name;
   double end_time = 0.0, window = 0.0, settle_window = 0.0, safety = 0.8;  // [s], [-]
