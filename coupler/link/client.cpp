@@ -99,7 +99,6 @@ std::vector<State> RigidClient::window(std::int64_t tick, int ticks, double wind
     *h->mutable_position() = encode(m.motion.position), *h->mutable_orientation() = encode(m.motion.orientation);
     *h->mutable_velocity() = encode(m.motion.velocity),
     *h->mutable_angular_momentum() = encode(m.motion.angular_momentum);
-    *h->mutable_linear_impulse() = encode(m.linear_impulse), *h->mutable_angular_impulse() = encode(m.angular_impulse);
     expected.insert(m.id);
   }
   for (const RigidBody& b : births) {

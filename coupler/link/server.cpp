@@ -66,9 +66,7 @@ struct Session {
           motions.push_back(
               {h.id(),
                {decode(h.position(), field + ".position"), decode(h.orientation(), field + ".orientation"),
-                decode(h.velocity(), field + ".velocity"), decode(h.angular_momentum(), field + ".angular_momentum")},
-               Vec3::Zero(),
-               Vec3::Zero()});
+                decode(h.velocity(), field + ".velocity"), decode(h.angular_momentum(), field + ".angular_momentum")}});
         }
         service.advance(w.window_s(), motions);
         for (const auto& b : w.births()) service.add(decode(b, fmt::format("births[{}]", b.id())));

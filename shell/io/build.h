@@ -32,7 +32,6 @@ struct RunSetup {
   CrackRules rules;
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
-  std::vector<std::string> body_kinds;
   std::vector<ContactLaw> laws;
 };
 

@@ -46,6 +46,14 @@ Run::Run(RunSetup setup, RunOptions options)
 
 void Run::start() {
   client_ = std::make_unique<link::RigidClient>(options_.endpoint, options_.scene_hash);
+  if (can_crack()) {  // shards are compounds of convex hulls
+    const auto& can = client_->peer().capabilities;
+    for (const char* need : {"convex_hulls", "compound"})
+      require(std::find(can.begin(), can.end(), need) != can.end(),
+              "the engine '{}' cannot do '{}', which shards need; take another engine, or a shell without strength and "
+              "cuts",
+              client_->peer().name, need);
+  }
   client_->load(setup_.bodies, setup_.laws);
   if (!setup_.shells.empty()) {
     const ShellModel& m = setup_.shells[0];
@@ -296,7 +304,7 @@ void Run::exchange(int ticks, double window, const std::vector<RigidBody>& birth
   const double before = bodies_energy();
   for (std::size_t i = 0; i < old; ++i) {
     Proxy& p = proxies_[i];
-    if (!p.body.is_static) motions.push_back({p.body.id, p.body.motion, p.linear_impulse, p.angular_impulse});
+    if (!p.body.is_static) motions.push_back({p.body.id, p.body.motion});
     p.linear_impulse = p.angular_impulse = p.shell_linear = p.shell_angular = Vec3::Zero();
     p.impulse_sum = p.moment_sum = 0.0;
   }
