@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstring>
+#include <regex>
 
 #include <zmq.hpp>
 
@@ -37,7 +38,8 @@ struct Channel::Sockets {
 };
 
 Channel::Channel(Role role, const std::string& endpoint) : s_(std::make_unique<Sockets>()) {
-  const bool local = endpoint.rfind("ipc://", 0) == 0 || endpoint.rfind("tcp://127.", 0) == 0;
+  const bool local =
+      endpoint.rfind("ipc://", 0) == 0 || std::regex_match(endpoint, std::regex("tcp://127\\.0\\.0\\.1:[0-9]{1,5}"));
   require(local, "--endpoint {}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet",
           endpoint);
   s_->peer = role == Role::kConnect ? "the rigid process" : "the shell process";

@@ -1,5 +1,7 @@
 #include "coupler/link/client.h"
 
+#include <cmath>
+
 #include <set>
 
 #include "coupler/core/error.h"
@@ -23,12 +25,17 @@ proto::Reply ask(Channel& channel, std::uint64_t& sequence, proto::Request& requ
   return reply;
 }
 
+void expect(bool right_kind, const char* request) {
+  if (!right_kind) throw Error(Exit::kPeerLost, "bad_message", fmt::format("a reply of another kind to {}", request));
+}
+
 std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
                                  const std::set<BodyId>& expected) {
   std::vector<State> out;
   for (const auto& m : states) {
     const std::string field = fmt::format("states[{}]", m.id());
-    if (!expected.count(m.id()) || (!out.empty() && m.id() <= out.back().id) || !(m.mass() > 0.0))
+    if (!expected.count(m.id()) || (!out.empty() && m.id() <= out.back().id) || !(m.mass() > 0.0) ||
+        !std::isfinite(m.mass()))
       throw Error(Exit::kPeerLost, "bad_message", field + ": an unknown or repeated body, or one without mass");
     out.push_back(
         {m.id(),
@@ -69,7 +76,15 @@ std::vector<State> RigidClient::load(const std::vector<RigidBody>& bodies, const
     c->set_first_group(law.first_group), c->set_second_group(law.second_group);
     c->set_friction(law.friction), c->set_restitution(law.restitution);
   }
-  return decode_states(ask(channel_, sequence_, request).load().states(), expected);
+  const proto::Reply reply = ask(channel_, sequence_, request);
+  expect(reply.has_load(), "Load");
+  const std::vector<State> states = decode_states(reply.load().states(), expected);
+  for (const State& s : states)  // the other side holds what was sent
+    for (const RigidBody& b : bodies)
+      if (b.id == s.id && s.mass != b.mass)
+        throw Error(Exit::kPeerLost, "bad_message",
+                    fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", b.id, b.mass, s.mass));
+  return states;
 }
 
 std::vector<State> RigidClient::window(std::int64_t tick, int ticks, double window_s,
@@ -84,7 +99,6 @@ std::vector<State> RigidClient::window(std::int64_t tick, int ticks, double wind
     *h->mutable_position() = encode(m.motion.position), *h->mutable_orientation() = encode(m.motion.orientation);
     *h->mutable_velocity() = encode(m.motion.velocity),
     *h->mutable_angular_momentum() = encode(m.motion.angular_momentum);
-    *h->mutable_linear_impulse() = encode(m.linear_impulse), *h->mutable_angular_impulse() = encode(m.angular_impulse);
     expected.insert(m.id);
   }
   for (const RigidBody& b : births) {
@@ -101,7 +115,7 @@ std::vector<State> RigidClient::window(std::int64_t tick, int ticks, double wind
 void RigidClient::bye() {
   proto::Request request;
   request.mutable_bye();
-  ask(channel_, sequence_, request);
+  expect(ask(channel_, sequence_, request).has_bye(), "Bye");
 }
 
 void RigidClient::abort(const std::string& kind, const std::string& message) noexcept {

@@ -22,7 +22,6 @@ struct State {
 struct Motion {
   BodyId id = 0;
   BodyMotion motion;
-  Vec3 linear_impulse = Vec3::Zero(), angular_impulse = Vec3::Zero();
 };
 
 class RigidClient {
@@ -39,7 +38,6 @@ class RigidClient {
   void check_peer() { channel_.check_peer(); }
 
  private:
-  struct Exchange;
   Channel channel_;
   Peer peer_;
   std::uint64_t sequence_ = 0;

@@ -59,15 +59,14 @@ struct Session {
         if (w.tick() != tick || w.ticks() < 1)
           refuse(fmt::format("window at tick {} (+{}), expected {}", w.tick(), w.ticks(), tick));
         if (!std::isfinite(w.window_s()) || w.window_s() <= 0.0) refuse(fmt::format("window_s is {}", w.window_s()));
+        if (w.handbacks_size() > kMaxBodies || w.births_size() > kMaxBodies) refuse("too many bodies");
         std::vector<Motion> motions;
         for (const auto& h : w.handbacks()) {
           const std::string field = fmt::format("handbacks[{}]", h.id());
           motions.push_back(
               {h.id(),
                {decode(h.position(), field + ".position"), decode(h.orientation(), field + ".orientation"),
-                decode(h.velocity(), field + ".velocity"), decode(h.angular_momentum(), field + ".angular_momentum")},
-               Vec3::Zero(),
-               Vec3::Zero()});
+                decode(h.velocity(), field + ".velocity"), decode(h.angular_momentum(), field + ".angular_momentum")}});
         }
         service.advance(w.window_s(), motions);
         for (const auto& b : w.births()) service.add(decode(b, fmt::format("births[{}]", b.id())));

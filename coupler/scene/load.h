@@ -1,6 +1,7 @@
 #pragma once
 // Reads a scene file: text -> message, settings applied, everything checked; every error says
 // file:line:column, field, value and remedy.
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -44,8 +45,13 @@ void apply_setting(proto::Scene& scene, const std::string& setting);
 /// What needs no geometry: numbers, names, references, counts, paths.
 void validate(const LoadedScene& scene);
 
-/// Corners of an OFF or OBJ file below the scene's folder [m].
-std::vector<Vec3> read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh);
+/// The convex hull of the corners of an OFF or OBJ file below the scene's folder.
+struct Hull {
+  std::vector<Vec3> corners;                  // of the hull only [m]
+  std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from outside
+};
+constexpr int kMostHullCorners = 128;  // collision tests grow with the square and more
+Hull read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh);
 
 inline Vec3 to_vec(const proto::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline Quat to_quat(const proto::Pose& p) {

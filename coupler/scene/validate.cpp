@@ -126,6 +126,8 @@ void validate(const LoadedScene& s) {
     s.check(ratio >= 1.0 - 1e-9 && ratio < 1e6 && std::abs(ratio - std::round(ratio)) < 1e-6 * ratio, "settle_window_s",
             "is {} times window_s; must be a whole multiple", ratio);
   }
+  s.check(m.end_time_s() >= m.window_s(), "end_time_s", "is {} s, less than one window of {} s", m.end_time_s(),
+          m.window_s());
   s.check(m.end_time_s() / m.window_s() < 1e9, "window_s", "is {}: {:.3g} windows until end_time_s; at most 1e9",
           m.window_s(), m.end_time_s() / m.window_s());
   s.check(!m.has_time_step_safety() || (m.time_step_safety() > 0.0 && m.time_step_safety() <= 1.0), "time_step_safety",

@@ -34,7 +34,7 @@ class Engine {
   /// Throws Error (bad_body) where the engine cannot hold the shape.
   virtual void add(const RigidBody& body) = 0;
   virtual void set_contact_laws(const std::vector<ContactLaw>& laws) = 0;
-  /// One window of `window_s` seconds (DESIGN "Coupling", steps 3 and 4): each body takes the window
+  /// One window of `window_s` seconds (rigid/README.md "A window"): each body takes the window
   /// with the average velocity that leads to its handback pose, contacts are found and solved on
   /// that, and it ends on its handback velocity plus the change that the solver made; then a
   /// velocity-only solve at the new pose. One handback for each body that is not static, by id.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <Eigen/Dense>
+
 namespace sunder::shell {
 namespace {
 
@@ -40,14 +42,23 @@ std::vector<Plane> hull_planes(const std::vector<Vec3>& corners) {
 
 }  // namespace
 
-Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, double effective_mass, double friction, double restitution) {
+Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass, double friction, double restitution) {
   const double v_n = n.dot(v_rel);
   if (v_n >= 0.0) return Vec3::Zero();  // separating
+  const Vec3 stick = inverse_mass.ldlt().solve(-v_rel - restitution * v_n * n);
+  const double pressed = n.dot(stick);
+  if (pressed > 0.0 && (stick - pressed * n).norm() <= friction * pressed) return stick;
   const Vec3 v_t = v_rel - v_n * n;
-  const double j_n = -(1.0 + restitution) * effective_mass * v_n;
   const double speed = v_t.norm();
-  const double j_t = std::min(friction * j_n, effective_mass * speed);  // |j_t| <= mu j_n
-  return j_n * n - (speed > 0.0 ? Vec3(j_t / speed * v_t) : Vec3(Vec3::Zero()));
+  const Vec3 slide = speed > 0.0 ? Vec3(n - friction / speed * v_t) : n;  // |j_t| = mu j_n, against the slip
+  const double gain = n.dot(inverse_mass * slide);
+  // pulling sideways on a body that is free to turn can push it away by itself; then friction is left out
+  const Vec3 along = gain > 0.0 ? slide : n;
+  const double j_n = -(1.0 + restitution) * v_n / n.dot(inverse_mass * along);
+  const Vec3 j = j_n * along;
+  // no more than stops the slip: an impulse that works on the mean of both velocities must not add energy
+  const bool gains = j.dot(v_rel + 0.5 * (inverse_mass * j)) > 0.0;
+  return gains ? Vec3(-(1.0 + restitution) * v_n / n.dot(inverse_mass * n) * n) : j;
 }
 
 Proxy::Proxy(RigidBody b) : body(std::move(b)) {
@@ -99,10 +110,13 @@ Vec3 Proxy::velocity_at(const Vec3& world) const {
   return body.motion.velocity + body.angular_velocity().cross(world - body.motion.position);
 }
 
-double Proxy::inverse_mass_at(const Vec3& world, const Vec3& n) const {
-  if (body.is_static) return 0.0;
-  const Vec3 arm = (world - body.motion.position).cross(n);
-  return 1.0 / body.mass + arm.dot(body.apply_inverse_inertia(arm));
+Mat3 Proxy::inverse_mass_at(const Vec3& world) const {
+  Mat3 k = Mat3::Zero();
+  if (body.is_static) return k;
+  const Vec3 arm = world - body.motion.position;
+  for (int d = 0; d < 3; ++d)
+    k.col(d) = body.apply_inverse_inertia(arm.cross(Vec3::Unit(d))).cross(arm) + Vec3::Unit(d) / body.mass;
+  return 0.5 * (k + k.transpose());
 }
 
 void Proxy::apply(const Vec3& world, const Vec3& j) {

@@ -7,9 +7,9 @@
 namespace sunder::shell {
 
 /// Coulomb impulse on a surface sample [N s]; the caller books its negative on the body.
-/// n points out of the body, v_rel = v_sample - v_body [m/s]; `effective_mass` of the pair along any
-/// direction [kg].
-Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, double effective_mass, double friction, double restitution);
+/// n points out of the body, v_rel = v_sample - v_body [m/s]; `inverse_mass` of the pair: the change of v_rel
+/// per impulse [1/kg], symmetric positive definite. Sticks where Coulomb allows it, else slides against v_rel.
+Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass, double friction, double restitution);
 
 class Proxy {
  public:
@@ -30,8 +30,8 @@ class Proxy {
   double radius() const { return radius_; }  // of a sphere about the centre that holds the body; infinite: half space
   /// v of the body's material at a world point [m/s].
   Vec3 velocity_at(const Vec3& world) const;
-  /// 1 / effective mass at a world point along n [1/kg].
-  double inverse_mass_at(const Vec3& world, const Vec3& n) const;
+  /// Change of the material's velocity at a world point per impulse there [1/kg].
+  Mat3 inverse_mass_at(const Vec3& world) const;
   /// The body takes impulse j at a world point and books it.
   void apply(const Vec3& world, const Vec3& j);
 

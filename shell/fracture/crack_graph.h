@@ -12,9 +12,11 @@ namespace sunder::shell {
 inline double orientation(const Vec2& p, const Vec2& q, const Vec2& r) {
   return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
 }
-/// Closed segments ab and cd meet (touching counts).
+/// The line of sight ab is cut by the edge cd. A point on the edge's line counts as left of it, so that a
+/// control point on a crack is seen from one side and not from none.
 inline bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
-  return orientation(a, b, c) * orientation(a, b, d) <= 0.0 && orientation(c, d, a) * orientation(c, d, b) <= 0.0;
+  return (orientation(c, d, a) >= 0.0) != (orientation(c, d, b) >= 0.0) &&
+         orientation(a, b, c) * orientation(a, b, d) <= 0.0;
 }
 
 struct CrackEdge {

@@ -1,5 +1,6 @@
 #include "shell/io/build.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -73,28 +74,20 @@ ShellModel make_model(const scene::LoadedScene& scene, const proto::Shell& s, co
   });
 }
 
-// Mass, centre and inertia of the hull of points, by tetrahedra over its faces from the mean point.
-void hull_properties(const std::vector<Vec3>& points, double density, RigidBody& b) {
+// Mass, centre and inertia of a hull, by tetrahedra over its faces from the mean point.
+void hull_properties(const scene::Hull& hull, double density, RigidBody& b) {
+  const std::vector<Vec3>& points = hull.corners;
   Vec3 mean = Vec3::Zero();
   for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
   double volume = 0.0;
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
-  const std::size_t n = points.size();
-  for (std::size_t i = 0; i < n; ++i)
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t k = 0; k < n; ++k) {
-        if (i >= j || i >= k || j == k) continue;  // each oriented triple once
-        const Vec3 normal = (points[j] - points[i]).cross(points[k] - points[i]);
-        if (normal.norm() < 1e-300) continue;
-        bool face = true;
-        for (std::size_t l = 0; l < n && face; ++l) face = normal.dot(points[l] - points[i]) <= 1e-9 * normal.norm();
-        if (!face) continue;
-        const Vec3 a = points[i] - mean, c = points[j] - mean, d = points[k] - mean, sum = a + c + d;
-        const double v = a.dot(c.cross(d)) / 6.0;
-        volume += v, first += v / 4.0 * sum;
-        second += v / 20.0 * (sum * sum.transpose() + a * a.transpose() + c * c.transpose() + d * d.transpose());
-      }
+  for (const auto& [i, j, k] : hull.triangles) {
+    const Vec3 a = points[i] - mean, c = points[j] - mean, d = points[k] - mean, sum = a + c + d;
+    const double v = a.dot(c.cross(d)) / 6.0;
+    volume += v, first += v / 4.0 * sum;
+    second += v / 20.0 * (sum * sum.transpose() + a * a.transpose() + c * c.transpose() + d * d.transpose());
+  }
   const Vec3 offset = first / volume;
   second -= volume * offset * offset.transpose();
   b.mass = density * volume;
@@ -188,8 +181,10 @@ RunSetup build(const scene::LoadedScene& scene) {
     for (int k = 0; k < m.shells(i).cuts_size(); ++k) {
       PrescribedCut cut{{}, m.shells(i).cuts(k).time_s()};
       for (const auto& p : m.shells(i).cuts(k).points()) {
-        cut.points.emplace_back(p.u(), p.v());
-        scene.check(s.patch.contains(cut.points.back()), fmt::format("{}.cuts[{}].points", field, k),
+        const Vec2 given(p.u(), p.v()), low(s.patch.knots_u.begin(), s.patch.knots_v.begin()),
+            high(s.patch.knots_u.end(), s.patch.knots_v.end());
+        cut.points.push_back(given.cwiseMax(low).cwiseMin(high));  // the border, but for its last bits
+        scene.check((cut.points.back() - given).norm() <= 1e-9 * s.spacing, fmt::format("{}.cuts[{}].points", field, k),
                     "({}, {}) lies outside the patch, whose parameters run to ({}, {})", p.u(), p.v(),
                     s.patch.knots_u.end(), s.patch.knots_v.end());
       }
@@ -211,6 +206,9 @@ RunSetup build(const scene::LoadedScene& scene) {
     }
     if (r.tips) {
       r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
+      scene.check(r.rules.tip_radius >= s.spacing, "fracture.tip_radius_m",
+                  "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.rules.tip_radius,
+                  s.spacing);
       if (m.fracture().has_interlock_strength()) r.rules.faces.shear_strength = m.fracture().interlock_strength();
       if (m.fracture().has_interlock_opening_m()) r.rules.faces.opening = m.fracture().interlock_opening_m();
       if (m.fracture().has_interlock()) r.rules.interlock = m.fracture().interlock();
@@ -223,6 +221,17 @@ RunSetup build(const scene::LoadedScene& scene) {
     groups[b.name] = b.contact_group = static_cast<std::uint32_t>(groups.size());
     for (const ShellModel& s : r.shells) {
       const Proxy proxy(b);
+      double extent = proxy.radius();
+      if (const auto* box = std::get_if<BoxShape>(&b.shape)) {
+        Vec3 half = box->half_size;
+        std::sort(half.begin(), half.end());
+        extent = half[1];
+      }
+      scene.check(
+          extent >= 0.5 * s.spacing, field,
+          "'{}' is {:.3g} m in half, less than half a spacing of shell '{}' ({:.3g} m), whose contact is felt at "
+          "its Gauss points: it could pass between them; take more elements",
+          b.name, extent, s.name, s.spacing);
       double least = 1e300;
       for (int q = 0; q < s.tables.blocks(); ++q)
         for (int e = 0; e < s.tables.spans_u; ++e)

@@ -40,7 +40,8 @@ void Run::write_frame() {
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   const ShellModel* model = state_ ? &setup_.shells[0] : nullptr;
   frames_.write(time(), model, state_.get(), bodies, first_shard_);
-  next_frame_ = time() + (state_ ? setup_.shell_frame_interval : setup_.frame_interval);
+  const double interval = state_ ? setup_.shell_frame_interval : setup_.frame_interval;
+  next_frame_ = std::max(next_frame_ + interval, time() + 0.5 * interval);  // a late one does not delay the next
   write_atomically(options_.out + "/series.csv", series_);
   stage_s_["io"] += now() - start;
 }

@@ -37,6 +37,12 @@ class Run {
   void start();
   void shell_window();
   void rigid_window();
+  void fly(double window, std::size_t count);  // the first `count` bodies fall freely
+  void look_around();                          // at the peer and the progress, by the clock
+  void close_books(double energy);             // present and booked energy together [J]
+  [[noreturn]] void unstable(double energy) const;
+  bool impact_ahead() const;  // a body of the scene flies towards the shell
+  void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   std::int64_t settle_ticks() const;  // length of the next window without a shell
   void substep(double dt);
   std::vector<RigidBody> take_off(bool all);
@@ -78,11 +84,11 @@ class Run {
   double initial_step_ = 0.0, smallest_step_ = 0.0;
   double last_push_ = -1.0;                              // when a moving body of the scene last touched the shell [s]
   std::deque<std::pair<double, double>> crack_lengths_;  // time [s], total length [m], over the quiet time
-  double initial_energy_ = 0.0, reference_energy_ = 0.0, engine_loss_ = 0.0, residual_ = 0.0, support_work_ = 0.0;
+  double energy_scale_ = 0.0, reference_energy_ = 0.0, engine_loss_ = 0.0, residual_ = 0.0, support_work_ = 0.0;
   double kinetic_ = 0.0, elastic_ = 0.0;
   double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
   double mass_error_ = 0.0, momentum_error_ = 0.0, angular_error_ = 0.0, geometry_error_ = 0.0;
-  double next_frame_ = 0.0, wall_start_ = 0.0, last_progress_ = 0.0;
+  double next_frame_ = 0.0, wall_start_ = 0.0, last_progress_ = 0.0, last_look_ = 0.0;
   double frozen_at_ = -1.0, frozen_potential_ = 0.0;  // [s], [J] of what stays where it is
   std::string frozen_why_, frozen_hash_;              // hash of the shell as it was frozen
   std::vector<ShardRecord> shards_;

@@ -39,6 +39,7 @@ struct RowTables {
   std::vector<double> weight;       // [slot]
 
   int slot(int control_point) const { return (control_point / columns) * stride + control_point % columns; }
+  int control_point(int slot) const { return slot / stride * columns + slot % stride; }
   int gauss_rows() const { return spans_v * gauss; }
   int blocks() const { return gauss_rows() * gauss; }
   int gauss_points() const { return spans_u * spans_v * gauss * gauss; }

@@ -140,6 +140,28 @@ int bridge(const ShellModel& m, ShellState& s, const Vec2& end, const Vec2& ahea
   return -1;
 }
 
+// Earlier tips that no new line has gone on from reach out to the nearest new vertex.
+int meet_tips(const ShellModel& m, ShellState& s, std::size_t old_edges, std::size_t old_vertices, double time) {
+  if (s.cracks.edges().size() == old_edges) return 0;
+  std::vector<int> degree(s.cracks.vertices().size(), 0), crack(s.cracks.vertices().size(), 0);
+  for (const CrackEdge& e : s.cracks.edges()) {
+    ++degree[e.from], ++degree[e.to];
+    crack[e.from] = crack[e.to] = e.crack;
+  }
+  int inserted = 0;
+  for (std::size_t v = 0; v < old_vertices; ++v) {
+    if (degree[v] != 1 || !m.patch.contains(s.cracks.vertices()[v])) continue;
+    double nearest = kTipReach * m.spacing;
+    int to = -1;
+    for (std::size_t w = old_vertices; w < degree.size(); ++w) {
+      const double distance = (s.cracks.vertices()[w] - s.cracks.vertices()[v]).norm();
+      if (degree[w] > 0 && distance < nearest) nearest = distance, to = static_cast<int>(w);
+    }
+    if (to >= 0) inserted += insert_edge(m, s, static_cast<int>(v), to, crack[v], time, 0, false) >= 0;
+  }
+  return inserted;
+}
+
 }  // namespace
 
 void watch_stress(const ShellModel& m, ShellState& s) {
@@ -169,7 +191,7 @@ int extract_cracks(const ShellModel& m, ShellState& s, double time) {
   s.complete_seen = complete;
   const Lattice grid = lattice_of(m, s);
   const MedialAxis axis = medial_axis(boundary(grid), [&](const Vec2& p) { return grid.inside(p); });
-  const std::size_t old_edges = s.cracks.edges().size();
+  const std::size_t old_edges = s.cracks.edges().size(), old_vertices = s.cracks.vertices().size();
   std::vector<int> number(axis.vertices.size(), -1), degree(axis.vertices.size(), 0);
   const std::vector<std::vector<int>> lines = polylines(axis, kSpur * m.spacing);
   for (const auto& line : lines) ++degree[line.front()], ++degree[line.back()];
@@ -208,7 +230,7 @@ int extract_cracks(const ShellModel& m, ShellState& s, double time) {
       if (to >= 0) edge(last, to);
     }
   }
-  return inserted;
+  return inserted + meet_tips(m, s, old_edges, old_vertices, time);
 }
 
 }  // namespace sunder::shell

@@ -16,6 +16,33 @@ constexpr double kLeastMass = 0.5;
 constexpr double kPartTolerance = 0.1;  // spacings squared that a convex part may add to a piece's outline
 constexpr double kLastMass = 0.02;      // where that is not enough, as when the last pieces leave
 
+// The smallest masses to take from the nearest control points that stay (negative: to give) so that they sum
+// to `mass` and their first moment about the centre to `moment`. Empty where those points cannot spare them.
+std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, const std::vector<int>& beside,
+                                     double mass, const Vec3& moment, const Vec3& centre) {
+  Eigen::VectorXd wanted(4);
+  wanted << mass, moment / m.spacing;
+  for (std::size_t n = 12; n / 2 < beside.size() && n <= 192; n *= 2) {
+    const auto count = static_cast<Eigen::Index>(std::min(n, beside.size()));
+    Eigen::MatrixXd a(4, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Vec3 arm = (s.position(beside[k]) - centre) / m.spacing;
+      a.col(k) << 1.0, arm.x(), arm.y(), arm.z();
+    }
+    const Eigen::VectorXd parts = a.completeOrthogonalDecomposition().solve(wanted);
+    bool fits = (a * parts - wanted).norm() <= 1e-3 * wanted.norm();  // a bent piece's points need not all fit
+    for (Eigen::Index k = 0; k < count && fits; ++k)
+      fits = parts[k] <= s.mass[beside[k]] - kLeastMass * m.mass[beside[k]] && -parts[k] <= m.mass[beside[k]];
+    if (!fits) continue;
+    std::vector<double> out(parts.data(), parts.data() + count);
+    double sum = 0.0;
+    for (const double p : out) sum += p;
+    out[0] += mass - sum;  // the mass is exact
+    return out;
+  }
+  return {};
+}
+
 // Rest geometry of a piece: the mid-surface triangles thickened by tau.
 struct Geometry {
   double area = 0.0;
@@ -158,8 +185,17 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
 }  // namespace
 
 Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Piece>& pieces) {
-  Triangulation t =
-      triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, m.parameter, m.spacing, 0.02 * m.spacing * m.spacing);
+  std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
+  for (Vec2& p : places)
+    s.cracks.near(p, p, m.spacing, [&](int e) {
+      Vec2 foot;
+      const CrackEdge& c = s.cracks.edges()[e];
+      const Vec2 d = (c.b - c.a).normalized();
+      if (s.cracks.distance(p, e, foot) < 1e-9 * m.spacing) p += 1e-6 * m.spacing * Vec2(-d.y(), d.x());
+      return true;
+    });
+  const Triangulation t =
+      triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing, 0.02 * m.spacing * m.spacing);
   pieces.assign(t.pieces, {});
   for (int i = 0; i < t.pieces; ++i) pieces[i].number = i;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
@@ -177,11 +213,20 @@ Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Pi
   for (Piece& p : pieces) p.gone = !p.control_points.empty() && gone[p.number] > 0;
   for (const Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
-    int a = -1, b = -1;
-    for (const auto& f : lock.plus) a = t.owner[f.slot / m.tables.stride * m.tables.columns + f.slot % m.tables.stride];
-    for (const auto& f : lock.minus)
-      b = t.owner[f.slot / m.tables.stride * m.tables.columns + f.slot % m.tables.stride];
+    const int a = t.owner[m.tables.control_point(lock.plus.front().slot)],
+              b = t.owner[m.tables.control_point(lock.minus.front().slot)];
     if (a != b && a >= 0 && b >= 0) pieces[a].interlocked = pieces[b].interlocked = true;
+  }
+  return t;
+}
+
+Totals totals(const ShellModel& m, const ShellState& s) {
+  Totals t;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    const Vec3 p = s.mass[slot] * s.velocity(slot), l = s.position(slot).cross(p);
+    t.mass += s.mass[slot], t.momentum += p, t.angular += l;
+    t.momentum_scale += p.norm(), t.angular_scale += l.norm();
   }
   return t;
 }
@@ -214,38 +259,49 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   const Vec3 centre = to + rotation * (g.centre - from);
   Vec3 angular = Vec3::Zero();
   for (const int slot : slots) angular += s.mass[slot] * (s.position(slot) - centre).cross(velocity_now(slot));
-  // Mass that lumping put on the wrong side crosses the crack, with the velocity that it has there.
+  // Lumping put mass on the wrong side of the crack, and its centre off the piece's. Both are put right by
+  // masses that cross it, so that the piece weighs rho tau area about its true centre; each takes the velocity
+  // it has with it.
   double missing = target - mass;
   out.mass_moved = missing;
-  if (missing > 0.0) {
+  const auto receive = [&](int slot, double part, const Vec3& v) {  // from a control point that stays
+    momentum += part * v;
+    angular += part * (s.position(slot) - centre).cross(v);
+    s.mass[slot] -= part;
+    if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
+    if (part > 0.0) out.donors.push_back(slot);
+  };
+  const auto give = [&](int slot, double part, const Vec3& v) {  // to one that stays: they mix, momentum is kept
+    if (s.inverse_mass[slot] > 0.0) {
+      const Vec3 old = s.velocity(slot);
+      s.add_velocity(slot, (s.mass[slot] * old + part * v) / (s.mass[slot] + part) - old);
+    }
+    receive(slot, -part, v);
+  };
+  const auto velocity_of = [&](int slot) -> Vec3 {  // the one it goes on with
+    return m.held[slot] ? Vec3(Vec3::Zero()) : s.velocity(slot);
+  };
+  Vec3 moment = Vec3::Zero();  // what the piece's masses miss about its centre [kg m]
+  for (const int slot : slots) moment -= s.mass[slot] * (s.position(slot) - centre);
+  const std::vector<double> parts = balancing_masses(m, s, beside, missing, moment, centre);
+  if (!parts.empty()) {
+    const Vec3 v = mass > 0.0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero());
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      parts[k] >= 0.0 ? receive(beside[k], parts[k], velocity_of(beside[k])) : give(beside[k], -parts[k], v);
+    missing = 0.0;
+  } else if (missing > 0.0) {
     for (const double least : {kLeastMass, kLastMass})
       for (const int slot : beside) {
         const double part = std::min(missing, s.mass[slot] - least * m.mass[slot]);
         if (part <= 0.0) continue;
-        const Vec3 v = m.held[slot] ? Vec3(Vec3::Zero()) : velocity_now(slot);
-        momentum += part * v;
-        angular += part * (s.position(slot) - centre).cross(v);
-        s.mass[slot] -= part;
-        if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
-        out.donors.push_back(slot);
+        receive(slot, part, velocity_of(slot));
         missing -= part;
       }
   } else if (missing < 0.0 && !beside.empty()) {
     const std::size_t takers = std::min<std::size_t>(beside.size(), 12);
     const Vec3 v = momentum / mass;
-    for (std::size_t k = 0; k < takers; ++k) {
-      const int slot = beside[k];
-      const double part = -missing / static_cast<double>(takers);
-      momentum -= part * v;
-      angular -= part * (s.position(slot) - centre).cross(v);
-      const Vec3 old = s.velocity(slot);
-      if (s.inverse_mass[slot] > 0.0) {
-        const Vec3 mixed = (s.mass[slot] * old + part * v) / (s.mass[slot] + part);
-        s.add_velocity(slot, mixed - old);
-      }
-      s.mass[slot] += part;
-      if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
-    }
+    for (std::size_t k = 0; k < takers; ++k) give(beside[k], -missing / static_cast<double>(takers), v);
+    missing = 0.0;
   }
   target -= std::max(0.0, missing);  // nobody left to give it: the run reports it as an error of the geometry
   const Mat3 inertia = m.material.density * m.thickness * (g.second.trace() * Mat3::Identity() - g.second);
@@ -276,8 +332,13 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
   b.contact_group = m.contact_group;
   ConvexShape shape;
   for (const Piece& p : pieces)
-    if (!p.gone && !p.control_points.empty()) {
-      thicken(m, t, p.number, Vec3::Zero(), Mat3::Identity(), shape, out.drawn);
+    if (!p.gone && p.held) {
+      std::vector<int> slots;
+      for (const int i : p.control_points) slots.push_back(m.tables.slot(i));
+      Mat3 rotation;
+      Vec3 from, to;
+      fit_pose(m, s, slots, rotation, from, to);  // where it stands: a hinged pane may have swung
+      thicken(m, t, p.number, from - rotation.transpose() * to, rotation, shape, out.drawn);
       out.area += p.area;
     }
   b.shape = std::move(shape);

@@ -26,6 +26,14 @@ struct DrawnMesh {
   std::vector<std::array<int, 3>> triangles;
 };
 
+/// Mass, momentum and angular momentum about the origin of all control points, and the sums of the entries'
+/// magnitudes that round-off is relative to.
+struct Totals {
+  double mass = 0.0, momentum_scale = 0.0, angular_scale = 0.0;
+  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
+};
+Totals totals(const ShellModel& model, const ShellState& state);
+
 /// What became of a piece that left.
 struct Handoff {
   RigidBody body;
@@ -42,7 +50,7 @@ struct Handoff {
 Handoff hand_off(const ShellModel& model, ShellState& state, const Triangulation& t, const Piece& piece, BodyId id,
                  double dt);
 
-/// What is left as a static body at its rest shape; the shell is then empty.
+/// What a support holds as one static body, at its rest shape where it stands; the shell is then empty.
 Handoff freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,
                BodyId id);
 

@@ -35,6 +35,9 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
 
 }  // namespace
 
+constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
+constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
+
 ControlGrid control_grid(const ShellModel& m) {
   return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
 }
@@ -87,7 +90,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
           for (int k = 0; k < 9 && !hit; ++k) hit = cut((f + k / 3) * t.columns + lane + k % 3);
         else
           for (const GatheredFunction& n : s.points[point].functions)
-            if ((hit = cut(n.slot / t.stride * t.columns + n.slot % t.stride))) break;
+            if ((hit = cut(t.control_point(n.slot)))) break;
         if (hit) touched.push_back({block, lane});
       }
   double before = 0.0, after = 0.0;
@@ -97,7 +100,12 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     const double held = point_energy(t, s.points[point], s.x, damage, s.brittleness);
     const double full = point_energy(t, s.points[point], s.x);
     recompute(m, s, block, lane);
-    const double left = point_energy(t, s.points[point], s.x);
+    double left = point_energy(t, s.points[point], s.x);
+    if (left > kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * s.points[point].area) {
+      // between torn faces one-sided functions see distances that are no strain: such a point is rubble
+      s.points[point].kind = PointKind::kDead, s.points[point].functions.clear();
+      left = 0.0;
+    }
     // a damaged point stores the same share of the full energy of what is left
     if (damage) damage->spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
     before += held, after += left - (damage ? damage->spared : 0.0);
@@ -109,8 +117,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     bool hit = false;
     for (const auto* side : {&lock.plus, &lock.minus})
       for (const GatheredFunction& n : *side)
-        hit = hit ||
-              segments_meet(middle, m.parameter[n.slot / t.stride * t.columns + n.slot % t.stride], e.long_a, e.long_b);
+        hit = hit || segments_meet(middle, m.parameter[t.control_point(n.slot)], e.long_a, e.long_b);
     if (!hit) continue;
     refasten(m, s, lock);
   }

@@ -93,12 +93,14 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   return lock.rest.allFinite();
 }
 
-void refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
-  const Vec3 before = gap_of(s, lock).components() - lock.rest;
+void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {
+  const Gap gap = gap_of(s, lock);
+  const Vec3 before = gap.components() - lock.rest;
+  const double held = 0.5 * stiffness(m) * lock.area * extension(gap, lock).squaredNorm();
   lock.holds = attach(m, s, lock);
-  if (!lock.holds) return;
-  lock.rest = gap_of(s, lock).components() - before;
-  lock.holds = lock.rest.allFinite();
+  if (lock.holds) lock.rest = gap_of(s, lock).components() - before;
+  lock.holds = lock.holds && lock.rest.allFinite();
+  if (!lock.holds) s.book.fracture += held;
 }
 
 double interlock_forces(const ShellModel& m, ShellState& s) {
@@ -112,8 +114,7 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
     lock.opening = gap.components()[0] - lock.rest[0];
     lock.shear = stiffness(m) * std::hypot(e[1], e[2]);
     lock.sound = sound(lock, gap);
-    lock.energy = 0.5 * k * e.squaredNorm();
-    energy += lock.energy;
+    energy += 0.5 * k * e.squaredNorm();
     if (e.isZero(0.0)) continue;
     // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
     // g . d across = d normal . (along x g) + d along . (g x normal)
@@ -133,12 +134,12 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
   return energy;
 }
 
-void release_interlocks(ShellState& s, const InterlockLaw& law, bool all) {
+void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
     if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
     lock.holds = false;
-    s.book.fracture += lock.energy;
+    s.book.fracture += 0.5 * stiffness(m) * lock.area * extension(gap_of(s, lock), lock).squaredNorm();
     s.last_force.clear();
   }
 }

@@ -16,15 +16,16 @@ struct InterlockLaw {
 /// False where a side sees too few control points.
 bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
-/// After another crack has cut its sight: new shape functions, the same force components and energy.
-void refasten(const ShellModel& model, const ShellState& state, Interlock& lock);
+/// After another crack has cut its sight: new shape functions, the same force components and energy; where a
+/// side then sees too little it lets go, and what it held is booked.
+void refasten(const ShellModel& model, ShellState& state, Interlock& lock);
 
 /// Adds the forces to state.force; returns the energy [J]. A function of the gap in the frame of the
 /// deformed surface, so momentum and angular momentum are kept to round-off.
 double interlock_forces(const ShellModel& model, ShellState& state);
 
 /// Lets go where the last force found faces opened or sheared too far (`all`: everywhere); books what the
-/// springs then held.
-void release_interlocks(ShellState& state, const InterlockLaw& law, bool all);
+/// springs hold at the present positions.
+void release_interlocks(const ShellModel& model, ShellState& state, const InterlockLaw& law, bool all);
 
 }  // namespace sunder::shell

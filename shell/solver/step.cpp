@@ -124,11 +124,11 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       // The impulse acts on both sides at the mid-surface point, where the shape functions place it:
       // linear and angular momentum then close to round-off.
       const Vec3 before = velocity(s, functions) - body.velocity_at(x);
-      double inverse = body.inverse_mass_at(x, gap.normal);
-      for (const auto& f : functions) inverse += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
-      if (inverse <= 0.0) continue;
+      Mat3 inverse = body.inverse_mass_at(x);
+      for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
+      if (inverse.trace() <= 0.0) continue;
       const Vec3 j =
-          contact_impulse(gap.normal, before, 1.0 / inverse, coefficients[b].friction, coefficients[b].restitution);
+          contact_impulse(gap.normal, before, inverse, coefficients[b].friction, coefficients[b].restitution);
       if (j.isZero(0.0)) continue;
       for (const auto& f : functions) {
         s.add_velocity(f.slot, (f.n[0] * s.inverse_mass[f.slot]) * j);

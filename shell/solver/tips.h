@@ -1,6 +1,6 @@
 #pragma once
 // Cracks that find their own way: nucleation by strength, growth at tips by fracture energy.
-// The rules and what is known of them: METHOD of the design, shell/README.md "How cracks run".
+// The rules and what is known of them: shell/README.md "How cracks run".
 #include "shell/solver/interlock.h"
 
 namespace sunder::shell {

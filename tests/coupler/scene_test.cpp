@@ -18,7 +18,7 @@ shells {
   name: "pane"
   material: "glass"
   thickness_m: 0.004
-  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }
+  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }
 }
 bodies {
   name: "ball"
@@ -68,13 +68,13 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Case{"UnknownField", "thickness_m", "thicknes_m", 8, "did you mean 'thickness_m'"},
         Case{"WrongType", "thickness_m: 0.004", "thickness_m: \"thin\"", 8, "Expected double"},
-        Case{"MissingPatch", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }", "", 5,
+        Case{"MissingPatch", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }", "", 5,
              "has no patch"},
         Case{"NotANumber", "density: 2500", "density: nan", 4, "must be positive"},
         Case{"NegativeThickness", "0.004", "-0.004", 8, "must be positive"},
-        Case{"KnotsOutOfOrder", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
+        Case{"KnotsOutOfOrder", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
              "nurbs { knots_u: [0,0,0,2,1,3,3,3] knots_v: [0,0,0,1,1,1] }", 9, "knots never fall"},
-        Case{"ControlNetOfTheWrongSize", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 8 elements_y: 8 }",
+        Case{"ControlNetOfTheWrongSize", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
              "nurbs { knots_u: [0,0,0,1,1,1] knots_v: [0,0,0,1,1,1] control_points { x: 1 } }", 9, "3 x 3 = 9"},
         Case{"UnknownLaunchTarget", "pose { position { z: 0.1 } }", "launch { speed: 3 target: \"nobody\" }", 15,
              "'nobody' is no other"},
@@ -83,12 +83,36 @@ INSTANTIATE_TEST_SUITE_P(
              "quaternion"},
         Case{"MeshOutsideTheFolder", "sphere { radius_m: 0.02 }", "mesh { path: \"../../x.off\" }", 14,
              "outside the scene's folder"},
+        Case{"BodyTooSmallForTheGrid", "radius_m: 0.02", "radius_m: 0.01", 11, "take more elements"},
+        Case{"EndBeforeTheFirstWindow", "end_time_s: 1", "end_time_s: 1e-5", 2, "less than one window"},
         Case{"WindowBelowTheStableStep", "window_s: 1e-4", "window_s: 1e-8", 3, "shorter than the stable step"},
         Case{"BodyInsideTheShell", "z: 0.1", "z: 0.01", 15, "inside shell"},
-        Case{"SpanOfABillionElements", "elements_x: 8", "elements_x: 1000000000", 9, "1 to 4096"}),
+        Case{"SpanOfABillionElements", "elements_x: 16", "elements_x: 1000000000", 9, "1 to 4096"}),
     [](const testing::TestParamInfo<Case>& i) { return std::string(i.param.name); });
 
 TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
+
+TEST(MeshBody, WeighsAndTurnsAsTheBoxOfTheSameShape) {
+  const std::string folder = testing::TempDir();
+  std::ofstream off(folder + "/cube.off");
+  off << "OFF\n9 0 0\n0 0 0\n";  // a point inside, which is no corner
+  for (int k = 0; k < 8; ++k)
+    off << (k & 1 ? 0.05 : -0.05) << ' ' << (k & 2 ? 0.04 : -0.04) << ' ' << (k & 4 ? 0.06 : -0.06) << '\n';
+  off.close();
+  const auto body = [&](const std::string& shape) {
+    std::string text = replaced("sphere { radius_m: 0.02 }", shape);
+    std::ofstream(folder + "/mesh_test.textproto") << text;
+    return sunder::shell::build(sunder::scene::load(folder + "/mesh_test.textproto", {})).bodies[0];
+  };
+  const sunder::RigidBody mesh = body("mesh { path: \"cube.off\" }"),
+                          box = body("box { size_m { x: 0.1 y: 0.08 z: 0.12 } }");
+  EXPECT_NEAR(mesh.mass, box.mass, 1e-12 * box.mass);
+  std::array<double, 3> a{mesh.principal_inertia[0], mesh.principal_inertia[1], mesh.principal_inertia[2]},
+      b{box.principal_inertia[0], box.principal_inertia[1], box.principal_inertia[2]};
+  std::sort(a.begin(), a.end()), std::sort(b.begin(), b.end());
+  for (int d = 0; d < 3; ++d) EXPECT_NEAR(a[d], b[d], 1e-12 * b[d]);
+  EXPECT_EQ(std::get<sunder::ConvexShape>(mesh.shape).parts[0].size(), 8u);
+}
 
 TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
   const std::string path = testing::TempDir() + "/scene_test.textproto";

@@ -179,6 +179,35 @@ TEST(HandOff, CarriesMassMomentumAndAngularMomentum) {
       0.1 * m.spacing * m.spacing * 0.004 * static_cast<double>(std::get<ConvexShape>(h.body.shape).parts.size()));
 }
 
+TEST(HandOff, ATranslatingPieceDoesNotSpinAndCreatesNoEnergy) {
+  const ShellModel m = sheet();
+  ShellState s = make_state(m, Vec3(3, -2, 5), 1);
+  insert_polyline(m, s, {{0.0511, 0.0523}, {0.131, 0.062}, {0.118, 0.143}, {0.0511, 0.0523}}, 0.0);
+  compute_forces(m, s, false, 0.0, 1);
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, s, pieces);
+  ASSERT_EQ(t.pieces, 2);
+  const double before = kinetic_energy(m, s, 0.0);
+  const Handoff h = hand_off(m, s, t, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1], 7, 0.0);
+  EXPECT_LT((h.body.motion.velocity - Vec3(3, -2, 5)).norm(), 1e-12);
+  EXPECT_LT(h.body.motion.angular_momentum.norm(), 1e-12 * h.body.mass * 6.0 * m.spacing);
+  EXPECT_NEAR(kinetic_energy(m, s, 0.0) + h.body.kinetic_energy(), before, 1e-12 * before);
+}
+
+TEST(CrackGraph, AControlPointOnACutKeepsItsPlace) {
+  const ShellModel m = sheet(21);  // odd: Greville points stand in the middle of the sheet
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  insert_polyline(m, s, {{0.1, 0.0}, {0.1, 0.2}}, 0.0);
+  // lifted by hand, every control point is pulled back: none is seen by nobody
+  for (int i = 0; i < m.control_points(); ++i) {
+    ShellState lifted = s;
+    lifted.x[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += 1e-4;
+    compute_forces(m, lifted, false, 0.0, 1);
+    EXPECT_LT(lifted.at(lifted.force, m.tables.slot(i)).z(), -1e-3) << "control point " << i;
+    if (i > 3 * m.tables.columns) break;
+  }
+}
+
 TEST(TipRules, TakeMoreSurfaceStressInBendingThanInStretching) {
   const ShellModel m = sheet();
   const CrackRules r = make_crack_rules(m, 0.0075);

@@ -117,18 +117,18 @@ TEST(Interlock, LetsGoWhenOpenedOrShearedTooFarAndBooksWhatItHeld) {
   const double booked = s.book.fracture;
   part(m, s, {0.9e-4, 0, 0});
   compute_forces(m, s, true, 0.0, 1);
-  release_interlocks(s, law, false);
+  release_interlocks(m, s, law, false);
   EXPECT_EQ(holding(s), all);
   part(m, s, {0.2e-4, 0, 0});
   compute_forces(m, s, true, 0.0, 1);
-  release_interlocks(s, law, false);
+  release_interlocks(m, s, law, false);
   EXPECT_EQ(holding(s), 0);
   EXPECT_NEAR(s.book.fracture, booked, 1e-20);  // open faces hold nothing but round-off [J]
   s = halves(m);
   part(m, s, {0, 0, 1.1e6 * m.spacing / m.material.youngs_modulus});
   compute_forces(m, s, true, 0.0, 1);
   const double held = s.interlock_energy;
-  release_interlocks(s, law, false);
+  release_interlocks(m, s, law, false);
   EXPECT_EQ(holding(s), 0);
   EXPECT_NEAR(s.book.fracture - booked, held, 1e-12 * held);
 }
