@@ -1,5 +1,6 @@
 #include "coupler/link/channel.h"
 
+#include <atomic>
 #include <chrono>
 #include <cstring>
 #include <regex>
@@ -49,7 +50,7 @@ Channel::Channel(Role role, const std::string& endpoint) : s_(std::make_unique<S
   d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
   d.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
   d.set(zmq::sockopt::sndtimeo, 2000);
-  static int number = 0;
+  static std::atomic<int> number = 0;
   const std::string watch = "inproc://monitor-" + std::to_string(number++);
   zmq_socket_monitor(d.handle(), watch.c_str(), ZMQ_EVENT_ALL);
   s_->monitor.connect(watch);

@@ -70,6 +70,18 @@ struct Collector : pb::io::ErrorCollector {
   }
 };
 
+// A field's path without its indices or names.
+std::string plain(const std::string& path) {
+  std::string out;
+  int depth = 0;
+  for (const char c : path) {
+    depth += c == '[';
+    if (depth == 0) out += c;
+    depth -= c == ']';
+  }
+  return out;
+}
+
 }  // namespace
 
 void LoadedScene::fail(const std::string& field, const std::string& problem) const {
@@ -91,9 +103,14 @@ void LoadedScene::fail(const std::string& field, const std::string& problem) con
     type = f->message_type();
     tree = type ? tree->GetTreeForNested(f, f->is_repeated() ? std::max(index, 0) : -1) : nullptr;
   }
+  std::string source = problem;
+  for (const std::string& setting : settings)  // the file is right then: the command says so
+    if (plain(setting.substr(0, setting.find('='))).rfind(plain(field), 0) == 0 ||
+        plain(field).rfind(plain(setting.substr(0, setting.find('='))), 0) == 0)
+      source += fmt::format(" (set by --set {})", setting);
   Error e(Exit::kBadInput, "bad_scene",
-          place.line >= 0 ? fmt::format("{}:{}:{}: {}: {}", path, place.line + 1, place.column + 1, field, problem)
-                          : fmt::format("{}: {}: {}", path, field, problem));
+          place.line >= 0 ? fmt::format("{}:{}:{}: {}: {}", path, place.line + 1, place.column + 1, field, source)
+                          : fmt::format("{}: {}: {}", path, field, source));
   e.file = path, e.field = field, e.line = place.line + 1, e.column = place.column + 1;
   throw e;
 }
@@ -112,6 +129,7 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   parser.RecordErrorsTo(&collector);
   parser.WriteLocationsTo(&scene.places_->tree);
   require(parser.ParseFromString(text.str(), &scene.message), "{}: is no scene", path);
+  scene.settings = settings;
   for (const std::string& setting : settings) apply_setting(scene.message, setting);
   std::string canonical;
   pb::TextFormat::PrintToString(scene.message, &canonical);

@@ -233,7 +233,7 @@ void Run::check_ledger() {
 void Run::check_handoff(const Totals& before, const Totals& after, const RigidBody& b) {
   const Vec3 p = b.mass * b.motion.velocity;
   const Vec3 l = b.motion.angular_momentum + b.motion.position.cross(p);
-  mass_error_ = std::max(mass_error_, std::abs(after.mass + b.mass - before.mass) / b.mass);
+  mass_error_ = std::max(mass_error_, std::abs(after.mass + b.mass - before.mass) / before.mass);
   // relative to what is there to be lost: the sums' own magnitudes
   momentum_error_ = std::max(momentum_error_, (after.momentum + p - before.momentum).norm() / before.momentum_scale);
   angular_error_ = std::max(angular_error_, (after.angular + l - before.angular).norm() / before.angular_scale);

@@ -123,6 +123,8 @@ TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
             std::string::npos);
   EXPECT_NE(std::string(refusal(kScene, {"end_time=1"}).what()).find("no field"), std::string::npos);
   EXPECT_EQ(refusal(kScene, {"end_time_s=soon"}).kind, "bad_setting");
+  EXPECT_NE(std::string(refusal(kScene, {"shells[pane].thickness_m=-1"}).what()).find("set by --set shells[pane]"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -1,0 +1,192 @@
+#include <functional>
+#include <map>
+#include <thread>
+
+#include <gtest/gtest.h>
+
+#include "coupler/core/error.h"
+#include "coupler/link/messages.h"
+#include "coupler/link/server.h"
+
+using namespace sunder;
+using namespace sunder::link;
+
+namespace {
+
+// An engine without contacts: a body is where it was handed back.
+struct FreeEngine {
+  std::map<BodyId, RigidBody> bodies;
+  RigidService service() {
+    RigidService s;
+    s.peer = {"free", "1", {"convex_hulls"}};
+    s.add = [this](const RigidBody& b) { bodies[b.id] = b; };
+    s.set_contact_laws = [](const std::vector<ContactLaw>&) {};
+    s.advance = [this](double, const std::vector<Motion>& motions) {
+      for (const Motion& m : motions) {
+        if (!bodies.count(m.id)) throw Error(Exit::kPeerLost, "bad_message", "handback of an unknown body");
+        bodies[m.id].motion = m.motion;
+      }
+    };
+    s.states = [this] {
+      std::vector<State> out;
+      for (const auto& [id, b] : bodies)
+        if (!b.is_static) out.push_back({id, b.mass, b.motion});
+      return out;
+    };
+    return s;
+  }
+};
+
+RigidBody ball() {
+  RigidBody b;
+  b.id = 1, b.name = "ball", b.mass = 2.0, b.principal_inertia = Vec3::Constant(0.1);
+  b.motion.velocity = {0, 0, -1};
+  b.shape = SphereShape{0.1};
+  return b;
+}
+
+// Serves one session in a thread; what it threw is its verdict.
+struct Served {
+  std::string folder, endpoint, said;
+  FreeEngine engine;
+  std::thread thread;
+  Served() {
+    std::string name = testing::TempDir() + "/session_XXXXXX";
+    folder = mkdtemp(name.data());
+    endpoint = "ipc://" + folder + "/socket";
+    thread = std::thread([this] {
+      try {
+        serve(endpoint, engine.service());
+      } catch (const Error& e) {
+        said = e.kind + ": " + e.what();
+      }
+    });
+  }
+  ~Served() {
+    if (thread.joinable()) thread.join();
+    std::remove((folder + "/socket").c_str()), std::remove(folder.c_str());
+  }
+};
+
+proto::Request hello() {
+  proto::Request r;
+  r.mutable_hello()->set_protocol_min(kProtocol), r.mutable_hello()->set_protocol_max(kProtocol);
+  return r;
+}
+proto::Request load() {
+  proto::Request r;
+  *r.mutable_load()->add_bodies() = encode(ball());
+  return r;
+}
+proto::Request window() {
+  proto::Request r;
+  auto* w = r.mutable_window();
+  w->set_tick(0), w->set_ticks(2), w->set_window_s(1e-3);
+  auto* h = w->add_handbacks();
+  h->set_id(1);
+  *h->mutable_position() = encode(Vec3(0, 0, -1e-3)), *h->mutable_orientation() = encode(Quat::Identity());
+  *h->mutable_velocity() = encode(Vec3(0, 0, -1)), *h->mutable_angular_momentum() = encode(Vec3(0, 0, 0));
+  return r;
+}
+
+}  // namespace
+
+TEST(Session, RunsFromHelloToBye) {
+  Served server;
+  {
+    RigidClient client(server.endpoint, "scene");
+    EXPECT_EQ(client.peer().name, "free");
+    const auto loaded = client.load({ball()}, {});
+    ASSERT_EQ(loaded.size(), 1u);
+    BodyMotion moved = ball().motion;
+    moved.position = {0, 0, -1e-3};
+    RigidBody shard = ball();
+    shard.id = 2;
+    const auto states = client.window(0, 2, 1e-3, {{1, moved}}, {shard});
+    ASSERT_EQ(states.size(), 2u);
+    EXPECT_EQ(states[0].motion.position, Vec3(0, 0, -1e-3));
+    client.bye();
+  }
+  server.thread.join();
+  EXPECT_EQ(server.said, "");
+}
+
+TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
+  using Requests = std::vector<proto::Request>;
+  const auto spoiled = [](const std::function<void(proto::Window&)>& spoil) {
+    proto::Request w = window();
+    spoil(*w.mutable_window());
+    return Requests{hello(), load(), w};
+  };
+  const double nan = std::nan("");
+  const struct {
+    Requests requests;
+    const char* says;
+  } cases[] = {
+      {{load()}, "out of turn"},
+      {{hello(), hello()}, "second Hello"},
+      {{hello(), window()}, "out of turn"},
+      {{hello(), load(), load()}, "out of turn"},
+      {{proto::Request()}, "without content"},
+      {spoiled([](auto& w) { w.set_tick(7); }), "tick"},
+      {spoiled([](auto& w) { w.set_ticks(0); }), "tick"},
+      {spoiled([&](auto& w) { w.set_window_s(nan); }), "window_s"},
+      {spoiled([](auto& w) { w.set_window_s(-1); }), "window_s"},
+      {spoiled([](auto& w) { w.mutable_handbacks(0)->set_id(9); }), "unknown body"},
+      {spoiled([&](auto& w) { w.mutable_handbacks(0)->mutable_position()->set_x(nan); }), "position"},
+      {spoiled([](auto& w) { w.mutable_handbacks(0)->mutable_orientation()->set_x(0.1); }), "orientation"},
+      {spoiled([](auto& w) { w.add_births(); }), "births"},
+  };
+  for (const auto& c : cases) {
+    Served server;
+    std::string told;
+    {
+      Channel channel(Channel::Role::kConnect, server.endpoint);
+      std::uint64_t sequence = 0;
+      for (proto::Request r : c.requests) {
+        r.set_sequence(++sequence);
+        channel.send(r.SerializeAsString());
+        proto::Reply reply;
+        ASSERT_TRUE(reply.ParseFromString(channel.receive(5.0)));
+        EXPECT_EQ(reply.sequence(), sequence);
+        if (reply.has_error()) told = reply.error().message();
+      }
+    }
+    server.thread.join();
+    EXPECT_NE(told.find(c.says), std::string::npos) << c.says << ": '" << told << "'";
+    EXPECT_NE(server.said.find(c.says), std::string::npos) << c.says << ": '" << server.said << "'";
+  }
+}
+
+TEST(Session, RefusesAWrongSequenceAndBytesThatAreNoRequest) {
+  proto::Request late = hello();
+  late.set_sequence(5);
+  for (const std::string& bytes : {std::string("\xff\xff\xff not a request"), late.SerializeAsString()}) {
+    Served server;
+    {
+      Channel channel(Channel::Role::kConnect, server.endpoint);
+      channel.send(bytes);
+      proto::Reply reply;
+      ASSERT_TRUE(reply.ParseFromString(channel.receive(5.0)));
+      EXPECT_TRUE(reply.has_error());
+    }
+    server.thread.join();
+    EXPECT_NE(server.said.find("bad_message"), std::string::npos) << server.said;
+  }
+}
+
+TEST(Session, AClientThatFailsSaysWhy) {
+  Served server;
+  {
+    RigidClient client(server.endpoint, "scene");
+    client.abort("unstable", "the energy is nan");
+    server.thread.join();
+  }
+  EXPECT_NE(server.said.find("the energy is nan"), std::string::npos) << server.said;
+}
+
+TEST(Channel, IsForThisMachineOnly) {
+  for (const char* far :
+       {"tcp://127.example.org:5555", "tcp://0.0.0.0:5555", "tcp://127.0.0.1:http", "udp://127.0.0.1:1"})
+    EXPECT_THROW(Channel(Channel::Role::kConnect, far), Error) << far;
+}
