@@ -37,10 +37,11 @@ inline T weaken(Sym2<T>& s, const Sym2<T>& c, const T& volume, const T& strength
   const T radius = square_root(largest<T>(mean * mean - det, splat<T>(0.0)));
   const T high = mean + radius, low = mean - radius;
   const T damage = rankine_damage<T>(high, strength, h);
-  // strength is positive, so damage means high > 0 and the quotient is taken where high > low only
-  const T apart = select(low < 0.0, high - low, splat<T>(1.0));
-  const T b = select(low < 0.0, high / apart, splat<T>(1.0)), a = select(low < 0.0, -low * b, splat<T>(0.0));
-  const T keep = 1.0 - damage * select(damage > 0.0, b, splat<T>(0.0));
+  // where only one is tension; elsewhere nothing is divided
+  const T mixed = select(low < 0.0, select(high > 0.0, splat<T>(1.0), splat<T>(0.0)), splat<T>(0.0));
+  const T apart = select(mixed > 0.5, high - low, splat<T>(1.0));
+  const T b = select(mixed > 0.5, high / apart, splat<T>(1.0)), a = select(mixed > 0.5, -low * b, splat<T>(0.0));
+  const T keep = 1.0 - damage * b;
   const T metric = damage * a * volume / det_c;  // times the adjugate of C: J C^-1
   s = {keep * s.c11 - metric * c.c22, keep * s.c22 - metric * c.c11, keep * s.c12 + metric * c.c12};
   return damage;
