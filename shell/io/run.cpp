@@ -25,6 +25,8 @@ constexpr int kFirstIterations = 120, kLaterIterations = 16;  // of the stable s
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
+double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
+
 struct Stopwatch {
   double& sum;
   double start = now();
@@ -84,7 +86,7 @@ void Run::start() {
             initial_step_);
   }
   reference_energy_ = total_energy(0.0);
-  // the most that was there at once; gravity over a window bounds it from below where all starts at rest
+  // the most that was there at once; grows with the run
   energy_scale_ = kinetic_ + elastic_;
   series_ =
       "time [s],kinetic [J],elastic [J],fracture [J],injected [J],contact [J],damping [J],handoff [J],frozen "
@@ -220,7 +222,7 @@ void Run::check_ledger() {
   for (Proxy& p : proxies_) {
     if (p.impulse_sum == 0.0) continue;
     const double linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
-    const double angular = (p.angular_impulse + p.shell_angular).norm() / p.moment_sum;
+    const double angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
     ledger_linear_ = std::max(ledger_linear_, linear), ledger_angular_ = std::max(ledger_angular_, angular);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
       Error e(Exit::kPhysics, "ledger",
@@ -236,10 +238,12 @@ void Run::check_ledger() {
 void Run::check_handoff(const Totals& before, const Totals& after, const RigidBody& b) {
   const Vec3 p = b.mass * b.motion.velocity;
   const Vec3 l = b.motion.angular_momentum + b.motion.position.cross(p);
-  mass_error_ = std::max(mass_error_, std::abs(after.mass + b.mass - before.mass) / before.mass);
-  // relative to what is there to be lost: the sums' own magnitudes
-  momentum_error_ = std::max(momentum_error_, (after.momentum + p - before.momentum).norm() / before.momentum_scale);
-  angular_error_ = std::max(angular_error_, (after.angular + l - before.angular).norm() / before.angular_scale);
+  // relative to the sums' own magnitudes, which is what their round-off is relative to
+  mass_error_ = std::max(mass_error_, relative(std::abs(after.mass + b.mass - before.mass), before.mass));
+  momentum_error_ =
+      std::max(momentum_error_, relative((after.momentum + p - before.momentum).norm(), before.momentum_scale));
+  angular_error_ =
+      std::max(angular_error_, relative((after.angular + l - before.angular).norm(), before.angular_scale));
 }
 
 std::vector<RigidBody> Run::take_off(bool all) {

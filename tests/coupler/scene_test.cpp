@@ -96,6 +96,13 @@ INSTANTIATE_TEST_SUITE_P(
              "quaternion"},
         Case{"MeshOutsideTheFolder", "sphere { radius_m: 0.02 }", "mesh { path: \"../../x.off\" }", 14,
              "outside the scene's folder"},
+        Case{"LaunchAndTwist", "pose { position { z: 0.1 } }",
+             "pose { position { z: 0.1 } } twist { linear { z: -1 } } launch { speed: 3 target: \"pane\" }", 15,
+             "give one of them"},
+        Case{"StaticWithATwist", "pose { position { z: 0.1 } }",
+             "pose { position { z: 0.1 } } is_static: true twist { linear { z: -1 } }", 15, "never moves"},
+        Case{"TooFastForASubstep", "pose { position { z: 0.1 } }",
+             "pose { position { z: 0.1 } } twist { linear { z: -1e6 } }", 15, "in a substep"},
         Case{"BodyTooSmallForTheGrid", "radius_m: 0.02", "radius_m: 0.01", 11, "take more elements"},
         Case{"EndBeforeTheFirstWindow", "end_time_s: 1", "end_time_s: 1e-5", 2, "less than one window"},
         Case{"WindowBelowTheStableStep", "window_s: 1e-4", "window_s: 1e-8", 3, "shorter than the stable step"},
@@ -124,6 +131,27 @@ TEST(MeshBody, WeighsAndTurnsAsTheBoxOfTheSameShape) {
   std::sort(a.begin(), a.end()), std::sort(b.begin(), b.end());
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(a[d], b[d], 1e-12 * b[d]);
   EXPECT_EQ(std::get<sunder::ConvexShape>(mesh.shape).parts[0].size(), 8u);
+}
+
+TEST(MeshBody, IsRefusedWhereItsHullIsFlatOrHasTooManyCorners) {
+  const auto refused = [](const std::string& points) {
+    std::ofstream(own_file("cube.off")) << points;
+    std::ofstream(own_file("mesh_test.textproto"))
+        << replaced("sphere { radius_m: 0.02 }", fmt::format("mesh {{ path: \"{}_cube.off\" }}", getpid()));
+    try {
+      sunder::scene::load(own_file("mesh_test.textproto"), {});
+    } catch (const sunder::Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refused("OFF\n4 0 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n").find("flat"), std::string::npos);
+  std::string ball = "OFF\n200 0 0\n";
+  for (int k = 0; k < 200; ++k) {  // points of a sphere: all are corners
+    const double z = -1.0 + (k + 0.5) / 100.0, r = std::sqrt(1.0 - z * z);
+    ball += fmt::format("{} {} {}\n", r * std::cos(2.4 * k), r * std::sin(2.4 * k), z);
+  }
+  EXPECT_NE(refused(ball).find("at most 128"), std::string::npos);
 }
 
 TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
