@@ -13,14 +13,20 @@ namespace {
 
 constexpr const char* kUsage =
     "sunder-rigid --endpoint ipc://PATH [--engine NAME] [--die-with-parent]\n"
+    "sunder-rigid --check [--engine NAME]     says whether there is such an engine\n"
     "Binds the endpoint, serves one session and ends with it.\n"
     "Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.\n";
 
 int run(int argc, char** argv) {
   std::string endpoint, name = "bullet";
+  bool check = false;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (option == "--help") return std::fputs(kUsage, stdout), 0;
+    if (option == "--check") {
+      check = true;
+      continue;
+    }
     if (option == "--die-with-parent") {
       prctl(PR_SET_PDEATHSIG, SIGTERM);
       continue;
@@ -29,8 +35,9 @@ int run(int argc, char** argv) {
                     "{}: unknown option or no value\n{}", option, kUsage);
     (option == "--endpoint" ? endpoint : name) = argv[++i];
   }
-  sunder::require(!endpoint.empty(), "--endpoint is missing\n{}", kUsage);
   const auto engine = sunder::rigid::make_engine(name);
+  if (check) return 0;
+  sunder::require(!endpoint.empty(), "--endpoint is missing\n{}", kUsage);
   const auto info = engine->info();
   sunder::link::RigidService service;
   service.peer = {info.name, info.version, info.capabilities};

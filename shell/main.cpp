@@ -70,6 +70,8 @@ int run(int argc, char** argv) {
   require(!scene_path.empty(), "--scene is missing\n{}", kUsage);
   const auto scene = sunder::scene::load(scene_path, settings);
   sunder::shell::RunSetup setup = sunder::shell::build(scene);
+  require(options.until <= 0.0 || options.until >= setup.window, "--until {}: less than one window of {} s",
+          options.until, setup.window);
   if (check) {
     fmt::print("{}", sunder::shell::check_report(scene, setup));
     return 0;

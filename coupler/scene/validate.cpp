@@ -104,8 +104,10 @@ void body(const Scene& s, const std::string& f, const proto::Body& b, const std:
   pose(s, f + ".pose", b.pose());
   finite(s, f + ".twist.linear", b.twist().linear());
   finite(s, f + ".twist.angular", b.twist().angular());
+  s.check(!fixed || !b.has_twist(), f + ".twist", "is given, but '{}' is static and never moves", b.name());
   if (!b.has_launch()) return;
   s.check(!fixed, f + ".launch", "a static body cannot be launched");
+  s.check(!b.has_twist(), f + ".launch", "says how '{}' starts, and so does twist; give one of them", b.name());
   positive(s, f + ".launch.speed", b.launch().has_speed(), b.launch().speed(), "m/s");
   s.check(std::isfinite(b.launch().angle_deg()) && std::abs(b.launch().angle_deg()) < 90.0, f + ".launch.angle_deg",
           "is {}; less than 90 degrees off the normal", b.launch().angle_deg());

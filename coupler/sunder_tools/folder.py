@@ -3,8 +3,8 @@ from __future__ import annotations
 
 import errno
 import fcntl
+import json
 import os
-import shutil
 import time
 from pathlib import Path
 
@@ -34,7 +34,10 @@ class RunFolder:
         for name in RUN_FILES:
             target = self.path / name
             if target.is_dir() and not target.is_symlink():
-                shutil.rmtree(target)
+                for frame in target.glob("*.vtp*"):  # what somebody else put there stays
+                    frame.unlink()
+                if not any(target.iterdir()):
+                    target.rmdir()
             else:
                 target.unlink(missing_ok=True)
 
@@ -56,13 +59,21 @@ class RunFolder:
         os.close(self._handle)
 
 
+def _is_run(path: Path) -> bool:
+    """True if the folder's run.json is one that a run wrote."""
+    try:
+        return "schema" in json.loads((path / "run.json").read_text())
+    except (OSError, ValueError, TypeError):
+        return False
+
+
 def refuse_foreign(path: Path) -> None:
     """Raises CommandError unless `path` can become a run folder: absent, empty, or an earlier run."""
     try:
         if path.exists() and not path.is_dir():
             raise CommandError(f"--out {path}: is a file, must be a folder")
-        if path.is_dir() and any(path.iterdir()) and not (path / "run.json").is_file():
-            raise CommandError(f"--out {path}: holds other files and no run.json; give an empty or a new "
+        if path.is_dir() and any(path.iterdir()) and not _is_run(path):
+            raise CommandError(f"--out {path}: holds other files and no run.json of a run; give an empty or a new "
                                "folder, or one of an earlier run (which is then replaced)")
     except OSError as error:
         raise CommandError(f"--out {path}: {error.strerror}") from None

@@ -29,12 +29,16 @@ def run_scene(scene: Path, out: Path | None, engine: str, settings: list[str], u
     executables = ensure_built()
     rigid = _engine_command(engine, executables)
     set_arguments = [part for setting in settings for part in ("--set", setting)]
-    _check_quietly(executables.shell, scene, set_arguments)
+    # All that can be refused is, before anything of an earlier run in the folder is touched.
+    until_arguments = ["--until", until] if until else []
+    _check_quietly([str(executables.shell), "--scene", str(scene), "--check", *set_arguments, *until_arguments], scene)
+    if "/" not in engine:
+        _check_quietly([*rigid, "--check"], scene)
     folder = open_folder(out, scene)
     keep = False
     try:
         shell = [str(executables.shell), "--scene", str(scene), "--out", str(folder.path), *set_arguments]
-        shell += ["--until", until] if until else []
+        shell += until_arguments
         shell += ["--threads", threads] if threads else []
         shell += ["--quiet"] if quiet else []
         with _counted_interrupts() as interrupts:
@@ -65,16 +69,15 @@ def _engine_command(engine: str, executables: Executables) -> list[str]:
     return [os.path.abspath(engine), "--engine", Path(engine).stem]
 
 
-def _check_quietly(shell: Path, scene: Path, set_arguments: list[str]) -> None:
-    """Raises CommandError with the shell's words if it refuses the scene."""
-    result = subprocess.run([str(shell), "--scene", str(scene), "--check", *set_arguments],
-                            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+def _check_quietly(command: list[str], scene: Path) -> None:
+    """Raises CommandError with the process's words if it refuses."""
+    result = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
                             text=True, errors="replace", check=False)
     if result.returncode == 0:
         return
     if result.returncode == BAD_INPUT:
         raise CommandError(result.stderr.strip() or f"{scene}: refused without a reason")
-    raise CommandError(f"{result.stderr.strip()}\nsunder-shell {how_it_ended(result.returncode)} while checking "
+    raise CommandError(f"{result.stderr.strip()}\n{Path(command[0]).name} {how_it_ended(result.returncode)} while checking "
                        f"{scene}".strip(), PEER_LOST if result.returncode < 0 else result.returncode)
 
 
@@ -107,8 +110,10 @@ def _launch(shell: list[str], rigid: list[str], folder: Path, interrupts: list[i
             with (folder / "rigid.log").open("wb") as rigid_log:
                 processes.append(subprocess.Popen([*rigid, *common], stdin=subprocess.DEVNULL, stdout=rigid_log,
                                                   stderr=subprocess.STDOUT, start_new_session=True))
+            # Threads that spin while they wait for one another take the core that the other needs.
+            patient = {"OMP_WAIT_POLICY": "passive", **os.environ}
             processes.append(subprocess.Popen([*shell, *common], stdin=subprocess.DEVNULL, stdout=tee.child_end,
-                                              stderr=tee.child_end, start_new_session=True))
+                                              stderr=tee.child_end, start_new_session=True, env=patient))
             tee.started()
             ending = watch(processes[1], processes[0], interrupts)
             tee.join()

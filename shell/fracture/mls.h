@@ -25,7 +25,8 @@ struct MlsPoint {
   std::vector<MlsFunction> functions;
 };
 
-/// Supports in units of the spacing; conditioning decides which one is taken (shell/README.md "Shape functions beside a crack").
+/// Supports in units of the spacing; conditioning decides which one is taken (shell/README.md "Shape functions beside a
+/// crack").
 constexpr double kSmallestSupport = 1.5, kLargestSupport = 4.5, kSupportStep = 0.25;
 constexpr double kGoodCondition = 200.0, kLastCondition = 3000.0, kLinearCondition = 30.0;
 

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "shell/contact/proxy.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -14,6 +15,13 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
     const double step = stable_step(m, s, 120, 1, setup.tips || setup.brittleness > 0.0 || !setup.cuts.empty());
     scene.check(std::isfinite(step), "shells[0].supports",
                 "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
+    for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
+      const double travel = setup.safety * step * setup.bodies[i].motion.velocity.norm();
+      scene.check(travel <= Proxy(setup.bodies[i]).radius() + m.thickness, fmt::format("bodies[{}].twist", i),
+                  "moves '{}' {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
+                  "slow it down, or lower time_step_safety",
+                  setup.bodies[i].name, travel, m.name);
+    }
     scene.check(setup.window >= step, "window_s",
                 "is {} s, shorter than the stable step of shell '{}', {:.3g} s; make it a multiple of that",
                 setup.window, m.name, step);

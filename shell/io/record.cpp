@@ -43,14 +43,16 @@ void Run::write_frame() {
   const double interval = state_ ? setup_.shell_frame_interval : setup_.frame_interval;
   next_frame_ = std::max(next_frame_ + interval, time() + 0.5 * interval);  // a late one does not delay the next
   write_atomically(options_.out + "/series.csv", series_);
+  if (time() > 0.0) write_summary("running", nullptr);  // what a killed run leaves says how far it came
   stage_s_["io"] += now() - start;
 }
 
 void Run::write_series_row() {
   const EnergyBook& b = state_ ? state_->book : book_;
-  series_ += fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{}\n", time(), kinetic_,
-                         elastic_, b.fracture, b.contact, b.handoff, engine_loss_, residual_,
-                         state_ ? state_->cracks.total_length() : 0.0, fragments_, handed_off_);
+  series_ +=
+      fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{}\n", time(),
+                  kinetic_, elastic_, b.fracture, b.injected, b.contact, b.damping, b.handoff, b.frozen, engine_loss_,
+                  residual_, state_ ? state_->cracks.total_length() : 0.0, fragments_, handed_off_);
 }
 
 void Run::progress() {
@@ -59,15 +61,17 @@ void Run::progress() {
   if (t - last_progress_ < kProgressInterval) return;
   last_progress_ = t;
   const double wall = t - wall_start_, done = time();
-  // The shell's windows cost far more than the engine's: what is left of each at its own pace.
-  const double left =
-      done > 0.0
-          ? wall / done * ((state_ ? std::min(setup_.end_time, std::max(2.0 * done, 0.005)) : setup_.end_time) - done)
-          : 0.0;
+  // Each phase at its own pace: the shell until it may be frozen at the latest, then bodies alone.
+  double left = 0.0;
+  if (state_ && done > 0.0) left = wall / done * (std::min(setup_.end_time, setup_.latest_freeze) - done);
+  if (!state_ && frozen_at_ >= 0.0 && done > frozen_at_)
+    left = (t - frozen_wall_) / (done - frozen_at_) * (setup_.end_time - done);
+  const bool bodies_follow = state_ && setup_.latest_freeze < setup_.end_time;
   const char* end = isatty(2) ? "\r" : "\n";
-  fmt::print(stderr, "{:.5f} of {:g} s  {:.0f} substeps/s  {} fragments, {} handed off  {} {:.0f} s left    {}", done,
+  fmt::print(stderr, "{:.5f} of {:g} s  {:.0f} substeps/s  {} fragments, {} handed off  {} {:.0f} s left{}", done,
              setup_.end_time, static_cast<double>(substeps_) / wall, fragments_, handed_off_,
-             state_ ? "shell: at least" : "bodies:", left, end);
+             state_ ? "shell: at most" : "bodies:", left,
+             bodies_follow ? std::string(", then bodies   ") + end : std::string("   ") + end);
   std::fflush(stderr);
 }
 

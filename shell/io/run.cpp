@@ -19,11 +19,14 @@ constexpr double kSettleTime = 5e-5;        // a larger piece stays so long, its
 // Of the thickness, that two bodies that can meet may approach in a window without a shell. With Bullet they
 // pass through a plate unseen once they move by more than its thickness and 2 mm in a window.
 constexpr double kSettleTravel = 1.25;
-constexpr double kLookInterval = 0.1;                         // [s] of wall time between two looks at the peer
+constexpr double kLookInterval = 0.1;  // [s] of wall time between two looks at the peer
+constexpr int kPointsPerThread = 4000;
 constexpr int kRigidSubsteps = 4;                             // of free flight in a window without a shell
 constexpr int kFirstIterations = 120, kLaterIterations = 16;  // of the stable step
 
 double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
+
+double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
 
 struct Stopwatch {
   double& sum;
@@ -37,8 +40,6 @@ struct Stopwatch {
 Run::Run(RunSetup setup, RunOptions options)
     : setup_(std::move(setup)), options_(std::move(options)), frames_(options_.out), random_(setup_.seed) {
   wall_start_ = now();
-  require(options_.until <= 0.0 || options_.until >= setup_.window, "--until {}: less than one window of {} s",
-          options_.until, setup_.window);
   if (options_.until > 0.0) setup_.end_time = std::min(setup_.end_time, options_.until);
   setup_.latest_freeze = std::min(setup_.latest_freeze, setup_.end_time);
   for (const RigidBody& b : setup_.bodies) proxies_.emplace_back(b);
@@ -46,6 +47,9 @@ Run::Run(RunSetup setup, RunOptions options)
 }
 
 void Run::start() {
+  // a thread for less than this costs more in waiting than it brings; results are the same for any number
+  if (!setup_.shells.empty())
+    options_.threads = std::min(options_.threads, 1 + setup_.shells[0].tables.gauss_points() / kPointsPerThread);
   client_ = std::make_unique<link::RigidClient>(options_.endpoint, options_.scene_hash);
   if (can_crack()) {  // shards are compounds of convex hulls
     const auto& can = client_->peer().capabilities;
@@ -71,15 +75,25 @@ void Run::start() {
     initial_step_ = smallest_step_ = stable_step(m, *state_, kFirstIterations, options_.threads, can_crack());
     require(std::isfinite(initial_step_),
             "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
+    for (const Proxy& p : proxies_) {
+      const double travel = setup_.safety * initial_step_ * p.body.motion.velocity.norm();
+      require(
+          travel <= p.radius() + m.thickness,
+          "body '{}' moves {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
+          "slow it down, or lower time_step_safety",
+          p.body.name, travel, m.name);
+    }
     require(setup_.window >= initial_step_,
             "window_s is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple", setup_.window,
             initial_step_);
   }
   reference_energy_ = total_energy(0.0);
-  // the most that was there at once; gravity over a window bounds it from below where all starts at rest
+  // the most that was there at once; grows with the run
   energy_scale_ = kinetic_ + elastic_;
   series_ =
-      "time [s],kinetic [J],elastic [J],fracture [J],contact [J],handoff [J],engine [J],residual [-],cracks "
+      "time [s],kinetic [J],elastic [J],fracture [J],injected [J],contact [J],damping [J],handoff [J],frozen "
+      "[J],engine "
+      "[J],residual [-],cracks "
       "[m],fragments [-],handed_off [-]\n";
   write_summary("running", nullptr);
   write_frame();
@@ -217,7 +231,7 @@ void Run::check_ledger() {
   for (Proxy& p : proxies_) {
     if (p.impulse_sum == 0.0) continue;
     const double linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
-    const double angular = (p.angular_impulse + p.shell_angular).norm() / p.moment_sum;
+    const double angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
     ledger_linear_ = std::max(ledger_linear_, linear), ledger_angular_ = std::max(ledger_angular_, angular);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
       Error e(Exit::kPhysics, "ledger",
@@ -233,10 +247,12 @@ void Run::check_ledger() {
 void Run::check_handoff(const Totals& before, const Totals& after, const RigidBody& b) {
   const Vec3 p = b.mass * b.motion.velocity;
   const Vec3 l = b.motion.angular_momentum + b.motion.position.cross(p);
-  mass_error_ = std::max(mass_error_, std::abs(after.mass + b.mass - before.mass) / before.mass);
-  // relative to what is there to be lost: the sums' own magnitudes
-  momentum_error_ = std::max(momentum_error_, (after.momentum + p - before.momentum).norm() / before.momentum_scale);
-  angular_error_ = std::max(angular_error_, (after.angular + l - before.angular).norm() / before.angular_scale);
+  // relative to the sums' own magnitudes, which is what their round-off is relative to
+  mass_error_ = std::max(mass_error_, relative(std::abs(after.mass + b.mass - before.mass), before.mass));
+  momentum_error_ =
+      std::max(momentum_error_, relative((after.momentum + p - before.momentum).norm(), before.momentum_scale));
+  angular_error_ =
+      std::max(angular_error_, relative((after.angular + l - before.angular).norm(), before.angular_scale));
 }
 
 std::vector<RigidBody> Run::take_off(bool all) {
@@ -396,6 +412,7 @@ void Run::freeze_shell(const std::string& why) {
   book_ = state_->book;
   frozen_hash_ = state_hash();
   frozen_at_ = time(), frozen_why_ = why;
+  frozen_wall_ = now();
   state_.reset();
   book_.frozen += before - total_energy(dt_);
   fly(setup_.window, proxies_.size() - births.size());  // newborn bodies do not move in the window of their birth

@@ -49,13 +49,7 @@ inline bool all_below(Pack a, double limit) {
 /// ln(1 + e) for |e| < kSmallAreaChange: 2 atanh(e / (2 + e)), the rest of the series below 1e-20.
 template <class T>
 inline T small_log1p(T e) {
-  const T z = e / (2.0 + e), q = z * z;
-  T s = splat<T>(2.0 / 11.0);
-  s = s * q + 2.0 / 9.0;
-  s = s * q + 2.0 / 7.0;
-  s = s * q + 2.0 / 5.0;
-  s = s * q + 2.0 / 3.0;
-  return z * 2.0 + z * q * s;
+  return twice_atanh<11, T>(e / (2.0 + e));
 }
 
 /// e^u - 1 for |u| < 0.04: the rest of the series below 1e-19.

@@ -10,6 +10,21 @@ namespace {
 constexpr double kCrushed = 0.04;  // of the reference metric's determinant: squeezed to a fifth of its area
 constexpr int kChunks = 4;         // fixed, so that sums do not depend on the number of threads
 
+// Smallest squared area ratio of the mid-surface and the outer layers. A point crushed between cracks, or bent
+// so sharply that a layer turns inside out, has no stress: it carries nothing.
+template <class T>
+T least_area(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
+  T least = determinant(f.a) / determinant(ref.a);
+  for (const double z : {layers.zeta.front(), layers.zeta.back()}) {
+    const Sym2<T> c{f.a.c11 - 2.0 * z * f.b.c11, f.a.c22 - 2.0 * z * f.b.c22, f.a.c12 - 2.0 * z * f.b.c12};
+    const Sym2<T> a{ref.a.c11 - 2.0 * z * ref.b.c11, ref.a.c22 - 2.0 * z * ref.b.c22, ref.a.c12 - 2.0 * z * ref.b.c12};
+    // a metric with a negative trace is inside out twice over, and its determinant positive
+    const T ratio = select(c.c11 + c.c22 > 0.0, determinant(c) / determinant(a), T{} - 1.0);
+    least = select(ratio < least, ratio, least);
+  }
+  return least;
+}
+
 Forms<double> forms_of(const GatheredPoint& p, const Derivatives<double>& d) {
   Forms<double> f = surface_forms(d);
   if (p.kind == PointKind::kLinear) f.b = p.metric.b;  // no bending: curvature stays that of the rest state
@@ -124,11 +139,10 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   r.m = {select(linear, none, r.m.c11), select(linear, none, r.m.c22), select(linear, none, r.m.c12)};
   const Derivatives<Pack> g = section_forces(x_d, f, r, area);
   const Vector<Pack> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
-  const Pack ratio = determinant(f.a) / determinant(ref.a);
+  const Pack ratio = least_area(f, ref, t.layers);
   double sum = 0.0;
   for (int i = 0; i < count; ++i) {
     const double n[3] = {r.n.c11[i], r.n.c22[i], r.n.c12[i]}, m[3] = {r.m.c11[i], r.m.c22[i], r.m.c12[i]};
-    // A point crushed between cracks (an area ratio that has turned over) has no stress: it carries nothing.
     if (!(ratio[i] > kCrushed) || !std::isfinite(n[0] + n[1] + m[0] + m[1])) continue;
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];
     if (stress.values) record_stress(t, *points[i], n, m, thickness, stress);
@@ -188,7 +202,7 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
                     double brittleness) {
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
-  if (!(determinant(f.a) > kCrushed * determinant(p.metric.a))) return 0.0;
+  if (!(least_area(f, p.metric, t.layers) > kCrushed)) return 0.0;
   const Resultants<double> full = integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity);
   double energy = p.area * full.energy;
   if (damage) {

@@ -42,7 +42,9 @@ def _start(name: str, arguments: list[str]) -> Path:
 
 
 def rigid(arguments: list[str]) -> int:
-    """0 after goodbye, 2 if told to refuse, 3 if the peer is lost."""
+    """0 after goodbye, 2 if told to refuse, 3 if the peer is lost; --check knows every engine but 'bulet'."""
+    if "--check" in arguments:
+        return 2 if "bulet" in arguments else 0
     link = _start("rigid", arguments)
     if os.environ.get("FAKE_RIGID") == "refuse":
         print(f"--engine {arguments[1]}: no such engine")

@@ -1,7 +1,6 @@
+#include <functional>
 #include <limits>
 #include <random>
-
-#include <functional>
 
 #include <gtest/gtest.h>
 

@@ -2,7 +2,9 @@
 #include <filesystem>
 #include <fstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "coupler/scene/load.h"
 #include "shell/io/build.h"
@@ -35,8 +37,17 @@ std::string replaced(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
+// Of this process alone: tests run side by side.
+std::string own_file(const std::string& name) { return fmt::format("{}/{}_{}", testing::TempDir(), getpid(), name); }
+struct Cleanup {
+  ~Cleanup() {
+    for (const char* name : {"scene_test.textproto", "mesh_test.textproto", "cube.off"})
+      std::remove(own_file(name).c_str());
+  }
+} const cleanup;
+
 sunder::Error refusal(const std::string& text, const std::vector<std::string>& settings = {}) {
-  const std::string path = testing::TempDir() + "/scene_test.textproto";
+  const std::string path = own_file("scene_test.textproto");
   std::ofstream(path) << text;
   try {
     const auto scene = sunder::scene::load(path, settings);
@@ -52,6 +63,8 @@ struct Case {
   int line;
   const char* says;
 };
+
+void PrintTo(const Case& c, std::ostream* out) { *out << c.name; }
 
 class BrokenScene : public testing::TestWithParam<Case> {};
 
@@ -83,6 +96,13 @@ INSTANTIATE_TEST_SUITE_P(
              "quaternion"},
         Case{"MeshOutsideTheFolder", "sphere { radius_m: 0.02 }", "mesh { path: \"../../x.off\" }", 14,
              "outside the scene's folder"},
+        Case{"LaunchAndTwist", "pose { position { z: 0.1 } }",
+             "pose { position { z: 0.1 } } twist { linear { z: -1 } } launch { speed: 3 target: \"pane\" }", 15,
+             "give one of them"},
+        Case{"StaticWithATwist", "pose { position { z: 0.1 } }",
+             "pose { position { z: 0.1 } } is_static: true twist { linear { z: -1 } }", 15, "never moves"},
+        Case{"TooFastForASubstep", "pose { position { z: 0.1 } }",
+             "pose { position { z: 0.1 } } twist { linear { z: -1e6 } }", 15, "in a substep"},
         Case{"BodyTooSmallForTheGrid", "radius_m: 0.02", "radius_m: 0.01", 11, "take more elements"},
         Case{"EndBeforeTheFirstWindow", "end_time_s: 1", "end_time_s: 1e-5", 2, "less than one window"},
         Case{"WindowBelowTheStableStep", "window_s: 1e-4", "window_s: 1e-8", 3, "shorter than the stable step"},
@@ -93,18 +113,17 @@ INSTANTIATE_TEST_SUITE_P(
 TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
 
 TEST(MeshBody, WeighsAndTurnsAsTheBoxOfTheSameShape) {
-  const std::string folder = testing::TempDir();
-  std::ofstream off(folder + "/cube.off");
+  std::ofstream off(own_file("cube.off"));
   off << "OFF\n9 0 0\n0 0 0\n";  // a point inside, which is no corner
   for (int k = 0; k < 8; ++k)
     off << (k & 1 ? 0.05 : -0.05) << ' ' << (k & 2 ? 0.04 : -0.04) << ' ' << (k & 4 ? 0.06 : -0.06) << '\n';
   off.close();
   const auto body = [&](const std::string& shape) {
     std::string text = replaced("sphere { radius_m: 0.02 }", shape);
-    std::ofstream(folder + "/mesh_test.textproto") << text;
-    return sunder::shell::build(sunder::scene::load(folder + "/mesh_test.textproto", {})).bodies[0];
+    std::ofstream(own_file("mesh_test.textproto")) << text;
+    return sunder::shell::build(sunder::scene::load(own_file("mesh_test.textproto"), {})).bodies[0];
   };
-  const sunder::RigidBody mesh = body("mesh { path: \"cube.off\" }"),
+  const sunder::RigidBody mesh = body(fmt::format("mesh {{ path: \"{}_cube.off\" }}", getpid())),
                           box = body("box { size_m { x: 0.1 y: 0.08 z: 0.12 } }");
   EXPECT_NEAR(mesh.mass, box.mass, 1e-12 * box.mass);
   std::array<double, 3> a{mesh.principal_inertia[0], mesh.principal_inertia[1], mesh.principal_inertia[2]},
@@ -114,8 +133,29 @@ TEST(MeshBody, WeighsAndTurnsAsTheBoxOfTheSameShape) {
   EXPECT_EQ(std::get<sunder::ConvexShape>(mesh.shape).parts[0].size(), 8u);
 }
 
+TEST(MeshBody, IsRefusedWhereItsHullIsFlatOrHasTooManyCorners) {
+  const auto refused = [](const std::string& points) {
+    std::ofstream(own_file("cube.off")) << points;
+    std::ofstream(own_file("mesh_test.textproto"))
+        << replaced("sphere { radius_m: 0.02 }", fmt::format("mesh {{ path: \"{}_cube.off\" }}", getpid()));
+    try {
+      sunder::scene::load(own_file("mesh_test.textproto"), {});
+    } catch (const sunder::Error& e) {
+      return std::string(e.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(refused("OFF\n4 0 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n").find("flat"), std::string::npos);
+  std::string ball = "OFF\n200 0 0\n";
+  for (int k = 0; k < 200; ++k) {  // points of a sphere: all are corners
+    const double z = -1.0 + (k + 0.5) / 100.0, r = std::sqrt(1.0 - z * z);
+    ball += fmt::format("{} {} {}\n", r * std::cos(2.4 * k), r * std::sin(2.4 * k), z);
+  }
+  EXPECT_NE(refused(ball).find("at most 128"), std::string::npos);
+}
+
 TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
-  const std::string path = testing::TempDir() + "/scene_test.textproto";
+  const std::string path = own_file("scene_test.textproto");
   std::ofstream(path) << kScene;
   const auto scene = sunder::scene::load(path, {"bodies[ball].twist.linear.z=-20"});
   EXPECT_EQ(scene.message.bodies(0).twist().linear().z(), -20.0);
