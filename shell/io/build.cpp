@@ -204,6 +204,7 @@ RunSetup build(const scene::LoadedScene& scene) {
           "below 2 E G_f / strength^2 = {:.3g} m; refine, or take a fracture_energy above {:.3g} J/m^2, or TIPS",
           width, widest, q.fracture_energy * width / widest);
     }
+    if (r.brittleness > 0.0) r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run
     if (r.tips) {
       r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
       scene.check(r.rules.tip_radius >= s.spacing, "fracture.tip_radius_m",

@@ -176,7 +176,8 @@ void Run::shell_window() {
     if (setup_.brittleness > 0.0) {
       Stopwatch w(stage_s_["crack_update"]);
       watch_stress(m, s);
-      extract_cracks(m, s, time() + (k + 1) * dt);
+      const int every = crack_interval(setup_.rules, dt);
+      if (k % every == every - 1 || k == n - 1) extract_cracks(m, s, time() + (k + 1) * dt);
     }
     look_around();
   }
@@ -364,7 +365,14 @@ bool Run::impact_ahead() const {
     const BodyMotion& b = proxies_[i].body.motion;
     if (proxies_[i].body.is_static) continue;
     const Vec3 pad = Vec3::Constant(proxies_[i].radius() + m.thickness);
-    if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) continue;  // there: it pushes or it does not
+    if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) {  // there: does it move beside the shell?
+      const double reach = pad.x() + m.spacing + setup_.quiet_time * b.velocity.norm();
+      for (int k = 0; k < m.control_points() && b.velocity.norm() > 0.0; ++k)
+        if (!state_->gone[m.tables.slot(k)] &&
+            (state_->position(m.tables.slot(k)) - b.position).squaredNorm() <= reach * reach)
+          return true;
+      continue;
+    }
     double from = 0.0, to = setup_.end_time - time();                            // when its straight path is in the box
     for (int d = 0; d < 3; ++d) {
       const double low = box.min()[d] - pad[d] - b.position[d], high = box.max()[d] + pad[d] - b.position[d];

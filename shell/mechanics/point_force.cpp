@@ -217,6 +217,22 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
   return std::isfinite(energy) ? energy : 0.0;
 }
 
+std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
+  std::array<double, 6> six{};
+  if (p.kind == PointKind::kDead) return six;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!(least_area(f, p.metric, t.layers) > kCrushed)) return six;
+  const Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
+  double thickness = 0.0;
+  for (const double w : t.layers.weight) thickness += w;
+  const double n[3] = {r.n.c11, r.n.c22, r.n.c12}, m[3] = {r.m.c11, r.m.c22, r.m.c12};
+  for (int k = 0; k < 3; ++k) {
+    const double bend = p.kind == PointKind::kLinear ? 0.0 : 6.0 * m[k] / (thickness * thickness);
+    six[k] = n[k] / thickness - bend, six[3 + k] = n[k] / thickness + bend;
+  }
+  return six;
+}
+
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
                         std::vector<double>& force, DamageLaw* damage) {

@@ -60,4 +60,7 @@ double point_energy(const RowTables& t, const GatheredPoint& point, const std::v
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
 
+/// Stress of both faces [Pa] that an undamaged point would bear, 11 22 12 of the lower face, then of the upper.
+std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
+
 }  // namespace sunder::shell

@@ -2,94 +2,27 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "shell/fracture/medial_axis.h"
+#include "shell/mechanics/principal.h"
+#include "shell/solver/damage_lattice.h"
 #include "shell/solver/insertion.h"
 
 namespace sunder::shell {
 namespace {
 
 constexpr double kWatched = 0.8;   // of the strength: a layer may bear more than the mean surface stress says
-constexpr double kSpent = 1.5;     // spacings beside a crack whose damage is that crack's
+constexpr double kStep = 0.75;     // spacings of an edge
+constexpr double kSpent = 1.25;    // spacings beside a crack whose damage is that crack's
 constexpr double kShortest = 1.5;  // spacings: a shorter line waits until it has grown
 constexpr double kSpur = 1.5;      // spacings: a shorter side line is noise of the boundary
-constexpr double kStep = 0.75;     // spacings of an edge
-constexpr double kTipReach = 3.0, kStemReach = 2.0, kBorderReach = 2.0;  // spacings
-
-// The Gauss points as cells of a lattice over the parameter domain.
-struct Lattice {
-  const ShellModel& m;
-  int columns, rows;
-  std::vector<char> damaged, spent;
-
-  explicit Lattice(const ShellModel& model)
-      : m(model), columns(model.tables.spans_u * model.tables.gauss), rows(model.tables.spans_v * model.tables.gauss) {
-    damaged.assign(static_cast<std::size_t>(columns) * rows, 0);
-    spent = damaged;
-  }
-  std::size_t at(int i, int j) const { return static_cast<std::size_t>(j) * columns + i; }
-  bool holds(int i, int j) const { return i >= 0 && j >= 0 && i < columns && j < rows; }
-  static double side(const KnotVector& k, int gauss, int i) {
-    const int span = std::min(i / gauss, k.spans() - 1);
-    return k.span_begin(span) + k.span_length(span) * (static_cast<double>(i) / gauss - span);
-  }
-  Vec2 corner(int i, int j) const {
-    return {side(m.patch.knots_u, m.tables.gauss, i), side(m.patch.knots_v, m.tables.gauss, j)};
-  }
-  Vec2 centre(int i, int j) const { return 0.5 * (corner(i, j) + corner(i + 1, j + 1)); }
-  bool inside(const Vec2& p) const {
-    const KnotVector &u = m.patch.knots_u, &v = m.patch.knots_v;
-    if (!m.patch.contains(p)) return false;
-    const int su = u.span_of(p.x()), sv = v.span_of(p.y()), g = m.tables.gauss;
-    const int i = su * g + std::min(g - 1, static_cast<int>(g * (p.x() - u.span_begin(su)) / u.span_length(su)));
-    const int j = sv * g + std::min(g - 1, static_cast<int>(g * (p.y() - v.span_begin(sv)) / v.span_length(sv)));
-    return damaged[at(i, j)];
-  }
-};
-
-Lattice lattice_of(const ShellModel& m, const ShellState& s) {
-  Lattice grid(m);
-  const RowTables& t = m.tables;
-  for (std::size_t k = 0; k < s.points.size(); ++k) {
-    if (s.damage[k].worst() < 1.0f) continue;
-    const int block = s.points[k].block, row = block / t.gauss;  // row = f * gauss + b
-    const int i = s.points[k].lane * t.gauss + block % t.gauss;
-    bool spent = false;
-    const Vec2 p = grid.centre(i, row);
-    s.cracks.near(p, p, kSpent * m.spacing, [&](int e) {
-      Vec2 foot;
-      spent = s.cracks.distance(p, e, foot) < kSpent * m.spacing;
-      return !spent;
-    });
-    (spent ? grid.spent : grid.damaged)[grid.at(i, row)] = 1;
-  }
-  return grid;
-}
-
-std::vector<BoundarySample> boundary(const Lattice& grid) {
-  std::vector<BoundarySample> seeds;
-  constexpr int kBlur = 2;  // cells: the normal is that of the blurred region, not of its steps
-  for (int j = 0; j < grid.rows; ++j)
-    for (int i = 0; i < grid.columns; ++i) {
-      if (!grid.damaged[grid.at(i, j)]) continue;
-      for (const auto& [di, dj] : {std::pair{1, 0}, std::pair{-1, 0}, std::pair{0, 1}, std::pair{0, -1}}) {
-        if (!grid.holds(i + di, j + dj) || grid.damaged[grid.at(i + di, j + dj)]) continue;
-        BoundarySample seed;
-        const Vec2 a = grid.corner(i + (di == 1), j + (dj == 1));
-        const Vec2 b = grid.corner(i + (di != -1), j + (dj != -1));
-        seed.p = 0.5 * (a + b);
-        seed.historical = grid.spent[grid.at(i + di, j + dj)];
-        Vec2 inward = Vec2::Zero();
-        for (int q = -kBlur; q <= kBlur; ++q)
-          for (int r = -kBlur; r <= kBlur; ++r)
-            if (grid.holds(i + r, j + q) && grid.damaged[grid.at(i + r, j + q)])
-              inward += (grid.centre(i + r, j + q) - seed.p).normalized();
-        seed.outward = inward.norm() > 1e-9 ? Vec2(-inward.normalized()) : Vec2(di, dj);
-        seeds.push_back(seed);
-      }
-    }
-  return seeds;
-}
+constexpr double kUnhealed = 0.5;  // of a line's points: where less is still damaged, waves have passed
+constexpr double kJoin = 1.5, kDamagedJoin = 5.0;  // spacings an end reaches, on sound and on damaged ground
+constexpr double kThrough = 0.8;                   // of a way's cells that make it damaged ground
+constexpr double kBroad = 0.6;  // of the cells around, fully damaged: no middle line tells where the crack goes
+constexpr double kView = 2.0;   // spacings ahead of an end over which its stress is averaged
+constexpr double kTurn = 20.0 * std::numbers::pi / 180.0;  // most per edge
+constexpr double kTorn = 4.0;  // times the stress at which damage is complete: what is stretched so far is rubble
 
 // Smooths the steps of the cells out of a line, ends held, and cuts it into edges.
 std::vector<Vec2> resampled(std::vector<Vec2> line, double step) {
@@ -112,54 +45,180 @@ std::vector<Vec2> resampled(std::vector<Vec2> line, double step) {
   return out;
 }
 
-// Graph vertex that an open end of a new line goes on to, or -1; border and stems get a new one.
-int bridge(const ShellModel& m, ShellState& s, const Vec2& end, const Vec2& ahead, std::size_t old_edges) {
-  const double l = m.spacing;
-  std::vector<int> degree(s.cracks.vertices().size(), 0);
-  for (std::size_t e = 0; e < old_edges; ++e) ++degree[s.cracks.edges()[e].from], ++degree[s.cracks.edges()[e].to];
-  int tip = -1;
-  double nearest = kTipReach * l;
-  for (std::size_t v = 0; v < degree.size(); ++v) {
-    const Vec2 to = s.cracks.vertices()[v] - end;
-    if (degree[v] == 1 && to.norm() < nearest && to.dot(ahead) > -0.5 * to.norm())
-      nearest = to.norm(), tip = static_cast<int>(v);
+struct End {
+  int vertex, crack, edge;
+  Vec2 p, ahead;
+};
+
+std::vector<End> open_ends(const ShellModel& m, const CrackGraph& g) {
+  std::vector<int> degree(g.vertices().size(), 0);
+  for (const CrackEdge& e : g.edges()) ++degree[e.from], ++degree[e.to];
+  std::vector<End> ends;
+  for (std::size_t i = 0; i < g.edges().size(); ++i) {
+    const CrackEdge& e = g.edges()[i];
+    const Vec2 d = (e.b - e.a).normalized();
+    if (degree[e.to] == 1 && m.patch.contains(e.b)) ends.push_back({e.to, e.crack, static_cast<int>(i), e.b, d});
+    if (degree[e.from] == 1 && m.patch.contains(e.a)) ends.push_back({e.from, e.crack, static_cast<int>(i), e.a, -d});
   }
-  if (tip >= 0) return tip;
-  double reach = kStemReach * l;
-  Vec2 foot, stem;
-  bool joins = false;
-  s.cracks.near(end, end, reach, [&](int e) {
-    if (static_cast<std::size_t>(e) >= old_edges) return true;
-    const double distance = s.cracks.distance(end, e, foot);
-    if (distance < reach && (foot - end).dot(ahead) > -0.5 * distance) reach = distance, stem = foot, joins = true;
-    return true;
-  });
-  if (joins) return s.cracks.add_vertex(stem + 2e-3 * l * (stem - end).normalized());
-  if (!m.patch.contains(end + kBorderReach * l * ahead))
-    return s.cracks.add_vertex(end + (kBorderReach + 0.1) * l * ahead);
-  return -1;
+  return ends;
 }
 
-// Earlier tips that no new line has gone on from reach out to the nearest new vertex.
-int meet_tips(const ShellModel& m, ShellState& s, std::size_t old_edges, std::size_t old_vertices, double time) {
-  if (s.cracks.edges().size() == old_edges) return 0;
-  std::vector<int> degree(s.cracks.vertices().size(), 0), crack(s.cracks.vertices().size(), 0);
-  for (const CrackEdge& e : s.cracks.edges()) {
-    ++degree[e.from], ++degree[e.to];
-    crack[e.from] = crack[e.to] = e.crack;
-  }
-  int inserted = 0;
-  for (std::size_t v = 0; v < old_vertices; ++v) {
-    if (degree[v] != 1 || !m.patch.contains(s.cracks.vertices()[v])) continue;
-    double nearest = kTipReach * m.spacing;
-    int to = -1;
-    for (std::size_t w = old_vertices; w < degree.size(); ++w) {
-      const double distance = (s.cracks.vertices()[w] - s.cracks.vertices()[v]).norm();
-      if (degree[w] > 0 && distance < nearest) nearest = distance, to = static_cast<int>(w);
-    }
-    if (to >= 0) inserted += insert_edge(m, s, static_cast<int>(v), to, crack[v], time, 0, false) >= 0;
+// Inserts the straight way from `from` to the vertex `to` in edges of at most a spacing.
+int insert_way(const ShellModel& m, ShellState& s, const End& from, int to, double time) {
+  const Vec2 b = s.cracks.vertices()[to];
+  const int pieces = std::max(1, static_cast<int>(std::lround((b - from.p).norm() / (kStep * m.spacing))));
+  int inserted = 0, last = from.vertex;
+  for (int k = 1; k <= pieces; ++k) {
+    const int next = k == pieces ? to : s.cracks.add_vertex(from.p + (b - from.p) * (static_cast<double>(k) / pieces));
+    inserted += insert_edge(m, s, last, next, from.crack, time, 0, false) >= 0;
+    last = next;
   }
   return inserted;
+}
+
+// An end goes on to the nearest of border, open end and crack that it sees ahead: a little way on any ground,
+// further where all between was fully damaged. Returns edges inserted.
+int join(const ShellModel& m, ShellState& s, const DamageLattice& grid, const End& end, const std::vector<End>& ends,
+         double time) {
+  const double l = m.spacing;
+  double nearest = kDamagedJoin * l;
+  Vec2 target;
+  int vertex = -1;
+  bool found = false;
+  const auto offer = [&](const Vec2& p, int v, int skip) {
+    const Vec2 way = p - end.p;
+    const double distance = way.norm();
+    if (distance >= nearest || distance < 1e-6 * l || way.dot(end.ahead) < 0.3 * distance) return;
+    if (!s.cracks.visible(end.p, p - 1e-3 * l * way / distance, end.edge, skip)) return;
+    if (distance > kJoin * l && grid.damaged_share(end.p, p) < kThrough) return;
+    nearest = distance, target = p, vertex = v, found = true;
+  };
+  for (const End& other : ends)
+    if (other.vertex != end.vertex && other.edge != end.edge) offer(other.p, other.vertex, other.edge);
+  s.cracks.near(end.p, end.p, kDamagedJoin * l, [&](int e) {
+    const CrackEdge& c = s.cracks.edges()[e];
+    Vec2 foot;
+    if (e == end.edge || c.from == end.vertex || c.to == end.vertex) return true;
+    s.cracks.distance(end.p, e, foot);
+    const double before = nearest;
+    offer(foot, -1, e);
+    if (nearest < before) target += 2e-3 * l * (foot - end.p).normalized();  // no gap at the stem
+    return true;
+  });
+  for (int k = 1; k <= static_cast<int>(4.0 * kDamagedJoin); ++k) {
+    const Vec2 p = end.p + 0.25 * k * l * end.ahead;
+    if (m.patch.contains(p)) continue;
+    const double before = nearest;
+    offer(p, -1, -1);
+    if (nearest < before) target += 0.1 * l * end.ahead;
+    break;
+  }
+  if (!found) return 0;
+  return insert_way(m, s, end, vertex >= 0 ? vertex : s.cracks.add_vertex(target), time);
+}
+
+// Direction in which the undamaged stress around `p` opens a crack, of what is seen from there and lies ahead.
+bool opening_direction(const ShellModel& m, const ShellState& s, const Vec2& p, const Vec2& ahead, int skip,
+                       Vec2& out) {
+  const RowTables& t = m.tables;
+  const double radius = kView * m.spacing;
+  double sum = 0.0;
+  std::array<double, 6> six{};
+  for (const GatheredPoint& g : s.points) {
+    if (g.kind == PointKind::kDead) continue;
+    const Vec2 q = gauss_point(m.patch, t, g.block, g.lane).parameter, d = q - p;
+    if (d.squaredNorm() > radius * radius || d.dot(ahead) < 0.0 || !s.cracks.visible(p + 0.01 * d, q, skip)) continue;
+    const std::array<double, 6> own = undamaged_stress(t, g, s.x);
+    const double w = std::exp(-2.0 * d.squaredNorm() / (radius * radius));
+    sum += w;
+    for (int k = 0; k < 6; ++k) six[k] += w * own[k];
+  }
+  if (sum <= 0.0) return false;
+  const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
+  out = high.high > low.high ? high.crack : low.crack;
+  if (out.dot(ahead) < 0.0) out = -out;
+  return true;
+}
+
+// In broad damage an end runs on an edge along the plane of largest principal stress.
+int run_on(const ShellModel& m, ShellState& s, const DamageLattice& grid, const End& end, double time) {
+  const double l = m.spacing;
+  Vec2 along;
+  if (grid.breadth(end.p + l * end.ahead) < kBroad || !opening_direction(m, s, end.p, end.ahead, end.edge, along))
+    return 0;
+  const double turn = std::atan2(end.ahead.x() * along.y() - end.ahead.y() * along.x(), end.ahead.dot(along));
+  const Vec2 p = end.p + kStep * l * turned(end.ahead, std::clamp(turn, -kTurn, kTurn));
+  if (!m.patch.contains(p)) return 0;  // join runs it out
+  return insert_edge(m, s, end.vertex, s.cracks.add_vertex(p), end.crack, time, 0, false) >= 0;
+}
+
+// The middle lines of what is damaged and no crack's yet.
+int insert_lines(const ShellModel& m, ShellState& s, const DamageLattice& grid, double time) {
+  const MedialAxis axis = medial_axis(grid.boundary(), [&](const Vec2& p) { return grid.damaged(p); });
+  std::vector<int> number(axis.vertices.size(), -1);
+  int inserted = 0;
+  for (const auto& line : polylines(axis, kSpur * m.spacing)) {
+    std::vector<Vec2> fine;
+    double length = 0.0;
+    int unhealed = 0, i, j;
+    for (const int v : line) {
+      if (!fine.empty()) length += (axis.vertices[v] - fine.back()).norm();
+      fine.push_back(axis.vertices[v]);
+      const int c = grid.cell_of(fine.back(), i, j);
+      unhealed += c >= 0 && grid.now[c];
+    }
+    if (length < kShortest * m.spacing || unhealed < kUnhealed * static_cast<double>(line.size())) continue;
+    const std::vector<Vec2> points = resampled(std::move(fine), kStep * m.spacing);
+    const int crack = s.cracks.new_crack();
+    const auto end = [&](int v, const Vec2& p) {
+      if (number[v] < 0) number[v] = s.cracks.add_vertex(p);
+      return number[v];
+    };
+    int last = end(line.front(), points.front());
+    for (std::size_t k = 1; k < points.size(); ++k) {
+      const int next = k + 1 == points.size() ? end(line.back(), points.back()) : s.cracks.add_vertex(points[k]);
+      if (next != last) inserted += insert_edge(m, s, last, next, crack, time, 0, false) >= 0;
+      last = next;
+    }
+  }
+  return inserted;
+}
+
+// Broad damage that no crack has reached starts one at its most critical point.
+int start_broad(const ShellModel& m, ShellState& s, const DamageLattice& grid, double time) {
+  double most = 0.0;
+  Vec2 p, crack;
+  for (const GatheredPoint& g : s.points) {
+    if (g.kind == PointKind::kDead) continue;
+    const Vec2 q = gauss_point(m.patch, m.tables, g.block, g.lane).parameter;
+    if (!grid.damaged(q) || grid.breadth(q) < kBroad) continue;
+    const std::array<double, 6> six = undamaged_stress(m.tables, g, s.x);
+    for (int face = 0; face < 2; ++face) {
+      const Principal stress = principal(six[3 * face], six[3 * face + 1], six[3 * face + 2]);
+      const double ratio = stress.high / s.damage[&g - s.points.data()].strength;
+      if (ratio > most) most = ratio, p = q, crack = stress.crack;
+    }
+  }
+  if (most <= 0.0) return 0;
+  const int a = s.cracks.add_vertex(p - 0.5 * kStep * m.spacing * crack);
+  const int b = s.cracks.add_vertex(p + 0.5 * kStep * m.spacing * crack);
+  return insert_edge(m, s, a, b, s.cracks.new_crack(), time, 0, false) >= 0;
+}
+
+// What is stretched far beyond complete damage and was not cut bears no tension any more; it would only grow
+// into a distorted ligament. Its material goes on with the control points around.
+void tear(const ShellModel& m, ShellState& s) {
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    GatheredPoint& g = s.points[i];
+    PointDamage& d = s.damage[i];
+    if (g.kind == PointKind::kDead || d.damage() < 1.0f) continue;
+    const std::array<double, 6> six = undamaged_stress(m.tables, g, s.x);
+    const double limit = kTorn * d.strength * (1.0 + s.brittleness) / s.brittleness;
+    if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit) continue;
+    s.book.fracture += point_energy(m.tables, g, s.x, &d, s.brittleness);
+    g.kind = PointKind::kDead, g.functions.clear();
+    ++s.torn;
+  }
 }
 
 }  // namespace
@@ -185,52 +244,18 @@ void watch_stress(const ShellModel& m, ShellState& s) {
 }
 
 int extract_cracks(const ShellModel& m, ShellState& s, double time) {
-  std::size_t complete = 0;
-  for (const PointDamage& d : s.damage) complete += d.worst() >= 1.0f;
-  if (complete == s.complete_seen) return 0;
-  s.complete_seen = complete;
-  const Lattice grid = lattice_of(m, s);
-  const MedialAxis axis = medial_axis(boundary(grid), [&](const Vec2& p) { return grid.inside(p); });
-  const std::size_t old_edges = s.cracks.edges().size(), old_vertices = s.cracks.vertices().size();
-  std::vector<int> number(axis.vertices.size(), -1), degree(axis.vertices.size(), 0);
-  const std::vector<std::vector<int>> lines = polylines(axis, kSpur * m.spacing);
-  for (const auto& line : lines) ++degree[line.front()], ++degree[line.back()];
-  int inserted = 0;
-  for (const auto& line : lines) {
-    std::vector<Vec2> fine;
-    double length = 0.0;
-    for (const int v : line) {
-      if (!fine.empty()) length += (axis.vertices[v] - fine.back()).norm();
-      fine.push_back(axis.vertices[v]);
-    }
-    if (length < kShortest * m.spacing) continue;
-    const std::vector<Vec2> points = resampled(std::move(fine), kStep * m.spacing);
-    const int crack = s.cracks.new_crack();
-    const auto edge = [&](int from, int to) {
-      if (from != to) inserted += insert_edge(m, s, from, to, crack, time, 0, false) >= 0;
-    };
-    const auto end = [&](int v, const Vec2& p) {
-      if (number[v] < 0) number[v] = s.cracks.add_vertex(p);
-      return number[v];
-    };
-    int last = end(line.front(), points.front());
-    const int first = last;
-    for (std::size_t i = 1; i < points.size(); ++i) {
-      const int next = i + 1 == points.size() ? end(line.back(), points.back()) : s.cracks.add_vertex(points[i]);
-      edge(last, next);
-      last = next;
-    }
-    const std::size_t n = points.size();
-    if (degree[line.front()] == 1) {
-      const int to = bridge(m, s, points[0], (points[0] - points[1]).normalized(), old_edges);
-      if (to >= 0) edge(first, to);
-    }
-    if (degree[line.back()] == 1) {
-      const int to = bridge(m, s, points[n - 1], (points[n - 1] - points[n - 2]).normalized(), old_edges);
-      if (to >= 0) edge(last, to);
-    }
+  if (s.points.empty()) return 0;
+  tear(m, s);
+  const DamageLattice grid(m, s, kSpent * m.spacing);
+  int inserted = insert_lines(m, s, grid, time);
+  for (const End& end : open_ends(m, s.cracks)) {
+    // an earlier end may have joined this one
+    const std::vector<End> ends = open_ends(m, s.cracks);
+    if (std::none_of(ends.begin(), ends.end(), [&](const End& e) { return e.vertex == end.vertex; })) continue;
+    const int joined = join(m, s, grid, end, ends, time);
+    inserted += joined > 0 ? joined : run_on(m, s, grid, end, time);
   }
-  return inserted + meet_tips(m, s, old_edges, old_vertices, time);
+  return inserted > 0 ? inserted : start_broad(m, s, grid, time);
 }
 
 }  // namespace sunder::shell

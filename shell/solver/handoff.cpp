@@ -149,6 +149,39 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
   }
 }
 
+// A rigid piece that got all momentum of its sources can move faster than any of them: a sliver weighs less than
+// the control points that moved for it. It keeps what their energy about `common` allows; the rest is a rigid
+// impulse on the control points beside it.
+void return_excess(ShellState& s, const std::vector<int>& beside, const Vec3& centre, const Vec3& common, double energy,
+                   double mass, const Mat3& inertia, Vec3& momentum, Vec3& angular) {
+  constexpr std::size_t kTakers = 12;
+  const Vec3 linear = momentum - mass * common;
+  const double rigid = 0.5 * linear.squaredNorm() / mass + 0.5 * angular.dot(inertia.ldlt().solve(angular));
+  if (rigid <= energy) return;
+  std::vector<int> takers;
+  Vec3 middle = Vec3::Zero();
+  double weight = 0.0;
+  for (std::size_t k = 0; k < beside.size() && takers.size() < kTakers; ++k)
+    if (s.inverse_mass[beside[k]] > 0.0) {
+      takers.push_back(beside[k]);
+      weight += s.mass[beside[k]], middle += s.mass[beside[k]] * s.position(beside[k]);
+    }
+  if (takers.size() < 4) return;
+  middle /= weight;
+  Mat3 second = Mat3::Zero();
+  for (const int slot : takers) {
+    const Vec3 r = s.position(slot) - middle;
+    second += s.mass[slot] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(second);
+  if (axes.eigenvalues()[0] < 1e-3 * axes.eigenvalues()[2]) return;  // in a line: it cannot take a spin
+  const double share = 1.0 - std::sqrt(energy / rigid);
+  const Vec3 p = share * linear, l = share * angular + (centre - middle).cross(p);
+  const Vec3 turn = axes.eigenvectors() * (axes.eigenvectors().transpose() * l).cwiseQuotient(axes.eigenvalues());
+  for (const int slot : takers) s.add_velocity(slot, p / weight + turn.cross(s.position(slot) - middle));
+  momentum -= p, angular -= share * angular;
+}
+
 // The piece's points leave: nothing reads or moves them any more.
 void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const RowTables& t = m.tables;
@@ -249,6 +282,8 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     momentum += s.mass[slot] * velocity_now(slot);
   }
   const std::vector<int> beside = neighbours(m, s, t, piece);
+  std::vector<std::pair<double, Vec3>> sources;  // masses that become the piece, with their velocities
+  for (const int slot : slots) sources.emplace_back(s.mass[slot], velocity_now(slot));
   // where is the piece, and how turned
   std::vector<int> fitted = slots;
   for (std::size_t k = 0; fitted.size() < 4 && k < beside.size(); ++k) fitted.push_back(beside[k]);
@@ -269,7 +304,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     angular += part * (s.position(slot) - centre).cross(v);
     s.mass[slot] -= part;
     if (s.inverse_mass[slot] > 0.0) s.inverse_mass[slot] = 1.0 / s.mass[slot];
-    if (part > 0.0) out.donors.push_back(slot);
+    if (part > 0.0) out.donors.push_back(slot), sources.emplace_back(part, v);
   };
   const auto give = [&](int slot, double part, const Vec3& v) {  // to one that stays: they mix, momentum is kept
     if (s.inverse_mass[slot] > 0.0) {
@@ -305,6 +340,13 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   }
   target -= std::max(0.0, missing);  // nobody left to give it: the run reports it as an error of the geometry
   const Mat3 inertia = m.material.density * m.thickness * (g.second.trace() * Mat3::Identity() - g.second);
+  Vec3 common = Vec3::Zero();
+  double source_mass = 0.0, energy = 0.0;
+  for (const auto& [part, v] : sources) source_mass += part, common += part * v;
+  common /= source_mass;
+  for (const auto& [part, v] : sources) energy += 0.5 * part * (v - common).squaredNorm();
+  return_excess(s, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(), momentum,
+                angular);
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
   Mat3 frame = axes.eigenvectors();
   if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);

@@ -101,7 +101,11 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     const double full = point_energy(t, s.points[point], s.x);
     recompute(m, s, block, lane);
     double left = point_energy(t, s.points[point], s.x);
-    if (left > kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * s.points[point].area) {
+    const double most = damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) *
+                                            m.thickness * s.points[point].area
+                               : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness *
+                                                        s.points[point].area;
+    if (left > most) {
       // between torn faces one-sided functions see distances that are no strain: such a point is rubble
       s.points[point].kind = PointKind::kDead, s.points[point].functions.clear();
       left = 0.0;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "shell/mechanics/principal.h"
 #include "shell/solver/insertion.h"
 
 namespace sunder::shell {
@@ -11,20 +12,6 @@ namespace {
 
 constexpr double kCrushing = 10.0;       // compressive over tensile strength of glass and ceramics, about
 constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
-
-Vec2 turned(const Vec2& d, double angle) {
-  return {std::cos(angle) * d.x() - std::sin(angle) * d.y(), std::sin(angle) * d.x() + std::cos(angle) * d.y()};
-}
-
-struct Principal {
-  double high, low;
-  Vec2 crack;  // direction of a crack that the higher one opens
-};
-Principal principal(double s11, double s22, double s12) {
-  const double mean = 0.5 * (s11 + s22), half = 0.5 * (s11 - s22), radius = std::hypot(half, s12);
-  const double angle = 0.5 * std::atan2(s12, half);
-  return {mean + radius, mean - radius, Vec2(-std::sin(angle), std::cos(angle))};
-}
 
 double across(const double* s, const Vec2& q) {  // normal stress on a crack along q
   return q.y() * q.y() * s[0] + q.x() * q.x() * s[1] - 2.0 * q.x() * q.y() * s[2];
