@@ -1,7 +1,7 @@
 #include "shell/fracture/medial_axis.h"
 
 #include <algorithm>
-#include <map>
+#include <numeric>
 
 #include <CGAL/Delaunay_triangulation_2.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
@@ -15,7 +15,8 @@ using DelaunayData =
     CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Triangulation_face_base_with_info_2<int, Kernel>>;
 using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, DelaunayData>;
 
-constexpr double kFacing = -0.3;  // cosine between the outward normals of two seeds that face one another
+constexpr double kSamePlace = 1e-6;  // of the distance of two seeds, between their Voronoi vertices
+constexpr double kFacing = -0.3;     // cosine between the outward normals of two seeds that face one another
 
 std::vector<std::vector<int>> walk(const std::vector<std::array<int, 2>>& edges, std::size_t vertices) {
   std::vector<std::vector<int>> at(vertices);  // edges of each vertex
@@ -56,14 +57,30 @@ MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::func
   Delaunay d;
   for (std::size_t i = 0; i < seeds.size(); ++i) d.insert(point(seeds[i].p))->info() = static_cast<int>(i);
   if (d.dimension() < 2) return axis;
-  for (auto f = d.all_faces_begin(); f != d.all_faces_end(); ++f) f->info() = -1;
+  int faces = 0;
+  for (auto f = d.all_faces_begin(); f != d.all_faces_end(); ++f) f->info() = faces++;
+  // four seeds on a circle, as a lattice has many, make two faces with one Voronoi vertex
+  std::vector<int> root(faces), number(faces, -1);
+  std::iota(root.begin(), root.end(), 0);
+  const auto find = [&](int f) {
+    while (root[f] != f) f = root[f] = root[root[f]];
+    return f;
+  };
+  for (auto e = d.finite_edges_begin(); e != d.finite_edges_end(); ++e) {
+    const auto face = e->first, other = face->neighbor(e->second);
+    if (d.is_infinite(face) || d.is_infinite(other)) continue;
+    const double length2 = d.segment(e).squared_length();
+    if (CGAL::squared_distance(d.circumcenter(face), d.circumcenter(other)) < kSamePlace * kSamePlace * length2)
+      root[find(face->info())] = find(other->info());
+  }
   const auto vertex = [&](Delaunay::Face_handle f) {
-    if (f->info() < 0) {
+    int& v = number[find(f->info())];
+    if (v < 0) {
       const Point c = d.circumcenter(f);
-      f->info() = static_cast<int>(axis.vertices.size());
+      v = static_cast<int>(axis.vertices.size());
       axis.vertices.emplace_back(c.x(), c.y());
     }
-    return f->info();
+    return v;
   };
   for (auto e = d.finite_edges_begin(); e != d.finite_edges_end(); ++e) {
     const auto face = e->first, other = face->neighbor(e->second);
@@ -77,7 +94,7 @@ MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::func
     const Point p = d.circumcenter(face), q = d.circumcenter(other);
     if (!inside({p.x(), p.y()}) || !inside({q.x(), q.y()})) continue;
     const int from = vertex(face), to = vertex(other);
-    if ((axis.vertices[from] - axis.vertices[to]).squaredNorm() > 0.0) axis.edges.push_back({from, to});
+    if (from != to) axis.edges.push_back({from, to});
   }
   return axis;
 }

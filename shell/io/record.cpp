@@ -1,6 +1,5 @@
 // What a run leaves behind: frames, series.csv, run.json, progress.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 
 #include <unistd.h>
@@ -14,8 +13,6 @@ namespace {
 
 constexpr double kProgressInterval = 0.5;  // [s]
 constexpr double kCountedShare = 1e-3;     // of the shells' area: smaller shards are splinters
-
-double now() { return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count(); }
 
 std::string quoted(const std::string& text) {
   std::string out = "\"";
@@ -35,7 +32,7 @@ std::string number(double v) { return std::isfinite(v) ? fmt::format("{:.17g}", 
 }  // namespace
 
 void Run::write_frame() {
-  const double start = now();
+  const double start = wall_clock();
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   const ShellModel* model = state_ ? &setup_.shells[0] : nullptr;
@@ -44,7 +41,7 @@ void Run::write_frame() {
   next_frame_ = std::max(next_frame_ + interval, time() + 0.5 * interval);  // a late one does not delay the next
   write_atomically(options_.out + "/series.csv", series_);
   if (time() > 0.0) write_summary("running", nullptr);  // what a killed run leaves says how far it came
-  stage_s_["io"] += now() - start;
+  stage_s_["io"] += wall_clock() - start;
 }
 
 void Run::write_series_row() {
@@ -57,7 +54,7 @@ void Run::write_series_row() {
 
 void Run::progress() {
   if (options_.quiet) return;
-  const double t = now();
+  const double t = wall_clock();
   if (t - last_progress_ < kProgressInterval) return;
   last_progress_ = t;
   const double wall = t - wall_start_, done = time();
@@ -148,8 +145,8 @@ void Run::write_summary(const std::string& status, const Error* error) {
   }
   j += fmt::format(
       "  \"counts\": {{\"patches\": {}, \"control_points\": {}, \"gauss_points\": {}, \"layer_points\": {}, "
-      "\"fragments\": {}, \"handed_off\": {}}},\n",
-      patches, points, gauss, layers, fragments_, handed_off_);
+      "\"fragments\": {}, \"handed_off\": {}, \"rubble_points\": {}}},\n",
+      patches, points, gauss, layers, fragments_, handed_off_, state_ ? state_->rubble : rubble_points_);
   std::string stages;
   double total = 0.0;
   for (const auto& [name, seconds] : stage_s_)
@@ -157,8 +154,8 @@ void Run::write_summary(const std::string& status, const Error* error) {
   j += fmt::format(
       "  \"time\": {{\"simulated_s\": {}, \"wall_s\": {}, \"windows\": {}, \"substeps\": {}, \"frozen_at_s\": {}, "
       "\"frozen_why\": {}, \"stage_s\": {{{}}}}},\n",
-      number(time()), number(now() - wall_start_), windows_, substeps_, frozen_at_ < 0.0 ? "null" : number(frozen_at_),
-      frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
+      number(time()), number(wall_clock() - wall_start_), windows_, substeps_,
+      frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
   j += fmt::format(
       "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": 0, "
       "\"contact\": {}, \"damping\": {}, \"handoff_lost\": {}, \"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "

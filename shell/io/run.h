@@ -1,6 +1,7 @@
 #pragma once
 // A whole run: windows of substeps against proxies, exchanged with the rigid process.
 #include <atomic>
+#include <chrono>
 #include <deque>
 #include <map>
 #include <string>
@@ -26,6 +27,11 @@ struct ShardRecord {
   double birth_speed = 0.0;                    // [m/s]
   int parts = 0;                               // convex ones
 };
+
+/// Seconds of wall time since some moment before the run.
+inline double wall_clock() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 class Run {
  public:
@@ -79,7 +85,7 @@ class Run {
   std::size_t edges_seen_ = 0;  // crack edges that the stable step knows
   std::vector<Vec2> changed_;   // where shape functions or masses have changed since it was last measured
   BodyId first_shard_ = 1, next_id_ = 1;
-  int fragments_ = 0, handed_off_ = 0;
+  int fragments_ = 0, handed_off_ = 0, rubble_points_ = 0;
   double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;
   double initial_step_ = 0.0, smallest_step_ = 0.0;
   double last_push_ = -1.0;                              // when a moving body of the scene last touched the shell [s]

@@ -19,10 +19,10 @@ constexpr double kSpur = 1.5;      // spacings: a shorter side line is noise of 
 constexpr double kUnhealed = 0.5;  // of a line's points: where less is still damaged, waves have passed
 constexpr double kJoin = 1.5, kDamagedJoin = 5.0;  // spacings an end reaches, on sound and on damaged ground
 constexpr double kThrough = 0.8;                   // of a way's cells that make it damaged ground
-constexpr double kBroad = 0.6;  // of the cells around, fully damaged: no middle line tells where the crack goes
+constexpr double kBroad = 0.7;  // of the cells around, fully damaged: no middle line tells where the crack goes
 constexpr double kView = 2.0;   // spacings ahead of an end over which its stress is averaged
 constexpr double kTurn = 20.0 * std::numbers::pi / 180.0;  // most per edge
-constexpr double kTorn = 4.0;  // times the stress at which damage is complete: what is stretched so far is rubble
+constexpr double kTorn = 16.0;  // times the stress at which damage is complete: what is stretched so far is rubble
 
 // Smooths the steps of the cells out of a line, ends held, and cuts it into edges.
 std::vector<Vec2> resampled(std::vector<Vec2> line, double step) {
@@ -217,7 +217,7 @@ void tear(const ShellModel& m, ShellState& s) {
     if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit) continue;
     s.book.fracture += point_energy(m.tables, g, s.x, &d, s.brittleness);
     g.kind = PointKind::kDead, g.functions.clear();
-    ++s.torn;
+    ++s.rubble;
   }
 }
 

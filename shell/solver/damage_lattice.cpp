@@ -38,7 +38,7 @@ DamageLattice::DamageLattice(const ShellModel& m, const ShellState& s, double sp
       return !beside;
     });
     cells[at(i, row)] = beside ? kSpent : kDamaged;
-    now[at(i, row)] = s.points[k].kind != PointKind::kDead && s.damage[k].damage() >= 1.0f;
+    now[at(i, row)] = s.points[k].kind == PointKind::kDead || s.damage[k].damage() >= 1.0f;
   }
 }
 
@@ -73,8 +73,8 @@ double DamageLattice::damaged_share(const Vec2& a, const Vec2& b) const {
 double DamageLattice::breadth(const Vec2& p) const {
   int i, j, inside = 0, full = 0;
   if (cell_of(p, i, j) < 0) return 0.0;
-  for (int q = -2; q <= 2; ++q)
-    for (int r = -2; r <= 2; ++r)
+  for (int q = -3; q <= 3; ++q)
+    for (int r = -3; r <= 3; ++r)
       if (holds(i + r, j + q)) ++inside, full += now[at(i + r, j + q)];
   return static_cast<double>(full) / inside;
 }

@@ -11,7 +11,7 @@ struct DamageLattice {
   const ShellModel* model;
   int columns, rows;
   std::vector<Cell> cells;  // whether it was ever fully damaged, in any layer
-  std::vector<char> now;    // it is fully damaged at present
+  std::vector<char> now;    // it is fully damaged at present, or rubble
 
   /// Cells nearer than `spent` [m] to a crack are that crack's.
   DamageLattice(const ShellModel& model, const ShellState& state, double spent);
@@ -26,7 +26,7 @@ struct DamageLattice {
   bool damaged(const Vec2& p) const;
   /// Of the cells of a straight way from a to b, the share that was ever fully damaged.
   double damaged_share(const Vec2& a, const Vec2& b) const;
-  /// Of the cells within two of that of `p`, the share that is fully damaged at present.
+  /// Of the cells within three of that of `p`, the share that is fully damaged at present.
   double breadth(const Vec2& p) const;
   /// Middles of the sides between damaged cells and others, with normals of the blurred region.
   std::vector<BoundarySample> boundary() const;

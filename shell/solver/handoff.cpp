@@ -196,6 +196,8 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   }
   for (GatheredPoint& g : s.points)
     if (g.kind != PointKind::kDead && own[g.functions[0].slot]) g.kind = PointKind::kDead, g.functions.clear();
+  for (std::size_t i = 0; i < s.damage.size(); ++i)  // what has left is no crack of what stands
+    if (own[s.points[i].block / (t.gauss * t.gauss) * t.stride + s.points[i].lane]) s.damage[i].history.fill(0.0f);
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];

@@ -20,12 +20,14 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
   const int index = gather_point(m, s, block, lane);
   GatheredPoint& g = s.points[index];
   const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, lane, block / (t.gauss * t.gauss));
+  const bool bore = g.kind != PointKind::kDead;
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
   g.functions = to_slots(m, mls);
   if (!s.damage.empty()) s.damage[index].fresh = true;
   if (g.kind == PointKind::kDead) {
+    s.rubble += bore;
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
     return;
   }
@@ -101,13 +103,14 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     const double full = point_energy(t, s.points[point], s.x);
     recompute(m, s, block, lane);
     double left = point_energy(t, s.points[point], s.x);
-    const double most = damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) *
-                                            m.thickness * s.points[point].area
-                               : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness *
-                                                        s.points[point].area;
+    const double most =
+        damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness *
+                            s.points[point].area
+               : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * s.points[point].area;
     if (left > most) {
       // between torn faces one-sided functions see distances that are no strain: such a point is rubble
       s.points[point].kind = PointKind::kDead, s.points[point].functions.clear();
+      ++s.rubble;
       left = 0.0;
     }
     // a damaged point stores the same share of the full energy of what is left

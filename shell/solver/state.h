@@ -57,7 +57,7 @@ struct ShellState {
   std::vector<int> point_of;           // [block][lane]: index into points, -1: none
   std::vector<PointDamage> damage;     // of each gathered point where damage drives the cracks, else empty
   double brittleness = 0.0;            // H of eq. 9; 0: cracks are not driven by damage
-  int torn = 0;                        // points stretched so far beyond complete damage that they bear nothing
+  int rubble = 0;                      // Gauss points of standing pieces that bear nothing any more
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Tip> tips;
   std::vector<Interlock> interlocks;

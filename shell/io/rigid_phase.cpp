@@ -1,0 +1,133 @@
+// When a shell has broken enough, and what follows: it is frozen, and the engine runs on alone.
+#include <algorithm>
+#include <cmath>
+
+#include "shell/io/run.h"
+
+namespace sunder::shell {
+namespace {
+
+// Of the thickness, that two bodies that can meet may approach in a window without a shell. With Bullet they
+// pass through a plate unseen once they move by more than its thickness and 2 mm in a window.
+constexpr double kSettleTravel = 1.25;
+constexpr int kRigidSubsteps = 4;  // of free flight in a window without a shell
+
+}  // namespace
+
+bool Run::impact_ahead() const {
+  Eigen::AlignedBox3d box;
+  const ShellModel& m = setup_.shells[0];
+  for (int i = 0; i < m.control_points(); ++i)
+    if (!state_->gone[m.tables.slot(i)]) box.extend(state_->position(m.tables.slot(i)));
+  for (std::size_t i = 0; i < setup_.bodies.size() && !box.isEmpty(); ++i) {
+    const BodyMotion& b = proxies_[i].body.motion;
+    if (proxies_[i].body.is_static) continue;
+    const Vec3 pad = Vec3::Constant(proxies_[i].radius() + m.thickness);
+    if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) {  // there: does it move beside the shell?
+      const double reach = pad.x() + m.spacing + setup_.quiet_time * b.velocity.norm();
+      for (int k = 0; k < m.control_points() && b.velocity.norm() > 0.0; ++k)
+        if (!state_->gone[m.tables.slot(k)] &&
+            (state_->position(m.tables.slot(k)) - b.position).squaredNorm() <= reach * reach)
+          return true;
+      continue;
+    }
+    double from = 0.0, to = setup_.end_time - time();  // when its straight path is in the box
+    for (int d = 0; d < 3; ++d) {
+      const double low = box.min()[d] - pad[d] - b.position[d], high = box.max()[d] + pad[d] - b.position[d];
+      const double v = b.velocity[d];
+      if (v == 0.0 && (low > 0.0 || high < 0.0)) to = -1.0;
+      if (v == 0.0) continue;
+      from = std::max(from, std::min(low / v, high / v)), to = std::min(to, std::max(low / v, high / v));
+    }
+    if (from <= to) return true;
+  }
+  return false;
+}
+
+std::string Run::cracking_has_ended() {
+  if (setup_.latest_freeze < setup_.end_time && time() >= setup_.latest_freeze * (1.0 - 1e-9)) return "latest_freeze_s";
+  if (state_->last_crack_time < 0.0) return "";
+  for (const char done : state_->cut_done)
+    if (!done) return "";
+  const double length = state_->cracks.total_length(), since = time() - setup_.quiet_time * (1.0 + 1e-9);
+  crack_lengths_.emplace_back(time(), length);
+  while (crack_lengths_.size() > 1 && crack_lengths_[1].first <= since) crack_lengths_.pop_front();
+  const auto& [then, before] = crack_lengths_.front();
+  if (then <= since + setup_.window && last_push_ <= since && length - before <= setup_.quiet_growth * length &&
+      !impact_ahead())
+    return fmt::format("cracks grew by {:.2g} of their length within {:g} s", 1.0 - before / length, setup_.quiet_time);
+  return "";
+}
+
+void Run::freeze_shell(const std::string& why) {
+  const ShellModel& m = setup_.shells[0];
+  std::vector<RigidBody> births = take_off(true);
+  const double before = total_energy(dt_);
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, *state_, pieces);
+  for (int i = 0; i < m.tables.plane; ++i)
+    if (state_->inverse_mass[i] > 0.0) frozen_potential_ -= state_->mass[i] * setup_.gravity.dot(state_->position(i));
+  const Handoff frozen = freeze(m, *state_, t, pieces, next_id_++);
+  const RigidBody& remains = frozen.body;
+  const auto& shape = std::get<ConvexShape>(remains.shape);
+  if (!shape.parts.empty()) {
+    births.push_back(remains);
+    frames_.draw_as(remains.id, frozen.drawn);
+    proxies_.emplace_back(remains);
+  }
+  book_ = state_->book, rubble_points_ = state_->rubble;
+  frozen_hash_ = state_hash();
+  frozen_at_ = time(), frozen_why_ = why;
+  frozen_wall_ = wall_clock();
+  state_.reset();
+  book_.frozen += before - total_energy(dt_);
+  fly(setup_.window, proxies_.size() - births.size());  // newborn bodies do not move in the window of their birth
+  exchange(1, setup_.window, births);
+}
+
+std::int64_t Run::settle_ticks() const {
+  const auto most = static_cast<std::int64_t>(std::llround(setup_.settle_window / setup_.window));
+  if (setup_.shells.empty() || most <= 1) return most;
+  double thickness = setup_.shells[0].thickness;
+  for (const ShellModel& m : setup_.shells) thickness = std::min(thickness, m.thickness);
+  const double travel = kSettleTravel * thickness;
+  double longest = setup_.settle_window;
+  for (std::size_t i = 0; i < proxies_.size(); ++i) {
+    const RigidBody& a = proxies_[i].body;
+    if (!std::isfinite(proxies_[i].radius())) continue;  // nothing passes through a half space
+    for (std::size_t j = 0; j < i; ++j) {
+      const RigidBody& b = proxies_[j].body;
+      if (!std::isfinite(proxies_[j].radius()) || (a.is_static && b.is_static)) continue;
+      const double gap = (a.motion.position - b.motion.position).norm() - proxies_[i].radius() - proxies_[j].radius();
+      const double speed = (a.motion.velocity - b.motion.velocity).norm();
+      if (speed * longest <= travel || gap > speed * longest) continue;
+      longest = std::max(travel / speed, setup_.window);
+    }
+  }
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(longest / setup_.window * (1.0 + 1e-9)));
+}
+
+void Run::fly(double window, std::size_t count) {
+  const double h = window / kRigidSubsteps;
+  for (std::size_t i = 0; i < count; ++i)
+    for (int k = 0; k < kRigidSubsteps && !proxies_[i].body.is_static; ++k) {
+      Proxy& p = proxies_[i];
+      p.body.motion.velocity += h * setup_.gravity;
+      p.body.drift(h);
+      p.body.motion.position -= 0.5 * h * h * setup_.gravity;  // exact: the mean of both velocities
+    }
+}
+
+void Run::rigid_window() {
+  const std::int64_t end = std::llround(setup_.end_time / setup_.window);
+  const int ticks = static_cast<int>(std::max<std::int64_t>(1, std::min(settle_ticks(), end - tick_)));
+  const double window = ticks * setup_.window;
+  fly(window, proxies_.size());
+  exchange(ticks, window, {});
+  const double energy = total_energy(0.0);
+  const EnergyBook& b = book_;
+  const double booked = b.fracture + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected;
+  close_books(energy + booked);
+}
+
+}  // namespace sunder::shell

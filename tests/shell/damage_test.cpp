@@ -1,0 +1,254 @@
+// The damage law and the cracks that are made of it.
+#include <map>
+#include <random>
+#include <set>
+
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+#include "shell/solver/damage_cracks.h"
+#include "shell/solver/damage_lattice.h"
+#include "shell/solver/insertion.h"
+#include "shell/solver/tips.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+using Mat2 = Eigen::Matrix2d;
+
+constexpr double kYoung = 3e9, kStrength = 2e6, kToughness = 12.0;
+
+ShellModel panel(int elements, double poisson) {
+  ShellMaterial m;
+  m.density = 1000, m.youngs_modulus = kYoung, m.poisson_ratio = poisson;
+  m.strength = kStrength, m.fracture_energy = kToughness;
+  return make_shell("p", plate(0.3, 0.3, elements, elements, Vec3::Zero(), Quat::Identity()), 0.01, m, 2, 2, {});
+}
+
+double width(const ShellModel& m) { return std::sqrt(3.0) * m.spacing; }
+
+ShellState damaging(const ShellModel& m) {
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  s.brittleness = brittleness(kStrength, kYoung, kToughness, width(m));
+  EXPECT_GT(s.brittleness, 0.0);
+  return s;
+}
+
+void stretch_x(const ShellModel& m, ShellState& s, double strain) {
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    s.x[slot] = m.rest[slot] * std::sqrt(1.0 + 2.0 * strain);  // Green's strain
+  }
+}
+
+// Puts complete damage where `region` says so, as the law would have found it.
+template <class F>
+void damage_where(const ShellModel& m, ShellState& s, F&& region) {
+  for (int q = 0; q < m.tables.blocks(); ++q)
+    for (int e = 0; e < m.tables.spans_u; ++e)
+      if (region(gauss_point(m.patch, m.tables, q, e).parameter)) {
+        const int point = gather_point(m, s, q, e);
+        for (auto* layers : {&s.damage[point].now, &s.damage[point].history}) (*layers)[0] = 1.0f;
+      }
+}
+
+int pieces_of_graph(const CrackGraph& g) {
+  std::vector<int> root(g.vertices().size());
+  for (std::size_t i = 0; i < root.size(); ++i) root[i] = static_cast<int>(i);
+  const auto find = [&](int v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  for (const CrackEdge& e : g.edges()) root[find(e.from)] = find(e.to);
+  std::set<int> roots;
+  for (const CrackEdge& e : g.edges()) roots.insert(find(e.from));
+  return static_cast<int>(roots.size());
+}
+
+}  // namespace
+
+TEST(RankineDamage, WeakensThePositivePartOfTheCauchyStress) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int damaged = 0;
+  for (int k = 0; k < 2000; ++k) {
+    Mat2 f;
+    f << 1.0 + 0.3 * uniform(random), 0.3 * uniform(random), 0.3 * uniform(random), 1.0 + 0.3 * uniform(random);
+    const Mat2 metric = f.transpose() * f;
+    const double volume = 0.9 + 0.1 * uniform(random), h = 0.7, strength = 0.4;
+    Mat2 stress;
+    stress << uniform(random), uniform(random), 0.0, uniform(random);
+    stress(1, 0) = stress(0, 1);
+    // by the spectral theorem, in Cartesian components
+    const Mat2 cauchy = f * stress * f.transpose() / volume;
+    const Eigen::SelfAdjointEigenSolver<Mat2> own(cauchy);
+    const double high = own.eigenvalues()[1];
+    const double c = high > strength ? std::min(1.0, (1.0 + h) * (1.0 - strength / high)) : 0.0;
+    Mat2 weak = cauchy;
+    for (int i = 0; i < 2; ++i)
+      weak -=
+          c * std::max(0.0, own.eigenvalues()[i]) * own.eigenvectors().col(i) * own.eigenvectors().col(i).transpose();
+    const Mat2 expected = volume * f.inverse() * weak * f.inverse().transpose();
+    Sym2<double> s{stress(0, 0), stress(1, 1), stress(0, 1)};
+    const double found = weaken<double>(s, {metric(0, 0), metric(1, 1), metric(0, 1)}, volume, strength, h);
+    damaged += c > 0.0;
+    EXPECT_NEAR(found, c, 1e-12);
+    EXPECT_NEAR(s.c11, expected(0, 0), 1e-11);
+    EXPECT_NEAR(s.c22, expected(1, 1), 1e-11);
+    EXPECT_NEAR(s.c12, expected(0, 1), 1e-11);
+  }
+  EXPECT_GT(damaged, 500);
+}
+
+TEST(RankineDamage, PeaksAtTheStrengthAndTakesTheFractureEnergy) {
+  const ShellModel m = panel(32, 0.0);
+  ShellState s = damaging(m);
+  const double complete = kStrength / kYoung * (1.0 + s.brittleness) / s.brittleness;
+  const int end = m.tables.slot(m.tables.columns - 1);  // the border's force is the stress times its share of it
+  double border = 0.0, peak = 0.0, work = 0.0, before = 0.0, strain_before = 0.0;
+  compute_forces(m, s, false, 1.0, 1);
+  constexpr int kSteps = 2000;
+  for (int k = 1; k <= kSteps; ++k) {
+    const double strain = 1.02 * complete * k / kSteps;
+    stretch_x(m, s, strain);
+    compute_forces(m, s, false, 1.0, 1);
+    watch_stress(m, s);
+    compute_forces(m, s, false, 1.0, 1);
+    double force = 0.0;
+    for (int j = 0; j < m.tables.rows; ++j) force -= s.force[end + j * m.tables.stride];
+    const double stress = force / (0.3 * m.thickness);
+    border = std::max(border, std::abs(stress));
+    peak = std::max(peak, stress);
+    work += 0.5 * (stress + before) * (strain - strain_before);
+    before = stress, strain_before = strain;
+  }
+  EXPECT_NEAR(peak / kStrength, 1.0, 5e-3);  // nominal stress against Cauchy's: strains of 1e-3
+  EXPECT_NEAR(work * width(m) / kToughness, 1.0, 5e-3);
+  EXPECT_LT(std::abs(before), 1e-3 * kStrength);  // nothing is borne at the end
+  EXPECT_EQ(s.points.size(), static_cast<std::size_t>(m.tables.gauss_points()));
+}
+
+TEST(RankineDamage, HealsAlongTheSameWayAndGivesTheEnergyBack) {
+  const ShellModel m = panel(32, 0.0);
+  ShellState s = damaging(m);
+  const double complete = kStrength / kYoung * (1.0 + s.brittleness) / s.brittleness;
+  const double volume = 0.3 * 0.3 * m.thickness;
+  double worst = 0.0;
+  for (int k = 0; k <= 4000; ++k) {
+    const double strain = 1.01 * complete * std::sin(M_PI * k / 4000.0);
+    stretch_x(m, s, strain);
+    compute_forces(m, s, false, 1.0, 1);
+    watch_stress(m, s);
+    const double energy = compute_forces(m, s, true, 1.0, 1) / volume;
+    const double first = kStrength / kYoung;  // strain at the peak: a triangle under the curve
+    const double rest = std::max(0.0, complete - strain);
+    const double exact = strain < first
+                             ? 0.5 * kYoung * strain * strain
+                             : 0.5 * kStrength * complete - 0.5 * kStrength * rest * rest / (complete - first);
+    worst = std::max(worst, std::abs(energy - exact));
+  }
+  EXPECT_LT(worst, 0.01 * 0.5 * kStrength * complete);
+  for (const PointDamage& d : s.damage) {
+    EXPECT_EQ(d.damage(), 0.0f);
+    EXPECT_EQ(d.worst(), 1.0f);
+  }
+}
+
+TEST(MedialAxis, OfABandIsItsMiddleAndOfATeeHasOneJunction) {
+  const ShellModel m = panel(50, 0.2);
+  const double cell = 0.5 * m.spacing;
+  const auto axis_of = [&](const std::function<bool(const Vec2&)>& inside) {
+    ShellState s = damaging(m);
+    damage_where(m, s, inside);
+    const DamageLattice grid(m, s, 0.0);
+    return medial_axis(grid.boundary(), [&](const Vec2& p) { return grid.damaged(p); });
+  };
+  const auto band = [&](const Vec2& p) { return std::abs(p.y() - 0.15) < 4.0 * cell && p.x() > 0.03 && p.x() < 0.27; };
+  const MedialAxis straight = axis_of(band);
+  const auto lines = polylines(straight, 10.0 * cell);
+  ASSERT_EQ(lines.size(), 1u);
+  for (const int v : lines[0]) EXPECT_NEAR(straight.vertices[v].y(), 0.15, 0.51 * cell);
+  const Vec2 first = straight.vertices[lines[0].front()], last = straight.vertices[lines[0].back()];
+  EXPECT_NEAR(first.x() + last.x(), 0.3, 2.0 * cell);
+  EXPECT_GT((first - last).norm(), 0.24 - 10.0 * cell);  // but for half the breadth at both ends
+  const MedialAxis branched = axis_of(
+      [&](const Vec2& p) { return band(p) || (std::abs(p.x() - 0.15) < 4.0 * cell && p.y() >= 0.15 && p.y() < 0.27); });
+  const auto three = polylines(branched, 10.0 * cell);
+  ASSERT_EQ(three.size(), 3u);
+  std::map<int, int> ends;
+  for (const auto& line : three) ++ends[line.front()], ++ends[line.back()];
+  int junctions = 0;
+  for (const auto& [v, count] : ends)
+    if (count == 3) {
+      ++junctions;
+      EXPECT_LT((branched.vertices[v] - Vec2(0.15, 0.15)).norm(), 4.0 * cell);
+    }
+  EXPECT_EQ(junctions, 1);
+}
+
+TEST(MedialAxis, DoesNotComeBackBesideAnEarlierCrack) {
+  std::vector<BoundarySample> seeds;
+  for (double x = 0.1; x < 0.9; x += 0.02)
+    for (const double side : {-1.0, 1.0}) seeds.push_back({Vec2(x, 0.5 + 0.03 * side), Vec2(0, side), side < 0.0});
+  EXPECT_TRUE(medial_axis(seeds, [](const Vec2&) { return true; }).edges.empty());
+}
+
+TEST(ExtractCracks, FollowsACurvedBandStageByStageWithoutAGap) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  const auto middle = [](double x) { return 0.12 + 0.8 * x * (0.3 - x); };
+  std::vector<CrackEdge> earlier;
+  for (const double reach : {0.12, 0.2, 0.31}) {
+    damage_where(m, s,
+                 [&](const Vec2& p) { return p.x() < reach && std::abs(p.y() - middle(p.x())) < 0.9 * m.spacing; });
+    extract_cracks(m, s, reach);
+    const auto& edges = s.cracks.edges();
+    ASSERT_GT(edges.size(), earlier.size()) << reach;
+    for (std::size_t k = 0; k < earlier.size(); ++k) {
+      EXPECT_EQ(edges[k].a, earlier[k].a);
+      EXPECT_EQ(edges[k].b, earlier[k].b);
+    }
+    for (const CrackEdge& e : edges) EXPECT_NEAR(e.b.y(), middle(e.b.x()), m.spacing) << reach;
+    EXPECT_EQ(pieces_of_graph(s.cracks), 1) << reach;
+    earlier = edges;
+  }
+  EXPECT_LT(s.cracks.total_length(), 0.38);  // once, not also beside itself: the curve is 0.315 m long
+  // it runs out at both borders: nothing above sees anything below
+  for (double x = 0.01; x < 0.3; x += 0.01) EXPECT_FALSE(s.cracks.visible({x, 0.05}, {x, 0.25})) << x;
+}
+
+TEST(ExtractCracks, BroadDamageStartsOneCrackAcrossTheLargestStress) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.15, 0.15)).norm() < 5.0 * m.spacing; });
+  stretch_x(m, s, 2e-3);
+  extract_cracks(m, s, 0.0);
+  ASSERT_EQ(s.cracks.edges().size(), 1u);
+  const Vec2 d = (s.cracks.edges()[0].b - s.cracks.edges()[0].a).normalized();
+  EXPECT_NEAR(std::abs(d.y()), 1.0, 1e-6);
+  for (int k = 0; k < 5; ++k) extract_cracks(m, s, 0.0);
+  EXPECT_EQ(pieces_of_graph(s.cracks), 1);
+  EXPECT_GT(s.cracks.total_length(), 3.0 * m.spacing);
+}
+
+TEST(ExtractCracks, WhatHasHealedIsNotCut) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  damage_where(m, s, [&](const Vec2& p) { return std::abs(p.y() - 0.15) < 0.9 * m.spacing; });
+  for (PointDamage& d : s.damage) d.now.fill(0.0f);
+  EXPECT_EQ(extract_cracks(m, s, 0.0), 0);
+}
+
+TEST(ExtractCracks, TornPointsLetGoAndAreCounted) {
+  const ShellModel m = panel(32, 0.0);
+  ShellState s = damaging(m);
+  damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.15, 0.15)).norm() < 0.4 * m.spacing; });
+  stretch_x(m, s, 0.05);
+  const int damaged = static_cast<int>(s.points.size());
+  ASSERT_GT(damaged, 0);
+  extract_cracks(m, s, 0.0);
+  EXPECT_EQ(s.rubble, damaged);
+}
