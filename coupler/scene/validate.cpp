@@ -166,6 +166,10 @@ void validate(const LoadedScene& s) {
   }
   const auto& r = m.fracture();
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
+  if (r.has_damage_width_m()) {
+    positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
+    s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");
+  }
   if (r.has_quiet_growth())
     s.check(r.quiet_growth() >= 0.0 && r.quiet_growth() < 1.0, "fracture.quiet_growth",
             "is {}, must be a share from 0 to below 1", r.quiet_growth());

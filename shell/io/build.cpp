@@ -192,7 +192,9 @@ RunSetup build(const scene::LoadedScene& scene) {
     }
     const auto mode = m.fracture().mode();
     r.tips = s.material.strength > 0.0 && mode != proto::Fracture::CUTS && mode != proto::Fracture::DAMAGE;
-    if (s.material.strength > 0.0 && mode == proto::Fracture::DAMAGE) {
+    if (mode == proto::Fracture::DAMAGE) {
+      scene.check(s.material.strength > 0.0, "fracture.mode", "DAMAGE needs a strength, which material '{}' has not",
+                  m.shells(i).material());
       const double width =
           m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : std::sqrt(3.0) * s.spacing;
       const ShellMaterial& q = s.material;
@@ -201,7 +203,7 @@ RunSetup build(const scene::LoadedScene& scene) {
       scene.check(
           r.brittleness > 0.0, "fracture.mode",
           "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
-          "below 2 E G_f / strength^2 = {:.3g} m; refine, or take a fracture_energy above {:.3g} J/m^2, or TIPS",
+          "below 2 E G_f / strength^2 = {:.3g} m; take more elements, a fracture_energy above {:.3g} J/m^2, or TIPS",
           width, widest, q.fracture_energy * width / widest);
     }
     if (r.brittleness > 0.0) r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run

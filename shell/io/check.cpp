@@ -47,7 +47,14 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
     out +=
         fmt::format("memory         about {:.0f} MB\n",
                     1e-6 * (2.0 * 8.0 * s.tables.metric.size() + 8.0 * (s.surface_stress.size() + 12.0 * s.x.size())));
-    if (m.material.strength > 0.0) {
+    if (setup.brittleness > 0.0) {
+      const double width = 2.0 * m.material.youngs_modulus * m.material.fracture_energy /
+                           (m.material.strength * m.material.strength) * setup.brittleness / (1.0 + setup.brittleness);
+      out += fmt::format(
+          "fracture       damage over {:.3g} m: complete at {:.2f} times the strain of the strength, and takes {:.3g} "
+          "J/m^2\n",
+          width, (1.0 + setup.brittleness) / setup.brittleness, m.material.fracture_energy);
+    } else if (m.material.strength > 0.0) {
       const double resolved = 2.0 * m.material.youngs_modulus * m.material.fracture_energy /
                               (std::sqrt(3.0) * m.material.strength * m.material.strength);
       out += m.spacing < resolved

@@ -107,6 +107,13 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"EndBeforeTheFirstWindow", "end_time_s: 1", "end_time_s: 1e-5", 2, "less than one window"},
         Case{"WindowBelowTheStableStep", "window_s: 1e-4", "window_s: 1e-8", 3, "shorter than the stable step"},
         Case{"BodyInsideTheShell", "z: 0.1", "z: 0.01", 15, "inside shell"},
+        Case{"DamageThatTheGridDoesNotResolve", "poisson_ratio: 0.22 }",
+             "poisson_ratio: 0.22 strength: 6e7 fracture_energy: 8 }\nfracture { mode: DAMAGE }", 5,
+             "take more elements"},
+        Case{"DamageWithoutAStrength", "end_time_s: 1\n", "end_time_s: 1 fracture { mode: DAMAGE }\n", 2,
+             "needs a strength"},
+        Case{"DamageWidthOfAnotherMode", "end_time_s: 1\n", "end_time_s: 1 fracture { damage_width_m: 0.1 }\n", 2,
+             "leave it out"},
         Case{"SpanOfABillionElements", "elements_x: 16", "elements_x: 1000000000", 9, "1 to 4096"}),
     [](const testing::TestParamInfo<Case>& i) { return std::string(i.param.name); });
 

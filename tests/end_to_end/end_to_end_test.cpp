@@ -57,6 +57,17 @@ TEST(CutPane, HandsOffTheSquareAndItFallsToTheFloor) {
   EXPECT_NEAR(cells[8], 0.002, 5e-4);                    // height of its middle: half the thickness
 }
 
+TEST(TornSheet, TearsThroughAndItsBooksClose) {
+  Pair run("torn_sheet.textproto", {"--until", "0.01"});
+  ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
+  EXPECT_LT(std::abs(run.number("energy.residual_relative")), 0.01);
+  EXPECT_LT(run.number("energy.crack_injected"), 0.05 * run.number("energy.dissipated_fracture"));
+  EXPECT_GT(run.number("handoff.area_m2"), 0.08);  // of 0.16: what was above the notch has come off
+  EXPECT_LT(run.number("handoff.momentum_error_max"), 1e-10);
+  EXPECT_LT(run.number("handoff.angular_momentum_error_max"), 1e-10);
+  EXPECT_GE(run.number("stable_step.smallest_s"), 0.7 * run.number("stable_step.initial_s"));
+}
+
 TEST(Run, IsTheSameForOneAndTwoThreadsAndNotForAnotherSpeed) {
   const auto hash = [](const std::vector<std::string>& options) {
     std::vector<std::string> all{
