@@ -17,6 +17,9 @@ constexpr double kSpent = 1.25;    // spacings beside a crack whose damage is th
 constexpr double kShortest = 1.5;  // spacings: a shorter line waits until it has grown
 constexpr double kSpur = 1.5;      // spacings: a shorter side line is noise of the boundary
 constexpr double kUnhealed = 0.5;  // of a line's points: where less is still damaged, waves have passed
+// Middle lines of lattice cells run through control points, where lines that meet head on differ in which side
+// such a point belongs to; spacings off it none does.
+constexpr double kOffLattice = 0.013;
 constexpr double kJoin = 1.5, kDamagedJoin = 5.0;  // spacings an end reaches, on sound and on damaged ground
 constexpr double kThrough = 0.8;                   // of a way's cells that make it damaged ground
 constexpr double kBroad = 0.7;  // of the cells around, fully damaged: no middle line tells where the crack goes
@@ -168,7 +171,8 @@ int insert_lines(const ShellModel& m, ShellState& s, const DamageLattice& grid, 
       unhealed += c >= 0 && grid.now[c];
     }
     if (length < kShortest * m.spacing || unhealed < kUnhealed * static_cast<double>(line.size())) continue;
-    const std::vector<Vec2> points = resampled(std::move(fine), kStep * m.spacing);
+    std::vector<Vec2> points = resampled(std::move(fine), kStep * m.spacing);
+    for (Vec2& p : points) p += kOffLattice * m.spacing * Vec2(1.0, 1.3);
     const int crack = s.cracks.new_crack();
     const auto end = [&](int v, const Vec2& p) {
       if (number[v] < 0) number[v] = s.cracks.add_vertex(p);

@@ -313,7 +313,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
       const Vec3 old = s.velocity(slot);
       s.add_velocity(slot, (s.mass[slot] * old + part * v) / (s.mass[slot] + part) - old);
     }
-    receive(slot, -part, v);
+    receive(slot, -part, s.inverse_mass[slot] > 0.0 ? v : Vec3(Vec3::Zero()));  // what is held takes no momentum
   };
   const auto velocity_of = [&](int slot) -> Vec3 {  // the one it goes on with
     return m.held[slot] ? Vec3(Vec3::Zero()) : s.velocity(slot);
