@@ -59,9 +59,9 @@ ShellModel make_model(const scene::LoadedScene& scene, const proto::Shell& s, co
   material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : 4e-3;
   material.mass_damping = mat.mass_damping_per_s();
   material.stiffness_damping = mat.stiffness_damping_s();
-  std::vector<EdgeSupport> supports;
+  std::vector<Support> supports;
   for (const auto& support : s.supports()) {
-    EdgeSupport e;
+    Support e;
     e.clamped = support.kind() == proto::Support::CLAMPED;
     for (const int edge : support.edges())
       e.edges |= edge == proto::Support::ALL ? kUMin | kUMax | kVMin | kVMax : 1 << (edge - proto::Support::U_MIN);

@@ -140,6 +140,7 @@ void Run::substep(double dt) {
   }
   {
     Stopwatch w(stage_s_["kick_drift"]);
+    constrain(m, s, dt);
     drift(s, dt);
     for (Proxy& p : proxies_)
       if (!p.body.is_static) p.body.drift(dt);

@@ -15,8 +15,8 @@ double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh e
 }
 
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
-                      int layers, int gauss, const std::vector<EdgeSupport>& supports) {
-  ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, 0, 0, 0};
+                      int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
+  ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0};
   m.tables = make_row_tables(m.patch, gauss, gauss_layers(layers, thickness),
                              elasticity(material.youngs_modulus, material.poisson_ratio), "shell '" + name + "'");
   const RowTables& t = m.tables;
@@ -35,13 +35,15 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
     for (int d = 0; d < 3; ++d)
       m.rest[static_cast<std::size_t>(d) * t.plane + t.slot(i)] = m.patch.control_points[i][d];
   m.held.assign(t.plane, 0);
-  for (const EdgeSupport& support : supports)
-    for (int i = 0; i < m.control_points(); ++i) {
-      const int column = i % t.columns, row = i / t.columns, width = support.clamped ? 2 : 1;
-      if (((support.edges & kUMin) && column < width) || ((support.edges & kUMax) && column >= t.columns - width) ||
-          ((support.edges & kVMin) && row < width) || ((support.edges & kVMax) && row >= t.rows - width))
-        m.held[t.slot(i)] = 1;
-    }
+  m.constraints = make_constraints(m.patch, supports, t.stride, "shell '" + name + "'");
+  m.loads = prepare_loads(m.patch, t, loads, "shell '" + name + "'");
+  std::vector<int> axes(t.plane, 0);
+  for (const auto& slots : m.constraints.held)
+    for (const int slot : slots) ++axes[slot];
+  for (const auto& driven : m.constraints.driven)
+    for (const auto& slots : driven.slots)
+      for (const int slot : slots) ++axes[slot];
+  for (int i = 0; i < t.plane; ++i) m.held[i] = axes[i] >= 3;
   for (int i = 0; i < m.control_points(); ++i) m.parameter.push_back(m.patch.greville(i));
   m.spacing_u = (m.patch.knots_u.end() - m.patch.knots_u.begin()) / t.spans_u;
   m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;

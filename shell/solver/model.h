@@ -5,6 +5,8 @@
 
 #include "shell/geometry/patch.h"
 #include "shell/mechanics/row_tables.h"
+#include "shell/solver/loads.h"
+#include "shell/solver/supports.h"
 
 namespace sunder::shell {
 
@@ -25,9 +27,11 @@ struct ShellModel {
   ShellMaterial material;
   std::uint32_t contact_group = 0;
   RowTables tables;
-  std::vector<double> mass;     // lumped, of each slot [kg]; padding 0
-  std::vector<double> rest;     // positions at rest, [3][plane]
-  std::vector<char> held;       // slot is held by a support
+  std::vector<double> mass;  // lumped, of each slot [kg]; padding 0
+  std::vector<double> rest;  // positions at rest, [3][plane]
+  std::vector<char> held;    // slot is held by a support, along all axes
+  Constraints constraints;
+  std::vector<PreparedLoad> loads;
   std::vector<Vec2> parameter;  // Greville point of each control point
   double spacing = 0.0;         // mean length of an element [m]
   double spacing_u = 0.0, spacing_v = 0.0;
@@ -37,14 +41,7 @@ struct ShellModel {
   double rayleigh_speed() const;  // [m/s]
 };
 
-/// Edges of a patch as bits.
-enum EdgeBit { kUMin = 1, kUMax = 2, kVMin = 4, kVMax = 8 };
-struct EdgeSupport {
-  int edges = 0;
-  bool clamped = true;  // slope held too
-};
-
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
-                      int layers, int gauss, const std::vector<EdgeSupport>& supports);
+                      int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads = {});
 
 }  // namespace sunder::shell

@@ -78,6 +78,11 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
                           s.brittleness > 0.0 ? &law : nullptr);
   s.book.fracture -= law.healed;
   s.interlock_energy = interlock_forces(m, s);
+  if (!m.loads.empty()) {
+    s.external.assign(s.force.size(), 0.0);
+    for (const PreparedLoad& load : m.loads) add_load(load, s.tables, s.points, s.point_of, s.time, s.x, s.external);
+    for (std::size_t i = 0; i < s.force.size(); ++i) s.force[i] += s.external[i];
+  }
   return energy ? sum + s.interlock_energy : 0.0;
 }
 

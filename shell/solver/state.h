@@ -39,12 +39,15 @@ struct EnergyBook {
   double injected = 0.0;  // positive jumps at insertion
   double contact = 0.0;   // inelastic and frictional, shell against bodies
   double handoff = 0.0;   // kinetic and elastic energy that a rigid piece cannot carry
+  double external = 0.0;  // work of loads and of supports that move, counted as gained
   double damping = 0.0;   // Rayleigh
   double frozen = 0.0;    // of what is held when the shell is frozen
 };
 
 struct ShellState {
   std::vector<double> x, v, force;     // [3][plane]
+  double time = 0.0;                   // of the positions, for loads and supports that change [s]
+  std::vector<double> external;        // [3][plane], of the loads as `force` last had them; empty: no loads
   std::vector<double> last_force;      // of the substep before, for stiffness damping; empty: not comparable
   std::vector<double> mass;            // of each slot, as it stands (pieces that left took theirs)
   std::vector<double> inverse_mass;    // 0: held, padding or gone
@@ -83,7 +86,7 @@ struct ShellState {
 
 ShellState make_state(const ShellModel& model, const Vec3& velocity, std::uint64_t seed);
 
-/// Forces at the present positions into state.force: elastic, cracked points, interlock.
+/// Forces at the present positions into state.force: elastic, cracked points, interlock, loads at state.time.
 /// Returns the elastic energy [J] where `energy`.
 double compute_forces(const ShellModel& model, ShellState& state, bool energy, double stress_share, int threads);
 

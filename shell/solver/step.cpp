@@ -171,7 +171,30 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
   }
 }
 
+void constrain(const ShellModel& m, ShellState& s, double dt) {
+  const Constraints& c = m.constraints;
+  if (!c.partial) return;
+  const std::size_t plane = m.tables.plane;
+  for (int d = 0; d < 3; ++d) {
+    double* v = &s.v[d * plane];
+    for (const int slot : c.held[d]) v[slot] = 0.0;
+    for (const auto& group : c.tied[d]) {
+      double mass = 0.0, momentum = 0.0;
+      for (const int slot : group) mass += s.mass[slot], momentum += s.mass[slot] * v[slot];
+      if (mass > 0.0)
+        for (const int slot : group)
+          if (!s.gone[slot]) v[slot] = momentum / mass;
+    }
+    for (const auto& driven : c.driven) {
+      const double u = driven.displacement(s.time + dt)[d];
+      for (const int slot : driven.slots[d])
+        if (!s.gone[slot]) v[slot] = (m.rest[d * plane + slot] + u - s.x[d * plane + slot]) / dt;
+    }
+  }
+}
+
 void drift(ShellState& s, double dt) {
+  s.time += dt;
   for (std::size_t i = 0; i < s.x.size(); ++i) s.x[i] += dt * s.v[i];
 }
 

@@ -34,6 +34,10 @@ int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodi
 /// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is
 /// beta (f - last f) / dt = -beta K v. The work of damping is booked.
 void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt);
+/// Velocities of what supports hold, tie together or drive, after kick and contact of a substep of `dt` that begins
+/// at state.time.
+void constrain(const ShellModel& model, ShellState& state, double dt);
+/// Positions, and state.time, a substep on.
 void drift(ShellState& state, double dt);
 
 }  // namespace sunder::shell

@@ -220,7 +220,7 @@ TEST(TipRules, TakeMoreSurfaceStressInBendingThanInStretching) {
 TEST(Damping, LetsAModeDecayAtItsRate) {
   ShellMaterial material = glass();
   material.mass_damping = 400.0, material.stiffness_damping = 2e-6;
-  const EdgeSupport all{kUMin | kUMax | kVMin | kVMax, false};
+  const Support all{kUMin | kUMax | kVMin | kVMax, false};
   const ShellModel m =
       make_shell("p", plate(0.2, 0.2, 12, 12, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {all});
   ShellState s = make_state(m, Vec3::Zero(), 1);

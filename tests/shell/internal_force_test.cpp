@@ -78,7 +78,7 @@ TEST(InternalForce, IsTheSameForAnyNumberOfThreads) {
 }
 
 TEST(StableStep, OfAPlateIsThatOfItsStiffestMembraneMode) {
-  const EdgeSupport all{kUMin | kUMax | kVMin | kVMax, true};
+  const Support all{kUMin | kUMax | kVMin | kVMax, true};
   const ShellModel m =
       make_shell("p", plate(0.5, 0.5, 40, 40, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {all});
   ShellState s = make_state(m, Vec3::Zero(), 0);

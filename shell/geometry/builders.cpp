@@ -1,0 +1,124 @@
+#include "shell/geometry/builders.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "coupler/core/error.h"
+
+namespace sunder::shell {
+namespace {
+
+using Homogeneous = Eigen::Vector4d;  // weight times point, weight
+
+// Inserts `knot` into a row of homogeneous control points (Boehm 1980).
+void insert_knot(std::vector<double>& knots, std::vector<Homogeneous>& row, double knot) {
+  int k = kDegree;
+  while (k + 1 < static_cast<int>(knots.size()) - kDegree - 1 && knots[k + 1] <= knot) ++k;
+  std::vector<Homogeneous> out(row.begin(), row.begin() + (k - kDegree + 1));
+  for (int i = k - kDegree + 1; i <= k; ++i) {
+    const double a = (knot - knots[i]) / (knots[i + kDegree] - knots[i]);
+    out.push_back((1.0 - a) * row[i - 1] + a * row[i]);
+  }
+  out.insert(out.end(), row.begin() + k, row.end());
+  row = std::move(out);
+  knots.insert(knots.begin() + k + 1, knot);
+}
+
+std::vector<double> new_knots(const KnotVector& k, int elements, const char* direction) {
+  int spans = 0;
+  for (int s = 0; s < k.spans(); ++s) spans += k.span_length(s) > 0.0;
+  require(elements >= spans && elements % spans == 0, "{} elements along {}: must be a multiple of {}", elements,
+          direction, spans);
+  std::vector<double> out;
+  const int pieces = elements / spans;
+  for (int s = 0; s < k.spans(); ++s)
+    for (int i = 1; i < pieces && k.span_length(s) > 0.0; ++i)
+      out.push_back(k.span_begin(s) + k.span_length(s) * i / pieces);
+  return out;
+}
+
+void require_arc(double angle) {
+  require(angle > 0.0 && angle < kWidestArc, "an arc of {:.4g} rad; one patch spans more than 0 and less than {:.4g}",
+          angle, kWidestArc);
+}
+
+}  // namespace
+
+Patch refined(const Patch& p, int elements_u, int elements_v) {
+  const std::vector<double> at_u = new_knots(p.knots_u, elements_u, "u"), at_v = new_knots(p.knots_v, elements_v, "v");
+  std::vector<std::vector<Homogeneous>> net;  // rows along u
+  std::vector<double> ku, kv = p.knots_v.knots();
+  for (int j = 0; j < p.rows(); ++j) {
+    std::vector<Homogeneous> row;
+    for (int i = 0; i < p.columns(); ++i) {
+      const int k = j * p.columns() + i;
+      row.emplace_back();
+      row.back() << p.weights[k] * p.control_points[k], p.weights[k];
+    }
+    ku = p.knots_u.knots();
+    for (const double knot : at_u) insert_knot(ku, row, knot);
+    net.push_back(std::move(row));
+  }
+  const int columns = static_cast<int>(net[0].size());
+  std::vector<std::vector<Homogeneous>> fine(columns);
+  for (int i = 0; i < columns; ++i) {
+    std::vector<Homogeneous> column;
+    for (const auto& row : net) column.push_back(row[i]);
+    kv = p.knots_v.knots();
+    for (const double knot : at_v) insert_knot(kv, column, knot);
+    fine[i] = std::move(column);
+  }
+  Patch out{KnotVector(ku, "u"), KnotVector(kv, "v"), {}, {}};
+  for (int j = 0; j < out.rows(); ++j)
+    for (int i = 0; i < columns; ++i) {
+      const Homogeneous& h = fine[i][j];
+      out.control_points.emplace_back(h.head<3>() / h[3]);
+      out.weights.push_back(h[3]);
+    }
+  return out;
+}
+
+Patch revolved(const std::array<Vec2, 3>& profile, const std::array<double, 3>& weights, double angle) {
+  require_arc(angle);
+  const KnotVector one({0, 0, 0, 1, 1, 1}, "knots");
+  Patch p{one, one, {}, {}};
+  const double half = std::cos(0.5 * angle);
+  for (int j = 0; j < 3; ++j)
+    for (int i = 0; i < 3; ++i) {
+      const double at = 0.5 * angle * i, out = i == 1 ? 1.0 / half : 1.0;
+      p.control_points.emplace_back(out * profile[j].x() * std::cos(at), out * profile[j].x() * std::sin(at),
+                                    profile[j].y());
+      p.weights.push_back(weights[j] * (i == 1 ? half : 1.0));
+    }
+  return p;
+}
+
+Patch cylinder(double radius, double length, double angle, int elements_u, int elements_v) {
+  Patch p = revolved({Vec2(radius, 0), Vec2(radius, 0.5 * length), Vec2(radius, length)}, {1, 1, 1}, angle);
+  p = placed(p, Vec3::Zero(), Quat(Eigen::AngleAxisd(-0.5 * angle, Vec3::UnitZ())));
+  return refined(p, elements_u, elements_v);
+}
+
+Patch sphere(double radius, double angle, double from, double to, int elements_u, int elements_v) {
+  require(from < to && from >= -0.5 * std::numbers::pi && to <= 0.5 * std::numbers::pi + 1e-12,
+          "polar angles from {:.4g} to {:.4g} rad; must rise, within a quarter turn of the equator", from, to);
+  require_arc(to - from);
+  const double middle = 0.5 * (from + to), half = std::cos(0.5 * (to - from));
+  const auto at = [&](double polar, double r) { return Vec2(r * std::cos(polar), r * std::sin(polar)); };
+  std::array<Vec2, 3> profile{at(from, radius), at(middle, radius / half), at(to, radius)};
+  for (Vec2& p : profile)
+    if (p.x() < 1e-12 * radius) p.x() = 0.0;  // the pole, exactly
+  return refined(revolved(profile, {1, half, 1}, angle), elements_u, elements_v);
+}
+
+Patch cone(double bottom, double top, double height, double angle, int elements_u, int elements_v) {
+  const Vec2 a(bottom, 0), b(top, height);
+  return refined(revolved({a, 0.5 * (a + b), b}, {1, 1, 1}, angle), elements_u, elements_v);
+}
+
+Patch placed(Patch patch, const Vec3& position, const Quat& orientation) {
+  for (Vec3& p : patch.control_points) p = position + orientation * p;
+  return patch;
+}
+
+}  // namespace sunder::shell

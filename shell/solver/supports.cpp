@@ -1,0 +1,122 @@
+#include "shell/solver/supports.h"
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+#include "coupler/core/error.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kInPlane = 1e-9;  // of the patch's size
+
+// Control points of an edge, `depth` rows in.
+std::vector<int> row_of(const Patch& p, int edge, int depth) {
+  std::vector<int> out;
+  const int columns = p.columns(), rows = p.rows();
+  for (int k = 0; k < (edge < kVMin ? rows : columns); ++k)
+    out.push_back(edge == kUMin   ? k * columns + depth
+                  : edge == kUMax ? k * columns + columns - 1 - depth
+                  : edge == kVMin ? depth * columns + k
+                                  : (rows - 1 - depth) * columns + k);
+  return out;
+}
+
+}  // namespace
+
+Vec3 Constraints::Driven::displacement(double time) const {
+  if (time <= motion.front().first) return motion.front().second;
+  for (std::size_t i = 1; i < motion.size(); ++i)
+    if (time < motion[i].first) {
+      const auto& [t0, a] = motion[i - 1];
+      const auto& [t1, b] = motion[i];
+      return a + (time - t0) / (t1 - t0) * (b - a);
+    }
+  return motion.back().second;
+}
+
+Constraints make_constraints(const Patch& p, const std::vector<Support>& supports, int stride,
+                             const std::string& name) {
+  const int columns = p.columns(), rows = p.rows(), count = columns * rows;
+  const auto slot = [&](int i) { return i / columns * stride + i % columns; };
+  Vec3 low = p.control_points[0], high = low;
+  for (const Vec3& x : p.control_points) low = low.cwiseMin(x), high = high.cwiseMax(x);
+  const double size = (high - low).norm();
+  std::array<std::vector<char>, 3> held;
+  std::array<std::vector<int>, 3> root;
+  for (int d = 0; d < 3; ++d) {
+    held[d].assign(count, 0);
+    root[d].resize(count);
+    std::iota(root[d].begin(), root[d].end(), 0);
+  }
+  const auto find = [&](int d, int i) {
+    while (root[d][i] != i) i = root[d][i] = root[d][root[d][i]];
+    return i;
+  };
+  Constraints c;
+  for (const Support& s : supports) {
+    std::vector<int> points;
+    for (const int edge : {kUMin, kUMax, kVMin, kVMax}) {
+      if (!(s.edges & edge)) continue;
+      const std::vector<int> first = row_of(p, edge, 0), second = row_of(p, edge, 1);
+      if (s.symmetry >= 0) {
+        for (const int i : first)
+          require(std::abs(p.control_points[i][s.symmetry] - p.control_points[first[0]][s.symmetry]) <= kInPlane * size,
+                  "{}: a symmetry edge must lie in a plane across {}; it runs from {:.6g} to {:.6g} m", name,
+                  "xyz"[s.symmetry], p.control_points[first[0]][s.symmetry], p.control_points[i][s.symmetry]);
+        for (std::size_t k = 0; k < first.size(); ++k) {
+          held[s.symmetry][first[k]] = 1;
+          for (int d = 0; d < 3; ++d)
+            if (d != s.symmetry) root[d][find(d, second[k])] = find(d, first[k]);
+        }
+        continue;
+      }
+      points.insert(points.end(), first.begin(), first.end());
+      if (s.clamped) points.insert(points.end(), second.begin(), second.end());
+    }
+    const int corner[4] = {0, columns - 1, (rows - 1) * columns, count - 1};
+    for (int k = 0; k < 4; ++k)
+      if (s.corners & (1 << k)) points.push_back(corner[k]);
+    for (const ParameterBox& box : s.regions) {
+      const std::size_t before = points.size();
+      for (int i = 0; i < count; ++i) {
+        const Vec2 g = p.greville(i);
+        if ((g.array() >= box.low.array()).all() && (g.array() <= box.high.array()).all()) points.push_back(i);
+      }
+      require(points.size() > before, "{}: no control point lies in u {:.4g} to {:.4g}, v {:.4g} to {:.4g}", name,
+              box.low.x(), box.high.x(), box.low.y(), box.high.y());
+    }
+    if (s.motion.empty()) {
+      for (const int i : points)
+        for (int d = 0; d < 3; ++d) held[d][i] |= s.axes[d];
+      continue;
+    }
+    Constraints::Driven driven;
+    driven.motion = s.motion;
+    std::sort(points.begin(), points.end());
+    points.erase(std::unique(points.begin(), points.end()), points.end());
+    for (const int i : points)
+      for (int d = 0; d < 3; ++d)
+        if (s.axes[d]) driven.slots[d].push_back(slot(i)), c.partial = true;
+    c.driven.push_back(std::move(driven));
+  }
+  for (int d = 0; d < 3; ++d) {
+    std::map<int, std::vector<int>> groups;
+    for (int i = 0; i < count; ++i) groups[find(d, i)].push_back(i);
+    for (const auto& [first, members] : groups) {  // a group with a held member is held
+      const bool any = std::any_of(members.begin(), members.end(), [&](int i) { return held[d][i] != 0; });
+      std::vector<int> slots;
+      for (const int i : members) slots.push_back(slot(i));
+      if (any)
+        c.held[d].insert(c.held[d].end(), slots.begin(), slots.end());
+      else if (slots.size() > 1)
+        c.tied[d].push_back(std::move(slots)), c.partial = true;
+    }
+    std::sort(c.held[d].begin(), c.held[d].end());
+  }
+  c.partial = c.partial || c.held[0] != c.held[1] || c.held[1] != c.held[2];
+  return c;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,41 @@
+#pragma once
+// Validation cases: what was computed against what is known.
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace sunder::validation {
+
+struct Row {
+  std::string name;
+  double computed = 0.0, reference = 0.0, error = 0.0, tolerance = 0.0, seconds = 0.0;
+  bool pass() const { return error <= tolerance; }  // NaN fails
+};
+
+/// A curve to draw: error over size of element, or a response.
+struct Curve {
+  std::string name, x_label, y_label;
+  std::vector<double> x, y;
+  bool logarithmic = true;
+};
+
+struct Report {
+  std::vector<Row> rows;
+  std::vector<Curve> curves;
+  std::vector<std::string> lines;  // what a table of one number a row cannot say
+
+  /// Relative error, or absolute where the reference is zero.
+  void add(const std::string& name, double computed, double reference, double tolerance, double seconds);
+};
+
+struct Case {
+  std::string name, what;
+  std::function<void(Report&, int threads)> run;
+};
+
+double seconds_now();
+
+std::vector<Case> static_cases();
+std::vector<Case> dynamic_cases();
+
+}  // namespace sunder::validation

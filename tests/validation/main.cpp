@@ -1,0 +1,117 @@
+// sunder-validate: runs validation cases, prints a table, writes JSON. Exit status 1 where a case fails.
+#include <chrono>
+#include <cmath>
+#include <fstream>
+#include <iostream>
+
+#include <fmt/format.h>
+
+#include "tests/validation/cases.h"
+
+namespace sunder::validation {
+
+double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+void Report::add(const std::string& name, double computed, double reference, double tolerance, double seconds) {
+  const double error = reference != 0.0 ? std::abs(computed / reference - 1.0) : std::abs(computed);
+  rows.push_back({name, computed, reference, error, tolerance, seconds});
+  const Row& r = rows.back();
+  fmt::print("{:<34} {:>13.6g} {:>13.6g} {:>10.2e} {:>9.1e} {:>8.1f}  {}\n", r.name, r.computed, r.reference, r.error,
+             r.tolerance, r.seconds, r.pass() ? "ok" : "FAILED");
+  std::cout.flush();
+}
+
+}  // namespace sunder::validation
+
+namespace {
+
+using namespace sunder::validation;
+
+std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
+
+std::string list(const std::vector<double>& values) {
+  std::string out;
+  for (const double v : values) out += (out.empty() ? "" : ", ") + number(v);
+  return "[" + out + "]";
+}
+
+void write_json(const std::string& path, const Report& report) {
+  std::ofstream out(path);
+  out << "{\"cases\": [";
+  for (std::size_t i = 0; i < report.rows.size(); ++i) {
+    const Row& r = report.rows[i];
+    out << (i ? ",\n  " : "\n  ")
+        << fmt::format(
+               "{{\"name\": \"{}\", \"computed\": {}, \"reference\": {}, \"error\": {}, \"tolerance\": {}, \"pass\": "
+               "{}, "
+               "\"seconds\": {:.3f}}}",
+               r.name, number(r.computed), number(r.reference), number(r.error), number(r.tolerance), r.pass(),
+               r.seconds);
+  }
+  out << "\n],\n\"curves\": [";
+  for (std::size_t i = 0; i < report.curves.size(); ++i) {
+    const Curve& c = report.curves[i];
+    out << (i ? ",\n  " : "\n  ")
+        << fmt::format(
+               "{{\"name\": \"{}\", \"x_label\": \"{}\", \"y_label\": \"{}\", \"logarithmic\": {}, \"x\": {}, \"y\": "
+               "{}}}",
+               c.name, c.x_label, c.y_label, c.logarithmic, list(c.x), list(c.y));
+  }
+  out << "\n]}\n";
+  out.close();
+  if (!out) {
+    std::cerr << "sunder-validate: cannot write " << path << "\n";
+    std::exit(2);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string only, json;
+  int threads = 1;
+  std::vector<Case> cases = static_cases();
+  for (const Case& c : dynamic_cases()) cases.push_back(c);
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (i + 1 < argc && option == "--case")
+      only = argv[++i];
+    else if (i + 1 < argc && option == "--json")
+      json = argv[++i];
+    else if (i + 1 < argc && option == "--threads")
+      threads = std::max(1, std::atoi(argv[++i]));
+    else {
+      std::cerr << "sunder-validate [--case NAME] [--json FILE] [--threads N]\ncases:\n";
+      for (const Case& c : cases) std::cerr << fmt::format("  {:<18} {}\n", c.name, c.what);
+      return option == "--help" ? 0 : 2;
+    }
+  }
+  Report report;
+  bool found = false;
+  fmt::print("{:<34} {:>13} {:>13} {:>10} {:>9} {:>8}\n", "case", "computed", "reference", "error", "tolerance",
+             "seconds");
+  for (const Case& c : cases)
+    if (only.empty() || c.name == only) {
+      found = true;
+      const std::size_t before = report.lines.size();
+      try {
+        c.run(report, threads);
+      } catch (const std::exception& e) {
+        report.add(c.name, std::nan(""), 0.0, 0.0, 0.0);
+        report.lines.push_back(fmt::format("{}: {}", c.name, e.what()));
+      }
+      for (std::size_t i = before; i < report.lines.size(); ++i) fmt::print("  {}\n", report.lines[i]);
+    }
+  if (!found) {
+    std::cerr << "sunder-validate: no case '" << only << "'; there are:";
+    for (const Case& c : cases) std::cerr << " " << c.name;
+    std::cerr << "\n";
+    return 2;
+  }
+  if (!json.empty()) write_json(json, report);
+  bool pass = true;
+  for (const Row& r : report.rows) pass = pass && r.pass();
+  return pass ? 0 : 1;
+}

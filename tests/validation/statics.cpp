@@ -1,0 +1,113 @@
+// Shells at rest under loads: benchmarks of the shell obstacle course and of large deflection.
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "shell/geometry/builders.h"
+#include "shell/solver/relaxation.h"
+#include "tests/validation/cases.h"
+
+namespace sunder::validation {
+namespace {
+
+using namespace sunder::shell;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSmall = 1e-3;  // of the load, for references of linear theory: the roof is 2 % stiffer at a tenth
+
+ShellMaterial material(double young, double poisson) {
+  ShellMaterial m;
+  m.density = 1.0, m.youngs_modulus = young, m.poisson_ratio = poisson;
+  return m;
+}
+
+Vec3 displacement(const ShellModel& m, const ShellState& s, const Vec2& p) {
+  const ShapeFunctions n = m.patch.shape_functions(p);
+  Vec3 u = Vec3::Zero();
+  for (int k = 0; k < 9; ++k) {
+    const int slot = (n.span_v + k / 3) * m.tables.stride + n.span_u + k % 3;
+    u += n.value[k] * (s.position(slot) - s.at(m.rest, slot));
+  }
+  return u;
+}
+
+Support symmetry(int edges, int axis) {
+  Support s;
+  s.edges = edges, s.symmetry = axis;
+  return s;
+}
+Support held(int edges, std::array<bool, 3> axes) {
+  Support s;
+  s.edges = edges, s.clamped = false, s.axes = axes;
+  return s;
+}
+
+// A quarter: weight 90 per area on a cylinder of axis y, rigid diaphragm at its end.
+double scordelis_lo(int elements, int threads, Report& r) {
+  const double angle = 40.0 * kPi / 180.0;
+  Patch p = cylinder(25.0, 25.0, angle, elements, elements);
+  // cylinder() has its axis along z and its middle over x; turn it so that u = 0 is the crown, above the axis y
+  p = placed(p, Vec3::Zero(), Quat(Eigen::AngleAxisd(0.5 * angle, Vec3::UnitZ())));
+  for (Vec3& x : p.control_points) x = Vec3(x.y(), x.z(), x.x());
+  // x along the arc from the crown, y the axis from the middle, z up
+  const ShellModel m = make_shell("roof", p, 0.25, material(4.32e8, 0.0), 2, 3,
+                                  {symmetry(kUMin, 0), symmetry(kVMin, 1), held(kVMax, {true, false, true})});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  RelaxationRules rules;
+  rules.threads = threads;
+  rules.gravity = Vec3(0, 0, -90.0 / 0.25 * kSmall);
+  const RelaxationResult q = relax(m, s, rules);
+  r.lines.push_back(
+      fmt::format("scordelis_lo {}: {} + {} steps, residual {:.1e}", elements, q.newton, q.steps, q.residual));
+  return -displacement(m, s, {m.patch.knots_u.end(), m.patch.knots_v.begin()}).z() / kSmall;
+}
+
+// A quarter, no hole: opposite forces 2 along x and y at the equator.
+double hemisphere(int elements, int threads, Report& r) {
+  const Patch p = sphere(10.0, 0.5 * kPi, 0.0, 0.5 * kPi, elements, elements);
+  const Patch scaled = with_parameters_as_lengths(p);
+  Load along_x, along_y;
+  constexpr double kShare = 1e-2;  // round-off at the pole drowns a smaller load
+  along_x.point = {scaled.knots_u.begin(), scaled.knots_v.begin()}, along_x.force = Vec3(kShare, 0, 0);
+  along_y.point = {scaled.knots_u.end(), scaled.knots_v.begin()}, along_y.force = Vec3(0, -kShare, 0);
+  const ShellModel m =
+      make_shell("hemisphere", p, 0.04, material(6.825e7, 0.3), 2, 3,
+                 {symmetry(kUMin, 1), symmetry(kUMax, 0), held(kVMax, {true, true, true})}, {along_x, along_y});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  RelaxationRules rules;
+  rules.threads = threads, rules.tolerance = 1e-5;
+  const RelaxationResult q = relax(m, s, rules);
+  r.lines.push_back(
+      fmt::format("hemisphere {}: {} + {} steps, residual {:.1e}", elements, q.newton, q.steps, q.residual));
+  return displacement(m, s, along_x.point).x() / kShare;
+}
+
+void scordelis_lo_case(Report& r, int threads) {
+  const double known[] = {0.2957, 0.30024, 0.30056};
+  int i = 0;
+  for (const int n : {16, 32, 64}) {
+    const double start = seconds_now();
+    const double w = scordelis_lo(n / 2, threads, r);  // a quarter
+    r.add(fmt::format("scordelis_lo_{}", n), w, known[i++], 0.005, seconds_now() - start);
+  }
+}
+
+void hemisphere_case(Report& r, int threads) {
+  const double known[] = {0.0741, 0.0909, 0.0923};
+  int i = 0;
+  for (const int n : {16, 32, 64}) {
+    const double start = seconds_now();
+    const double w = hemisphere(n, threads, r);
+    r.add(fmt::format("hemisphere_{}", n), w, known[i++], 0.01, seconds_now() - start);
+  }
+}
+
+}  // namespace
+
+std::vector<Case> static_cases() {
+  return {{"scordelis_lo", "roof under its weight", scordelis_lo_case},
+          {"hemisphere", "pinched, without a hole", hemisphere_case}};
+}
+
+}  // namespace sunder::validation
