@@ -66,6 +66,9 @@ def summary(folder: Path, sheet: Path | None) -> str:
     lines.append(f"ledger           linear {_number(get('ledger', 'linear_max'), '.1e')}, angular "
                  f"{_number(get('ledger', 'angular_max'), '.1e')} (relative to the impulses exchanged)")
     lines.append(f"energy residual  {_number(get('energy', 'residual_relative'), '.2%')}")
+    warnings = run.get("warnings")
+    for warning in warnings if isinstance(warnings, list) else []:
+        lines.append(f"warning          {warning}")
     lines.append(f"run folder       {folder}")
     if sheet is not None:
         lines.append(f"pictures         {sheet}")

@@ -10,22 +10,30 @@ namespace {
 
 // The part of ab inside the box; false where there is none.
 bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
-  double t0 = 0.0, t1 = 1.0;
+  struct Hit {
+    double t;
+    int axis = 0;
+    double side = 0.0;
+  } first{0.0}, last{1.0};
   const Vec2 from = a, d = b - a;
-  for (int k = 0; k < 2; ++k) {
-    for (const auto& [distance, slope] : {std::pair{from[k] - low[k], d[k]}, std::pair{high[k] - from[k], -d[k]}}) {
+  for (int k = 0; k < 2; ++k)
+    for (const bool upper : {false, true}) {
+      const double side = upper ? high[k] : low[k];
+      const double distance = upper ? side - from[k] : from[k] - side, slope = upper ? -d[k] : d[k];
       if (slope == 0.0 && distance < 0.0) return false;
       if (slope == 0.0) continue;
       const double t = -distance / slope;
-      if (slope > 0.0)
-        t0 = std::max(t0, t);
-      else
-        t1 = std::min(t1, t);
+      if (slope > 0.0 && t > first.t) first = {t, k, side};
+      if (slope < 0.0 && t < last.t) last = {t, k, side};
     }
-  }
-  if (t0 >= t1) return false;
-  if (t1 < 1.0) b = (from + t1 * d).cwiseMax(low).cwiseMin(high);
-  if (t0 > 0.0) a = (from + t0 * d).cwiseMax(low).cwiseMin(high);
+  if (first.t >= last.t) return false;
+  const auto at = [&](const Hit& hit) {
+    Vec2 p = (from + hit.t * d).cwiseMax(low).cwiseMin(high);
+    p[hit.axis] = hit.side;  // exactly: an end a bit inside the border would leave both sides connected
+    return p;
+  };
+  if (last.t < 1.0) b = at(last);
+  if (first.t > 0.0) a = at(first);
   return true;
 }
 

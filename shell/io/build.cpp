@@ -197,9 +197,22 @@ RunSetup build(const scene::LoadedScene& scene) {
                   m.shells(i).material());
       const double width =
           m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : std::sqrt(3.0) * s.spacing;
+      const double cell = s.spacing / s.tables.gauss;
+      scene.check(width >= cell * (1.0 - 1e-9), "fracture.damage_width_m",
+                  "is {:.3g} m; damage cannot localise in less than a Gauss point's cell, {:.3g} m", width, cell);
+      for (const auto& [given, field] : {std::pair{m.fracture().has_tip_radius_m(), "tip_radius_m"},
+                                         std::pair{m.fracture().has_interlock_strength(), "interlock_strength"},
+                                         std::pair{m.fracture().has_interlock_opening_m(), "interlock_opening_m"},
+                                         std::pair{m.fracture().has_interlock(), "interlock"}})
+        scene.check(!given, std::string("fracture.") + field, "is for mode TIPS; leave it out");
       const ShellMaterial& q = s.material;
       r.brittleness = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
       const double widest = 2.0 * q.youngs_modulus * q.fracture_energy / (q.strength * q.strength);
+      scene.check(
+          std::isfinite(widest) && (r.brittleness < 0.0 || r.brittleness > 1e-9), "fracture.mode",
+          "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
+          "not belong together",
+          1.0 / r.brittleness);
       scene.check(
           r.brittleness > 0.0, "fracture.mode",
           "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "

@@ -11,6 +11,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kResidualWarning = 0.02, kFrozenWarning = 0.1;  // of the most energy there was
+
 constexpr double kProgressInterval = 0.5;  // [s]
 constexpr double kCountedShare = 1e-3;     // of the shells' area: smaller shards are splinters
 
@@ -124,6 +126,24 @@ void Run::write_shards() const {
   write_atomically(options_.out + "/shards.csv", out);
 }
 
+std::vector<std::string> Run::warnings() const {
+  const EnergyBook& b = state_ ? state_->book : book_;
+  const auto percent = [&](double energy) { return energy_scale_ > 0.0 ? 100.0 * energy / energy_scale_ : 0.0; };
+  std::vector<std::string> out;
+  if (!(std::abs(residual_) <= kResidualWarning))
+    out.push_back(
+        fmt::format("the energy books miss {:.1f} % of the energy there was: lower time_step_safety, or refine",
+                    100.0 * residual_));
+  if (percent(-b.healing) > 100.0 * kResidualWarning)
+    out.push_back(fmt::format("damage that healed has made {:.1f} % of the energy there was", percent(-b.healing)));
+  if (percent(frozen_kinetic_) > 100.0 * kFrozenWarning)
+    out.push_back(
+        fmt::format("the shell was frozen while it still moved with {:.0f} % of the energy there was: raise "
+                    "fracture.quiet_time_s or latest_freeze_s",
+                    percent(frozen_kinetic_)));
+  return out;
+}
+
 void Run::write_summary(const std::string& status, const Error* error) {
   const EnergyBook& b = state_ ? state_->book : book_;
   std::string j =
@@ -146,7 +166,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
   j += fmt::format(
       "  \"counts\": {{\"patches\": {}, \"control_points\": {}, \"gauss_points\": {}, \"layer_points\": {}, "
       "\"fragments\": {}, \"handed_off\": {}, \"rubble_points\": {}}},\n",
-      patches, points, gauss, layers, fragments_, handed_off_, state_ ? state_->rubble : rubble_points_);
+      patches, points, gauss, layers, fragments_, handed_off_, state_ ? state_->rubble() : rubble_points_);
   std::string stages;
   double total = 0.0;
   for (const auto& [name, seconds] : stage_s_)
@@ -158,10 +178,12 @@ void Run::write_summary(const std::string& status, const Error* error) {
       frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
   j += fmt::format(
       "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": 0, "
-      "\"contact\": {}, \"damping\": {}, \"handoff_lost\": {}, \"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
+      "\"healing\": {}, \"external_work\": {}, \"contact\": {}, \"damping\": {}, \"handoff_lost\": {}, "
+      "\"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
       "\"residual_relative\": {}}},\n",
-      number(kinetic_), number(elastic_), number(b.fracture), number(b.contact), number(b.damping), number(b.handoff),
-      number(b.injected), number(b.frozen), number(engine_loss_), number(residual_));
+      number(kinetic_), number(elastic_), number(b.fracture), number(b.healing), number(b.external), number(b.contact),
+      number(b.damping), number(b.handoff), number(b.injected), number(b.frozen), number(engine_loss_),
+      number(residual_));
   j += fmt::format("  \"ledger\": {{\"linear_max\": {}, \"angular_max\": {}}},\n", number(ledger_linear_),
                    number(ledger_angular_));
   j += fmt::format(
@@ -169,6 +191,9 @@ void Run::write_summary(const std::string& status, const Error* error) {
       "\"mass_geometry_error_max\": {}, \"area_m2\": {}, \"detached_area_m2\": {}}},\n",
       number(mass_error_), number(momentum_error_), number(angular_error_), number(geometry_error_),
       number(handed_area_), number(detached_area_));
+  std::string warned;
+  for (const std::string& w : warnings()) warned += (warned.empty() ? "" : ", ") + quoted(w);
+  j += "  \"warnings\": [" + warned + "],\n";
   j += shards_summary();
   j += fmt::format("  \"stable_step\": {{\"initial_s\": {}, \"smallest_s\": {}}},\n", number(initial_step_),
                    number(smallest_step_));

@@ -63,6 +63,7 @@ void Run::freeze_shell(const std::string& why) {
   const ShellModel& m = setup_.shells[0];
   std::vector<RigidBody> births = take_off(true);
   const double before = total_energy(dt_);
+  frozen_kinetic_ = kinetic_energy(m, *state_, dt_);
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, *state_, pieces);
   for (int i = 0; i < m.tables.plane; ++i)
@@ -75,7 +76,7 @@ void Run::freeze_shell(const std::string& why) {
     frames_.draw_as(remains.id, frozen.drawn);
     proxies_.emplace_back(remains);
   }
-  book_ = state_->book, rubble_points_ = state_->rubble;
+  book_ = state_->book, rubble_points_ = state_->rubble();
   frozen_hash_ = state_hash();
   frozen_at_ = time(), frozen_why_ = why;
   frozen_wall_ = wall_clock();
@@ -126,7 +127,8 @@ void Run::rigid_window() {
   exchange(ticks, window, {});
   const double energy = total_energy(0.0);
   const EnergyBook& b = book_;
-  const double booked = b.fracture + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected;
+  const double booked =
+      b.fracture + b.healing + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected - b.external;
   close_books(energy + booked);
 }
 

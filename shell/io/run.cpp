@@ -141,7 +141,7 @@ void Run::substep(double dt) {
   {
     Stopwatch w(stage_s_["kick_drift"]);
     constrain(m, s, dt);
-    drift(s, dt);
+    drift(m, s, dt);
     for (Proxy& p : proxies_)
       if (!p.body.is_static) p.body.drift(dt);
   }
@@ -186,7 +186,8 @@ void Run::shell_window() {
   Stopwatch w(stage_s_["internal_force"]);
   const double energy = total_energy(dt);
   const EnergyBook& b = s.book;
-  const double booked = b.fracture + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected;
+  const double booked =
+      b.fracture + b.healing + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected - b.external;
   // a strain of 1e-3 in one element: where all starts at rest
   const double least = 5e-7 * m.material.youngs_modulus * m.thickness * m.spacing * m.spacing;
   const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + least);

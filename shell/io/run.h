@@ -66,6 +66,8 @@ class Run {
   void write_shards() const;
   std::string shards_summary() const;
   void write_summary(const std::string& status, const Error* error);
+  /// What a user should know before trusting the run, in sentences.
+  std::vector<std::string> warnings() const;
   void progress();
   std::string state_hash() const;
   double time() const { return static_cast<double>(tick_) * setup_.window; }
@@ -95,6 +97,7 @@ class Run {
   double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
   double mass_error_ = 0.0, momentum_error_ = 0.0, angular_error_ = 0.0, geometry_error_ = 0.0;
   double next_frame_ = 0.0, wall_start_ = 0.0, last_progress_ = 0.0, last_look_ = 0.0;
+  double frozen_kinetic_ = 0.0;                                           // of the shell, as it was frozen [J]
   double frozen_at_ = -1.0, frozen_potential_ = 0.0, frozen_wall_ = 0.0;  // [s], [J] of what stays where it is
   std::string frozen_why_, frozen_hash_;                                  // hash of the shell as it was frozen
   std::vector<ShardRecord> shards_;

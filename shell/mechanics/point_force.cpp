@@ -143,7 +143,10 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   double sum = 0.0;
   for (int i = 0; i < count; ++i) {
     const double n[3] = {r.n.c11[i], r.n.c22[i], r.n.c12[i]}, m[3] = {r.m.c11[i], r.m.c22[i], r.m.c12[i]};
-    if (!(ratio[i] > kCrushed) || !std::isfinite(n[0] + n[1] + m[0] + m[1])) continue;
+    if (!(ratio[i] > kCrushed) || !std::isfinite(n[0] + n[1] + m[0] + m[1])) {
+      if (damaged) damaged[i]->fresh = true;
+      continue;
+    }
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];
     if (stress.values) record_stress(t, *points[i], n, m, thickness, stress);
     if (damaged) {

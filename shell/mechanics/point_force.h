@@ -24,6 +24,7 @@ struct GatheredPoint {
   double area = 0.0;                 // reference area [m^2]
   ReferenceMetric<double> metric{};  // with these shape functions, so that the rest state has no strain
   std::vector<GatheredFunction> functions;
+  bool left = false;  // with a piece that was handed off
 };
 
 /// Rankine damage of a gathered point, layer by layer.
@@ -41,7 +42,7 @@ struct DamageLaw {
   std::vector<PointDamage>* points = nullptr;  // parallel to the gathered points; null: nothing is damaged
   double brittleness = 0.0;                    // H of eq. 9
   // out: what points that healed in this substep had spared [J]. In one dimension nothing is left then; a
-  // closed cycle of a turning stress can leave a little.
+  // cycle of a biaxial stress leaves up to the order of the fracture energy, of either sign.
   double healed = 0.0;
 };
 

@@ -151,7 +151,7 @@ int run_on(const ShellModel& m, ShellState& s, const DamageLattice& grid, const 
     return 0;
   const double turn = std::atan2(end.ahead.x() * along.y() - end.ahead.y() * along.x(), end.ahead.dot(along));
   const Vec2 p = end.p + kStep * l * turned(end.ahead, std::clamp(turn, -kTurn, kTurn));
-  if (!m.patch.contains(p)) return 0;  // join runs it out
+  if (!m.patch.contains(p) || !s.cracks.visible(end.p, p, end.edge)) return 0;  // join runs it out, or ends it
   return insert_edge(m, s, end.vertex, s.cracks.add_vertex(p), end.crack, time, 0, false) >= 0;
 }
 
@@ -221,7 +221,6 @@ void tear(const ShellModel& m, ShellState& s) {
     if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit) continue;
     s.book.fracture += point_energy(m.tables, g, s.x, &d, s.brittleness);
     g.kind = PointKind::kDead, g.functions.clear();
-    ++s.rubble;
   }
 }
 

@@ -151,9 +151,10 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
 
 // A rigid piece that got all momentum of its sources can move faster than any of them: a sliver weighs less than
 // the control points that moved for it. It keeps what their energy about `common` allows; the rest is a rigid
-// impulse on the control points beside it.
-void return_excess(ShellState& s, const std::vector<int>& beside, const Vec3& centre, const Vec3& common, double energy,
-                   double mass, const Mat3& inertia, Vec3& momentum, Vec3& angular) {
+// impulse on control points of one piece beside it.
+void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const std::vector<int>& beside,
+                   const Vec3& centre, const Vec3& common, double energy, double mass, const Mat3& inertia,
+                   Vec3& momentum, Vec3& angular) {
   constexpr std::size_t kTakers = 12;
   const Vec3 linear = momentum - mass * common;
   const double rigid = 0.5 * linear.squaredNorm() / mass + 0.5 * angular.dot(inertia.ldlt().solve(angular));
@@ -162,7 +163,8 @@ void return_excess(ShellState& s, const std::vector<int>& beside, const Vec3& ce
   Vec3 middle = Vec3::Zero();
   double weight = 0.0;
   for (std::size_t k = 0; k < beside.size() && takers.size() < kTakers; ++k)
-    if (s.inverse_mass[beside[k]] > 0.0) {
+    if (s.inverse_mass[beside[k]] > 0.0 &&
+        (takers.empty() || t.owner[m.tables.control_point(beside[k])] == t.owner[m.tables.control_point(takers[0])])) {
       takers.push_back(beside[k]);
       weight += s.mass[beside[k]], middle += s.mass[beside[k]] * s.position(beside[k]);
     }
@@ -194,10 +196,13 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     s.inverse_mass[slot] = 0.0, s.mass[slot] = 0.0;
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
-  for (GatheredPoint& g : s.points)
-    if (g.kind != PointKind::kDead && own[g.functions[0].slot]) g.kind = PointKind::kDead, g.functions.clear();
+  for (GatheredPoint& g : s.points) {
+    const bool bears = g.kind != PointKind::kDead;
+    if (!own[bears ? g.functions[0].slot : g.block / (t.gauss * t.gauss) * t.stride + g.lane]) continue;
+    g.left = true, g.kind = PointKind::kDead, g.functions.clear();
+  }
   for (std::size_t i = 0; i < s.damage.size(); ++i)  // what has left is no crack of what stands
-    if (own[s.points[i].block / (t.gauss * t.gauss) * t.stride + s.points[i].lane]) s.damage[i].history.fill(0.0f);
+    if (s.points[i].left) s.damage[i].history.fill(0.0f);
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];
@@ -238,11 +243,13 @@ Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Pi
     pieces[t.piece[i]].area += triangle_area(t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]]);
   }
   std::vector<int> gone(t.pieces, 0);
+  std::vector<char> anchored(m.tables.plane, 0);
+  for (const int slot : m.constraints.anchors) anchored[slot] = m.held[slot];
   for (int i = 0; i < m.control_points(); ++i) {
     if (t.owner[i] < 0) continue;
     Piece& p = pieces[t.owner[i]];
     p.control_points.push_back(i);
-    p.held = p.held || m.held[m.tables.slot(i)];
+    p.held = p.held || anchored[m.tables.slot(i)];
     gone[t.owner[i]] += s.gone[m.tables.slot(i)];
   }
   for (Piece& p : pieces) p.gone = !p.control_points.empty() && gone[p.number] > 0;
@@ -347,7 +354,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   for (const auto& [part, v] : sources) source_mass += part, common += part * v;
   common /= source_mass;
   for (const auto& [part, v] : sources) energy += 0.5 * part * (v - common).squaredNorm();
-  return_excess(s, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(), momentum,
+  return_excess(m, t, s, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(), momentum,
                 angular);
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
   Mat3 frame = axes.eigenvectors();

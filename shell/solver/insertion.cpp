@@ -8,6 +8,9 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
+constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
+
 std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   std::vector<GatheredFunction> out;
   for (const MlsFunction& f : p.functions) out.push_back({m.tables.slot(f.control_point), f.n});
@@ -20,14 +23,12 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
   const int index = gather_point(m, s, block, lane);
   GatheredPoint& g = s.points[index];
   const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, lane, block / (t.gauss * t.gauss));
-  const bool bore = g.kind != PointKind::kDead;
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
   g.functions = to_slots(m, mls);
   if (!s.damage.empty()) s.damage[index].fresh = true;
   if (g.kind == PointKind::kDead) {
-    s.rubble += bore;
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
     return;
   }
@@ -36,9 +37,6 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
 }
 
 }  // namespace
-
-constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
-constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
 
 ControlGrid control_grid(const ShellModel& m) {
   return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
@@ -110,7 +108,6 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
     if (left > most) {
       // between torn faces one-sided functions see distances that are no strain: such a point is rubble
       s.points[point].kind = PointKind::kDead, s.points[point].functions.clear();
-      ++s.rubble;
       left = 0.0;
     }
     // a damaged point stores the same share of the full energy of what is left

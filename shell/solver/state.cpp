@@ -76,7 +76,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   DamageLaw law{&s.damage, s.brittleness, 0.0};
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
                           s.brittleness > 0.0 ? &law : nullptr);
-  s.book.fracture -= law.healed;
+  s.book.healing -= law.healed;
   s.interlock_energy = interlock_forces(m, s);
   if (!m.loads.empty()) {
     s.external.assign(s.force.size(), 0.0);

@@ -1,5 +1,6 @@
 #pragma once
 // One shell: what changes during a run.
+#include <algorithm>
 #include <vector>
 
 #include "shell/fracture/crack_graph.h"
@@ -40,6 +41,7 @@ struct EnergyBook {
   double contact = 0.0;   // inelastic and frictional, shell against bodies
   double handoff = 0.0;   // kinetic and elastic energy that a rigid piece cannot carry
   double external = 0.0;  // work of loads and of supports that move, counted as gained
+  double healing = 0.0;   // of damaged points that healed: lost, or made where negative
   double damping = 0.0;   // Rayleigh
   double frozen = 0.0;    // of what is held when the shell is frozen
 };
@@ -60,7 +62,6 @@ struct ShellState {
   std::vector<int> point_of;           // [block][lane]: index into points, -1: none
   std::vector<PointDamage> damage;     // of each gathered point where damage drives the cracks, else empty
   double brittleness = 0.0;            // H of eq. 9; 0: cracks are not driven by damage
-  int rubble = 0;                      // Gauss points of standing pieces that bear nothing any more
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Tip> tips;
   std::vector<Interlock> interlocks;
@@ -72,6 +73,11 @@ struct ShellState {
   std::vector<double> point_scratch;
   double interlock_energy = 0.0;
 
+  /// Gauss points of standing pieces that bear nothing any more.
+  int rubble() const {
+    return static_cast<int>(std::count_if(
+        points.begin(), points.end(), [](const GatheredPoint& g) { return g.kind == PointKind::kDead && !g.left; }));
+  }
   Vec3 position(int slot) const { return at(x, slot); }
   Vec3 velocity(int slot) const { return at(v, slot); }
   Vec3 at(const std::vector<double>& a, int slot) const {

@@ -148,8 +148,25 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
   return touching;
 }
 
+namespace {
+
+// Half a step's work of loads and of supports that move, at the velocities as they stand: before the kick and after
+// it, together the trapezoidal rule that leapfrog's energy asks for.
+void book_external_work(const ShellModel& m, ShellState& s, double dt) {
+  const std::size_t plane = m.tables.plane;
+  double power = 0.0;
+  for (std::size_t i = 0; i < s.external.size(); ++i) power += s.external[i] * s.v[i];
+  for (const auto& driven : m.constraints.driven)
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d]) power -= s.force[d * plane + slot] * s.v[d * plane + slot];
+  s.book.external += 0.5 * dt * power;
+}
+
+}  // namespace
+
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
   const std::size_t plane = m.tables.plane;
+  book_external_work(m, s, dt);
   const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
   if (alpha > 0.0 || beta > 0.0) {
     const bool viscous = beta > 0.0 && s.last_force.size() == s.force.size();
@@ -193,7 +210,8 @@ void constrain(const ShellModel& m, ShellState& s, double dt) {
   }
 }
 
-void drift(ShellState& s, double dt) {
+void drift(const ShellModel& m, ShellState& s, double dt) {
+  book_external_work(m, s, dt);
   s.time += dt;
   for (std::size_t i = 0; i < s.x.size(); ++i) s.x[i] += dt * s.v[i];
 }

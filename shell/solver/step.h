@@ -38,6 +38,6 @@ void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, doubl
 /// at state.time.
 void constrain(const ShellModel& model, ShellState& state, double dt);
 /// Positions, and state.time, a substep on.
-void drift(ShellState& state, double dt);
+void drift(const ShellModel& model, ShellState& state, double dt);
 
 }  // namespace sunder::shell

@@ -56,7 +56,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   };
   Constraints c;
   for (const Support& s : supports) {
-    std::vector<int> points;
+    std::vector<int> points, slopes;
     for (const int edge : {kUMin, kUMax, kVMin, kVMax}) {
       if (!(s.edges & edge)) continue;
       const std::vector<int> first = row_of(p, edge, 0), second = row_of(p, edge, 1);
@@ -73,7 +73,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
         continue;
       }
       points.insert(points.end(), first.begin(), first.end());
-      if (s.clamped) points.insert(points.end(), second.begin(), second.end());
+      if (s.clamped) slopes.insert(slopes.end(), second.begin(), second.end());
     }
     const int corner[4] = {0, columns - 1, (rows - 1) * columns, count - 1};
     for (int k = 0; k < 4; ++k)
@@ -87,6 +87,8 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
       require(points.size() > before, "{}: no control point lies in u {:.4g} to {:.4g}, v {:.4g} to {:.4g}", name,
               box.low.x(), box.high.x(), box.low.y(), box.high.y());
     }
+    for (const int i : points) c.anchors.push_back(slot(i));
+    points.insert(points.end(), slopes.begin(), slopes.end());
     if (s.motion.empty()) {
       for (const int i : points)
         for (int d = 0; d < 3; ++d) held[d][i] |= s.axes[d];

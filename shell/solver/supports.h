@@ -36,7 +36,8 @@ struct Constraints {
     Vec3 displacement(double time) const;
   };
   std::vector<Driven> driven;
-  bool partial = false;  // anything but control points that are held altogether
+  std::vector<int> anchors;  // slots that hold a piece; the second row of a clamped edge only gives its slope
+  bool partial = false;      // anything but control points that are held altogether
 };
 
 /// `slot_of` maps control points to slots. Throws Error where a symmetry edge does not lie in a plane across its

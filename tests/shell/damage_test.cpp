@@ -250,5 +250,5 @@ TEST(ExtractCracks, TornPointsLetGoAndAreCounted) {
   const int damaged = static_cast<int>(s.points.size());
   ASSERT_GT(damaged, 0);
   extract_cracks(m, s, 0.0);
-  EXPECT_EQ(s.rubble, damaged);
+  EXPECT_EQ(s.rubble(), damaged);
 }

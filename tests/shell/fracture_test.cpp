@@ -34,6 +34,24 @@ TEST(CrackGraph, SightEndsAtAnEdgeAndALittleBeyondItsEnds) {
   EXPECT_EQ(g.add_edge(a, a, 0, 0.0, 0), -1);  // no length
 }
 
+TEST(Triangulation, EveryCutFromBorderToBorderMakesTwoPieces) {
+  const ShellModel m = sheet();
+  std::mt19937_64 random(11);
+  std::uniform_real_distribution<double> uniform(0.003, 0.197);
+  for (int k = 0; k < 200; ++k) {
+    const auto on_border = [&](int side) {
+      const double at = uniform(random);
+      return side == 0 ? Vec2(0.0, at) : side == 1 ? Vec2(0.2, at) : side == 2 ? Vec2(at, 0.0) : Vec2(at, 0.2);
+    };
+    const Vec2 a = on_border(k % 4), b = on_border((k % 4 + 1 + k / 4 % 3) % 4);
+    if ((b - a).norm() < 0.02) continue;
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    insert_polyline(m, s, {a, b}, 0.0);
+    std::vector<Piece> pieces;
+    EXPECT_EQ(partition(m, s, pieces).pieces, 2) << a.transpose() << " to " << b.transpose();
+  }
+}
+
 TEST(CrackGraph, EarlierEdgesAreASubsetOfLaterOnes) {
   const ShellModel m = sheet();
   ShellState s = make_state(m, Vec3::Zero(), 1);
@@ -237,7 +255,7 @@ TEST(Damping, LetsAModeDecayAtItsRate) {
     energy = compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
     if (first < 0.0) first = energy;
     const double before = energy + s.book.damping;
-    kick(m, s, Vec3::Zero(), dt), drift(s, dt);
+    kick(m, s, Vec3::Zero(), dt), drift(m, s, dt);
     compute_forces(m, s, false, 0.0, 1);
     ASSERT_LE(std::abs(before - first), 1e-5 * first);  // booked, but for 1e-10 J of round-off
   }
