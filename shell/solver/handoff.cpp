@@ -281,7 +281,11 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   std::vector<int> slots;
   double mass = 0.0;
   Vec3 momentum = Vec3::Zero();
+  // forces within a piece cancel, unless a support took some of them: the slope of a clamped edge
+  const bool sloped = std::any_of(piece.control_points.begin(), piece.control_points.end(),
+                                  [&](int i) { return m.held[m.tables.slot(i)] != 0; });
   const auto velocity_now = [&](int slot) -> Vec3 {  // half a step on, at the time of the positions
+    if (sloped) return s.velocity(slot);
     return s.velocity(slot) + 0.5 * dt * s.inverse_mass[slot] * s.at(s.force, slot);
   };
   for (const int i : piece.control_points) {

@@ -62,8 +62,7 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
             for (int p = std::max(0, i - kReach); p <= std::min(t.columns - 1, i + kReach); ++p)
               for (int e = 0; e < 3; ++e) {
                 const std::size_t k = e * plane + q * t.stride + p;
-                // half to each triangle: loads that follow the surface have no symmetric tangent
-                const double value = -0.5 * (s.force[k] - f0[k]) / epsilon[j * t.stride + i];
+                const double value = -(s.force[k] - f0[k]) / epsilon[j * t.stride + i];
                 if (free.number[k] < 0 || value == 0.0) continue;
                 entries.emplace_back(free.number[k], column, value),
                     entries.emplace_back(column, free.number[k], value);
@@ -74,12 +73,22 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
   s.force = f0;
   Eigen::SparseMatrix<double> tangent(free.count, free.count);
   tangent.setFromTriplets(entries.begin(), entries.end());
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(tangent);
-  if (factors.info() != Eigen::Success) return {};
   Eigen::VectorXd right = Eigen::VectorXd::Zero(free.count);
   for (std::size_t k = 0; k < residual.size(); ++k)
     if (free.number[k] >= 0) right[free.number[k]] = residual[k];
-  const Eigen::VectorXd step = factors.solve(right);
+  const bool follows = std::any_of(m.loads.begin(), m.loads.end(), [](const PreparedLoad& p) {
+    return p.load.kind == Load::Kind::kEdgeMoment || p.load.kind == Load::Kind::kPressure;
+  });
+  Eigen::VectorXd step;
+  if (follows) {  // loads that follow the surface have no symmetric tangent
+    Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(tangent);
+    if (factors.info() != Eigen::Success) return {};
+    step = factors.solve(right);
+  } else {
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(tangent);
+    if (factors.info() != Eigen::Success) return {};
+    step = factors.solve(right);
+  }
   std::vector<double> out(residual.size(), 0.0);
   for (std::size_t k = 0; k < residual.size(); ++k)
     if (free.number[k] >= 0) out[k] = step[free.number[k]];

@@ -1,8 +1,133 @@
 // Shells in motion.
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "shell/geometry/builders.h"
+#include "shell/solver/step.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
+namespace {
 
-std::vector<Case> dynamic_cases() { return {}; }
+using namespace sunder::shell;
+
+constexpr double kPi = std::numbers::pi;
+
+ShellModel square(int elements, const std::vector<Support>& supports) {
+  ShellMaterial m;
+  m.density = 2500, m.youngs_modulus = 70e9, m.poisson_ratio = 0.22;
+  return make_shell("square", plate(1.0, 1.0, elements, elements, Vec3::Zero(), Quat::Identity()), 0.004, m, 2, 2,
+                    supports);
+}
+
+// Frequency of the bending mode (p, q) by the times at which its share of the deflection changes sign.
+double frequency(int p, int q, int elements, int threads) {
+  Support hinge;
+  hinge.edges = kUMin | kUMax | kVMin | kVMax, hinge.clamped = false;
+  const ShellModel m = square(elements, {hinge});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const std::size_t plane = m.tables.plane;
+  std::vector<double> shape(plane, 0.0);
+  for (int i = 0; i < m.control_points(); ++i) {
+    const Vec2 g = m.parameter[i];
+    shape[m.tables.slot(i)] = std::sin(p * kPi * g.x()) * std::sin(q * kPi * g.y());
+  }
+  const double dt = 0.5 * stable_step(m, s, 150, threads, false);
+  const double rigidity = 70e9 * std::pow(0.004, 3) / 12.0 / (1.0 - 0.22 * 0.22);
+  const double omega = (p * p + q * q) * kPi * kPi * std::sqrt(rigidity / (2500 * 0.004));
+  for (std::size_t i = 0; i < plane; ++i)
+    if (s.inverse_mass[i] > 0.0) s.v[2 * plane + i] = 1e-6 * omega * shape[i];  // 1 um: linear
+  const auto share = [&] {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < plane; ++i) sum += m.mass[i] * shape[i] * s.x[2 * plane + i];
+    return sum;
+  };
+  double before = 0.0, first = -1.0, last = 0.0;
+  int crossings = 0;
+  for (std::int64_t k = 1; crossings < 7; ++k) {
+    compute_forces(m, s, false, 0.0, threads);
+    kick(m, s, Vec3::Zero(), dt), constrain(m, s, dt), drift(m, s, dt);
+    const double now = share();
+    if (before != 0.0 && (before > 0.0) != (now > 0.0)) {
+      last = (static_cast<double>(k) - now / (now - before)) * dt;
+      if (first < 0.0) first = last;
+      ++crossings;
+    }
+    before = now;
+  }
+  return kPi * (crossings - 1) / (last - first) * std::sqrt(2500 * 0.004 / rigidity);
+}
+
+void frequency_case(Report& r, int threads) {
+  const int modes[4][2] = {{1, 1}, {1, 2}, {2, 2}, {1, 3}};
+  for (const auto& [p, q] : modes) {
+    const double start = seconds_now(), exact = (p * p + q * q) * kPi * kPi;
+    r.add(fmt::format("plate_frequency_{}{}", p, q), frequency(p, q, 48, threads), exact, 0.005, seconds_now() - start);
+  }
+  Curve c{"plate_frequency_11", "elements a side", "relative error", {}, {}, true};
+  for (const int n : {4, 8, 16, 32}) {
+    c.x.push_back(n), c.y.push_back(std::abs(frequency(1, 1, n, threads) / (2.0 * kPi * kPi) - 1.0));
+  }
+  const double order = std::log2(c.y[2] / c.y[3]);
+  r.lines.push_back(
+      fmt::format("plate_frequency: errors {:.1e} {:.1e} {:.1e} {:.1e} at 4 8 16 32 elements; order {:.2f} "
+                  "from 16 to 32",
+                  c.y[0], c.y[1], c.y[2], c.y[3], order));
+  r.add("plate_frequency_order", order, 2.0, 0.25, 0.0);  // quadratic splines with lumped mass: bending goes as h^2
+  r.curves.push_back(c);
+}
+
+void vibration_case(Report& r, int threads) {
+  const double start = seconds_now();
+  const ShellModel m = square(6, {});
+  ShellState s = make_state(m, Vec3(1.0, -2.0, 0.5), 0);
+  const std::size_t plane = m.tables.plane;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    const Vec3 x = s.position(slot);
+    const Vec3 spin = Vec3(0.3, 0.2, 2.0).cross(x);
+    s.add_velocity(slot, spin + Vec3(0, 0, 0.2 * std::cos(2.0 * kPi * x.x()) * std::cos(kPi * x.y())));
+  }
+  const double dt = 0.8 * stable_step(m, s, 200, threads, false);
+  const auto energy = [&] {
+    const double elastic = compute_forces(m, s, true, 0.0, threads);
+    return elastic + kinetic_energy(m, s, dt);
+  };
+  const auto momenta = [&](Vec3& p, Vec3& l, double& scale_p, double& scale_l) {
+    p = l = Vec3::Zero(), scale_p = scale_l = 0.0;
+    for (std::size_t i = 0; i < plane; ++i) {
+      const Vec3 q = s.mass[i] * s.velocity(static_cast<int>(i)), c = s.position(static_cast<int>(i)).cross(q);
+      p += q, l += c, scale_p += q.norm(), scale_l += c.norm();
+    }
+  };
+  constexpr int kSteps = 1'000'000, kMean = 20000;
+  double first = 0.0, last = 0.0;
+  Vec3 p0 = Vec3::Zero(), l0 = p0, p1 = p0, l1 = p0;
+  double scale_p = 0.0, scale_l = 0.0;
+  for (int k = 0; k < kSteps; ++k) {
+    if (k < kMean || k >= kSteps - kMean) {
+      const double e = energy();
+      (k < kMean ? first : last) += e / kMean;
+    } else {
+      compute_forces(m, s, false, 0.0, threads);
+    }
+    kick(m, s, Vec3::Zero(), dt), drift(m, s, dt);
+    if (k == 0) momenta(p0, l0, scale_p, scale_l);
+  }
+  momenta(p1, l1, scale_p, scale_l);
+  r.add("free_vibration_energy_drift", last / first - 1.0, 0.0, 1e-4, seconds_now() - start);
+  // round-off of a million sums, one part in 1e16 each, adds up at random to some 1e-13
+  r.add("free_vibration_momentum", (p1 - p0).norm() / scale_p, 0.0, 1e-12, 0.0);
+  r.add("free_vibration_angular_momentum", (l1 - l0).norm() / scale_l, 0.0, 1e-11, 0.0);
+}
+
+}  // namespace
+
+std::vector<Case> dynamic_cases() {
+  return {{"plate_frequency", "simply supported square, four modes, order of convergence", frequency_case},
+          {"free_vibration", "a free plate for a million substeps", vibration_case}};
+}
 
 }  // namespace sunder::validation

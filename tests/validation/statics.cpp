@@ -83,6 +83,60 @@ double hemisphere(int elements, int threads, Report& r) {
   return displacement(m, s, along_x.point).x() / kShare;
 }
 
+// Tip displacement of a strip clamped at x = 0, load by load; the load is `prepare`d at full size, in_time counts.
+template <class F>
+void cantilever(double length, const Load& load, int elements, int steps, int threads, Report& r,
+                const std::string& name, F&& look) {
+  Support clamp;
+  clamp.edges = kUMin;
+  const ShellModel m = make_shell(name, plate(length, 1.0, elements, 1, Vec3::Zero(), Quat::Identity()), 0.1,
+                                  material(1.2e6, 0.0), 2, 3, {clamp}, {load});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  RelaxationRules rules;
+  rules.threads = threads;
+  int newton = 0;
+  double worst = 0.0;
+  std::int64_t relaxation = 0;
+  for (int k = 1; k <= steps; ++k) {
+    const double start = seconds_now();
+    s.time = static_cast<double>(k) / steps;
+    const RelaxationResult q = relax(m, s, rules);
+    newton += q.newton, relaxation += q.steps, worst = std::max(worst, q.residual);
+    look(s.time, displacement(m, s, {m.patch.knots_u.end(), 0.5 * m.patch.knots_v.end()}), seconds_now() - start);
+  }
+  r.lines.push_back(
+      fmt::format("{}: {} Newton steps, {} of relaxation, residual at most {:.1e}", name, newton, relaxation, worst));
+}
+
+void end_shear_case(Report& r, int threads) {
+  const double u[] = {.103, .381, .763, 1.184, 1.604, 2.002, 2.370, 2.705, 3.010, 3.286};
+  const double w[] = {1.309, 2.493, 3.488, 4.292, 4.933, 5.444, 5.855, 6.190, 6.467, 6.698};
+  Load shear;
+  shear.kind = Load::Kind::kEdgeForce, shear.edges = kUMax, shear.force = Vec3(0, 0, 4.0),
+  shear.in_time = {{0, 0}, {1, 1}};
+  int i = 0;
+  cantilever(10.0, shear, 32, 10, threads, r, "end_shear", [&](double t, const Vec3& d, double seconds) {
+    r.add(fmt::format("end_shear_u_{:.1f}", t), -d.x(), u[i], 0.01, seconds);
+    r.add(fmt::format("end_shear_w_{:.1f}", t), d.z(), w[i++], 0.01, 0.0);
+  });
+}
+
+void end_moment_case(Report& r, int threads) {
+  constexpr double kLength = 12.0;
+  Load moment;
+  moment.kind = Load::Kind::kEdgeMoment, moment.edges = kUMax, moment.size = 50.0 * kPi / 3.0;
+  moment.in_time = {{0, 0}, {1, 1}};
+  int k = 0;
+  cantilever(kLength, moment, 48, 40, threads, r, "end_moment", [&](double t, const Vec3& d, double seconds) {
+    if (++k % 10) return;
+    const double a = 2.0 * kPi * t;
+    const double u = kLength * (1.0 - std::sin(a) / a), w = kLength * (1.0 - std::cos(a)) / a;
+    // over the length: the closed circle has w = 0
+    r.add(fmt::format("end_moment_u_{:.2f}", t), 1.0 - (-d.x() - u) / kLength, 1.0, 0.01, seconds);
+    r.add(fmt::format("end_moment_w_{:.2f}", t), 1.0 + (std::abs(d.z()) - w) / kLength, 1.0, 0.01, 0.0);
+  });
+}
+
 void scordelis_lo_case(Report& r, int threads) {
   const double known[] = {0.2957, 0.30024, 0.30056};
   int i = 0;
@@ -107,7 +161,9 @@ void hemisphere_case(Report& r, int threads) {
 
 std::vector<Case> static_cases() {
   return {{"scordelis_lo", "roof under its weight", scordelis_lo_case},
-          {"hemisphere", "pinched, without a hole", hemisphere_case}};
+          {"hemisphere", "pinched, without a hole", hemisphere_case},
+          {"end_shear", "cantilever of large deflection (Sze, Liu, Lo 2004)", end_shear_case},
+          {"end_moment", "cantilever rolled to a circle", end_moment_case}};
 }
 
 }  // namespace sunder::validation
