@@ -47,6 +47,74 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
   not_negative(s, f + ".stiffness_damping_s", m.has_stiffness_damping_s(), m.stiffness_damping_s());
 }
 
+// Angle, elements and pose that sectors of surfaces of revolution share.
+template <class Sector>
+void sector(const Scene& s, const std::string& f, const Sector& c) {
+  s.check(c.has_angle_deg() && c.angle_deg() > 0.0 && c.angle_deg() < 150.0, f + ".angle_deg",
+          "is {}; more than 0 and less than 150 degrees, wider arcs are several patches", c.angle_deg());
+  for (const auto& [name, n] : {std::pair{"elements_u", c.elements_u()}, std::pair{"elements_v", c.elements_v()}})
+    s.check(n >= 1 && n <= kMaxElements, f + "." + name, "is {}; 1 to {} elements along a side", n, kMaxElements);
+  s.check(double(c.elements_u()) * c.elements_v() <= kMaxControlPoints, f, "has {} elements; at most {} in all",
+          double(c.elements_u()) * c.elements_v(), kMaxControlPoints);
+  pose(s, f + ".pose", c.pose());
+}
+
+void known_edge(const Scene& s, const std::string& f, int edge) {
+  s.check(edge >= proto::Support::ALL && edge <= proto::Support::V_MAX, f,
+          "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
+}
+
+// Times that rise, values that are finite.
+template <class Points, class Value>
+void over_time(const Scene& s, const std::string& f, const Points& points, Value&& value) {
+  for (int i = 0; i < points.size(); ++i) {
+    s.check(std::isfinite(points[i].time_s()) && (i == 0 || points[i].time_s() > points[i - 1].time_s()), f,
+            "has time_s {} at entry {}; times must rise", points[i].time_s(), i);
+    s.check(value(points[i]), f, "has a value that is not finite at entry {}", i);
+  }
+}
+
+void support(const Scene& s, const std::string& g, const proto::Support& m) {
+  const auto kind = m.kind();
+  s.check(m.edges_size() + m.corners_size() + m.regions_size() > 0, g + ".edges",
+          "is empty; name ALL, U_MIN, U_MAX, V_MIN or V_MAX, or give corners or regions");
+  s.check(kind >= proto::Support::CLAMPED && kind <= proto::Support::SYMMETRY_Z, g + ".kind",
+          "is missing; CLAMPED, SIMPLY_SUPPORTED, SYMMETRY_X, SYMMETRY_Y or SYMMETRY_Z");
+  for (const int edge : m.edges()) known_edge(s, g + ".edges", edge);
+  for (const int corner : m.corners())
+    s.check(corner >= proto::Support::U_MIN_V_MIN && corner <= proto::Support::U_MAX_V_MAX, g + ".corners",
+            "has {}; name U_MIN_V_MIN, U_MAX_V_MIN, U_MIN_V_MAX or U_MAX_V_MAX", corner);
+  for (const int axis : m.axes())
+    s.check(axis >= proto::Support::X && axis <= proto::Support::Z, g + ".axes", "has {}; name X, Y or Z", axis);
+  s.check(m.axes_size() == 0 || kind == proto::Support::SIMPLY_SUPPORTED, g + ".axes", "go with SIMPLY_SUPPORTED only");
+  s.check(kind < proto::Support::SYMMETRY_X || (m.corners_size() + m.regions_size() + m.motion_size() == 0),
+          g + ".kind", "symmetry is for edges that stay in their plane: no corners, regions or motion");
+  for (const auto& box : m.regions())
+    s.check(box.low().u() <= box.high().u() && box.low().v() <= box.high().v(), g + ".regions",
+            "has a box whose low corner is above its high one");
+  over_time(s, g + ".motion", m.motion(), [](const proto::MotionPoint& p) {
+    const auto& u = p.displacement();
+    return std::isfinite(u.x()) && std::isfinite(u.y()) && std::isfinite(u.z());
+  });
+}
+
+void load(const Scene& s, const std::string& g, const proto::ShellLoad& m) {
+  s.check(m.kind_case() != proto::ShellLoad::KIND_NOT_SET, g,
+          "says nothing; give point, edge_force, edge_moment or pressure");
+  if (m.has_point()) finite(s, g + ".point.force", m.point().force());
+  if (m.has_edge_force()) {
+    known_edge(s, g + ".edge_force.edge", m.edge_force().edge());
+    finite(s, g + ".edge_force.force_per_length", m.edge_force().force_per_length());
+  }
+  if (m.has_edge_moment()) {
+    known_edge(s, g + ".edge_moment.edge", m.edge_moment().edge());
+    s.check(std::isfinite(m.edge_moment().moment_per_length()), g + ".edge_moment.moment_per_length", "is {}",
+            m.edge_moment().moment_per_length());
+  }
+  s.check(std::isfinite(m.pressure()), g + ".pressure", "is {}", m.pressure());
+  over_time(s, g + ".factor", m.factor(), [](const proto::FactorPoint& p) { return std::isfinite(p.value()); });
+}
+
 void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {
   s.check(materials.count(shell.material()), f + ".material", "'{}' is no material of this scene", shell.material());
   for (const auto& m : s.message.materials())
@@ -58,7 +126,8 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
           shell.layers());
   s.check(!shell.has_gauss_points() || shell.gauss_points() == 2 || shell.gauss_points() == 3, f + ".gauss_points",
           "is {}; 2 or 3", shell.gauss_points());
-  s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f, "has no patch; give plate {{...}} or nurbs {{...}}");
+  s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f,
+          "has no patch; give plate, cylinder, sphere, cone or nurbs {{...}}");
   if (shell.has_plate()) {
     const auto& p = shell.plate();
     positive(s, f + ".plate.size_x_m", p.has_size_x_m(), p.size_x_m(), "m");
@@ -70,15 +139,33 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
             "has {} elements; at most {} in all", double(p.elements_x()) * p.elements_y(), kMaxControlPoints);
     pose(s, f + ".plate.pose", p.pose());
   }
-  for (int i = 0; i < shell.supports_size(); ++i) {
-    const std::string g = fmt::format("{}.supports[{}]", f, i);
-    s.check(shell.supports(i).edges_size() > 0, g + ".edges", "is empty; name ALL, U_MIN, U_MAX, V_MIN or V_MAX");
-    s.check(shell.supports(i).kind() != proto::Support::KIND_UNSPECIFIED, g + ".kind",
-            "is missing; CLAMPED or SIMPLY_SUPPORTED");
-    for (const int edge : shell.supports(i).edges())
-      s.check(edge >= proto::Support::ALL && edge <= proto::Support::V_MAX, g + ".edges",
-              "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
+  if (shell.has_cylinder()) {
+    const auto& c = shell.cylinder();
+    positive(s, f + ".cylinder.radius_m", c.has_radius_m(), c.radius_m(), "m");
+    positive(s, f + ".cylinder.length_m", c.has_length_m(), c.length_m(), "m");
+    sector(s, f + ".cylinder", c);
   }
+  if (shell.has_sphere()) {
+    const auto& c = shell.sphere();
+    positive(s, f + ".sphere.radius_m", c.has_radius_m(), c.radius_m(), "m");
+    s.check(c.from_deg() >= -90.0 && c.to_deg() <= 90.0 && c.from_deg() < c.to_deg(), f + ".sphere",
+            "runs from {} to {} degrees above the equator; must rise within -90 to 90", c.from_deg(), c.to_deg());
+    sector(s, f + ".sphere", c);
+  }
+  if (shell.has_cone()) {
+    const auto& c = shell.cone();
+    positive(s, f + ".cone.bottom_m", c.has_bottom_m(), c.bottom_m(), "m");
+    not_negative(s, f + ".cone.top_m", c.has_top_m(), c.top_m());
+    positive(s, f + ".cone.height_m", c.has_height_m(), c.height_m(), "m");
+    sector(s, f + ".cone", c);
+  }
+  for (int i = 0; i < shell.supports_size(); ++i) support(s, fmt::format("{}.supports[{}]", f, i), shell.supports(i));
+  for (int i = 0; i < shell.loads_size(); ++i) load(s, fmt::format("{}.loads[{}]", f, i), shell.loads(i));
+  if (shell.equilibrium().has_tolerance())
+    s.check(shell.equilibrium().tolerance() >= 1e-12 && shell.equilibrium().tolerance() <= 0.1,
+            f + ".equilibrium.tolerance", "is {}; 1e-12 to 0.1 of the loads", shell.equilibrium().tolerance());
+  s.check(!shell.has_equilibrium() || !shell.has_velocity(), f + ".velocity",
+          "is given, but a shell in equilibrium starts at rest");
   for (int i = 0; i < shell.cuts_size(); ++i) {
     const std::string g = fmt::format("{}.cuts[{}]", f, i);
     s.check(shell.cuts(i).points_size() >= 2, g + ".points", "has {} points; a cut has at least two",
@@ -181,6 +268,17 @@ void validate(const LoadedScene& s) {
     positive(s, "output.frame_interval_s", true, m.output().frame_interval_s(), "s");
   if (m.output().has_shell_frame_interval_s())
     positive(s, "output.shell_frame_interval_s", true, m.output().shell_frame_interval_s(), "s");
+  if (m.output().has_probe_interval_s())
+    positive(s, "output.probe_interval_s", true, m.output().probe_interval_s(), "s");
+  std::set<std::string> probes;
+  for (int i = 0; i < m.output().probes_size(); ++i) {
+    const auto& p = m.output().probes(i);
+    const std::string f = fmt::format("output.probes[{}]", i);
+    name(f, p.name(), probes);
+    bool known = false;
+    for (const auto& shell : m.shells()) known = known || shell.name() == p.shell();
+    s.check(known, f + ".shell", "'{}' is no shell of this scene", p.shell());
+  }
 }
 
 }  // namespace sunder::scene

@@ -11,7 +11,7 @@ from pathlib import Path
 from .errors import CommandError
 
 # What a run writes. Replacing a run removes these and nothing else that somebody put there.
-RUN_FILES = ("run.json", "series.csv", "shards.csv", "frames.pvd", "frames", "contact_sheet.png", "shell.log",
+RUN_FILES = ("run.json", "series.csv", "probes.csv", "shards.csv", "frames.pvd", "frames", "contact_sheet.png", "shell.log",
              "rigid.log")
 PROBE_BYTES = 1 << 20  # room that has to be there before anything is launched
 

@@ -8,71 +8,10 @@
 #include <Eigen/Dense>
 
 #include "shell/contact/proxy.h"
+#include "shell/io/build_shell.h"
 
 namespace sunder::shell {
 namespace {
-
-const proto::Material* find_material(const proto::Scene& s, const std::string& name) {
-  for (const auto& m : s.materials())
-    if (m.name() == name) return &m;
-  return nullptr;
-}
-
-template <class F>
-auto at_field(const scene::LoadedScene& scene, const std::string& field, F&& f) {
-  try {
-    return f();
-  } catch (const Error& e) {
-    if (!e.file.empty()) throw;
-    scene.fail(field, e.what());
-  }
-}
-
-Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
-  if (s.has_plate()) {
-    const auto& p = s.plate();
-    return plate(p.size_x_m(), p.size_y_m(), p.elements_x(), p.elements_y(), scene::to_vec(p.pose().position()),
-                 scene::to_quat(p.pose()));
-  }
-  const auto& n = s.nurbs();
-  const auto knots = [&](const auto& list, const char* name) {
-    return at_field(scene, field + ".nurbs." + name, [&] { return KnotVector({list.begin(), list.end()}, name); });
-  };
-  Patch patch{
-      knots(n.knots_u(), "knots_u"), knots(n.knots_v(), "knots_v"), {}, {n.weights().begin(), n.weights().end()}};
-  for (const auto& p : n.control_points()) patch.control_points.push_back(scene::to_vec(p));
-  if (patch.weights.empty()) patch.weights.assign(patch.control_points.size(), 1.0);
-  at_field(scene, field + ".nurbs.control_points", [&] {
-    validate(patch, "nurbs");
-    return 0;
-  });
-  return patch;
-}
-
-ShellModel make_model(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
-  const auto& mat = *find_material(scene.message, s.material());
-  ShellMaterial material;
-  material.density = mat.density(), material.youngs_modulus = mat.youngs_modulus(),
-  material.poisson_ratio = mat.poisson_ratio();
-  material.strength = mat.strength(), material.fracture_energy = mat.fracture_energy();
-  material.weibull_modulus = mat.weibull_modulus();
-  material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : 4e-3;
-  material.mass_damping = mat.mass_damping_per_s();
-  material.stiffness_damping = mat.stiffness_damping_s();
-  std::vector<Support> supports;
-  for (const auto& support : s.supports()) {
-    Support e;
-    e.clamped = support.kind() == proto::Support::CLAMPED;
-    for (const int edge : support.edges())
-      e.edges |= edge == proto::Support::ALL ? kUMin | kUMax | kVMin | kVMax : 1 << (edge - proto::Support::U_MIN);
-    supports.push_back(e);
-  }
-  const Patch patch = make_patch(scene, s, field);
-  return at_field(scene, field, [&] {
-    return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2,
-                      s.has_gauss_points() ? s.gauss_points() : 2, supports);
-  });
-}
 
 // Mass, centre and inertia of a hull, by tetrahedra over its faces from the mean point.
 void hull_properties(const scene::Hull& hull, double density, RigidBody& b) {
@@ -167,6 +106,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.frame_interval = m.output().has_frame_interval_s() ? m.output().frame_interval_s() : r.end_time / 60.0;
   r.shell_frame_interval =
       m.output().has_shell_frame_interval_s() ? m.output().shell_frame_interval_s() : r.frame_interval;
+  r.probe_interval = m.output().has_probe_interval_s() ? m.output().probe_interval_s() : r.window;
   r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : 5e-4;
   r.quiet_growth = m.fracture().has_quiet_growth() ? m.fracture().quiet_growth() : 0.01;
   r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;
@@ -174,7 +114,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   std::map<std::string, std::uint32_t> groups;
   for (int i = 0; i < m.shells_size(); ++i) {
     const std::string field = fmt::format("shells[{}]", i);
-    r.shells.push_back(make_model(scene, m.shells(i), field));
+    r.shells.push_back(build_shell(scene, m.shells(i), field));
     ShellModel& s = r.shells.back();
     groups[s.name] = s.contact_group = static_cast<std::uint32_t>(groups.size());
     r.shell_velocity = scene::to_vec(m.shells(i).velocity());
@@ -190,6 +130,16 @@ RunSetup build(const scene::LoadedScene& scene) {
       }
       r.cuts.push_back(std::move(cut));
     }
+    for (int k = 0; k < m.output().probes_size(); ++k) {
+      const auto& p = m.output().probes(k);
+      const Vec2 at(p.at().u(), p.at().v());
+      scene.check(s.patch.contains(at), fmt::format("output.probes[{}].at", k),
+                  "({}, {}) lies outside the patch, whose parameters run to ({}, {})", at.x(), at.y(),
+                  s.patch.knots_u.end(), s.patch.knots_v.end());
+      r.probes.push_back({p.name(), at});
+    }
+    if (m.shells(i).has_equilibrium())
+      r.equilibrium = m.shells(i).equilibrium().has_tolerance() ? m.shells(i).equilibrium().tolerance() : 1e-6;
     const auto mode = m.fracture().mode();
     r.tips = s.material.strength > 0.0 && mode != proto::Fracture::CUTS && mode != proto::Fracture::DAMAGE;
     if (mode == proto::Fracture::DAMAGE) {

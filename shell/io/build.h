@@ -4,6 +4,7 @@
 
 #include "coupler/core/body.h"
 #include "coupler/scene/load.h"
+#include "shell/io/probes.h"
 #include "shell/solver/model.h"
 #include "shell/solver/tips.h"
 
@@ -23,7 +24,10 @@ struct RunSetup {
   std::string name;
   double end_time = 0.0, window = 0.0, settle_window = 0.0, safety = 0.8;  // [s], [-]
   double frame_interval = 0.0, shell_frame_interval = 0.0;
-  double brittleness = 0.0;  // H of the damage law; 0: no damage
+  std::vector<Probe> probes;
+  double probe_interval = 0.0;  // [s]
+  double equilibrium = 0.0;     // tolerance of the equilibrium that the shell starts from; 0: starts as it is
+  double brittleness = 0.0;     // H of the damage law; 0: no damage
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellModel> shells;  // none or one

@@ -42,8 +42,15 @@ void Run::write_frame() {
   const double interval = state_ ? setup_.shell_frame_interval : setup_.frame_interval;
   next_frame_ = std::max(next_frame_ + interval, time() + 0.5 * interval);  // a late one does not delay the next
   write_atomically(options_.out + "/series.csv", series_);
+  if (!probes_.empty()) write_atomically(options_.out + "/probes.csv", probes_);
   if (time() > 0.0) write_summary("running", nullptr);  // what a killed run leaves says how far it came
   stage_s_["io"] += wall_clock() - start;
+}
+
+void Run::write_probes() {
+  if (setup_.probes.empty() || !state_ || time() < next_probe_ - 1e-6 * setup_.window) return;
+  probes_ += probe_row(setup_.probes, setup_.shells[0], *state_, time(), setup_.gravity);
+  next_probe_ = std::max(next_probe_ + setup_.probe_interval, time() + 0.5 * setup_.probe_interval);
 }
 
 void Run::write_series_row() {

@@ -8,6 +8,7 @@
 #include "shell/solver/damage_cracks.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/interlock.h"
+#include "shell/solver/relaxation.h"
 
 namespace sunder::shell {
 namespace {
@@ -66,6 +67,7 @@ void Run::start() {
           coefficients_.push_back({law.friction, law.restitution});
           break;
         }
+    if (setup_.equilibrium > 0.0) find_equilibrium();
     initial_step_ = smallest_step_ = stable_step(m, *state_, kFirstIterations, options_.threads, can_crack());
     require(std::isfinite(initial_step_),
             "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
@@ -90,7 +92,22 @@ void Run::start() {
       "[J],residual [-],cracks "
       "[m],fragments [-],handed_off [-]\n";
   write_summary("running", nullptr);
+  if (!setup_.probes.empty()) probes_ = probe_header(setup_.probes);
+  write_probes();
   write_frame();
+}
+
+void Run::find_equilibrium() {
+  Stopwatch w(stage_s_["equilibrium"]);
+  RelaxationRules rules;
+  rules.tolerance = setup_.equilibrium, rules.gravity = setup_.gravity, rules.threads = options_.threads;
+  const RelaxationResult r = relax(setup_.shells[0], *state_, rules);
+  if (r.converged) return;
+  throw Error(
+      Exit::kPhysics, "equilibrium",
+      fmt::format("no equilibrium of shell '{}' found: {} Newton steps and {} of relaxation leave {:.3g} of the "
+                  "loads, more than {:.3g}; support it, lower the loads, or raise equilibrium.tolerance",
+                  setup_.shells[0].name, r.newton, r.steps, r.residual, setup_.equilibrium));
 }
 
 double Run::bodies_energy() const {
@@ -369,6 +386,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
         rigid_window();
       if (time() >= next_frame_ - 1e-6 * setup_.window) write_frame();
       write_series_row();
+      write_probes();
       progress();
     }
     write_frame();

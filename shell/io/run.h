@@ -41,6 +41,7 @@ class Run {
 
  private:
   void start();
+  void find_equilibrium();
   void shell_window();
   void rigid_window();
   void fly(double window, std::size_t count);  // the first `count` bodies fall freely
@@ -63,6 +64,7 @@ class Run {
   double bodies_energy() const;
   void write_frame();
   void write_series_row();
+  void write_probes();
   void write_shards() const;
   std::string shards_summary() const;
   void write_summary(const std::string& status, const Error* error);
@@ -103,7 +105,8 @@ class Run {
   std::vector<ShardRecord> shards_;
   EnergyBook book_;  // of the shell, kept when it is frozen
   std::map<std::string, double> stage_s_;
-  std::string series_;
+  std::string series_, probes_;
+  double next_probe_ = 0.0;  // [s]
 };
 
 }  // namespace sunder::shell

@@ -18,6 +18,8 @@ constexpr int kCheckEvery = 50;       // steps between two looks at the residual
 constexpr double kLongestStep = 0.1;  // of the shell's size, a Newton step
 constexpr int kPatience = 5;          // Newton steps without gain
 constexpr double kRoundOff = 1e-3;    // a residual that small and not falling is round-off
+constexpr int kMostHalvings = 6;      // of a Newton step
+constexpr double kFallen = 0.8;       // of the work of the residual on the step, where the step is good
 constexpr double kWorse = 2.0;        // times the least work left, before Newton gives up what it lost
 constexpr double kMargin = 1.1;       // power iteration approaches from below
 
@@ -197,8 +199,17 @@ RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules
       }
       double longest = 0.0;
       for (const double u : step) longest = std::max(longest, std::abs(u));
-      const double share = std::min(1.0, kLongestStep * furthest / longest);
-      for (std::size_t i = 0; i < size; ++i) s.x[i] += share * step[i];
+      // along the step until the residual's work on it has fallen (Crisfield's line search)
+      const std::vector<double> from = s.x;
+      double share = std::min(1.0, kLongestStep * furthest / longest);
+      for (int halving = 0;; ++halving, share *= 0.5) {
+        for (std::size_t i = 0; i < size; ++i) s.x[i] = from[i] + share * step[i];
+        if (halving == kMostHalvings) break;
+        forces();
+        double slope = 0.0;
+        for (std::size_t i = 0; i < size; ++i) slope += s.force[i] * step[i];
+        if (std::abs(slope) <= kFallen * std::abs(left)) break;
+      }
     }
     if (r.converged) return r;
     s.x = start;

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "shell/geometry/builders.h"
+#include "shell/io/probes.h"
 #include "shell/solver/relaxation.h"
 #include "tests/validation/cases.h"
 
@@ -20,16 +21,6 @@ ShellMaterial material(double young, double poisson) {
   ShellMaterial m;
   m.density = 1.0, m.youngs_modulus = young, m.poisson_ratio = poisson;
   return m;
-}
-
-Vec3 displacement(const ShellModel& m, const ShellState& s, const Vec2& p) {
-  const ShapeFunctions n = m.patch.shape_functions(p);
-  Vec3 u = Vec3::Zero();
-  for (int k = 0; k < 9; ++k) {
-    const int slot = (n.span_v + k / 3) * m.tables.stride + n.span_u + k % 3;
-    u += n.value[k] * (s.position(slot) - s.at(m.rest, slot));
-  }
-  return u;
 }
 
 Support symmetry(int edges, int axis) {

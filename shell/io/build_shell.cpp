@@ -1,0 +1,145 @@
+#include "shell/io/build_shell.h"
+
+#include <fmt/format.h>
+
+#include <numbers>
+
+#include "shell/geometry/builders.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kDegree1 = std::numbers::pi / 180.0;
+
+template <class F>
+auto at_field(const scene::LoadedScene& scene, const std::string& field, F&& f) {
+  try {
+    return f();
+  } catch (const Error& e) {
+    if (!e.file.empty()) throw;
+    scene.fail(field, e.what());
+  }
+}
+
+template <class Message>
+Patch posed(const Patch& patch, const Message& m) {
+  return placed(patch, scene::to_vec(m.pose().position()), scene::to_quat(m.pose()));
+}
+
+Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+  if (s.has_plate()) {
+    const auto& p = s.plate();
+    return plate(p.size_x_m(), p.size_y_m(), p.elements_x(), p.elements_y(), scene::to_vec(p.pose().position()),
+                 scene::to_quat(p.pose()));
+  }
+  if (s.has_cylinder()) {
+    const auto& c = s.cylinder();
+    return at_field(scene, field + ".cylinder", [&] {
+      return posed(cylinder(c.radius_m(), c.length_m(), c.angle_deg() * kDegree1, c.elements_u(), c.elements_v()), c);
+    });
+  }
+  if (s.has_sphere()) {
+    const auto& c = s.sphere();
+    return at_field(scene, field + ".sphere", [&] {
+      return posed(sphere(c.radius_m(), c.angle_deg() * kDegree1, c.from_deg() * kDegree1, c.to_deg() * kDegree1,
+                          c.elements_u(), c.elements_v()),
+                   c);
+    });
+  }
+  if (s.has_cone()) {
+    const auto& c = s.cone();
+    return at_field(scene, field + ".cone", [&] {
+      return posed(
+          cone(c.bottom_m(), c.top_m(), c.height_m(), c.angle_deg() * kDegree1, c.elements_u(), c.elements_v()), c);
+    });
+  }
+  const auto& n = s.nurbs();
+  const auto knots = [&](const auto& list, const char* name) {
+    return at_field(scene, field + ".nurbs." + name, [&] { return KnotVector({list.begin(), list.end()}, name); });
+  };
+  Patch patch{
+      knots(n.knots_u(), "knots_u"), knots(n.knots_v(), "knots_v"), {}, {n.weights().begin(), n.weights().end()}};
+  for (const auto& p : n.control_points()) patch.control_points.push_back(scene::to_vec(p));
+  if (patch.weights.empty()) patch.weights.assign(patch.control_points.size(), 1.0);
+  at_field(scene, field + ".nurbs.control_points", [&] {
+    validate(patch, "nurbs");
+    return 0;
+  });
+  return patch;
+}
+
+Vec2 to_parameter(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
+
+int edge_bits(int edge) {
+  return edge == proto::Support::ALL ? kUMin | kUMax | kVMin | kVMax : 1 << (edge - proto::Support::U_MIN);
+}
+
+Support make_support(const proto::Support& m) {
+  Support s;
+  s.clamped = m.kind() == proto::Support::CLAMPED;
+  if (m.kind() >= proto::Support::SYMMETRY_X) s.symmetry = m.kind() - proto::Support::SYMMETRY_X;
+  for (const int edge : m.edges()) s.edges |= edge_bits(edge);
+  for (const int corner : m.corners()) s.corners |= 1 << (corner - proto::Support::U_MIN_V_MIN);
+  if (m.axes_size() > 0) s.axes = {false, false, false};
+  for (const int axis : m.axes()) s.axes[axis - proto::Support::X] = true;
+  for (const auto& box : m.regions()) s.regions.push_back({to_parameter(box.low()), to_parameter(box.high())});
+  for (const auto& p : m.motion()) s.motion.emplace_back(p.time_s(), scene::to_vec(p.displacement()));
+  return s;
+}
+
+Load make_load(const proto::ShellLoad& m) {
+  Load l;
+  if (m.has_point()) {
+    l.kind = Load::Kind::kPoint, l.point = to_parameter(m.point().at()), l.force = scene::to_vec(m.point().force());
+  } else if (m.has_edge_force()) {
+    l.kind = Load::Kind::kEdgeForce, l.edges = edge_bits(m.edge_force().edge());
+    l.force = scene::to_vec(m.edge_force().force_per_length());
+  } else if (m.has_edge_moment()) {
+    l.kind = Load::Kind::kEdgeMoment, l.edges = edge_bits(m.edge_moment().edge());
+    l.size = m.edge_moment().moment_per_length();
+  } else {
+    l.kind = Load::Kind::kPressure, l.size = m.pressure();
+  }
+  for (const auto& p : m.factor()) l.in_time.emplace_back(p.time_s(), p.value());
+  return l;
+}
+
+}  // namespace
+
+const proto::Material* find_material(const proto::Scene& s, const std::string& name) {
+  for (const auto& m : s.materials())
+    if (m.name() == name) return &m;
+  return nullptr;
+}
+
+ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+  const auto& mat = *find_material(scene.message, s.material());
+  ShellMaterial material;
+  material.density = mat.density(), material.youngs_modulus = mat.youngs_modulus(),
+  material.poisson_ratio = mat.poisson_ratio();
+  material.strength = mat.strength(), material.fracture_energy = mat.fracture_energy();
+  material.weibull_modulus = mat.weibull_modulus();
+  material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : 4e-3;
+  material.mass_damping = mat.mass_damping_per_s();
+  material.stiffness_damping = mat.stiffness_damping_s();
+  const Patch patch = make_patch(scene, s, field);
+  std::vector<Support> supports;
+  std::vector<Load> loads;
+  for (const auto& support : s.supports()) supports.push_back(make_support(support));
+  for (const auto& load : s.loads()) loads.push_back(make_load(load));
+  const std::string name = "shell '" + s.name() + "'";
+  const Patch scaled = at_field(scene, field, [&] { return with_parameters_as_lengths(patch); });
+  // once more by itself, so that a mistake is reported where it stands
+  for (int i = 0; i < s.supports_size(); ++i)
+    at_field(scene, fmt::format("{}.supports[{}]", field, i),
+             [&] { return make_constraints(scaled, {supports[i]}, scaled.columns(), name); });
+  for (int i = 0; i < s.loads_size(); ++i)
+    at_field(scene, fmt::format("{}.loads[{}]", field, i),
+             [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
+  return at_field(scene, field, [&] {
+    return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2,
+                      s.has_gauss_points() ? s.gauss_points() : 2, supports, loads);
+  });
+}
+
+}  // namespace sunder::shell

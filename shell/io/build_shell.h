@@ -1,0 +1,14 @@
+#pragma once
+// A shell of a scene: patch, supports and loads.
+#include "coupler/scene/load.h"
+#include "shell/solver/model.h"
+
+namespace sunder::shell {
+
+/// The material of that name, nullptr if there is none.
+const proto::Material* find_material(const proto::Scene& scene, const std::string& name);
+
+/// `field` is that of the shell. Throws Error with the field where the patch, a support or a load is wrong.
+ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
+
+}  // namespace sunder::shell

@@ -1,0 +1,27 @@
+#pragma once
+// What a scene asks to be measured on a shell: probes.csv.
+#include <string>
+#include <vector>
+
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+struct Probe {
+  std::string name;
+  Vec2 at;  // parameters [m]
+};
+
+/// First line of probes.csv: time, displacement of each probe, reaction of all supports.
+std::string probe_header(const std::vector<Probe>& probes);
+/// A row. The reaction [N] is what supports exert on the shell, with the forces that the state holds: along each axis
+/// minus the sum over control points that they hold or drive.
+std::string probe_row(const std::vector<Probe>& probes, const ShellModel& model, const ShellState& state, double time,
+                      const Vec3& gravity);
+
+/// Displacement [m] of the material point, with the functions of the uncut patch.
+Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);
+/// Reaction of all supports [N].
+Vec3 reaction(const ShellModel& model, const ShellState& state, const Vec3& gravity);
+
+}  // namespace sunder::shell
