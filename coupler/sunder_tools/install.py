@@ -13,7 +13,7 @@ from .logged import run_logged, tail
 
 PACKAGES = (
     "g++", "cmake", "ninja-build", "pkg-config", "libeigen3-dev", "libcgal-dev", "libbullet-dev",
-    "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev",
+    "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
     "libfmt-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
 )
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades

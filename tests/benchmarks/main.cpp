@@ -1,0 +1,272 @@
+// sunder-bench: what a force evaluation costs, beside the machine's own limits, all in one run.
+#include <fstream>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include <benchmark/benchmark.h>
+#include <fmt/format.h>
+#include <omp.h>
+
+#include "tests/benchmarks/counting.h"
+// the counting type must be known before the templates that it runs
+#include "shell/solver/insertion.h"
+#include "shell/solver/step.h"
+
+namespace {
+
+using namespace sunder;
+using namespace sunder::shell;
+
+constexpr int kLayers = 4;
+
+struct Sheet {
+  ShellModel model;
+  ShellState state;
+  double layer_points;
+};
+
+// A glass-like sheet of square elements, bent and stretched a little, so that no branch is the trivial one.
+std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, double strain = 1e-4) {
+  ShellMaterial g;
+  g.density = 2500, g.youngs_modulus = 70e9, g.poisson_ratio = 0.22, g.strength = strength, g.fracture_energy = 1e6;
+  const double h = 5e-3;
+  auto s = std::make_unique<Sheet>(
+      Sheet{make_shell("sheet", plate(h * across, h * along, across, along, Vec3::Zero(), Quat::Identity()), 4e-3, g,
+                       kLayers, 2, {}),
+            {},
+            0.0});
+  s->state = make_state(s->model, Vec3::Zero(), 1);
+  const std::size_t plane = s->model.tables.plane;
+  for (int i = 0; i < s->model.control_points(); ++i) {
+    const int slot = s->model.tables.slot(i);
+    const Vec3 x = s->state.position(slot);
+    s->state.x[slot] *= 1.0 + strain;
+    s->state.x[2 * plane + slot] = 1e-5 * std::sin(40.0 * x.x()) * std::cos(30.0 * x.y());
+  }
+  s->layer_points = static_cast<double>(s->model.tables.gauss_points()) * kLayers;
+  return s;
+}
+
+void force(benchmark::State& b, Sheet& s, int threads) {
+  compute_forces(s.model, s.state, false, 0.0, threads);
+  for (auto _ : b) benchmark::DoNotOptimize(compute_forces(s.model, s.state, false, 0.0, threads));
+}
+
+void whole_substep(benchmark::State& b, Sheet& s, int threads) {
+  const double dt = 1e-9;  // it must not wander off while it is timed
+  for (auto _ : b) {
+    compute_forces(s.model, s.state, false, 0.0, threads);
+    kick(s.model, s.state, Vec3(0, 0, -9.81), dt);
+    constrain(s.model, s.state, dt);
+    drift(s.model, s.state, dt);
+  }
+}
+
+// Point by point in plain double: the formulas of the kernel without rows and packs.
+void scalar_reference(benchmark::State& b, Sheet& s) {
+  const RowTables& t = s.model.tables;
+  std::vector<GatheredPoint> points;
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const ShapeFunctions n = s.model.patch.shape_functions(gauss_point(s.model.patch, t, q, e).parameter);
+      GatheredPoint g;
+      for (int k = 0; k < 9; ++k)
+        g.functions.push_back({(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
+                               {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+      const double* m = &t.metric[t.at(q, kMetricFields, 0, e)];
+      const auto field = [&](int k) { return m[k * t.lanes]; };
+      g.metric = {{field(kA11), field(kA22), field(kA12)}, {field(kB11), field(kB22), field(kB12)}};
+      g.area = field(kArea);
+      points.push_back(std::move(g));
+    }
+  const std::size_t plane = t.plane;
+  std::vector<double> out(3 * plane);
+  for (auto _ : b) {
+    std::fill(out.begin(), out.end(), 0.0);
+    for (const GatheredPoint& p : points) {
+      const Derivatives<double> d = gather(t, p, s.state.x);
+      const Forms<double> f = surface_forms(d);
+      const Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
+      const Derivatives<double> g = section_forces(d, f, r, p.area);
+      const Vector<double>* all[5] = {&g.u, &g.v, &g.uu, &g.vv, &g.uv};
+      for (const GatheredFunction& n : p.functions)
+        for (int k = 0; k < 5; ++k) {
+          out[n.slot] += n.n[k + 1] * all[k]->x;
+          out[plane + n.slot] += n.n[k + 1] * all[k]->y;
+          out[2 * plane + n.slot] += n.n[k + 1] * all[k]->z;
+        }
+    }
+    benchmark::DoNotOptimize(out.data());
+  }
+}
+
+// Multiply-adds that depend on nothing but registers.
+void multiply_add(benchmark::State& b) {
+  constexpr int kChains = 12, kRounds = 1000;
+  Pack x[kChains];
+  for (int i = 0; i < kChains; ++i) x[i] = splat<Pack>(1.0 + 0.01 * i);
+  const Pack a = splat<Pack>(0.999999), c = splat<Pack>(1e-6);
+  for (auto _ : b) {
+    for (int r = 0; r < kRounds; ++r)
+      for (int i = 0; i < kChains; ++i) x[i] = x[i] * a + c;
+    for (int i = 0; i < kChains; ++i) benchmark::DoNotOptimize(x[i]);
+  }
+  b.counters["flop"] = 2.0 * lanes<Pack>() * kChains * kRounds;
+}
+
+void triad(benchmark::State& b) {
+  std::vector<double> x(8'000'000, 1.0), y(x.size(), 2.0), z(x.size(), 3.0);
+  for (auto _ : b) {
+    for (std::size_t i = 0; i < x.size(); ++i) x[i] = y[i] + 0.5 * z[i];
+    benchmark::DoNotOptimize(x.data());
+  }
+  b.counters["bytes"] = 24.0 * static_cast<double>(x.size());
+}
+
+// Floating-point operations of a Gauss point, by running its formulas with the counting type. Contractions with the
+// bases are those of the row kernel: along v three sums of three for each of nine rows, shared by the Gauss points of a
+// row; along u fifteen sums of three, and back.
+double operations_per_gauss_point(const Sheet& s) {
+  const RowTables& t = s.model.tables;
+  const int block = t.blocks() / 2, lane = t.spans_u / 2;
+  const double* m = &t.metric[t.at(block, kMetricFields, 0, lane)];
+  const auto field = [&](int k) { return Counting(m[k * t.lanes]); };
+  const ReferenceMetric<Counting> ref{{field(kA11), field(kA22), field(kA12)}, {field(kB11), field(kB22), field(kB12)}};
+  GatheredPoint p;
+  const ShapeFunctions n = s.model.patch.shape_functions(gauss_point(s.model.patch, t, block, lane).parameter);
+  for (int k = 0; k < 9; ++k)
+    p.functions.push_back(
+        {(n.span_v + k / 3) * t.stride + n.span_u + k % 3, {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+  const Derivatives<double> d = gather(t, p, s.state.x);
+  const auto vector = [](const Vector<double>& v) { return Vector<Counting>{v.x, v.y, v.z}; };
+  const Derivatives<Counting> c{vector(d.u), vector(d.v), vector(d.uu), vector(d.vv), vector(d.uv)};
+  Counting::operations = 0;
+  const Forms<Counting> f = surface_forms(c);
+  const Resultants<Counting> r = integrate_layers<Counting, false>(f, ref, t.layers, t.elasticity);
+  section_forces(c, f, r, field(kArea));
+  const auto three = [](int sums) {
+    Counting x = 0.0;
+    for (int k = 0; k < sums; ++k) x = Counting(1.0) * 2.0 + Counting(1.0) * 2.0 + Counting(1.0) * 2.0;
+  };
+  three(15);                                                              // along u
+  for (int k = 0; k < 3 * 3 * 5; ++k) (void)(Counting(1.0) * 2.0 + 3.0);  // and back: 5 derivatives, 3 functions, x y z
+  const std::int64_t own = Counting::operations;
+  Counting::operations = 0;
+  three(9);                                                               // along v
+  for (int k = 0; k < 3 * 3 * 3; ++k) (void)(Counting(1.0) * 2.0 + 3.0);  // and back
+  return static_cast<double>(own) + static_cast<double>(Counting::operations) / t.gauss;
+}
+
+// Least seconds a round over all repetitions.
+class Minima : public benchmark::ConsoleReporter {
+ public:
+  std::map<std::string, double> seconds, counter;
+  bool ReportContext(const Context&) override { return true; }
+  void ReportRuns(const std::vector<Run>& runs) override {
+    for (const Run& r : runs) {
+      if (r.run_type != Run::RT_Iteration || r.error_occurred) continue;
+      const std::string name = r.run_name.function_name;
+      const double s = r.real_accumulated_time / static_cast<double>(r.iterations);
+      if (!seconds.count(name) || s < seconds[name]) seconds[name] = s;
+      for (const auto& [key, value] : r.counters) counter[name] = value.value;
+    }
+  }
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string filter, json;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (i + 1 < argc && option == "--filter")
+      filter = argv[++i];
+    else if (i + 1 < argc && option == "--json")
+      json = argv[++i];
+    else {
+      std::cerr << "sunder-bench [--filter NAME] [--json FILE]\n";
+      return option == "--help" ? 0 : 2;
+    }
+  }
+  const auto small = sheet(25, 25), middle = sheet(100, 100), large = sheet(280, 279);
+  const auto damaged = sheet(60, 60, 7e6, 1.5e-4), sound = sheet(60, 60);
+  damaged->state.brittleness = 0.5;
+  const RowTables& t = damaged->model.tables;
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) gather_point(damaged->model, damaged->state, q, e);
+  const auto cut = sheet(60, 60);
+  for (int k = 1; k < 15; ++k)
+    insert_polyline(cut->model, cut->state, {{0.02 * k, 0.013}, {0.02 * k + 0.011, 0.287}}, 0.0);
+  const auto add = [&](const std::string& name, auto&& f) {
+    if (name.find(filter) == std::string::npos) return;
+    benchmark::RegisterBenchmark(name.c_str(), f)
+        ->Repetitions(5)
+        ->MinTime(0.15)
+        ->UseRealTime()
+        ->Unit(benchmark::kMicrosecond);
+  };
+  add("force_10k", [&](benchmark::State& b) { force(b, *small, 1); });
+  add("force_160k", [&](benchmark::State& b) { force(b, *middle, 1); });
+  add("force_1250k", [&](benchmark::State& b) { force(b, *large, 1); });
+  add("force_scalar", [&](benchmark::State& b) { scalar_reference(b, *middle); });
+  add("force_damage", [&](benchmark::State& b) { force(b, *damaged, 1); });
+  add("force_sound", [&](benchmark::State& b) { force(b, *sound, 1); });
+  add("force_cut", [&](benchmark::State& b) { force(b, *cut, 1); });
+  add("step_1", [&](benchmark::State& b) { whole_substep(b, *middle, 1); });
+  add("step_2", [&](benchmark::State& b) { whole_substep(b, *middle, 2); });
+  add("fma", multiply_add);
+  add("triad", triad);
+  // repetitions of different benchmarks take turns, so that a slow moment of the machine meets all of them
+  std::string own = "sunder-bench", interleave = "--benchmark_enable_random_interleaving=true";
+  std::vector<char*> options{own.data(), interleave.data()};
+  int count = static_cast<int>(options.size());
+  benchmark::Initialize(&count, options.data());
+  Minima minima;
+  benchmark::RunSpecifiedBenchmarks(&minima);
+  std::map<std::string, double> out;
+  const auto seconds = [&](const char* name) { return minima.seconds.count(name) ? minima.seconds[name] : 0.0; };
+  const auto put = [&](const std::string& key, const char* name, double scale) {
+    if (seconds(name) > 0.0) out[key] = seconds(name) * scale;
+  };
+  put("force_ns_per_layer_point", "force_160k", 1e9 / middle->layer_points);
+  put("force_ns_per_layer_point_10k", "force_10k", 1e9 / small->layer_points);
+  put("force_ns_per_layer_point_160k", "force_160k", 1e9 / middle->layer_points);
+  put("force_ns_per_layer_point_1250k", "force_1250k", 1e9 / large->layer_points);
+  put("scalar_reference_ns_per_layer_point", "force_scalar", 1e9 / middle->layer_points);
+  put("force_ns_per_layer_point_damage", "force_damage", 1e9 / damaged->layer_points);
+  put("step_ms_160k_layer_points", "step_2", 1e3);
+  if (seconds("step_2") > 0.0 && seconds("step_1") > 0.0)
+    out["thread_speedup_2"] = seconds("step_1") / seconds("step_2");
+  if (seconds("force_cut") > 0.0 && seconds("force_sound") > 0.0) {  // what is left of the rows costs as without cuts
+    const double gathered = static_cast<double>(cut->state.points.size()) * kLayers;
+    out["force_ns_per_layer_point_mls"] =
+        1e9 * (seconds("force_cut") - seconds("force_sound") * (1.0 - gathered / cut->layer_points)) / gathered;
+  }
+  if (seconds("fma") > 0.0) out["fma_peak_gflops"] = 1e-9 * minima.counter["fma"] / seconds("fma");
+  if (seconds("triad") > 0.0) out["memory_gb_per_s"] = 1e-9 * minima.counter["triad"] / seconds("triad");
+  const double operations = operations_per_gauss_point(*middle);
+  out["operations_per_layer_point"] = operations / kLayers;
+  if (seconds("force_160k") > 0.0)
+    out["achieved_gflops"] = 1e-9 * operations * middle->layer_points / kLayers / seconds("force_160k");
+  if (out.count("achieved_gflops") && out.count("fma_peak_gflops"))
+    out["share_of_fma_peak"] = out["achieved_gflops"] / out["fma_peak_gflops"];
+  const RowTables& mt = middle->model.tables;
+  out["bytes_per_layer_point"] =
+      (8.0 * static_cast<double>(mt.metric.size() + mt.basis_u.size() + mt.basis_v.size()) + 8.0 * 9.0 * mt.plane) /
+      middle->layer_points;
+  std::string text;
+  for (const auto& [key, value] : out) {
+    fmt::print("{:<40} {:.6g}\n", key, value);
+    text += fmt::format("{}\n  \"{}\": {:.9g}", text.empty() ? "" : ",", key, value);
+  }
+  if (json.empty()) return 0;
+  std::ofstream file(json);
+  file << "{" << text << "\n}\n";
+  file.close();
+  if (!file) {
+    std::cerr << "sunder-bench: cannot write " << json << "\n";
+    return 2;
+  }
+  return 0;
+}
