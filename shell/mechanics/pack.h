@@ -1,16 +1,34 @@
 #pragma once
-// Four doubles that are worked on at once. The force kernels are written once for a scalar type T and
-// run with T = Pack in the solver, T = double in tests.
+// Doubles that are worked on at once. The force kernels are written once for a scalar type T and
+// run with T = Pack in the solver, or Pack4, T = double in tests.
 #include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 
 namespace sunder::shell {
 
-typedef double Pack __attribute__((vector_size(32)));
-typedef std::int64_t IntPack __attribute__((vector_size(32)));
-constexpr int kLanes = 4;
+typedef double Pack4 __attribute__((vector_size(32)));
+typedef double Pack8 __attribute__((vector_size(64)));
+typedef std::int64_t IntPack4 __attribute__((vector_size(32)));
+typedef std::int64_t IntPack8 __attribute__((vector_size(64)));
+
+/// As wide as the machine's registers; elsewhere eight at once would spill.
+#ifdef __AVX512F__
+using Pack = Pack8;
+using IntPack = IntPack8;
+#else
+using Pack = Pack4;
+using IntPack = IntPack4;
+#endif
+constexpr int kLanes = sizeof(Pack) / sizeof(double);
+
+template <class T>
+constexpr bool kIsPack = std::is_same_v<T, Pack4> || std::is_same_v<T, Pack8>;
+/// The integers, and masks, that go with a pack.
+template <class P>
+using IntOf = std::conditional_t<std::is_same_v<P, Pack4>, IntPack4, IntPack8>;
 
 template <class T>
 constexpr int lanes() {
@@ -32,12 +50,23 @@ inline T splat(double value) {
 }
 
 inline double select(bool mask, double a, double b) { return mask ? a : b; }
-inline Pack select(IntPack mask, Pack a, Pack b) { return mask ? a : b; }
+inline Pack4 select(IntPack4 mask, Pack4 a, Pack4 b) { return mask ? a : b; }
+inline Pack8 select(IntPack8 mask, Pack8 a, Pack8 b) { return mask ? a : b; }
+
+inline bool any(IntPack4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
+inline bool any(IntPack8 mask) {
+  IntPack4 low, high;
+  std::memcpy(&low, &mask, sizeof(low));
+  std::memcpy(&high, reinterpret_cast<const char*>(&mask) + sizeof(low), sizeof(high));
+  return any(low | high);
+}
 
 inline double square_root(double a) { return std::sqrt(a); }
-inline Pack square_root(Pack a) {
-  Pack r{};
-  for (int i = 0; i < kLanes; ++i) r[i] = __builtin_sqrt(a[i]);
+template <class P>
+requires kIsPack<P>
+inline P square_root(P a) {
+  P r{};
+  for (int i = 0; i < lanes<P>(); ++i) r[i] = __builtin_sqrt(a[i]);
   return r;
 }
 
@@ -48,13 +77,16 @@ inline void split_exponent(double a, double& mantissa, double& exponent) {
   if (mantissa < 0.70710678118654752) mantissa *= 2.0, --k;
   exponent = k;
 }
-inline void split_exponent(Pack a, Pack& mantissa, Pack& exponent) {
-  const IntPack bits = std::bit_cast<IntPack>(a);
-  const IntPack from_half = bits - 0x3fe6a09e667f3bcdLL;      // bits of sqrt(1/2)
-  const IntPack biased = (from_half + (1024LL << 52)) >> 52;  // k + 1024, positive for all normal a
-  mantissa = std::bit_cast<Pack>(bits - ((biased - 1024) << 52));
+template <class P>
+requires kIsPack<P>
+inline void split_exponent(P a, P& mantissa, P& exponent) {
+  using I = IntOf<P>;
+  const I bits = std::bit_cast<I>(a);
+  const I from_half = bits - 0x3fe6a09e667f3bcdLL;      // bits of sqrt(1/2)
+  const I biased = (from_half + (1024LL << 52)) >> 52;  // k + 1024, positive for all normal a
+  mantissa = std::bit_cast<P>(bits - ((biased - 1024) << 52));
   // an integer below 2^52 put into the mantissa of 2^52: no packed conversion needed
-  exponent = std::bit_cast<Pack>(biased | 0x4330000000000000LL) - (4503599627370496.0 + 1024.0);
+  exponent = std::bit_cast<P>(biased | 0x4330000000000000LL) - (4503599627370496.0 + 1024.0);
 }
 
 /// 2 atanh(z) = ln((1 + z) / (1 - z)) by its series up to z^kLast.

@@ -41,16 +41,9 @@ struct PlaneStress {
 constexpr double kSmallAreaChange = 0.04;
 
 inline bool all_below(double a, double limit) { return a < limit && a > -limit; }
-inline bool all_below(Pack a, double limit) {
-  const IntPack inside = (a < limit) & (a > -limit);
-  return (inside[0] & inside[1] & inside[2] & inside[3]) != 0;
-}
-
-/// ln(1 + e) for |e| < kSmallAreaChange: 2 atanh(e / (2 + e)), the rest of the series below 1e-20.
-template <class T>
-inline T small_log1p(T e) {
-  return twice_atanh<11, T>(e / (2.0 + e));
-}
+template <class P>
+requires kIsPack<P>
+inline bool all_below(P a, double limit) { return !any((a >= limit) | (a <= -limit) | (a != a)); }
 
 /// e^u - 1 for |u| < 0.04: the rest of the series below 1e-19.
 template <class T>
@@ -69,24 +62,30 @@ inline T small_expm1(T u) {
 /// psi = mu/2 (tr C - 3) - mu ln J + lambda/2 ln^2 J with the thickness stretch from sigma_33 = 0:
 ///   g(s) = mu (s - 1) + lambda/2 ln s + lambda ln J0 = 0,  s = stretch^2;  S = mu (Abar^-1 - s C^-1).
 /// `c` is the current, `a` the reference metric at this layer (covariant, both positive definite).
-/// Near the reference state Newton runs in u = ln s, twice (the error goes as u^2, u^4, u^8). Elsewhere
+/// Near the reference state Newton runs in u = ln s, once from a series (the error goes as u^4, u^8). Elsewhere
 /// in s from the root of the linearised equation; a step may take s to a quarter of itself at the
 /// least, since the root is positive and the logarithm ends at zero.
 template <class T>
 inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
-  const T dc = determinant(c), da = determinant(a), ia = 1.0 / da;
+  const T dc = determinant(c), da = determinant(a), sum = dc + da, both = dc * da;
+  const T inverse = 1.0 / (both * sum);  // divisions are what a layer costs most: one for three
+  const T ia = inverse * dc * sum;
   const T change = (dc - da) * ia;  // of the squared area ratio
   const double kappa = 2.0 * e.lambda / (e.lambda + 2.0 * e.mu);
   PlaneStress<T> r;
   r.area2 = dc * ia;
   T s;
   if (all_below(change, kSmallAreaChange)) {
-    r.log_area = 0.5 * small_log1p<T>(change);
-    T u = -kappa * r.log_area;
-    for (int i = 0; i < 2; ++i) {
-      const T grown = small_expm1<T>(u);
-      u = u - (e.mu * grown + 0.5 * e.lambda * u + e.lambda * r.log_area) / (e.mu * (1.0 + grown) + 0.5 * e.lambda);
-    }
+    r.log_area = 0.5 * twice_atanh<11, T>((dc - da) * inverse * both);  // the rest of the series below 1e-20
+    // the root's series to third order, then Newton once
+    const double beta = e.mu / (2.0 * e.mu + e.lambda), gamma = 2.0 * beta * beta - beta / 3.0;
+    const T first = -kappa * r.log_area;
+    T u = first * (1.0 - first * (beta - gamma * first));
+    const T grown = small_expm1<T>(u);
+    const double slope = e.mu + 0.5 * e.lambda;
+    const T bend = (e.mu / slope) * grown;  // 1 / (1 + bend) to third order
+    u = u - (1.0 - bend * (1.0 - bend * (1.0 - bend))) *
+                ((e.mu / slope) * grown + (0.5 * e.lambda / slope) * u + (e.lambda / slope) * r.log_area);
     s = 1.0 + small_expm1<T>(u);
   } else {
     r.log_area = 0.5 * logarithm<T>(r.area2);
@@ -101,7 +100,7 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
     }
   }
   r.stretch2 = s;
-  const T ic = s / dc;
+  const T ic = s * (inverse * da * sum);
   r.s = {e.mu * (a.c22 * ia - ic * c.c22), e.mu * (a.c11 * ia - ic * c.c11), e.mu * (ic * c.c12 - a.c12 * ia)};
   return r;
 }

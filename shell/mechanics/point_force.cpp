@@ -8,6 +8,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kCrushed = 0.04;  // of the reference metric's determinant: squeezed to a fifth of its area
+constexpr int kPointLanes = 4;     // a point's x y z and a padding; four points at once
 constexpr int kChunks = 4;         // fixed, so that sums do not depend on the number of threads
 
 // Smallest squared area ratio of the mid-surface and the outer layers. A point crushed between cracks, or bent
@@ -34,23 +35,23 @@ Forms<double> forms_of(const GatheredPoint& p, const Derivatives<double>& d) {
 // Positions and forces of the gathered points stand as x y z and a padding, so that a function's control
 // point is one load.
 struct Tangents {
-  Pack d[5] = {};  // u v uu vv uv, lanes x y z
+  Pack4 d[5] = {};  // u v uu vv uv, lanes x y z
 };
 Tangents gather_point(const GatheredPoint& p, const double* x4) {
   Tangents t;
   for (const GatheredFunction& f : p.functions) {
-    const Pack x = load<Pack>(x4 + kLanes * f.slot);
+    const Pack4 x = load<Pack4>(x4 + kPointLanes * f.slot);
     for (int k = 0; k < 5; ++k) t.d[k] += f.n[k + 1] * x;
   }
   return t;
 }
 
-void scatter_point(const GatheredPoint& p, const Pack* g, double* force4) {
+void scatter_point(const GatheredPoint& p, const Pack4* g, double* force4) {
   for (const GatheredFunction& f : p.functions) {
-    double* to = force4 + kLanes * f.slot;
-    Pack sum = load<Pack>(to);
+    double* to = force4 + kPointLanes * f.slot;
+    Pack4 sum = load<Pack4>(to);
     for (int k = 0; k < 5; ++k) sum += f.n[k + 1] * g[k];
-    store<Pack>(to, sum);
+    store<Pack4>(to, sum);
   }
 }
 
@@ -76,7 +77,7 @@ struct Weaken {
   }
 };
 
-Sym2<Pack> difference(const Sym2<Pack>& a, const Sym2<Pack>& b) {
+Sym2<Pack4> difference(const Sym2<Pack4>& a, const Sym2<Pack4>& b) {
   return {a.c11 - b.c11, a.c22 - b.c22, a.c12 - b.c12};
 }
 
@@ -102,12 +103,12 @@ double keep(PointDamage& d, const std::array<double, 6>& forms, const std::array
 template <bool kEnergy>
 double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
              SurfaceStress stress, double* force4, PointDamage* const* damaged, double brittleness, double& healed) {
-  Pack d[5][3] = {};  // derivative, direction; a lane for each point
-  ReferenceMetric<Pack> ref{};
-  Pack area{};
-  IntPack linear{};
+  Pack4 d[5][3] = {};  // derivative, direction; a lane for each point
+  ReferenceMetric<Pack4> ref{};
+  Pack4 area{};
+  IntPack4 linear{};
   Tangents tangents;
-  for (int i = 0; i < kLanes; ++i) {
+  for (int i = 0; i < kPointLanes; ++i) {
     const GatheredPoint& p = *points[std::min(i, count - 1)];
     if (i < count) tangents = gather_point(p, x4), area[i] = p.area;  // lanes beyond repeat the last point
     for (int k = 0; k < 5; ++k)
@@ -116,30 +117,30 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     ref.a.c11[i] = p.metric.a.c11, ref.a.c22[i] = p.metric.a.c22, ref.a.c12[i] = p.metric.a.c12;
     ref.b.c11[i] = p.metric.b.c11, ref.b.c22[i] = p.metric.b.c22, ref.b.c12[i] = p.metric.b.c12;
   }
-  const auto vector = [&](int k) { return Vector<Pack>{d[k][0], d[k][1], d[k][2]}; };
-  const Derivatives<Pack> x_d{vector(0), vector(1), vector(2), vector(3), vector(4)};
-  Forms<Pack> f = surface_forms(x_d);
+  const auto vector = [&](int k) { return Vector<Pack4>{d[k][0], d[k][1], d[k][2]}; };
+  const Derivatives<Pack4> x_d{vector(0), vector(1), vector(2), vector(3), vector(4)};
+  Forms<Pack4> f = surface_forms(x_d);
   // a linear basis has no bending: curvature stays that of the rest state
-  const Pack none{};
+  const Pack4 none{};
   f.b = {select(linear, ref.b.c11, f.b.c11), select(linear, ref.b.c22, f.b.c22), select(linear, ref.b.c12, f.b.c12)};
-  Resultants<Pack> r;
-  Pack damage[kMostLayers];
-  Sym2<Pack> lost_n{}, lost_m{};
+  Resultants<Pack4> r;
+  Pack4 damage[kMostLayers];
+  Sym2<Pack4> lost_n{}, lost_m{};
   if (damaged) {
-    Weaken<Pack> weakening{splat<Pack>(1.0), brittleness, damage};
-    for (int i = 0; i < kLanes; ++i) weakening.strength[i] = damaged[std::min(i, count - 1)]->strength;
-    r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity, weakening);
+    Weaken<Pack4> weakening{splat<Pack4>(1.0), brittleness, damage};
+    for (int i = 0; i < kPointLanes; ++i) weakening.strength[i] = damaged[std::min(i, count - 1)]->strength;
+    r = integrate_layers<Pack4, kEnergy>(f, ref, t.layers, t.elasticity, weakening);
     if (stress.values || kEnergy) {
-      const Resultants<Pack> full = integrate_layers<Pack, false>(f, ref, t.layers, t.elasticity);
+      const Resultants<Pack4> full = integrate_layers<Pack4, false>(f, ref, t.layers, t.elasticity);
       lost_n = difference(full.n, r.n), lost_m = difference(full.m, r.m);
     }
   } else {
-    r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity);
+    r = integrate_layers<Pack4, kEnergy>(f, ref, t.layers, t.elasticity);
   }
   r.m = {select(linear, none, r.m.c11), select(linear, none, r.m.c22), select(linear, none, r.m.c12)};
-  const Derivatives<Pack> g = section_forces(x_d, f, r, area);
-  const Vector<Pack> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
-  const Pack ratio = least_area(f, ref, t.layers);
+  const Derivatives<Pack4> g = section_forces(x_d, f, r, area);
+  const Vector<Pack4> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
+  const Pack4 ratio = least_area(f, ref, t.layers);
   double sum = 0.0;
   for (int i = 0; i < count; ++i) {
     const double n[3] = {r.n.c11[i], r.n.c22[i], r.n.c12[i]}, m[3] = {r.m.c11[i], r.m.c22[i], r.m.c12[i]};
@@ -163,8 +164,8 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
         healed += keep(d, forms, lost, points[i]->area);
       }
     }
-    Pack own[5];
-    for (int k = 0; k < 5; ++k) own[k] = Pack{all[k].x[i], all[k].y[i], all[k].z[i], 0.0};
+    Pack4 own[5];
+    for (int k = 0; k < 5; ++k) own[k] = Pack4{all[k].x[i], all[k].y[i], all[k].z[i], 0.0};
     scatter_point(*points[i], own, force4);
   }
   return sum;
@@ -174,15 +175,15 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
              const double* x4, bool energy, SurfaceStress stress, double* force4, DamageLaw* law, double& healed) {
   double sum = 0.0, thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
-  const GatheredPoint* four[kLanes];
-  PointDamage* damaged[kLanes] = {};
+  const GatheredPoint* four[kPointLanes];
+  PointDamage* damaged[kPointLanes] = {};
   int count = 0;
   for (std::size_t i = begin; i < end; ++i) {
     if (points[i].kind != PointKind::kDead) {
       if (law) damaged[count] = &(*law->points)[i];
       four[count++] = &points[i];
     }
-    if (count < kLanes && (i + 1 < end || count == 0)) continue;
+    if (count < kPointLanes && (i + 1 < end || count == 0)) continue;
     sum += (energy ? batch<true> : batch<false>)(t, four, count, x4, thickness, stress, force4, law ? damaged : nullptr,
                                                  law ? law->brittleness : 0.0, healed);
     count = 0;
@@ -240,12 +241,12 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
                         std::vector<double>& force, DamageLaw* damage) {
   if (points.empty()) return 0.0;
-  const std::size_t plane = t.plane, size = kLanes * plane;
+  const std::size_t plane = t.plane, size = kPointLanes * plane;
   scratch.resize((kChunks + 1) * size);
   double* x4 = scratch.data() + kChunks * size;
   for (std::size_t i = 0; i < plane; ++i) {
-    for (int c = 0; c < 3; ++c) x4[kLanes * i + c] = x[c * plane + i];
-    x4[kLanes * i + 3] = 0.0;
+    for (int c = 0; c < 3; ++c) x4[kPointLanes * i + c] = x[c * plane + i];
+    x4[kPointLanes * i + 3] = 0.0;
   }
   double sums[kChunks] = {}, healed[kChunks] = {};
 #pragma omp parallel for schedule(static, 1) num_threads(std::min(threads, kChunks))
@@ -261,7 +262,7 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
     if (damage) damage->healed += healed[c];
     const double* own = scratch.data() + c * size;
     for (int d = 0; d < 3; ++d)
-      for (std::size_t i = 0; i < plane; ++i) force[d * plane + i] += own[kLanes * i + d];
+      for (std::size_t i = 0; i < plane; ++i) force[d * plane + i] += own[kPointLanes * i + d];
   }
   return sum;
 }

@@ -29,9 +29,15 @@ template <bool kRational, bool kEnergy, bool kStress>
 double element_row(const RowTables& t, const double* x, SurfaceStress stress, int f, double* out) {
   const int stride = t.stride, lanes = t.lanes;
   thread_local std::vector<double> buffer;
-  buffer.resize(static_cast<std::size_t>(18) * stride + 15 * lanes + 3 * lanes);
+  // Forces on the three control points of an element apart, [k][value, first, second in v][x y z][element], so that a
+  // pack is stored where the next Gauss point loads it, and no load straddles two stores. Nothing but zeros is ever
+  // around a row.
+  const std::size_t reach = static_cast<std::size_t>(stride) + 2 * kLanes;
+  const std::size_t needed = static_cast<std::size_t>(18) * stride + 27 * reach;
+  if (buffer.size() != needed) buffer.assign(needed, 0.0);
   double* c = buffer.data();   // [value, first, second in v][x y z][stride]
   double* q = c + 9 * stride;  // the same for forces
+  double* parts = q + 9 * stride + kLanes;
   std::fill(out, out + 9 * stride, 0.0);
   Pack energy{};
   double thickness = 0.0;
@@ -51,7 +57,6 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, in
         store<Pack>(c2 + i, by[6] * p0 + by[7] * p1 + by[8] * p2);
       }
     }
-    std::fill(q, q + 9 * stride, 0.0);
     for (int a = 0; a < t.gauss; ++a) {
       const int block = row * t.gauss + a;
       const double* value = &t.basis_u[static_cast<std::size_t>(a) * 9 * lanes];
@@ -60,7 +65,10 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, in
       for (int e = 0; e < lanes; e += kLanes) {
         const Pack area = load<Pack>(metric + kArea * lanes + e);
         const IntPack summed = area > 0.0;  // padding, empty spans and points that a crack has touched are not
-        if (!(summed[0] | summed[1] | summed[2] | summed[3])) continue;
+        if (!any(summed)) {
+          for (int k = 0; k < 27 && a == 0; ++k) store<Pack>(parts + k * reach + e, Pack{});
+          continue;
+        }
         Derivatives<Pack> d;
         d.u = contract3(first, lanes, c, stride, e);
         d.v = contract3(value, lanes, c + 3 * stride, stride, e);
@@ -114,15 +122,19 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, in
           const Pack n = load<Pack>(value + k * lanes + e), n1 = load<Pack>(first + k * lanes + e),
                      n2 = load<Pack>(second + k * lanes + e);
           for (int i = 0; i < 3; ++i) {
-            double *q0 = q + i * stride + e + k, *q1 = q + (3 + i) * stride + e + k, *q2 = q + (6 + i) * stride + e + k;
-            Pack sum = n1 * gu[i] + n2 * guu[i];
-            if constexpr (kRational) sum += n * gp[i];
-            store<Pack>(q0, load<Pack>(q0) + sum);
-            store<Pack>(q1, load<Pack>(q1) + n * gv[i] + n1 * guv[i]);
-            store<Pack>(q2, load<Pack>(q2) + n * gvv[i]);
+            double* own = parts + (9 * k + i) * reach + e;
+            Pack s0 = n1 * gu[i] + n2 * guu[i], s1 = n * gv[i] + n1 * guv[i], s2 = n * gvv[i];
+            if constexpr (kRational) s0 += n * gp[i];
+            if (a > 0) s0 += load<Pack>(own), s1 += load<Pack>(own + 3 * reach), s2 += load<Pack>(own + 6 * reach);
+            store<Pack>(own, s0), store<Pack>(own + 3 * reach, s1), store<Pack>(own + 6 * reach, s2);
           }
         }
       }
+    }
+    for (int k = 0; k < 9; ++k) {
+      const double *p0 = parts + k * reach, *p1 = p0 + 9 * reach - 1, *p2 = p0 + 18 * reach - 2;
+      for (int i = 0; i < stride; i += kLanes)
+        store<Pack>(q + k * stride + i, load<Pack>(p0 + i) + load<Pack>(p1 + i) + load<Pack>(p2 + i));
     }
     for (int j = 0; j < kSupport; ++j)
       for (int d = 0; d < 3; ++d) {

@@ -36,7 +36,8 @@ struct ReferenceMetric {
 template <class T>
 struct Forms {
   Vector<T> normal;
-  Sym2<T> a, b;  // first and second fundamental form
+  Sym2<T> a, b;    // first and second fundamental form
+  T inverse_area;  // of the tangents' parallelogram
 };
 
 template <class T>
@@ -46,6 +47,7 @@ inline Forms<T> surface_forms(const Derivatives<T>& d) {
   f.a = {dot(d.u, d.u), dot(d.v, d.v), dot(d.u, d.v)};
   const T inverse = 1.0 / square_root(determinant(f.a));
   f.normal = {f.normal.x * inverse, f.normal.y * inverse, f.normal.z * inverse};
+  f.inverse_area = inverse;
   f.b = {dot(d.uu, f.normal), dot(d.vv, f.normal), dot(d.uv, f.normal)};
   return f;
 }
@@ -78,7 +80,7 @@ inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T
 template <class T>
 inline Derivatives<T> section_forces(const Derivatives<T>& d, const Forms<T>& f, const Resultants<T>& r,
                                      const T& area) {
-  const T inverse = 1.0 / determinant(f.a);
+  const T inverse = f.inverse_area * f.inverse_area;
   const T i11 = f.a.c22 * inverse, i22 = f.a.c11 * inverse, i12 = -f.a.c12 * inverse;
   // w = m^bc x_,bc, so m^bc Gamma^a_bc = w . a^a
   const Vector<T> w{r.m.c11 * d.uu.x + r.m.c22 * d.vv.x + 2.0 * r.m.c12 * d.uv.x,

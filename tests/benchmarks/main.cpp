@@ -189,7 +189,7 @@ int main(int argc, char** argv) {
       return option == "--help" ? 0 : 2;
     }
   }
-  const auto small = sheet(25, 25), middle = sheet(100, 100), large = sheet(280, 279);
+  const auto small = sheet(32, 20), middle = sheet(100, 100), large = sheet(280, 279);
   const auto damaged = sheet(60, 60, 7e6, 1.5e-4), sound = sheet(60, 60);
   damaged->state.brittleness = 0.5;
   const RowTables& t = damaged->model.tables;
