@@ -14,7 +14,7 @@ from typing import NoReturn
 from .build import BUILD_DIR_VARIABLE, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 
-COMMANDS = ("run", "check", "test")
+COMMANDS = ("run", "check", "test", "validate", "bench")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -86,6 +86,21 @@ def make_parser() -> argparse.ArgumentParser:
     run.add_argument("--threads", metavar="N", type=_threads, help="threads of the shell solver (default: all)")
     run.add_argument("--quiet", action="store_true", help="no progress and no summary, errors only")
 
+    validate = commands.add_parser(
+        "validate", formatter_class=raw, allow_abbrev=False, help="compare with exact and published answers",
+        description="A table of case, computed, reference, error, tolerance, seconds; exit status 1 where a case fails.",
+        epilog=EPILOG)
+    validate.add_argument("what", metavar="WHAT", help="shells")
+    validate.add_argument("--case", metavar="NAME", help="this case only")
+    validate.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the table as JSON")
+    validate.add_argument("--plots", metavar="FILE.png", type=Path, help="plots of convergence")
+    bench = commands.add_parser(
+        "bench", formatter_class=raw, allow_abbrev=False, help="measure speed beside the machine's limits",
+        description="Minima over interleaved repetitions, and the machine's multiply-add peak and bandwidth in the\n"
+                    "same run.", epilog=EPILOG)
+    bench.add_argument("--filter", metavar="NAME", dest="pattern", help="benchmarks whose name holds NAME")
+    bench.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the numbers as JSON")
+
     test = commands.add_parser(
         "test", formatter_class=raw, help="build everything and run the tests", usage="sunder test [CTEST_ARGUMENT ...]",
         description="What follows goes to ctest, e.g. sunder test -R vtp", epilog=EPILOG, add_help=False)
@@ -130,6 +145,11 @@ def _dispatch(arguments: list[str]) -> int:
             return DONE
         return _test(arguments[1:])
     options = parser.parse_args(arguments)
+    if options.command in ("validate", "bench"):
+        from . import measure
+        if options.command == "bench":
+            return measure.bench(options.pattern, options.report)
+        return measure.validate(options.what, options.case, options.report, options.plots)
     if not options.scene.is_file():
         raise CommandError(f"{options.scene}: no such scene file", BAD_INPUT)
     if options.command == "check":

@@ -5,10 +5,11 @@ import os
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image, ImageDraw
 
 from .flat import crack_pattern, side_view
 from .frames import SHELL, Frame, choose_frames, list_frames
+from .lettering import TEXT, draw_text
 from .meshes import Scene, load_scene
 from .raster import perspective_camera
 from .report import read_run
@@ -24,7 +25,7 @@ DETAIL = 250                   # [px] height of the strip just above the floor
 SAMPLES = 2                    # per pixel and direction
 DIRECTION = (-0.42, 0.80, -0.46)  # of sight in the panels
 FAR = 1.3                      # pane widths; what lies further from its middle does not decide the framing
-PAPER, TEXT = (250, 250, 249), (38, 46, 54)
+PAPER = (250, 250, 249)
 SHEET = (COLUMNS * PANEL[0] + (COLUMNS + 1) * GAP, HEAD + ROWS * (PANEL[1] + GAP) + GAP + PATTERN + GAP)
 
 
@@ -48,7 +49,7 @@ def write_contact_sheet(folder: Path) -> Path:
     sheet.paste(_pattern_panel(frames), (GAP, top))
     side_width = SHEET[0] - PATTERN - 3 * GAP
     sheet.paste(_side_panel(chosen[-1], scenes[-1], wide, side_width), (PATTERN + 2 * GAP, top))
-    _text(sheet, (GAP + 4, 10), _title(folder), 22)
+    draw_text(sheet, (GAP + 4, 10), _title(folder), 22)
 
     target, temporary = folder / "contact_sheet.png", folder / f".contact_sheet.{os.getpid()}.png"
     try:
@@ -149,7 +150,7 @@ def _side_panel(frame: Frame, scene: Scene, wide: tuple[np.ndarray, np.ndarray],
         for mm in (0, 10, 20, 30, 40):
             y = camera.project(np.array([[0.0, 0.0, scene.floor_z + mm * 1e-3]]))[0][0, 1] / SAMPLES
             draw.line([(width - 14, y), (width, y)], fill=TEXT)
-            _text(view, (width - 66, int(y) - 9), f"{mm} mm", 13)
+            draw_text(view, (width - 66, int(y) - 9), f"{mm} mm", 13)
         panel.paste(view, (0, PATTERN - detail))
     return panel
 
@@ -159,32 +160,8 @@ def _image(picture: np.ndarray) -> Image.Image:
     return Image.fromarray((picture * 255.0 + 0.5).astype(np.uint8)).reduce(SAMPLES)
 
 
-def _font(size: int) -> ImageFont.FreeTypeFont | None:
-    for name in ("DejaVuSans.ttf", "LiberationSans-Regular.ttf", "FreeSans.ttf"):
-        try:
-            return ImageFont.truetype(name, size)
-        except OSError:
-            continue
-    return None
-
-
-def _text(image: Image.Image, at: tuple[int, int], text: str, size: int) -> None:
-    """Text with its upper left corner at `at`; PIL's own small font, enlarged, where no other is there."""
-    font = _font(size)
-    if font is not None:
-        ImageDraw.Draw(image).text(at, text, fill=TEXT, font=font)
-        return
-    plain = ImageFont.load_default()
-    text = text.encode("latin-1", "replace").decode("latin-1")  # all that the built-in font has
-    mask = Image.new("L", plain.getsize(text))
-    ImageDraw.Draw(mask).text((0, 0), text, fill=255, font=plain)
-    factor = max(size / 11.0, 1.0)
-    mask = mask.resize((max(1, round(mask.width * factor)), max(1, round(mask.height * factor))), Image.BICUBIC)
-    image.paste(Image.new("RGB", mask.size, TEXT), at, mask)
-
-
 def _caption(image: Image.Image, text: str) -> None:
-    _text(image, (12, 8), text, 18)
+    draw_text(image, (12, 8), text, 18)
 
 
 def _scale_bar(image: Image.Image, pixels_per_m: float) -> None:
@@ -192,4 +169,4 @@ def _scale_bar(image: Image.Image, pixels_per_m: float) -> None:
     length_m = next((m for m in (1.0, 0.1, 0.01) if m * pixels_per_m < 0.4 * image.width), 0.001)
     x, y = 14, image.height - 16
     ImageDraw.Draw(image).line([(x, y), (x + length_m * pixels_per_m, y)], fill=TEXT, width=3)
-    _text(image, (x, y - 22), f"{length_m * 100:g} cm", 14)
+    draw_text(image, (x, y - 22), f"{length_m * 100:g} cm", 14)

@@ -116,9 +116,7 @@ double relative_residual(const ShellState& s, const Space& space, const std::vec
   return scale > 0.0 ? norm_of(summed, space.inverse, true) / scale : 0.0;
 }
 
-}  // namespace
-
-RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules& rules) {
+RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const RelaxationRules& rules) {
   const std::size_t plane = m.tables.plane, size = 3 * plane;
   const std::vector<double> mass = fictitious_masses(m, s);
   const Space space(m, s, mass);
@@ -238,8 +236,15 @@ RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules
     else
       for (std::size_t i = 0; i < size; ++i) s.x[i] += dt * s.v[i];
   }
+  return r;
+}
+
+}  // namespace
+
+RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules& rules) {
+  const RelaxationResult r = to_equilibrium(m, s, rules);
   std::fill(s.v.begin(), s.v.end(), 0.0);
-  compute_forces(m, s, false, 0.0, rules.threads);
+  compute_forces(m, s, false, 0.0, rules.threads);  // without the weights
   return r;
 }
 

@@ -136,6 +136,14 @@ void scordelis_lo_case(Report& r, int threads) {
     const double w = scordelis_lo(n / 2, threads, r);  // a quarter
     r.add(fmt::format("scordelis_lo_{}", n), w, known[i++], 0.005, seconds_now() - start);
   }
+  Curve c{"scordelis_lo", "elements a side", "error against the limit", {}, {}, true};
+  const double limit = scordelis_lo(64, threads, r);
+  for (const int n : {4, 8, 16, 32})
+    c.x.push_back(2 * n), c.y.push_back(std::abs(scordelis_lo(n, threads, r) / limit - 1.0));
+  r.lines.push_back(fmt::format(
+      "scordelis_lo: limit {:.6f}; errors {:.1e} {:.1e} {:.1e} {:.1e} at 8 16 32 64; order {:.2f} from 16 to 32", limit,
+      c.y[0], c.y[1], c.y[2], c.y[3], std::log2(c.y[1] / c.y[2])));
+  r.curves.push_back(c);
 }
 
 void hemisphere_case(Report& r, int threads) {

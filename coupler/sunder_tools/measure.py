@@ -1,0 +1,70 @@
+"""`validate` and `bench`: programs of the build that measure, and what is made of their numbers."""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
+from pathlib import Path
+
+from .build import build_dir, ensure_built
+from .errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
+
+VALIDATIONS = ("shells",)
+
+
+def _program(name: str) -> Path:
+    ensure_built(all_targets=True)
+    path = build_dir() / "tests" / name
+    if not os.access(path, os.X_OK):
+        raise CommandError(f"{path} is not an executable; build the target {name}", BAD_INPUT)
+    return path
+
+
+def _run(command: list[str]) -> int:
+    status = subprocess.run(command, check=False).returncode
+    if status < 0:
+        raise CommandError(f"{Path(command[0]).name} {how_it_ended(status)}", PEER_LOST)
+    return status
+
+
+def validate(what: str, case: str | None, report: Path | None, plots: Path | None) -> int:
+    """Runs the validation cases of `what`; exit status 1 where a case fails."""
+    if what not in VALIDATIONS:
+        raise CommandError(f"nothing called '{what}' to validate; there is {', '.join(VALIDATIONS)}", BAD_INPUT)
+    with tempfile.TemporaryDirectory() as folder:
+        numbers = Path(folder) / "validation.json"
+        command = [str(_program("sunder-validate")), "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
+        status = _run(command + (["--case", case] if case else []))
+        if not numbers.is_file():
+            return status
+        found = json.loads(numbers.read_text())
+        curves = found.pop("curves", [])
+        if report is not None:
+            _write(report, json.dumps(found, indent=1) + "\n")
+        if plots is not None and curves:
+            from .plots import Curve, write_plots
+            try:
+                write_plots([Curve(**curve) for curve in curves], plots)
+            except (OSError, ValueError) as error:  # PIL: an unknown file extension is a ValueError
+                raise CommandError(f"cannot write {plots}: {error}", BAD_INPUT) from None
+            print(f"plots            {plots}")
+    return status
+
+
+def bench(pattern: str | None, report: Path | None) -> int:
+    """Runs the benchmarks whose name holds `pattern`."""
+    command = [str(_program("sunder-bench"))]
+    if pattern:
+        command += ["--filter", pattern]
+    if report is not None:
+        _write(report, "{}\n")  # a place that cannot be written is known before the minutes are spent
+        command += ["--json", str(report)]
+    return _run(command)
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text)
+    except OSError as error:
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", BAD_INPUT) from None
