@@ -8,7 +8,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kCrushed = 0.04;  // of the reference metric's determinant: squeezed to a fifth of its area
-constexpr int kPointLanes = 4;     // a point's x y z and a padding; four points at once
+constexpr int kPointLanes = 4;     // a point's x y z and a padding
 constexpr int kChunks = 4;         // fixed, so that sums do not depend on the number of threads
 
 // Smallest squared area ratio of the mid-surface and the outer layers. A point crushed between cracks, or bent
@@ -77,7 +77,7 @@ struct Weaken {
   }
 };
 
-Sym2<Pack4> difference(const Sym2<Pack4>& a, const Sym2<Pack4>& b) {
+Sym2<Pack> difference(const Sym2<Pack>& a, const Sym2<Pack>& b) {
   return {a.c11 - b.c11, a.c22 - b.c22, a.c12 - b.c12};
 }
 
@@ -99,16 +99,16 @@ double keep(PointDamage& d, const std::array<double, 6>& forms, const std::array
   return d.damage() > 0.0f ? 0.0 : std::exchange(d.spared, 0.0);
 }
 
-// Up to four points side by side; returns their energy where asked for.
+// As many points side by side as a pack has lanes; returns their energy where asked for.
 template <bool kEnergy>
 double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
              SurfaceStress stress, double* force4, PointDamage* const* damaged, double brittleness, double& healed) {
-  Pack4 d[5][3] = {};  // derivative, direction; a lane for each point
-  ReferenceMetric<Pack4> ref{};
-  Pack4 area{};
-  IntPack4 linear{};
+  Pack d[5][3] = {};  // derivative, direction; a lane for each point
+  ReferenceMetric<Pack> ref{};
+  Pack area{};
+  IntPack linear{};
   Tangents tangents;
-  for (int i = 0; i < kPointLanes; ++i) {
+  for (int i = 0; i < kLanes; ++i) {
     const GatheredPoint& p = *points[std::min(i, count - 1)];
     if (i < count) tangents = gather_point(p, x4), area[i] = p.area;  // lanes beyond repeat the last point
     for (int k = 0; k < 5; ++k)
@@ -117,30 +117,30 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     ref.a.c11[i] = p.metric.a.c11, ref.a.c22[i] = p.metric.a.c22, ref.a.c12[i] = p.metric.a.c12;
     ref.b.c11[i] = p.metric.b.c11, ref.b.c22[i] = p.metric.b.c22, ref.b.c12[i] = p.metric.b.c12;
   }
-  const auto vector = [&](int k) { return Vector<Pack4>{d[k][0], d[k][1], d[k][2]}; };
-  const Derivatives<Pack4> x_d{vector(0), vector(1), vector(2), vector(3), vector(4)};
-  Forms<Pack4> f = surface_forms(x_d);
+  const auto vector = [&](int k) { return Vector<Pack>{d[k][0], d[k][1], d[k][2]}; };
+  const Derivatives<Pack> x_d{vector(0), vector(1), vector(2), vector(3), vector(4)};
+  Forms<Pack> f = surface_forms(x_d);
   // a linear basis has no bending: curvature stays that of the rest state
-  const Pack4 none{};
+  const Pack none{};
   f.b = {select(linear, ref.b.c11, f.b.c11), select(linear, ref.b.c22, f.b.c22), select(linear, ref.b.c12, f.b.c12)};
-  Resultants<Pack4> r;
-  Pack4 damage[kMostLayers];
-  Sym2<Pack4> lost_n{}, lost_m{};
+  Resultants<Pack> r;
+  Pack damage[kMostLayers];
+  Sym2<Pack> lost_n{}, lost_m{};
   if (damaged) {
-    Weaken<Pack4> weakening{splat<Pack4>(1.0), brittleness, damage};
-    for (int i = 0; i < kPointLanes; ++i) weakening.strength[i] = damaged[std::min(i, count - 1)]->strength;
-    r = integrate_layers<Pack4, kEnergy>(f, ref, t.layers, t.elasticity, weakening);
+    Weaken<Pack> weakening{splat<Pack>(1.0), brittleness, damage};
+    for (int i = 0; i < kLanes; ++i) weakening.strength[i] = damaged[std::min(i, count - 1)]->strength;
+    r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity, weakening);
     if (stress.values || kEnergy) {
-      const Resultants<Pack4> full = integrate_layers<Pack4, false>(f, ref, t.layers, t.elasticity);
+      const Resultants<Pack> full = integrate_layers<Pack, false>(f, ref, t.layers, t.elasticity);
       lost_n = difference(full.n, r.n), lost_m = difference(full.m, r.m);
     }
   } else {
-    r = integrate_layers<Pack4, kEnergy>(f, ref, t.layers, t.elasticity);
+    r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity);
   }
   r.m = {select(linear, none, r.m.c11), select(linear, none, r.m.c22), select(linear, none, r.m.c12)};
-  const Derivatives<Pack4> g = section_forces(x_d, f, r, area);
-  const Vector<Pack4> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
-  const Pack4 ratio = least_area(f, ref, t.layers);
+  const Derivatives<Pack> g = section_forces(x_d, f, r, area);
+  const Vector<Pack> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
+  const Pack ratio = least_area(f, ref, t.layers);
   double sum = 0.0;
   for (int i = 0; i < count; ++i) {
     const double n[3] = {r.n.c11[i], r.n.c22[i], r.n.c12[i]}, m[3] = {r.m.c11[i], r.m.c22[i], r.m.c12[i]};
@@ -175,17 +175,17 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
              const double* x4, bool energy, SurfaceStress stress, double* force4, DamageLaw* law, double& healed) {
   double sum = 0.0, thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
-  const GatheredPoint* four[kPointLanes];
-  PointDamage* damaged[kPointLanes] = {};
+  const GatheredPoint* together[kLanes];
+  PointDamage* damaged[kLanes] = {};
   int count = 0;
   for (std::size_t i = begin; i < end; ++i) {
     if (points[i].kind != PointKind::kDead) {
       if (law) damaged[count] = &(*law->points)[i];
-      four[count++] = &points[i];
+      together[count++] = &points[i];
     }
-    if (count < kPointLanes && (i + 1 < end || count == 0)) continue;
-    sum += (energy ? batch<true> : batch<false>)(t, four, count, x4, thickness, stress, force4, law ? damaged : nullptr,
-                                                 law ? law->brittleness : 0.0, healed);
+    if (count < kLanes && (i + 1 < end || count == 0)) continue;
+    sum += (energy ? batch<true> : batch<false>)(t, together, count, x4, thickness, stress, force4,
+                                                 law ? damaged : nullptr, law ? law->brittleness : 0.0, healed);
     count = 0;
   }
   return sum;
