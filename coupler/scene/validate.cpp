@@ -43,6 +43,16 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
   if (m.has_fracture_energy()) positive(s, f + ".fracture_energy", true, m.fracture_energy(), "J/m^2");
   if (m.has_weibull_modulus()) positive(s, f + ".weibull_modulus", true, m.weibull_modulus(), "-");
   if (m.has_flaw_spacing_m()) positive(s, f + ".flaw_spacing_m", true, m.flaw_spacing_m(), "m");
+  if (m.has_yield_stress()) {
+    positive(s, f + ".yield_stress", true, m.yield_stress(), "Pa");
+    s.check(!m.has_youngs_modulus() || m.yield_stress() <= 0.05 * m.youngs_modulus(), f + ".yield_stress",
+            "is {:.3g} of youngs_modulus; elastic strains must stay small, at most 0.05",
+            m.yield_stress() / m.youngs_modulus());
+    s.check(!m.has_strength(), f + ".yield_stress",
+            "and strength are both given; a shell that yields does not crack yet");
+  }
+  s.check(!m.has_hardening_modulus() || m.has_yield_stress(), f + ".hardening_modulus", "needs a yield_stress");
+  not_negative(s, f + ".hardening_modulus", m.has_hardening_modulus(), m.hardening_modulus());
   not_negative(s, f + ".mass_damping_per_s", m.has_mass_damping_per_s(), m.mass_damping_per_s());
   not_negative(s, f + ".stiffness_damping_s", m.has_stiffness_damping_s(), m.stiffness_damping_s());
 }

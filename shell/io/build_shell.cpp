@@ -122,6 +122,9 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : 4e-3;
   material.mass_damping = mat.mass_damping_per_s();
   material.stiffness_damping = mat.stiffness_damping_s();
+  material.yield_stress = mat.yield_stress(), material.hardening_modulus = mat.hardening_modulus();
+  scene.check(material.yield_stress == 0.0 || s.cuts_size() == 0, field + ".cuts",
+              "are given, but material '{}' yields, and what yields cannot be cut yet", s.material());
   const Patch patch = make_patch(scene, s, field);
   std::vector<Support> supports;
   std::vector<Load> loads;

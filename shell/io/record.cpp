@@ -184,13 +184,13 @@ void Run::write_summary(const std::string& status, const Error* error) {
       number(time()), number(wall_clock() - wall_start_), windows_, substeps_,
       frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
   j += fmt::format(
-      "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": 0, "
+      "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": {}, "
       "\"healing\": {}, \"external_work\": {}, \"contact\": {}, \"damping\": {}, \"handoff_lost\": {}, "
       "\"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
       "\"residual_relative\": {}}},\n",
-      number(kinetic_), number(elastic_), number(b.fracture), number(b.healing), number(b.external), number(b.contact),
-      number(b.damping), number(b.handoff), number(b.injected), number(b.frozen), number(engine_loss_),
-      number(residual_));
+      number(kinetic_), number(elastic_), number(b.fracture), number(b.plastic), number(b.healing), number(b.external),
+      number(b.contact), number(b.damping), number(b.handoff), number(b.injected), number(b.frozen),
+      number(engine_loss_), number(residual_));
   j += fmt::format("  \"ledger\": {{\"linear_max\": {}, \"angular_max\": {}}},\n", number(ledger_linear_),
                    number(ledger_angular_));
   j += fmt::format(
@@ -215,6 +215,8 @@ void Run::write_summary(const std::string& status, const Error* error) {
     model("shell_contact", "bodies can meet the shell", "rigid_contact");
   if (setup_.tips) model("tip_cracks", "the shell's material has a strength", "crack_update");
   if (setup_.brittleness > 0.0) model("rankine_damage", "fracture.mode is DAMAGE", "crack_update");
+  if (!setup_.shells.empty() && setup_.shells[0].material.yield_stress > 0.0)
+    model("j2_plasticity", "the shell's material has a yield stress", "internal_force");
   if (!setup_.cuts.empty()) model("prescribed_cuts", "the shell has cuts", "crack_update");
   if (!setup_.bodies.empty() || handed_off_ > 0) model("rigid_engine", "there are rigid bodies", "coupling");
   j += "  \"models\": [" + models + "],\n  \"state_hash\": " + quoted(state_hash()) + "\n}\n";

@@ -127,8 +127,8 @@ void Run::rigid_window() {
   exchange(ticks, window, {});
   const double energy = total_energy(0.0);
   const EnergyBook& b = book_;
-  const double booked =
-      b.fracture + b.healing + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected - b.external;
+  const double booked = b.fracture + b.healing + b.plastic + b.contact + b.damping + b.handoff + b.frozen +
+                        engine_loss_ - b.injected - b.external;
   close_books(energy + booked);
 }
 

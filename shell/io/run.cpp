@@ -136,9 +136,9 @@ void Run::substep(double dt) {
   ShellState& s = *state_;
   {
     Stopwatch w(stage_s_["internal_force"]);
-    const double share = setup_.brittleness > 0.0 ? 1.0
-                         : setup_.tips            ? std::min(1.0, dt * m.wave_speed() / m.spacing)
-                                                  : 0.0;
+    const double share = setup_.brittleness > 0.0 || !s.plastic.empty() ? 1.0
+                         : setup_.tips                                  ? std::min(1.0, dt * m.wave_speed() / m.spacing)
+                                                                        : 0.0;
     compute_forces(m, s, false, share, options_.threads);
   }
   {
@@ -203,8 +203,8 @@ void Run::shell_window() {
   Stopwatch w(stage_s_["internal_force"]);
   const double energy = total_energy(dt);
   const EnergyBook& b = s.book;
-  const double booked =
-      b.fracture + b.healing + b.contact + b.damping + b.handoff + b.frozen + engine_loss_ - b.injected - b.external;
+  const double booked = b.fracture + b.healing + b.plastic + b.contact + b.damping + b.handoff + b.frozen +
+                        engine_loss_ - b.injected - b.external;
   // a strain of 1e-3 in one element: where all starts at rest
   const double least = 5e-7 * m.material.youngs_modulus * m.thickness * m.spacing * m.spacing;
   const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + least);

@@ -8,6 +8,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr int kMostYieldingLayers = 16;
+
 // sum_k basis[k][e..] * net[e + k ..]
 inline Pack contract(const double* basis, int lanes, const double* net, int e) {
   return load<Pack>(basis + e) * load<Pack>(net + e) + load<Pack>(basis + lanes + e) * load<Pack>(net + e + 1) +
@@ -25,8 +27,9 @@ inline void keep_where(IntPack mask, Vector<Pack>& v) {
   v = {select(mask, v.x, Pack{}), select(mask, v.y, Pack{}), select(mask, v.z, Pack{})};
 }
 
-template <bool kRational, bool kEnergy, bool kStress>
-double element_row(const RowTables& t, const double* x, SurfaceStress stress, int f, double* out) {
+template <bool kRational, bool kEnergy, bool kStress, bool kYields>
+double element_row(const RowTables& t, const double* x, SurfaceStress stress, const RowPlasticity* plastic, int f,
+                   double* out, double& dissipated) {
   const int stride = t.stride, lanes = t.lanes;
   thread_local std::vector<double> buffer;
   // Forces on the three control points of an element apart, [k][value, first, second in v][x y z][element], so that a
@@ -92,7 +95,35 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, in
                                         {load<Pack>(metric + kB11 * lanes + e), load<Pack>(metric + kB22 * lanes + e),
                                          load<Pack>(metric + kB12 * lanes + e)}};
         const Forms<Pack> forms = surface_forms(d);
-        const Resultants<Pack> r = integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
+        const auto resultants = [&] {
+          if constexpr (kYields) {
+            const std::size_t layers = t.layers.zeta.size();
+            double* memory = plastic->states->data() + t.at(block, static_cast<int>(4 * layers), 0, e);
+            PlasticState<Pack> states[kMostYieldingLayers];
+            const auto each = [&](auto&& f) {
+              for (std::size_t l = 0; l < layers; ++l) {
+                double* m = memory + 4 * l * lanes;
+                PlasticState<Pack>& s = states[l];
+                f(m, s.change.c11), f(m + lanes, s.change.c22), f(m + 2 * lanes, s.change.c12),
+                    f(m + 3 * lanes, s.strain);
+              }
+            };
+            each([](const double* m, Pack& v) { v = load<Pack>(m); });
+            Pack lost{};
+            if (!plastic->advance)
+              return integrate_yielding_layers<Pack, kEnergy, false>(forms, ref, t.layers, t.elasticity, plastic->law,
+                                                                     states, lost);
+            const Resultants<Pack> r = integrate_yielding_layers<Pack, kEnergy, true>(
+                forms, ref, t.layers, t.elasticity, plastic->law, states, lost);
+            each([&](double* m, const Pack& v) { store<Pack>(m, select(summed, v, load<Pack>(m))); });
+            lost = select(summed, area * lost, Pack{});
+            for (int i = 0; i < kLanes; ++i) dissipated += lost[i];
+            return r;
+          } else {
+            return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
+          }
+        };
+        const Resultants<Pack> r = resultants();
         if constexpr (kEnergy) energy += select(summed, area * r.energy, Pack{});
         if constexpr (kStress) {
           double* s = stress.values->data() + t.at(block, 6, 0, e);
@@ -150,17 +181,19 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, in
   return sum;
 }
 
-using RowFunction = double (*)(const RowTables&, const double*, SurfaceStress, int, double*);
-template <bool kRational>
+using RowFunction = double (*)(const RowTables&, const double*, SurfaceStress, const RowPlasticity*, int, double*,
+                               double&);
+template <bool kRational, bool kYields>
 RowFunction pick(bool energy, bool stress) {
-  if (energy) return stress ? element_row<kRational, true, true> : element_row<kRational, true, false>;
-  return stress ? element_row<kRational, false, true> : element_row<kRational, false, false>;
+  if (energy)
+    return stress ? element_row<kRational, true, true, kYields> : element_row<kRational, true, false, kYields>;
+  return stress ? element_row<kRational, false, true, kYields> : element_row<kRational, false, false, kYields>;
 }
 
 }  // namespace
 
 double row_forces(const RowTables& t, const std::vector<double>& x, bool energy, SurfaceStress stress, int threads,
-                  RowScratch& scratch, std::vector<double>& force) {
+                  RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic) {
   const std::size_t row_size = 9 * static_cast<std::size_t>(t.stride);
   scratch.row_force.resize(row_size * t.spans_v);
   scratch.row_energy.resize(t.spans_v);
@@ -174,10 +207,14 @@ double row_forces(const RowTables& t, const std::vector<double>& x, bool energy,
     positions = scratch.weighted.data();
   }
   const bool record = stress.values != nullptr;
-  const RowFunction row = t.rational ? pick<true>(energy, record) : pick<false>(energy, record);
+  const bool yields = plastic && plastic->states;
+  const RowFunction row = t.rational ? (yields ? pick<true, true> : pick<true, false>)(energy, record)
+                                     : (yields ? pick<false, true> : pick<false, false>)(energy, record);
+  scratch.row_dissipated.assign(t.spans_v, 0.0);
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int f = 0; f < t.spans_v; ++f)
-    scratch.row_energy[f] = row(t, positions, stress, f, &scratch.row_force[row_size * f]);
+    scratch.row_energy[f] =
+        row(t, positions, stress, plastic, f, &scratch.row_force[row_size * f], scratch.row_dissipated[f]);
     // A control row sums its up to three element rows, always lowest first.
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int j = 0; j < t.rows; ++j)
@@ -193,6 +230,8 @@ double row_forces(const RowTables& t, const std::vector<double>& x, bool energy,
     }
   double sum = 0.0;
   for (const double e : scratch.row_energy) sum += e;
+  if (yields)
+    for (const double d : scratch.row_dissipated) plastic->dissipated += d;
   return energy ? sum : 0.0;
 }
 

@@ -2,15 +2,16 @@
 // Internal forces of the uncracked part of a patch, row by row of elements.
 #include <vector>
 
+#include "shell/mechanics/plasticity.h"
 #include "shell/mechanics/row_tables.h"
 
 namespace sunder::shell {
 
 /// Buffers that the kernel reuses; nothing is allocated in a substep.
 struct RowScratch {
-  std::vector<double> row_force;   // [span along v][control row 0..2][x y z][stride]
-  std::vector<double> row_energy;  // [span along v]
-  std::vector<double> weighted;    // [3][plane], control points times weights of rational patches
+  std::vector<double> row_force;                   // [span along v][control row 0..2][x y z][stride]
+  std::vector<double> row_energy, row_dissipated;  // [span along v]
+  std::vector<double> weighted;                    // [3][plane], control points times weights of rational patches
 };
 
 /// Stress of both faces, [block][6][lane]: 11 22 12 at -thickness/2, then at +thickness/2; second
@@ -20,10 +21,19 @@ struct SurfaceStress {
   double share = 1.0;                     // new value's share in the running mean
 };
 
+/// Layers that yield: their states, [block][layer][change 11 22 12, strain][lane]. Where `advance` the states move on
+/// and `dissipated` gains the energy [J] that this took.
+struct RowPlasticity {
+  Yielding law;
+  std::vector<double>* states = nullptr;  // null: nothing yields
+  bool advance = false;
+  double dissipated = 0.0;
+};
+
 /// Adds nothing: overwrites `force` [3][plane] with -dW/dx of the positions `x` [3][plane]. Sums run in
 /// a fixed order, so the result does not depend on the number of threads.
 /// Returns the elastic energy [J] if `energy`, else 0.
 double row_forces(const RowTables& t, const std::vector<double>& x, bool energy, SurfaceStress stress, int threads,
-                  RowScratch& scratch, std::vector<double>& force);
+                  RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic = nullptr);
 
 }  // namespace sunder::shell

@@ -1,6 +1,7 @@
 #pragma once
 // One point of the mid-surface: from tangents and second derivatives to forces on them.
 #include "shell/mechanics/plane_stress.h"
+#include "shell/mechanics/plasticity.h"
 #include "shell/mechanics/row_tables.h"
 
 namespace sunder::shell {
@@ -71,6 +72,32 @@ inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
     r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
     if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, a, e);
+  }
+  return r;
+}
+
+/// The same where layers yield. `plastic` has a state of each layer, which `kAdvance` moves on; `dissipated` then
+/// gains the plastic work per reference area [J/m^2].
+template <class T, bool kEnergy, bool kAdvance>
+inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
+                                               const Elasticity& e, const Yielding& y, PlasticState<T>* plastic,
+                                               T& dissipated) {
+  Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
+  for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
+    const double z = layers.zeta[l], w = layers.weight[l];
+    const Sym2<T> c{f.a.c11 - 2.0 * z * f.b.c11, f.a.c22 - 2.0 * z * f.b.c22, f.a.c12 - 2.0 * z * f.b.c12};
+    const Sym2<T> a{ref.a.c11 - 2.0 * z * ref.b.c11, ref.a.c22 - 2.0 * z * ref.b.c22, ref.a.c12 - 2.0 * z * ref.b.c12};
+    PlasticState<T> s = plastic[l];
+    const auto with = [&](const Sym2<T>& change) {
+      return Sym2<T>{a.c11 + change.c11, a.c22 + change.c22, a.c12 + change.c12};
+    };
+    const T work = return_to_yield<T>(s, c, a, y);
+    const Sym2<T> now = with(s.change);
+    const PlaneStress<T> p = plane_stress<T>(c, now, e);
+    r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
+    r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
+    if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, now, e);
+    if constexpr (kAdvance) dissipated += w * work, plastic[l] = s;
   }
   return r;
 }

@@ -244,7 +244,7 @@ RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const Relaxa
 RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules& rules) {
   const RelaxationResult r = to_equilibrium(m, s, rules);
   std::fill(s.v.begin(), s.v.end(), 0.0);
-  compute_forces(m, s, false, 0.0, rules.threads);  // without the weights
+  compute_forces(m, s, false, s.plastic.empty() ? 0.0 : 1.0, rules.threads);  // without the weights; what yielded stays
   return r;
 }
 

@@ -61,6 +61,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   }
   s.surface_stress.assign(gauss * 6, 0.0);
   s.c.assign(gauss, 0.0f), s.c_his.assign(gauss, 0.0f);
+  if (m.material.yield_stress > 0.0) s.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
   s.point_of.assign(gauss, -1);
   s.tables = t;
   s.cracks = CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()},
@@ -72,7 +73,14 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
 double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
   SurfaceStress stress;
   if (stress_share > 0.0) stress = {&s.surface_stress, stress_share};
-  double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force);
+  RowPlasticity plastic;
+  if (!s.plastic.empty()) {
+    plastic.law = {m.material.yield_stress, m.material.hardening_modulus, m.material.youngs_modulus,
+                   m.material.poisson_ratio};
+    plastic.states = &s.plastic, plastic.advance = stress_share > 0.0;
+  }
+  double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force, &plastic);
+  s.book.plastic += plastic.dissipated;
   DamageLaw law{&s.damage, s.brittleness, 0.0};
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
                           s.brittleness > 0.0 ? &law : nullptr);

@@ -42,6 +42,7 @@ struct EnergyBook {
   double handoff = 0.0;   // kinetic and elastic energy that a rigid piece cannot carry
   double external = 0.0;  // work of loads and of supports that move, counted as gained
   double healing = 0.0;   // of damaged points that healed: lost, or made where negative
+  double plastic = 0.0;   // dissipated by yielding
   double damping = 0.0;   // Rayleigh
   double frozen = 0.0;    // of what is held when the shell is frozen
 };
@@ -57,6 +58,7 @@ struct ShellState {
   std::vector<double> surface_stress;  // [block][6][lane]
   std::vector<double> strength;        // [block][lane], with its scatter
   std::vector<float> c, c_his;         // [block][lane]
+  std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: none do
   RowTables tables;                    // as the model's, areas of gathered points taken out
   std::vector<GatheredPoint> points;   // Gauss points that a crack has touched
   std::vector<int> point_of;           // [block][lane]: index into points, -1: none
@@ -93,7 +95,8 @@ struct ShellState {
 ShellState make_state(const ShellModel& model, const Vec3& velocity, std::uint64_t seed);
 
 /// Forces at the present positions into state.force: elastic, cracked points, interlock, loads at state.time.
-/// Returns the elastic energy [J] where `energy`.
+/// Returns the elastic energy [J] where `energy`. Damage and plastic flow move on only where stress is recorded,
+/// `stress_share` > 0: else the answer is that of a step from where they stand.
 double compute_forces(const ShellModel& model, ShellState& state, bool energy, double stress_share, int threads);
 
 /// Kinetic energy [J] at the time of the positions: m v- . v+ / 2, v- the stored velocities and v+ those a

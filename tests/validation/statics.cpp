@@ -6,6 +6,7 @@
 
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
+#include "shell/mechanics/section.h"
 #include "shell/solver/relaxation.h"
 #include "tests/validation/cases.h"
 
@@ -128,6 +129,39 @@ void end_moment_case(Report& r, int threads) {
   });
 }
 
+// A narrow beam bent to ten times the curvature at which its faces yield: elastic-plastic without hardening, moment
+// 1.5 (1 - 1/300) of the one at first yield. nu = 1/2, so that it narrows alike before and after yielding.
+void plastic_moment_case(Report& r, int) {
+  constexpr double kYoung = 2e11, kYield = 2e7, kThickness = 0.01, kPoisson = 0.4999, kTimes = 10.0;
+  const double first = kYield / (0.5 * kYoung * kThickness), yield_moment = kYield * kThickness * kThickness / 6.0;
+  const double exact = 1.5 * (1.0 - 1.0 / (3.0 * kTimes * kTimes));
+  Curve c{"plastic_moment", "layers", "relative error", {}, {}, true};
+  // Gauss points through the thickness see the edge of the elastic core in steps
+  for (const auto& [layers, tolerance] :
+       {std::pair{5, 0.07}, std::pair{7, 0.04}, std::pair{9, 0.03}, std::pair{11, 0.02}}) {
+    const double start = seconds_now();
+    const Layers rule = gauss_layers(layers, kThickness);
+    std::vector<PlasticState<double>> states(layers, PlasticState<double>{{0, 0, 0}, 0});
+    const ReferenceMetric<double> rest{{1, 1, 0}, {0, 0, 0}};
+    double moment = 0.0, dissipated = 0.0;
+    for (int k = 1; k <= 400; ++k) {
+      const double b = kTimes * first * k / 400.0;
+      Forms<double> f{};
+      f.a = {1, 1, 0}, f.b = {b, -kPoisson * b, 0};
+      moment =
+          -integrate_yielding_layers<double, false, true>(f, rest, rule, elasticity(kYoung, kPoisson),
+                                                          {kYield, 0.0, kYoung, kPoisson}, states.data(), dissipated)
+               .m.c11;
+    }
+    r.add(fmt::format("plastic_moment_{}", layers), moment / yield_moment, exact, tolerance, seconds_now() - start);
+    c.x.push_back(layers), c.y.push_back(std::abs(moment / yield_moment / exact - 1.0));
+    if (layers != 11) continue;
+    // the work is 13.55, what is stored at the end 1.5 (1 - 2/3 / 10) times the moment and curvature at first yield
+    r.add("plastic_dissipation_11", dissipated / (yield_moment * first), 13.55 - 1.4, 0.03, 0.0);
+  }
+  r.curves.push_back(c);
+}
+
 void scordelis_lo_case(Report& r, int threads) {
   const double known[] = {0.2957, 0.30024, 0.30056};
   int i = 0;
@@ -161,6 +195,7 @@ void hemisphere_case(Report& r, int threads) {
 std::vector<Case> static_cases() {
   return {{"scordelis_lo", "roof under its weight", scordelis_lo_case},
           {"hemisphere", "pinched, without a hole", hemisphere_case},
+          {"plastic_moment", "a beam bent far beyond yield, 5 to 11 layers", plastic_moment_case},
           {"end_shear", "cantilever of large deflection (Sze, Liu, Lo 2004)", end_shear_case},
           {"end_moment", "cantilever rolled to a circle", end_moment_case}};
 }

@@ -1,0 +1,111 @@
+// Layers that yield.
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "shell/io/probes.h"
+#include "shell/solver/relaxation.h"
+#include "shell/solver/step.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+using Mat2 = Eigen::Matrix2d;
+
+constexpr Yielding kSteel{2.5e8, 2e9, 2.1e11, 0.3};
+
+ShellModel strip(double end_displacement, double yield) {
+  ShellMaterial m;
+  m.density = 7800, m.youngs_modulus = kSteel.youngs_modulus, m.poisson_ratio = 0.0;
+  m.yield_stress = yield, m.hardening_modulus = kSteel.hardening_modulus;
+  Support clamp, pull;
+  clamp.edges = kUMin, clamp.clamped = false, clamp.axes = {true, false, true};
+  pull.edges = kUMax, pull.clamped = false, pull.axes = {true, false, true};
+  pull.motion = {{0.0, Vec3::Zero()}, {1.0, Vec3(end_displacement, 0, 0)}, {2.0, Vec3::Zero()}};
+  Support corner;
+  corner.corners = kUMinVMin, corner.clamped = false;
+  return make_shell("strip", plate(1.0, 0.2, 8, 2, Vec3(0.5, 0.1, 0), Quat::Identity()), 0.002, m, 3, 2,
+                    {clamp, pull, corner});
+}
+
+}  // namespace
+
+TEST(Plasticity, ReturnsToTheYieldSurfaceInAnyCoordinates) {
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int yielded = 0;
+  for (int k = 0; k < 500; ++k) {
+    Mat2 frame;  // tangents as columns
+    frame << 1.0 + 0.3 * uniform(random), 0.4 * uniform(random), 0.4 * uniform(random), 1.0 + 0.3 * uniform(random);
+    Mat2 strain;
+    strain << 4e-3 * uniform(random), 2e-3 * uniform(random), 0.0, 4e-3 * uniform(random);
+    strain(1, 0) = strain(0, 1);
+    const Mat2 c = frame.transpose() * frame, a = c - 2.0 * frame.transpose() * strain * frame;
+    PlasticState<double> p{{0, 0, 0}, 1e-3};
+    return_to_yield<double>(p, {c(0, 0), c(1, 1), c(0, 1)}, {a(0, 0), a(1, 1), a(0, 1)}, kSteel);
+    // Hooke's law and von Mises in Cartesian components, written out
+    Mat2 change;
+    change << p.change.c11, p.change.c12, p.change.c12, p.change.c22;
+    const Mat2 back = frame.inverse();
+    const Mat2 elastic = strain - 0.5 * back.transpose() * change * back;
+    const auto mises = [](const Mat2& e) {
+      const double q = kSteel.youngs_modulus / (1.0 - 0.09);
+      const double s11 = q * (e(0, 0) + 0.3 * e(1, 1)), s22 = q * (e(1, 1) + 0.3 * e(0, 0)), s12 = q * 0.7 * e(0, 1);
+      return std::sqrt(s11 * s11 - s11 * s22 + s22 * s22 + 3.0 * s12 * s12);
+    };
+    const double limit = kSteel.yield_stress + kSteel.hardening_modulus * p.strain;
+    if (mises(strain) <= kSteel.yield_stress + kSteel.hardening_modulus * 1e-3) {
+      EXPECT_EQ(p.change.c11, 0.0);
+      EXPECT_EQ(p.strain, 1e-3);
+      EXPECT_LE(mises(elastic), limit);
+    } else {
+      ++yielded;
+      EXPECT_NEAR(mises(elastic) / limit, 1.0, 1e-9);
+      EXPECT_GT(p.strain, 1e-3);
+    }
+  }
+  EXPECT_GT(yielded, 200);
+}
+
+TEST(Plasticity, ABarYieldsHardensAndKeepsItsPermanentStrain) {
+  const double strain = 5e-3, yield = kSteel.yield_stress, e = kSteel.youngs_modulus, h = kSteel.hardening_modulus;
+  const ShellModel m = strip(strain, yield);
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  RelaxationRules rules;
+  rules.tolerance = 1e-7;
+  const auto stress = [&] {  // the supports pull at both ends: half of the forces' magnitude
+    double sum = 0.0;
+    for (const int slot : m.constraints.driven[0].slots[0]) sum -= s.force[slot];
+    return -sum / (0.2 * 0.002);
+  };
+  double highest = 0.0, work = 0.0, before = 0.0;
+  constexpr int kSteps = 50;
+  for (int k = 1; k <= kSteps; ++k) {
+    s.time = static_cast<double>(k) / kSteps;
+    ASSERT_TRUE(relax(m, s, rules).converged) << k;
+    const double now = std::abs(stress());
+    work += 0.5 * (now + before) * strain / kSteps * 0.2 * 0.002;
+    highest = std::max(highest, now), before = now;
+  }
+  // sigma = (yield + h strain) E / (E + h), of engineering against logarithmic strain: 0.5 %
+  EXPECT_NEAR(highest / ((yield + h * strain) * e / (e + h)), 1.0, 0.01);
+  const double stored = compute_forces(m, s, true, 0.0, 1);
+  EXPECT_NEAR((stored + s.book.plastic) / work, 1.0, 0.02);  // fifty steps of the trapezoidal rule
+  EXPECT_GT(s.book.plastic, 0.5 * work);
+  const double plastic = strain - highest / e;
+  s.time = 2.0 - plastic / strain;  // back to where it should be without stress
+  ASSERT_TRUE(relax(m, s, rules).converged);
+  EXPECT_LT(std::abs(stress()), 0.03 * yield);
+}
+
+TEST(Plasticity, BelowYieldNothingDiffersAndNothingIsDissipated) {
+  const ShellModel yielding = strip(5e-4, kSteel.yield_stress), elastic = strip(5e-4, 0.0);
+  ShellState a = make_state(yielding, Vec3::Zero(), 0), b = make_state(elastic, Vec3::Zero(), 0);
+  for (ShellState* s : {&a, &b}) disturb(*s, s == &a ? yielding : elastic, 1e-5);
+  const double ea = compute_forces(yielding, a, true, 1.0, 1), eb = compute_forces(elastic, b, true, 1.0, 1);
+  EXPECT_NEAR(ea, eb, 1e-12 * eb);
+  EXPECT_EQ(a.book.plastic, 0.0);
+}
