@@ -58,9 +58,17 @@ def bench(pattern: str | None, report: Path | None) -> int:
     if pattern:
         command += ["--filter", pattern]
     if report is not None:
-        _write(report, "{}\n")  # a place that cannot be written is known before the minutes are spent
+        _can_write(report)
         command += ["--json", str(report)]
     return _run(command)
+
+
+def _can_write(path: Path) -> None:
+    """A place that cannot be written is known before the minutes are spent; what is there stays."""
+    try:
+        path.open("a").close()
+    except OSError as error:
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", BAD_INPUT) from None
 
 
 def _write(path: Path, text: str) -> None:

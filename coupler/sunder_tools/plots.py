@@ -38,7 +38,7 @@ def _panel(curve: Curve) -> Image.Image:
     image = Image.new("RGB", (WIDTH, HEIGHT), PAPER)
     draw = ImageDraw.Draw(image)
     points = [(x, y) for x, y in zip(curve.x, curve.y)
-              if math.isfinite(x) and math.isfinite(y) and (not curve.logarithmic or (x > 0.0 and y > 0.0))]
+              if x is not None and y is not None and math.isfinite(x) and math.isfinite(y) and (not curve.logarithmic or (x > 0.0 and y > 0.0))]
     draw_text(image, (LEFT, 10), curve.name, 18)
     if len(points) < 2:
         return image

@@ -140,6 +140,9 @@ RunSetup build(const scene::LoadedScene& scene) {
     }
     if (m.shells(i).has_equilibrium())
       r.equilibrium = m.shells(i).equilibrium().has_tolerance() ? m.shells(i).equilibrium().tolerance() : 1e-6;
+    for (const PreparedLoad& load : s.loads)
+      if (!load.load.in_time.empty()) r.last_change = std::max(r.last_change, load.load.in_time.back().first);
+    for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
     const auto mode = m.fracture().mode();
     r.tips = s.material.strength > 0.0 && mode != proto::Fracture::CUTS && mode != proto::Fracture::DAMAGE;
     if (mode == proto::Fracture::DAMAGE) {

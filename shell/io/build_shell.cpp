@@ -130,6 +130,13 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   std::vector<Load> loads;
   for (const auto& support : s.supports()) supports.push_back(make_support(support));
   for (const auto& load : s.loads()) loads.push_back(make_load(load));
+  for (int i = 0; i < s.supports_size() && !s.has_equilibrium(); ++i) {
+    if (supports[i].motion.empty()) continue;
+    const Vec3 start = Constraints::Driven{{}, supports[i].motion}.displacement(0.0);
+    scene.check(start.isZero(0.0), fmt::format("{}.supports[{}].motion", field, i),
+                "begins with a jump to ({}, {}, {}) m at time 0; begin at zero, or give the shell equilibrium {{}}",
+                start.x(), start.y(), start.z());
+  }
   const std::string name = "shell '" + s.name() + "'";
   const Patch scaled = at_field(scene, field, [&] { return with_parameters_as_lengths(patch); });
   // once more by itself, so that a mistake is reported where it stands

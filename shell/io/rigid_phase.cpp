@@ -46,7 +46,7 @@ bool Run::impact_ahead() const {
 
 std::string Run::cracking_has_ended() {
   if (setup_.latest_freeze < setup_.end_time && time() >= setup_.latest_freeze * (1.0 - 1e-9)) return "latest_freeze_s";
-  if (state_->last_crack_time < 0.0) return "";
+  if (state_->last_crack_time < 0.0 || time() < setup_.last_change + setup_.quiet_time) return "";
   for (const char done : state_->cut_done)
     if (!done) return "";
   const double length = state_->cracks.total_length(), since = time() - setup_.quiet_time * (1.0 + 1e-9);

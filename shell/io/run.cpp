@@ -101,6 +101,11 @@ void Run::find_equilibrium() {
   Stopwatch w(stage_s_["equilibrium"]);
   RelaxationRules rules;
   rules.tolerance = setup_.equilibrium, rules.gravity = setup_.gravity, rules.threads = options_.threads;
+  rules.look = [this] {
+    look_around();
+    if (*interrupted_)
+      throw Error(Exit::kInterrupted, "interrupted", "interrupted while the equilibrium was looked for");
+  };
   const RelaxationResult r = relax(setup_.shells[0], *state_, rules);
   if (r.converged) return;
   throw Error(
@@ -373,6 +378,7 @@ void Run::check_births(const std::vector<RigidBody>& births, const std::vector<l
 }
 
 Exit Run::execute(const std::atomic<bool>& interrupted) {
+  interrupted_ = &interrupted;
   try {
     start();
     const std::int64_t end = std::llround(setup_.end_time / setup_.window);

@@ -84,6 +84,7 @@ class Run {
   ContactCandidates candidates_;
   std::map<int, std::int64_t> detached_since_;  // lowest control point of a piece -> tick
   std::vector<Vec2> rubble_;                    // centres of pieces without control points that have left
+  const std::atomic<bool>* interrupted_ = nullptr;
   std::uint64_t random_ = 0;
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;
   std::size_t edges_seen_ = 0;  // crack edges that the stable step knows

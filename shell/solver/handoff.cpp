@@ -244,7 +244,7 @@ Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Pi
   }
   std::vector<int> gone(t.pieces, 0);
   std::vector<char> anchored(m.tables.plane, 0);
-  for (const int slot : m.constraints.anchors) anchored[slot] = m.held[slot];
+  for (const int slot : m.constraints.anchors) anchored[slot] = 1;
   for (int i = 0; i < m.control_points(); ++i) {
     if (t.owner[i] < 0) continue;
     Piece& p = pieces[t.owner[i]];
@@ -286,7 +286,8 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
                                   [&](int i) { return m.held[m.tables.slot(i)] != 0; });
   const auto velocity_now = [&](int slot) -> Vec3 {  // half a step on, at the time of the positions
     if (sloped) return s.velocity(slot);
-    return s.velocity(slot) + 0.5 * dt * s.inverse_mass[slot] * s.at(s.force, slot);
+    const Vec3 outside = s.external.empty() ? Vec3(Vec3::Zero()) : s.at(s.external, slot);  // what does not cancel
+    return s.velocity(slot) + 0.5 * dt * s.inverse_mass[slot] * (s.at(s.force, slot) - outside);
   };
   for (const int i : piece.control_points) {
     const int slot = m.tables.slot(i);

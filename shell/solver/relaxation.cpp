@@ -173,6 +173,7 @@ RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const Relaxa
     int since_best = 0;
     for (; r.newton < rules.most_newton; ++r.newton) {
       forces();
+      if (rules.look) rules.look();
       r.residual = relative_residual(s, space, weight, summed);
       r.converged = r.residual <= rules.tolerance;
       if (!std::isfinite(r.residual) || r.converged) break;
@@ -218,6 +219,7 @@ RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const Relaxa
     forces();
     if (r.steps % kMeasureEvery == 0) dt = stable(r.steps == 0 ? kFirstIterations : kLaterIterations);
     if (r.steps % kCheckEvery == 0) {
+      if (rules.look) rules.look();
       r.residual = relative_residual(s, space, weight, summed);
       r.converged = r.residual <= rules.tolerance;
       if (!std::isfinite(r.residual) || r.converged) break;

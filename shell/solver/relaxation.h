@@ -1,5 +1,7 @@
 #pragma once
 // Quasi-static answers: equilibrium under loads.
+#include <functional>
+
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -10,6 +12,7 @@ struct RelaxationRules {
   int most_newton = 60;         // Newton steps before dynamic relaxation takes over; 0: none
   Vec3 gravity = Vec3::Zero();  // [m/s^2]
   int threads = 1;
+  std::function<void()> look;  // called now and then; what it throws ends the search
 };
 
 struct RelaxationResult {

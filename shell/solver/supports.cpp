@@ -44,9 +44,11 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   for (const Vec3& x : p.control_points) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const double size = (high - low).norm();
   std::array<std::vector<char>, 3> held;
+  std::array<std::vector<int>, 3> driver;  // the motion that moves a control point, the last one named; -1: none
   std::array<std::vector<int>, 3> root;
   for (int d = 0; d < 3; ++d) {
     held[d].assign(count, 0);
+    driver[d].assign(count, -1);
     root[d].resize(count);
     std::iota(root[d].begin(), root[d].end(), 0);
   }
@@ -67,6 +69,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
                   "xyz"[s.symmetry], p.control_points[first[0]][s.symmetry], p.control_points[i][s.symmetry]);
         for (std::size_t k = 0; k < first.size(); ++k) {
           held[s.symmetry][first[k]] = 1;
+          c.anchors.push_back(slot(first[k]));
           for (int d = 0; d < 3; ++d)
             if (d != s.symmetry) root[d][find(d, second[k])] = find(d, first[k]);
         }
@@ -94,26 +97,32 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
         for (int d = 0; d < 3; ++d) held[d][i] |= s.axes[d];
       continue;
     }
-    Constraints::Driven driven;
-    driven.motion = s.motion;
-    std::sort(points.begin(), points.end());
-    points.erase(std::unique(points.begin(), points.end()), points.end());
     for (const int i : points)
       for (int d = 0; d < 3; ++d)
-        if (s.axes[d]) driven.slots[d].push_back(slot(i)), c.partial = true;
-    c.driven.push_back(std::move(driven));
+        if (s.axes[d]) driver[d][i] = static_cast<int>(c.driven.size());
+    c.driven.push_back({{}, s.motion});
   }
   for (int d = 0; d < 3; ++d) {
     std::map<int, std::vector<int>> groups;
     for (int i = 0; i < count; ++i) groups[find(d, i)].push_back(i);
-    for (const auto& [first, members] : groups) {  // a group with a held member is held
-      const bool any = std::any_of(members.begin(), members.end(), [&](int i) { return held[d][i] != 0; });
+    for (const auto& [first, members] : groups) {  // a group with a held member is held, with a driven one driven
+      bool any = false;
+      int by = -1;
       std::vector<int> slots;
-      for (const int i : members) slots.push_back(slot(i));
-      if (any)
-        c.held[d].insert(c.held[d].end(), slots.begin(), slots.end());
+      for (const int i : members) {
+        any = any || held[d][i];
+        if (driver[d][i] >= 0) {
+          require(by < 0 || by == driver[d][i], "{}: control points of a symmetry edge move in two ways at once", name);
+          by = driver[d][i];
+        }
+        slots.push_back(slot(i));
+      }
+      std::vector<int>* list = any ? &c.held[d] : by >= 0 ? &c.driven[by].slots[d] : nullptr;
+      if (list)
+        list->insert(list->end(), slots.begin(), slots.end());
       else if (slots.size() > 1)
-        c.tied[d].push_back(std::move(slots)), c.partial = true;
+        c.tied[d].push_back(slots);
+      c.partial = c.partial || (!any && (by >= 0 || slots.size() > 1));
     }
     std::sort(c.held[d].begin(), c.held[d].end());
   }

@@ -40,8 +40,8 @@ struct Constraints {
   bool partial = false;      // anything but control points that are held altogether
 };
 
-/// `slot_of` maps control points to slots. Throws Error where a symmetry edge does not lie in a plane across its
-/// axis, or a region holds no control point.
+/// A control point that one support holds and another moves along an axis is held. Throws Error where a symmetry edge
+/// does not lie in a plane across its axis, or a region holds no control point.
 Constraints make_constraints(const Patch& patch, const std::vector<Support>& supports, int stride,
                              const std::string& name);
 

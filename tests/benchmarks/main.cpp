@@ -198,8 +198,10 @@ int main(int argc, char** argv) {
   const auto cut = sheet(60, 60);
   for (int k = 1; k < 15; ++k)
     insert_polyline(cut->model, cut->state, {{0.02 * k, 0.013}, {0.02 * k + 0.011, 0.287}}, 0.0);
+  bool any = false;
   const auto add = [&](const std::string& name, auto&& f) {
     if (name.find(filter) == std::string::npos) return;
+    any = true;
     benchmark::RegisterBenchmark(name.c_str(), f)
         ->Repetitions(5)
         ->MinTime(0.15)
@@ -217,6 +219,10 @@ int main(int argc, char** argv) {
   add("step_2", [&](benchmark::State& b) { whole_substep(b, *middle, 2); });
   add("fma", multiply_add);
   add("triad", triad);
+  if (!any) {
+    std::cerr << "sunder-bench: no benchmark's name holds '" << filter << "'\n";
+    return 2;
+  }
   // repetitions of different benchmarks take turns, so that a slow moment of the machine meets all of them
   std::string own = "sunder-bench", interleave = "--benchmark_enable_random_interleaving=true";
   std::vector<char*> options{own.data(), interleave.data()};

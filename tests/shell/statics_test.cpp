@@ -1,5 +1,6 @@
 // Patches of common shape, supports, loads and equilibrium.
 #include <numbers>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -134,6 +135,26 @@ TEST(Supports, AHalfWithSymmetryBendsAsTheWhole) {
   EXPECT_GT(w, 1e-6);
   // the symmetric slope is that of two control points, exact in the whole model only to the spacing squared
   EXPECT_NEAR(displacement(half, b, {0.5, 0.1}).z() / w, 1.0, 2e-3);
+}
+
+TEST(Supports, ADrivenEdgeOfSymmetryKeepsItsSlopeAndHeldWinsOverDriven) {
+  Support hinge, middle, push;
+  hinge.edges = kUMin, hinge.clamped = false;
+  middle.edges = kUMax, middle.symmetry = 0;
+  push.edges = kUMax, push.clamped = false, push.axes = {false, false, true};
+  push.motion = {{0.0, Vec3(0, 0, 1e-3)}};
+  const ShellModel m = strip({hinge, middle, push}, {});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  RelaxationRules rules;
+  EXPECT_TRUE(relax(m, s, rules).converged);
+  // beam theory, half a simply supported beam with its middle pushed down: w = 1/2 x (3 - x^2)
+  EXPECT_NEAR(displacement(m, s, {1.0, 0.1}).z(), 1e-3, 1e-12);
+  EXPECT_NEAR(displacement(m, s, {0.5, 0.1}).z(), 0.6875e-3, 0.003e-3);
+  Support along;
+  along.edges = kVMin, along.clamped = false, along.axes = {false, false, true}, along.motion = push.motion;
+  const ShellModel both = strip({hinge, along}, {});
+  std::set<int> seen(both.constraints.held[2].begin(), both.constraints.held[2].end());
+  for (const int slot : both.constraints.driven[0].slots[2]) EXPECT_TRUE(seen.insert(slot).second);
 }
 
 TEST(Equilibrium, NewtonAndDynamicRelaxationAgreeAndReactionsBalance) {
