@@ -136,6 +136,8 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
           shell.layers());
   s.check(!shell.has_gauss_points() || shell.gauss_points() == 2 || shell.gauss_points() == 3, f + ".gauss_points",
           "is {}; 2 or 3", shell.gauss_points());
+  s.check(proto::Shell::StressModel_IsValid(shell.stress_model()), f + ".stress_model",
+          "is {}; PLANE_STRESS or PAPER_PROJECTION", static_cast<int>(shell.stress_model()));
   s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f,
           "has no patch; give plate, cylinder, sphere, cone or nurbs {{...}}");
   if (shell.has_plate()) {

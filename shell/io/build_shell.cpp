@@ -125,6 +125,9 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.yield_stress = mat.yield_stress(), material.hardening_modulus = mat.hardening_modulus();
   scene.check(material.yield_stress == 0.0 || s.cuts_size() == 0, field + ".cuts",
               "are given, but material '{}' yields, and what yields cannot be cut yet", s.material());
+  if (s.stress_model() == proto::Shell::PAPER_PROJECTION) material.stress_model = StressModel::kPaperProjection;
+  scene.check(material.yield_stress == 0.0 || s.stress_model() == proto::Shell::PLANE_STRESS, field + ".stress_model",
+              "PAPER_PROJECTION cannot go with material '{}', which yields in plane stress", s.material());
   const Patch patch = make_patch(scene, s, field);
   std::vector<Support> supports;
   std::vector<Load> loads;

@@ -15,9 +15,16 @@ inline T determinant(const Sym2<T>& a) {
   return a.c11 * a.c22 - a.c12 * a.c12;
 }
 
+/// How the stress of a layer follows from its strain in the plane.
+enum class StressModel {
+  kPlaneStress,      // the thickness stretches so that nothing acts across it
+  kPaperProjection,  // the thickness keeps, stress across it is dropped (paper, eq. 11-13): lambda + 2 mu in the plane
+};
+
 /// Lame constants [Pa].
 struct Elasticity {
   double mu = 0.0, lambda = 0.0;
+  StressModel model = StressModel::kPlaneStress;
 };
 inline Elasticity elasticity(double youngs_modulus, double poisson_ratio) {
   return {youngs_modulus / (2.0 * (1.0 + poisson_ratio)),
@@ -75,6 +82,14 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
   PlaneStress<T> r;
   r.area2 = dc * ia;
   T s;
+  if (e.model == StressModel::kPaperProjection) {
+    r.log_area = all_below(change, kSmallAreaChange) ? 0.5 * twice_atanh<11, T>((dc - da) * inverse * both)
+                                                     : 0.5 * logarithm<T>(r.area2);
+    r.stretch2 = splat<T>(1.0);
+    const T push = (e.mu - e.lambda * r.log_area) * (inverse * da * sum);  // S = mu Abar^-1 - (mu - lambda ln J) C^-1
+    r.s = {e.mu * (a.c22 * ia) - push * c.c22, e.mu * (a.c11 * ia) - push * c.c11, push * c.c12 - e.mu * (a.c12 * ia)};
+    return r;
+  }
   if (all_below(change, kSmallAreaChange)) {
     r.log_area = 0.5 * twice_atanh<11, T>((dc - da) * inverse * both);  // the rest of the series below 1e-20
     // the root's series to third order, then Newton once

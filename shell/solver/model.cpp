@@ -17,8 +17,9 @@ double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh e
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
   ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0};
-  m.tables = make_row_tables(m.patch, gauss, gauss_layers(layers, thickness),
-                             elasticity(material.youngs_modulus, material.poisson_ratio), "shell '" + name + "'");
+  Elasticity e = elasticity(material.youngs_modulus, material.poisson_ratio);
+  e.model = material.stress_model;
+  m.tables = make_row_tables(m.patch, gauss, gauss_layers(layers, thickness), e, "shell '" + name + "'");
   const RowTables& t = m.tables;
   m.mass.assign(t.plane, 0.0);
   // m_I = integral of rho tau N_I: the row sum of the consistent mass, positive for B-splines

@@ -18,8 +18,9 @@ struct ShellMaterial {
   double flaw_spacing = 0.0;                                        // [m]
   double mass_damping = 0.0;                                        // [1/s]
   double stiffness_damping = 0.0;                                   // [s]
-  double yield_stress = 0.0;                                        // [Pa]; 0: does not yield
-  double hardening_modulus = 0.0;                                   // [Pa]
+  StressModel stress_model = StressModel::kPlaneStress;
+  double yield_stress = 0.0;       // [Pa]; 0: does not yield
+  double hardening_modulus = 0.0;  // [Pa]
 };
 
 struct ShellModel {

@@ -10,6 +10,17 @@
 using namespace sunder;
 using namespace sunder::shell;
 
+TEST(InternalForce, OfThePapersProjectionIsMinusTheGradientOfItsEnergy) {
+  ShellMaterial g = glass();
+  g.stress_model = StressModel::kPaperProjection;
+  const ShellModel m = make_shell("p", rational_patch(), 0.05, g, 3, 3, {});
+  for (const double size : {1e-3, 0.03}) {  // both branches of the logarithm
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    disturb(s, m, size);
+    expect_gradient(m, s);
+  }
+}
+
 TEST(InternalForce, IsMinusTheGradientOfEnergyOnAPlate) {
   const ShellModel m = make_shell("p", plate(0.5, 0.4, 7, 5, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 3, 2, {});
   ShellState s = make_state(m, Vec3::Zero(), 0);

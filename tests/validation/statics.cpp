@@ -162,6 +162,21 @@ void plastic_moment_case(Report& r, int) {
   r.curves.push_back(c);
 }
 
+// A sheet stretched along x, its width kept: what the models make of Poisson's ratio.
+void stress_models_case(Report& r, int) {
+  constexpr double kStretch = 1e-6, kPoisson = 0.3;
+  const Sym2<double> rest{1, 1, 0}, c{1 + 2 * kStretch, 1, 0};
+  Elasticity e = elasticity(1.0, kPoisson);
+  const double start = seconds_now();
+  r.add("plane_stress_stiffness", plane_stress<double>(c, rest, e).s.c11 / kStretch, 1.0 / (1.0 - kPoisson * kPoisson),
+        1e-5, seconds_now() - start);
+  const double right = plane_stress<double>(c, rest, e).s.c11;
+  e.model = StressModel::kPaperProjection;
+  // (1 - nu)^2 / (1 - 2 nu) = 1.225 at 0.3
+  r.add("paper_projection_excess", plane_stress<double>(c, rest, e).s.c11 / right,
+        (1.0 - kPoisson) * (1.0 - kPoisson) / (1.0 - 2.0 * kPoisson), 1e-5, 0.0);
+}
+
 void scordelis_lo_case(Report& r, int threads) {
   const double known[] = {0.2957, 0.30024, 0.30056};
   int i = 0;
@@ -197,6 +212,7 @@ std::vector<Case> static_cases() {
   return {{"scordelis_lo", "roof under its weight", scordelis_lo_case},
           {"hemisphere", "pinched, without a hole", hemisphere_case},
           {"plastic_moment", "a beam bent far beyond yield, 5 to 11 layers", plastic_moment_case},
+          {"stress_models", "stiffness in the plane", stress_models_case},
           {"end_shear", "cantilever of large deflection (Sze, Liu, Lo 2004)", end_shear_case},
           {"end_moment", "cantilever rolled to a circle", end_moment_case}};
 }
