@@ -5,12 +5,9 @@
 namespace sunder::shell {
 
 Vec3 displacement(const ShellModel& m, const ShellState& s, const Vec2& at) {
-  const ShapeFunctions n = m.patch.shape_functions(at);
   Vec3 u = Vec3::Zero();
-  for (int k = 0; k < 9; ++k) {
-    const int slot = (n.span_v + k / 3) * m.tables.stride + n.span_u + k % 3;
-    u += n.value[k] * (s.position(slot) - s.at(m.rest, slot));
-  }
+  for (const GatheredFunction& f : patch_functions(m.patch, at, m.tables.stride))
+    u += f.n[0] * (s.position(f.slot) - s.at(m.rest, f.slot));
   return u;
 }
 

@@ -17,8 +17,8 @@ template <class T>
 T least_area(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
   T least = determinant(f.a) / determinant(ref.a);
   for (const double z : {layers.zeta.front(), layers.zeta.back()}) {
-    const Sym2<T> c{f.a.c11 - 2.0 * z * f.b.c11, f.a.c22 - 2.0 * z * f.b.c22, f.a.c12 - 2.0 * z * f.b.c12};
-    const Sym2<T> a{ref.a.c11 - 2.0 * z * ref.b.c11, ref.a.c22 - 2.0 * z * ref.b.c22, ref.a.c12 - 2.0 * z * ref.b.c12};
+    const Sym2<T> c = at_height(f.a, f.b, z);
+    const Sym2<T> a = at_height(ref.a, ref.b, z);
     // a metric with a negative trace is inside out twice over, and its determinant positive
     const T ratio = select(c.c11 + c.c22 > 0.0, determinant(c) / determinant(a), T{} - 1.0);
     least = select(ratio < least, ratio, least);
@@ -192,6 +192,15 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
 }
 
 }  // namespace
+
+std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride) {
+  const ShapeFunctions n = patch.shape_functions(p);
+  std::vector<GatheredFunction> out;
+  for (int k = 0; k < 9; ++k)
+    out.push_back(
+        {(n.span_v + k / 3) * stride + n.span_u + k % 3, {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+  return out;
+}
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
   double d[5][3] = {};

@@ -53,6 +53,12 @@ inline Forms<T> surface_forms(const Derivatives<T>& d) {
   return f;
 }
 
+/// Metric at height `z` off the mid-surface, linear in it: a - 2 z b.
+template <class T>
+inline Sym2<T> at_height(const Sym2<T>& a, const Sym2<T>& b, double z) {
+  return {a.c11 - 2.0 * z * b.c11, a.c22 - 2.0 * z * b.c22, a.c12 - 2.0 * z * b.c12};
+}
+
 /// C(zeta) = a - 2 zeta b against Abar(zeta) = abar - 2 zeta bbar, integrated over the layers.
 /// `soften(layer, stress, metric)` may weaken a layer's stress; its energy stays that of the full one.
 struct Intact {
@@ -65,8 +71,8 @@ inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
-    const Sym2<T> c{f.a.c11 - 2.0 * z * f.b.c11, f.a.c22 - 2.0 * z * f.b.c22, f.a.c12 - 2.0 * z * f.b.c12};
-    const Sym2<T> a{ref.a.c11 - 2.0 * z * ref.b.c11, ref.a.c22 - 2.0 * z * ref.b.c22, ref.a.c12 - 2.0 * z * ref.b.c12};
+    const Sym2<T> c = at_height(f.a, f.b, z);
+    const Sym2<T> a = at_height(ref.a, ref.b, z);
     PlaneStress<T> p = plane_stress<T>(c, a, e);
     soften(l, p, c);
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
@@ -85,8 +91,8 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
-    const Sym2<T> c{f.a.c11 - 2.0 * z * f.b.c11, f.a.c22 - 2.0 * z * f.b.c22, f.a.c12 - 2.0 * z * f.b.c12};
-    const Sym2<T> a{ref.a.c11 - 2.0 * z * ref.b.c11, ref.a.c22 - 2.0 * z * ref.b.c22, ref.a.c12 - 2.0 * z * ref.b.c12};
+    const Sym2<T> c = at_height(f.a, f.b, z);
+    const Sym2<T> a = at_height(ref.a, ref.b, z);
     PlasticState<T> s = plastic[l];
     const auto with = [&](const Sym2<T>& change) {
       return Sym2<T>{a.c11 + change.c11, a.c22 + change.c22, a.c12 + change.c12};

@@ -48,10 +48,7 @@ int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
   if (s.point_of[gauss] >= 0) return s.point_of[gauss];
   GatheredPoint g;
   g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
-  const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
-  for (int k = 0; k < 9; ++k)
-    g.functions.push_back(
-        {(n.span_v + k / 3) * t.stride + n.span_u + k % 3, {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+  g.functions = patch_functions(m.patch, gauss_point(m.patch, t, block, lane).parameter, t.stride);
   double* metric = &s.tables.metric[t.at(block, kMetricFields, 0, lane)];
   g.area = metric[kArea * t.lanes];
   g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},

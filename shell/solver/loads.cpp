@@ -7,15 +7,6 @@
 namespace sunder::shell {
 namespace {
 
-std::vector<GatheredFunction> functions_at(const Patch& patch, const Vec2& p, int stride) {
-  const ShapeFunctions n = patch.shape_functions(p);
-  std::vector<GatheredFunction> out;
-  for (int k = 0; k < 9; ++k)
-    out.push_back(
-        {(n.span_v + k / 3) * stride + n.span_u + k % 3, {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
-  return out;
-}
-
 void edge_samples(const Patch& patch, int edge, int stride, std::vector<LoadSample>& out) {
   const bool along_u = edge >= kVMin;
   const KnotVector& k = along_u ? patch.knots_u : patch.knots_v;
@@ -30,7 +21,7 @@ void edge_samples(const Patch& patch, int edge, int stride, std::vector<LoadSamp
       const Vec2 p = along_u ? Vec2(at, fixed) : Vec2(fixed, at);
       const SurfacePoint q = patch.evaluate(p);
       LoadSample sample;
-      sample.functions = functions_at(patch, p, stride);
+      sample.functions = patch_functions(patch, p, stride);
       sample.weight = 0.5 * rule.weight[a] * k.span_length(s) * (along_u ? q.u : q.v).norm();
       sample.along_u = along_u;
       sample.outward = edge == kVMin || edge == kUMax ? 1.0 : -1.0;
@@ -60,13 +51,13 @@ std::vector<PreparedLoad> prepare_loads(const Patch& patch, const RowTables& t, 
       require(patch.contains(load.point),
               "{}: a load at ({:.6g}, {:.6g}) lies outside the patch, whose parameters run to ({:.6g}, {:.6g})", name,
               load.point.x(), load.point.y(), patch.knots_u.end(), patch.knots_v.end());
-      p.samples.push_back({functions_at(patch, load.point, stride)});
+      p.samples.push_back({patch_functions(patch, load.point, stride)});
     } else if (load.kind == Load::Kind::kPressure) {
       for (int q = 0; q < t.blocks(); ++q)
         for (int e = 0; e < t.spans_u; ++e) {
           const GaussPoint g = gauss_point(patch, t, q, e);
           if (g.weight > 0.0)
-            p.samples.push_back({functions_at(patch, g.parameter, stride), g.weight, 0.0, false, q, e});
+            p.samples.push_back({patch_functions(patch, g.parameter, stride), g.weight, 0.0, false, q, e});
         }
     } else {
       for (const int edge : {kUMin, kUMax, kVMin, kVMax})

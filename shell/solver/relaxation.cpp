@@ -47,16 +47,12 @@ std::vector<double> fictitious_masses(const ShellModel& m, const ShellState& s) 
     for (std::size_t k = 0; k < n.size(); ++k)
       mass[n[k].slot] += area * (membrane * norms[k].first * first + bending * norms[k].second * second);
   };
-  std::vector<GatheredFunction> nine(9);
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const double* metric = &s.tables.metric[t.at(q, kMetricFields, 0, e)];
       if (metric[kArea * t.lanes] == 0.0) continue;
-      const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, q, e).parameter);
-      for (int k = 0; k < 9; ++k)
-        nine[k] = {(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
-                   {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}};
-      add(nine, {metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]}, metric[kArea * t.lanes]);
+      add(patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride),
+          {metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]}, metric[kArea * t.lanes]);
     }
   for (const GatheredPoint& g : s.points)
     if (g.kind != PointKind::kDead) add(g.functions, g.metric.a, g.area);

@@ -69,11 +69,8 @@ void scalar_reference(benchmark::State& b, Sheet& s) {
   std::vector<GatheredPoint> points;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
-      const ShapeFunctions n = s.model.patch.shape_functions(gauss_point(s.model.patch, t, q, e).parameter);
       GatheredPoint g;
-      for (int k = 0; k < 9; ++k)
-        g.functions.push_back({(n.span_v + k / 3) * t.stride + n.span_u + k % 3,
-                               {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+      g.functions = patch_functions(s.model.patch, gauss_point(s.model.patch, t, q, e).parameter, t.stride);
       const double* m = &t.metric[t.at(q, kMetricFields, 0, e)];
       const auto field = [&](int k) { return m[k * t.lanes]; };
       g.metric = {{field(kA11), field(kA22), field(kA12)}, {field(kB11), field(kB22), field(kB12)}};
@@ -134,10 +131,7 @@ double operations_per_gauss_point(const Sheet& s) {
   const auto field = [&](int k) { return Counting(m[k * t.lanes]); };
   const ReferenceMetric<Counting> ref{{field(kA11), field(kA22), field(kA12)}, {field(kB11), field(kB22), field(kB12)}};
   GatheredPoint p;
-  const ShapeFunctions n = s.model.patch.shape_functions(gauss_point(s.model.patch, t, block, lane).parameter);
-  for (int k = 0; k < 9; ++k)
-    p.functions.push_back(
-        {(n.span_v + k / 3) * t.stride + n.span_u + k % 3, {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+  p.functions = patch_functions(s.model.patch, gauss_point(s.model.patch, t, block, lane).parameter, t.stride);
   const Derivatives<double> d = gather(t, p, s.state.x);
   const auto vector = [](const Vector<double>& v) { return Vector<Counting>{v.x, v.y, v.z}; };
   const Derivatives<Counting> c{vector(d.u), vector(d.v), vector(d.uu), vector(d.vv), vector(d.uv)};

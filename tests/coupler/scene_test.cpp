@@ -133,6 +133,44 @@ INSTANTIATE_TEST_SUITE_P(
              "begins with a jump"},
         Case{"YieldStressAndStrength", "poisson_ratio: 0.22 }",
              "poisson_ratio: 0.22 strength: 6e7 fracture_energy: 8 yield_stress: 1e8 }", 4, "does not crack yet"},
+        Case{"SphereThatFalls", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+             "  sphere { radius_m: 1 angle_deg: 60 from_deg: 40 to_deg: 20 elements_u: 4 elements_v: 4 }", 9,
+             "must rise"},
+        Case{"SectorWithoutElements", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+             "  cylinder { radius_m: 1 length_m: 1 angle_deg: 60 elements_u: 4 }", 9, "elements along a side"},
+        Case{"ConeBelowZero", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+             "  cone { bottom_m: 1 top_m: -1 height_m: 1 angle_deg: 60 elements_u: 4 elements_v: 4 }", 9, "cone.top_m"},
+        Case{"AxesOfAClampedEdge", "elements_y: 16 }\n",
+             "elements_y: 16 }\n  supports { edges: ALL kind: CLAMPED axes: X }\n", 10, "SIMPLY_SUPPORTED only"},
+        Case{"SymmetryOfACorner", "elements_y: 16 }\n",
+             "elements_y: 16 }\n  supports { corners: U_MIN_V_MIN kind: SYMMETRY_X }\n", 10,
+             "no corners, regions or motion"},
+        Case{"RegionUpsideDown", "elements_y: 16 }\n",
+             "elements_y: 16 }\n  supports { kind: CLAMPED regions { low { u: 0.4 } high { u: 0.1 } } }\n", 10,
+             "above its high one"},
+        Case{"MotionThatGoesBack", "elements_y: 16 }\n",
+             "elements_y: 16 }\n  supports { edges: ALL kind: CLAMPED motion { time_s: 1 } motion { time_s: 0 } }\n",
+             10, "must rise"},
+        Case{"MomentThatIsNotFinite", "elements_y: 16 }\n",
+             "elements_y: 16 }\n  loads { edge_moment { edge: U_MIN moment_per_length: inf } }\n", 10,
+             "moment_per_length"},
+        Case{"LoadOfNoEdge", "elements_y: 16 }\n",
+             "elements_y: 16 }\n  loads { edge_force { force_per_length { x: 1 } } }\n", 10, "name ALL, U_MIN"},
+        Case{"EquilibriumWithoutATolerance", "elements_y: 16 }\n", "elements_y: 16 }\n  equilibrium { tolerance: 0 }\n",
+             10, "1e-12 to 0.1"},
+        Case{"EquilibriumThatMoves", "elements_y: 16 }\n", "elements_y: 16 }\n  velocity { x: 1 } equilibrium {}\n", 10,
+             "starts at rest"},
+        Case{"YieldingBeyondSmallStrain", "poisson_ratio: 0.22 }", "poisson_ratio: 0.22 yield_stress: 7e9 }", 4,
+             "must stay small"},
+        Case{"HardeningWithoutYield", "poisson_ratio: 0.22 }", "poisson_ratio: 0.22 hardening_modulus: 1e9 }", 4,
+             "needs a yield_stress"},
+        Case{"ProbeOutsideThePatch", "end_time_s: 1\n",
+             "end_time_s: 1 output { probes { name: \"a\" shell: \"pane\" at { u: 7 } } }\n", 2, "outside the patch"},
+        Case{"ProbesWithoutAnInterval", "end_time_s: 1\n", "end_time_s: 1 output { probe_interval_s: 0 }\n", 2,
+             "must be positive"},
+        Case{"DamageThatNeverCompletes", "poisson_ratio: 0.22 }",
+             "poisson_ratio: 0.22 strength: 1 fracture_energy: 1e9 }\nfracture { mode: DAMAGE }", 5,
+             "not belong together"},
         Case{"ArcTooWide", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
              "  cylinder { radius_m: 1 length_m: 1 angle_deg: 180 elements_u: 4 elements_v: 4 }", 9, "150 degrees"},
         Case{"ProbeOfNoShell", "end_time_s: 1\n", "end_time_s: 1 output { probes { name: \"a\" shell: \"b\" } }\n", 2,
@@ -143,6 +181,31 @@ INSTANTIATE_TEST_SUITE_P(
              "leave it out"},
         Case{"SpanOfABillionElements", "elements_x: 16", "elements_x: 1000000000", 9, "1 to 4096"}),
     [](const testing::TestParamInfo<Case>& i) { return std::string(i.param.name); });
+
+TEST(Loads, SayWhenTheyChangeForTheLastTime) {
+  std::string text = kScene;
+  text.insert(
+      text.find("elements_y: 16 }\n") + 17,
+      "  loads { pressure: 1 factor { time_s: 1e-3 } factor { time_s: 0.25 value: 1 } }\n"
+      "  supports { edges: ALL kind: CLAMPED motion { time_s: 0 } motion { time_s: 0.5 displacement { z: 1e-3 } } }\n");
+  const std::string path = own_file("loads_test.textproto");
+  std::ofstream(path) << text;
+  EXPECT_EQ(sunder::shell::build(sunder::scene::load(path, {})).last_change, 0.5);
+  std::remove(path.c_str());
+}
+
+TEST(Yielding, IsRefusedWithCutsAndWithAnotherStressModel) {
+  const std::string steel = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 yield_stress: 1e8 }");
+  const auto with = [&](const std::string& more) {
+    std::string text = steel;
+    return refusal(text.insert(text.find("elements_y: 16 }\n") + 17, more + "\n"));
+  };
+  EXPECT_NE(std::string(with("  cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.2 } }").what())
+                .find("cannot be cut yet"),
+            std::string::npos);
+  EXPECT_NE(std::string(with("  stress_model: PAPER_PROJECTION").what()).find("yields in plane stress"),
+            std::string::npos);
+}
 
 TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
 

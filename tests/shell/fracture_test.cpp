@@ -212,6 +212,57 @@ TEST(HandOff, ATranslatingPieceDoesNotSpinAndCreatesNoEnergy) {
   EXPECT_NEAR(kinetic_energy(m, s, 0.0) + h.body.kinetic_energy(), before, 1e-12 * before);
 }
 
+TEST(HandOff, ASmallPieceIsNoFasterThanWhatItIsMadeOf) {
+  const ShellModel m = sheet();
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int small = 0;
+  for (int k = 0; k < 40; ++k) {
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    const Vec2 a(0.1 + 0.05 * uniform(random), 0.1 + 0.05 * uniform(random));
+    const Vec2 b = a + m.spacing * Vec2(2.0 + uniform(random), 0.3 * uniform(random));
+    const Vec2 c = a + m.spacing * Vec2(uniform(random), 1.0 + 0.7 * uniform(random));
+    insert_polyline(m, s, {a, b, c, a}, 0.0);
+    double fastest = 0.0;
+    for (int i = 0; i < m.control_points(); ++i) {
+      s.add_velocity(m.tables.slot(i), Vec3(uniform(random), uniform(random), uniform(random)));
+      fastest = std::max(fastest, s.velocity(m.tables.slot(i)).norm());
+    }
+    compute_forces(m, s, false, 0.0, 1);
+    std::vector<Piece> pieces;
+    const Triangulation t = partition(m, s, pieces);
+    if (t.pieces != 2) continue;  // the triangle was folded
+    const Piece& piece = pieces[0].area < pieces[1].area ? pieces[0] : pieces[1];
+    const RigidBody b7 = hand_off(m, s, t, piece, 7, 0.0).body;
+    small += piece.area < 2.0 * m.spacing * m.spacing;
+    // its energy is at most that of its mass at the speed of the fastest control point, twice for masses that cross
+    EXPECT_LE(b7.kinetic_energy(), 2.0 * 0.5 * b7.mass * fastest * fastest) << k;
+    EXPECT_LE(b7.motion.velocity.norm(), 2.0 * fastest) << k;
+  }
+  EXPECT_GT(small, 20);
+}
+
+TEST(Pieces, AreHeldAlongOneAxisTooAndNotByAClampedSlope) {
+  ShellMaterial g = glass();
+  const auto held = [&](const Support& support, double cut) {
+    const ShellModel m =
+        make_shell("p", plate(0.2, 0.2, 10, 10, Vec3::Zero(), Quat::Identity()), 0.004, g, 2, 2, {support});
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    insert_polyline(m, s, {{cut, 0.0}, {cut, 0.2}}, 0.0);
+    std::vector<Piece> pieces;
+    partition(m, s, pieces);
+    int count = 0;
+    for (const Piece& p : pieces) count += p.held;
+    return pieces.size() == 2 ? count : -1;
+  };
+  Support clamp, along;
+  clamp.edges = along.edges = kUMin;
+  along.clamped = false, along.axes = {false, false, true};
+  EXPECT_EQ(held(clamp, 0.1), 1);
+  EXPECT_EQ(held(along, 0.1), 1);
+  EXPECT_EQ(held(clamp, 0.005), 1);  // between the rows of the clamped edge, at 0 and 0.01: the strip, not the rest
+}
+
 TEST(CrackGraph, AControlPointOnACutKeepsItsPlace) {
   const ShellModel m = sheet(21);  // odd: Greville points stand in the middle of the sheet
   ShellState s = make_state(m, Vec3::Zero(), 1);
