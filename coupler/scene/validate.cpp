@@ -137,7 +137,16 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   s.check(!shell.has_gauss_points() || shell.gauss_points() == 2 || shell.gauss_points() == 3, f + ".gauss_points",
           "is {}; 2 or 3", shell.gauss_points());
   s.check(proto::Shell::StressModel_IsValid(shell.stress_model()), f + ".stress_model",
-          "is {}; PLANE_STRESS or PAPER_PROJECTION", static_cast<int>(shell.stress_model()));
+          "is {}; PLANE_STRESS, PAPER_PROJECTION, JGT17 or GHF18", static_cast<int>(shell.stress_model()));
+  s.check(proto::Shell::Bending_IsValid(shell.bending()), f + ".bending", "is {}; LAYERED or LINEAR",
+          static_cast<int>(shell.bending()));
+  s.check(shell.bending() == proto::Shell::LAYERED || !shell.has_layers(), f + ".layers",
+          "are given, but bending LINEAR has none; leave one of them out");
+  if (shell.has_surface_compression()) {
+    positive(s, f + ".surface_compression", true, shell.surface_compression(), "Pa");
+    s.check(shell.layers() >= 3, f + ".surface_compression",
+            "needs layers: 3 or more, which see the parabola of stress");
+  }
   s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f,
           "has no patch; give plate, cylinder, sphere, cone or nurbs {{...}}");
   if (shell.has_plate()) {
@@ -231,9 +240,17 @@ void validate(const LoadedScene& s) {
           m.window_s());
   s.check(m.end_time_s() / m.window_s() < 1e9, "window_s", "is {}: {:.3g} windows until end_time_s; at most 1e9",
           m.window_s(), m.end_time_s() / m.window_s());
+  if (m.has_time_step_s()) {
+    positive(s, "time_step_s", true, m.time_step_s(), "s");
+    s.check(!m.has_time_step_safety(), "time_step_s", "and time_step_safety are both given; leave one of them out");
+  }
   s.check(!m.has_time_step_safety() || (m.time_step_safety() > 0.0 && m.time_step_safety() <= 1.0), "time_step_safety",
           "is {}; a share of the stable step, above 0 and at most 1", m.time_step_safety());
   finite(s, "gravity", m.gravity());
+  s.check(proto::GridTransfer::Kind_IsValid(m.transfer().kind()), "transfer.kind", "is {}; DIRECT, FLIP, APIC or PIC",
+          static_cast<int>(m.transfer().kind()));
+  if (m.transfer().has_grid_spacing_m())
+    positive(s, "transfer.grid_spacing_m", true, m.transfer().grid_spacing_m(), "m");
   std::set<std::string> names, materials;
   const auto name = [&](const std::string& field, const std::string& n, std::set<std::string>& set) {
     s.check(!n.empty() && n.size() < 200 &&
@@ -260,6 +277,21 @@ void validate(const LoadedScene& s) {
     s.check(c.second().empty() || names.count(c.second()), f + ".second", "'{}' is no shell or body of this scene",
             c.second());
     not_negative(s, f + ".friction", c.has_friction(), c.friction());
+    if (c.has_hertz()) {
+      const auto is = [&](const auto& list, const std::string& name, auto&& test) {
+        for (const auto& thing : list)
+          if (thing.name() == name && test(thing)) return true;
+        return false;
+      };
+      const auto any = [](const auto&) { return true; };
+      const auto sphere = [](const proto::Body& b) { return b.has_sphere(); };
+      s.check((is(m.shells(), c.first(), any) && is(m.bodies(), c.second(), sphere)) ||
+                  (is(m.shells(), c.second(), any) && is(m.bodies(), c.first(), sphere)),
+              f + ".hertz", "is for a shell and a body that is a sphere; name them as first and second");
+      s.check(!c.has_friction() && !c.has_restitution(), f + ".hertz",
+              "is elastic and without friction; leave friction and restitution out");
+      if (c.hertz().has_stiffness()) positive(s, f + ".hertz.stiffness", true, c.hertz().stiffness(), "N/m^1.5");
+    }
     s.check(!c.has_restitution() || (c.restitution() >= 0.0 && c.restitution() <= 1.0), f + ".restitution",
             "is {}; 0 to 1", c.restitution());
   }
@@ -288,8 +320,15 @@ void validate(const LoadedScene& s) {
     const std::string f = fmt::format("output.probes[{}]", i);
     name(f, p.name(), probes);
     bool known = false;
+    if (!p.body().empty()) {
+      for (const auto& body : m.bodies()) known = known || body.name() == p.body();
+      s.check(known, f + ".body", "'{}' is no body of this scene", p.body());
+      s.check(p.shell().empty() && !p.has_at(), f + ".body",
+              "is given, and so is a point of a shell; give one of them");
+      continue;
+    }
     for (const auto& shell : m.shells()) known = known || shell.name() == p.shell();
-    s.check(known, f + ".shell", "'{}' is no shell of this scene", p.shell());
+    s.check(known, f + ".shell", "'{}' is no shell of this scene; name a shell, or a body", p.shell());
   }
 }
 

@@ -93,6 +93,28 @@ void launch(const scene::LoadedScene& scene, const RunSetup& setup, const proto:
   b.motion.velocity = -m.launch().speed() * from;
 }
 
+// Hertz's law between a shell and a sphere.
+void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, const std::string& field, RunSetup& r) {
+  const auto give = [&](const std::string& material) {  // (1 - nu^2) / E; 0: rigid
+    const auto* m = find_material(scene.message, material);
+    return m && m->has_youngs_modulus() ? (1.0 - m->poisson_ratio() * m->poisson_ratio()) / m->youngs_modulus() : 0.0;
+  };
+  for (std::size_t i = 0; i < r.bodies.size(); ++i) {
+    const auto& body = scene.message.bodies(static_cast<int>(i));
+    if (body.name() != c.first() && body.name() != c.second()) continue;
+    const ShellModel& shell = r.shells.front();
+    const double radius = body.sphere().radius_m();
+    const double both = give(scene.message.shells(0).material()) + give(body.material());
+    r.hertz[i] = c.hertz().has_stiffness() ? c.hertz().stiffness() : 4.0 / 3.0 * std::sqrt(radius) / both;
+    const double speed = r.bodies[i].motion.velocity.norm();
+    const double approach = r.bodies[i].is_static ? 0.0 : hertz_approach(r.bodies[i].mass, r.hertz[i], speed);
+    scene.check(approach <= 0.2 * radius, field,
+                "lets '{}' sink up to {:.3g} m into shell '{}' at {:.3g} m/s, but the law is for less than a fifth of "
+                "its radius, {:.3g} m; take a higher stiffness or a lower speed, or leave hertz out",
+                body.name(), approach, shell.name, speed, 0.2 * radius);
+  }
+}
+
 }  // namespace
 
 RunSetup build(const scene::LoadedScene& scene) {
@@ -102,6 +124,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.end_time = m.end_time_s(), r.window = m.window_s();
   r.settle_window = m.has_settle_window_s() ? m.settle_window_s() : m.window_s();
   if (m.has_time_step_safety()) r.safety = m.time_step_safety();
+  r.time_step = m.time_step_s();
   r.gravity = m.has_gravity() ? scene::to_vec(m.gravity()) : Vec3(0.0, 0.0, -9.81);
   r.frame_interval = m.output().has_frame_interval_s() ? m.output().frame_interval_s() : r.end_time / 60.0;
   r.shell_frame_interval =
@@ -132,6 +155,7 @@ RunSetup build(const scene::LoadedScene& scene) {
     }
     for (int k = 0; k < m.output().probes_size(); ++k) {
       const auto& p = m.output().probes(k);
+      if (!p.body().empty()) continue;
       const Vec2 at(p.at().u(), p.at().v());
       scene.check(s.patch.contains(at), fmt::format("output.probes[{}].at", k),
                   "({}, {}) lies outside the patch, whose parameters run to ({}, {})", at.x(), at.y(),
@@ -143,6 +167,14 @@ RunSetup build(const scene::LoadedScene& scene) {
     for (const PreparedLoad& load : s.loads)
       if (!load.load.in_time.empty()) r.last_change = std::max(r.last_change, load.load.in_time.back().first);
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
+    constexpr Transfer kTransfers[] = {Transfer::kDirect, Transfer::kFlip, Transfer::kApic, Transfer::kPic};
+    r.transfer.kind = kTransfers[m.transfer().kind()];
+    r.transfer.spacing = m.transfer().has_grid_spacing_m() ? m.transfer().grid_spacing_m() : s.spacing;
+    scene.check(r.transfer.kind == Transfer::kDirect ||
+                    (r.transfer.spacing >= 0.1 * s.spacing && r.transfer.spacing <= 100.0 * s.spacing),
+                "transfer.grid_spacing_m",
+                "is {} m, the shell's spacing {:.3g} m; from a tenth to a hundred times that", r.transfer.spacing,
+                s.spacing);
     const auto mode = m.fracture().mode();
     r.tips = s.material.strength > 0.0 && mode != proto::Fracture::CUTS && mode != proto::Fracture::DAMAGE;
     if (mode == proto::Fracture::DAMAGE) {
@@ -211,6 +243,12 @@ RunSetup build(const scene::LoadedScene& scene) {
     }
     r.bodies.push_back(std::move(b));
   }
+  for (const auto& p : m.output().probes())
+    for (int i = 0; i < m.bodies_size(); ++i)
+      if (m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), Vec2::Zero(), i});
+  r.hertz.assign(r.bodies.size(), 0.0);
+  for (int k = 0; k < m.contacts_size(); ++k)
+    if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);
   ContactLaw fallback;
   for (const auto& c : m.contacts())
     if (c.first().empty()) {

@@ -6,6 +6,7 @@
 #include "coupler/scene/load.h"
 #include "shell/io/probes.h"
 #include "shell/solver/model.h"
+#include "shell/solver/step.h"
 #include "shell/solver/tips.h"
 
 namespace sunder::shell {
@@ -23,6 +24,7 @@ constexpr double kCrackedStep = 0.7;
 struct RunSetup {
   std::string name;
   double end_time = 0.0, window = 0.0, settle_window = 0.0, safety = 0.8;  // [s], [-]
+  double time_step = 0.0;  // of a substep, as the scene asks for it [s]; 0: `safety` times the stable one
   double frame_interval = 0.0, shell_frame_interval = 0.0;
   std::vector<Probe> probes;
   double probe_interval = 0.0;  // [s]
@@ -38,6 +40,8 @@ struct RunSetup {
   CrackRules rules;
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
+  TransferRules transfer;
+  std::vector<double> hertz;  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   std::vector<ContactLaw> laws;
 };
 

@@ -125,9 +125,19 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.yield_stress = mat.yield_stress(), material.hardening_modulus = mat.hardening_modulus();
   scene.check(material.yield_stress == 0.0 || s.cuts_size() == 0, field + ".cuts",
               "are given, but material '{}' yields, and what yields cannot be cut yet", s.material());
-  if (s.stress_model() == proto::Shell::PAPER_PROJECTION) material.stress_model = StressModel::kPaperProjection;
+  constexpr StressModel kModels[] = {StressModel::kPlaneStress, StressModel::kPaperProjection, StressModel::kJgt17,
+                                     StressModel::kGhf18};
+  material.stress_model = kModels[s.stress_model()];
   scene.check(material.yield_stress == 0.0 || s.stress_model() == proto::Shell::PLANE_STRESS, field + ".stress_model",
-              "PAPER_PROJECTION cannot go with material '{}', which yields in plane stress", s.material());
+              "{} cannot go with material '{}', which yields in plane stress; leave it out, or take another material",
+              proto::Shell::StressModel_Name(s.stress_model()), s.material());
+  material.linear_bending = s.bending() == proto::Shell::LINEAR;
+  scene.check(!material.linear_bending ||
+                  (material.yield_stress == 0.0 && scene.message.fracture().mode() != proto::Fracture::DAMAGE),
+              field + ".bending", "LINEAR has no layers, which yielding and fracture.mode DAMAGE need; leave it out");
+  material.surface_compression = s.surface_compression();
+  scene.check(material.surface_compression <= 0.02 * material.youngs_modulus, field + ".surface_compression",
+              "is {:.3g} of youngs_modulus; at most 0.02", material.surface_compression / material.youngs_modulus);
   const Patch patch = make_patch(scene, s, field);
   std::vector<Support> supports;
   std::vector<Load> loads;

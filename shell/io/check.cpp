@@ -12,7 +12,8 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   std::string out = fmt::format("scene          {}\nbodies         {}\n", setup.name, setup.bodies.size());
   for (const ShellModel& m : setup.shells) {
     ShellState s = make_state(m, Vec3::Zero(), 0);
-    const double step = stable_step(m, s, 120, 1, setup.tips || setup.brittleness > 0.0 || !setup.cuts.empty());
+    const bool can_crack = setup.tips || setup.brittleness > 0.0 || !setup.cuts.empty();
+    const double step = stable_step(m, s, 120, 1, can_crack);
     scene.check(std::isfinite(step), "shells[0].supports",
                 "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
     for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
@@ -27,8 +28,11 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
                 setup.window, m.name, step);
     const int layers = m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size());
     const double shell_time = std::min(setup.latest_freeze, setup.end_time);
-    const double taken =
-        setup.safety * step * (setup.tips || setup.brittleness > 0.0 || !setup.cuts.empty() ? kCrackedStep : 1.0);
+    const double allowed = step * (can_crack ? kCrackedStep : 1.0);
+    scene.check(setup.time_step <= allowed, "time_step_s",
+                "is {} s, above the stable step of shell '{}'{}; at most {:.3g} s would do", setup.time_step, m.name,
+                can_crack ? " with cracks" : "", allowed);
+    const double taken = setup.time_step > 0.0 ? setup.time_step : setup.safety * allowed;
     const double substeps = std::ceil(setup.window / taken) * shell_time / setup.window;
     const auto start = std::chrono::steady_clock::now();
     constexpr int kTrials = 20;

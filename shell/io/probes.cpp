@@ -25,18 +25,52 @@ Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
   return sum;
 }
 
+std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s) {
+  const RowTables& t = m.tables;
+  double rest = 0.0, now = 0.0;
+  GatheredPoint uncut;
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const GaussPoint g = gauss_point(m.patch, t, q, e);
+      if (g.weight == 0.0) continue;
+      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
+      if (point >= 0 && (s.points[point].kind == PointKind::kDead || s.points[point].left)) continue;
+      if (point < 0) uncut.functions = patch_functions(m.patch, g.parameter, t.stride);
+      const GatheredPoint& p = point < 0 ? uncut : s.points[point];
+      if (s.gone[p.functions[0].slot]) continue;
+      const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
+      const auto measure = [&](const std::vector<double>& x) {
+        return 1.0 / surface_forms(gather(t, p, x)).inverse_area;
+      };
+      rest += area, now += area * measure(s.x) / measure(m.rest);
+    }
+  return {rest, now};
+}
+
 std::string probe_header(const std::vector<Probe>& probes) {
   std::string out = "time [s]";
-  for (const Probe& p : probes) out += fmt::format(",{0}_x [m],{0}_y [m],{0}_z [m]", p.name);
+  for (const Probe& p : probes) {
+    out += fmt::format(",{0}_x [m],{0}_y [m],{0}_z [m]", p.name);
+    if (p.body >= 0) out += fmt::format(",{0}_vx [m/s],{0}_vy [m/s],{0}_vz [m/s]", p.name);
+  }
   return out + ",reaction_x [N],reaction_y [N],reaction_z [N]\n";
 }
 
-std::string probe_row(const std::vector<Probe>& probes, const ShellModel& m, const ShellState& s, double time,
-                      const Vec3& gravity) {
+std::string probe_row(const std::vector<Probe>& probes, const ShellModel* m, const ShellState* s,
+                      const std::vector<BodyMotion>& bodies, double time, const Vec3& gravity) {
   std::string out = fmt::format("{:.9g}", time);
   const auto three = [&](const Vec3& v) { out += fmt::format(",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z()); };
-  for (const Probe& p : probes) three(displacement(m, s, p.at));
-  three(reaction(m, s, gravity));
+  for (const Probe& p : probes)
+    if (p.body >= 0)
+      three(bodies[p.body].position), three(bodies[p.body].velocity);
+    else if (s)
+      three(displacement(*m, *s, p.at));
+    else
+      out += ",,,";
+  if (s)
+    three(reaction(*m, *s, gravity));
+  else
+    out += ",,,";
   return out + "\n";
 }
 

@@ -3,24 +3,29 @@
 #include <string>
 #include <vector>
 
+#include "coupler/core/body.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 
 struct Probe {
   std::string name;
-  Vec2 at;  // parameters [m]
+  Vec2 at = Vec2::Zero();  // of a shell: parameters [m]
+  int body = -1;           // of a body: its index
 };
 
-/// First line of probes.csv: time, displacement of each probe, reaction of all supports.
+/// First line of probes.csv: time, displacement of each point and motion of each body, reaction of all supports.
 std::string probe_header(const std::vector<Probe>& probes);
-/// A row. The reaction [N] is what supports exert on the shell, with the forces that the state holds: along each axis
-/// minus the sum over control points that they hold or drive.
-std::string probe_row(const std::vector<Probe>& probes, const ShellModel& model, const ShellState& state, double time,
-                      const Vec3& gravity);
+/// A row; what belongs to the shell stays empty where `state` is null. The reaction [N] is what supports exert on the
+/// shell, with the forces that the state holds: along each axis minus the sum over control points that they hold or
+/// drive.
+std::string probe_row(const std::vector<Probe>& probes, const ShellModel* model, const ShellState* state,
+                      const std::vector<BodyMotion>& bodies, double time, const Vec3& gravity);
 
 /// Displacement [m] of the material point, with the functions of the uncut patch.
 Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);
+/// Area of the mid-surface at rest and now [m^2], of the Gauss points that bear and have not left.
+std::pair<double, double> surface_area(const ShellModel& model, const ShellState& state);
 /// Reaction of all supports [N].
 Vec3 reaction(const ShellModel& model, const ShellState& state, const Vec3& gravity);
 

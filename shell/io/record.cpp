@@ -48,8 +48,14 @@ void Run::write_frame() {
 }
 
 void Run::write_probes() {
-  if (setup_.probes.empty() || !state_ || time() < next_probe_ - 1e-6 * setup_.window) return;
-  probes_ += probe_row(setup_.probes, setup_.shells[0], *state_, time(), setup_.gravity);
+  if (setup_.probes.empty() || time() < next_probe_ - 1e-6 * setup_.window) return;
+  const bool bodies =
+      std::any_of(setup_.probes.begin(), setup_.probes.end(), [](const Probe& p) { return p.body >= 0; });
+  if (!state_ && !bodies) return;
+  std::vector<BodyMotion> motions;
+  for (const Proxy& p : proxies_) motions.push_back(p.body.motion);
+  probes_ +=
+      probe_row(setup_.probes, state_ ? &setup_.shells[0] : nullptr, state_.get(), motions, time(), setup_.gravity);
   next_probe_ = std::max(next_probe_ + setup_.probe_interval, time() + 0.5 * setup_.probe_interval);
 }
 
@@ -185,12 +191,17 @@ void Run::write_summary(const std::string& status, const Error* error) {
       frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
   j += fmt::format(
       "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": {}, "
-      "\"healing\": {}, \"external_work\": {}, \"contact\": {}, \"damping\": {}, \"handoff_lost\": {}, "
+      "\"healing\": {}, \"external_work\": {}, \"contact\": {}, \"damping\": {}, \"transfer\": {}, \"handoff_lost\": "
+      "{}, "
       "\"crack_injected\": {}, \"frozen\": {}, \"engine\": {}, "
       "\"residual_relative\": {}}},\n",
       number(kinetic_), number(elastic_), number(b.fracture), number(b.plastic), number(b.healing), number(b.external),
-      number(b.contact), number(b.damping), number(b.handoff), number(b.injected), number(b.frozen),
+      number(b.contact), number(b.damping), number(b.transfer), number(b.handoff), number(b.injected), number(b.frozen),
       number(engine_loss_), number(residual_));
+  if (state_) {
+    const auto [rest, now] = surface_area(setup_.shells[0], *state_);
+    j += fmt::format("  \"surface\": {{\"rest_m2\": {}, \"now_m2\": {}}},\n", number(rest), number(now));
+  }
   j += fmt::format("  \"ledger\": {{\"linear_max\": {}, \"angular_max\": {}}},\n", number(ledger_linear_),
                    number(ledger_angular_));
   j += fmt::format(
@@ -210,7 +221,14 @@ void Run::write_summary(const std::string& status, const Error* error) {
     models += fmt::format("{}{{\"name\": {}, \"why\": {}, \"share\": {}}}", models.empty() ? "" : ", ", quoted(name),
                           quoted(why), number(it == stage_s_.end() || total == 0.0 ? 0.0 : it->second / total));
   };
-  if (!setup_.shells.empty()) model("kirchhoff_love_plane_stress", "the scene has a shell", "internal_force");
+  if (!setup_.shells.empty()) {
+    const Elasticity& e = setup_.shells[0].tables.elasticity;
+    const char* names[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection", "kirchhoff_love_jgt17",
+                           "kirchhoff_love_ghf18"};
+    model(names[static_cast<int>(e.model)], "the scene has a shell", "internal_force");
+  }
+  if (setup_.transfer.kind != Transfer::kDirect)
+    model("grid_transfer", "the scene sends velocities through a grid", "transfer");
   if (!setup_.shells.empty() && !setup_.bodies.empty())
     model("shell_contact", "bodies can meet the shell", "rigid_contact");
   if (setup_.tips) model("tip_cracks", "the shell's material has a strength", "crack_update");

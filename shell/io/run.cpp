@@ -5,6 +5,7 @@
 #include <set>
 
 #include "coupler/core/error.h"
+#include "shell/solver/compression.h"
 #include "shell/solver/damage_cracks.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/interlock.h"
@@ -60,14 +61,17 @@ void Run::start() {
     state_ = std::make_unique<ShellState>(make_state(m, setup_.shell_velocity, setup_.seed));
     state_->cut_done.assign(setup_.cuts.size(), 0);
     state_->brittleness = setup_.brittleness;
+    if (setup_.transfer.kind != Transfer::kDirect) state_->before = state_->v;
     for (const Proxy& p : proxies_)
       for (const ContactLaw& law : setup_.laws)
         if ((law.first_group == m.contact_group && law.second_group == p.body.contact_group) ||
             (law.second_group == m.contact_group && law.first_group == p.body.contact_group)) {
-          coefficients_.push_back({law.friction, law.restitution});
+          coefficients_.push_back({law.friction, law.restitution, setup_.hertz[coefficients_.size()]});
           break;
         }
     if (setup_.equilibrium > 0.0) find_equilibrium();
+    if (setup_.tips)  // what opens a face has first to relieve it
+      for (double& strength : state_->strength) strength += m.material.surface_compression;
     initial_step_ = smallest_step_ = stable_step(m, *state_, kFirstIterations, options_.threads, can_crack());
     require(std::isfinite(initial_step_),
             "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
@@ -79,6 +83,10 @@ void Run::start() {
           "slow it down, or lower time_step_safety",
           p.body.name, travel, m.name);
     }
+    const double allowed = (can_crack() ? kCrackedStep : 1.0) * initial_step_;
+    require(setup_.time_step <= allowed,
+            "time_step_s is {} s, above the stable step of shell '{}'{}; at most {:.3g} s would do", setup_.time_step,
+            m.name, can_crack() ? " with cracks" : "", allowed);
     require(setup_.window >= initial_step_,
             "window_s is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple", setup_.window,
             initial_step_);
@@ -107,6 +115,7 @@ void Run::find_equilibrium() {
       throw Error(Exit::kInterrupted, "interrupted", "interrupted while the equilibrium was looked for");
   };
   const RelaxationResult r = relax(setup_.shells[0], *state_, rules);
+  check_compression(setup_.shells[0], *state_);
   if (r.converged) return;
   throw Error(
       Exit::kPhysics, "equilibrium",
@@ -160,20 +169,41 @@ void Run::substep(double dt) {
     }
     contact(m, s, proxies_, coefficients_, candidates_, dt);
   }
+  if (setup_.transfer.kind != Transfer::kDirect) {
+    Stopwatch w(stage_s_["transfer"]);
+    through_grid(m, s, setup_.transfer, dt, options_.threads);
+  }
   {
     Stopwatch w(stage_s_["kick_drift"]);
-    constrain(m, s, dt);
+    if (setup_.transfer.kind == Transfer::kDirect) constrain(m, s, dt);
     drift(m, s, dt);
     for (Proxy& p : proxies_)
       if (!p.body.is_static) p.body.drift(dt);
   }
 }
 
+double Run::with_hertz(double step) {
+  const ShellModel& m = setup_.shells[0];
+  double shell_speed = 0.0;
+  for (std::size_t i = 0; i < setup_.bodies.size(); ++i) {
+    if (setup_.hertz[i] == 0.0) continue;
+    for (int k = 0; k < m.control_points(); ++k)
+      if (!state_->gone[m.tables.slot(k)])
+        shell_speed = std::max(shell_speed, state_->velocity(m.tables.slot(k)).norm());
+    const double speed = proxies_[i].body.motion.velocity.norm() + setup_.gravity.norm() * setup_.window + shell_speed;
+    hertz_speed_ = std::max(hertz_speed_, speed);  // contact stores it, and gives it back
+    step = hertz_step(m, proxies_[i].body, setup_.hertz[i], hertz_speed_, step);
+  }
+  return step;
+}
+
 void Run::shell_window() {
   const ShellModel& m = setup_.shells[0];
   ShellState& s = *state_;
-  const double step = can_crack() ? std::min(smallest_step_, kCrackedStep * initial_step_) : smallest_step_;
-  const int n = std::max(1, static_cast<int>(std::ceil(setup_.window / (setup_.safety * step))));
+  const double step = with_hertz(can_crack() ? std::min(smallest_step_, kCrackedStep * initial_step_) : smallest_step_);
+  // a crack may have taken more from the stable step than was allowed for
+  const double taken = setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
+  const int n = std::max(1, static_cast<int>(std::ceil(setup_.window / taken * (1.0 - 1e-12))));
   const double dt = dt_ = setup_.window / n;
   for (std::size_t i = 0; i < setup_.cuts.size(); ++i)
     if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * setup_.window) {
@@ -183,7 +213,7 @@ void Run::shell_window() {
     }
   for (int k = 0; k < n; ++k) {
     substep(dt);
-    ++substeps_;
+    if (++substeps_ % kCompressionInterval == 0) check_compression(m, s);
     if (setup_.tips) {
       Stopwatch w(stage_s_["crack_update"]);
       const int every = crack_interval(setup_.rules, dt);
@@ -208,7 +238,7 @@ void Run::shell_window() {
   Stopwatch w(stage_s_["internal_force"]);
   const double energy = total_energy(dt);
   const EnergyBook& b = s.book;
-  const double booked = b.fracture + b.healing + b.plastic + b.contact + b.damping + b.handoff + b.frozen +
+  const double booked = b.fracture + b.healing + b.plastic + b.contact + b.damping + b.transfer + b.handoff + b.frozen +
                         engine_loss_ - b.injected - b.external;
   // a strain of 1e-3 in one element: where all starts at rest
   const double least = 5e-7 * m.material.youngs_modulus * m.thickness * m.spacing * m.spacing;
@@ -334,7 +364,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
     for (const ContactLaw& law : setup_.laws)
       if (law.first_group == m.contact_group && law.second_group == m.contact_group)
         friction = law.friction, restitution = law.restitution;
-    coefficients_.push_back({friction, restitution});
+    coefficients_.push_back({friction, restitution, 0.0});
     candidates_.age = 0;
   }
   detached_area_ = 0.0;

@@ -43,6 +43,7 @@ class Run {
   void start();
   void find_equilibrium();
   void shell_window();
+  double with_hertz(double step);  // the stable step where contact stiffens what has `step` by itself
   void rigid_window();
   void fly(double window, std::size_t count);  // the first `count` bodies fall freely
   void look_around();                          // at the peer and the progress, by the clock
@@ -93,7 +94,8 @@ class Run {
   int fragments_ = 0, handed_off_ = 0, rubble_points_ = 0;
   double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;
   double initial_step_ = 0.0, smallest_step_ = 0.0;
-  double last_push_ = -1.0;                              // when a moving body of the scene last touched the shell [s]
+  double hertz_speed_ = 0.0;  // fastest that a sphere with Hertz contact and the shell have met [m/s]
+  double last_push_ = -1.0;   // when a moving body of the scene last touched the shell [s]
   std::deque<std::pair<double, double>> crack_lengths_;  // time [s], total length [m], over the quiet time
   double energy_scale_ = 0.0, reference_energy_ = 0.0, engine_loss_ = 0.0, residual_ = 0.0, support_work_ = 0.0;
   double kinetic_ = 0.0, elastic_ = 0.0;

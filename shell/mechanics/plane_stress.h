@@ -1,5 +1,7 @@
 #pragma once
 // Compressible neo-Hookean material in true plane stress, in curvilinear components.
+#include <limits>
+
 #include "shell/mechanics/pack.h"
 
 namespace sunder::shell {
@@ -19,21 +21,36 @@ inline T determinant(const Sym2<T>& a) {
 enum class StressModel {
   kPlaneStress,      // the thickness stretches so that nothing acts across it
   kPaperProjection,  // the thickness keeps, stress across it is dropped (paper, eq. 11-13): lambda + 2 mu in the plane
+  // For comparison only (paper, Fig. 9); both keep the thickness as well. The models of Jiang, Gast and Teran 2017 and
+  // of Guo et al. 2018, as far as the paper describes them.
+  kJgt17,  // fixed corotated energy of the deformation gradient in the plane
+  kGhf18,  // logarithmic strain in the plane, plane strain across it
 };
 
 /// Lame constants [Pa].
 struct Elasticity {
   double mu = 0.0, lambda = 0.0;
   StressModel model = StressModel::kPlaneStress;
+  double least_log_area = -std::numeric_limits<double>::infinity();  // see find_least_log_area
 };
+/// With lambda < 0 (Poisson's ratio below 0) g(s) has no root below some ln J0: the sheet would go on thinning by
+/// itself. Least ln J0 that has one; minus infinity where all have.
+inline double find_least_log_area(const Elasticity& e) {
+  if (e.lambda >= 0.0 || e.model != StressModel::kPlaneStress) return -std::numeric_limits<double>::infinity();
+  const double half = 0.5 * e.lambda;  // g is least at e^u = -half / mu
+  return (e.mu + half - half * std::log(-half / e.mu)) / e.lambda;
+}
+
 inline Elasticity elasticity(double youngs_modulus, double poisson_ratio) {
   return {youngs_modulus / (2.0 * (1.0 + poisson_ratio)),
           youngs_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio))};
 }
 
+inline bool keeps_thickness(StressModel model) { return model != StressModel::kPlaneStress; }
+
 /// Newton steps for the thickness stretch beyond the first (which is exact to second order in strain).
-/// Convex for lambda >= 0, so it converges from one side; the error squares every time.
-constexpr int kThicknessNewtonSteps = 3;
+/// Convex, so it converges from one side; the error squares every time, but near the least area of lambda < 0.
+constexpr int kThicknessNewtonSteps = 3, kAuxeticNewtonSteps = 12;
 
 template <class T>
 struct PlaneStress {
@@ -52,11 +69,10 @@ template <class P>
 requires kIsPack<P>
 inline bool all_below(P a, double limit) { return !any((a >= limit) | (a <= -limit) | (a != a)); }
 
-/// e^u - 1 for |u| < 0.04: the rest of the series below 1e-19.
+/// e^u - 1 for |u| < 0.04: the rest of the series below 1e-16 of it, and of the stress less still.
 template <class T>
 inline T small_expm1(T u) {
-  T s = splat<T>(1.0 / 362880.0);
-  s = s * u + 1.0 / 40320.0;
+  T s = splat<T>(1.0 / 40320.0);
   s = s * u + 1.0 / 5040.0;
   s = s * u + 1.0 / 720.0;
   s = s * u + 1.0 / 120.0;
@@ -64,6 +80,41 @@ inline T small_expm1(T u) {
   s = s * u + 1.0 / 6.0;
   s = s * u + 0.5;
   return u + u * u * s;
+}
+
+/// asinh(y) / y for y >= 0, with y^2 given: 1 where the stretches are equal.
+template <class T>
+inline T asinh_over(T y2) {
+  const T y = square_root(y2);
+  const T exact = logarithm<T>(y + square_root(y2 + 1.0)) / select(y > 0.0, y, splat<T>(1.0));
+  // the logarithm's argument loses what is near 1; the rest of the series below 1e-16 there
+  const T series = 1.0 - y2 * (1.0 / 6.0 - y2 * (3.0 / 40.0 - y2 * (15.0 / 336.0)));
+  return select(y2 > 1e-4, exact, series);
+}
+
+/// A law psi(I, J) of the plane alone, I = tr(Abar^-1 C) and J the area ratio: psi, its derivatives by I and J.
+template <class T>
+struct PlaneLaw {
+  T energy, by_trace, by_area;
+};
+/// kJgt17: psi = mu |F - R|^2 + lambda/2 (J - 1)^2, F 2x2, with the stretches' sum s1 + s2 = sqrt(I + 2 J).
+/// kGhf18: psi = mu |ln U|^2 + lambda/2 (ln J)^2, with ln(s1 / s2) = asinh(y), y^2 = (I / 2 J)^2 - 1.
+template <class T>
+inline PlaneLaw<T> plane_law(const T& trace, const T& area, const T& log_area, const Elasticity& e) {
+  if (e.model == StressModel::kJgt17) {
+    const T sum = square_root(trace + 2.0 * area);
+    return {e.mu * (trace - 2.0 * sum + 2.0) + (0.5 * e.lambda) * (area - 1.0) * (area - 1.0), e.mu * (1.0 - 1.0 / sum),
+            e.lambda * (area - 1.0) - (2.0 * e.mu) / sum};
+  }
+  const T over = trace / (2.0 * area);
+  const T x = select(over > 1.0, over - 1.0, splat<T>(0.0));
+  const T y2 = x * (x + 2.0), q = asinh_over<T>(y2);
+  return {(0.5 * e.mu) * (log_area * log_area + q * q * y2) + (0.5 * e.lambda) * log_area * log_area,
+          (0.5 * e.mu) * q / area, ((e.mu + e.lambda) * log_area - e.mu * q * (1.0 + x)) / area};
+}
+template <class T>
+inline T trace_of(const Sym2<T>& c, const Sym2<T>& a, const T& inverse_det_a) {
+  return (c.c11 * a.c22 + c.c22 * a.c11 - 2.0 * c.c12 * a.c12) * inverse_det_a;
 }
 
 /// psi = mu/2 (tr C - 3) - mu ln J + lambda/2 ln^2 J with the thickness stretch from sigma_33 = 0:
@@ -82,16 +133,23 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
   PlaneStress<T> r;
   r.area2 = dc * ia;
   T s;
-  if (e.model == StressModel::kPaperProjection) {
-    r.log_area = all_below(change, kSmallAreaChange) ? 0.5 * twice_atanh<11, T>((dc - da) * inverse * both)
+  if (keeps_thickness(e.model)) {
+    r.log_area = all_below(change, kSmallAreaChange) ? 0.5 * twice_atanh<9, T>((dc - da) * inverse * both)
                                                      : 0.5 * logarithm<T>(r.area2);
     r.stretch2 = splat<T>(1.0);
+    if (e.model != StressModel::kPaperProjection) {  // S = 2 psi_I Abar^-1 + psi_J J C^-1
+      const T area = square_root(r.area2);
+      const PlaneLaw<T> law = plane_law<T>(trace_of<T>(c, a, ia), area, r.log_area, e);
+      const T first = 2.0 * law.by_trace * ia, second = law.by_area * area * (inverse * da * sum);
+      r.s = {first * a.c22 + second * c.c22, first * a.c11 + second * c.c11, -first * a.c12 - second * c.c12};
+      return r;
+    }
     const T push = (e.mu - e.lambda * r.log_area) * (inverse * da * sum);  // S = mu Abar^-1 - (mu - lambda ln J) C^-1
     r.s = {e.mu * (a.c22 * ia) - push * c.c22, e.mu * (a.c11 * ia) - push * c.c11, push * c.c12 - e.mu * (a.c12 * ia)};
     return r;
   }
   if (all_below(change, kSmallAreaChange)) {
-    r.log_area = 0.5 * twice_atanh<11, T>((dc - da) * inverse * both);  // the rest of the series below 1e-20
+    r.log_area = 0.5 * twice_atanh<9, T>((dc - da) * inverse * both);  // the rest of the series below 1e-17 of it
     // the root's series to third order, then Newton once
     const double beta = e.mu / (2.0 * e.mu + e.lambda), gamma = 2.0 * beta * beta - beta / 3.0;
     const T first = -kappa * r.log_area;
@@ -104,10 +162,12 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
     s = 1.0 + small_expm1<T>(u);
   } else {
     r.log_area = 0.5 * logarithm<T>(r.area2);
+    // where there is no root, as if compressed no further: solver/compression.h stops the run
+    if (e.lambda < 0.0) r.log_area = select(r.log_area > e.least_log_area, r.log_area, splat<T>(e.least_log_area));
     const T u = -kappa * r.log_area;                                       // ln s to first order
     s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
     s = select(s > 0.05, s, splat<T>(0.05));
-    for (int i = 0; i < kThicknessNewtonSteps; ++i) {
+    for (int i = 0; i < (e.lambda < 0.0 ? kAuxeticNewtonSteps : kThicknessNewtonSteps); ++i) {
       const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * r.log_area;
       const T step = g / (e.mu + 0.5 * e.lambda / s);
       const T next = s - step;
@@ -123,8 +183,9 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
 /// Energy per reference volume [J/m^3] of the same state.
 template <class T>
 inline T plane_stress_energy(const PlaneStress<T>& p, const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
-  const T ia = 1.0 / determinant(a);
-  const T trace = (c.c11 * a.c22 + c.c22 * a.c11 - 2.0 * c.c12 * a.c12) * ia;  // tr(Abar^-1 C)
+  const T trace = trace_of<T>(c, a, 1.0 / determinant(a));  // tr(Abar^-1 C)
+  if (e.model == StressModel::kJgt17 || e.model == StressModel::kGhf18)
+    return plane_law<T>(trace, square_root(p.area2), p.log_area, e).energy;
   const T log_j = p.log_area + 0.5 * logarithm<T>(p.stretch2);
   return 0.5 * e.mu * (trace + p.stretch2 - 3.0) - e.mu * log_j + 0.5 * e.lambda * log_j * log_j;
 }

@@ -15,6 +15,29 @@ Layers gauss_layers(int count, double thickness) {
   return layers;
 }
 
+Layers linear_bending(double thickness) {
+  Layers layers;
+  layers.zeta = {0.0}, layers.weight = {thickness};
+  layers.bending = thickness * thickness * thickness / 12.0;
+  return layers;
+}
+
+void prestress(Layers& layers, double thickness, double surface_compression, const Elasticity& elasticity) {
+  const double nu = 0.5 * elasticity.lambda / (elasticity.lambda + elasticity.mu);
+  const double biaxial = 2.0 * elasticity.mu * (1.0 + nu) / (1.0 - nu);  // E / (1 - nu)
+  const Sym2<double> unit{1.0, 1.0, 0.0};
+  layers.growth.clear();
+  for (const double z : layers.zeta) {
+    const double wanted = surface_compression * (0.5 - 6.0 * z * z / (thickness * thickness));
+    double growth = 1.0;
+    for (int i = 0; i < 20; ++i) {  // the law is nearly linear: Newton with Hooke's slope
+      const Sym2<double> grown{growth, growth, 0.0};
+      growth += 2.0 * (plane_stress<double>(unit, grown, elasticity).s.c11 - wanted) / biaxial;
+    }
+    layers.growth.push_back(growth);
+  }
+}
+
 namespace {
 
 int round_up(int n, int to) { return (n + to - 1) / to * to; }

@@ -10,8 +10,19 @@ namespace sunder::shell {
 /// Through-thickness rule: zeta [m] from -thickness/2 to thickness/2, weights sum to the thickness.
 struct Layers {
   std::vector<double> zeta, weight;
+  // Factor of each layer's reference metric, which makes stress at rest; empty: none.
+  std::vector<double> growth;
+  // thickness^3 / 12 where bending is linear and elastic [m^3]: one layer then bears the membrane's part; 0: layers
+  // bear bending.
+  double bending = 0.0;
 };
 Layers gauss_layers(int count, double thickness);
+/// One layer in the middle, bending by Hooke's law.
+Layers linear_bending(double thickness);
+/// Stress at rest as in tempered glass: a parabola of zeta, `surface_compression` [Pa] at both faces and half as much
+/// tension in the middle, the same in all directions of the plane and without resultant. `layers` must be three at
+/// least: two of Gauss lie where the parabola is zero.
+void prestress(Layers& layers, double thickness, double surface_compression, const Elasticity& elasticity);
 
 /// Fields of the reference state of a Gauss point, in this order.
 enum MetricField { kA11, kA22, kA12, kB11, kB22, kB12, kArea, kMetricFields };

@@ -59,6 +59,37 @@ inline Sym2<T> at_height(const Sym2<T>& a, const Sym2<T>& b, double z) {
   return {a.c11 - 2.0 * z * b.c11, a.c22 - 2.0 * z * b.c22, a.c12 - 2.0 * z * b.c12};
 }
 
+/// Reference metric of a layer.
+template <class T>
+inline Sym2<T> reference_at(const ReferenceMetric<T>& ref, const Layers& layers, std::size_t layer) {
+  Sym2<T> a = at_height(ref.a, ref.b, layers.zeta[layer]);
+  if (!layers.growth.empty()) {
+    const double g = layers.growth[layer];
+    a = {g * a.c11, g * a.c22, g * a.c12};
+  }
+  return a;
+}
+
+/// Moment and energy of linear bending: m = -t^3/12 H : (b - bbar), H^abcd = lambda' A^ab A^cd + mu (A^ac A^bd +
+/// A^ad A^bc) with the reference metric's inverse A and lambda' = 2 lambda mu / (lambda + 2 mu) where the thickness
+/// gives way.
+template <class T, bool kEnergy>
+inline void add_linear_bending(Resultants<T>& r, const Forms<T>& f, const ReferenceMetric<T>& ref, double bending,
+                               const Elasticity& e) {
+  const T inverse = 1.0 / determinant(ref.a);
+  const T a11 = ref.a.c22 * inverse, a22 = ref.a.c11 * inverse, a12 = -ref.a.c12 * inverse;
+  const T k11 = f.b.c11 - ref.b.c11, k22 = f.b.c22 - ref.b.c22, k12 = f.b.c12 - ref.b.c12;
+  const T p11 = a11 * k11 + a12 * k12, p12 = a11 * k12 + a12 * k22, p21 = a12 * k11 + a22 * k12,
+          p22 = a12 * k12 + a22 * k22;
+  const double lambda = keeps_thickness(e.model) ? e.lambda : 2.0 * e.lambda * e.mu / (e.lambda + 2.0 * e.mu);
+  const T mean = (bending * lambda) * (p11 + p22);
+  const double twice = 2.0 * bending * e.mu;
+  const T m11 = mean * a11 + twice * (p11 * a11 + p12 * a12), m22 = mean * a22 + twice * (p21 * a12 + p22 * a22),
+          m12 = mean * a12 + twice * (p11 * a12 + p12 * a22);
+  r.m = {r.m.c11 - m11, r.m.c22 - m22, r.m.c12 - m12};
+  if constexpr (kEnergy) r.energy += 0.5 * (m11 * k11 + m22 * k22 + 2.0 * m12 * k12);
+}
+
 /// C(zeta) = a - 2 zeta b against Abar(zeta) = abar - 2 zeta bbar, integrated over the layers.
 /// `soften(layer, stress, metric)` may weaken a layer's stress; its energy stays that of the full one.
 struct Intact {
@@ -72,13 +103,14 @@ inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
     const Sym2<T> c = at_height(f.a, f.b, z);
-    const Sym2<T> a = at_height(ref.a, ref.b, z);
+    const Sym2<T> a = reference_at(ref, layers, l);
     PlaneStress<T> p = plane_stress<T>(c, a, e);
     soften(l, p, c);
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
     r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
     if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, a, e);
   }
+  if (layers.bending > 0.0) add_linear_bending<T, kEnergy>(r, f, ref, layers.bending, e);
   return r;
 }
 
@@ -92,7 +124,7 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
     const Sym2<T> c = at_height(f.a, f.b, z);
-    const Sym2<T> a = at_height(ref.a, ref.b, z);
+    const Sym2<T> a = reference_at(ref, layers, l);
     PlasticState<T> s = plastic[l];
     const auto with = [&](const Sym2<T>& change) {
       return Sym2<T>{a.c11 + change.c11, a.c22 + change.c22, a.c12 + change.c12};

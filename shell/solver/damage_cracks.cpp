@@ -242,6 +242,8 @@ void watch_stress(const ShellModel& m, ShellState& s) {
         const double half = 0.5 * (f[0] - f[t.lanes]);
         high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::hypot(half, f[2 * t.lanes]));
       }
+      // stress at rest is not in the resultants: its tension in the middle adds
+      high += 0.5 * m.material.surface_compression;
       if (high > kWatched * s.strength[g]) gather_point(m, s, q, e);
     }
 }

@@ -19,7 +19,10 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0};
   Elasticity e = elasticity(material.youngs_modulus, material.poisson_ratio);
   e.model = material.stress_model;
-  m.tables = make_row_tables(m.patch, gauss, gauss_layers(layers, thickness), e, "shell '" + name + "'");
+  e.least_log_area = find_least_log_area(e);
+  Layers rule = material.linear_bending ? linear_bending(thickness) : gauss_layers(layers, thickness);
+  if (material.surface_compression > 0.0) prestress(rule, thickness, material.surface_compression, e);
+  m.tables = make_row_tables(m.patch, gauss, rule, e, "shell '" + name + "'");
   const RowTables& t = m.tables;
   m.mass.assign(t.plane, 0.0);
   // m_I = integral of rho tau N_I: the row sum of the consistent mass, positive for B-splines

@@ -19,8 +19,10 @@ struct ShellMaterial {
   double mass_damping = 0.0;                                        // [1/s]
   double stiffness_damping = 0.0;                                   // [s]
   StressModel stress_model = StressModel::kPlaneStress;
-  double yield_stress = 0.0;       // [Pa]; 0: does not yield
-  double hardening_modulus = 0.0;  // [Pa]
+  double yield_stress = 0.0;         // [Pa]; 0: does not yield
+  double hardening_modulus = 0.0;    // [Pa]
+  bool linear_bending = false;       // by Hooke's law, without layers
+  double surface_compression = 0.0;  // of the stress at rest [Pa] (`prestress`)
 };
 
 struct ShellModel {

@@ -5,6 +5,7 @@
 
 #include "shell/fracture/crack_graph.h"
 #include "shell/fracture/mls.h"
+#include "shell/grid/transfer.h"
 #include "shell/mechanics/point_force.h"
 #include "shell/solver/model.h"
 
@@ -44,6 +45,7 @@ struct EnergyBook {
   double healing = 0.0;   // of damaged points that healed: lost, or made where negative
   double plastic = 0.0;   // dissipated by yielding
   double damping = 0.0;   // Rayleigh
+  double transfer = 0.0;  // lost on the way through the background grid, made where negative
   double frozen = 0.0;    // of what is held when the shell is frozen
 };
 
@@ -71,6 +73,11 @@ struct ShellState {
   std::vector<char> cut_done;     // prescribed cuts that have been made
   double last_crack_time = -1.0;  // [s]
   EnergyBook book;
+  // For velocities that go through the background grid; empty where they do not.
+  std::vector<double> before;  // [3][plane], velocities before kick and contact
+  std::vector<double> moving;  // [3][plane], what positions move with
+  std::vector<double> affine;  // [9][plane], of APIC [1/s]
+  TransferBuffers transfer_buffers;
   RowScratch row_scratch;
   std::vector<double> point_scratch;
   double interlock_energy = 0.0;

@@ -5,9 +5,10 @@
 
 namespace sunder::shell {
 
-/// Friction and restitution between the shell and each proxy, by index.
+/// How the shell and each proxy, by index, push one another.
 struct ContactCoefficients {
   double friction = 0.5, restitution = 0.0;
+  double hertz = 0.0;  // stiffness of a sphere by Hertz's law, F = k d^3/2, without friction [N/m^1.5]; 0: impulses
 };
 
 /// Which surface samples may meet which body within the next substeps; refreshed every so often.
@@ -28,12 +29,32 @@ void refresh_candidates(const ShellModel& model, const ShellState& state, const 
 /// kick of `dt`; returns the number of samples in contact. Their work is booked so that it closes with
 /// kinetic_energy: an impulse that acts half a step after the positions works on the velocity at the
 /// positions' time, v - dt f / 2m.
+/// A sphere with a Hertz stiffness is pushed at its nearest point of the shell by k d^3/2 instead, d the approach of
+/// its surface and the shell's face. While they touch, what this stores counts as contact energy too.
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt);
+
+/// The step [s] of a shell of stable step `step` that meets a sphere at up to `speed` [m/s]: Hertz contact stiffens it,
+/// and is followed in some thirty substeps, which keeps its energy to about 1e-3.
+double hertz_step(const ShellModel& model, const RigidBody& sphere, double stiffness, double speed, double step);
+/// Deepest approach [m] at that speed, if the shell did not give way.
+double hertz_approach(double mass, double stiffness, double speed);
+
+/// How velocities move on from substep to substep.
+struct TransferRules {
+  Transfer kind = Transfer::kDirect;
+  double spacing = 0.0;  // of the grid [m]
+  // Forces on what supports hold go to the grid too and reach what moves beside it, as where supports are known to no
+  // grid node; else supports bear them.
+  bool leaky = false;
+};
 
 /// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is
 /// beta (f - last f) / dt = -beta K v. The work of damping is booked.
 void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt);
+/// Velocities through the background grid: between contact and `constrain`, where `kick` was told to keep those before
+/// it. What that loses of the energy is booked.
+void through_grid(const ShellModel& model, ShellState& state, const TransferRules& rules, double dt, int threads);
 /// Velocities of what supports hold, tie together or drive, after kick and contact of a substep of `dt` that begins
 /// at state.time.
 void constrain(const ShellModel& model, ShellState& state, double dt);

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include "coupler/core/error.h"
+#include "shell/mechanics/section.h"
+#include "shell/solver/compression.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/state.h"
 #include "tests/shell/fixtures.h"
@@ -10,14 +13,108 @@
 using namespace sunder;
 using namespace sunder::shell;
 
-TEST(InternalForce, OfThePapersProjectionIsMinusTheGradientOfItsEnergy) {
-  ShellMaterial g = glass();
-  g.stress_model = StressModel::kPaperProjection;
-  const ShellModel m = make_shell("p", rational_patch(), 0.05, g, 3, 3, {});
-  for (const double size : {1e-3, 0.03}) {  // both branches of the logarithm
+TEST(InternalForce, OfEveryStressModelIsMinusTheGradientOfItsEnergy) {
+  for (const StressModel model : {StressModel::kPaperProjection, StressModel::kJgt17, StressModel::kGhf18}) {
+    ShellMaterial g = glass();
+    g.stress_model = model;
+    const ShellModel m = make_shell("p", rational_patch(), 0.05, g, 3, 3, {});
+    for (const double size : {1e-3, 0.03}) {  // both branches of the logarithm
+      ShellState s = make_state(m, Vec3::Zero(), 0);
+      disturb(s, m, size);
+      expect_gradient(m, s);
+    }
+  }
+}
+
+TEST(InternalForce, OfLinearBendingAndOfStressAtRestIsMinusTheGradientOfItsEnergy) {
+  ShellMaterial linear = glass(), tempered = glass();
+  linear.linear_bending = true, tempered.surface_compression = 1e8;
+  for (const ShellMaterial& g : {linear, tempered}) {
+    const ShellModel m = make_shell("p", rational_patch(), 0.02, g, 5, 3, {});
     ShellState s = make_state(m, Vec3::Zero(), 0);
-    disturb(s, m, size);
+    insert_polyline(m, s, {{0.0, 0.4}, {0.5, 0.5}}, 0.0);
+    disturb(s, m, 1e-3);
     expect_gradient(m, s);
+  }
+}
+
+// Linear bending is what many layers come to where a plate bends a little.
+TEST(InternalForce, OfLinearBendingIsThatOfLayers) {
+  ShellMaterial g = glass();
+  const Patch patch = plate(0.5, 0.4, 7, 5, Vec3::Zero(), Quat::Identity());
+  const ShellModel layered = make_shell("p", patch, 0.01, g, 4, 3, {});
+  g.linear_bending = true;
+  const ShellModel linear = make_shell("p", patch, 0.01, g, 4, 3, {});
+  std::vector<double> forces[2];
+  double energy[2];
+  for (const ShellModel* m : {&layered, &linear}) {
+    ShellState s = make_state(*m, Vec3::Zero(), 0);
+    for (int i = 0; i < m->control_points(); ++i)
+      s.x[2 * static_cast<std::size_t>(m->tables.plane) + m->tables.slot(i)] =
+          3e-5 * std::sin(9.0 * m->parameter[i].x()) * std::cos(7.0 * m->parameter[i].y());
+    energy[m == &linear] = compute_forces(*m, s, true, 0.0, 1);
+    forces[m == &linear] = s.force;
+  }
+  EXPECT_NEAR(energy[0] / energy[1], 1.0, 1e-4);  // stretching takes (w'^2 / t w'')^2 = 1e-5
+  double scale = 0.0;
+  for (const double f : forces[0]) scale = std::max(scale, std::abs(f));
+  for (std::size_t i = 2 * forces[0].size() / 3; i < forces[0].size(); ++i)  // across the plate
+    EXPECT_NEAR(forces[0][i], forces[1][i], 1e-4 * scale);
+}
+
+TEST(StressAtRest, IsAParabolaWithoutResultant) {
+  const Elasticity e = elasticity(70e9, 0.22);
+  for (const int count : {3, 5, 8}) {
+    Layers layers = gauss_layers(count, 0.004);
+    prestress(layers, 0.004, 1e8, e);
+    const Forms<double> flat{{0, 0, 1}, {1, 1, 0}, {0, 0, 0}, 1.0};
+    const auto r = integrate_layers<double, false>(flat, {{1, 1, 0}, {0, 0, 0}}, layers, e);
+    EXPECT_NEAR(r.n.c11, 0.0, 1e-10 * 1e8 * 0.004);
+    EXPECT_NEAR(r.m.c22, 0.0, 1e-10 * 1e8 * 0.004 * 0.004);
+    const Sym2<double> unit{1, 1, 0};
+    for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
+      const double g = layers.growth[l], z = layers.zeta[l] / 0.002;
+      EXPECT_NEAR(plane_stress<double>(unit, {g, g, 0}, e).s.c11, 0.5e8 * (1.0 - 3.0 * z * z), 1.0);  // 1 Pa of 1e8
+    }
+  }
+}
+
+// With Poisson's ratio -0.5 there is no plane stress below 0.446 of the area: mu (s - 1) + lambda/2 ln s = -lambda ln
+// J.
+TEST(PlaneStress, OfAuxeticsHasAnAnswerDownToTheLeastArea) {
+  Elasticity e = elasticity(1e9, -0.5);
+  const double least = e.least_log_area = find_least_log_area(e);
+  EXPECT_NEAR(std::exp(least), 0.4463, 1e-4);
+  for (const double log_area : {0.9 * least, 0.5 * least, -0.01, 0.3, 1.0}) {
+    const double root = std::exp(log_area);
+    const PlaneStress<double> p = plane_stress<double>({root, root, 0}, {1, 1, 0}, e);
+    EXPECT_NEAR(e.mu * (p.stretch2 - 1.0) + 0.5 * e.lambda * std::log(p.stretch2) + e.lambda * log_area, 0.0,
+                1e-9 * e.mu)
+        << log_area;
+  }
+  EXPECT_TRUE(std::isinf(find_least_log_area(elasticity(1e9, 0.3))));
+}
+
+TEST(Compression, PastWhatANegativePoissonRatioPermitsIsRefusedWithTheNumber) {
+  ShellMaterial g = glass();
+  g.poisson_ratio = -0.5;
+  const ShellModel m = make_shell("p", plate(0.5, 0.4, 6, 5, Vec3::Zero(), Quat::Identity()), 0.004, g, 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const auto squeeze = [&](double share) {
+    for (int i = 0; i < m.control_points(); ++i) s.x[m.tables.slot(i)] = share * m.patch.control_points[i].x();
+  };
+  squeeze(0.5);
+  check_compression(m, s);
+  squeeze(0.44);
+  compute_forces(m, s, false, 0.0, 1);
+  for (const double f : s.force) EXPECT_TRUE(std::isfinite(f));
+  try {
+    check_compression(m, s);
+    FAIL() << "not refused";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.status, Exit::kPhysics);
+    EXPECT_NE(std::string(e.what()).find("0.44 of its area"), std::string::npos) << e.what();
+    EXPECT_NE(std::string(e.what()).find("0.446"), std::string::npos) << e.what();
   }
 }
 

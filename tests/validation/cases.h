@@ -37,5 +37,6 @@ double seconds_now();
 
 std::vector<Case> static_cases();
 std::vector<Case> dynamic_cases();
+std::vector<Case> transfer_cases();
 
 }  // namespace sunder::validation

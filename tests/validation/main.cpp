@@ -73,7 +73,7 @@ int main(int argc, char** argv) {
   std::string only, json;
   int threads = 1;
   std::vector<Case> cases = static_cases();
-  for (const Case& c : dynamic_cases()) cases.push_back(c);
+  for (const auto& more : {dynamic_cases(), transfer_cases()}) cases.insert(cases.end(), more.begin(), more.end());
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (i + 1 < argc && option == "--case")
