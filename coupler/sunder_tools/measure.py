@@ -2,13 +2,16 @@
 from __future__ import annotations
 
 import json
+import math
 import os
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 
 from .build import build_dir, ensure_built
-from .errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
+from .errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError, how_it_ended
+from .experiments import EXPERIMENTS, Table, run_experiments
 
 VALIDATIONS = ("shells",)
 
@@ -32,24 +35,48 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     """Runs the validation cases of `what`; exit status 1 where a case fails."""
     if what not in VALIDATIONS:
         raise CommandError(f"nothing called '{what}' to validate; there is {', '.join(VALIDATIONS)}", BAD_INPUT)
-    with tempfile.TemporaryDirectory() as folder:
-        numbers = Path(folder) / "validation.json"
-        command = [str(_program("sunder-validate")), "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
-        status = _run(command + (["--case", case] if case else []))
-        if not numbers.is_file():
-            return status
-        found = json.loads(numbers.read_text())
-        curves = found.pop("curves", [])
-        if report is not None:
-            _write(report, json.dumps(found, indent=1) + "\n")
-        if plots is not None and curves:
-            from .plots import Curve, write_plots
-            try:
-                write_plots([Curve(**curve) for curve in curves], plots)
-            except (OSError, ValueError) as error:  # PIL: an unknown file extension is a ValueError
-                raise CommandError(f"cannot write {plots}: {error}", BAD_INPUT) from None
-            print(f"plots            {plots}")
+    if report is not None:
+        _can_write(report)
+    runs = EXPERIMENTS.get(what, ())
+    chosen = tuple(e for e in runs if case in (None, e.name))
+    found: dict[str, list] = {"cases": [], "curves": []}
+    status = DONE
+    if case is None or not chosen:
+        with tempfile.TemporaryDirectory() as folder:
+            numbers = Path(folder) / "validation.json"
+            command = [str(_program("sunder-validate")), "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
+            status = _run(command + (["--case", case] if case else []))
+            if not numbers.is_file():
+                if status == BAD_INPUT and case:
+                    print(f"and, by whole runs: {' '.join(e.name for e in runs)}", file=sys.stderr)
+                return status
+            found.update(json.loads(numbers.read_text()))
+    table = Table(headed=bool(found["cases"]))
+    run_experiments(chosen, table)
+    found["cases"] += table.rows
+    found["curves"] += table.curves
+    if not all(row["pass"] for row in table.rows):
+        status = CHECK_FAILED
+    curves = found.pop("curves")
+    if report is not None:
+        _write(report, json.dumps(_without_nan(found), indent=1) + "\n")
+    if plots is not None and curves:
+        from .plots import Curve, write_plots
+        try:
+            write_plots([Curve(**curve) for curve in curves], plots)
+        except (OSError, ValueError) as error:  # PIL: an unknown file extension is a ValueError
+            raise CommandError(f"cannot write {plots}: {error}", BAD_INPUT) from None
+        print(f"plots            {plots}")
     return status
+
+
+def _without_nan(value: object) -> object:
+    """JSON knows no NaN: null, as the programs write it."""
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def bench(pattern: str | None, report: Path | None) -> int:

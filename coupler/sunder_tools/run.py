@@ -59,6 +59,20 @@ def run_scene(scene: Path, out: Path | None, engine: str, settings: list[str], u
         folder.close()
 
 
+def launch_once(executables: Executables, scene: Path, folder: Path, settings: list[str]) -> dict[str, object]:
+    """Runs a scene into an existing, empty folder without pictures; returns run.json. Raises CommandError."""
+    set_arguments = [part for setting in settings for part in ("--set", setting)]
+    shell = [str(executables.shell), "--scene", str(scene), "--out", str(folder), "--quiet", *set_arguments]
+    with _counted_interrupts() as interrupts:
+        ending = _launch(shell, _engine_command("bullet", executables), folder, interrupts)
+    if ending.interrupted:
+        raise Interrupted
+    status, message = _verdict(ending, folder)
+    if status != DONE:
+        raise CommandError(f"{scene.name}: {message or tail(folder / 'shell.log', 3)}", status)
+    return report.read_run(folder)
+
+
 def _engine_command(engine: str, executables: Executables) -> list[str]:
     """The rigid process's command up to --engine; a path (with a '/') is a program of the user's."""
     if "/" not in engine:

@@ -242,7 +242,7 @@ void Run::shell_window() {
                         engine_loss_ - b.injected - b.external;
   // a strain of 1e-3 in one element: where all starts at rest
   const double least = 5e-7 * m.material.youngs_modulus * m.thickness * m.spacing * m.spacing;
-  const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + least);
+  const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + std::abs(b.external) + least);
   if (!(std::abs(energy - reference_energy_) <= most)) unstable(energy - reference_energy_);
   close_books(energy + booked);
   for (; edges_seen_ < s.cracks.edges().size(); ++edges_seen_)

@@ -12,7 +12,7 @@ from unittest import mock
 
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
 from .fakes import write_executables
-from sunder_tools import build, command
+from sunder_tools import build, command, errors, experiments
 
 NUMBERS = {"cases": [{"name": "a", "computed": 1.0, "reference": 1.0, "error": 0.0, "tolerance": 0.1, "pass": True,
                       "seconds": 0.0}],
@@ -28,7 +28,8 @@ class Measuring(unittest.TestCase):
         write_executables(self.folder / "build")
         self.said = io.StringIO()
         environment = mock.patch.dict(os.environ, {build.BUILD_DIR_VARIABLE: str(self.folder / "build")})
-        for context in (environment, contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO())):
+        none = mock.patch.dict(experiments.EXPERIMENTS, {"shells": ()})  # whole runs have tests of their own
+        for context in (environment, none, contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO())):
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 
@@ -67,6 +68,35 @@ class Measuring(unittest.TestCase):
         self.program("sunder-bench", "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)")
         self.assertEqual(command.main(["bench"]), 3)
         self.assertIn("sunder-bench", self.said.getvalue())
+
+
+    def test_whole_runs_add_their_rows_and_a_broken_one_fails(self) -> None:
+        def good(table: experiments.Table) -> None:
+            table.add("bounce_1", 1.01, 1.0, 0.03, 0.5)
+            table.curves.append(NUMBERS["curves"][0])
+
+        def broken(table: experiments.Table) -> None:
+            del table
+            raise errors.CommandError("the ball is gone")
+
+        runs = {"shells": (experiments.Experiment("bounce", "a ball", good),
+                           experiments.Experiment("gone", "none", broken))}
+        table, plots = self.folder / "table.json", self.folder / "plots.png"
+        with mock.patch.dict(experiments.EXPERIMENTS, runs):
+            self.assertEqual(command.main(["validate", "shells", "--case", "bounce", "--json", str(table), "--plots",
+                                           str(plots)]), 0)  # the other program is not even needed
+            self.assertEqual([row["name"] for row in json.loads(table.read_text())["cases"]], ["bounce_1"])
+            self.assertTrue(plots.is_file())
+            self.validator(0)
+            self.assertEqual(command.main(["validate", "shells", "--json", str(table)]), 1)
+            rows = json.loads(table.read_text())["cases"]
+            self.assertEqual([(row["name"], row["pass"]) for row in rows],
+                             [("a", True), ("bounce_1", True), ("gone", False)])
+            self.assertIsNone(rows[2]["computed"])
+
+    def test_zeners_equation_has_the_published_answers(self) -> None:
+        for inelasticity, known in ((0.1, 0.8433), (0.5, 0.4369), (1.0, 0.1841)):
+            self.assertAlmostEqual(experiments.zener(inelasticity, 1e-3), known, delta=5e-5)
 
 
 if __name__ == "__main__":
