@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 
@@ -113,6 +114,17 @@ void LoadedScene::fail(const std::string& field, const std::string& problem) con
                           : fmt::format("{}: {}: {}", path, field, source));
   e.file = path, e.field = field, e.line = place.line + 1, e.column = place.column + 1;
   throw e;
+}
+
+std::string LoadedScene::file_beside(const std::string& field, const std::string& name) const {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::weakly_canonical(fs::absolute(path)).parent_path();
+  const fs::path file = fs::weakly_canonical(folder / name);
+  const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
+  check(end == folder.end(), field, "'{}' lies outside the scene's folder; put the file beside the scene", name);
+  check(fs::is_regular_file(file) && std::ifstream(file).good(), field, "'{}' cannot be read; is the name right?",
+        name);
+  return file;
 }
 
 LoadedScene load(const std::string& path, const std::vector<std::string>& settings) {

@@ -30,6 +30,8 @@ class LoadedScene {
   void check(bool good, const std::string& field, fmt::format_string<Args...> format, Args&&... args) const {
     if (!good) fail(field, fmt::format(format, std::forward<Args>(args)...));
   }
+  /// The file that a field names, in or below the scene's folder. Throws Error where it is elsewhere or cannot be read.
+  std::string file_beside(const std::string& field, const std::string& name) const;
 
  private:
   friend LoadedScene load(const std::string&, const std::vector<std::string>&);

@@ -47,14 +47,8 @@ Hull hull_of(const LoadedScene& scene, const std::string& field, const std::stri
 }  // namespace
 
 Hull read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh) {
-  namespace fs = std::filesystem;
-  const fs::path folder = fs::weakly_canonical(fs::absolute(scene.path)).parent_path();
-  const fs::path file = fs::weakly_canonical(folder / mesh.path());
-  const auto [end, unused] = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end());
-  scene.check(end == folder.end(), field + ".path",
-              "'{}' lies outside the scene's folder; put the mesh beside the scene", mesh.path());
+  const std::filesystem::path file = scene.file_beside(field + ".path", mesh.path());
   std::ifstream in(file);
-  scene.check(in.good(), field + ".path", "'{}' cannot be read", mesh.path());
   const double scale = mesh.has_scale() ? mesh.scale() : 1.0;
   scene.check(std::isfinite(scale) && scale > 0.0, field + ".scale", "is {}; must be positive", scale);
   std::vector<Vec3> points;

@@ -69,6 +69,18 @@ void sector(const Scene& s, const std::string& f, const Sector& c) {
   pose(s, f + ".pose", c.pose());
 }
 
+void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
+  s.check(!c.path().empty(), f + ".path", "is missing; name a STEP or IGES file beside the scene");
+  s.check(c.face() >= 0, f + ".face", "is {}; faces are counted from 0", c.face());
+  if (c.has_scale()) positive(s, f + ".scale", true, c.scale(), "-");
+  const int u = c.has_elements_u() ? c.elements_u() : 1, v = c.has_elements_v() ? c.elements_v() : 1;
+  for (const auto& [name, n] : {std::pair{"elements_u", u}, std::pair{"elements_v", v}})
+    s.check(n >= 1 && n <= kMaxElements, f + "." + name, "is {}; 1 to {} elements along a side", n, kMaxElements);
+  s.check(double(u) * v <= kMaxControlPoints, f, "has {} elements; at most {} in all", double(u) * v,
+          kMaxControlPoints);
+  pose(s, f + ".pose", c.pose());
+}
+
 void known_edge(const Scene& s, const std::string& f, int edge) {
   s.check(edge >= proto::Support::ALL && edge <= proto::Support::V_MAX, f,
           "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
@@ -148,7 +160,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
             "needs layers: 3 or more, which see the parabola of stress");
   }
   s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f,
-          "has no patch; give plate, cylinder, sphere, cone or nurbs {{...}}");
+          "has no patch; give plate, cylinder, sphere, cone, nurbs or cad {{...}}");
   if (shell.has_plate()) {
     const auto& p = shell.plate();
     positive(s, f + ".plate.size_x_m", p.has_size_x_m(), p.size_x_m(), "m");
@@ -180,6 +192,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
     positive(s, f + ".cone.height_m", c.has_height_m(), c.height_m(), "m");
     sector(s, f + ".cone", c);
   }
+  if (shell.has_cad()) cad_face(s, f + ".cad", shell.cad());
   for (int i = 0; i < shell.supports_size(); ++i) support(s, fmt::format("{}.supports[{}]", f, i), shell.supports(i));
   for (int i = 0; i < shell.loads_size(); ++i) load(s, fmt::format("{}.loads[{}]", f, i), shell.loads(i));
   if (shell.equilibrium().has_tolerance())

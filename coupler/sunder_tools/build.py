@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Iterator
 
 from .errors import CommandError
-from .install import ensure_installed
+from .install import CAD_PACKAGES, PACKAGES, ensure_installed
 from .logged import run_logged, tail
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -33,8 +33,11 @@ def build_dir() -> Path:
     return Path(os.environ.get(BUILD_DIR_VARIABLE) or REPOSITORY / "build" / "release")
 
 
-def ensure_built(all_targets: bool = False) -> Executables:
-    """Installs packages and builds as far as needed; quick when nothing is. Raises CommandError."""
+def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
+    """Installs packages and builds as far as needed; quick when nothing is. Raises CommandError.
+
+    `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on.
+    """
     folder = build_dir()
     found = Executables(folder / "shell" / "sunder-shell", folder / "rigid" / "sunder-rigid")
     if os.environ.get(BUILD_DIR_VARIABLE):
@@ -46,8 +49,8 @@ def ensure_built(all_targets: bool = False) -> Executables:
     try:
         folder.parent.mkdir(exist_ok=True)
         with _only_builder(folder.parent / "lock"):
-            ensure_installed(folder.parent / "install.log")
-            _build(folder, folder.parent / "build.log", all_targets)
+            ensure_installed(folder.parent / "install.log", PACKAGES + (CAD_PACKAGES if cad else ()))
+            _build(folder, folder.parent / "build.log", all_targets, cad)
     except OSError as error:
         raise CommandError(f"cannot build in {folder.parent}: {error.strerror or error}: {error.filename}; "
                            "mend that, or use a checkout that you may write to") from None
@@ -80,6 +83,12 @@ def _needs_configure(folder: Path) -> bool:
     return not ninja.exists() or (presets.exists() and presets.stat().st_mtime > ninja.stat().st_mtime)
 
 
+def _has_cad(folder: Path) -> bool:
+    """True if the build tree was configured with OpenCASCADE."""
+    cache = folder / "CMakeCache.txt"
+    return cache.exists() and re.search(r"^SUNDER_CAD:BOOL=ON$", cache.read_text(errors="replace"), re.M) is not None
+
+
 def _jobs() -> int:
     """As many compilers as there are processors and memory for."""
     processors = len(os.sched_getaffinity(0))
@@ -88,13 +97,13 @@ def _jobs() -> int:
     return max(1, min(processors, int(min(memory / MEMORY_PER_JOB, 1e6))))
 
 
-def _build(folder: Path, log: Path, all_targets: bool) -> None:
+def _build(folder: Path, log: Path, all_targets: bool, cad: bool) -> None:
     """Configures if needed and runs ninja; the whole output goes to `log`."""
     start = time.monotonic()
     log.unlink(missing_ok=True)
-    if _needs_configure(folder):
+    if _needs_configure(folder) or (cad and not _has_cad(folder)):
         print("sunder: configuring", file=sys.stderr, flush=True)
-        _checked(["cmake", "--preset", "release"], log, "configuring")
+        _checked(["cmake", "--preset", "release", *(["-DSUNDER_CAD=ON"] if cad else [])], log, "configuring")
         os.utime(folder / "build.ninja")  # newer than the presets, even where cmake left it as it was
     targets = [] if all_targets else ["--target", "sunder-shell", "sunder-rigid"]
     progress = _Progress()

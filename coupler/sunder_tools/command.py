@@ -14,7 +14,7 @@ from typing import NoReturn
 from .build import BUILD_DIR_VARIABLE, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 
-COMMANDS = ("run", "check", "test", "validate", "bench")
+COMMANDS = ("run", "check", "build", "test", "validate", "bench")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -86,6 +86,12 @@ def make_parser() -> argparse.ArgumentParser:
     run.add_argument("--threads", metavar="N", type=_threads, help="threads of the shell solver (default: all)")
     run.add_argument("--quiet", action="store_true", help="no progress and no summary, errors only")
 
+    build = commands.add_parser(
+        "build", formatter_class=raw, allow_abbrev=False, help="install and build, which run does by itself",
+        description="Installs the packages and builds both programs. Needed for --cad only.", epilog=EPILOG)
+    build.add_argument("--cad", action="store_true",
+                       help="with OpenCASCADE, which reads STEP and IGES (40 MB more to install); run and test keep it")
+
     validate = commands.add_parser(
         "validate", formatter_class=raw, allow_abbrev=False, help="compare with exact and published answers",
         description="A table of case, computed, reference, error, tolerance, seconds; exit status 1 where a case fails.",
@@ -112,6 +118,13 @@ def _suggestion(command: str) -> str:
     near = difflib.get_close_matches(command, COMMANDS, n=1, cutoff=0.5)
     hint = f"did you mean '{near[0]}'?" if near else f"the commands are {', '.join(COMMANDS)}"
     return f"unknown command '{command}'; {hint} See 'sunder --help'"
+
+
+def _build(cad: bool) -> int:
+    if os.environ.get(BUILD_DIR_VARIABLE):
+        raise CommandError(f"{BUILD_DIR_VARIABLE} is set: nothing is built then; unset it to build this checkout", BAD_INPUT)
+    ensure_built(cad=cad)
+    return DONE
 
 
 def _check(scene: Path, settings: list[str]) -> int:
@@ -145,6 +158,8 @@ def _dispatch(arguments: list[str]) -> int:
             return DONE
         return _test(arguments[1:])
     options = parser.parse_args(arguments)
+    if options.command == "build":
+        return _build(options.cad)
     if options.command in ("validate", "bench"):
         from . import measure
         if options.command == "bench":

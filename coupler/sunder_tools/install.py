@@ -16,6 +16,7 @@ PACKAGES = (
     "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
     "libfmt-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
 )
+CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
 
 
@@ -47,9 +48,9 @@ def _as_root() -> list[str] | None:
     return None
 
 
-def ensure_installed(log: Path) -> None:
-    """Installs what is missing; everything apt says goes to `log`. Raises CommandError."""
-    missing = missing_packages()
+def ensure_installed(log: Path, packages: tuple[str, ...] = PACKAGES) -> None:
+    """Installs what is missing of `packages`; everything apt says goes to `log`. Raises CommandError."""
+    missing = missing_packages(packages)
     if not missing:
         return
     command = f"apt-get update && apt-get install -y --no-install-recommends {' '.join(missing)}"
@@ -71,7 +72,7 @@ def ensure_installed(log: Path) -> None:
             raise CommandError(f"{tail(log, 20)}\napt-get {arguments[0]} failed with status {status} (whole "
                                f"log: {log}); check network, disk and /etc/apt/sources.list, then run this "
                                f"again, or as root: {command}")
-    still = missing_packages()
+    still = missing_packages(packages)
     if still:
         raise CommandError(f"apt-get reported success but these are still missing: {' '.join(still)}; see {log}")
     print(f"sunder: installed in {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)

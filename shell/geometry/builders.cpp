@@ -1,5 +1,6 @@
 #include "shell/geometry/builders.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -24,28 +25,34 @@ void insert_knot(std::vector<double>& knots, std::vector<Homogeneous>& row, doub
   knots.insert(knots.begin() + k + 1, knot);
 }
 
+// The knots that cut span s into `pieces(s)` equal ones.
+template <class Pieces>
+std::vector<double> cut(const KnotVector& k, Pieces&& pieces) {
+  std::vector<double> out;
+  for (int s = 0; s < k.spans(); ++s)
+    for (int i = 1; k.span_length(s) > 0.0 && i < pieces(s); ++i)
+      out.push_back(k.span_begin(s) + k.span_length(s) * i / pieces(s));
+  return out;
+}
+
 std::vector<double> new_knots(const KnotVector& k, int elements, const char* direction) {
   int spans = 0;
   for (int s = 0; s < k.spans(); ++s) spans += k.span_length(s) > 0.0;
   require(elements >= spans && elements % spans == 0, "{} elements along {}: must be a multiple of {}", elements,
           direction, spans);
-  std::vector<double> out;
-  const int pieces = elements / spans;
-  for (int s = 0; s < k.spans(); ++s)
-    for (int i = 1; i < pieces && k.span_length(s) > 0.0; ++i)
-      out.push_back(k.span_begin(s) + k.span_length(s) * i / pieces);
-  return out;
+  return cut(k, [&](int) { return elements / spans; });
 }
 
-void require_arc(double angle) {
-  require(angle > 0.0 && angle < kWidestArc, "an arc of {:.4g} rad; one patch spans more than 0 and less than {:.4g}",
-          angle, kWidestArc);
+std::vector<double> new_knots_at_least(const KnotVector& k, int least) {
+  require(least >= 1, "at least {} elements; must be 1 or more", least);
+  constexpr double kRoundOff = 1e-9;  // of a piece: equal spans of a third make three pieces, not four
+  const double longest = (k.end() - k.begin()) / least;
+  return cut(k,
+             [&](int s) { return std::max(1, static_cast<int>(std::ceil(k.span_length(s) / longest - kRoundOff))); });
 }
 
-}  // namespace
-
-Patch refined(const Patch& p, int elements_u, int elements_v) {
-  const std::vector<double> at_u = new_knots(p.knots_u, elements_u, "u"), at_v = new_knots(p.knots_v, elements_v, "v");
+// `at_u` and `at_v` inserted, the surface unchanged.
+Patch with_knots(const Patch& p, const std::vector<double>& at_u, const std::vector<double>& at_v) {
   std::vector<std::vector<Homogeneous>> net;  // rows along u
   std::vector<double> ku, kv = p.knots_v.knots();
   for (int j = 0; j < p.rows(); ++j) {
@@ -76,6 +83,21 @@ Patch refined(const Patch& p, int elements_u, int elements_v) {
       out.weights.push_back(h[3]);
     }
   return out;
+}
+
+void require_arc(double angle) {
+  require(angle > 0.0 && angle < kWidestArc, "an arc of {:.4g} rad; one patch spans more than 0 and less than {:.4g}",
+          angle, kWidestArc);
+}
+
+}  // namespace
+
+Patch refined(const Patch& p, int elements_u, int elements_v) {
+  return with_knots(p, new_knots(p.knots_u, elements_u, "u"), new_knots(p.knots_v, elements_v, "v"));
+}
+
+Patch refined_at_least(const Patch& p, int least_u, int least_v) {
+  return with_knots(p, new_knots_at_least(p.knots_u, least_u), new_knots_at_least(p.knots_v, least_v));
 }
 
 Patch revolved(const std::array<Vec2, 3>& profile, const std::array<double, 3>& weights, double angle) {

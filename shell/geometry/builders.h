@@ -9,6 +9,9 @@ constexpr double kWidestArc = 150.0 * 3.14159265358979323846 / 180.0;  // [rad]:
 /// Each span of the patch cut into equal spans until there are `elements_u` * `elements_v`, the surface
 /// unchanged (Boehm's knot insertion). Both must be multiples of the spans there are.
 Patch refined(const Patch& patch, int elements_u, int elements_v);
+/// The same surface with no span longer than a `least_u`-th (`least_v`-th) of the domain; each is cut into equal
+/// spans, so there are at least as many as asked for.
+Patch refined_at_least(const Patch& patch, int least_u, int least_v);
 
 /// Profile points (a conic arc or line as three points, weights) about the z axis through `angle` [rad] from
 /// the x axis; u runs along the angle, v along the profile. Profile points are (radius, height).

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "shell/geometry/builders.h"
+#include "shell/io/cad_file.h"
 
 namespace sunder::shell {
 namespace {
@@ -51,6 +52,14 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
     return at_field(scene, field + ".cone", [&] {
       return posed(
           cone(c.bottom_m(), c.top_m(), c.height_m(), c.angle_deg() * kDegree1, c.elements_u(), c.elements_v()), c);
+    });
+  }
+  if (s.has_cad()) {
+    const auto& c = s.cad();
+    return at_field(scene, field + ".cad", [&] {
+      const Patch face = read_cad(scene, field + ".cad", c);
+      return posed(
+          refined_at_least(face, c.has_elements_u() ? c.elements_u() : 1, c.has_elements_v() ? c.elements_v() : 1), c);
     });
   }
   const auto& n = s.nurbs();

@@ -13,7 +13,7 @@ from pathlib import Path
 from unittest import mock
 
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
-from sunder_tools import build, install, logged
+from sunder_tools import build, command, install, logged
 from sunder_tools.errors import CommandError
 
 
@@ -26,6 +26,7 @@ class Building(unittest.TestCase):
         self.said = io.StringIO()
         self.commands: list[list[str]] = []
         self.status = 0
+        self.cad = False
         for context in (mock.patch.object(build, "REPOSITORY", self.root), contextlib.redirect_stderr(self.said),
                         mock.patch.object(build, "ensure_installed"), mock.patch.object(build, "run_logged", self.run_fake),
                         mock.patch.dict(os.environ)):
@@ -37,9 +38,11 @@ class Building(unittest.TestCase):
         self.commands.append(command)
         self.assertEqual(cwd, self.root)
         if command[1] == "--preset":
-            self.folder.mkdir(parents=True)
+            self.folder.mkdir(parents=True, exist_ok=True)
             (self.folder / "build.ninja").write_text("")
-            (self.folder / "CMakeCache.txt").write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={self.root}\n")
+            self.cad = self.cad or "-DSUNDER_CAD=ON" in command  # cmake's cache keeps it
+            (self.folder / "CMakeCache.txt").write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={self.root}\n"
+                                                        f"SUNDER_CAD:BOOL={'ON' if self.cad else 'OFF'}\n")
         with log.open("a") as sink:
             sink.write("".join(f"line {k}\n" for k in range(100)))
         for line in ("[1/2] one", "[2/2] two") if on_line and len(self.commands) < 3 else ():
@@ -58,6 +61,26 @@ class Building(unittest.TestCase):
         self.assertEqual(len(self.commands), 3)
         self.assertNotIn("--target", self.commands[2])
         self.assertEqual(self.said.getvalue(), said, "nothing to do, nothing to say")
+
+    def test_cad_installs_and_configures_once_more_and_stays(self) -> None:
+        build.ensure_built()
+        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES)
+        build.ensure_built(cad=True)
+        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES + install.CAD_PACKAGES)
+        self.assertEqual(self.commands[2], ["cmake", "--preset", "release", "-DSUNDER_CAD=ON"])
+        before = len(self.commands)
+        build.ensure_built(cad=True)
+        build.ensure_built()
+        self.assertTrue(all(c[:2] == ["cmake", "--build"] for c in self.commands[before:]), "nothing to configure")
+        self.assertTrue(self.cad)
+
+    def test_the_command_builds_here_or_says_why_not(self) -> None:
+        with mock.patch.object(command, "ensure_built") as ensure:
+            self.assertEqual(command.main(["build", "--cad"]), 0)
+            ensure.assert_called_once_with(cad=True)
+            os.environ[build.BUILD_DIR_VARIABLE] = str(self.root)
+            self.assertEqual(command.main(["build"]), 2)
+        self.assertIn("nothing is built then; unset it", self.said.getvalue())
 
     def test_a_moved_checkout_is_configured_again(self) -> None:
         self.folder.mkdir(parents=True)

@@ -46,7 +46,8 @@ class House(unittest.TestCase):
     def test_libraries_are_named_where_they_belong(self) -> None:
         homes = {r"zmq": {"coupler/link/channel.cpp"}, r"CGAL/": {"shell/fracture/cdt.h", "shell/fracture/outline.cpp",
                                                             "shell/fracture/medial_axis.cpp",
-                                                            "coupler/scene/mesh_file.cpp"}}
+                                                            "coupler/scene/mesh_file.cpp"},
+                 r".*\.hxx$": {"shell/io/cad_file.cpp"}}  # OpenCASCADE
         for path in SOURCES:
             for pattern, allowed in homes.items():
                 if any(re.match(pattern, name) for name in includes(path)):

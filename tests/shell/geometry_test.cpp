@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
+#include "shell/geometry/builders.h"
 #include "shell/geometry/quadrature.h"
 #include "tests/shell/fixtures.h"
 
@@ -31,6 +32,18 @@ TEST(Patch, OfAQuarterCylinderIsExact) {
       p.weights.push_back(x == y ? std::sqrt(0.5) : 1.0);
     }
   for (double u = 0.0; u <= 1.0; u += 0.125) EXPECT_NEAR(p.evaluate({u, 0.3}).x.head<2>().norm(), 1.0, 1e-15);
+}
+
+TEST(RefinedAtLeast, CutsLongSpansMoreOftenAndKeepsTheSurface) {
+  const Patch p = rational_patch();  // spans of 0.3, 0.2 and 0.5; 0.4 and 0.6
+  const Patch fine = refined_at_least(p, 5, 1);
+  EXPECT_EQ(fine.knots_u.spans(), 2 + 1 + 3);
+  EXPECT_EQ(fine.knots_v.spans(), 2);
+  for (int s = 0; s < fine.knots_u.spans(); ++s) EXPECT_LE(fine.knots_u.span_length(s), 0.2 + 1e-15);
+  for (const Vec2& q : {Vec2(0.11, 0.7), Vec2(0.41, 0.21), Vec2(0.83, 0.55)})
+    EXPECT_LT((fine.evaluate(q).x - p.evaluate(q).x).norm(), 1e-15);  // lengths of 1: round-off
+  EXPECT_EQ(refined_at_least(plate(1, 1, 3, 1, Vec3::Zero(), Quat::Identity()), 3, 4).columns(), 3 + kDegree);
+  EXPECT_THROW(refined_at_least(p, 0, 1), Error);
 }
 
 TEST(KnotVector, RefusesWhatIsNoOpenQuadratic) {

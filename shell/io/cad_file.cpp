@@ -1,0 +1,301 @@
+// All that knows OpenCASCADE.
+#include "shell/io/cad_file.h"
+
+#ifndef SUNDER_CAD
+
+namespace sunder::shell {
+
+Patch read_cad(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace&) {
+  scene.fail(field, "this build has no OpenCASCADE, which reads STEP and IGES; run `coupler/sunder build --cad`");
+}
+
+}  // namespace sunder::shell
+
+#else
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+#include <memory>
+#include <sstream>
+
+#include <BRep_Tool.hxx>
+#include <Geom2d_Curve.hxx>
+#include <GeomConvert.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_RectangularTrimmedSurface.hxx>
+#include <IGESControl_Reader.hxx>
+#include <Interface_Check.hxx>
+#include <Interface_CheckIterator.hxx>
+#include <Interface_Static.hxx>
+#include <Precision.hxx>
+#include <STEPControl_Reader.hxx>
+#include <Standard_Failure.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Face.hxx>
+#include <XSControl_WorkSession.hxx>
+
+namespace sunder::shell {
+namespace {
+
+using Spline = opencascade::handle<Geom_BSplineSurface>;
+
+constexpr int kHighestDegree = kDegree;  // that a patch can have
+constexpr double kMetresPerUnit = 1e-3;  // OpenCASCADE's tolerances are made for millimetres: it converts to them
+// Shares of the face's size. Files carry tolerances of about a micrometre, and nothing of a shell is that fine.
+constexpr double kTrimTolerance = 1e-5;    // by which a border may leave the sides of the parameter rectangle
+constexpr double kSmoothTolerance = 1e-9;  // by which the surface may move where a needless knot is taken out
+constexpr double kSnapTolerance = 1e-7;    // of the parameter range: a border this close to a knot is that knot
+constexpr int kSamplesPerEdge = 33;
+constexpr int kMostFacesNamed = 12;
+
+/// OpenCASCADE reports to standard output, which is the caller's.
+class Quiet {
+ public:
+  Quiet() : out_(std::cout.rdbuf(nowhere_.rdbuf())) {}
+  ~Quiet() { std::cout.rdbuf(out_); }
+  Quiet(const Quiet&) = delete;
+
+ private:
+  std::ostringstream nowhere_;
+  std::streambuf* out_;
+};
+
+/// What messages need of where we are.
+struct Place {
+  const scene::LoadedScene& scene;
+  std::string field, path;  // of the message, of the file
+  int face = 0;
+
+  template <class... Args>
+  void check(bool good, fmt::format_string<Args...> format, Args&&... args) const {
+    if (!good)
+      scene.fail(field + ".path",
+                 fmt::format("'{}': face {} ", path, face) + fmt::format(format, std::forward<Args>(args)...));
+  }
+};
+
+// The last line of an IGES file has a T in column 73. OpenCASCADE reads half a file as fewer faces.
+bool is_whole_iges(const std::string& file) {
+  std::ifstream in(file);
+  std::string last;
+  for (std::string line; std::getline(in, line);)
+    if (line.size() > 72) last = line;
+  return last.size() > 72 && last[72] == 'T';
+}
+
+TopoDS_Shape read(const Place& place) {
+  const std::string field = place.field + ".path";
+  const std::filesystem::path file = place.scene.file_beside(field, place.path);
+  std::string suffix = file.extension();
+  for (char& c : suffix) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const bool step = suffix == ".step" || suffix == ".stp", iges = suffix == ".igs" || suffix == ".iges";
+  place.scene.check(step || iges, field,
+                    "'{}' is neither STEP (.step, .stp) nor IGES (.igs, .iges); export one of them", place.path);
+  place.scene.check(step || is_whole_iges(file), field,
+                    "'{}' ends without the T line of an IGES file; is the copy whole?", place.path);
+  std::unique_ptr<XSControl_Reader> reader;
+  if (step)
+    reader = std::make_unique<STEPControl_Reader>();
+  else
+    reader = std::make_unique<IGESControl_Reader>();
+  Interface_Static::SetCVal("xstep.cascade.unit", "MM");  // after the first reader, which makes the table
+  place.scene.check(reader->ReadFile(file.c_str()) == IFSelect_RetDone, field,
+                    "'{}' is no {} file that can be read; export it again", place.path, step ? "STEP" : "IGES");
+  // Broken references are followed all the same, through null pointers.
+  int faults = 0;
+  std::string first;
+  Interface_CheckIterator checks = reader->WS()->ModelCheckList(Standard_False);
+  for (checks.Start(); checks.More(); checks.Next())
+    if (checks.Value()->HasFailed() && faults++ == 0) first = checks.Value()->CFail(1);
+  place.scene.check(faults == 0, field, "'{}' is damaged: {} entries, the first with \"{}\"; export it again",
+                    place.path, faults, first);
+  reader->TransferRoots();
+  return reader->OneShape();
+}
+
+// Where a face is, for people who have to choose one [m].
+Vec3 mean_corner(const TopoDS_Face& face) {
+  Vec3 sum = Vec3::Zero();
+  int n = 0;
+  for (TopExp_Explorer it(face, TopAbs_VERTEX); it.More(); it.Next(), ++n) {
+    const gp_Pnt p = BRep_Tool::Pnt(TopoDS::Vertex(it.Current()));
+    sum += kMetresPerUnit * Vec3(p.X(), p.Y(), p.Z());
+  }
+  return sum / std::max(1, n);
+}
+
+TopoDS_Face choose(const Place& place, const proto::CadFace& cad, const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape faces;  // counted from 1, each once
+  if (!shape.IsNull()) TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  const int n = faces.Extent();
+  place.scene.check(n > 0, place.field + ".path", "'{}' has no face; export a surface, not curves, points or a mesh",
+                    place.path);
+  if (!cad.has_face() && n > 1) {
+    std::string all;
+    for (int i = 0; i < std::min(n, kMostFacesNamed); ++i) {
+      const Vec3 at = mean_corner(TopoDS::Face(faces(i + 1)));
+      all += fmt::format("{}{} at ({:.4g}, {:.4g}, {:.4g}) m", i ? ", " : "", i, at.x(), at.y(), at.z());
+    }
+    place.scene.fail(place.field, fmt::format("'{}' has {} faces; choose one with `face`: {}{}", place.path, n, all,
+                                              n > kMostFacesNamed ? ", ..." : ""));
+  }
+  place.scene.check(cad.face() < n, place.field + ".face", "is {}, but '{}' has {}, counted from 0", cad.face(),
+                    place.path, n == 1 ? "one face" : fmt::format("{} faces", n));
+  return TopoDS::Face(faces(cad.face() + 1));
+}
+
+struct Rectangle {
+  std::array<double, 2> u, v;
+};
+
+// A value close to a bound or a knot of the surface is meant to be there; else slivers of spans arise.
+double snapped(double value, double range, const std::vector<double>& marks) {
+  for (const double mark : marks)
+    if (std::abs(value - mark) <= kSnapTolerance * range) return mark;
+  return value;
+}
+
+void snap(const opencascade::handle<Geom_Surface>& surface, Rectangle& r) {
+  std::vector<double> u(2), v(2);
+  surface->Bounds(u[0], u[1], v[0], v[1]);
+  if (const Spline spline = Spline::DownCast(surface); !spline.IsNull()) {
+    for (const double knot : spline->UKnots()) u.push_back(knot);
+    for (const double knot : spline->VKnots()) v.push_back(knot);
+  }
+  const double range_u = r.u[1] - r.u[0], range_v = r.v[1] - r.v[0];
+  for (double& value : r.u) value = snapped(value, range_u, u);
+  for (double& value : r.v) value = snapped(value, range_v, v);
+}
+
+// The parameter rectangle that the face is; refuses a face that is not all of one.
+Rectangle parameters(const Place& place, const TopoDS_Face& face, const opencascade::handle<Geom_Surface>& surface) {
+  Rectangle r;
+  int wires = 0;
+  for (TopExp_Explorer it(face, TopAbs_WIRE); it.More(); it.Next()) ++wires;
+  place.check(wires <= 1,
+              "has holes; a patch has none: take them out in the CAD program, and cut the shell with `cuts`");
+  std::vector<gp_Pnt2d> border;
+  for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
+    double from = 0.0, to = 0.0;
+    const opencascade::handle<Geom2d_Curve> curve =
+        BRep_Tool::CurveOnSurface(TopoDS::Edge(it.Current()), face, from, to);
+    place.check(!curve.IsNull(), "has an edge without a curve in its parameters; export it again");
+    for (int i = 0; i < kSamplesPerEdge; ++i)
+      border.push_back(curve->Value(from + (to - from) * i / (kSamplesPerEdge - 1)));
+  }
+  if (border.empty()) {
+    surface->Bounds(r.u[0], r.u[1], r.v[0], r.v[1]);
+    for (const double bound : {r.u[0], r.u[1], r.v[0], r.v[1]})
+      place.check(!Precision::IsInfinite(bound), "has no end; give it borders in the CAD program");
+    return r;
+  }
+  r.u = {border[0].X(), border[0].X()}, r.v = {border[0].Y(), border[0].Y()};
+  for (const gp_Pnt2d& p : border) {
+    r.u = {std::min(r.u[0], p.X()), std::max(r.u[1], p.X())};
+    r.v = {std::min(r.v[0], p.Y()), std::max(r.v[1], p.Y())};
+  }
+  snap(surface, r);
+  Eigen::AlignedBox3d box;
+  const auto at = [&](double u, double v) {
+    const gp_Pnt p = surface->Value(u, v);
+    return Vec3(p.X(), p.Y(), p.Z());
+  };
+  for (const gp_Pnt2d& p : border) box.extend(at(p.X(), p.Y()));
+  for (const gp_Pnt2d& p : border) {
+    const Vec3 x = at(p.X(), p.Y());
+    const double off = std::min({(x - at(r.u[0], p.Y())).norm(), (x - at(r.u[1], p.Y())).norm(),
+                                 (x - at(p.X(), r.v[0])).norm(), (x - at(p.X(), r.v[1])).norm()});
+    place.check(off <= kTrimTolerance * box.diagonal().norm(),
+                "is trimmed: its border leaves the parameter lines at ({:.4g}, {:.4g}, {:.4g}) m; a patch has four "
+                "sides along them: rebuild the surface so in the CAD program",
+                kMetresPerUnit * x.x(), kMetresPerUnit * x.y(), kMetresPerUnit * x.z());
+  }
+  return r;
+}
+
+// Readies the u direction: open knots, two free ends, no more knots than a smooth surface has.
+void prepare_u(const Place& place, const Spline& s, double size, const char* direction) {
+  if (s->IsUPeriodic()) s->SetUNotPeriodic();
+  const int degree = s->UDegree(), last = s->NbUKnots();
+  if (s->UMultiplicity(1) <= degree || s->UMultiplicity(last) <= degree) {  // a knot vector that is not open
+    double u0, u1, v0, v1;
+    s->Bounds(u0, u1, v0, v1);
+    s->Segment(u0, u1, v0, v1);
+  }
+  bool closed = true;
+  for (int j = 1; j <= s->NbVPoles(); ++j)
+    closed = closed && s->Pole(1, j).Distance(s->Pole(s->NbUPoles(), j)) <= kTrimTolerance * size;
+  place.check(!closed, "closes on itself along {}, and a patch would be slit there; split it in the CAD program",
+              direction);
+  for (int k = s->NbUKnots() - 1; k > 1; --k) {
+    const double share = (s->UKnot(k) - s->UKnot(1)) / (s->UKnot(s->NbUKnots()) - s->UKnot(1));
+    place.check(s->UMultiplicity(k) < degree || s->RemoveUKnot(k, degree - 1, kSmoothTolerance * size),
+                "has a crease, or an arc of 150 degrees or more in pieces, across {} at {:.4g} of its range (a knot "
+                "{} times at degree {}); bending needs a smooth surface: split the face there in the CAD program",
+                direction, share, s->UMultiplicity(k), degree);
+  }
+}
+
+Spline to_spline(const Place& place, const TopoDS_Face& face) {
+  const opencascade::handle<Geom_Surface> surface = BRep_Tool::Surface(face);
+  place.check(!surface.IsNull(), "has no surface, a mesh perhaps; export the surface itself");
+  const Rectangle r = parameters(place, face, surface);
+  const Spline s =
+      GeomConvert::SurfaceToBSplineSurface(new Geom_RectangularTrimmedSurface(surface, r.u[0], r.u[1], r.v[0], r.v[1]));
+  const int degree = std::max({kDegree, s->UDegree(), s->VDegree()});
+  place.check(degree <= kHighestDegree,
+              "has degree {} along u and {} along v; at most {} can be used: rebuild the surface as degree {} in the "
+              "CAD program",
+              s->UDegree(), s->VDegree(), kHighestDegree, kHighestDegree);
+  s->IncreaseDegree(degree, degree);
+  Eigen::AlignedBox3d box;
+  for (int j = 1; j <= s->NbVPoles(); ++j)
+    for (int i = 1; i <= s->NbUPoles(); ++i) box.extend(Vec3(s->Pole(i, j).X(), s->Pole(i, j).Y(), s->Pole(i, j).Z()));
+  for (const char* direction : {"u", "v"}) {
+    prepare_u(place, s, box.diagonal().norm(), direction);
+    s->ExchangeUV();  // twice: as it was
+  }
+  if (face.Orientation() == TopAbs_REVERSED) s->ExchangeUV();  // u cross v is the face's normal
+  return s;
+}
+
+Patch to_patch(const Spline& s, double scale, const std::string& field) {
+  const auto knots = [](const TColStd_Array1OfReal& k, const char* name) {
+    return KnotVector({k.begin(), k.end()}, name);
+  };
+  Patch patch{knots(s->UKnotSequence(), "knots along u"), knots(s->VKnotSequence(), "knots along v"), {}, {}};
+  for (int j = 1; j <= s->NbVPoles(); ++j)
+    for (int i = 1; i <= s->NbUPoles(); ++i) {
+      const gp_Pnt p = s->Pole(i, j);
+      patch.control_points.push_back(scale * Vec3(p.X(), p.Y(), p.Z()));
+      patch.weights.push_back(s->Weight(i, j));
+    }
+  validate(patch, field);
+  return patch;
+}
+
+}  // namespace
+
+Patch read_cad(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) {
+  const Quiet quiet;
+  const Place place{scene, field, cad.path(), cad.face()};
+  try {
+    const Spline s = to_spline(place, choose(place, cad, read(place)));
+    return to_patch(s, kMetresPerUnit * (cad.has_scale() ? cad.scale() : 1.0), place.path);
+  } catch (const Standard_Failure& e) {
+    scene.fail(field + ".path", fmt::format("'{}': OpenCASCADE fails with {} ({}); export it again, or simpler",
+                                            cad.path(), e.DynamicType()->Name(), e.GetMessageString()));
+  }
+}
+
+}  // namespace sunder::shell
+
+#endif
