@@ -20,6 +20,9 @@ struct PrescribedCut {
 /// crack starts there: a crack that is born within a window must not find the step too large.
 constexpr double kCrackedStep = 0.7;
 
+/// Of the stable step, what a scene may ask for: power iteration finds it from above.
+constexpr double kMostOfStable = 0.95;
+
 /// All that a run needs from a scene, in plain types.
 struct RunSetup {
   std::string name;

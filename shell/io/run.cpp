@@ -83,10 +83,10 @@ void Run::start() {
           "slow it down, or lower time_step_safety",
           p.body.name, travel, m.name);
     }
-    const double allowed = (can_crack() ? kCrackedStep : 1.0) * initial_step_;
-    require(setup_.time_step <= allowed,
+    const double most = kMostOfStable * (can_crack() ? kCrackedStep : 1.0) * initial_step_;
+    require(setup_.time_step <= most,
             "time_step_s is {} s, above the stable step of shell '{}'{}; at most {:.3g} s would do", setup_.time_step,
-            m.name, can_crack() ? " with cracks" : "", allowed);
+            m.name, can_crack() ? " with cracks" : "", 0.99 * most);
     require(setup_.window >= initial_step_,
             "window_s is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple", setup_.window,
             initial_step_);

@@ -17,32 +17,27 @@ inline T largest(const T& a, const T& b) {
   return select(a > b, a, b);
 }
 
-/// Damage 0 to 1 under the principal stress `high` [Pa].
-template <class T>
-inline T rankine_damage(const T& high, const T& strength, double h) {
-  const T over = largest<T>(high, strength);
-  const T c = (1.0 + h) * (1.0 - strength / over);
-  return select(c < 1.0, c, splat<T>(1.0));
-}
-
 /// Weakens S (second Piola-Kirchhoff, contravariant) at metric C and volume ratio J = J0 lambda3 in place
-/// and returns the damage. With the mixed Cauchy stress sigma = S C / J of principal values s1 >= s2,
+/// and returns the damage, 0 to 1 by eq. 9. With the mixed Cauchy stress sigma = S C / J of principal values s1 >= s2,
 /// sigma' = sigma - c (s1+ P1 + s2+ P2). In two dimensions the positive part is a I + b sigma: b = 1 where
-/// both are tension; b = s1 / (s1 - s2), a = -b s2 where only s1 is, and then s1 > s2.
+/// both are tension; b = s1 / (s1 - s2), a = -b s2 where only s1 is, and then s1 > s2. All here is J times that,
+/// and the strength with it: that leaves one division, which is what costs most.
 template <class T>
 inline T weaken(Sym2<T>& s, const Sym2<T>& c, const T& volume, const T& strength, double h) {
-  const T mean = 0.5 * (s.c11 * c.c11 + s.c22 * c.c22 + 2.0 * s.c12 * c.c12) / volume;
+  const T none = splat<T>(0.0), one = splat<T>(1.0), limit = strength * volume;
+  const T mean = 0.5 * (s.c11 * c.c11 + s.c22 * c.c22) + s.c12 * c.c12;
   const T det_c = determinant(c);
-  const T det = determinant(s) * det_c / (volume * volume);
-  const T radius = square_root(largest<T>(mean * mean - det, splat<T>(0.0)));
+  const T radius = square_root(largest<T>(mean * mean - determinant(s) * det_c, none));
   const T high = mean + radius, low = mean - radius;
-  const T damage = rankine_damage<T>(high, strength, h);
-  // where only one is tension; elsewhere nothing is divided
-  const T mixed = select(low < 0.0, select(high > 0.0, splat<T>(1.0), splat<T>(0.0)), splat<T>(0.0));
-  const T apart = select(mixed > 0.5, high - low, splat<T>(1.0));
-  const T b = select(mixed > 0.5, high / apart, splat<T>(1.0)), a = select(mixed > 0.5, -low * b, splat<T>(0.0));
+  const T over = largest<T>(high, limit);
+  const T mixed = select(low < 0.0, select(high > 0.0, one, none), none);  // only one is tension
+  const T apart = select(mixed > 0.5, high - low, one);
+  const T inverse = 1.0 / (over * apart * det_c);
+  const T full = (1.0 + h) * ((over - limit) * (inverse * apart * det_c));  // exactly zero where nothing is damaged
+  const T damage = select(full < 1.0, full, one);
+  const T b = select(mixed > 0.5, high * (inverse * over * det_c), one), a = select(mixed > 0.5, -low * b, none);
   const T keep = 1.0 - damage * b;
-  const T metric = damage * a * volume / det_c;  // times the adjugate of C: J C^-1
+  const T metric = damage * a * (inverse * over * apart);  // times the adjugate of C: J C^-1
   s = {keep * s.c11 - metric * c.c22, keep * s.c22 - metric * c.c11, keep * s.c12 + metric * c.c12};
   return damage;
 }

@@ -179,6 +179,36 @@ INSTANTIATE_TEST_SUITE_P(
              "needs a strength"},
         Case{"DamageWidthOfAnotherMode", "end_time_s: 1\n", "end_time_s: 1 fracture { damage_width_m: 0.1 }\n", 2,
              "leave it out"},
+        Case{"TimeStepAboveTheStableOne", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-5\n", 2,
+             "at most 4.5"},
+        Case{"TimeStepAndSafety", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-7 time_step_safety: 0.5\n", 2,
+             "leave one of them out"},
+        Case{"TransferOfNoKind", "end_time_s: 1\n", "end_time_s: 1 transfer { kind: 7 }\n", 2,
+             "DIRECT, FLIP, APIC or PIC"},
+        Case{"TransferThroughAGridTooFine", "end_time_s: 1\n",
+             "end_time_s: 1 transfer { kind: APIC grid_spacing_m: 1e-6 }\n", 2, "from a tenth to a hundred"},
+        Case{"HertzOfNoSphere", "  sphere { radius_m: 0.02 }\n  pose { position { z: 0.1 } }\n}\n",
+             "  box { size_m { x: 0.1 y: 0.1 z: 0.1 } }\n  pose { position { z: 0.1 } }\n}\ncontacts { first: \"pane\" "
+             "second: \"ball\" hertz {} }\n",
+             17, "a body that is a sphere"},
+        Case{
+            "HertzWithFriction", "  pose { position { z: 0.1 } }\n}\n",
+            "  pose { position { z: 0.1 } }\n}\ncontacts { first: \"pane\" second: \"ball\" hertz {} friction: 0.1 }\n",
+            17, "without friction"},
+        Case{"HertzThatSinksIn", "  pose { position { z: 0.1 } }\n}\n",
+             "  pose { position { z: 0.1 } }\n  twist { linear { z: -30 } }\n}\ncontacts { first: \"pane\" second: "
+             "\"ball\" hertz { stiffness: 1e6 } }\n",
+             18, "a fifth of its radius"},
+        Case{"ProbeOfNoBody", "end_time_s: 1\n", "end_time_s: 1 output { probes { name: \"a\" body: \"b\" } }\n", 2,
+             "no body of this scene"},
+        Case{"ProbeOfBoth", "end_time_s: 1\n",
+             "end_time_s: 1 output { probes { name: \"a\" body: \"ball\" shell: \"pane\" } }\n", 2, "give one of them"},
+        Case{"LinearBendingInLayers", "elements_y: 16 }\n", "elements_y: 16 }\n  bending: LINEAR layers: 4\n", 10,
+             "leave one of them out"},
+        Case{"StressAtRestInTwoLayers", "elements_y: 16 }\n", "elements_y: 16 }\n  surface_compression: 1e8\n", 10,
+             "3 or more"},
+        Case{"StressAtRestBeyondSmallStrain", "elements_y: 16 }\n",
+             "elements_y: 16 }\n  layers: 5 surface_compression: 1e10\n", 10, "at most 0.02"},
         Case{"SpanOfABillionElements", "elements_x: 16", "elements_x: 1000000000", 9, "1 to 4096"}),
     [](const testing::TestParamInfo<Case>& i) { return std::string(i.param.name); });
 
@@ -194,6 +224,24 @@ TEST(Loads, SayWhenTheyChangeForTheLastTime) {
   std::remove(path.c_str());
 }
 
+TEST(TimeStep, ThatTheRefusalNamesIsAccepted) {
+  EXPECT_EQ(refusal(replaced("end_time_s: 1\n", "end_time_s: 1 time_step_s: 4.5e-6\n")).kind, "accepted");
+}
+
+TEST(LinearBending, IsRefusedWhereLayersAreNeeded) {
+  const auto text = [](const std::string& material, const std::string& more) {
+    std::string t = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + " }" + more);
+    return t.insert(t.find("elements_y: 16 }\n") + 17, "  bending: LINEAR\n");
+  };
+  EXPECT_EQ(refusal(text("", "")).kind, "accepted");
+  for (const auto& broken :
+       {text("yield_stress: 1e8", ""), text("strength: 6e6 fracture_energy: 80", " fracture { mode: DAMAGE }")}) {
+    const sunder::Error e = refusal(broken);
+    EXPECT_EQ(e.line, 10) << e.what();
+    EXPECT_NE(std::string(e.what()).find("LINEAR has no layers"), std::string::npos) << e.what();
+  }
+}
+
 TEST(Yielding, IsRefusedWithCutsAndWithAnotherStressModel) {
   const std::string steel = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 yield_stress: 1e8 }");
   const auto with = [&](const std::string& more) {
@@ -203,8 +251,9 @@ TEST(Yielding, IsRefusedWithCutsAndWithAnotherStressModel) {
   EXPECT_NE(std::string(with("  cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.2 } }").what())
                 .find("cannot be cut yet"),
             std::string::npos);
-  EXPECT_NE(std::string(with("  stress_model: PAPER_PROJECTION").what()).find("yields in plane stress"),
-            std::string::npos);
+  for (const char* model : {"PAPER_PROJECTION", "JGT17", "GHF18"})
+    EXPECT_NE(std::string(with(std::string("  stress_model: ") + model).what()).find("yields in plane stress"),
+              std::string::npos);
 }
 
 TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
