@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable
 
-from .build import REPOSITORY, ensure_built
+from .build import REPOSITORY, Executables, ensure_built
 from .errors import CommandError
 from .run import launch_once
 
@@ -35,11 +35,11 @@ class Table:
               f"{'ok' if good else 'FAILED'}", flush=True)
 
 
-def _run(scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
+def _run(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
     """Runs a scene of the repository; returns run.json, the rows of probes.csv and the seconds that it took."""
     start = time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="sunder-validate-") as folder:
-        found = launch_once(ensure_built(), SCENES / scene, Path(folder), settings)
+    with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
+        found = launch_once(executables, SCENES / scene, Path(folder), settings)
         probes = Path(folder) / "probes.csv"
         rows = list(csv.reader(probes.open())) if probes.is_file() else []
     return found, rows, time.monotonic() - start
@@ -63,7 +63,7 @@ def zener(inelasticity: float, step: float = 1e-4) -> float:
             return -u
 
 
-def restitution(table: Table) -> None:
+def restitution(table: Table, executables: Executables) -> None:
     """Balls of six radii on scenes/zener.textproto. Stiffness and rigidity are worked out here once more."""
     steel, glass = (7800.0, 210e9, 0.3), (2500.0, 70e9, 0.22)  # density, Young's modulus, Poisson's ratio
     thickness, speed, gap = 0.004, 1.0, 1e-5
@@ -75,7 +75,7 @@ def restitution(table: Table) -> None:
         inelasticity = mass ** 0.6 * stiffness ** 0.4 * speed ** 0.2 / (
             8.0 * math.sqrt(glass[0] * thickness * rigidity))
         touch = 5.0 * (mass ** 2 / (stiffness ** 2 * speed)) ** 0.2  # with room
-        found, rows, seconds = _run("zener.textproto", [
+        found, rows, seconds = _run(executables, "zener.textproto", [
             f"bodies[ball].sphere.radius_m={radius}",
             f"bodies[ball].pose.position.z={radius + 0.5 * thickness + gap}",
             f"end_time_s={math.ceil((touch + gap / speed) / 2e-6) * 2e-6:.9g}", "output.frame_interval_s=1"])
@@ -95,10 +95,10 @@ def restitution(table: Table) -> None:
                              "logarithmic": False})
 
 
-def torn_area(table: Table) -> None:
+def torn_area(table: Table, executables: Executables) -> None:
     """scenes/torn_square.textproto with each stress model: area that the sheet keeps, torn points counted as lost."""
     for model in ("PLANE_STRESS", "PAPER_PROJECTION", "JGT17", "GHF18"):
-        found, _, seconds = _run("torn_square.textproto", [f"shells[sheet].stress_model={model}",
+        found, _, seconds = _run(executables, "torn_square.textproto", [f"shells[sheet].stress_model={model}",
                                                            "output.frame_interval_s=10"])
         surface, counts = found["surface"], found["counts"]
         # from below: an area above one is as wrong as one below
@@ -116,7 +116,7 @@ class Experiment:
     """A validation case that runs scenes."""
     name: str
     what: str
-    run: Callable[[Table], None]
+    run: Callable[[Table, Executables], None]
 
 
 EXPERIMENTS = {"shells": (
@@ -127,12 +127,15 @@ EXPERIMENTS = {"shells": (
 
 def run_experiments(chosen: tuple[Experiment, ...], table: Table) -> None:
     """Runs them one after the other; one that breaks is a failed row."""
-    if chosen and not table.headed:
+    if not chosen:
+        return
+    executables = ensure_built()
+    if not table.headed:
         print(f"{'case':<34} {'computed':>13} {'reference':>13} {'error':>10} {'tolerance':>9} {'seconds':>8}")
     for experiment in chosen:
         before = len(table.lines)
         try:
-            experiment.run(table)
+            experiment.run(table, executables)
         except (CommandError, OSError, KeyError, ValueError, IndexError, json.JSONDecodeError) as error:
             table.add(experiment.name, math.nan, 0.0, 0.0, 0.0)
             table.lines.append(f"{experiment.name}: {error}")

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace sunder::shell {
 namespace {
@@ -66,39 +65,6 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const double* n, 
   }
 }
 
-// Weakens a layer and keeps the damage.
-template <class T>
-struct Weaken {
-  T strength;
-  double brittleness;
-  T* damage;  // of each layer
-  void operator()(std::size_t layer, PlaneStress<T>& p, const Sym2<T>& c) const {
-    damage[layer] = weaken<T>(p.s, c, square_root(p.area2 * p.stretch2), strength, brittleness);
-  }
-};
-
-Sym2<Pack> difference(const Sym2<Pack>& a, const Sym2<Pack>& b) {
-  return {a.c11 - b.c11, a.c22 - b.c22, a.c12 - b.c12};
-}
-
-// What weakening spares between the last substep and this state, by the trapezoidal rule [J].
-double spared_since(const PointDamage& d, const std::array<double, 6>& forms, const std::array<double, 6>& lost,
-                    double area) {
-  double work = 0.0;
-  for (int k = 0; k < 6 && !d.fresh; ++k) {
-    const double mean = 0.5 * (lost[k] + d.lost[k]) * (k % 3 == 2 ? 2.0 : 1.0);  // 12 counts twice
-    work += mean * (forms[k] - d.forms[k]) * (k < 3 ? 0.5 : -1.0);               // dE = da / 2 - zeta db
-  }
-  return area * work;
-}
-
-// Keeps what the next substep needs. Returns what was spared and not given back where the point has healed.
-double keep(PointDamage& d, const std::array<double, 6>& forms, const std::array<double, 6>& lost, double area) {
-  d.spared += spared_since(d, forms, lost, area);
-  d.forms = forms, d.lost = lost, d.fresh = false;
-  return d.damage() > 0.0f ? 0.0 : std::exchange(d.spared, 0.0);
-}
-
 // As many points side by side as a pack has lanes; returns their energy where asked for.
 template <bool kEnergy>
 double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
@@ -125,15 +91,14 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   f.b = {select(linear, ref.b.c11, f.b.c11), select(linear, ref.b.c22, f.b.c22), select(linear, ref.b.c12, f.b.c12)};
   Resultants<Pack> r;
   Pack damage[kMostLayers];
-  Sym2<Pack> lost_n{}, lost_m{};
+  Resultants<Pack> lost{};
   if (damaged) {
-    Weaken<Pack> weakening{splat<Pack>(1.0), brittleness, damage};
-    for (int i = 0; i < kLanes; ++i) weakening.strength[i] = damaged[std::min(i, count - 1)]->strength;
-    r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity, weakening);
-    if (stress.values || kEnergy) {
-      const Resultants<Pack> full = integrate_layers<Pack, false>(f, ref, t.layers, t.elasticity);
-      lost_n = difference(full.n, r.n), lost_m = difference(full.m, r.m);
-    }
+    Pack strength;
+    for (int i = 0; i < kLanes; ++i) strength[i] = damaged[std::min(i, count - 1)]->strength;
+    const bool wanted = stress.values || kEnergy;
+    r = (wanted ? integrate_weakened_layers<Pack, kEnergy, true>
+                : integrate_weakened_layers<Pack, kEnergy, false>)(f, ref, t.layers, t.elasticity, strength,
+                                                                   brittleness, damage, lost);
   } else {
     r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity);
   }
@@ -152,16 +117,14 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     if (stress.values) record_stress(t, *points[i], n, m, thickness, stress);
     if (damaged) {
       PointDamage& d = *damaged[i];
-      const std::array<double, 6> forms{f.a.c11[i], f.a.c22[i], f.a.c12[i], f.b.c11[i], f.b.c22[i], f.b.c12[i]};
-      const std::array<double, 6> lost{lost_n.c11[i], lost_n.c22[i], lost_n.c12[i],
-                                       lost_m.c11[i], lost_m.c22[i], lost_m.c12[i]};
-      if constexpr (kEnergy) sum -= d.spared + spared_since(d, forms, lost, points[i]->area);
+      const Loss loss = loss_of(f, lost, i);
+      if constexpr (kEnergy) sum -= d.spared + spared_since(d, loss, points[i]->area);
       if (stress.values) {
         for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
           d.now[l] = static_cast<float>(damage[l][i]);
           d.history[l] = std::max(d.history[l], d.now[l]);
         }
-        healed += keep(d, forms, lost, points[i]->area);
+        healed += keep(d, loss, points[i]->area);
       }
     }
     Pack4 own[5];
@@ -179,7 +142,7 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
   PointDamage* damaged[kLanes] = {};
   int count = 0;
   for (std::size_t i = begin; i < end; ++i) {
-    if (points[i].kind != PointKind::kDead) {
+    if (points[i].kind != PointKind::kDead && !points[i].in_rows) {
       if (law) damaged[count] = &(*law->points)[i];
       together[count++] = &points[i];
     }
@@ -216,16 +179,16 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!(least_area(f, p.metric, t.layers) > kCrushed)) return 0.0;
-  const Resultants<double> full = integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity);
-  double energy = p.area * full.energy;
+  double energy = 0.0;
   if (damage) {
     double unused[kMostLayers];
-    Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity,
-                                                           Weaken<double>{damage->strength, brittleness, unused});
-    const std::array<double, 6> forms{f.a.c11, f.a.c22, f.a.c12, f.b.c11, f.b.c22, f.b.c12};
-    const std::array<double, 6> lost{full.n.c11 - r.n.c11, full.n.c22 - r.n.c22, full.n.c12 - r.n.c12,
-                                     full.m.c11 - r.m.c11, full.m.c22 - r.m.c22, full.m.c12 - r.m.c12};
-    energy -= damage->spared + spared_since(*damage, forms, lost, p.area);
+    Resultants<double> lost{};
+    energy = p.area * integrate_weakened_layers<double, true, true>(f, p.metric, t.layers, t.elasticity,
+                                                                    damage->strength, brittleness, unused, lost)
+                          .energy;
+    energy -= damage->spared + spared_since(*damage, loss_of(f, lost, 0), p.area);
+  } else {
+    energy = p.area * integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity).energy;
   }
   return std::isfinite(energy) ? energy : 0.0;
 }

@@ -1,10 +1,9 @@
 #pragma once
 // Internal forces at Gauss points with shape functions of their own: those that a crack has touched.
-#include <algorithm>
 #include <array>
 #include <vector>
 
-#include "shell/mechanics/damage.h"
+#include "shell/mechanics/point_damage.h"
 #include "shell/mechanics/row_force.h"
 #include "shell/mechanics/section.h"
 
@@ -25,22 +24,13 @@ struct GatheredPoint {
   ReferenceMetric<double> metric{};  // with these shape functions, so that the rest state has no strain
   std::vector<GatheredFunction> functions;
   bool left = false;  // with a piece that was handed off
+  // Damaged, but no crack has touched it: the row kernel sums it, here it is only remembered.
+  bool in_rows = false;
 };
 
 /// The nine functions of the uncut patch at parameter `p`, by slots of rows `stride` apart.
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride);
 
-/// Rankine damage of a gathered point, layer by layer.
-constexpr int kMostLayers = 16;
-struct PointDamage {
-  double strength = 0.0;                            // [Pa]
-  std::array<float, kMostLayers> now{}, history{};  // damage and its maximum over time, of each layer
-  std::array<double, 6> forms{}, lost{};            // of the last substep: a, b and what weakening took of n, m
-  double spared = 0.0;                              // energy that the weakened stress did not store [J]
-  bool fresh = true;                                // `forms` is not of these shape functions
-  float damage() const { return *std::max_element(now.begin(), now.end()); }
-  float worst() const { return *std::max_element(history.begin(), history.end()); }
-};
 struct DamageLaw {
   std::vector<PointDamage>* points = nullptr;  // parallel to the gathered points; null: nothing is damaged
   double brittleness = 0.0;                    // H of eq. 9

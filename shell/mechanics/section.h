@@ -91,21 +91,15 @@ inline void add_linear_bending(Resultants<T>& r, const Forms<T>& f, const Refere
 }
 
 /// C(zeta) = a - 2 zeta b against Abar(zeta) = abar - 2 zeta bbar, integrated over the layers.
-/// `soften(layer, stress, metric)` may weaken a layer's stress; its energy stays that of the full one.
-struct Intact {
-  template <class T>
-  void operator()(std::size_t, PlaneStress<T>&, const Sym2<T>&) const {}
-};
-template <class T, bool kEnergy, class Soften = Intact>
+template <class T, bool kEnergy>
 inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
-                                      const Elasticity& e, const Soften& soften = {}) {
+                                      const Elasticity& e) {
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
     const Sym2<T> c = at_height(f.a, f.b, z);
     const Sym2<T> a = reference_at(ref, layers, l);
-    PlaneStress<T> p = plane_stress<T>(c, a, e);
-    soften(l, p, c);
+    const PlaneStress<T> p = plane_stress<T>(c, a, e);
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
     r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
     if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, a, e);

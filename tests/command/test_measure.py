@@ -71,12 +71,13 @@ class Measuring(unittest.TestCase):
 
 
     def test_whole_runs_add_their_rows_and_a_broken_one_fails(self) -> None:
-        def good(table: experiments.Table) -> None:
+        def good(table: experiments.Table, executables: build.Executables) -> None:
+            del executables
             table.add("bounce_1", 1.01, 1.0, 0.03, 0.5)
             table.curves.append(NUMBERS["curves"][0])
 
-        def broken(table: experiments.Table) -> None:
-            del table
+        def broken(table: experiments.Table, executables: build.Executables) -> None:
+            del table, executables
             raise errors.CommandError("the ball is gone")
 
         runs = {"shells": (experiments.Experiment("bounce", "a ball", good),

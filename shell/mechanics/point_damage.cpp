@@ -1,0 +1,22 @@
+#include "shell/mechanics/point_damage.h"
+
+#include <utility>
+
+namespace sunder::shell {
+
+double spared_since(const PointDamage& d, const Loss& now, double area) {
+  double work = 0.0;
+  for (int k = 0; k < 6 && !d.fresh; ++k) {
+    const double mean = 0.5 * (now.lost[k] + d.lost[k]) * (k % 3 == 2 ? 2.0 : 1.0);  // 12 counts twice
+    work += mean * (now.forms[k] - d.forms[k]) * (k < 3 ? 0.5 : -1.0);               // dE = da / 2 - zeta db
+  }
+  return area * work;
+}
+
+double keep(PointDamage& d, const Loss& now, double area) {
+  d.spared += spared_since(d, now, area);
+  d.forms = now.forms, d.lost = now.lost, d.fresh = false;
+  return d.damage() > 0.0f ? 0.0 : std::exchange(d.spared, 0.0);
+}
+
+}  // namespace sunder::shell
