@@ -37,7 +37,9 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, co
   // around a row.
   const std::size_t reach = static_cast<std::size_t>(stride) + 2 * kLanes;
   const std::size_t needed = static_cast<std::size_t>(18) * stride + 27 * reach;
-  if (buffer.size() != needed) buffer.assign(needed, 0.0);
+  thread_local int cleared_for =
+      0;  // rows of other lengths may have the same stride, and leave forces where none belong
+  if (buffer.size() != needed || cleared_for != lanes) buffer.assign(needed, 0.0), cleared_for = lanes;
   double* c = buffer.data();   // [value, first, second in v][x y z][stride]
   double* q = c + 9 * stride;  // the same for forces
   double* parts = q + 9 * stride + kLanes;
