@@ -27,7 +27,7 @@ struct GatheredPoint {
   bool left = false;  // with a piece that was handed off
 };
 
-/// The nine functions of the uncut patch at parameter `p`, by slots of rows `stride` apart.
+/// All functions of the uncut patch at parameter `p`, by slots of rows `stride` apart.
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride);
 
 /// Rankine damage of a gathered point, layer by layer.

@@ -24,7 +24,7 @@ TEST(Patch, DerivativesAreThoseOfItsPosition) {
 
 TEST(Patch, OfAQuarterCylinderIsExact) {
   // rational quadratic arc with weights 1, sqrt(1/2), 1: a circle to round-off
-  Patch p{KnotVector({0, 0, 0, 1, 1, 1}, "u"), KnotVector({0, 0, 0, 1, 1, 1}, "v"), {}, {}};
+  Patch p{KnotVector({0, 0, 0, 1, 1, 1}, 2, "u"), KnotVector({0, 0, 0, 1, 1, 1}, 2, "v"), {}, {}};
   for (const double z : {0.0, 0.5, 1.0})
     for (const auto& [x, y] : {std::pair{1.0, 0.0}, std::pair{1.0, 1.0}, std::pair{0.0, 1.0}}) {
       p.control_points.emplace_back(x, y, z);
@@ -34,10 +34,10 @@ TEST(Patch, OfAQuarterCylinderIsExact) {
 }
 
 TEST(KnotVector, RefusesWhatIsNoOpenQuadratic) {
-  EXPECT_THROW(KnotVector({0, 0, 0, 1, 0.5, 2, 2, 2}, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 1, 1, 1}, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1}, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 0, std::nan(""), 1, 1, 1}, "u"), Error);
+  EXPECT_THROW(KnotVector({0, 0, 0, 1, 0.5, 2, 2, 2}, 2, "u"), Error);
+  EXPECT_THROW(KnotVector({0, 0, 1, 1, 1}, 2, "u"), Error);
+  EXPECT_THROW(KnotVector({0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1}, 2, "u"), Error);
+  EXPECT_THROW(KnotVector({0, 0, 0, std::nan(""), 1, 1, 1}, 2, "u"), Error);
 }
 
 TEST(GaussRule, IntegratesPolynomialsOfDegreeTwoNMinusOne) {
