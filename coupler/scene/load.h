@@ -56,6 +56,9 @@ struct Hull {
 constexpr int kMostHullCorners = 128;  // collision tests grow with the square and more
 Hull read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh);
 
+/// Degree of a shell's patch, whatever its kind: 2 where the scene gives none.
+int patch_degree(const proto::Shell& shell);
+
 inline Vec3 to_vec(const proto::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline Quat to_quat(const proto::Pose& p) {
   if (!p.has_orientation()) return Quat::Identity();

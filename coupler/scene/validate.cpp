@@ -137,6 +137,11 @@ void load(const Scene& s, const std::string& g, const proto::ShellLoad& m) {
   over_time(s, g + ".factor", m.factor(), [](const proto::FactorPoint& p) { return std::isfinite(p.value()); });
 }
 
+std::string patch_name(const proto::Shell& shell) {  // the field that is set
+  const auto* patch = shell.GetDescriptor()->FindOneofByName("patch");
+  return shell.GetReflection()->GetOneofFieldDescriptor(shell, patch)->name();
+}
+
 void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {
   s.check(materials.count(shell.material()), f + ".material", "'{}' is no material of this scene", shell.material());
   for (const auto& m : s.message.materials())
@@ -146,8 +151,6 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   positive(s, f + ".thickness_m", shell.has_thickness_m(), shell.thickness_m(), "m");
   s.check(!shell.has_layers() || (shell.layers() >= 1 && shell.layers() <= 16), f + ".layers", "is {}; 1 to 16",
           shell.layers());
-  s.check(!shell.has_gauss_points() || shell.gauss_points() == 2 || shell.gauss_points() == 3, f + ".gauss_points",
-          "is {}; 2 or 3", shell.gauss_points());
   s.check(proto::Shell::StressModel_IsValid(shell.stress_model()), f + ".stress_model",
           "is {}; PLANE_STRESS, PAPER_PROJECTION, JGT17 or GHF18", static_cast<int>(shell.stress_model()));
   s.check(proto::Shell::Bending_IsValid(shell.bending()), f + ".bending", "is {}; LAYERED or LINEAR",
@@ -161,6 +164,12 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   }
   s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f,
           "has no patch; give plate, cylinder, sphere, cone, nurbs or cad {{...}}");
+  const int degree = patch_degree(shell), gauss = shell.has_gauss_points() ? shell.gauss_points() : degree;
+  s.check(degree == 2 || degree == 3, fmt::format("{}.{}.degree", f, patch_name(shell)),
+          "is {}; 2 (quadratic) or 3 (cubic)", degree);
+  s.check(degree == 3 || gauss == 2 || gauss == 3, f + ".gauss_points", "is {}; 2 or 3", gauss);
+  s.check(degree == 2 || gauss == 3 || gauss == 4, f + ".gauss_points",
+          "is {}; 3 or 4 for a patch of degree 3, which fewer under-integrate", gauss);
   if (shell.has_plate()) {
     const auto& p = shell.plate();
     positive(s, f + ".plate.size_x_m", p.has_size_x_m(), p.size_x_m(), "m");
@@ -238,6 +247,15 @@ void body(const Scene& s, const std::string& f, const proto::Body& b, const std:
 }
 
 }  // namespace
+
+int patch_degree(const proto::Shell& s) {
+  const auto given = [](const auto& patch) { return patch.has_degree() ? patch.degree() : 2; };
+  return s.has_plate()      ? given(s.plate())
+         : s.has_cylinder() ? given(s.cylinder())
+         : s.has_sphere()   ? given(s.sphere())
+         : s.has_cone()     ? given(s.cone())
+                            : given(s.nurbs());
+}
 
 void validate(const LoadedScene& s) {
   const proto::Scene& m = s.message;

@@ -66,13 +66,20 @@ MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::func
     while (root[f] != f) f = root[f] = root[root[f]];
     return f;
   };
-  for (auto e = d.finite_edges_begin(); e != d.finite_edges_end(); ++e) {
-    const auto face = e->first, other = face->neighbor(e->second);
-    if (d.is_infinite(face) || d.is_infinite(other)) continue;
-    const double length2 = d.segment(e).squared_length();
+  // Each edge between two finite faces, from the one of lower number. CGAL's own iterator takes the one that lies lower
+  // in memory: what came out would differ from run to run.
+  const auto each_edge = [&](auto&& f) {
+    for (auto face = d.finite_faces_begin(); face != d.finite_faces_end(); ++face)
+      for (int k = 0; k < 3; ++k) {
+        const Delaunay::Face_handle other = face->neighbor(k);
+        if (!d.is_infinite(other) && face->info() < other->info()) f(Delaunay::Face_handle(face), k, other);
+      }
+  };
+  each_edge([&](Delaunay::Face_handle face, int k, Delaunay::Face_handle other) {
+    const double length2 = d.segment(face, k).squared_length();
     if (CGAL::squared_distance(d.circumcenter(face), d.circumcenter(other)) < kSamePlace * kSamePlace * length2)
       root[find(face->info())] = find(other->info());
-  }
+  });
   const auto vertex = [&](Delaunay::Face_handle f) {
     int& v = number[find(f->info())];
     if (v < 0) {
@@ -82,20 +89,18 @@ MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::func
     }
     return v;
   };
-  for (auto e = d.finite_edges_begin(); e != d.finite_edges_end(); ++e) {
-    const auto face = e->first, other = face->neighbor(e->second);
-    if (d.is_infinite(face) || d.is_infinite(other)) continue;
-    const BoundarySample& a = seeds[face->vertex((e->second + 1) % 3)->info()];
-    const BoundarySample& b = seeds[face->vertex((e->second + 2) % 3)->info()];
+  each_edge([&](Delaunay::Face_handle face, int k, Delaunay::Face_handle other) {
+    const BoundarySample& a = seeds[face->vertex((k + 1) % 3)->info()];
+    const BoundarySample& b = seeds[face->vertex((k + 2) % 3)->info()];
     const Vec2 chord = b.p - a.p;
     if (a.historical || b.historical || a.outward.dot(b.outward) > kFacing || a.outward.dot(chord) >= 0.0 ||
         b.outward.dot(chord) <= 0.0)
-      continue;
+      return;
     const Point p = d.circumcenter(face), q = d.circumcenter(other);
-    if (!inside({p.x(), p.y()}) || !inside({q.x(), q.y()})) continue;
+    if (!inside({p.x(), p.y()}) || !inside({q.x(), q.y()})) return;
     const int from = vertex(face), to = vertex(other);
     if (from != to) axis.edges.push_back({from, to});
-  }
+  });
   return axis;
 }
 

@@ -1,28 +1,34 @@
 #include "shell/geometry/patch.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "coupler/core/error.h"
 #include "shell/geometry/quadrature.h"
 
 namespace sunder::shell {
+namespace {
 
-bool Patch::rational() const {
-  for (const double w : weights)
-    if (w != weights.front()) return true;
-  return false;
-}
+// ShapeFunctions of one degree, in a function of its own: which products the compiler fuses with sums depends on the
+// arrays' lengths and on what is inlined, and the last bits of a quadratic patch must not depend on the cubic one.
+template <int kAcross>
+struct Functions {
+  int span_u = 0, span_v = 0;
+  std::array<double, kAcross * kAcross> value, u, v, uu, vv, uv;
+};
 
-ShapeFunctions Patch::shape_functions(const Vec2& p) const {
-  ShapeFunctions s;
+template <int kAcross>
+[[gnu::noinline]] Functions<kAcross> functions_at(const Patch& patch, const Vec2& p) {
+  const KnotVector &knots_u = patch.knots_u, &knots_v = patch.knots_v;
+  Functions<kAcross> s;
   s.span_u = knots_u.span_of(p.x());
   s.span_v = knots_v.span_of(p.y());
   const Basis bu = knots_u.basis(s.span_u, p.x()), bv = knots_v.basis(s.span_v, p.y());
   double w = 0, wu = 0, wv = 0, wuu = 0, wvv = 0, wuv = 0;  // denominator and its derivatives
-  for (int j = 0; j < kSupport; ++j)
-    for (int i = 0; i < kSupport; ++i) {
-      const int k = kSupport * j + i;
-      const double weight = weights[(s.span_v + j) * columns() + s.span_u + i];
+  for (int j = 0; j < kAcross; ++j)
+    for (int i = 0; i < kAcross; ++i) {
+      const int k = kAcross * j + i;
+      const double weight = patch.weights[(s.span_v + j) * patch.columns() + s.span_u + i];
       w += s.value[k] = weight * bu.value[i] * bv.value[j];
       wu += s.u[k] = weight * bu.first[i] * bv.value[j];
       wv += s.v[k] = weight * bu.value[i] * bv.first[j];
@@ -30,7 +36,7 @@ ShapeFunctions Patch::shape_functions(const Vec2& p) const {
       wvv += s.vv[k] = weight * bu.value[i] * bv.second[j];
       wuv += s.uv[k] = weight * bu.first[i] * bv.first[j];
     }
-  for (int k = 0; k < 9; ++k) {  // quotient rule, highest derivatives last
+  for (int k = 0; k < kAcross * kAcross; ++k) {  // quotient rule, highest derivatives last
     const double r = s.value[k] / w;
     const double ru = (s.u[k] - wu * r) / w, rv = (s.v[k] - wv * r) / w;
     s.uu[k] = (s.uu[k] - 2.0 * wu * ru - wuu * r) / w;
@@ -41,24 +47,53 @@ ShapeFunctions Patch::shape_functions(const Vec2& p) const {
   return s;
 }
 
-SurfacePoint Patch::evaluate(const Vec2& p, const std::vector<Vec3>& net) const {
-  const ShapeFunctions s = shape_functions(p);
+template <int kAcross>
+ShapeFunctions widened(const Functions<kAcross>& s) {
+  ShapeFunctions out;
+  out.span_u = s.span_u, out.span_v = s.span_v, out.across = kAcross;
+  const auto copy = [](const auto& from, auto& to) { std::copy(from.begin(), from.end(), to.begin()); };
+  copy(s.value, out.value), copy(s.u, out.u), copy(s.v, out.v);
+  copy(s.uu, out.uu), copy(s.vv, out.vv), copy(s.uv, out.uv);
+  return out;
+}
+
+template <int kAcross>
+SurfacePoint point_at(const Patch& patch, const Vec2& p, const std::vector<Vec3>& net) {
+  const Functions<kAcross> s = functions_at<kAcross>(patch, p);
   SurfacePoint q{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  for (int k = 0; k < 9; ++k) {
-    const Vec3& x = net[(s.span_v + k / kSupport) * columns() + s.span_u + k % kSupport];
+  for (int k = 0; k < kAcross * kAcross; ++k) {
+    const Vec3& x = net[(s.span_v + k / kAcross) * patch.columns() + s.span_u + k % kAcross];
     q.x += s.value[k] * x, q.u += s.u[k] * x, q.v += s.v[k] * x;
     q.uu += s.uu[k] * x, q.vv += s.vv[k] * x, q.uv += s.uv[k] * x;
   }
   return q;
 }
 
+}  // namespace
+
+bool Patch::rational() const {
+  for (const double w : weights)
+    if (w != weights.front()) return true;
+  return false;
+}
+
+ShapeFunctions Patch::shape_functions(const Vec2& p) const {
+  return degree() == 2 ? widened(functions_at<3>(*this, p)) : widened(functions_at<4>(*this, p));
+}
+
+SurfacePoint Patch::evaluate(const Vec2& p, const std::vector<Vec3>& net) const {
+  return degree() == 2 ? point_at<3>(*this, p, net) : point_at<4>(*this, p, net);
+}
+
 void validate(const Patch& patch, const std::string& field) {
   const std::size_t expected = static_cast<std::size_t>(patch.columns()) * patch.rows();
+  require(patch.knots_v.degree() == patch.degree(), "{}: degree {} along u and {} along v; give both the same", field,
+          patch.degree(), patch.knots_v.degree());
   require(
       patch.control_points.size() == expected,
-      "{}.control_points: {} points, but the knots ask for {} x {} = {}; a quadratic direction has three knots more "
+      "{}.control_points: {} points, but the knots ask for {} x {} = {}; a direction of degree {} has {} knots more "
       "than control points",
-      field, patch.control_points.size(), patch.columns(), patch.rows(), expected);
+      field, patch.control_points.size(), patch.columns(), patch.rows(), expected, patch.degree(), patch.degree() + 1);
   require(patch.weights.size() == expected, "{}.weights: {} weights for {} control points; give one each, or none",
           field, patch.weights.size(), expected);
   for (std::size_t i = 0; i < expected; ++i) {
@@ -90,8 +125,9 @@ Patch with_parameters_as_lengths(const Patch& patch) {
   return scaled;
 }
 
-Patch plate(double size_x, double size_y, int elements_x, int elements_y, const Vec3& centre, const Quat& orientation) {
-  Patch p{KnotVector::uniform(elements_x, size_x), KnotVector::uniform(elements_y, size_y), {}, {}};
+Patch plate(double size_x, double size_y, int elements_x, int elements_y, const Vec3& centre, const Quat& orientation,
+            int degree) {
+  Patch p{KnotVector::uniform(elements_x, size_x, degree), KnotVector::uniform(elements_y, size_y, degree), {}, {}};
   for (int j = 0; j < p.rows(); ++j)
     for (int i = 0; i < p.columns(); ++i)
       p.control_points.push_back(

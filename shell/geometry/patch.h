@@ -1,5 +1,5 @@
 #pragma once
-// A rational quadratic surface patch.
+// A rational surface patch of degree 2 or 3, the same in both directions.
 #include <array>
 #include <vector>
 
@@ -8,11 +8,16 @@
 
 namespace sunder::shell {
 
-/// The nine shape functions of one point of a patch with all derivatives that a shell needs.
-/// Control point of entry k = 3 j + i: column span_u + i, row span_v + j.
+/// The shape functions of one point of a patch, nine or sixteen, with all derivatives that a shell needs.
+/// Entry k = across j + i is that of control point (span_u + i, span_v + j).
 struct ShapeFunctions {
   int span_u = 0, span_v = 0;
-  std::array<double, 9> value, u, v, uu, vv, uv;
+  int across = 3;  // functions per direction
+  std::array<double, kMostSupport * kMostSupport> value, u, v, uu, vv, uv;
+
+  int count() const { return across * across; }
+  int column(int k) const { return span_u + k % across; }
+  int row(int k) const { return span_v + k / across; }
 };
 
 /// Position and derivatives of a surface at a point [m, m/(parameter)...].
@@ -27,6 +32,8 @@ struct Patch {
 
   int columns() const { return knots_u.control_points(); }
   int rows() const { return knots_v.control_points(); }
+  int degree() const { return knots_u.degree(); }
+  std::size_t functions() const { return (degree() + 1) * (degree() + 1); }  // at a point
   bool rational() const;
   Vec2 greville(int control_point) const {
     return {knots_u.greville(control_point % columns()), knots_v.greville(control_point / columns())};
@@ -47,6 +54,7 @@ void validate(const Patch& patch, const std::string& field);
 Patch with_parameters_as_lengths(const Patch& patch);
 
 /// Flat rectangle size_x * size_y, centre at `centre`, axes and normal turned by `orientation`.
-Patch plate(double size_x, double size_y, int elements_x, int elements_y, const Vec3& centre, const Quat& orientation);
+Patch plate(double size_x, double size_y, int elements_x, int elements_y, const Vec3& centre, const Quat& orientation,
+            int degree = 2);
 
 }  // namespace sunder::shell

@@ -28,22 +28,24 @@ Patch posed(const Patch& patch, const Message& m) {
 }
 
 Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+  const int degree = scene::patch_degree(s);
   if (s.has_plate()) {
     const auto& p = s.plate();
     return plate(p.size_x_m(), p.size_y_m(), p.elements_x(), p.elements_y(), scene::to_vec(p.pose().position()),
-                 scene::to_quat(p.pose()));
+                 scene::to_quat(p.pose()), degree);
   }
   if (s.has_cylinder()) {
     const auto& c = s.cylinder();
     return at_field(scene, field + ".cylinder", [&] {
-      return posed(cylinder(c.radius_m(), c.length_m(), c.angle_deg() * kDegree1, c.elements_u(), c.elements_v()), c);
+      return posed(
+          cylinder(c.radius_m(), c.length_m(), c.angle_deg() * kDegree1, c.elements_u(), c.elements_v(), degree), c);
     });
   }
   if (s.has_sphere()) {
     const auto& c = s.sphere();
     return at_field(scene, field + ".sphere", [&] {
       return posed(sphere(c.radius_m(), c.angle_deg() * kDegree1, c.from_deg() * kDegree1, c.to_deg() * kDegree1,
-                          c.elements_u(), c.elements_v()),
+                          c.elements_u(), c.elements_v(), degree),
                    c);
     });
   }
@@ -51,7 +53,8 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
     const auto& c = s.cone();
     return at_field(scene, field + ".cone", [&] {
       return posed(
-          cone(c.bottom_m(), c.top_m(), c.height_m(), c.angle_deg() * kDegree1, c.elements_u(), c.elements_v()), c);
+          cone(c.bottom_m(), c.top_m(), c.height_m(), c.angle_deg() * kDegree1, c.elements_u(), c.elements_v(), degree),
+          c);
     });
   }
   if (s.has_cad()) {
@@ -64,7 +67,9 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
   }
   const auto& n = s.nurbs();
   const auto knots = [&](const auto& list, const char* name) {
-    return at_field(scene, field + ".nurbs." + name, [&] { return KnotVector({list.begin(), list.end()}, name); });
+    return at_field(scene, field + ".nurbs." + name, [&] {
+      return KnotVector({list.begin(), list.end()}, degree, name);
+    });
   };
   Patch patch{
       knots(n.knots_u(), "knots_u"), knots(n.knots_v(), "knots_v"), {}, {n.weights().begin(), n.weights().end()}};
@@ -148,6 +153,9 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   scene.check(material.surface_compression <= 0.02 * material.youngs_modulus, field + ".surface_compression",
               "is {:.3g} of youngs_modulus; at most 0.02", material.surface_compression / material.youngs_modulus);
   const Patch patch = make_patch(scene, s, field);
+  const int gauss = s.has_gauss_points() ? s.gauss_points() : patch.degree();
+  scene.check(gauss >= patch.degree() && gauss <= patch.degree() + 1, field + ".gauss_points",
+              "is {}; {} or {} for a patch of degree {}", gauss, patch.degree(), patch.degree() + 1, patch.degree());
   std::vector<Support> supports;
   std::vector<Load> loads;
   for (const auto& support : s.supports()) supports.push_back(make_support(support));
@@ -169,8 +177,8 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
     at_field(scene, fmt::format("{}.loads[{}]", field, i),
              [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
   return at_field(scene, field, [&] {
-    return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2,
-                      s.has_gauss_points() ? s.gauss_points() : 2, supports, loads);
+    return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2, gauss, supports,
+                      loads);
   });
 }
 

@@ -47,7 +47,7 @@ namespace {
 
 using Spline = opencascade::handle<Geom_BSplineSurface>;
 
-constexpr int kHighestDegree = kDegree;  // that a patch can have
+constexpr int kHighestDegree = 3;        // that a patch can have
 constexpr double kMetresPerUnit = 1e-3;  // OpenCASCADE's tolerances are made for millimetres: it converts to them
 // Shares of the face's size. Files carry tolerances of about a micrometre, and nothing of a shell is that fine.
 constexpr double kTrimTolerance = 1e-5;    // by which a border may leave the sides of the parameter rectangle
@@ -250,7 +250,7 @@ Spline to_spline(const Place& place, const TopoDS_Face& face) {
   const Rectangle r = parameters(place, face, surface);
   const Spline s =
       GeomConvert::SurfaceToBSplineSurface(new Geom_RectangularTrimmedSurface(surface, r.u[0], r.u[1], r.v[0], r.v[1]));
-  const int degree = std::max({kDegree, s->UDegree(), s->VDegree()});
+  const int degree = std::max({2, s->UDegree(), s->VDegree()});
   place.check(degree <= kHighestDegree,
               "has degree {} along u and {} along v; at most {} can be used: rebuild the surface as degree {} in the "
               "CAD program",
@@ -268,8 +268,9 @@ Spline to_spline(const Place& place, const TopoDS_Face& face) {
 }
 
 Patch to_patch(const Spline& s, double scale, const std::string& field) {
-  const auto knots = [](const TColStd_Array1OfReal& k, const char* name) {
-    return KnotVector({k.begin(), k.end()}, name);
+  const int degree = s->UDegree();  // and of v
+  const auto knots = [degree](const TColStd_Array1OfReal& k, const char* name) {
+    return KnotVector({k.begin(), k.end()}, degree, name);
   };
   Patch patch{knots(s->UKnotSequence(), "knots along u"), knots(s->VKnotSequence(), "knots along v"), {}, {}};
   for (int j = 1; j <= s->NbVPoles(); ++j)

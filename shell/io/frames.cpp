@@ -25,10 +25,10 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
   };
   const ShapeFunctions f = m.patch.shape_functions(p);
   bool clear = true;
-  for (int k = 0; k < 9 && clear && near_crack; ++k)
-    clear = s.cracks.visible(p, m.parameter[(f.span_v + k / 3) * m.tables.columns + f.span_u + k % 3]);
+  for (int k = 0; k < f.count() && clear && near_crack; ++k)
+    clear = s.cracks.visible(p, m.parameter[f.row(k) * m.tables.columns + f.column(k)]);
   if (clear) {
-    for (int k = 0; k < 9; ++k) add(f.value[k], (f.span_v + k / 3) * m.tables.stride + f.span_u + k % 3);
+    for (int k = 0; k < f.count(); ++k) add(f.value[k], f.row(k) * m.tables.stride + f.column(k));
     return c;
   }
   const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, f.span_u, f.span_v);
@@ -39,8 +39,8 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
   // too little in sight: moves with the nearest control point
   int nearest = 0;
   double distance = 1e300;
-  for (int k = 0; k < 9; ++k) {
-    const int i = (f.span_v + k / 3) * m.tables.columns + f.span_u + k % 3;
+  for (int k = 0; k < f.count(); ++k) {
+    const int i = f.row(k) * m.tables.columns + f.column(k);
     const double d = (m.parameter[i] - p).squaredNorm() + (s.cracks.visible(p, m.parameter[i]) ? 0.0 : 1.0);
     if (d < distance) distance = d, nearest = i;
   }

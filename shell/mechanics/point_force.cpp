@@ -159,9 +159,8 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride) {
   const ShapeFunctions n = patch.shape_functions(p);
   std::vector<GatheredFunction> out;
-  for (int k = 0; k < 9; ++k)
-    out.push_back(
-        {(n.span_v + k / 3) * stride + n.span_u + k % 3, {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+  for (int k = 0; k < n.count(); ++k)
+    out.push_back({n.row(k) * stride + n.column(k), {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
   return out;
 }
 

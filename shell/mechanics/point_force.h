@@ -28,7 +28,7 @@ struct GatheredPoint {
   bool in_rows = false;
 };
 
-/// The nine functions of the uncut patch at parameter `p`, by slots of rows `stride` apart.
+/// All functions of the uncut patch at parameter `p`, by slots of rows `stride` apart.
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride);
 
 struct DamageLaw {

@@ -9,7 +9,7 @@ namespace sunder::shell {
 
 /// Buffers that the kernel reuses; nothing is allocated in a substep.
 struct RowScratch {
-  std::vector<double> row_force;                   // [span along v][control row 0..2][x y z][stride]
+  std::vector<double> row_force;                   // [span along v][control row 0..degree][x y z][stride]
   std::vector<double> row_energy, row_dissipated;  // [span along v]
   std::vector<double> weighted;                    // [3][plane], control points times weights of rational patches
 };

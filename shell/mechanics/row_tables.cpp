@@ -1,5 +1,7 @@
 #include "shell/mechanics/row_tables.h"
 
+#include <algorithm>
+
 #include "coupler/core/error.h"
 #include "shell/geometry/quadrature.h"
 
@@ -44,8 +46,23 @@ int round_up(int n, int to) { return (n + to - 1) / to * to; }
 
 // The basis of a span; for a span of no length (never summed) any regular numbers will do.
 Basis basis_at(const KnotVector& knots, int span, double point) {
-  if (knots.span_length(span) == 0.0) return {{0.5, 0.5, 0.0}, {-1.0, 1.0, 0.0}, {0.0, 0.0, 0.0}};
+  if (knots.span_length(span) == 0.0) return {{0.5, 0.5}, {-1.0, 1.0}, {}};
   return knots.basis(span, knots.span_begin(span) + 0.5 * (1.0 + point) * knots.span_length(span));
+}
+
+// The sum of the weighted functions of a span, and its derivatives.
+template <int kSupport>
+void denominators(const Patch& patch, const Basis& bu, const Basis& bv, int span_u, int span_v, double* out) {
+  double w[kRationalFields] = {};
+  for (int j = 0; j < kSupport; ++j)
+    for (int i = 0; i < kSupport; ++i) {
+      const double weight = patch.weights[(span_v + j) * patch.columns() + span_u + i];
+      w[0] += weight * bu.value[i] * bv.value[j], w[1] += weight * bu.first[i] * bv.value[j];
+      w[2] += weight * bu.value[i] * bv.first[j], w[3] += weight * bu.second[i] * bv.value[j];
+      w[4] += weight * bu.value[i] * bv.second[j], w[5] += weight * bu.first[i] * bv.first[j];
+    }
+  w[0] = 1.0 / w[0];
+  std::copy(w, w + kRationalFields, out);
 }
 
 }  // namespace
@@ -64,9 +81,10 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
   RowTables t;
   t.columns = patch.columns(), t.rows = patch.rows();
   t.spans_u = patch.knots_u.spans(), t.spans_v = patch.knots_v.spans();
+  t.degree = patch.degree();
   t.gauss = gauss;
   t.lanes = round_up(t.spans_u, kLanes);
-  t.stride = round_up(t.lanes + kDegree, 8);
+  t.stride = round_up(t.lanes + t.degree, 8);
   if (t.stride % 16 == 0) t.stride += 8;  // an odd number of 64-byte lines
   t.plane = t.stride * t.rows;
   t.rational = patch.rational();
@@ -74,22 +92,22 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
   t.elasticity = elasticity;
 
   const GaussRule& rule = gauss_rule(gauss);
-  t.basis_u.assign(static_cast<std::size_t>(gauss) * 9 * t.lanes, 0.0);
+  const int support = t.support();
+  t.basis_u.assign(static_cast<std::size_t>(gauss) * 3 * support * t.lanes, 0.0);
   for (int a = 0; a < gauss; ++a)
     for (int e = 0; e < t.spans_u; ++e) {
       const Basis basis = basis_at(patch.knots_u, e, rule.point[a]);
-      for (int k = 0; k < kSupport; ++k) {
-        t.basis_u[((a * 3 + 0) * 3 + k) * t.lanes + e] = basis.value[k];
-        t.basis_u[((a * 3 + 1) * 3 + k) * t.lanes + e] = basis.first[k];
-        t.basis_u[((a * 3 + 2) * 3 + k) * t.lanes + e] = basis.second[k];
+      for (int k = 0; k < support; ++k) {
+        t.basis_u[((a * 3 + 0) * support + k) * t.lanes + e] = basis.value[k];
+        t.basis_u[((a * 3 + 1) * support + k) * t.lanes + e] = basis.first[k];
+        t.basis_u[((a * 3 + 2) * support + k) * t.lanes + e] = basis.second[k];
       }
     }
   for (int f = 0; f < t.spans_v; ++f)
     for (int b = 0; b < gauss; ++b) {
       const Basis basis = basis_at(patch.knots_v, f, rule.point[b]);
-      t.basis_v.insert(t.basis_v.end(), basis.value.begin(), basis.value.end());
-      t.basis_v.insert(t.basis_v.end(), basis.first.begin(), basis.first.end());
-      t.basis_v.insert(t.basis_v.end(), basis.second.begin(), basis.second.end());
+      for (const auto* n : {&basis.value, &basis.first, &basis.second})
+        t.basis_v.insert(t.basis_v.end(), n->begin(), n->begin() + support);
     }
   t.weight.assign(t.plane, 0.0);
   for (int i = 0; i < t.columns * t.rows; ++i) t.weight[t.slot(i)] = patch.weights[i];
@@ -117,18 +135,11 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
       m[kB11 * t.lanes] = s.uu.dot(n), m[kB22 * t.lanes] = s.vv.dot(n), m[kB12 * t.lanes] = s.uv.dot(n);
       m[kArea * t.lanes] = jacobian * g.weight;
       if (t.rational) {
-        const Basis bu = basis_at(patch.knots_u, e, rule.point[q % gauss]);
         const int row = q / gauss;
+        const Basis bu = basis_at(patch.knots_u, e, rule.point[q % gauss]);
         const Basis bv = basis_at(patch.knots_v, row / gauss, rule.point[row % gauss]);
-        double w[6] = {};
-        for (int j = 0; j < kSupport; ++j)
-          for (int i = 0; i < kSupport; ++i) {
-            const double weight = patch.weights[(row / gauss + j) * t.columns + e + i];
-            w[0] += weight * bu.value[i] * bv.value[j], w[1] += weight * bu.first[i] * bv.value[j];
-            w[2] += weight * bu.value[i] * bv.first[j], w[3] += weight * bu.second[i] * bv.value[j];
-            w[4] += weight * bu.value[i] * bv.second[j], w[5] += weight * bu.first[i] * bv.first[j];
-          }
-        w[0] = 1.0 / w[0];
+        double w[kRationalFields] = {};
+        (t.degree == 2 ? denominators<3> : denominators<4>)(patch, bu, bv, e, row / gauss, w);
         for (int i = 0; i < kRationalFields; ++i) t.denominator[t.at(q, kRationalFields, i, e)] = w[i];
       }
     }

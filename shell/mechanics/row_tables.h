@@ -37,6 +37,7 @@ enum RationalField { kInvW, kWu, kWv, kWuu, kWvv, kWuv, kRationalFields };
 struct RowTables {
   int columns = 0, rows = 0;  // control points
   int spans_u = 0, spans_v = 0;
+  int degree = 2;
   int gauss = 0;              // points per span and direction
   int stride = 0, plane = 0;  // of control point arrays
   int lanes = 0;              // of Gauss point arrays
@@ -51,6 +52,7 @@ struct RowTables {
 
   int slot(int control_point) const { return (control_point / columns) * stride + control_point % columns; }
   int control_point(int slot) const { return slot / stride * columns + slot % stride; }
+  int support() const { return degree + 1; }  // functions of a span, per direction
   int gauss_rows() const { return spans_v * gauss; }
   int blocks() const { return gauss_rows() * gauss; }
   int gauss_points() const { return spans_u * spans_v * gauss * gauss; }

@@ -189,6 +189,9 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
   std::vector<char> own(plane, 0);
+  // a control point near a span: its first of degree 2, its second, which is nearer, of degree 3
+  const int inner = (t.degree - 1) / 2;
+  const auto beside = [&](int span_v, int span_u) { return (span_v + inner) * t.stride + span_u + inner; };
   s.last_force.clear();
   for (const int i : piece.control_points) {
     const int slot = t.slot(i);
@@ -198,7 +201,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   }
   for (GatheredPoint& g : s.points) {
     const bool bears = g.kind != PointKind::kDead;
-    if (!own[bears ? g.functions[0].slot : g.block / (t.gauss * t.gauss) * t.stride + g.lane]) continue;
+    if (!own[bears ? g.functions[0].slot : beside(g.block / (t.gauss * t.gauss), g.lane)]) continue;
     g.left = true, g.kind = PointKind::kDead, g.functions.clear();
   }
   for (std::size_t i = 0; i < s.damage.size(); ++i)  // what has left is no crack of what stands
@@ -206,7 +209,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];
-      if (area > 0.0 && own[q / (t.gauss * t.gauss) * t.stride + e]) area = 0.0;
+      if (area > 0.0 && own[beside(q / (t.gauss * t.gauss), e)]) area = 0.0;
       const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
       if (area == 0.0 && (point < 0 || s.points[point].kind == PointKind::kDead))
         for (int k = 0; k < 6; ++k) s.surface_stress[t.at(q, 6, k, e)] = 0.0;
@@ -217,8 +220,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
         if (own[f.slot]) lock.holds = false;
   for (Tip& tip : s.tips)
     if (tip.alive) {
-      const int i = m.patch.knots_v.span_of(tip.p.y()) * t.stride + m.patch.knots_u.span_of(tip.p.x());
-      if (own[i]) tip.alive = false;
+      if (own[beside(m.patch.knots_v.span_of(tip.p.y()), m.patch.knots_u.span_of(tip.p.x()))]) tip.alive = false;
     }
 }
 

@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
 constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
+// Control points of a uniform cubic patch lie on knots, where a cut at round numbers runs, and round-off would put one
+// on either side of it, edge by edge. Spacings off, each is clearly on one.
+constexpr double kOffKnots = 1e-6;
 
 std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   std::vector<GatheredFunction> out;
@@ -84,7 +87,8 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
           return segments_meet(g.parameter, m.parameter[control_point], e.long_a, e.long_b);
         };
         if (point < 0)
-          for (int k = 0; k < 9 && !hit; ++k) hit = cut((f + k / 3) * t.columns + lane + k % 3);
+          for (int k = 0; k < t.support() * t.support() && !hit; ++k)
+            hit = cut((f + k / t.support()) * t.columns + lane + k % t.support());
         else
           for (const GatheredFunction& n : s.points[point].functions)
             if ((hit = cut(t.control_point(n.slot)))) break;
@@ -144,11 +148,12 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
     if (!m.patch.contains(end + m.spacing * d)) end += 1.01 * m.spacing * d;
     return end;
   };
+  const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
   int last = -1;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    Vec2 a = points[i], b = points[i + 1];
+    Vec2 a = points[i] + off, b = points[i + 1] + off;
     if (i == 0) a = run_out(a, b);
-    if (i + 2 == points.size()) b = run_out(b, points[i]);
+    if (i + 2 == points.size()) b = run_out(b, points[i] + off);
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
     if (last < 0) last = s.cracks.add_vertex(a);
     for (int k = 1; k <= pieces; ++k) {

@@ -31,8 +31,8 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
       if (area == 0.0) continue;
       const ShapeFunctions s = m.patch.shape_functions(gauss_point(m.patch, t, q, e).parameter);
-      for (int k = 0; k < 9; ++k)
-        m.mass[(s.span_v + k / 3) * t.stride + s.span_u + k % 3] += material.density * thickness * area * s.value[k];
+      for (int k = 0; k < s.count(); ++k)
+        m.mass[s.row(k) * t.stride + s.column(k)] += material.density * thickness * area * s.value[k];
     }
   m.rest.assign(3 * static_cast<std::size_t>(t.plane), 0.0);
   for (int i = 0; i < m.control_points(); ++i)

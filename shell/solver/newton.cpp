@@ -8,9 +8,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kReach = 2;                // control points that share an element lie at most so far apart
-constexpr int kPeriod = 2 * kReach + 1;  // those a period apart are moved at once
-constexpr double kDifference = 1e-6;     // of the size of what a control point stands for
+constexpr double kDifference = 1e-6;  // of the size of what a control point stands for
 
 }  // namespace
 
@@ -40,26 +38,28 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
                                 const std::vector<double>& residual, const std::function<void()>& forces) {
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
+  const int reach = t.degree;               // control points that share an element lie at most so far apart
+  const int period = 2 * reach + 1;         // those a period apart are moved at once
   std::vector<double> epsilon(plane, 0.0);  // by the area that a control point stands for
   for (std::size_t i = 0; i < plane; ++i)
     epsilon[i] = kDifference * std::sqrt(m.mass[i] / (m.material.density * m.thickness));
   forces();
   const std::vector<double> f0 = s.force, x = s.x;
   std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(static_cast<std::size_t>(free.count) * 75);
-  for (int colour = 0; colour < kPeriod * kPeriod; ++colour)
+  entries.reserve(static_cast<std::size_t>(free.count) * 3 * period * period);
+  for (int colour = 0; colour < period * period; ++colour)
     for (int d = 0; d < 3; ++d) {
-      const int first_i = colour % kPeriod, first_j = colour / kPeriod;
-      for (int j = first_j; j < t.rows; j += kPeriod)
-        for (int i = first_i; i < t.columns; i += kPeriod)
+      const int first_i = colour % period, first_j = colour / period;
+      for (int j = first_j; j < t.rows; j += period)
+        for (int i = first_i; i < t.columns; i += period)
           s.x[d * plane + j * t.stride + i] += epsilon[j * t.stride + i];
       forces();
-      for (int j = first_j; j < t.rows; j += kPeriod)
-        for (int i = first_i; i < t.columns; i += kPeriod) {
+      for (int j = first_j; j < t.rows; j += period)
+        for (int i = first_i; i < t.columns; i += period) {
           const int column = free.number[d * plane + j * t.stride + i];
           if (column < 0) continue;
-          for (int q = std::max(0, j - kReach); q <= std::min(t.rows - 1, j + kReach); ++q)
-            for (int p = std::max(0, i - kReach); p <= std::min(t.columns - 1, i + kReach); ++p)
+          for (int q = std::max(0, j - reach); q <= std::min(t.rows - 1, j + reach); ++q)
+            for (int p = std::max(0, i - reach); p <= std::min(t.columns - 1, i + reach); ++p)
               for (int e = 0; e < 3; ++e) {
                 const std::size_t k = e * plane + q * t.stride + p;
                 const double value = -(s.force[k] - f0[k]) / epsilon[j * t.stride + i];

@@ -163,11 +163,12 @@ void sample_functions(const ShellModel& m, const ShellState& s, int block, int l
   }
   const int row = block / t.gauss, a = block % t.gauss, f = row / t.gauss;
   const double inverse = t.rational ? t.denominator[t.at(block, kRationalFields, kInvW, lane)] : 1.0;
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i) {
+  const int support = t.support();
+  for (int j = 0; j < support; ++j)
+    for (int i = 0; i < support; ++i) {
       const int slot = (f + j) * t.stride + lane + i;
-      const double value =
-          t.basis_u[((a * 3) * 3 + i) * t.lanes + lane] * t.basis_v[static_cast<std::size_t>(row) * 9 + j];
+      const double value = t.basis_u[(a * 3 * support + i) * t.lanes + lane] *
+                           t.basis_v[static_cast<std::size_t>(row) * 3 * support + j];
       out.push_back({slot, {t.rational ? value * t.weight[slot] * inverse : value, 0, 0, 0, 0, 0}});
     }
 }

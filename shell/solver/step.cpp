@@ -130,8 +130,8 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
   std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(tiles_u) * tiles_v);
   for (int tv = 0; tv < tiles_v; ++tv)
     for (int tu = 0; tu < tiles_u; ++tu)
-      for (int j = tv * kTile; j < std::min(t.rows, (tv + 1) * kTile + 2); ++j)
-        for (int i = tu * kTile; i < std::min(t.columns, (tu + 1) * kTile + 2); ++i)
+      for (int j = tv * kTile; j < std::min(t.rows, (tv + 1) * kTile + t.degree); ++j)
+        for (int i = tu * kTile; i < std::min(t.columns, (tu + 1) * kTile + t.degree); ++i)
           if (!s.gone[j * t.stride + i]) boxes[tv * tiles_u + tu].extend(s.position(j * t.stride + i));
   // Samples' places, found once however many bodies ask.
   struct Sample {
@@ -204,14 +204,14 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       if (middle.value > 0.5 * m.thickness) continue;
       // the face towards the body: half a thickness off the middle along the shell's own normal
       Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
-      const bool gathered = functions.front().n[1] != 0.0 || functions.size() != 9;
+      const bool gathered = functions.front().n[1] != 0.0 || functions.size() != m.patch.functions();
       if (gathered) {
         for (const auto& f : functions) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
       } else {
         const ShapeFunctions n =
             m.patch.shape_functions(gauss_point(m.patch, m.tables, candidate.block, candidate.lane).parameter);
-        for (int k = 0; k < 9; ++k) {
-          const Vec3 x = s.position((n.span_v + k / 3) * m.tables.stride + n.span_u + k % 3);
+        for (int k = 0; k < n.count(); ++k) {
+          const Vec3 x = s.position(n.row(k) * m.tables.stride + n.column(k));
           tu += n.u[k] * x, tv += n.v[k] * x;
         }
       }

@@ -27,13 +27,13 @@ struct Sheet {
 };
 
 // A glass-like sheet of square elements, bent and stretched a little, so that no branch is the trivial one.
-std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, double strain = 1e-4) {
+std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, double strain = 1e-4, int degree = 2) {
   ShellMaterial g;
   g.density = 2500, g.youngs_modulus = 70e9, g.poisson_ratio = 0.22, g.strength = strength, g.fracture_energy = 1e6;
   const double h = 5e-3;
   auto s = std::make_unique<Sheet>(
-      Sheet{make_shell("sheet", plate(h * across, h * along, across, along, Vec3::Zero(), Quat::Identity()), 4e-3, g,
-                       kLayers, 2, {}),
+      Sheet{make_shell("sheet", plate(h * across, h * along, across, along, Vec3::Zero(), Quat::Identity(), degree),
+                       4e-3, g, kLayers, degree, {}),
             {},
             0.0});
   s->state = make_state(s->model, Vec3::Zero(), 1);
@@ -184,6 +184,7 @@ int main(int argc, char** argv) {
     }
   }
   const auto small = sheet(32, 20), middle = sheet(100, 100), large = sheet(280, 279);
+  const auto cubic = sheet(66, 67, 0.0, 1e-4, 3);  // as many layer points as the middle one
   const auto damaged = sheet(60, 60, 7e6, 1.5e-4), sound = sheet(60, 60);
   damaged->state.brittleness = 0.5;
   const RowTables& t = damaged->model.tables;
@@ -205,6 +206,7 @@ int main(int argc, char** argv) {
   add("force_10k", [&](benchmark::State& b) { force(b, *small, 1); });
   add("force_160k", [&](benchmark::State& b) { force(b, *middle, 1); });
   add("force_1250k", [&](benchmark::State& b) { force(b, *large, 1); });
+  add("force_cubic", [&](benchmark::State& b) { force(b, *cubic, 1); });
   add("force_scalar", [&](benchmark::State& b) { scalar_reference(b, *middle); });
   add("force_damage", [&](benchmark::State& b) { force(b, *damaged, 1); });
   add("force_sound", [&](benchmark::State& b) { force(b, *sound, 1); });
@@ -233,6 +235,7 @@ int main(int argc, char** argv) {
   put("force_ns_per_layer_point_10k", "force_10k", 1e9 / small->layer_points);
   put("force_ns_per_layer_point_160k", "force_160k", 1e9 / middle->layer_points);
   put("force_ns_per_layer_point_1250k", "force_1250k", 1e9 / large->layer_points);
+  put("force_ns_per_layer_point_cubic", "force_cubic", 1e9 / cubic->layer_points);
   put("scalar_reference_ns_per_layer_point", "force_scalar", 1e9 / middle->layer_points);
   put("force_ns_per_layer_point_damage", "force_damage", 1e9 / damaged->layer_points);
   put("step_ms_160k_layer_points", "step_2", 1e3);

@@ -89,6 +89,15 @@ INSTANTIATE_TEST_SUITE_P(
              "nurbs { knots_u: [0,0,0,2,1,3,3,3] knots_v: [0,0,0,1,1,1] }", 9, "knots never fall"},
         Case{"ControlNetOfTheWrongSize", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
              "nurbs { knots_u: [0,0,0,1,1,1] knots_v: [0,0,0,1,1,1] control_points { x: 1 } }", 9, "3 x 3 = 9"},
+        Case{"DegreeOfFour", "elements_y: 16 }", "elements_y: 16 degree: 4 }", 9, "2 (quadratic) or 3 (cubic)"},
+        Case{"CubicPatchOfTwoGaussPoints", "elements_y: 16 }", "elements_y: 16 degree: 3 } gauss_points: 2", 9,
+             "which fewer under-integrate"},
+        Case{"QuadraticPatchOfFourGaussPoints", "elements_y: 16 }", "elements_y: 16 } gauss_points: 4", 9,
+             "is 4; 2 or 3"},
+        Case{"CubicKnotsThatFold", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+             "nurbs { degree: 3 knots_u: [0,0,0,0,1,1,1,2,2,2,2] knots_v: [0,0,0,0,1,1,1,1] }", 9, "would fold there"},
+        Case{"CubicPatchOfQuadraticKnots", "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }",
+             "nurbs { degree: 3 knots_u: [0,0,0,1,1,1] knots_v: [0,0,0,1,1,1] }", 9, "has at least 8"},
         Case{"UnknownLaunchTarget", "pose { position { z: 0.1 } }", "launch { speed: 3 target: \"nobody\" }", 15,
              "'nobody' is no other"},
         Case{"DuplicateName", "name: \"ball\"", "name: \"pane\"", 12, "used twice"},
@@ -179,8 +188,7 @@ INSTANTIATE_TEST_SUITE_P(
              "needs a strength"},
         Case{"DamageWidthOfAnotherMode", "end_time_s: 1\n", "end_time_s: 1 fracture { damage_width_m: 0.1 }\n", 2,
              "leave it out"},
-        Case{"TimeStepAboveTheStableOne", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-5\n", 2,
-             "at most 4.5"},
+        Case{"TimeStepAboveTheStableOne", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-5\n", 2, "at most 4.5"},
         Case{"TimeStepAndSafety", "end_time_s: 1\n", "end_time_s: 1 time_step_s: 1e-7 time_step_safety: 0.5\n", 2,
              "leave one of them out"},
         Case{"TransferOfNoKind", "end_time_s: 1\n", "end_time_s: 1 transfer { kind: 7 }\n", 2,
@@ -257,6 +265,23 @@ TEST(Yielding, IsRefusedWithCutsAndWithAnotherStressModel) {
 }
 
 TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
+
+TEST(Degree, OfPlatesAndSectorsIsThree) {
+  for (const char* patch :
+       {"plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 degree: 3 }",
+        "cylinder { radius_m: 1 length_m: 1 angle_deg: 60 elements_u: 16 elements_v: 16 degree: 3 }",
+        "sphere { radius_m: 1 angle_deg: 60 to_deg: 40 elements_u: 16 elements_v: 16 degree: 3 }",
+        "cone { bottom_m: 1 height_m: 1 angle_deg: 60 elements_u: 16 elements_v: 16 degree: 3 }"}) {
+    const std::string path = own_file("degree_test.textproto");
+    std::ofstream(path) << replaced("plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }", patch);
+    const auto setup = sunder::shell::build(
+        sunder::scene::load(path, {"bodies[ball].sphere.radius_m=0.05", "bodies[ball].pose.position.z=9"}));
+    EXPECT_EQ(setup.shells[0].tables.degree, 3) << patch;
+    EXPECT_EQ(setup.shells[0].tables.gauss, 3) << patch;
+    EXPECT_EQ(setup.shells[0].control_points(), 19 * 19) << patch;
+    std::remove(path.c_str());
+  }
+}
 
 TEST(MeshBody, WeighsAndTurnsAsTheBoxOfTheSameShape) {
   std::ofstream off(own_file("cube.off"));

@@ -16,7 +16,7 @@ inline ShellMaterial glass() {
 
 // A patch with unequal weights, unequal knots and curvature.
 inline Patch rational_patch() {
-  Patch p{KnotVector({0, 0, 0, 0.3, 0.5, 1, 1, 1}, "u"), KnotVector({0, 0, 0, 0.4, 1, 1, 1}, "v"), {}, {}};
+  Patch p{KnotVector({0, 0, 0, 0.3, 0.5, 1, 1, 1}, 2, "u"), KnotVector({0, 0, 0, 0.4, 1, 1, 1}, 2, "v"), {}, {}};
   for (int j = 0; j < p.rows(); ++j)
     for (int i = 0; i < p.columns(); ++i) {
       const double u = p.knots_u.greville(i), v = p.knots_v.greville(j);

@@ -1,0 +1,225 @@
+#pragma once
+// Forces of one row of elements, for either degree. Each degree is compiled by itself (row_quadratic.cpp,
+// row_cubic.cpp): what the compiler inlines in one kernel then does not depend on the other.
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "shell/mechanics/row_force.h"
+#include "shell/mechanics/section.h"
+
+namespace sunder::shell {
+
+using RowFunction = double (*)(const RowTables&, const double*, SurfaceStress, const RowPlasticity*, int, double*,
+                               double&);
+RowFunction quadratic_row(bool rational, bool yields, bool energy, bool stress);
+RowFunction cubic_row(bool rational, bool yields, bool energy, bool stress);
+
+namespace {
+
+constexpr int kMostYieldingLayers = 16;
+
+// sum_k basis[k][e..] * net[e + k ..]
+template <int kSupport>
+inline Pack contract(const double* basis, int lanes, const double* net, int e) {
+  const Pack three = load<Pack>(basis + e) * load<Pack>(net + e) +
+                     load<Pack>(basis + lanes + e) * load<Pack>(net + e + 1) +
+                     load<Pack>(basis + 2 * lanes + e) * load<Pack>(net + e + 2);
+  if constexpr (kSupport == 3)
+    return three;
+  else
+    return three + load<Pack>(basis + 3 * lanes + e) * load<Pack>(net + e + 3);
+}
+template <int kSupport>
+inline Vector<Pack> contract3(const double* basis, int lanes, const double* net, int stride, int e) {
+  return {contract<kSupport>(basis, lanes, net, e), contract<kSupport>(basis, lanes, net + stride, e),
+          contract<kSupport>(basis, lanes, net + 2 * stride, e)};
+}
+inline void axpy(Vector<Pack>& y, const Pack& a, const Vector<Pack>& x) {
+  y.x += a * x.x, y.y += a * x.y, y.z += a * x.z;
+}
+inline Vector<Pack> scaled(const Pack& a, const Vector<Pack>& x) { return {a * x.x, a * x.y, a * x.z}; }
+inline void keep_where(IntPack mask, Vector<Pack>& v) {
+  v = {select(mask, v.x, Pack{}), select(mask, v.y, Pack{}), select(mask, v.z, Pack{})};
+}
+
+template <int kSupport, bool kRational, bool kEnergy, bool kStress, bool kYields>
+double element_row(const RowTables& t, const double* x, SurfaceStress stress, const RowPlasticity* plastic, int f,
+                   double* out, double& dissipated) {
+  const int stride = t.stride, lanes = t.lanes;
+  thread_local std::vector<double> buffer;
+  // Forces on the control points of an element, three or four along u, apart: [k][value, first, second in v][x y z]
+  // [element], so that a pack is stored where the next Gauss point loads it, and no load straddles two stores. Nothing
+  // but zeros is ever around a row.
+  const std::size_t reach = static_cast<std::size_t>(stride) + 2 * kLanes;
+  const std::size_t needed = static_cast<std::size_t>(18) * stride + 9 * kSupport * reach;
+  thread_local int cleared_for =
+      0;  // rows of other lengths may have the same stride, and leave forces where none belong
+  if (buffer.size() != needed || cleared_for != lanes) buffer.assign(needed, 0.0), cleared_for = lanes;
+  double* c = buffer.data();   // [value, first, second in v][x y z][stride]
+  double* q = c + 9 * stride;  // the same for forces
+  double* parts = q + 9 * stride + kLanes;
+  std::fill(out, out + 3 * kSupport * stride, 0.0);
+  Pack energy{};
+  double thickness = 0.0;
+  for (const double w : t.layers.weight) thickness += w;
+  const double inverse_thickness = 1.0 / thickness, six_over_square = 6.0 / (thickness * thickness);
+  for (int b = 0; b < t.gauss; ++b) {
+    const int row = f * t.gauss + b;
+    const double* by = &t.basis_v[static_cast<std::size_t>(row) * 3 * kSupport];
+    for (int d = 0; d < 3; ++d) {
+      const double* x0 = x + static_cast<std::size_t>(d) * t.plane + static_cast<std::size_t>(f) * stride;
+      const double *x1 = x0 + stride, *x2 = x1 + stride;
+      double *c0 = c + d * stride, *c1 = c + (3 + d) * stride, *c2 = c + (6 + d) * stride;
+      for (int i = 0; i < stride; i += kLanes) {
+        const Pack p0 = load<Pack>(x0 + i), p1 = load<Pack>(x1 + i), p2 = load<Pack>(x2 + i);
+        const auto put = [&](double* to, const double* n) {
+          const Pack three = n[0] * p0 + n[1] * p1 + n[2] * p2;
+          if constexpr (kSupport == 3)
+            store<Pack>(to + i, three);
+          else
+            store<Pack>(to + i, three + n[3] * load<Pack>(x2 + stride + i));
+        };
+        put(c0, by), put(c1, by + kSupport), put(c2, by + 2 * kSupport);
+      }
+    }
+    for (int a = 0; a < t.gauss; ++a) {
+      const int block = row * t.gauss + a;
+      const double* value = &t.basis_u[static_cast<std::size_t>(a) * 3 * kSupport * lanes];
+      const double *first = value + kSupport * lanes, *second = value + 2 * kSupport * lanes;
+      const double* metric = &t.metric[t.at(block, kMetricFields, 0, 0)];
+      for (int e = 0; e < lanes; e += kLanes) {
+        const Pack area = load<Pack>(metric + kArea * lanes + e);
+        const IntPack summed = area > 0.0;  // padding, empty spans and points that a crack has touched are not
+        if (!any(summed)) {
+          for (int k = 0; k < 9 * kSupport && a == 0; ++k) store<Pack>(parts + k * reach + e, Pack{});
+          continue;
+        }
+        Derivatives<Pack> d;
+        d.u = contract3<kSupport>(first, lanes, c, stride, e);
+        d.v = contract3<kSupport>(value, lanes, c + 3 * stride, stride, e);
+        d.uu = contract3<kSupport>(second, lanes, c, stride, e);
+        d.vv = contract3<kSupport>(value, lanes, c + 6 * stride, stride, e);
+        d.uv = contract3<kSupport>(first, lanes, c + 3 * stride, stride, e);
+        std::array<Pack, kRationalFields> w;
+        if constexpr (kRational) {  // quotient rule on the homogeneous sums
+          const double* den = &t.denominator[t.at(block, kRationalFields, 0, 0)];
+          for (int i = 0; i < kRationalFields; ++i) w[i] = load<Pack>(den + i * lanes + e);
+          Vector<Pack> p = scaled(w[kInvW], contract3<kSupport>(value, lanes, c, stride, e));
+          axpy(d.u, -w[kWu], p), axpy(d.v, -w[kWv], p);
+          d.u = scaled(w[kInvW], d.u), d.v = scaled(w[kInvW], d.v);
+          axpy(d.uu, -2.0 * w[kWu], d.u), axpy(d.uu, -w[kWuu], p), d.uu = scaled(w[kInvW], d.uu);
+          axpy(d.vv, -2.0 * w[kWv], d.v), axpy(d.vv, -w[kWvv], p), d.vv = scaled(w[kInvW], d.vv);
+          axpy(d.uv, -w[kWu], d.v), axpy(d.uv, -w[kWv], d.u), axpy(d.uv, -w[kWuv], p);
+          d.uv = scaled(w[kInvW], d.uv);
+        }
+        const ReferenceMetric<Pack> ref{{load<Pack>(metric + kA11 * lanes + e), load<Pack>(metric + kA22 * lanes + e),
+                                         load<Pack>(metric + kA12 * lanes + e)},
+                                        {load<Pack>(metric + kB11 * lanes + e), load<Pack>(metric + kB22 * lanes + e),
+                                         load<Pack>(metric + kB12 * lanes + e)}};
+        const Forms<Pack> forms = surface_forms(d);
+        const auto resultants = [&] {
+          if constexpr (kYields) {
+            const std::size_t layers = t.layers.zeta.size();
+            double* memory = plastic->states->data() + t.at(block, static_cast<int>(4 * layers), 0, e);
+            PlasticState<Pack> states[kMostYieldingLayers];
+            const auto each = [&](auto&& f) {
+              for (std::size_t l = 0; l < layers; ++l) {
+                double* m = memory + 4 * l * lanes;
+                PlasticState<Pack>& s = states[l];
+                f(m, s.change.c11), f(m + lanes, s.change.c22), f(m + 2 * lanes, s.change.c12),
+                    f(m + 3 * lanes, s.strain);
+              }
+            };
+            each([](const double* m, Pack& v) { v = load<Pack>(m); });
+            Pack lost{};
+            if (!plastic->advance)
+              return integrate_yielding_layers<Pack, kEnergy, false>(forms, ref, t.layers, t.elasticity, plastic->law,
+                                                                     states, lost);
+            const Resultants<Pack> r = integrate_yielding_layers<Pack, kEnergy, true>(
+                forms, ref, t.layers, t.elasticity, plastic->law, states, lost);
+            each([&](double* m, const Pack& v) { store<Pack>(m, select(summed, v, load<Pack>(m))); });
+            lost = select(summed, area * lost, Pack{});
+            for (int i = 0; i < kLanes; ++i) dissipated += lost[i];
+            return r;
+          } else {
+            return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
+          }
+        };
+        const Resultants<Pack> r = resultants();
+        if constexpr (kEnergy) energy += select(summed, area * r.energy, Pack{});
+        if constexpr (kStress) {
+          double* s = stress.values->data() + t.at(block, 6, 0, e);
+          const Pack n[3] = {r.n.c11, r.n.c22, r.n.c12}, m[3] = {r.m.c11, r.m.c22, r.m.c12};
+          for (int i = 0; i < 3; ++i) {
+            const Pack mean = n[i] * inverse_thickness, bend = m[i] * six_over_square;
+            const Pack low = load<Pack>(s + i * lanes), high = load<Pack>(s + (3 + i) * lanes);
+            store<Pack>(s + i * lanes, select(summed, low + stress.share * (mean - bend - low), low));
+            store<Pack>(s + (3 + i) * lanes, select(summed, high + stress.share * (mean + bend - high), high));
+          }
+        }
+        Derivatives<Pack> g = section_forces(d, forms, r, area);
+        keep_where(summed, g.u), keep_where(summed, g.v), keep_where(summed, g.uu), keep_where(summed, g.vv);
+        keep_where(summed, g.uv);
+        Vector<Pack> p{};
+        if constexpr (kRational) {  // transpose of the quotient rule, in reverse order
+          g.uv = scaled(w[kInvW], g.uv), axpy(g.v, -w[kWu], g.uv), axpy(g.u, -w[kWv], g.uv), axpy(p, -w[kWuv], g.uv);
+          g.vv = scaled(w[kInvW], g.vv), axpy(g.v, -2.0 * w[kWv], g.vv), axpy(p, -w[kWvv], g.vv);
+          g.uu = scaled(w[kInvW], g.uu), axpy(g.u, -2.0 * w[kWu], g.uu), axpy(p, -w[kWuu], g.uu);
+          g.u = scaled(w[kInvW], g.u), axpy(p, -w[kWu], g.u);
+          g.v = scaled(w[kInvW], g.v), axpy(p, -w[kWv], g.v);
+          p = scaled(w[kInvW], p);
+        }
+        const Pack gu[3] = {g.u.x, g.u.y, g.u.z}, gv[3] = {g.v.x, g.v.y, g.v.z}, guu[3] = {g.uu.x, g.uu.y, g.uu.z};
+        const Pack gvv[3] = {g.vv.x, g.vv.y, g.vv.z}, guv[3] = {g.uv.x, g.uv.y, g.uv.z}, gp[3] = {p.x, p.y, p.z};
+        for (int k = 0; k < kSupport; ++k) {
+          const Pack n = load<Pack>(value + k * lanes + e), n1 = load<Pack>(first + k * lanes + e),
+                     n2 = load<Pack>(second + k * lanes + e);
+          for (int i = 0; i < 3; ++i) {
+            double* own = parts + (9 * k + i) * reach + e;
+            Pack s0 = n1 * gu[i] + n2 * guu[i], s1 = n * gv[i] + n1 * guv[i], s2 = n * gvv[i];
+            if constexpr (kRational) s0 += n * gp[i];
+            if (a > 0) s0 += load<Pack>(own), s1 += load<Pack>(own + 3 * reach), s2 += load<Pack>(own + 6 * reach);
+            store<Pack>(own, s0), store<Pack>(own + 3 * reach, s1), store<Pack>(own + 6 * reach, s2);
+          }
+        }
+      }
+    }
+    for (int k = 0; k < 9; ++k) {
+      const double *p0 = parts + k * reach, *p1 = p0 + 9 * reach - 1, *p2 = p0 + 18 * reach - 2;
+      for (int i = 0; i < stride; i += kLanes) {
+        Pack sum = load<Pack>(p0 + i) + load<Pack>(p1 + i) + load<Pack>(p2 + i);
+        if constexpr (kSupport == 4) sum += load<Pack>(p0 + 27 * reach - 3 + i);
+        store<Pack>(q + k * stride + i, sum);
+      }
+    }
+    for (int j = 0; j < kSupport; ++j)
+      for (int d = 0; d < 3; ++d) {
+        double* o = out + (j * 3 + d) * stride;
+        const double *q0 = q + d * stride, *q1 = q + (3 + d) * stride, *q2 = q + (6 + d) * stride;
+        for (int i = 0; i < stride; i += kLanes)
+          store<Pack>(o + i, load<Pack>(o + i) + by[j] * load<Pack>(q0 + i) + by[kSupport + j] * load<Pack>(q1 + i) +
+                                 by[2 * kSupport + j] * load<Pack>(q2 + i));
+      }
+  }
+  double sum = 0.0;
+  for (int i = 0; i < kLanes; ++i) sum += energy[i];
+  return sum;
+}
+
+template <int kSupport, bool kRational, bool kYields>
+RowFunction pick(bool energy, bool stress) {
+  if (energy)
+    return stress ? element_row<kSupport, kRational, true, true, kYields>
+                  : element_row<kSupport, kRational, true, false, kYields>;
+  return stress ? element_row<kSupport, kRational, false, true, kYields>
+                : element_row<kSupport, kRational, false, false, kYields>;
+}
+template <int kSupport>
+RowFunction row_function(bool rational, bool yields, bool energy, bool stress) {
+  if (rational) return (yields ? pick<kSupport, true, true> : pick<kSupport, true, false>)(energy, stress);
+  return (yields ? pick<kSupport, false, true> : pick<kSupport, false, false>)(energy, stress);
+}
+
+}  // namespace
+}  // namespace sunder::shell
