@@ -19,23 +19,23 @@ inline T largest(const T& a, const T& b) {
 
 /// Weakens S (second Piola-Kirchhoff, contravariant) at metric C and volume ratio J = J0 lambda3 in place
 /// and returns the damage, 0 to 1 by eq. 9. With the mixed Cauchy stress sigma = S C / J of principal values s1 >= s2,
-/// sigma' = sigma - c (s1+ P1 + s2+ P2). In two dimensions the positive part is a I + b sigma: b = 1 where
-/// both are tension; b = s1 / (s1 - s2), a = -b s2 where only s1 is, and then s1 > s2. All here is J times that,
-/// and the strength with it: that leaves one division, which is what costs most.
+/// sigma' = sigma - c (s1+ P1 + s2+ P2). In two dimensions the positive part is a I + b sigma, b = (s1+ - s2+) /
+/// (s1 - s2), a = s1+ - b s1. All here is J times that, and the strength with it: that leaves one division, which is
+/// what costs most. Where both are equal b is any number, and a makes up for it.
 template <class T>
-inline T weaken(Sym2<T>& s, const Sym2<T>& c, const T& volume, const T& strength, double h) {
-  const T none = splat<T>(0.0), one = splat<T>(1.0), limit = strength * volume;
+[[gnu::always_inline]] inline T weaken(Sym2<T>& s, const Sym2<T>& c, const T& volume, const T& strength, double h) {
+  constexpr double kApart = 1e-20;  // of the strength: so close to one another b times the difference is no error
+  const T none = splat<T>(0.0), limit = strength * volume;
   const T mean = 0.5 * (s.c11 * c.c11 + s.c22 * c.c22) + s.c12 * c.c12;
   const T det_c = determinant(c);
   const T radius = square_root(largest<T>(mean * mean - determinant(s) * det_c, none));
   const T high = mean + radius, low = mean - radius;
-  const T over = largest<T>(high, limit);
-  const T mixed = select(low < 0.0, select(high > 0.0, one, none), none);  // only one is tension
-  const T apart = select(mixed > 0.5, high - low, one);
+  const T over = largest<T>(high, limit), apart = largest<T>(2.0 * radius, kApart * limit);
   const T inverse = 1.0 / (over * apart * det_c);
   const T full = (1.0 + h) * ((over - limit) * (inverse * apart * det_c));  // exactly zero where nothing is damaged
-  const T damage = select(full < 1.0, full, one);
-  const T b = select(mixed > 0.5, high * (inverse * over * det_c), one), a = select(mixed > 0.5, -low * b, none);
+  const T damage = select(full < 1.0, full, splat<T>(1.0));
+  const T tension = largest<T>(high, none);
+  const T b = (tension - largest<T>(low, none)) * (inverse * over * det_c), a = tension - b * high;
   const T keep = 1.0 - damage * b;
   const T metric = damage * a * (inverse * over * apart);  // times the adjugate of C: J C^-1
   s = {keep * s.c11 - metric * c.c22, keep * s.c22 - metric * c.c11, keep * s.c12 + metric * c.c12};

@@ -54,10 +54,11 @@ constexpr int kThicknessNewtonSteps = 3, kAuxeticNewtonSteps = 12;
 
 template <class T>
 struct PlaneStress {
-  Sym2<T> s;   // second Piola-Kirchhoff stress, contravariant [Pa / metric]
-  T stretch2;  // thickness stretch squared
-  T log_area;  // ln J0, J0 the area ratio
-  T area2;     // J0^2
+  Sym2<T> s;       // second Piola-Kirchhoff stress, contravariant [Pa / metric]
+  T stretch2;      // thickness stretch squared
+  T log_area;      // ln J0, J0 the area ratio
+  T area2;         // J0^2
+  T log_stretch2;  // its logarithm; beyond kSmallAreaChange where it is not small
 };
 
 /// Area ratios nearer to 1 than this take polynomials, which are exact to round-off there, instead of
@@ -117,40 +118,74 @@ inline T trace_of(const Sym2<T>& c, const Sym2<T>& a, const T& inverse_det_a) {
   return (c.c11 * a.c22 + c.c22 * a.c11 - 2.0 * c.c12 * a.c12) * inverse_det_a;
 }
 
+/// The models that keep the thickness. Out of line, as what is large: the common case then fits the registers.
+template <class T>
+[[gnu::noinline]] PlaneStress<T> plane_strain_stress(const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
+  const T dc = determinant(c), da = determinant(a), ia = 1.0 / da, ic = 1.0 / dc;
+  PlaneStress<T> r;
+  r.area2 = dc * ia;
+  r.log_area = all_below((dc - da) * ia, kSmallAreaChange) ? 0.5 * twice_atanh<9, T>((dc - da) / (dc + da))
+                                                           : 0.5 * logarithm<T>(r.area2);
+  r.stretch2 = splat<T>(1.0);
+  r.log_stretch2 = splat<T>(0.0);
+  if (e.model == StressModel::kPaperProjection) {
+    const T push = (e.mu - e.lambda * r.log_area) * ic;  // S = mu Abar^-1 - (mu - lambda ln J) C^-1
+    r.s = {e.mu * (a.c22 * ia) - push * c.c22, e.mu * (a.c11 * ia) - push * c.c11, push * c.c12 - e.mu * (a.c12 * ia)};
+    return r;
+  }
+  const T area = square_root(r.area2);  // S = 2 psi_I Abar^-1 + psi_J J C^-1
+  const PlaneLaw<T> law = plane_law<T>(trace_of<T>(c, a, ia), area, r.log_area, e);
+  const T first = 2.0 * law.by_trace * ia, second = law.by_area * area * ic;
+  r.s = {first * a.c22 + second * c.c22, first * a.c11 + second * c.c11, -first * a.c12 - second * c.c12};
+  return r;
+}
+
+/// Thickness stretch from the squared area ratio `area2`, however far from 1: Newton in s from the root of the
+/// linearised equation; a step may take s to a quarter of itself at the least, since the root is positive and the
+/// logarithm ends at zero.
+template <class T>
+struct FarStretch {
+  T log_area, stretch2;
+};
+template <class T>
+[[gnu::noinline]] FarStretch<T> find_far_stretch(T area2, const Elasticity& e) {
+  FarStretch<T> r;
+  r.log_area = 0.5 * logarithm<T>(area2);
+  // where there is no root, as if compressed no further: solver/compression.h stops the run
+  if (e.lambda < 0.0) r.log_area = select(r.log_area > e.least_log_area, r.log_area, splat<T>(e.least_log_area));
+  const T u = -2.0 * e.lambda / (e.lambda + 2.0 * e.mu) * r.log_area;      // ln s to first order
+  T s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
+  s = select(s > 0.05, s, splat<T>(0.05));
+  for (int i = 0; i < (e.lambda < 0.0 ? kAuxeticNewtonSteps : kThicknessNewtonSteps); ++i) {
+    const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * r.log_area;
+    const T step = g / (e.mu + 0.5 * e.lambda / s);
+    const T next = s - step;
+    s = select(next > 0.25 * s, next, 0.25 * s);
+  }
+  r.stretch2 = s;
+  return r;
+}
+
 /// psi = mu/2 (tr C - 3) - mu ln J + lambda/2 ln^2 J with the thickness stretch from sigma_33 = 0:
 ///   g(s) = mu (s - 1) + lambda/2 ln s + lambda ln J0 = 0,  s = stretch^2;  S = mu (Abar^-1 - s C^-1).
 /// `c` is the current, `a` the reference metric at this layer (covariant, both positive definite).
-/// Near the reference state Newton runs in u = ln s, once from a series (the error goes as u^4, u^8). Elsewhere
-/// in s from the root of the linearised equation; a step may take s to a quarter of itself at the
-/// least, since the root is positive and the logarithm ends at zero.
+/// Near the reference state Newton runs in u = ln s, once from a series (the error goes as u^4, u^8).
 template <class T>
-inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
+[[gnu::always_inline]] inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
+  if (keeps_thickness(e.model)) {
+    const Sym2<T> c_there = c, a_there = a;  // only these copies have an address, the rest stays in registers
+    return plane_strain_stress<T>(c_there, a_there, e);
+  }
   const T dc = determinant(c), da = determinant(a), sum = dc + da, both = dc * da;
   const T inverse = 1.0 / (both * sum);  // divisions are what a layer costs most: one for three
   const T ia = inverse * dc * sum;
   const T change = (dc - da) * ia;  // of the squared area ratio
-  const double kappa = 2.0 * e.lambda / (e.lambda + 2.0 * e.mu);
   PlaneStress<T> r;
   r.area2 = dc * ia;
-  T s;
-  if (keeps_thickness(e.model)) {
-    r.log_area = all_below(change, kSmallAreaChange) ? 0.5 * twice_atanh<9, T>((dc - da) * inverse * both)
-                                                     : 0.5 * logarithm<T>(r.area2);
-    r.stretch2 = splat<T>(1.0);
-    if (e.model != StressModel::kPaperProjection) {  // S = 2 psi_I Abar^-1 + psi_J J C^-1
-      const T area = square_root(r.area2);
-      const PlaneLaw<T> law = plane_law<T>(trace_of<T>(c, a, ia), area, r.log_area, e);
-      const T first = 2.0 * law.by_trace * ia, second = law.by_area * area * (inverse * da * sum);
-      r.s = {first * a.c22 + second * c.c22, first * a.c11 + second * c.c11, -first * a.c12 - second * c.c12};
-      return r;
-    }
-    const T push = (e.mu - e.lambda * r.log_area) * (inverse * da * sum);  // S = mu Abar^-1 - (mu - lambda ln J) C^-1
-    r.s = {e.mu * (a.c22 * ia) - push * c.c22, e.mu * (a.c11 * ia) - push * c.c11, push * c.c12 - e.mu * (a.c12 * ia)};
-    return r;
-  }
   if (all_below(change, kSmallAreaChange)) {
     r.log_area = 0.5 * twice_atanh<9, T>((dc - da) * inverse * both);  // the rest of the series below 1e-17 of it
     // the root's series to third order, then Newton once
+    const double kappa = 2.0 * e.lambda / (e.lambda + 2.0 * e.mu);
     const double beta = e.mu / (2.0 * e.mu + e.lambda), gamma = 2.0 * beta * beta - beta / 3.0;
     const T first = -kappa * r.log_area;
     T u = first * (1.0 - first * (beta - gamma * first));
@@ -159,25 +194,23 @@ inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Ela
     const T bend = (e.mu / slope) * grown;  // 1 / (1 + bend) to third order
     u = u - (1.0 - bend * (1.0 - bend * (1.0 - bend))) *
                 ((e.mu / slope) * grown + (0.5 * e.lambda / slope) * u + (e.lambda / slope) * r.log_area);
-    s = 1.0 + small_expm1<T>(u);
+    r.stretch2 = 1.0 + small_expm1<T>(u);
+    r.log_stretch2 = u;
   } else {
-    r.log_area = 0.5 * logarithm<T>(r.area2);
-    // where there is no root, as if compressed no further: solver/compression.h stops the run
-    if (e.lambda < 0.0) r.log_area = select(r.log_area > e.least_log_area, r.log_area, splat<T>(e.least_log_area));
-    const T u = -kappa * r.log_area;                                       // ln s to first order
-    s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
-    s = select(s > 0.05, s, splat<T>(0.05));
-    for (int i = 0; i < (e.lambda < 0.0 ? kAuxeticNewtonSteps : kThicknessNewtonSteps); ++i) {
-      const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * r.log_area;
-      const T step = g / (e.mu + 0.5 * e.lambda / s);
-      const T next = s - step;
-      s = select(next > 0.25 * s, next, 0.25 * s);
-    }
+    const FarStretch<T> far = find_far_stretch<T>(r.area2, e);
+    r.log_area = far.log_area, r.stretch2 = far.stretch2, r.log_stretch2 = splat<T>(1.0);
   }
-  r.stretch2 = s;
-  const T ic = s * (inverse * da * sum);
+  const T ic = r.stretch2 * (inverse * da * sum);
   r.s = {e.mu * (a.c22 * ia - ic * c.c22), e.mu * (a.c11 * ia - ic * c.c11), e.mu * (ic * c.c12 - a.c12 * ia)};
   return r;
+}
+
+/// Volume ratio J; a root costs more than the series.
+template <class T>
+inline T volume_ratio(const PlaneStress<T>& p) {
+  const T log_volume = p.log_area + 0.5 * p.log_stretch2;
+  if (all_below(log_volume, kSmallAreaChange)) return 1.0 + small_expm1<T>(log_volume);
+  return square_root(p.area2 * p.stretch2);
 }
 
 /// Energy per reference volume [J/m^3] of the same state.

@@ -6,24 +6,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kCrushed = 0.04;  // of the reference metric's determinant: squeezed to a fifth of its area
-constexpr int kPointLanes = 4;     // a point's x y z and a padding
-constexpr int kChunks = 4;         // fixed, so that sums do not depend on the number of threads
-
-// Smallest squared area ratio of the mid-surface and the outer layers. A point crushed between cracks, or bent
-// so sharply that a layer turns inside out, has no stress: it carries nothing.
-template <class T>
-T least_area(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
-  T least = determinant(f.a) / determinant(ref.a);
-  for (const double z : {layers.zeta.front(), layers.zeta.back()}) {
-    const Sym2<T> c = at_height(f.a, f.b, z);
-    const Sym2<T> a = at_height(ref.a, ref.b, z);
-    // a metric with a negative trace is inside out twice over, and its determinant positive
-    const T ratio = select(c.c11 + c.c22 > 0.0, determinant(c) / determinant(a), T{} - 1.0);
-    least = select(ratio < least, ratio, least);
-  }
-  return least;
-}
+constexpr int kPointLanes = 4;  // a point's x y z and a padding
+constexpr int kChunks = 4;      // fixed, so that sums do not depend on the number of threads
 
 Forms<double> forms_of(const GatheredPoint& p, const Derivatives<double>& d) {
   Forms<double> f = surface_forms(d);
@@ -105,11 +89,11 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   r.m = {select(linear, none, r.m.c11), select(linear, none, r.m.c22), select(linear, none, r.m.c12)};
   const Derivatives<Pack> g = section_forces(x_d, f, r, area);
   const Vector<Pack> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
-  const Pack ratio = least_area(f, ref, t.layers);
+  const IntPack sound = bears(f, ref, t.layers);
   double sum = 0.0;
   for (int i = 0; i < count; ++i) {
     const double n[3] = {r.n.c11[i], r.n.c22[i], r.n.c12[i]}, m[3] = {r.m.c11[i], r.m.c22[i], r.m.c12[i]};
-    if (!(ratio[i] > kCrushed) || !std::isfinite(n[0] + n[1] + m[0] + m[1])) {
+    if (!sound[i] || !std::isfinite(n[0] + n[1] + m[0] + m[1])) {
       if (damaged) damaged[i]->fresh = true;
       continue;
     }
@@ -177,7 +161,7 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
                     double brittleness) {
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
-  if (!(least_area(f, p.metric, t.layers) > kCrushed)) return 0.0;
+  if (!bears(f, p.metric, t.layers)) return 0.0;
   double energy = 0.0;
   if (damage) {
     double unused[kMostLayers];
@@ -196,7 +180,7 @@ std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& 
   std::array<double, 6> six{};
   if (p.kind == PointKind::kDead) return six;
   const Forms<double> f = forms_of(p, gather(t, p, x));
-  if (!(least_area(f, p.metric, t.layers) > kCrushed)) return six;
+  if (!bears(f, p.metric, t.layers)) return six;
   const Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
   double thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;

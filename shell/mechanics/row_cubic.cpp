@@ -2,8 +2,8 @@
 
 namespace sunder::shell {
 
-RowFunction cubic_row(bool rational, bool yields, bool energy, bool stress) {
-  return row_function<4>(rational, yields, energy, stress);
+RowFunction cubic_row(bool rational, LayerLaw law, bool energy, bool stress) {
+  return row_function<4>(rational, law, energy, stress);
 }
 
 }  // namespace sunder::shell

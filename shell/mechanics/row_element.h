@@ -10,10 +10,16 @@
 
 namespace sunder::shell {
 
-using RowFunction = double (*)(const RowTables&, const double*, SurfaceStress, const RowPlasticity*, int, double*,
-                               double&);
-RowFunction quadratic_row(bool rational, bool yields, bool energy, bool stress);
-RowFunction cubic_row(bool rational, bool yields, bool energy, bool stress);
+/// What a layer's stress depends on beside its strain.
+enum class LayerLaw { kElastic, kYields, kWeakens };
+struct RowMemory {
+  const RowPlasticity* plastic = nullptr;
+  const RowDamage* damage = nullptr;
+};
+
+using RowFunction = double (*)(const RowTables&, const double*, SurfaceStress, RowMemory, int, double*, double&);
+RowFunction quadratic_row(bool rational, LayerLaw law, bool energy, bool stress);
+RowFunction cubic_row(bool rational, LayerLaw law, bool energy, bool stress);
 
 namespace {
 
@@ -43,9 +49,46 @@ inline void keep_where(IntPack mask, Vector<Pack>& v) {
   v = {select(mask, v.x, Pack{}), select(mask, v.y, Pack{}), select(mask, v.z, Pack{})};
 }
 
-template <int kSupport, bool kRational, bool kEnergy, bool kStress, bool kYields>
-double element_row(const RowTables& t, const double* x, SurfaceStress stress, const RowPlasticity* plastic, int f,
-                   double* out, double& dissipated) {
+// The damaged points of a pack: their resultants, and what they remember. `booked` gains what has healed, `spared` what
+// weakening spares of the energy; `summed` loses points that are crushed.
+template <bool kEnergy, bool kStress>
+Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t first, const Pack& area,
+                          const Forms<Pack>& forms, const ReferenceMetric<Pack>& ref, IntPack& summed, double& booked,
+                          double& spared) {
+  constexpr double kNever = 1e300;  // [Pa], strength of what is not watched
+  constexpr bool kRemember = kEnergy || kStress;
+  IntPack watched;
+  for (int i = 0; i < kLanes; ++i) watched[i] = (*law.watched)[first + i] ? -1 : 0;
+  const Pack strength = select(watched, load<Pack>(law.strength->data() + first), splat<Pack>(kNever));
+  Pack damage[kMostLayers];
+  Resultants<Pack> lost;
+  const Resultants<Pack> r = integrate_weakened_layers<Pack, kEnergy, kRemember>(
+      forms, ref, t.layers, t.elasticity, strength, law.brittleness, damage, lost);
+  const IntPack sound = bears(forms, ref, t.layers);
+  for (int i = 0; kRemember && i < kLanes; ++i) {
+    if (!watched[i] || !summed[i]) continue;
+    PointDamage& d = (*law.points)[(*law.point_of)[first + i]];
+    if (!sound[i]) {
+      d.fresh = true;
+      continue;
+    }
+    const Loss loss = loss_of(forms, lost, i);
+    if constexpr (kEnergy) spared += d.spared + spared_since(d, loss, area[i]);
+    if constexpr (kStress) {
+      for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
+        d.now[l] = static_cast<float>(damage[l][i]);
+        d.history[l] = std::max(d.history[l], d.now[l]);
+      }
+      booked += keep(d, loss, area[i]);
+    }
+  }
+  summed &= sound | ~watched;
+  return r;
+}
+
+template <int kSupport, bool kRational, bool kEnergy, bool kStress, LayerLaw kLaw>
+double element_row(const RowTables& t, const double* x, SurfaceStress stress, RowMemory memory, int f, double* out,
+                   double& booked) {
   const int stride = t.stride, lanes = t.lanes;
   thread_local std::vector<double> buffer;
   // Forces on the control points of an element, three or four along u, apart: [k][value, first, second in v][x y z]
@@ -61,6 +104,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, co
   double* parts = q + 9 * stride + kLanes;
   std::fill(out, out + 3 * kSupport * stride, 0.0);
   Pack energy{};
+  [[maybe_unused]] double spared = 0.0;
   double thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
   const double inverse_thickness = 1.0 / thickness, six_over_square = 6.0 / (thickness * thickness);
@@ -90,7 +134,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, co
       const double* metric = &t.metric[t.at(block, kMetricFields, 0, 0)];
       for (int e = 0; e < lanes; e += kLanes) {
         const Pack area = load<Pack>(metric + kArea * lanes + e);
-        const IntPack summed = area > 0.0;  // padding, empty spans and points that a crack has touched are not
+        IntPack summed = area > 0.0;  // padding, empty spans and points that a crack has touched are not
         if (!any(summed)) {
           for (int k = 0; k < 9 * kSupport && a == 0; ++k) store<Pack>(parts + k * reach + e, Pack{});
           continue;
@@ -119,13 +163,14 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, co
                                          load<Pack>(metric + kB12 * lanes + e)}};
         const Forms<Pack> forms = surface_forms(d);
         const auto resultants = [&] {
-          if constexpr (kYields) {
+          if constexpr (kLaw == LayerLaw::kYields) {
+            const RowPlasticity* plastic = memory.plastic;
             const std::size_t layers = t.layers.zeta.size();
-            double* memory = plastic->states->data() + t.at(block, static_cast<int>(4 * layers), 0, e);
+            double* own = plastic->states->data() + t.at(block, static_cast<int>(4 * layers), 0, e);
             PlasticState<Pack> states[kMostYieldingLayers];
             const auto each = [&](auto&& f) {
               for (std::size_t l = 0; l < layers; ++l) {
-                double* m = memory + 4 * l * lanes;
+                double* m = own + 4 * l * lanes;
                 PlasticState<Pack>& s = states[l];
                 f(m, s.change.c11), f(m + lanes, s.change.c22), f(m + 2 * lanes, s.change.c12),
                     f(m + 3 * lanes, s.strain);
@@ -140,8 +185,16 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, co
                 forms, ref, t.layers, t.elasticity, plastic->law, states, lost);
             each([&](double* m, const Pack& v) { store<Pack>(m, select(summed, v, load<Pack>(m))); });
             lost = select(summed, area * lost, Pack{});
-            for (int i = 0; i < kLanes; ++i) dissipated += lost[i];
+            for (int i = 0; i < kLanes; ++i) booked += lost[i];
             return r;
+          } else if constexpr (kLaw == LayerLaw::kWeakens) {
+            const std::size_t first_point = static_cast<std::size_t>(block) * lanes + e;
+            std::array<char, kLanes> watched;
+            std::copy_n(memory.damage->watched->data() + first_point, kLanes, watched.data());
+            if (watched != std::array<char, kLanes>{})
+              return weakened<kEnergy, kStress>(t, *memory.damage, first_point, area, forms, ref, summed, booked,
+                                                spared);
+            return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
           } else {
             return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
           }
@@ -204,21 +257,27 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, co
   }
   double sum = 0.0;
   for (int i = 0; i < kLanes; ++i) sum += energy[i];
+  if constexpr (kLaw == LayerLaw::kWeakens) sum -= spared;
   return sum;
 }
 
-template <int kSupport, bool kRational, bool kYields>
+template <int kSupport, bool kRational, LayerLaw kLaw>
 RowFunction pick(bool energy, bool stress) {
   if (energy)
-    return stress ? element_row<kSupport, kRational, true, true, kYields>
-                  : element_row<kSupport, kRational, true, false, kYields>;
-  return stress ? element_row<kSupport, kRational, false, true, kYields>
-                : element_row<kSupport, kRational, false, false, kYields>;
+    return stress ? element_row<kSupport, kRational, true, true, kLaw>
+                  : element_row<kSupport, kRational, true, false, kLaw>;
+  return stress ? element_row<kSupport, kRational, false, true, kLaw>
+                : element_row<kSupport, kRational, false, false, kLaw>;
+}
+template <int kSupport, bool kRational>
+RowFunction pick(LayerLaw law, bool energy, bool stress) {
+  return (law == LayerLaw::kYields    ? pick<kSupport, kRational, LayerLaw::kYields>
+          : law == LayerLaw::kWeakens ? pick<kSupport, kRational, LayerLaw::kWeakens>
+                                      : pick<kSupport, kRational, LayerLaw::kElastic>)(energy, stress);
 }
 template <int kSupport>
-RowFunction row_function(bool rational, bool yields, bool energy, bool stress) {
-  if (rational) return (yields ? pick<kSupport, true, true> : pick<kSupport, true, false>)(energy, stress);
-  return (yields ? pick<kSupport, false, true> : pick<kSupport, false, false>)(energy, stress);
+RowFunction row_function(bool rational, LayerLaw law, bool energy, bool stress) {
+  return (rational ? pick<kSupport, true> : pick<kSupport, false>)(law, energy, stress);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace sunder::shell {
 
 double row_forces(const RowTables& t, const std::vector<double>& x, bool energy, SurfaceStress stress, int threads,
-                  RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic) {
+                  RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic, RowDamage* damage) {
   const std::size_t row_size = 3 * static_cast<std::size_t>(t.support()) * t.stride;
   scratch.row_force.resize(row_size * t.spans_v);
   scratch.row_energy.resize(t.spans_v);
@@ -21,13 +21,15 @@ double row_forces(const RowTables& t, const std::vector<double>& x, bool energy,
     positions = scratch.weighted.data();
   }
   const bool record = stress.values != nullptr;
-  const bool yields = plastic && plastic->states;
-  const RowFunction row = (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, yields, energy, record);
-  scratch.row_dissipated.assign(t.spans_v, 0.0);
+  const LayerLaw law = plastic && plastic->states  ? LayerLaw::kYields
+                       : damage && damage->watched ? LayerLaw::kWeakens
+                                                   : LayerLaw::kElastic;
+  const RowFunction row = (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, law, energy, record);
+  scratch.row_booked.assign(t.spans_v, 0.0);
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int f = 0; f < t.spans_v; ++f)
     scratch.row_energy[f] =
-        row(t, positions, stress, plastic, f, &scratch.row_force[row_size * f], scratch.row_dissipated[f]);
+        row(t, positions, stress, {plastic, damage}, f, &scratch.row_force[row_size * f], scratch.row_booked[f]);
     // A control row sums its up to degree + 1 element rows, always lowest first.
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int j = 0; j < t.rows; ++j)
@@ -43,8 +45,10 @@ double row_forces(const RowTables& t, const std::vector<double>& x, bool energy,
     }
   double sum = 0.0;
   for (const double e : scratch.row_energy) sum += e;
-  if (yields)
-    for (const double d : scratch.row_dissipated) plastic->dissipated += d;
+  double booked = 0.0;
+  for (const double b : scratch.row_booked) booked += b;
+  if (law == LayerLaw::kYields) plastic->dissipated += booked;
+  if (law == LayerLaw::kWeakens) damage->healed += booked;
   return energy ? sum : 0.0;
 }
 

@@ -3,15 +3,16 @@
 #include <vector>
 
 #include "shell/mechanics/plasticity.h"
+#include "shell/mechanics/point_damage.h"
 #include "shell/mechanics/row_tables.h"
 
 namespace sunder::shell {
 
 /// Buffers that the kernel reuses; nothing is allocated in a substep.
 struct RowScratch {
-  std::vector<double> row_force;                   // [span along v][control row 0..degree][x y z][stride]
-  std::vector<double> row_energy, row_dissipated;  // [span along v]
-  std::vector<double> weighted;                    // [3][plane], control points times weights of rational patches
+  std::vector<double> row_force;               // [span along v][control row 0..degree][x y z][stride]
+  std::vector<double> row_energy, row_booked;  // [span along v]; dissipated by yielding, or healed
+  std::vector<double> weighted;                // [3][plane], control points times weights of rational patches
 };
 
 /// Stress of both faces, [block][6][lane]: 11 22 12 at -thickness/2, then at +thickness/2; second
@@ -30,10 +31,21 @@ struct RowPlasticity {
   double dissipated = 0.0;
 };
 
+/// Gauss points that damage may weaken, but no crack has touched. What they remember moves on where stress is recorded.
+struct RowDamage {
+  const std::vector<char>* watched = nullptr;     // [block][lane]; null: nothing is damaged
+  const std::vector<double>* strength = nullptr;  // [block][lane] [Pa]
+  const std::vector<int>* point_of = nullptr;     // [block][lane]: index into `points`
+  std::vector<PointDamage>* points = nullptr;
+  double brittleness = 0.0;  // H of eq. 9
+  double healed = 0.0;       // out, as in DamageLaw [J]
+};
+
 /// Adds nothing: overwrites `force` [3][plane] with -dW/dx of the positions `x` [3][plane]. Sums run in
 /// a fixed order, so the result does not depend on the number of threads.
 /// Returns the elastic energy [J] if `energy`, else 0.
 double row_forces(const RowTables& t, const std::vector<double>& x, bool energy, SurfaceStress stress, int threads,
-                  RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic = nullptr);
+                  RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic = nullptr,
+                  RowDamage* damage = nullptr);
 
 }  // namespace sunder::shell

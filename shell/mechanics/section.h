@@ -134,6 +134,21 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
   return r;
 }
 
+/// A point squeezed to less than a fifth of its area, or bent so sharply that a layer turns inside out, has no stress:
+/// it bears nothing. Tells by mid-surface and outer layers.
+constexpr double kCrushed = 0.04;  // of the reference metric's determinant
+template <class T>
+inline auto bears(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
+  auto good = determinant(f.a) > kCrushed * determinant(ref.a);
+  for (const double z : {layers.zeta.front(), layers.zeta.back()}) {
+    const Sym2<T> c = at_height(f.a, f.b, z);
+    const Sym2<T> a = at_height(ref.a, ref.b, z);
+    // a metric with a negative trace is inside out twice over, and its determinant positive
+    good = good & (determinant(c) > kCrushed * determinant(a)) & (c.c11 + c.c22 > 0.0);
+  }
+  return good;
+}
+
 /// Forces conjugate to the derivatives, for reference area `area`:
 /// on x_,alpha: -area (n^ab a_b + m^bc Gamma^a_bc n), on x_,ab: +area m^ab n (12 counted twice).
 template <class T>

@@ -220,6 +220,7 @@ void tear(const ShellModel& m, ShellState& s) {
     const double limit = kTorn * d.strength * (1.0 + s.brittleness) / s.brittleness;
     if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit) continue;
     s.book.fracture += point_energy(m.tables, g, s.x, &d, s.brittleness);
+    gather_point(m, s, g.block, g.lane);
     g.kind = PointKind::kDead, g.functions.clear();
   }
 }
@@ -244,7 +245,7 @@ void watch_stress(const ShellModel& m, ShellState& s) {
       }
       // stress at rest is not in the resultants: its tension in the middle adds
       high += 0.5 * m.material.surface_compression;
-      if (high > kWatched * s.strength[g]) gather_point(m, s, q, e);
+      if (high > kWatched * s.strength[g]) watch_point(m, s, q, e);
     }
 }
 

@@ -39,6 +39,25 @@ void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
   g.metric = {rest.a, rest.b};
 }
 
+// A Gauss point with the functions of the uncut patch joins the list of those that are known one by one.
+void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
+  const RowTables& t = m.tables;
+  const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+  GatheredPoint g;
+  g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
+  g.functions = patch_functions(m.patch, gauss_point(m.patch, t, block, lane).parameter, t.stride);
+  const double* metric = &s.tables.metric[t.at(block, kMetricFields, 0, lane)];
+  g.area = metric[kArea * t.lanes];
+  g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
+              {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
+  s.points.push_back(std::move(g));
+  if (s.brittleness > 0.0) {
+    s.damage.emplace_back();
+    s.damage.back().strength = s.strength[gauss];
+  }
+  s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
+}
+
 }  // namespace
 
 ControlGrid control_grid(const ShellModel& m) {
@@ -48,21 +67,20 @@ ControlGrid control_grid(const ShellModel& m) {
 int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
-  if (s.point_of[gauss] >= 0) return s.point_of[gauss];
-  GatheredPoint g;
-  g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
-  g.functions = patch_functions(m.patch, gauss_point(m.patch, t, block, lane).parameter, t.stride);
-  double* metric = &s.tables.metric[t.at(block, kMetricFields, 0, lane)];
-  g.area = metric[kArea * t.lanes];
-  g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
-              {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
-  metric[kArea * t.lanes] = 0.0;  // the row kernel leaves it out from now on
-  s.points.push_back(std::move(g));
-  if (s.brittleness > 0.0) {
-    s.damage.emplace_back();
-    s.damage.back().strength = s.strength[gauss];
-  }
-  return s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
+  if (s.point_of[gauss] < 0) remember_point(m, s, block, lane);
+  const int index = s.point_of[gauss];
+  s.tables.metric[t.at(block, kMetricFields, kArea, lane)] = 0.0;  // the row kernel leaves it out from now on
+  if (s.points[index].in_rows) s.points[index].in_rows = false, s.watched[gauss] = 0;
+  return index;
+}
+
+void watch_point(const ShellModel& m, ShellState& s, int block, int lane) {
+  const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
+  if (s.point_of[gauss] >= 0) return;
+  remember_point(m, s, block, lane);
+  s.points[s.point_of[gauss]].in_rows = true;
+  if (s.watched.empty()) s.watched.assign(s.point_of.size(), 0);
+  s.watched[gauss] = 1;
 }
 
 int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,

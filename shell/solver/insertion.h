@@ -13,6 +13,9 @@ int insert_edge(const ShellModel& model, ShellState& state, int from, int to, in
 /// state.points; one that has left before stays what it is.
 int gather_point(const ShellModel& model, ShellState& state, int block, int lane);
 
+/// The Gauss point may be damaged from now on: it is listed in state.points, and the row kernel goes on summing it.
+void watch_point(const ShellModel& model, ShellState& state, int block, int lane);
+
 /// Cuts along a polyline in parameter space, in edges of about one spacing; ends within a spacing of
 /// the border run out over it.
 void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time);

@@ -79,8 +79,11 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
                    m.material.poisson_ratio};
     plastic.states = &s.plastic, plastic.advance = stress_share > 0.0;
   }
-  double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force, &plastic);
+  RowDamage rows;
+  if (!s.watched.empty()) rows = {&s.watched, &s.strength, &s.point_of, &s.damage, s.brittleness, 0.0};
+  double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force, &plastic, &rows);
   s.book.plastic += plastic.dissipated;
+  s.book.healing -= rows.healed;
   DamageLaw law{&s.damage, s.brittleness, 0.0};
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
                           s.brittleness > 0.0 ? &law : nullptr);

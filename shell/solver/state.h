@@ -65,6 +65,7 @@ struct ShellState {
   std::vector<GatheredPoint> points;   // Gauss points that a crack has touched
   std::vector<int> point_of;           // [block][lane]: index into points, -1: none
   std::vector<PointDamage> damage;     // of each gathered point where damage drives the cracks, else empty
+  std::vector<char> watched;           // [block][lane]: damage may weaken the point, the rows sum it; empty: none
   double brittleness = 0.0;            // H of eq. 9; 0: cracks are not driven by damage
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Tip> tips;

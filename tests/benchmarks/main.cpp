@@ -189,7 +189,7 @@ int main(int argc, char** argv) {
   damaged->state.brittleness = 0.5;
   const RowTables& t = damaged->model.tables;
   for (int q = 0; q < t.blocks(); ++q)
-    for (int e = 0; e < t.spans_u; ++e) gather_point(damaged->model, damaged->state, q, e);
+    for (int e = 0; e < t.spans_u; ++e) watch_point(damaged->model, damaged->state, q, e);
   const auto cut = sheet(60, 60);
   for (int k = 1; k < 15; ++k)
     insert_polyline(cut->model, cut->state, {{0.02 * k, 0.013}, {0.02 * k + 0.011, 0.287}}, 0.0);

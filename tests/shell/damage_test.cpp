@@ -157,6 +157,57 @@ TEST(RankineDamage, HealsAlongTheSameWayAndGivesTheEnergyBack) {
   }
 }
 
+// Rows and gathered points weaken alike, remember alike and heal alike, through growing and falling strain.
+TEST(RankineDamage, IsTheSameInRowsAndGathered) {
+  for (const bool rational : {false, true}) {
+    ShellMaterial g;
+    g.density = 1000, g.youngs_modulus = kYoung, g.poisson_ratio = 0.2, g.strength = kStrength,
+    g.fracture_energy = kToughness;
+    const ShellModel m =
+        rational ? make_shell("p", rational_patch(), 0.01, g, 3, 3, {})
+                 : make_shell("p", plate(0.3, 0.3, 13, 9, Vec3::Zero(), Quat::Identity()), 0.01, g, 3, 2, {});
+    ShellState states[2] = {make_state(m, Vec3::Zero(), 1), make_state(m, Vec3::Zero(), 1)};
+    for (ShellState& s : states) {
+      s.brittleness = 0.4;
+      for (int q = 0; q < m.tables.blocks(); ++q)
+        for (int e = 0; e < m.tables.spans_u; ++e)
+          if ((q + e) % 3)
+            (&s == states ? watch_point : [](const ShellModel& m, ShellState& s, int q, int e) {
+              gather_point(m, s, q, e);
+            })(m, s, q, e);
+    }
+    std::mt19937_64 random(4);
+    std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+    std::vector<double> shape(m.rest.size());
+    for (double& x : shape) x = uniform(random);
+    double healed = 0.0;
+    for (int k = 0; k <= 40; ++k) {
+      double energy[2];
+      for (ShellState& s : states) {
+        for (std::size_t i = 0; i < s.x.size(); ++i)
+          s.x[i] = m.rest[i] + 1.6e-3 * m.spacing * std::sin(M_PI * k / 40.0) * shape[i];
+        compute_forces(m, s, false, 1.0, 2);
+        energy[&s - states] = compute_forces(m, s, true, 0.0, 1);
+      }
+      double scale = 0.0;
+      for (const double f : states[1].force) scale = std::max(scale, std::abs(f));
+      for (std::size_t i = 0; i < states[0].force.size(); ++i)
+        ASSERT_NEAR(states[0].force[i], states[1].force[i], 1e-9 * scale + 1e-6)
+            << k;                                                                  // round-off of E thickness spacing
+      ASSERT_NEAR(energy[0], energy[1], 1e-9 * std::abs(energy[1]) + 1e-10) << k;  // and of E volume
+      ASSERT_NEAR(states[0].book.healing, states[1].book.healing, 1e-9 * std::abs(healed) + 1e-10);
+      healed = std::max(healed, std::abs(states[1].book.healing));
+    }
+    EXPECT_GT(healed, 0.0);
+    double worst = 0.0;
+    for (std::size_t i = 0; i < states[0].damage.size(); ++i) {
+      EXPECT_NEAR(states[0].damage[i].worst(), states[1].damage[i].worst(), 1e-5);
+      worst = std::max<double>(worst, states[0].damage[i].worst());
+    }
+    EXPECT_GT(worst, 0.3);
+  }
+}
+
 TEST(MedialAxis, OfABandIsItsMiddleAndOfATeeHasOneJunction) {
   const ShellModel m = panel(50, 0.2);
   const double cell = 0.5 * m.spacing;
