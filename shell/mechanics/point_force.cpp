@@ -141,11 +141,16 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
 }  // namespace
 
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride) {
-  const ShapeFunctions n = patch.shape_functions(p);
   std::vector<GatheredFunction> out;
+  patch_functions(patch, p, stride, out);
+  return out;
+}
+
+void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<GatheredFunction>& out) {
+  const ShapeFunctions n = patch.shape_functions(p);
+  out.clear();
   for (int k = 0; k < n.count(); ++k)
     out.push_back({n.row(k) * stride + n.column(k), {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
-  return out;
 }
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {

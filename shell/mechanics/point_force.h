@@ -30,6 +30,7 @@ struct GatheredPoint {
 
 /// All functions of the uncut patch at parameter `p`, by slots of rows `stride` apart.
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride);
+void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<GatheredFunction>& out);
 
 struct DamageLaw {
   std::vector<PointDamage>* points = nullptr;  // parallel to the gathered points; null: nothing is damaged

@@ -76,6 +76,7 @@ struct ShellState {
   EnergyBook book;
   // For velocities that go through the background grid; empty where they do not.
   std::vector<double> before;  // [3][plane], velocities before kick and contact
+  std::vector<double> kicked;  // [3][plane], and after them
   std::vector<double> moving;  // [3][plane], what positions move with
   std::vector<double> affine;  // [9][plane], of APIC [1/s]
   TransferBuffers transfer_buffers;

@@ -76,7 +76,7 @@ bool hertz_contact(const ShellModel& m, ShellState& s, Proxy& body, double stiff
   const Vec3 centre = body.body.motion.position;
   double nearest = std::numeric_limits<double>::infinity();
   const ContactCandidates::Sample* best = nullptr;
-  std::vector<GatheredFunction> functions;
+  thread_local std::vector<GatheredFunction> functions;
   for (const auto& candidate : candidates) {
     sample_functions(m, s, candidate.block, candidate.lane, functions);
     if (functions.empty() || s.gone[functions[0].slot]) continue;
@@ -86,7 +86,10 @@ bool hertz_contact(const ShellModel& m, ShellState& s, Proxy& body, double stiff
   if (!best) return false;
   const Vec2 p = gauss_point(m.patch, m.tables, best->block, best->lane).parameter;
   const int point = s.point_of[static_cast<std::size_t>(best->block) * m.tables.lanes + best->lane];
-  functions = point >= 0 ? s.points[point].functions : patch_functions(m.patch, p, m.tables.stride);
+  if (point >= 0)
+    functions = s.points[point].functions;
+  else
+    patch_functions(m.patch, p, m.tables.stride, functions);
   move_to_nearest(m, s, p, centre, functions);
   const Vec3 x = position(s, functions), out = x - centre;
   const double distance = out.norm(), approach = sphere->radius + 0.5 * m.thickness - distance;
@@ -127,19 +130,15 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
   for (int i = 0; i < m.control_points(); ++i) speed = std::max(speed, s.velocity(t.slot(i)).squaredNorm());
   speed = std::sqrt(speed);
   const int tiles_u = (t.spans_u + kTile - 1) / kTile, tiles_v = (t.spans_v + kTile - 1) / kTile;
-  std::vector<Eigen::AlignedBox3d> boxes(static_cast<std::size_t>(tiles_u) * tiles_v);
+  std::vector<Eigen::AlignedBox3d>& boxes = c.boxes;
+  boxes.assign(static_cast<std::size_t>(tiles_u) * tiles_v, Eigen::AlignedBox3d());
   for (int tv = 0; tv < tiles_v; ++tv)
     for (int tu = 0; tu < tiles_u; ++tu)
       for (int j = tv * kTile; j < std::min(t.rows, (tv + 1) * kTile + t.degree); ++j)
         for (int i = tu * kTile; i < std::min(t.columns, (tu + 1) * kTile + t.degree); ++i)
           if (!s.gone[j * t.stride + i]) boxes[tv * tiles_u + tu].extend(s.position(j * t.stride + i));
-  // Samples' places, found once however many bodies ask.
-  struct Sample {
-    Vec3 x;
-    bool known = false, there = false;
-  };
-  std::vector<Sample> samples(static_cast<std::size_t>(t.blocks()) * t.lanes);
-  std::vector<GatheredFunction> functions;
+  c.places.resize(static_cast<std::size_t>(t.blocks()) * t.lanes);
+  if (++c.refresh == 0) c.places.assign(c.places.size(), {}), c.refresh = 1;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     auto& list = c.of_body[b];
     list.clear();
@@ -167,11 +166,11 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
           for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
             const int block = f * t.gauss * t.gauss + sub;
             if (t.metric[t.at(block, kMetricFields, kArea, lane)] == 0.0) continue;
-            Sample& q = samples[static_cast<std::size_t>(block) * t.lanes + lane];
-            if (!q.known) {
-              sample_functions(m, s, block, lane, functions);
-              q.known = true, q.there = !functions.empty() && !s.gone[functions[0].slot];
-              if (q.there) q.x = position(s, functions);
+            ContactCandidates::Place& q = c.places[static_cast<std::size_t>(block) * t.lanes + lane];
+            if (q.refresh != c.refresh) {
+              sample_functions(m, s, block, lane, c.functions);
+              q.refresh = c.refresh, q.there = !c.functions.empty() && !s.gone[c.functions[0].slot];
+              if (q.there) q.x = position(s, c.functions);
             }
             if (!q.there || (q.x - centre).norm() > body.radius() + margin) continue;
             const double gap = body.distance(q.x).value;
@@ -187,7 +186,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
 int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt) {
   int touching = 0;
-  std::vector<GatheredFunction> functions;
+  thread_local std::vector<GatheredFunction> functions;
   for (std::size_t b = 0; b < candidates.of_body.size(); ++b) {
     if (candidates.of_body[b].empty()) continue;
     Proxy& body = bodies[b];
@@ -260,7 +259,8 @@ void book_moving_work(ShellState& s, double dt) {
 void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules, double dt, int threads) {
   if (rules.kind == Transfer::kDirect) return;
   const std::size_t plane = m.tables.plane;
-  const std::vector<double> kicked = s.v;
+  std::vector<double>& kicked = s.kicked;
+  kicked = s.v;
   if (rules.leaky)
     for (std::size_t i = 0; i < plane; ++i)
       for (int d = 0; d < 3 && s.inverse_mass[i] == 0.0 && s.mass[i] > 0.0; ++d)

@@ -1,5 +1,7 @@
 #pragma once
 // One substep of a shell with the bodies that it meets.
+#include <Eigen/Geometry>
+
 #include "shell/contact/proxy.h"
 #include "shell/solver/state.h"
 
@@ -18,6 +20,16 @@ struct ContactCandidates {
     int first = 0;  // substeps from the refresh in which it cannot touch
   };
   std::vector<std::vector<Sample>> of_body;
+  // Scratch of the search: where samples are, found once however many bodies ask.
+  struct Place {
+    Vec3 x;
+    std::uint32_t refresh = 0;  // in which it was found
+    bool there = false;
+  };
+  std::vector<Place> places;
+  std::vector<Eigen::AlignedBox3d> boxes;
+  std::vector<GatheredFunction> functions;
+  std::uint32_t refresh = 0;
   int age = 0;  // substeps since the refresh
 };
 constexpr int kContactRefresh = 16;  // substeps
