@@ -1,5 +1,7 @@
 #pragma once
 // Compressible neo-Hookean material in true plane stress, in curvilinear components.
+#include <algorithm>
+#include <array>
 #include <limits>
 
 #include "shell/mechanics/pack.h"
@@ -27,11 +29,19 @@ enum class StressModel {
   kGhf18,  // logarithmic strain in the plane, plane strain across it
 };
 
+/// Powers of z = (J0^2 - 1) / (J0^2 + 1), |z| < kSmallShare, that give thickness stretch and volume to round-off: at
+/// most (2 z)^11 is left out, of a strain of z. Beyond, logarithms; shells of glass and steel never leave that range
+/// until they break.
+constexpr int kSeriesTerms = 10;
+constexpr double kSmallShare = 0.02;
+
 /// Lame constants [Pa].
 struct Elasticity {
   double mu = 0.0, lambda = 0.0;
   StressModel model = StressModel::kPlaneStress;
   double least_log_area = -std::numeric_limits<double>::infinity();  // see find_least_log_area
+  // Of the thickness stretch squared and of the volume ratio, powers of (J0^2 - 1) / (J0^2 + 1) from the first.
+  std::array<double, kSeriesTerms> stretch{}, volume{};
 };
 /// With lambda < 0 (Poisson's ratio below 0) g(s) has no root below some ln J0: the sheet would go on thinning by
 /// itself. Least ln J0 that has one; minus infinity where all have.
@@ -41,9 +51,40 @@ inline double find_least_log_area(const Elasticity& e) {
   return (e.mu + half - half * std::log(-half / e.mu)) / e.lambda;
 }
 
+/// With ln J0 = atanh z the derivative of g(s) = mu (s - 1) + lambda/2 ln s + lambda ln J0 = 0 by z is
+/// s' (mu s + lambda/2) = -lambda s / (1 - z^2), which gives the coefficients of s one after the other; those of
+/// J = J0 sqrt(s) follow from J' = J (1 / (1 - z^2) + s' / 2s).
+inline void find_series(Elasticity& e) {
+  std::array<double, kSeriesTerms + 1> s{1.0}, log_s{}, v{1.0};  // log_s: of s'/s
+  for (int k = 0; k < kSeriesTerms; ++k) {
+    double sum = 0.0;
+    for (int j = 0; j <= k; j += 2) sum -= e.lambda * s[k - j];
+    for (int i = 1; i <= k; ++i) sum -= e.mu * s[i] * (k + 1 - i) * s[k + 1 - i];
+    s[k + 1] = sum / ((e.mu + 0.5 * e.lambda) * (k + 1));
+    log_s[k] = (k + 1) * s[k + 1];
+    for (int i = 1; i <= k; ++i) log_s[k] -= s[i] * log_s[k - i];
+    double grown = 0.0;
+    for (int i = 0; i <= k; ++i) grown += v[k - i] * ((i % 2 == 0 ? 1.0 : 0.0) + 0.5 * log_s[i]);
+    v[k + 1] = grown / (k + 1);
+  }
+  std::copy(s.begin() + 1, s.end(), e.stretch.begin());
+  std::copy(v.begin() + 1, v.end(), e.volume.begin());
+}
+
 inline Elasticity elasticity(double youngs_modulus, double poisson_ratio) {
-  return {youngs_modulus / (2.0 * (1.0 + poisson_ratio)),
-          youngs_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio))};
+  Elasticity e;
+  e.mu = youngs_modulus / (2.0 * (1.0 + poisson_ratio));
+  e.lambda = youngs_modulus * poisson_ratio / ((1.0 + poisson_ratio) * (1.0 - 2.0 * poisson_ratio));
+  find_series(e);
+  return e;
+}
+
+/// 1 + c_1 z + c_2 z^2 + ...
+template <class T>
+inline T series(const std::array<double, kSeriesTerms>& c, const T& z) {
+  T sum = splat<T>(c[kSeriesTerms - 1]);
+  for (int k = kSeriesTerms - 2; k >= 0; --k) sum = sum * z + c[k];
+  return 1.0 + z * sum;
 }
 
 inline bool keeps_thickness(StressModel model) { return model != StressModel::kPlaneStress; }
@@ -54,33 +95,21 @@ constexpr int kThicknessNewtonSteps = 3, kAuxeticNewtonSteps = 12;
 
 template <class T>
 struct PlaneStress {
-  Sym2<T> s;       // second Piola-Kirchhoff stress, contravariant [Pa / metric]
-  T stretch2;      // thickness stretch squared
-  T log_area;      // ln J0, J0 the area ratio
-  T area2;         // J0^2
-  T log_stretch2;  // its logarithm; beyond kSmallAreaChange where it is not small
+  Sym2<T> s;   // second Piola-Kirchhoff stress, contravariant [Pa / metric]
+  T stretch2;  // thickness stretch squared
+  T area2;     // J0^2, J0 the area ratio
+  T share;     // (J0^2 - 1) / (J0^2 + 1)
 };
-
-/// Area ratios nearer to 1 than this take polynomials, which are exact to round-off there, instead of
-/// logarithms; shells of glass and steel never leave that range until they break.
-constexpr double kSmallAreaChange = 0.04;
 
 inline bool all_below(double a, double limit) { return a < limit && a > -limit; }
 template <class P>
 requires kIsPack<P>
 inline bool all_below(P a, double limit) { return !any((a >= limit) | (a <= -limit) | (a != a)); }
 
-/// e^u - 1 for |u| < 0.04: the rest of the series below 1e-16 of it, and of the stress less still.
+/// ln J0.
 template <class T>
-inline T small_expm1(T u) {
-  T s = splat<T>(1.0 / 40320.0);
-  s = s * u + 1.0 / 5040.0;
-  s = s * u + 1.0 / 720.0;
-  s = s * u + 1.0 / 120.0;
-  s = s * u + 1.0 / 24.0;
-  s = s * u + 1.0 / 6.0;
-  s = s * u + 0.5;
-  return u + u * u * s;
+inline T log_area_ratio(const T& share, const T& area2) {
+  return all_below(share, kSmallShare) ? 0.5 * twice_atanh<9, T>(share) : 0.5 * logarithm<T>(area2);
 }
 
 /// asinh(y) / y for y >= 0, with y^2 given: 1 where the stretches are equal.
@@ -124,17 +153,16 @@ template <class T>
   const T dc = determinant(c), da = determinant(a), ia = 1.0 / da, ic = 1.0 / dc;
   PlaneStress<T> r;
   r.area2 = dc * ia;
-  r.log_area = all_below((dc - da) * ia, kSmallAreaChange) ? 0.5 * twice_atanh<9, T>((dc - da) / (dc + da))
-                                                           : 0.5 * logarithm<T>(r.area2);
+  r.share = (dc - da) / (dc + da);
   r.stretch2 = splat<T>(1.0);
-  r.log_stretch2 = splat<T>(0.0);
+  const T log_area = log_area_ratio<T>(r.share, r.area2);
   if (e.model == StressModel::kPaperProjection) {
-    const T push = (e.mu - e.lambda * r.log_area) * ic;  // S = mu Abar^-1 - (mu - lambda ln J) C^-1
+    const T push = (e.mu - e.lambda * log_area) * ic;  // S = mu Abar^-1 - (mu - lambda ln J) C^-1
     r.s = {e.mu * (a.c22 * ia) - push * c.c22, e.mu * (a.c11 * ia) - push * c.c11, push * c.c12 - e.mu * (a.c12 * ia)};
     return r;
   }
   const T area = square_root(r.area2);  // S = 2 psi_I Abar^-1 + psi_J J C^-1
-  const PlaneLaw<T> law = plane_law<T>(trace_of<T>(c, a, ia), area, r.log_area, e);
+  const PlaneLaw<T> law = plane_law<T>(trace_of<T>(c, a, ia), area, log_area, e);
   const T first = 2.0 * law.by_trace * ia, second = law.by_area * area * ic;
   r.s = {first * a.c22 + second * c.c22, first * a.c11 + second * c.c11, -first * a.c12 - second * c.c12};
   return r;
@@ -144,32 +172,26 @@ template <class T>
 /// linearised equation; a step may take s to a quarter of itself at the least, since the root is positive and the
 /// logarithm ends at zero.
 template <class T>
-struct FarStretch {
-  T log_area, stretch2;
-};
-template <class T>
-[[gnu::noinline]] FarStretch<T> find_far_stretch(T area2, const Elasticity& e) {
-  FarStretch<T> r;
-  r.log_area = 0.5 * logarithm<T>(area2);
+[[gnu::noinline]] T find_far_stretch(T area2, const Elasticity& e) {
+  T log_area = 0.5 * logarithm<T>(area2);
   // where there is no root, as if compressed no further: solver/compression.h stops the run
-  if (e.lambda < 0.0) r.log_area = select(r.log_area > e.least_log_area, r.log_area, splat<T>(e.least_log_area));
-  const T u = -2.0 * e.lambda / (e.lambda + 2.0 * e.mu) * r.log_area;      // ln s to first order
+  if (e.lambda < 0.0) log_area = select(log_area > e.least_log_area, log_area, splat<T>(e.least_log_area));
+  const T u = -2.0 * e.lambda / (e.lambda + 2.0 * e.mu) * log_area;        // ln s to first order
   T s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
   s = select(s > 0.05, s, splat<T>(0.05));
   for (int i = 0; i < (e.lambda < 0.0 ? kAuxeticNewtonSteps : kThicknessNewtonSteps); ++i) {
-    const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * r.log_area;
+    const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * log_area;
     const T step = g / (e.mu + 0.5 * e.lambda / s);
     const T next = s - step;
     s = select(next > 0.25 * s, next, 0.25 * s);
   }
-  r.stretch2 = s;
-  return r;
+  return s;
 }
 
 /// psi = mu/2 (tr C - 3) - mu ln J + lambda/2 ln^2 J with the thickness stretch from sigma_33 = 0:
 ///   g(s) = mu (s - 1) + lambda/2 ln s + lambda ln J0 = 0,  s = stretch^2;  S = mu (Abar^-1 - s C^-1).
 /// `c` is the current, `a` the reference metric at this layer (covariant, both positive definite).
-/// Near the reference state Newton runs in u = ln s, once from a series (the error goes as u^4, u^8).
+/// Near the reference state s is a series in z = (J0^2 - 1) / (J0^2 + 1).
 template <class T>
 [[gnu::always_inline]] inline PlaneStress<T> plane_stress(const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
   if (keeps_thickness(e.model)) {
@@ -179,37 +201,22 @@ template <class T>
   const T dc = determinant(c), da = determinant(a), sum = dc + da, both = dc * da;
   const T inverse = 1.0 / (both * sum);  // divisions are what a layer costs most: one for three
   const T ia = inverse * dc * sum;
-  const T change = (dc - da) * ia;  // of the squared area ratio
   PlaneStress<T> r;
   r.area2 = dc * ia;
-  if (all_below(change, kSmallAreaChange)) {
-    r.log_area = 0.5 * twice_atanh<9, T>((dc - da) * inverse * both);  // the rest of the series below 1e-17 of it
-    // the root's series to third order, then Newton once
-    const double kappa = 2.0 * e.lambda / (e.lambda + 2.0 * e.mu);
-    const double beta = e.mu / (2.0 * e.mu + e.lambda), gamma = 2.0 * beta * beta - beta / 3.0;
-    const T first = -kappa * r.log_area;
-    T u = first * (1.0 - first * (beta - gamma * first));
-    const T grown = small_expm1<T>(u);
-    const double slope = e.mu + 0.5 * e.lambda;
-    const T bend = (e.mu / slope) * grown;  // 1 / (1 + bend) to third order
-    u = u - (1.0 - bend * (1.0 - bend * (1.0 - bend))) *
-                ((e.mu / slope) * grown + (0.5 * e.lambda / slope) * u + (e.lambda / slope) * r.log_area);
-    r.stretch2 = 1.0 + small_expm1<T>(u);
-    r.log_stretch2 = u;
-  } else {
-    const FarStretch<T> far = find_far_stretch<T>(r.area2, e);
-    r.log_area = far.log_area, r.stretch2 = far.stretch2, r.log_stretch2 = splat<T>(1.0);
-  }
+  r.share = (dc - da) * inverse * both;
+  if (all_below(r.share, kSmallShare))
+    r.stretch2 = series<T>(e.stretch, r.share);
+  else
+    r.stretch2 = find_far_stretch<T>(r.area2, e);
   const T ic = r.stretch2 * (inverse * da * sum);
   r.s = {e.mu * (a.c22 * ia - ic * c.c22), e.mu * (a.c11 * ia - ic * c.c11), e.mu * (ic * c.c12 - a.c12 * ia)};
   return r;
 }
 
-/// Volume ratio J; a root costs more than the series.
+/// Volume ratio J. A root costs more than the series.
 template <class T>
-inline T volume_ratio(const PlaneStress<T>& p) {
-  const T log_volume = p.log_area + 0.5 * p.log_stretch2;
-  if (all_below(log_volume, kSmallAreaChange)) return 1.0 + small_expm1<T>(log_volume);
+inline T volume_ratio(const PlaneStress<T>& p, const Elasticity& e) {
+  if (!keeps_thickness(e.model) && all_below(p.share, kSmallShare)) return series<T>(e.volume, p.share);
   return square_root(p.area2 * p.stretch2);
 }
 
@@ -217,9 +224,10 @@ inline T volume_ratio(const PlaneStress<T>& p) {
 template <class T>
 inline T plane_stress_energy(const PlaneStress<T>& p, const Sym2<T>& c, const Sym2<T>& a, const Elasticity& e) {
   const T trace = trace_of<T>(c, a, 1.0 / determinant(a));  // tr(Abar^-1 C)
+  const T log_area = log_area_ratio<T>(p.share, p.area2);
   if (e.model == StressModel::kJgt17 || e.model == StressModel::kGhf18)
-    return plane_law<T>(trace, square_root(p.area2), p.log_area, e).energy;
-  const T log_j = p.log_area + 0.5 * logarithm<T>(p.stretch2);
+    return plane_law<T>(trace, square_root(p.area2), log_area, e).energy;
+  const T log_j = log_area + 0.5 * logarithm<T>(p.stretch2);
   return 0.5 * e.mu * (trace + p.stretch2 - 3.0) - e.mu * log_j + 0.5 * e.lambda * log_j * log_j;
 }
 

@@ -45,7 +45,7 @@ inline Resultants<T> integrate_weakened_layers(const Forms<T>& f, const Referenc
     PlaneStress<T> p = plane_stress<T>(c, a, e);
     if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, a, e);
     const Sym2<T> full = p.s;
-    damage[l] = weaken<T>(p.s, c, volume_ratio<T>(p), strength, brittleness);
+    damage[l] = weaken<T>(p.s, c, volume_ratio<T>(p, e), strength, brittleness);
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
     r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
     if constexpr (kLost) {

@@ -134,6 +134,8 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
       const double* metric = &t.metric[t.at(block, kMetricFields, 0, 0)];
       for (int e = 0; e < lanes; e += kLanes) {
         const Pack area = load<Pack>(metric + kArea * lanes + e);
+        // the next Gauss point's numbers, which no prefetcher of hardware expects: seven streams that change every row
+        for (int k = 0; k < kMetricFields; ++k) __builtin_prefetch(metric + (kMetricFields + k) * lanes + e);
         IntPack summed = area > 0.0;  // padding, empty spans and points that a crack has touched are not
         if (!any(summed)) {
           for (int k = 0; k < 9 * kSupport && a == 0; ++k) store<Pack>(parts + k * reach + e, Pack{});
@@ -161,7 +163,14 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
                                          load<Pack>(metric + kA12 * lanes + e)},
                                         {load<Pack>(metric + kB11 * lanes + e), load<Pack>(metric + kB22 * lanes + e),
                                          load<Pack>(metric + kB12 * lanes + e)}};
-        const Forms<Pack> forms = surface_forms(d);
+        Forms<Pack> forms = surface_forms(d);
+        if (any(~summed)) {  // at rest: else what is not summed sends the whole pack the long way for large strain
+          const auto at_rest = [&](const Sym2<Pack>& now, const Sym2<Pack>& rest) {
+            return Sym2<Pack>{select(summed, now.c11, rest.c11), select(summed, now.c22, rest.c22),
+                              select(summed, now.c12, rest.c12)};
+          };
+          forms.a = at_rest(forms.a, ref.a), forms.b = at_rest(forms.b, ref.b);
+        }
         const auto resultants = [&] {
           if constexpr (kLaw == LayerLaw::kYields) {
             const RowPlasticity* plastic = memory.plastic;

@@ -90,6 +90,20 @@ TEST(PlaneStress, IsTwiceTheDerivativeOfItsEnergyAtSmallAndLargeStrain) {
     }
 }
 
+TEST(PlaneStress, FindsTheThicknessToRoundOffOnBothSidesOfTheSwitch) {
+  for (const double nu : {-0.9, -0.3, 0.0, 0.22, 0.3, 0.45, 0.49})
+    for (const double z : {-0.0201, -0.0199, -0.01, -1e-6, 0.0, 1e-6, 0.005, 0.0199, 0.0201}) {
+      const Elasticity e = elasticity(1.0, nu);
+      const double area = std::sqrt((1.0 + z) / (1.0 - z));
+      const PlaneStress<double> p = plane_stress<double>({area, area, 0.0}, {1.0, 1.0, 0.0}, e);
+      const double residual =
+          e.mu * (p.stretch2 - 1.0) + 0.5 * e.lambda * std::log(p.stretch2) + e.lambda * std::atanh(z);
+      // of the largest term; what the series leaves out at its end is (2 z)^11
+      EXPECT_NEAR(residual, 0.0, (1e-15 + 4e-16) * (e.mu + std::abs(e.lambda))) << nu << " " << z;
+      EXPECT_NEAR(volume_ratio<double>(p, e), area * std::sqrt(p.stretch2), 2e-15) << nu << " " << z;
+    }
+}
+
 TEST(PlaneStress, HasTheModuliOfLinearElasticityAtSmallStrain) {
   const double nu = 0.3, strain = 1e-7;
   const Elasticity e = elasticity(2e11, nu);
