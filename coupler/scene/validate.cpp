@@ -33,9 +33,14 @@ void pose(const Scene& s, const std::string& field, const proto::Pose& p) {
 
 void material(const Scene& s, const std::string& f, const proto::Material& m) {
   positive(s, f + ".density", m.has_density(), m.density(), "kg/m^3");
-  if (m.has_youngs_modulus()) positive(s, f + ".youngs_modulus", true, m.youngs_modulus(), "Pa");
-  s.check(!m.has_poisson_ratio() || (m.poisson_ratio() > -1.0 && m.poisson_ratio() < 0.5), f + ".poisson_ratio",
-          "is {}; must lie between -1 and 0.5", m.poisson_ratio());
+  s.check(m.density() >= 1e-6 && m.density() <= 1e9, f + ".density", "is {}; 1e-6 to 1e9 kg/m^3", m.density());
+  if (m.has_youngs_modulus()) {
+    positive(s, f + ".youngs_modulus", true, m.youngs_modulus(), "Pa");
+    s.check(m.youngs_modulus() >= 1e-3 && m.youngs_modulus() <= 1e15, f + ".youngs_modulus", "is {}; 1e-3 to 1e15 Pa",
+            m.youngs_modulus());
+  }
+  s.check(!m.has_poisson_ratio() || (m.poisson_ratio() >= -0.99 && m.poisson_ratio() <= 0.4999), f + ".poisson_ratio",
+          "is {}; -0.99 to 0.4999", m.poisson_ratio());
   if (m.has_strength()) {
     positive(s, f + ".strength", true, m.strength(), "Pa");
     s.check(m.has_fracture_energy(), f + ".fracture_energy", "is missing; a material with a strength needs it [J/m^2]");
@@ -149,8 +154,8 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
       s.check(m.has_youngs_modulus() && m.has_poisson_ratio(), f + ".material",
               "'{}' has no youngs_modulus or poisson_ratio; a shell needs both", m.name());
   positive(s, f + ".thickness_m", shell.has_thickness_m(), shell.thickness_m(), "m");
-  s.check(!shell.has_layers() || (shell.layers() >= 1 && shell.layers() <= 16), f + ".layers", "is {}; 1 to 16",
-          shell.layers());
+  s.check(!shell.has_layers() || (shell.layers() >= 2 && shell.layers() <= 16), f + ".layers",
+          "is {}; 2 to 16 (one layer has no bending stiffness; bending: LINEAR has, without layers)", shell.layers());
   s.check(proto::Shell::StressModel_IsValid(shell.stress_model()), f + ".stress_model",
           "is {}; PLANE_STRESS, PAPER_PROJECTION, JGT17 or GHF18", static_cast<int>(shell.stress_model()));
   s.check(proto::Shell::Bending_IsValid(shell.bending()), f + ".bending", "is {}; LAYERED or LINEAR",
@@ -167,8 +172,8 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   const int degree = patch_degree(shell), gauss = shell.has_gauss_points() ? shell.gauss_points() : degree;
   s.check(degree == 2 || degree == 3, fmt::format("{}.{}.degree", f, patch_name(shell)),
           "is {}; 2 (quadratic) or 3 (cubic)", degree);
-  s.check(degree == 3 || gauss == 2 || gauss == 3, f + ".gauss_points", "is {}; 2 or 3", gauss);
-  s.check(degree == 2 || gauss == 3 || gauss == 4, f + ".gauss_points",
+  s.check(shell.has_cad() || degree == 3 || gauss == 2 || gauss == 3, f + ".gauss_points", "is {}; 2 or 3", gauss);
+  s.check(shell.has_cad() || degree == 2 || gauss == 3 || gauss == 4, f + ".gauss_points",
           "is {}; 3 or 4 for a patch of degree 3, which fewer under-integrate", gauss);
   if (shell.has_plate()) {
     const auto& p = shell.plate();
@@ -307,6 +312,12 @@ void validate(const LoadedScene& s) {
             c.first());
     s.check(c.second().empty() || names.count(c.second()), f + ".second", "'{}' is no shell or body of this scene",
             c.second());
+    for (int j = 0; j < i; ++j) {
+      const auto& b = m.contacts(j);
+      s.check(
+          (b.first() != c.first() || b.second() != c.second()) && (b.first() != c.second() || b.second() != c.first()),
+          f, "says again what contacts[{}] says; leave one of them out", j);
+    }
     not_negative(s, f + ".friction", c.has_friction(), c.friction());
     if (c.has_hertz()) {
       const auto is = [&](const auto& list, const std::string& name, auto&& test) {

@@ -17,7 +17,8 @@ def _pastel(fragment: np.ndarray) -> np.ndarray:
     ids, inverse, count = np.unique(fragment, return_inverse=True, return_counts=True)
     hue = np.modf(ids * 0.6180339887498949)[0] * 2.0 * np.pi
     colours = 0.86 + 0.10 * np.cos(hue[:, None] - np.array([0.0, 2.0943951, 4.1887902]))
-    colours[count.argmax()] = [0.95, 0.97, 0.97]
+    if len(count):
+        colours[count.argmax()] = [0.95, 0.97, 0.97]
     return colours[inverse]
 
 

@@ -9,6 +9,7 @@
 
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
+#include "shell/solver/hertz.h"
 
 namespace sunder::shell {
 namespace {
@@ -106,12 +107,12 @@ void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, con
     const double radius = body.sphere().radius_m();
     const double both = give(scene.message.shells(0).material()) + give(body.material());
     r.hertz[i] = c.hertz().has_stiffness() ? c.hertz().stiffness() : 4.0 / 3.0 * std::sqrt(radius) / both;
-    const double speed = r.bodies[i].motion.velocity.norm();
+    const double speed = (r.bodies[i].motion.velocity - r.shell_velocity).norm();
     const double approach = r.bodies[i].is_static ? 0.0 : hertz_approach(r.bodies[i].mass, r.hertz[i], speed);
-    scene.check(approach <= 0.2 * radius, field,
+    scene.check(approach <= kDeepestApproach * radius, field,
                 "lets '{}' sink up to {:.3g} m into shell '{}' at {:.3g} m/s, but the law is for less than a fifth of "
                 "its radius, {:.3g} m; take a higher stiffness or a lower speed, or leave hertz out",
-                body.name(), approach, shell.name, speed, 0.2 * radius);
+                body.name(), approach, shell.name, speed, kDeepestApproach * radius);
   }
 }
 

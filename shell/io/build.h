@@ -23,6 +23,9 @@ constexpr double kCrackedStep = 0.7;
 /// Of the stable step, what a scene may ask for: power iteration finds it from above.
 constexpr double kMostOfStable = 0.95;
 
+/// Substeps that a window may take.
+constexpr double kMostSubsteps = 1e6;
+
 /// All that a run needs from a scene, in plain types.
 struct RunSetup {
   std::string name;

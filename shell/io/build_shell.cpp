@@ -150,6 +150,15 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
                   (material.yield_stress == 0.0 && scene.message.fracture().mode() != proto::Fracture::DAMAGE),
               field + ".bending", "LINEAR has no layers, which yielding and fracture.mode DAMAGE need; leave it out");
   material.surface_compression = s.surface_compression();
+  const double in_the_middle = 0.5 * material.surface_compression;
+  scene.check(material.yield_stress == 0.0 || material.surface_compression < material.yield_stress,
+              field + ".surface_compression", "is {} Pa, but material '{}' yields at {} Pa: take less",
+              material.surface_compression, s.material(), material.yield_stress);
+  scene.check(
+      material.strength == 0.0 || in_the_middle < material.strength, field + ".surface_compression",
+      "puts the middle under {:.4g} Pa of tension, and the strength of material '{}' is {} Pa: it would crack by "
+      "itself; take less",
+      in_the_middle, s.material(), material.strength);
   scene.check(material.surface_compression <= 0.02 * material.youngs_modulus, field + ".surface_compression",
               "is {:.3g} of youngs_modulus; at most 0.02", material.surface_compression / material.youngs_modulus);
   const Patch patch = make_patch(scene, s, field);

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "shell/contact/proxy.h"
-#include "shell/solver/state.h"
+#include "shell/solver/hertz.h"
 
 namespace sunder::shell {
 
@@ -31,10 +31,23 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
     const double allowed = step * (can_crack ? kCrackedStep : 1.0);
     const double most = kMostOfStable * allowed;
     scene.check(setup.time_step <= most, "time_step_s",
-                "is {} s, above the stable step of shell '{}'{}; at most {:.3g} s would do", setup.time_step, m.name,
-                can_crack ? " with cracks" : "", 0.99 * most);
+                "is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
+                setup.time_step, m.name, can_crack ? " with cracks" : "", allowed, 0.99 * most);
+    for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
+      if (setup.hertz[i] == 0.0) continue;
+      const double speed = std::max(1e-3, (setup.bodies[i].motion.velocity - setup.shell_velocity).norm());
+      const double own = hertz_step(m, setup.bodies[i], setup.hertz[i], speed, step);
+      scene.check(
+          setup.window / own <= kMostSubsteps, "contacts",
+          "make Hertz contact of '{}' with a stiffness of {:.3g} N/m^1.5, which needs substeps of {:.3g} s, {:.3g} a "
+          "window; take a softer one",
+          setup.bodies[i].name, setup.hertz[i], own, setup.window / own);
+    }
     const double taken = setup.time_step > 0.0 ? setup.time_step : setup.safety * allowed;
-    const double substeps = std::ceil(setup.window / taken) * shell_time / setup.window;
+    const double a_window = std::ceil(setup.window / taken * (1.0 - 1e-12));
+    scene.check(a_window <= kMostSubsteps, setup.time_step > 0.0 ? "time_step_s" : "window_s",
+                "leads to {:.3g} substeps a window; at most {:.0g}", a_window, kMostSubsteps);
+    const double substeps = a_window * shell_time / setup.window;
     const auto start = std::chrono::steady_clock::now();
     constexpr int kTrials = 20;
     for (int i = 0; i < kTrials; ++i) compute_forces(m, s, false, 1.0, 1);
@@ -43,8 +56,8 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
         "shell          {}\ncontrol points {}\ngauss points   {}\nlayer points   {}\nspacing        {:.4g} m\nstable "
         "step    {:.4g} s\n",
         m.name, m.control_points(), m.tables.gauss_points(), layers, m.spacing, step);
-    out += fmt::format("substeps       at most {:.0f}, {:.0f} a window of {:g} s, until {:g} s\n", substeps,
-                       std::ceil(setup.window / taken), setup.window, shell_time);
+    out += fmt::format("substeps       at most {:.0f}, {:.0f} a window of {:g} s, until {:g} s\n", substeps, a_window,
+                       setup.window, shell_time);
     out += fmt::format(
         "time           at most {:.2g} min on one thread for the uncracked shell (measured now: {:.3g} ms a substep)\n"
         "               cracks can make a substep some three times as long; bodies alone come on top\n",

@@ -61,10 +61,12 @@ void Run::write_probes() {
 
 void Run::write_series_row() {
   const EnergyBook& b = state_ ? state_->book : book_;
-  series_ +=
-      fmt::format("{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{}\n", time(),
-                  kinetic_, elastic_, b.fracture, b.injected, b.contact, b.damping, b.handoff, b.frozen, engine_loss_,
-                  residual_, state_ ? state_->cracks.total_length() : 0.0, fragments_, handed_off_);
+  series_ += fmt::format(
+      "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{},{:.9g},{:.9g},{:.9g},{"
+      ":.9g}\n",
+      time(), kinetic_, elastic_, b.fracture, b.injected, b.contact, b.damping, b.handoff, b.frozen, engine_loss_,
+      residual_, state_ ? state_->cracks.total_length() : 0.0, fragments_, handed_off_, b.plastic, b.healing,
+      b.transfer, b.external);
 }
 
 void Run::progress() {
@@ -149,6 +151,10 @@ std::vector<std::string> Run::warnings() const {
                     100.0 * residual_));
   if (percent(-b.healing) > 100.0 * kResidualWarning)
     out.push_back(fmt::format("damage that healed has made {:.1f} % of the energy there was", percent(-b.healing)));
+  if (percent(-b.handoff) > 100.0 * kResidualWarning)
+    out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
+                              percent(-b.handoff),
+                              setup_.transfer.kind != Transfer::kDirect ? ": the grid glues what is cut" : ""));
   if (percent(frozen_kinetic_) > 100.0 * kFrozenWarning)
     out.push_back(
         fmt::format("the shell was frozen while it still moved with {:.0f} % of the energy there was: raise "

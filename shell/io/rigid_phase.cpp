@@ -126,10 +126,7 @@ void Run::rigid_window() {
   fly(window, proxies_.size());
   exchange(ticks, window, {});
   const double energy = total_energy(0.0);
-  const EnergyBook& b = book_;
-  const double booked = b.fracture + b.healing + b.plastic + b.contact + b.damping + b.handoff + b.frozen +
-                        engine_loss_ - b.injected - b.external;
-  close_books(energy + booked);
+  close_books(energy + book_.lost() + engine_loss_);
 }
 
 }  // namespace sunder::shell

@@ -7,6 +7,7 @@
 #include "coupler/core/error.h"
 #include "shell/solver/compression.h"
 #include "shell/solver/damage_cracks.h"
+#include "shell/solver/hertz.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/interlock.h"
 #include "shell/solver/relaxation.h"
@@ -19,6 +20,7 @@ constexpr double kSmallPiece = 30.0;        // spacings squared: too small to be
 constexpr double kSettleTime = 5e-5;        // a larger piece stays so long, its cracks may still branch [s]
 constexpr double kLookInterval = 0.1;       // [s] of wall time between two looks at the peer
 constexpr int kPointsPerThread = 4000;
+constexpr double kPatience = 5.0;    // [s] of wall time that an interruption waits for the window's end
 constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
 constexpr int kFirstIterations = 120, kLaterIterations = 16;  // of the stable step
 
@@ -85,8 +87,8 @@ void Run::start() {
     }
     const double most = kMostOfStable * (can_crack() ? kCrackedStep : 1.0) * initial_step_;
     require(setup_.time_step <= most,
-            "time_step_s is {} s, above the stable step of shell '{}'{}; at most {:.3g} s would do", setup_.time_step,
-            m.name, can_crack() ? " with cracks" : "", 0.99 * most);
+            "time_step_s is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
+            setup_.time_step, m.name, can_crack() ? " with cracks" : "", most / kMostOfStable, 0.99 * most);
     require(setup_.window >= initial_step_,
             "window_s is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple", setup_.window,
             initial_step_);
@@ -98,7 +100,8 @@ void Run::start() {
       "time [s],kinetic [J],elastic [J],fracture [J],injected [J],contact [J],damping [J],handoff [J],frozen "
       "[J],engine "
       "[J],residual [-],cracks "
-      "[m],fragments [-],handed_off [-]\n";
+      "[m],fragments [-],handed_off [-],"
+      "plastic [J],healing [J],transfer [J],external [J]\n";
   write_summary("running", nullptr);
   if (!setup_.probes.empty()) probes_ = probe_header(setup_.probes);
   write_probes();
@@ -137,7 +140,8 @@ double Run::total_energy(double dt) {
   for (const Proxy& p : proxies_) kinetic_ += p.body.kinetic_energy();
   if (!state_) return sum;
   const ShellModel& m = setup_.shells[0];
-  elastic_ = compute_forces(m, *state_, true, 0.0, options_.threads);
+  elastic_ = compute_forces(m, *state_, true, 0.0, options_.threads) +
+             hertz_energy(m, *state_, proxies_, coefficients_, candidates_, dt);
   const double kinetic = kinetic_energy(m, *state_, dt);
   kinetic_ += kinetic;
   for (int i = 0; i < m.tables.plane; ++i)
@@ -164,7 +168,7 @@ void Run::substep(double dt) {
   {
     Stopwatch w(stage_s_["rigid_contact"]);
     if (candidates_.age++ % kContactRefresh == 0) {
-      refresh_candidates(m, s, proxies_, dt, candidates_);
+      refresh_candidates(m, s, proxies_, coefficients_, dt, candidates_);
       candidates_.age = 1;
     }
     contact(m, s, proxies_, coefficients_, candidates_, dt);
@@ -185,14 +189,20 @@ void Run::substep(double dt) {
 double Run::with_hertz(double step) {
   const ShellModel& m = setup_.shells[0];
   double shell_speed = 0.0;
+  Eigen::AlignedBox3d box;
+  for (int k = 0; k < m.control_points(); ++k) {
+    const int slot = m.tables.slot(k);
+    if (state_->gone[slot]) continue;
+    shell_speed = std::max(shell_speed, state_->velocity(slot).norm()), box.extend(state_->position(slot));
+  }
   for (std::size_t i = 0; i < setup_.bodies.size(); ++i) {
-    if (setup_.hertz[i] == 0.0) continue;
-    for (int k = 0; k < m.control_points(); ++k)
-      if (!state_->gone[m.tables.slot(k)])
-        shell_speed = std::max(shell_speed, state_->velocity(m.tables.slot(k)).norm());
-    const double speed = proxies_[i].body.motion.velocity.norm() + setup_.gravity.norm() * setup_.window + shell_speed;
-    hertz_speed_ = std::max(hertz_speed_, speed);  // contact stores it, and gives it back
-    step = hertz_step(m, proxies_[i].body, setup_.hertz[i], hertz_speed_, step);
+    if (setup_.hertz[i] == 0.0 || box.isEmpty()) continue;
+    const Proxy& p = proxies_[i];
+    const double speed = p.body.motion.velocity.norm() + setup_.gravity.norm() * setup_.window + shell_speed;
+    if (box.exteriorDistance(p.body.motion.position) > p.radius() + m.thickness + 2.0 * speed * setup_.window) continue;
+    // contact stores it, and gives it back; in powers of two: every change of the step costs leapfrog some energy
+    if (speed > hertz_speed_) hertz_speed_ = std::exp2(std::ceil(std::log2(speed)));
+    step = hertz_step(m, p.body, setup_.hertz[i], hertz_speed_, step);
   }
   return step;
 }
@@ -203,7 +213,17 @@ void Run::shell_window() {
   const double step = with_hertz(can_crack() ? std::min(smallest_step_, kCrackedStep * initial_step_) : smallest_step_);
   // a crack may have taken more from the stable step than was allowed for
   const double taken = setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
-  const int n = std::max(1, static_cast<int>(std::ceil(setup_.window / taken * (1.0 - 1e-12))));
+  const double needed = std::ceil(setup_.window / taken * (1.0 - 1e-12));
+  if (!(needed <= kMostSubsteps)) {
+    Error e(
+        Exit::kPhysics, "substeps",
+        fmt::format("a window of {:.3g} s would take {:.3g} substeps of {:.3g} s; at most {:.0g}: shorten window_s, or "
+                    "take a softer contact, or a longer time_step_s",
+                    setup_.window, needed, taken, kMostSubsteps));
+    e.window = windows_;
+    throw e;
+  }
+  const int n = std::max(1, static_cast<int>(needed));
   const double dt = dt_ = setup_.window / n;
   for (std::size_t i = 0; i < setup_.cuts.size(); ++i)
     if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * setup_.window) {
@@ -211,9 +231,15 @@ void Run::shell_window() {
       insert_polyline(m, s, setup_.cuts[i].points, time());
       s.cut_done[i] = 1;
     }
+  const double window_start = wall_clock();
   for (int k = 0; k < n; ++k) {
     substep(dt);
-    if (++substeps_ % kCompressionInterval == 0) check_compression(m, s);
+    if (++substeps_ % kCompressionInterval == 0) try {
+        check_compression(m, s);
+      } catch (Error& e) {
+        e.window = windows_;
+        throw;
+      }
     if (setup_.tips) {
       Stopwatch w(stage_s_["crack_update"]);
       const int every = crack_interval(setup_.rules, dt);
@@ -227,6 +253,8 @@ void Run::shell_window() {
       if (k % every == every - 1 || k == n - 1) extract_cracks(m, s, time() + (k + 1) * dt);
     }
     look_around();
+    if (*interrupted_ && wall_clock() - window_start > kPatience)
+      throw Error(Exit::kInterrupted, "interrupted", "interrupted within a window, which would have taken long");
   }
   for (const Proxy& p : proxies_)
     if (!p.body.motion.position.allFinite() || !p.body.motion.velocity.allFinite()) unstable(std::nan(""));
@@ -237,14 +265,11 @@ void Run::shell_window() {
   exchange(1, setup_.window, births);
   Stopwatch w(stage_s_["internal_force"]);
   const double energy = total_energy(dt);
-  const EnergyBook& b = s.book;
-  const double booked = b.fracture + b.healing + b.plastic + b.contact + b.damping + b.transfer + b.handoff + b.frozen +
-                        engine_loss_ - b.injected - b.external;
   // a strain of 1e-3 in one element: where all starts at rest
   const double least = 5e-7 * m.material.youngs_modulus * m.thickness * m.spacing * m.spacing;
-  const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + std::abs(b.external) + least);
+  const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + std::abs(s.book.external) + least);
   if (!(std::abs(energy - reference_energy_) <= most)) unstable(energy - reference_energy_);
-  close_books(energy + booked);
+  close_books(energy + s.book.lost() + engine_loss_);
   for (; edges_seen_ < s.cracks.edges().size(); ++edges_seen_)
     changed_.push_back(0.5 * (s.cracks.edges()[edges_seen_].a + s.cracks.edges()[edges_seen_].b));
   if (setup_.brittleness > 0.0 && windows_ % kStrainedWindows == 0)  // what is damaged may be strained far
@@ -432,7 +457,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
   } catch (const Error& e) {
     if (client_) client_->abort(e.kind, e.what());
     try {
-      write_summary("failed", &e);
+      write_summary(e.status == Exit::kInterrupted ? "interrupted" : "failed", &e);
     } catch (const Error&) {  // the disk is full: the message on the terminal remains
     }
     throw;

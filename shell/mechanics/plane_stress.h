@@ -89,9 +89,9 @@ inline T series(const std::array<double, kSeriesTerms>& c, const T& z) {
 
 inline bool keeps_thickness(StressModel model) { return model != StressModel::kPlaneStress; }
 
-/// Newton steps for the thickness stretch beyond the first (which is exact to second order in strain).
-/// Convex, so it converges from one side; the error squares every time, but near the least area of lambda < 0.
-constexpr int kThicknessNewtonSteps = 3, kAuxeticNewtonSteps = 12;
+/// Newton steps for the thickness stretch of large strain: few, but near the least area of lambda < 0.
+constexpr int kMostNewtonSteps = 40;
+constexpr double kConverged = 1e-8;  // last step, of the stretch
 
 template <class T>
 struct PlaneStress {
@@ -179,11 +179,12 @@ template <class T>
   const T u = -2.0 * e.lambda / (e.lambda + 2.0 * e.mu) * log_area;        // ln s to first order
   T s = 1.0 + u * (1.0 + u * (0.5 + u * (1.0 / 6.0 + u * (1.0 / 24.0))));  // exp(u) to O(u^5)
   s = select(s > 0.05, s, splat<T>(0.05));
-  for (int i = 0; i < (e.lambda < 0.0 ? kAuxeticNewtonSteps : kThicknessNewtonSteps); ++i) {
+  for (int i = 0; i < kMostNewtonSteps; ++i) {
     const T g = e.mu * (s - 1.0) + (0.5 * e.lambda) * logarithm<T>(s) + e.lambda * log_area;
     const T step = g / (e.mu + 0.5 * e.lambda / s);
     const T next = s - step;
     s = select(next > 0.25 * s, next, 0.25 * s);
+    if (all_below(step / s, kConverged)) break;  // the error squares every time: the next would be round-off
   }
   return s;
 }

@@ -1,5 +1,6 @@
 #pragma once
-// Internal forces at Gauss points with shape functions of their own: those that a crack has touched.
+// Internal forces at Gauss points with shape functions of their own: those that a crack has touched. Points that damage
+// may weaken are listed with them, and summed by the rows.
 #include <array>
 #include <vector>
 

@@ -26,16 +26,21 @@ Layers linear_bending(double thickness) {
 
 void prestress(Layers& layers, double thickness, double surface_compression, const Elasticity& elasticity) {
   const double nu = 0.5 * elasticity.lambda / (elasticity.lambda + elasticity.mu);
-  const double biaxial = 2.0 * elasticity.mu * (1.0 + nu) / (1.0 - nu);  // E / (1 - nu)
+  const double biaxial = keeps_thickness(elasticity.model) ? 2.0 * (elasticity.lambda + elasticity.mu)
+                                                           : 2.0 * elasticity.mu * (1.0 + nu) / (1.0 - nu);
   const Sym2<double> unit{1.0, 1.0, 0.0};
   layers.growth.clear();
   for (const double z : layers.zeta) {
     const double wanted = surface_compression * (0.5 - 6.0 * z * z / (thickness * thickness));
     double growth = 1.0;
-    for (int i = 0; i < 20; ++i) {  // the law is nearly linear: Newton with Hooke's slope
+    double off = 0.0;
+    for (int i = 0; i < 40; ++i) {  // the law is nearly linear: Newton with Hooke's slope
       const Sym2<double> grown{growth, growth, 0.0};
-      growth += 2.0 * (plane_stress<double>(unit, grown, elasticity).s.c11 - wanted) / biaxial;
+      off = plane_stress<double>(unit, grown, elasticity).s.c11 - wanted;
+      growth += 2.0 * off / biaxial;
     }
+    require(std::abs(off) <= 1e-6 * surface_compression,
+            "a surface_compression of {:.4g} Pa: no strain makes that stress", surface_compression);
     layers.growth.push_back(growth);
   }
 }

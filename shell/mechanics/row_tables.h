@@ -20,8 +20,8 @@ Layers gauss_layers(int count, double thickness);
 /// One layer in the middle, bending by Hooke's law.
 Layers linear_bending(double thickness);
 /// Stress at rest as in tempered glass: a parabola of zeta, `surface_compression` [Pa] at both faces and half as much
-/// tension in the middle, the same in all directions of the plane and without resultant. `layers` must be three at
-/// least: two of Gauss lie where the parabola is zero.
+/// tension in the middle, the same in all directions of the plane and, where the shell is flat, without resultant.
+/// `layers` must be three at least: two of Gauss lie where the parabola is zero.
 void prestress(Layers& layers, double thickness, double surface_compression, const Elasticity& elasticity);
 
 /// Fields of the reference state of a Gauss point, in this order.

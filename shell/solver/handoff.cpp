@@ -200,8 +200,9 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
   for (GatheredPoint& g : s.points) {
-    const bool bears = g.kind != PointKind::kDead;
+    const bool bears = g.kind != PointKind::kDead && !g.in_rows;
     if (!own[bears ? g.functions[0].slot : beside(g.block / (t.gauss * t.gauss), g.lane)]) continue;
+    if (g.in_rows) g.in_rows = false, s.watched[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = 0;
     g.left = true, g.kind = PointKind::kDead, g.functions.clear();
   }
   for (std::size_t i = 0; i < s.damage.size(); ++i)  // what has left is no crack of what stands

@@ -104,6 +104,8 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
         const auto cut = [&](int control_point) {
           return segments_meet(g.parameter, m.parameter[control_point], e.long_a, e.long_b);
         };
+        // what was linear for want of a better basis may see another set of control points now
+        if (point >= 0 && s.points[point].kind == PointKind::kLinear) hit = true;
         if (point < 0)
           for (int k = 0; k < t.support() * t.support() && !hit; ++k)
             hit = cut((f + k / t.support()) * t.columns + lane + k % t.support());

@@ -1,6 +1,9 @@
 #include "shell/solver/model.h"
 
+#include <algorithm>
 #include <cmath>
+
+#include "shell/mechanics/point_force.h"
 
 namespace sunder::shell {
 
@@ -16,7 +19,8 @@ double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh e
 
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
-  ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0};
+  ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0,
+               0};
   Elasticity e = elasticity(material.youngs_modulus, material.poisson_ratio);
   e.model = material.stress_model;
   e.least_log_area = find_least_log_area(e);
@@ -49,6 +53,19 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       for (const int slot : slots) ++axes[slot];
   for (int i = 0; i < t.plane; ++i) m.held[i] = axes[i] >= 3;
   for (int i = 0; i < m.control_points(); ++i) m.parameter.push_back(m.patch.greville(i));
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const double* metric = &t.metric[t.at(q, kMetricFields, 0, e)];
+      if (metric[kArea * t.lanes] == 0.0) continue;
+      const double along_u = m.patch.knots_u.span_length(e), along_v = m.patch.knots_v.span_length(q / (gauss * gauss));
+      m.longest_element = std::max({m.longest_element, along_u * std::sqrt(metric[kA11 * t.lanes]),
+                                    along_v * std::sqrt(metric[kA22 * t.lanes])});
+      double sum = 0.0;
+      for (const auto& f : patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride))
+        sum += f.n[0] * f.n[0] / m.mass[f.slot];
+      m.largest_mobility =
+          std::max(m.largest_mobility, 2.0 * sum);  // the border itself gives way more than its samples
+    }
   m.spacing_u = (m.patch.knots_u.end() - m.patch.knots_u.begin()) / t.spans_u;
   m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;
   m.spacing = std::sqrt(m.spacing_u * m.spacing_v);

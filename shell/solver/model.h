@@ -37,8 +37,10 @@ struct ShellModel {
   std::vector<char> held;    // slot is held by a support, along all axes
   Constraints constraints;
   std::vector<PreparedLoad> loads;
-  std::vector<Vec2> parameter;  // Greville point of each control point
-  double spacing = 0.0;         // mean length of an element [m]
+  std::vector<Vec2> parameter;    // Greville point of each control point
+  double longest_element = 0.0;   // along u or v, at rest [m]
+  double largest_mobility = 0.0;  // inverse mass of a point of the surface, at most [1/kg]
+  double spacing = 0.0;           // mean length of an element [m]
   double spacing_u = 0.0, spacing_v = 0.0;
 
   int control_points() const { return tables.columns * tables.rows; }

@@ -55,7 +55,7 @@ std::vector<double> fictitious_masses(const ShellModel& m, const ShellState& s) 
           {metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]}, metric[kArea * t.lanes]);
     }
   for (const GatheredPoint& g : s.points)
-    if (g.kind != PointKind::kDead) add(g.functions, g.metric.a, g.area);
+    if (g.kind != PointKind::kDead && !g.in_rows) add(g.functions, g.metric.a, g.area);
   return mass;
 }
 

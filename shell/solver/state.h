@@ -47,6 +47,11 @@ struct EnergyBook {
   double damping = 0.0;   // Rayleigh
   double transfer = 0.0;  // lost on the way through the background grid, made where negative
   double frozen = 0.0;    // of what is held when the shell is frozen
+
+  /// What the mechanics have less because of all of these.
+  double lost() const {
+    return fracture - injected + contact + handoff - external + healing + plastic + transfer + damping + frozen;
+  }
 };
 
 struct ShellState {
@@ -62,9 +67,9 @@ struct ShellState {
   std::vector<float> c, c_his;         // [block][lane]
   std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: none do
   RowTables tables;                    // as the model's, areas of gathered points taken out
-  std::vector<GatheredPoint> points;   // Gauss points that a crack has touched
+  std::vector<GatheredPoint> points;   // Gauss points that a crack has touched, or that damage may weaken
   std::vector<int> point_of;           // [block][lane]: index into points, -1: none
-  std::vector<PointDamage> damage;     // of each gathered point where damage drives the cracks, else empty
+  std::vector<PointDamage> damage;     // of each of these points where damage drives the cracks, else empty
   std::vector<char> watched;           // [block][lane]: damage may weaken the point, the rows sum it; empty: none
   double brittleness = 0.0;            // H of eq. 9; 0: cracks are not driven by damage
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};

@@ -4,11 +4,12 @@
 #include <cmath>
 #include <limits>
 
+#include "shell/solver/hertz.h"
+
 namespace sunder::shell {
 namespace {
 
-constexpr double kContactSteps = 20.0;  // shorter than stable by this: a touch lasts about 3 / omega
-constexpr int kTile = 8;                // elements a side of a tile, the coarse unit of the search
+constexpr int kTile = 8;  // elements a side of a tile, the coarse unit of the search
 
 Vec3 position(const ShellState& s, const std::vector<GatheredFunction>& functions) {
   Vec3 x = Vec3::Zero();
@@ -21,9 +22,20 @@ Vec3 velocity(const ShellState& s, const std::vector<GatheredFunction>& function
   return v;
 }
 
-// The shell takes impulse j where `functions` stand, at x, and the body its negative; its work is booked.
+// An impulse whose work is booked.
 void push(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x, const Vec3& before,
           const Vec3& j, double dt) {
+  apply_impulse(s, body, functions, x, j);
+  const Vec3 after = velocity(s, functions) - body.velocity_at(x);
+  Vec3 back = Vec3::Zero();  // what half a kick has added to the sample's velocity
+  for (const auto& f : functions) back += (f.n[0] * 0.5 * dt * s.inverse_mass[f.slot]) * s.at(s.force, f.slot);
+  s.book.contact -= j.dot(0.5 * (before + after) - back);
+}
+
+}  // namespace
+
+void apply_impulse(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x,
+                   const Vec3& j) {
   for (const auto& f : functions) {
     s.add_velocity(f.slot, (f.n[0] * s.inverse_mass[f.slot]) * j);
     body.shell_linear += f.n[0] * j;
@@ -33,96 +45,10 @@ void push(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& funct
   }
   body.impulse_sum += j.norm();
   body.apply(x, -j);
-  const Vec3 after = velocity(s, functions) - body.velocity_at(x);
-  Vec3 back = Vec3::Zero();  // what half a kick has added to the sample's velocity
-  for (const auto& f : functions) back += (f.n[0] * 0.5 * dt * s.inverse_mass[f.slot]) * s.at(s.force, f.slot);
-  s.book.contact -= j.dot(0.5 * (before + after) - back);
 }
 
-// Moves the functions of a sample to the point of the surface nearest to `to`, by their Taylor series, which within an
-// element is exact for what is not rational.
-void move_to_nearest(const ShellModel& m, const ShellState& s, const Vec2& from, const Vec3& to,
-                     std::vector<GatheredFunction>& functions) {
-  Vec3 d[6];
-  for (int k = 0; k < 6; ++k) d[k].setZero();
-  for (const auto& f : functions)
-    for (int k = 0; k < 6; ++k) d[k] += f.n[k] * s.position(f.slot);
-  const Vec2 low = Vec2(m.patch.knots_u.begin(), m.patch.knots_v.begin()) - from,
-             high = Vec2(m.patch.knots_u.end(), m.patch.knots_v.end()) - from;
-  const Vec2 reach = Vec2(m.spacing_u, m.spacing_v);
-  Vec2 p = Vec2::Zero();
-  for (int i = 0; i < 6; ++i) {
-    const double u = p.x(), v = p.y();
-    const Vec3 r = d[0] + u * d[1] + v * d[2] + 0.5 * u * u * d[3] + 0.5 * v * v * d[4] + u * v * d[5] - to;
-    const Vec3 xu = d[1] + u * d[3] + v * d[5], xv = d[2] + v * d[4] + u * d[5];
-    Eigen::Matrix2d hessian;
-    hessian(0, 0) = xu.dot(xu) + r.dot(d[3]), hessian(1, 1) = xv.dot(xv) + r.dot(d[4]);
-    hessian(0, 1) = hessian(1, 0) = xu.dot(xv) + r.dot(d[5]);
-    if (hessian.determinant() <= 0.1 * xu.squaredNorm() * xv.squaredNorm())  // curved as much as the sphere
-      hessian << xu.dot(xu), xu.dot(xv), xu.dot(xv), xv.dot(xv);
-    const Vec2 step = hessian.ldlt().solve(Vec2(r.dot(xu), r.dot(xv)));
-    if (!step.allFinite()) break;
-    p = (p - step).cwiseMax(-reach).cwiseMin(reach).cwiseMax(low).cwiseMin(high);
-  }
-  const double u = p.x(), v = p.y();
-  for (auto& f : functions)
-    f.n[0] += u * f.n[1] + v * f.n[2] + 0.5 * u * u * f.n[3] + 0.5 * v * v * f.n[4] + u * v * f.n[5];
-}
-
-bool hertz_contact(const ShellModel& m, ShellState& s, Proxy& body, double stiffness,
-                   const std::vector<ContactCandidates::Sample>& candidates, double dt) {
-  const auto* sphere = std::get_if<SphereShape>(&body.body.shape);
-  if (!sphere) return false;
-  const Vec3 centre = body.body.motion.position;
-  double nearest = std::numeric_limits<double>::infinity();
-  const ContactCandidates::Sample* best = nullptr;
-  thread_local std::vector<GatheredFunction> functions;
-  for (const auto& candidate : candidates) {
-    sample_functions(m, s, candidate.block, candidate.lane, functions);
-    if (functions.empty() || s.gone[functions[0].slot]) continue;
-    const double distance = (position(s, functions) - centre).squaredNorm();
-    if (distance < nearest) nearest = distance, best = &candidate;
-  }
-  if (!best) return false;
-  const Vec2 p = gauss_point(m.patch, m.tables, best->block, best->lane).parameter;
-  const int point = s.point_of[static_cast<std::size_t>(best->block) * m.tables.lanes + best->lane];
-  if (point >= 0)
-    functions = s.points[point].functions;
-  else
-    patch_functions(m.patch, p, m.tables.stride, functions);
-  move_to_nearest(m, s, p, centre, functions);
-  const Vec3 x = position(s, functions), out = x - centre;
-  const double distance = out.norm(), approach = sphere->radius + 0.5 * m.thickness - distance;
-  if (approach <= 0.0 || distance == 0.0) return false;
-  const Vec3 j = (dt * stiffness * approach * std::sqrt(approach) / distance) * out;
-  push(s, body, functions, x, velocity(s, functions) - body.velocity_at(x), j, dt);
-  return true;
-}
-
-}  // namespace
-
-double hertz_approach(double mass, double stiffness, double speed) {
-  return std::pow(1.25 * mass * speed * speed / stiffness, 0.4);  // m v^2 / 2 = 2/5 k d^5/2
-}
-
-double hertz_step(const ShellModel& m, const RigidBody& sphere, double stiffness, double speed, double step) {
-  double mobility = 0.0;  // largest inverse mass of a point of the shell; corners have the least mass
-  const RowTables& t = m.tables;
-  for (const int q : {0, t.blocks() / 2})
-    for (const int e : {0, t.spans_u / 2}) {
-      double sum = 0.0;
-      for (const auto& f : patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride))
-        sum += f.n[0] * f.n[0] / m.mass[f.slot];
-      mobility = std::max(mobility, 2.0 * sum);
-    }
-  const double inverse = mobility + (sphere.is_static ? 0.0 : 1.0 / sphere.mass);
-  const double rate =
-      1.5 * stiffness * std::sqrt(hertz_approach(1.0 / inverse + sphere.mass, stiffness, speed)) * inverse;
-  return 2.0 / std::sqrt(4.0 / (step * step) + kContactSteps * kContactSteps * rate);
-}
-
-void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vector<Proxy>& bodies, double dt,
-                        ContactCandidates& c) {
+void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vector<Proxy>& bodies,
+                        const std::vector<ContactCoefficients>& coefficients, double dt, ContactCandidates& c) {
   const RowTables& t = m.tables;
   c.age = 0;
   c.of_body.resize(bodies.size());
@@ -146,7 +72,8 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
     const double reach = body.body.is_static ? 0.0 : body.body.angular_velocity().norm() * body.radius();
     // twice what both can move until the next refresh: control points may speed up meanwhile
     const double travel = 2.0 * dt * (speed + body.body.motion.velocity.norm() + reach);  // a substep
-    const double margin = m.thickness + kContactRefresh * travel;
+    double margin = m.thickness + kContactRefresh * travel;
+    if (coefficients[b].hertz > 0.0) margin += m.longest_element;  // it acts between the samples
     const Vec3 centre = body.body.motion.position;
     for (int tile = 0; tile < tiles_u * tiles_v; ++tile) {
       if (boxes[tile].isEmpty()) continue;
@@ -238,14 +165,20 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
 namespace {
 
 // Half a step's work of loads and of supports that move, at the velocities as they stand: before the kick and after
-// it, together the trapezoidal rule that leapfrog's energy asks for.
-void book_external_work(const ShellModel& m, ShellState& s, double dt) {
+// it, together the trapezoidal rule that leapfrog's energy asks for. `inertia`: +1 adds the kinetic energy of what is
+// driven along some axes and counted with the shell's, -1 takes it away: between both the support has changed it.
+void book_external_work(const ShellModel& m, ShellState& s, double dt, double inertia) {
   const std::size_t plane = m.tables.plane;
   double power = 0.0;
-  for (std::size_t i = 0; i < s.external.size(); ++i) power += s.external[i] * s.v[i];
+  const std::vector<double>& moving = s.moving.empty() ? s.v : s.moving;  // loads work on what moves their points
+  for (std::size_t i = 0; i < s.external.size(); ++i) power += s.external[i] * moving[i];
   for (const auto& driven : m.constraints.driven)
     for (int d = 0; d < 3; ++d)
-      for (const int slot : driven.slots[d]) power -= s.force[d * plane + slot] * s.v[d * plane + slot];
+      for (const int slot : driven.slots[d]) {
+        const double v = s.v[d * plane + slot];
+        power -= s.force[d * plane + slot] * v;
+        if (s.inverse_mass[slot] > 0.0) s.book.external += inertia * 0.5 * s.mass[slot] * v * v;
+      }
   s.book.external += 0.5 * dt * power;
 }
 
@@ -259,6 +192,7 @@ void book_moving_work(ShellState& s, double dt) {
 void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules, double dt, int threads) {
   if (rules.kind == Transfer::kDirect) return;
   const std::size_t plane = m.tables.plane;
+  if (!rules.leaky) constrain(m, s, dt);  // supports bear what acts on what they hold
   std::vector<double>& kicked = s.kicked;
   kicked = s.v;
   if (rules.leaky)
@@ -276,18 +210,23 @@ void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules
   constrain(m, s, dt);
   std::swap(s.v, s.moving);
   constrain(m, s, dt);
+  const auto lost = [&](int d, std::size_t slot) {
+    const std::size_t k = d * plane + slot;
+    const double back = 0.5 * dt * s.inverse_mass[slot] * s.force[k];  // to the time of the positions
+    return -s.mass[slot] * (s.v[k] - kicked[k]) * (0.5 * (s.v[k] + kicked[k]) - back);
+  };
   for (int d = 0; d < 3; ++d)
-    for (std::size_t i = 0; i < plane; ++i) {
-      if (s.inverse_mass[i] == 0.0) continue;
-      const std::size_t k = d * plane + i;
-      const double back = 0.5 * dt * s.inverse_mass[i] * s.force[k];  // to the time of the positions
-      s.book.transfer -= s.mass[i] * (s.v[k] - kicked[k]) * (0.5 * (s.v[k] + kicked[k]) - back);
-    }
+    for (std::size_t i = 0; i < plane; ++i)
+      if (s.inverse_mass[i] > 0.0) s.book.transfer += lost(d, i);
+  for (const auto& driven : m.constraints.driven)  // what supports drive, they pay for
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d])
+        if (s.inverse_mass[slot] > 0.0) s.book.transfer -= lost(d, slot);
 }
 
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
   const std::size_t plane = m.tables.plane;
-  book_external_work(m, s, dt);
+  book_external_work(m, s, dt, -1.0);
   book_moving_work(s, dt);
   if (!s.before.empty()) s.before = s.v;
   const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
@@ -334,7 +273,7 @@ void constrain(const ShellModel& m, ShellState& s, double dt) {
 }
 
 void drift(const ShellModel& m, ShellState& s, double dt) {
-  book_external_work(m, s, dt);
+  book_external_work(m, s, dt, 1.0);
   book_moving_work(s, dt);
   s.time += dt;
   const std::vector<double>& moving = s.moving.empty() ? s.v : s.moving;

@@ -34,8 +34,12 @@ struct ContactCandidates {
 };
 constexpr int kContactRefresh = 16;  // substeps
 
-void refresh_candidates(const ShellModel& model, const ShellState& state, const std::vector<Proxy>& bodies, double dt,
-                        ContactCandidates& candidates);
+void refresh_candidates(const ShellModel& model, const ShellState& state, const std::vector<Proxy>& bodies,
+                        const std::vector<ContactCoefficients>& coefficients, double dt, ContactCandidates& candidates);
+
+/// The shell takes impulse j [N s] where `functions` stand, at x, and the body its negative; both pages of its ledger.
+void apply_impulse(ShellState& state, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x,
+                   const Vec3& j);
 
 /// Impulses at the Gauss points' surface, one body and one sample after the other (Gauss-Seidel), after the
 /// kick of `dt`; returns the number of samples in contact. Their work is booked so that it closes with
@@ -45,12 +49,6 @@ void refresh_candidates(const ShellModel& model, const ShellState& state, const 
 /// its surface and the shell's face. While they touch, what this stores counts as contact energy too.
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt);
-
-/// The step [s] of a shell of stable step `step` that meets a sphere at up to `speed` [m/s]: Hertz contact stiffens it,
-/// and is followed in some thirty substeps, which keeps its energy to about 1e-3.
-double hertz_step(const ShellModel& model, const RigidBody& sphere, double stiffness, double speed, double step);
-/// Deepest approach [m] at that speed, if the shell did not give way.
-double hertz_approach(double mass, double stiffness, double speed);
 
 /// How velocities move on from substep to substep.
 struct TransferRules {

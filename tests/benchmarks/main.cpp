@@ -194,7 +194,9 @@ int main(int argc, char** argv) {
   for (int k = 1; k < 15; ++k)
     insert_polyline(cut->model, cut->state, {{0.02 * k, 0.013}, {0.02 * k + 0.011, 0.287}}, 0.0);
   bool any = false;
+  std::string names;
   const auto add = [&](const std::string& name, auto&& f) {
+    names += " " + name;
     if (name.find(filter) == std::string::npos) return;
     any = true;
     benchmark::RegisterBenchmark(name.c_str(), f)
@@ -216,7 +218,7 @@ int main(int argc, char** argv) {
   add("fma", multiply_add);
   add("triad", triad);
   if (!any) {
-    std::cerr << "sunder-bench: no benchmark's name holds '" << filter << "'\n";
+    std::cerr << "sunder-bench: no benchmark's name holds '" << filter << "'; there are:" << names << "\n";
     return 2;
   }
   // repetitions of different benchmarks take turns, so that a slow moment of the machine meets all of them

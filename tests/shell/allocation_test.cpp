@@ -5,8 +5,8 @@
 
 #include <gtest/gtest.h>
 
+#include "shell/solver/hertz.h"
 #include "shell/solver/insertion.h"
-#include "shell/solver/step.h"
 #include "tests/shell/fixtures.h"
 
 namespace {
@@ -53,7 +53,7 @@ long allocated(const ShellModel& m, ShellState& s, double hertz, Transfer kind) 
     if (k == kSteps / 2) before = allocations;
     compute_forces(m, s, false, 1.0, 2);
     kick(m, s, Vec3(0, 0, -9.81), dt);
-    if (k % kContactRefresh == 0) refresh_candidates(m, s, bodies, dt, candidates), candidates.age = 0;
+    if (k % kContactRefresh == 0) refresh_candidates(m, s, bodies, coefficients, dt, candidates), candidates.age = 0;
     ++candidates.age;
     touched += contact(m, s, bodies, coefficients, candidates, dt);
     through_grid(m, s, rules, dt, 2);

@@ -104,6 +104,17 @@ TEST(PlaneStress, FindsTheThicknessToRoundOffOnBothSidesOfTheSwitch) {
     }
 }
 
+TEST(PlaneStress, FindsTheThicknessHoweverFarTheSheetIsStretched) {
+  for (const double nu : {-0.5, 0.0, 0.3, 0.45, 0.49})
+    for (const double area : {0.6, 1.5, 3.0, 5.0, 20.0}) {
+      const Elasticity e = elasticity(1.0, nu);
+      const PlaneStress<double> p = plane_stress<double>({area, area, 0.0}, {1.0, 1.0, 0.0}, e);
+      const double residual =
+          e.mu * (p.stretch2 - 1.0) + 0.5 * e.lambda * std::log(p.stretch2) + e.lambda * std::log(area);
+      EXPECT_NEAR(residual, 0.0, 1e-13 * (e.mu + std::abs(e.lambda))) << nu << " " << area;
+    }
+}
+
 TEST(PlaneStress, HasTheModuliOfLinearElasticityAtSmallStrain) {
   const double nu = 0.3, strain = 1e-7;
   const Elasticity e = elasticity(2e11, nu);
