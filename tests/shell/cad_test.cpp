@@ -284,6 +284,22 @@ TEST_F(Cad, KnotsThatAreNotOpenAreMadeOpen) {
   EXPECT_LT(box.min().norm(), 1e-15);
 }
 
+// A cubic along u, a straight line along v: both are cubic then, and the points are the file's.
+TEST_F(Cad, CubicFacesAreTakenAsTheyAre) {
+  const Handle(Geom_BSplineSurface) cubic = sheet(3, {0, 5, 11, 15, 20}, {0, 3, -2, 1, 0}, {0, 0.4, 1}, {4, 1, 4});
+  write_step(whole(cubic), file("cubic.stp"));
+  const Patch p = patch("path: 'cubic.stp' elements_u: 6 elements_v: 4");
+  EXPECT_EQ(p.degree(), 3);
+  EXPECT_GE(p.knots_u.spans(), 6);
+  for (double a = 0.05; a < 1.0; a += 0.1)
+    for (double b = 0.1; b < 1.0; b += 0.2) {
+      const gp_Pnt q = cubic->Value(a, b);
+      const auto at = [](const KnotVector& k, double share) { return k.begin() + share * (k.end() - k.begin()); };
+      const Vec3 x = p.evaluate({at(p.knots_u, a), at(p.knots_v, b)}).x;
+      EXPECT_LT((x - 1e-3 * Vec3(q.X(), q.Y(), q.Z())).norm(), 1e-14);  // of 0.03 m: round-off
+    }
+}
+
 TEST_F(Cad, WhatIsNoPatchIsRefused) {
   write_step(whole(sheet(5, {0, 1, 2, 3, 4, 5}, {0, 0, 1, 1, 0, 0}, {0, 1}, {6, 6})), file("quintic.stp"));
   EXPECT_SAYS(refusal("path: 'quintic.stp'"), "face 0 has degree 5 along u and 1 along v; at most 3 can be used");
