@@ -8,8 +8,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
-constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
+constexpr double kMostGain = 4.0;                 // of a point's energy when its functions change
+constexpr double kOnACrack = 0.02, kPast = 2e-3;  // spacings: a cut that ends so close to a crack ends on it
+constexpr double kFreeEnergy = 1e-4;              // of E per volume: that of a strain of 1.4 %
 // Control points of a uniform cubic patch lie on knots, where a cut at round numbers runs, and round-off would put one
 // on either side of it, edge by edge. Spacings off, each is clearly on one.
 constexpr double kOffKnots = 1e-6;
@@ -165,8 +166,17 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
   const int crack = s.cracks.new_crack();
   const auto run_out = [&](Vec2 end, const Vec2& from) {  // 1 % beyond the border, so that the cut is complete
     const Vec2 d = (end - from).normalized();
-    if (!m.patch.contains(end + m.spacing * d)) end += 1.01 * m.spacing * d;
-    return end;
+    if (!m.patch.contains(end + m.spacing * d)) return Vec2(end + 1.01 * m.spacing * d);
+    // an end on another crack goes a little past it, so that no gap is left
+    double nearest = kOnACrack * m.spacing;
+    Vec2 landed = end;
+    s.cracks.near(end, end, nearest, [&](int e) {
+      Vec2 foot;
+      const double distance = s.cracks.edges()[e].crack == crack ? nearest : s.cracks.distance(end, e, foot);
+      if (distance < nearest) nearest = distance, landed = foot + kPast * m.spacing * d;
+      return true;
+    });
+    return landed;
   };
   const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
   int last = -1;

@@ -17,7 +17,7 @@ int gather_point(const ShellModel& model, ShellState& state, int block, int lane
 void watch_point(const ShellModel& model, ShellState& state, int block, int lane);
 
 /// Cuts along a polyline in parameter space, in edges of about one spacing; ends within a spacing of
-/// the border run out over it.
+/// the border run out over it, ends on another crack (to a fiftieth of a spacing) just past it.
 void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time);
 
 ControlGrid control_grid(const ShellModel& model);

@@ -52,6 +52,17 @@ TEST(Triangulation, EveryCutFromBorderToBorderMakesTwoPieces) {
   }
 }
 
+TEST(Triangulation, ACutThatEndsOnACrackLeavesNoGap) {
+  const ShellModel m = sheet();
+  for (const double off : {-1e-4, -1e-6, -1e-16, 0.0, 1e-6, 1e-4}) {  // short of it, on it, past it [m]
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    insert_polyline(m, s, {{0.0, 0.071}, {0.2, 0.093}}, 0.0);
+    insert_polyline(m, s, {{0.151, 0.0}, {0.151, 0.071 + 0.022 * 0.151 / 0.2 + off}}, 0.0);
+    std::vector<Piece> pieces;
+    EXPECT_EQ(partition(m, s, pieces).pieces, 3) << off;
+  }
+}
+
 TEST(CrackGraph, EarlierEdgesAreASubsetOfLaterOnes) {
   const ShellModel m = sheet();
   ShellState s = make_state(m, Vec3::Zero(), 1);
