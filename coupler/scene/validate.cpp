@@ -285,6 +285,8 @@ void validate(const LoadedScene& s) {
   finite(s, "gravity", m.gravity());
   s.check(proto::GridTransfer::Kind_IsValid(m.transfer().kind()), "transfer.kind", "is {}; DIRECT, FLIP, APIC or PIC",
           static_cast<int>(m.transfer().kind()));
+  s.check(!m.transfer().has_grid_spacing_m() || m.transfer().kind() != proto::GridTransfer::DIRECT,
+          "transfer.grid_spacing_m", "is for kind FLIP, APIC or PIC; name one of them, or leave it out");
   if (m.transfer().has_grid_spacing_m())
     positive(s, "transfer.grid_spacing_m", true, m.transfer().grid_spacing_m(), "m");
   std::set<std::string> names, materials;

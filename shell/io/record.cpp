@@ -204,7 +204,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
       number(kinetic_), number(elastic_), number(b.fracture), number(b.plastic), number(b.healing), number(b.external),
       number(b.contact), number(b.damping), number(b.transfer), number(b.handoff), number(b.injected), number(b.frozen),
       number(engine_loss_), number(residual_));
-  if (state_) {
+  if (state_ && status != "running") {  // not for every frame: it takes a pass over all points
     const auto [rest, now] = surface_area(setup_.shells[0], *state_);
     j += fmt::format("  \"surface\": {{\"rest_m2\": {}, \"now_m2\": {}}},\n", number(rest), number(now));
   }
@@ -233,6 +233,8 @@ void Run::write_summary(const std::string& status, const Error* error) {
                            "kirchhoff_love_ghf18"};
     model(names[static_cast<int>(e.model)], "the scene has a shell", "internal_force");
   }
+  if (std::any_of(setup_.hertz.begin(), setup_.hertz.end(), [](double k) { return k > 0.0; }))
+    model("hertz_contact", "a sphere and the shell have a Hertz stiffness", "rigid_contact");
   if (setup_.transfer.kind != Transfer::kDirect)
     model("grid_transfer", "the scene sends velocities through a grid", "transfer");
   if (!setup_.shells.empty() && !setup_.bodies.empty())

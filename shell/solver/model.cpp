@@ -53,6 +53,7 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       for (const int slot : slots) ++axes[slot];
   for (int i = 0; i < t.plane; ++i) m.held[i] = axes[i] >= 3;
   for (int i = 0; i < m.control_points(); ++i) m.parameter.push_back(m.patch.greville(i));
+  std::vector<GatheredFunction> functions;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const double* metric = &t.metric[t.at(q, kMetricFields, 0, e)];
@@ -61,8 +62,8 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       m.longest_element = std::max({m.longest_element, along_u * std::sqrt(metric[kA11 * t.lanes]),
                                     along_v * std::sqrt(metric[kA22 * t.lanes])});
       double sum = 0.0;
-      for (const auto& f : patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride))
-        sum += f.n[0] * f.n[0] / m.mass[f.slot];
+      patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride, functions);
+      for (const auto& f : functions) sum += f.n[0] * f.n[0] / m.mass[f.slot];
       m.largest_mobility =
           std::max(m.largest_mobility, 2.0 * sum);  // the border itself gives way more than its samples
     }

@@ -45,8 +45,7 @@ void apply_impulse(ShellState& state, Proxy& body, const std::vector<GatheredFun
 /// kick of `dt`; returns the number of samples in contact. Their work is booked so that it closes with
 /// kinetic_energy: an impulse that acts half a step after the positions works on the velocity at the
 /// positions' time, v - dt f / 2m.
-/// A sphere with a Hertz stiffness is pushed at its nearest point of the shell by k d^3/2 instead, d the approach of
-/// its surface and the shell's face. While they touch, what this stores counts as contact energy too.
+/// A sphere with a Hertz stiffness is pushed by that law instead (solver/hertz.h).
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt);
 
@@ -62,8 +61,8 @@ struct TransferRules {
 /// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is
 /// beta (f - last f) / dt = -beta K v. The work of damping is booked.
 void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt);
-/// Velocities through the background grid: between contact and `constrain`, where `kick` was told to keep those before
-/// it. What that loses of the energy is booked.
+/// Velocities through the background grid, and of what supports hold: after contact, in place of `constrain`, where
+/// `kick` was told to keep those before it. What that loses of the energy is booked.
 void through_grid(const ShellModel& model, ShellState& state, const TransferRules& rules, double dt, int threads);
 /// Velocities of what supports hold, tie together or drive, after kick and contact of a substep of `dt` that begins
 /// at state.time.

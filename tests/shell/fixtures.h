@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shell/solver/insertion.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -14,9 +15,9 @@ inline ShellMaterial glass() {
   return m;
 }
 
-// A patch with unequal weights, unequal knots and curvature.
-inline Patch rational_patch() {
-  Patch p{KnotVector({0, 0, 0, 0.3, 0.5, 1, 1, 1}, 2, "u"), KnotVector({0, 0, 0, 0.4, 1, 1, 1}, 2, "v"), {}, {}};
+// A patch with unequal weights and curvature.
+inline Patch rational_patch(const KnotVector& u, const KnotVector& v) {
+  Patch p{u, v, {}, {}};
   for (int j = 0; j < p.rows(); ++j)
     for (int i = 0; i < p.columns(); ++i) {
       const double u = p.knots_u.greville(i), v = p.knots_v.greville(j);
@@ -24,6 +25,9 @@ inline Patch rational_patch() {
       p.weights.push_back(1.0 + 0.2 * ((i + j) % 2));
     }
   return p;
+}
+inline Patch rational_patch() {  // unequal knots
+  return rational_patch(KnotVector({0, 0, 0, 0.3, 0.5, 1, 1, 1}, 2, "u"), KnotVector({0, 0, 0, 0.4, 1, 1, 1}, 2, "v"));
 }
 
 inline void disturb(ShellState& s, const ShellModel& m, double size) {
@@ -65,6 +69,16 @@ inline Balance balance(const ShellModel& m, const ShellState& s) {
     b.force += f, b.torque += s.position(m.tables.slot(i)).cross(f), b.scale += f.norm();
   }
   return b;
+}
+
+inline void expect_balance_beside_a_cut(const ShellModel& m, const Vec2& from, const Vec2& to) {
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  insert_polyline(m, s, {from, to}, 0.0);
+  disturb(s, m, 1e-3);
+  compute_forces(m, s, false, 0.0, 2);
+  const Balance b = balance(m, s);
+  EXPECT_LT(b.force.norm(), 1e-12 * b.scale);  // round-off of sums
+  EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
 }
 
 }  // namespace sunder::shell

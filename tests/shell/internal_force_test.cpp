@@ -166,14 +166,7 @@ TEST(InternalForce, VanishesAtRestAndUnderRigidMotionCracksIncluded) {
 }
 
 TEST(InternalForce, BalancesForceAndTorqueBesideACut) {
-  const ShellModel m = make_shell("p", rational_patch(), 0.01, glass(), 2, 3, {});
-  ShellState s = make_state(m, Vec3::Zero(), 0);
-  insert_polyline(m, s, {{0.0, 0.3}, {0.5, 0.5}}, 0.0);
-  disturb(s, m, 1e-3);
-  compute_forces(m, s, false, 0.0, 2);
-  const Balance b = balance(m, s);
-  EXPECT_LT(b.force.norm(), 1e-12 * b.scale);
-  EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
+  expect_balance_beside_a_cut(make_shell("p", rational_patch(), 0.01, glass(), 2, 3, {}), {0.0, 0.3}, {0.5, 0.5});
 }
 
 TEST(InternalForce, IsTheSameForAnyNumberOfThreads) {
