@@ -13,7 +13,7 @@ from .build import build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError, how_it_ended
 from .experiments import EXPERIMENTS, Table, run_experiments
 
-VALIDATIONS = ("shells",)
+VALIDATIONS = ("shells", "cracks")
 
 
 def _program(name: str) -> Path:
@@ -44,7 +44,7 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     if case is None or not chosen:
         with tempfile.TemporaryDirectory() as folder:
             numbers = Path(folder) / "validation.json"
-            command = [str(_program("sunder-validate")), "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
+            command = [str(_program("sunder-validate")), what, "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
             status = _run(command + (["--case", case] if case else []))
             if not numbers.is_file():
                 if status == BAD_INPUT and case:

@@ -38,5 +38,6 @@ double seconds_now();
 std::vector<Case> static_cases();
 std::vector<Case> dynamic_cases();
 std::vector<Case> transfer_cases();
+std::vector<Case> crack_cases();
 
 }  // namespace sunder::validation

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <iostream>
+#include <map>
 
 #include <fmt/format.h>
 
@@ -72,8 +73,11 @@ void write_json(const std::string& path, const Report& report) {
 int main(int argc, char** argv) {
   std::string only, json;
   int threads = 1;
-  std::vector<Case> cases = static_cases();
-  for (const auto& more : {dynamic_cases(), transfer_cases()}) cases.insert(cases.end(), more.begin(), more.end());
+  std::map<std::string, std::vector<Case>> all{{"shells", static_cases()}, {"cracks", crack_cases()}};
+  for (const auto& more : {dynamic_cases(), transfer_cases()})
+    all["shells"].insert(all["shells"].end(), more.begin(), more.end());
+  std::vector<Case> cases;
+  if (argc > 1 && all.count(argv[1])) cases = all[argv[1]], ++argv, --argc;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (i + 1 < argc && option == "--case")
@@ -83,8 +87,11 @@ int main(int argc, char** argv) {
     else if (i + 1 < argc && option == "--threads")
       threads = std::max(1, std::atoi(argv[++i]));
     else {
-      std::cerr << "sunder-validate [--case NAME] [--json FILE] [--threads N]\ncases:\n";
-      for (const Case& c : cases) std::cerr << fmt::format("  {:<18} {}\n", c.name, c.what);
+      std::cerr << "sunder-validate KIND [--case NAME] [--json FILE] [--threads N]\n";
+      for (const auto& [kind, list] : all) {
+        std::cerr << kind << ":\n";
+        for (const Case& c : list) std::cerr << fmt::format("  {:<18} {}\n", c.name, c.what);
+      }
       return option == "--help" ? 0 : 2;
     }
   }
