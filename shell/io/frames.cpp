@@ -135,19 +135,21 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
 VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   VtpMesh mesh;
   VtpArray crack{"crack", 1, {}}, time{"time", 1, {}};
+  VtpArray parameter{"parameter", 3, {}};  // of the graph itself, not held back at the border; third component 0
   for (const CrackEdge& e : s.cracks.edges()) {
     std::vector<int> line;
     for (const Vec2& p : {e.a, e.b}) {
       const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()),
           high(m.patch.knots_u.end(), m.patch.knots_v.end());
       mesh.points.push_back(m.patch.evaluate(p.cwiseMax(low).cwiseMin(high)).x);
+      parameter.values.insert(parameter.values.end(), {p.x(), p.y(), 0.0});
       line.push_back(static_cast<int>(mesh.points.size()) - 1);
     }
     mesh.lines.push_back(line);
     crack.values.push_back(e.crack), time.values.push_back(e.time);
   }
   // Lines lie on the surface at rest: their displacement is zero, so that they can be laid over any frame.
-  mesh.point_data = {{"displacement", 3, std::vector<double>(3 * mesh.points.size(), 0.0)}};
+  mesh.point_data = {{"displacement", 3, std::vector<double>(3 * mesh.points.size(), 0.0)}, parameter};
   mesh.cell_data = {crack, time};
   return mesh;
 }
