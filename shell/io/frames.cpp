@@ -1,5 +1,6 @@
 #include "shell/io/frames.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <filesystem>
@@ -132,16 +133,26 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   return mesh;
 }
 
+// An edge that runs out of the patch is drawn to the border, in its own direction.
+Vec2 held_back(const ShellModel& m, Vec2 p, const Vec2& other) {
+  const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()), high(m.patch.knots_u.end(), m.patch.knots_v.end());
+  for (int k = 0; k < 2; ++k) {
+    const double held = std::clamp(p[k], low[k], high[k]);
+    if (held != p[k] && other[k] != p[k])
+      p = other + std::clamp((held - other[k]) / (p[k] - other[k]), 0.0, 1.0) * (p - other);
+  }
+  return p.cwiseMax(low).cwiseMin(high);  // an edge that lies outside altogether
+}
+
 VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   VtpMesh mesh;
   VtpArray crack{"crack", 1, {}}, time{"time", 1, {}};
-  VtpArray parameter{"parameter", 3, {}};  // of the graph itself, not held back at the border; third component 0
+  VtpArray parameter{"parameter", 3, {}};  // of the graph itself, beyond the border too; third component 0
   for (const CrackEdge& e : s.cracks.edges()) {
     std::vector<int> line;
-    for (const Vec2& p : {e.a, e.b}) {
-      const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()),
-          high(m.patch.knots_u.end(), m.patch.knots_v.end());
-      mesh.points.push_back(m.patch.evaluate(p.cwiseMax(low).cwiseMin(high)).x);
+    for (const bool first : {true, false}) {
+      const Vec2& p = first ? e.a : e.b;
+      mesh.points.push_back(m.patch.evaluate(held_back(m, p, first ? e.b : e.a)).x);
       parameter.values.insert(parameter.values.end(), {p.x(), p.y(), 0.0});
       line.push_back(static_cast<int>(mesh.points.size()) - 1);
     }
