@@ -13,8 +13,8 @@ SIZE_M, THICKNESS_M, HEIGHT_M, BALL_RADIUS_M = 0.5, 0.004, 0.5, 0.02
 NAMES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32"}
 
 
-def write_vtp(path: Path, points, triangles=(), segments=(), point_data=None, cell_data=None) -> None:
-    """One PolyData file as the shell process writes it."""
+def write_vtp(path: Path, points, triangles=(), segments=(), point_data=None, cell_data=None, floats: str = "f4") -> None:
+    """One PolyData file as the shell process writes it; `floats`: type of the data that are not integers."""
     blocks: list[bytes] = []
     offset = 0
 
@@ -33,7 +33,7 @@ def write_vtp(path: Path, points, triangles=(), segments=(), point_data=None, ce
                 + array("offsets", np.arange(1, len(connectivity) + 1) * each, "i8") + f"</{name}>\n")
 
     def data(section: str, arrays) -> str:
-        body = "".join(array(n, v, "i8" if np.asarray(v).dtype.kind == "i" else "f4",
+        body = "".join(array(n, v, "i8" if np.asarray(v).dtype.kind == "i" else floats,
                              3 if np.ndim(v) == 2 else 1) for n, v in (arrays or {}).items())
         return f"<{section}>\n{body}</{section}>\n"
 

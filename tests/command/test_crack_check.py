@@ -1,0 +1,145 @@
+"""The check of cracks over time: a sound history passes, and every planted fault is found."""
+from __future__ import annotations
+
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from .synthetic import write_vtp
+from sunder_tools import crack_check
+from sunder_tools.vtp import VtpError
+
+SIDE = 0.1  # [m] of the made-up sheet, ten elements a side
+SPACING = 0.01
+Edge = tuple[tuple[float, float], tuple[float, float], int, float]  # ends [spacings], crack, birth [s]
+
+# A crack from the border turns and forks; another starts in the middle and ends on the first, past it by 2e-3 spacings.
+STAGES: list[tuple[float, list[Edge]]] = [
+    (0.0, []),
+    (1.0, [((-0.1, 5.0), (1.0, 5.0), 0, 0.0), ((1.0, 5.0), (2.0, 5.2), 0, 0.5)]),
+    (2.0, [((2.0, 5.2), (3.0, 5.4), 0, 1.5), ((2.5, 8.0), (2.5, 7.0), 1, 1.6)]),
+    (3.0, [((3.0, 5.4), (4.0, 6.0), 0, 2.5), ((3.0, 5.4), (4.0, 5.0), 2, 2.5), ((2.5, 7.0), (2.5, 6.0), 1, 2.6)]),
+    (4.0, [((2.5, 6.0), (2.5, 5.298), 1, 3.5)]),
+]
+
+
+class CrackCheck(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        (self.folder / "frames").mkdir()
+        # edges of each frame: all that came so far
+        self.frames = [(t, [e for s, new in STAGES[:k + 1] for e in new]) for k, (t, _) in enumerate(STAGES)]
+
+    def write(self) -> None:
+        axis = np.linspace(0.0, SIDE, 11)
+        x, y = np.meshgrid(axis, axis)
+        index = np.arange(121).reshape(11, 11)
+        a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
+        triangles = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
+        points = np.stack([x, y, 0 * x], -1).reshape(-1, 3)
+        entries = []
+        for k, (time_s, edges) in enumerate(self.frames):
+            ends = np.array([p for e in edges for p in e[:2]], float).reshape(-1, 2) * SPACING
+            flat = np.column_stack([ends, np.zeros(len(ends))])
+            write_vtp(self.folder / f"frames/shell_{k}.vtp", points, triangles)
+            write_vtp(self.folder / f"frames/cracks_{k}.vtp", np.clip(flat, 0.0, SIDE),
+                      segments=np.arange(len(ends)).reshape(-1, 2), point_data={"parameter": flat},
+                      cell_data={"crack": np.array([e[2] for e in edges], int),
+                                 "time": np.array([e[3] for e in edges], float)}, floats="f8")
+            entries += [f'<DataSet timestep="{time_s}" part="{part}" file="frames/{name}_{k}.vtp"/>'
+                        for part, name in ((0, "shell"), (1, "cracks"))]
+        (self.folder / "frames.pvd").write_text(f"<VTKFile><Collection>{''.join(entries)}</Collection></VTKFile>")
+
+    def found(self) -> crack_check.Findings:
+        self.write()
+        return crack_check.check_folder(self.folder)
+
+    def everywhere(self, old: Edge, new: Edge) -> None:
+        """Another edge in its place, in every frame that has it."""
+        self.frames = [(t, [new if e == old else e for e in edges]) for t, edges in self.frames]
+
+    def faults(self) -> tuple[int, int, int, int]:
+        found = self.found()
+        return found.lost, found.unconnected, found.gaps, found.apart
+
+    def test_a_sound_history_has_no_fault(self) -> None:
+        found = self.found()
+        self.assertEqual(found.faults(), 0, found.notes)
+        self.assertEqual((found.frames, found.growing, found.edges, found.cracks, found.starts), (5, 4, 8, 3, 2))
+
+    def test_an_edge_that_vanishes_is_lost(self) -> None:
+        del self.frames[3][1][1]
+        found = self.found()
+        self.assertEqual(found.lost, 2)  # gone in one frame, and back in the next long after its birth
+        self.assertIn("gone or changed", found.notes[0])
+
+    def test_a_vertex_that_moves_by_a_bit_loses_its_edges(self) -> None:
+        moved = (float(np.nextafter(3.0, 4.0)), 5.4)
+        time_s, edges = self.frames[4]
+        self.frames[4] = (time_s, [tuple(moved if p == (3.0, 5.4) else p for p in e) for e in edges])
+        self.assertEqual(self.found().lost, 6)  # three that were, three that come too late
+
+    def test_an_edge_that_changes_hands_is_lost(self) -> None:
+        time_s, edges = self.frames[4]
+        self.frames[4] = (time_s, [(*e[:2], 2, e[3]) if e is edges[-2] else e for e in edges])
+        self.assertGreater(self.found().lost, 0)
+
+    def test_a_new_edge_that_hangs_on_nothing_is_found(self) -> None:
+        self.frames[4][1].append(((8.0, 2.0), (9.0, 2.0), 0, 3.5))
+        self.assertEqual(self.faults(), (0, 1, 0, 1))
+        self.frames[4][1][-1] = ((8.0, 2.0), (9.0, 2.0), 3, 3.5)  # with a number of its own it is a start
+        found = self.found()
+        self.assertEqual((found.faults(), found.starts), (0, 3))
+
+    def test_a_crack_in_two_pieces_is_found(self) -> None:
+        self.frames[1][1].append(((8.0, 2.0), (9.0, 2.0), 0, 0.5))
+        for time_s, edges in self.frames[2:]:
+            edges.append(((8.0, 2.0), (9.0, 2.0), 0, 0.5))
+        self.assertEqual(self.faults(), (0, 0, 0, 1))
+
+    def test_a_gap_at_a_joint_is_found(self) -> None:
+        joint = STAGES[4][1][0]
+        for short in (0.04, 0.002, 1e-5):  # of a spacing
+            self.setUp()
+            self.everywhere(joint, (joint[0], (2.5, 5.3 + short), 1, 3.5))
+            self.assertEqual(self.faults(), (0, 0, 1, 0), short)
+        self.setUp()
+        self.everywhere(joint, (joint[0], (2.5, 5.4), 1, 3.5))  # a tip that has not arrived yet
+        self.assertEqual(self.faults(), (0, 0, 0, 0))
+
+    def test_a_gap_between_two_ends_is_found(self) -> None:
+        self.frames[4][1].append(((4.02, 6.02), (5.0, 6.5), 3, 3.5))
+        self.assertEqual(self.faults(), (0, 0, 2, 0))
+
+    def test_ends_beyond_the_border_are_no_gap(self) -> None:
+        self.frames[4][1].append(((-0.1, 5.02), (1.0, 5.8), 3, 3.5))
+        self.assertEqual(self.faults(), (0, 0, 0, 0))
+
+    def test_frames_without_parameters_are_refused(self) -> None:
+        self.write()
+        write_vtp(self.folder / "frames/cracks_0.vtp", [])
+        with self.assertRaisesRegex(VtpError, "no parameter, crack, time; written by"):
+            crack_check.check_folder(self.folder)
+
+    def test_as_a_command_it_prints_and_fails(self) -> None:
+        said = io.StringIO()
+        with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
+            self.write()
+            self.assertEqual(crack_check.main([str(self.folder)]), 0)
+            del self.frames[3][1][1]
+            self.write()
+            self.assertEqual(crack_check.main([str(self.folder)]), 1)
+            self.assertEqual(crack_check.main([str(self.folder / "none")]), 2)
+            self.assertEqual(crack_check.main([]), 2)
+        self.assertIn("lost 2, unconnected 0", said.getvalue())
+
+
+if __name__ == "__main__":
+    unittest.main()
