@@ -3,7 +3,7 @@
     cd coupler && python3 -m sunder_tools.crack_check RUN_FOLDER
 
 An earlier crack edge must be an edge of every later frame, a new one must hang on what was there or belong to a
-crack that starts, and where a crack ends at another there must be no gap.
+crack that starts, where a crack ends at another there must be no gap, and no crack runs on top of another.
 """
 from __future__ import annotations
 
@@ -19,6 +19,8 @@ from .vtp import PolyData, VtpError
 
 TOUCH = 1e-6       # spacings: round-off. Joints overshoot by 2e-3, so lines that are meant to meet cross
 GAP = 0.05         # spacings: nearer than this without touching is a gap, not two cracks
+ON_TOP = 0.02      # spacings: an edge that is so close to an earlier one over half its length cuts nothing new
+SAMPLES = 10       # of an edge
 AT_BORDER = 1e-3   # spacings: an end so close to the border has run out
 MOST_NOTES = 12    # faults told one by one
 
@@ -59,11 +61,12 @@ class Findings:
     unconnected: int = 0    # new edges of an old crack that hang on nothing
     gaps: int = 0           # end vertices that stop short of another edge, each counted once
     apart: int = 0          # cracks whose own edges are not one connected piece
+    doubled: int = 0        # edges that run on top of an earlier one
     notes: list[str] = field(default_factory=list)
 
     def faults(self) -> int:
         """All faults together."""
-        return self.lost + self.unconnected + self.gaps + self.apart
+        return self.lost + self.unconnected + self.gaps + self.apart + self.doubled
 
 
 def graph_of(mesh: PolyData, where: str) -> Graph:
@@ -127,6 +130,7 @@ def check_graphs(graphs: list[tuple[float, Graph]], spacing: float, border: np.n
             _attach(found, _some(now, np.zeros(len(now), bool)), now, fresh, spacing, time_s)
         found.growing += bool(fresh.any())
         if fresh.any():
+            _doubled(found, now, fresh, spacing, time_s)
             for end, text in _gaps(now, spacing, border):
                 if end not in gaps:
                     gaps.add(end)
@@ -168,12 +172,13 @@ def _compare(found: Findings, before: Graph, now: Graph, before_s: float, time_s
         if left[key] > 0:
             left[key] -= 1
             found.lost += 1
-            _note(found, time_s, f"an edge of crack {before.crack[i]} at {_place(before.ends[i, 0])} is gone or changed")
+            _note(found, time_s, f"an edge of crack {before.crack[i]} at {_place(before.ends[i, 0])} is gone or "
+                  "changed")
     # frames.pvd has nine digits of time; cuts are made after the first frame and born at its time
     for i in np.flatnonzero(fresh & (now.born < before_s - 1e-6 * (time_s - before_s))):
         found.lost += 1
-        _note(found, time_s, f"an edge of crack {now.crack[i]} at {_place(now.ends[i, 0])}, born at {now.born[i]:.6g} s, "
-              "is not in the frame before")
+        _note(found, time_s, f"an edge of crack {now.crack[i]} at {_place(now.ends[i, 0])}, born at "
+              f"{now.born[i]:.6g} s, is not in the frame before")
     return fresh
 
 
@@ -224,10 +229,24 @@ def _gaps(now: Graph, spacing: float, border: np.ndarray) -> list[tuple[bytes, s
             if not np.isin(number[j], number[reached]).any() and (
                     _apart(now.ends[j], now.ends[reached]) > TOUCH * spacing).all():
                 share = float(_distance(end, now.ends[j:j + 1])[0]) / spacing
-                gaps.append((end.tobytes(), f"crack {now.crack[i]} ends at {_place(end)}, {share:.2g} spacings short of "
-                             f"crack {now.crack[j]}"))
+                gaps.append((end.tobytes(), f"crack {now.crack[i]} ends at {_place(end)}, {share:.2g} spacings "
+                             f"short of crack {now.crack[j]}"))
                 break
     return gaps
+
+
+def _doubled(found: Findings, now: Graph, fresh: np.ndarray, spacing: float, time_s: float) -> None:
+    """New edges that lie on what was there, or on another new one."""
+    order = np.concatenate([np.flatnonzero(~fresh), np.flatnonzero(fresh)])
+    share = (np.arange(SAMPLES) + 0.5) / SAMPLES
+    for k in range(int((~fresh).sum()), len(order)):
+        a, b = now.ends[order[k]]
+        others = now.ends[order[:k]]
+        others = others[_distance(0.5 * (a + b), others) < np.linalg.norm(b - a) + ON_TOP * spacing]
+        on_top = [_distance(a + s * (b - a), others).min(initial=np.inf) < ON_TOP * spacing for s in share]
+        if sum(on_top) > SAMPLES // 2:
+            found.doubled += 1
+            _note(found, time_s, f"an edge of crack {now.crack[order[k]]} at {_place(a)} runs on top of another")
 
 
 def _cracks_apart(now: Graph) -> set[int]:
@@ -294,7 +313,8 @@ def main(arguments: list[str]) -> int:
         return 2
     print(f"{found.frames} frames, {found.growing} with new edges; at the end {found.edges} edges of {found.cracks} "
           f"cracks, {found.starts} started on their own")
-    print(f"lost {found.lost}, unconnected {found.unconnected}, gaps {found.gaps}, cracks in pieces {found.apart}")
+    print(f"lost {found.lost}, unconnected {found.unconnected}, gaps {found.gaps}, cracks in pieces {found.apart}, "
+          f"doubled {found.doubled}")
     for note in found.notes:
         print(f"  {note}")
     return 1 if found.faults() else 0

@@ -13,7 +13,8 @@ SIZE_M, THICKNESS_M, HEIGHT_M, BALL_RADIUS_M = 0.5, 0.004, 0.5, 0.02
 NAMES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32"}
 
 
-def write_vtp(path: Path, points, triangles=(), segments=(), point_data=None, cell_data=None, floats: str = "f4") -> None:
+def write_vtp(path: Path, points, triangles=(), segments=(), point_data=None, cell_data=None,
+              floats: str = "f4") -> None:
     """One PolyData file as the shell process writes it; `floats`: type of the data that are not integers."""
     blocks: list[bytes] = []
     offset = 0

@@ -65,9 +65,9 @@ class CrackCheck(unittest.TestCase):
         """Another edge in its place, in every frame that has it."""
         self.frames = [(t, [new if e == old else e for e in edges]) for t, edges in self.frames]
 
-    def faults(self) -> tuple[int, int, int, int]:
+    def faults(self) -> tuple[int, int, int, int, int]:
         found = self.found()
-        return found.lost, found.unconnected, found.gaps, found.apart
+        return found.lost, found.unconnected, found.gaps, found.apart, found.doubled
 
     def test_a_sound_history_has_no_fault(self) -> None:
         found = self.found()
@@ -93,7 +93,7 @@ class CrackCheck(unittest.TestCase):
 
     def test_a_new_edge_that_hangs_on_nothing_is_found(self) -> None:
         self.frames[4][1].append(((8.0, 2.0), (9.0, 2.0), 0, 3.5))
-        self.assertEqual(self.faults(), (0, 1, 0, 1))
+        self.assertEqual(self.faults(), (0, 1, 0, 1, 0))
         self.frames[4][1][-1] = ((8.0, 2.0), (9.0, 2.0), 3, 3.5)  # with a number of its own it is a start
         found = self.found()
         self.assertEqual((found.faults(), found.starts), (0, 3))
@@ -102,25 +102,33 @@ class CrackCheck(unittest.TestCase):
         self.frames[1][1].append(((8.0, 2.0), (9.0, 2.0), 0, 0.5))
         for time_s, edges in self.frames[2:]:
             edges.append(((8.0, 2.0), (9.0, 2.0), 0, 0.5))
-        self.assertEqual(self.faults(), (0, 0, 0, 1))
+        self.assertEqual(self.faults(), (0, 0, 0, 1, 0))
 
     def test_a_gap_at_a_joint_is_found(self) -> None:
         joint = STAGES[4][1][0]
         for short in (0.04, 0.002, 1e-5):  # of a spacing
             self.setUp()
             self.everywhere(joint, (joint[0], (2.5, 5.3 + short), 1, 3.5))
-            self.assertEqual(self.faults(), (0, 0, 1, 0), short)
+            self.assertEqual(self.faults(), (0, 0, 1, 0, 0), short)
         self.setUp()
         self.everywhere(joint, (joint[0], (2.5, 5.4), 1, 3.5))  # a tip that has not arrived yet
-        self.assertEqual(self.faults(), (0, 0, 0, 0))
+        self.assertEqual(self.faults(), (0, 0, 0, 0, 0))
 
     def test_a_gap_between_two_ends_is_found(self) -> None:
         self.frames[4][1].append(((4.02, 6.02), (5.0, 6.5), 3, 3.5))
-        self.assertEqual(self.faults(), (0, 0, 2, 0))
+        self.assertEqual(self.faults(), (0, 0, 2, 0, 0))
+
+    def test_an_edge_on_top_of_another_is_found(self) -> None:
+        self.frames[4][1].append(((2.5, 5.298), (3.1, 5.42), 1, 3.6))  # past its joint, along what it met
+        self.assertEqual(self.found().doubled, 1)
+        self.frames[4][1][-1] = ((3.0, 5.4), (4.0, 5.002), 3, 3.6)  # a branch upon a branch
+        self.assertEqual(self.found().doubled, 1)
+        self.frames[4][1][-1] = ((3.0, 5.4), (4.0, 5.1), 3, 3.6)  # beside it
+        self.assertEqual(self.found().doubled, 0)
 
     def test_ends_beyond_the_border_are_no_gap(self) -> None:
         self.frames[4][1].append(((-0.1, 5.02), (1.0, 5.8), 3, 3.5))
-        self.assertEqual(self.faults(), (0, 0, 0, 0))
+        self.assertEqual(self.faults(), (0, 0, 0, 0, 0))
 
     def test_frames_without_parameters_are_refused(self) -> None:
         self.write()
