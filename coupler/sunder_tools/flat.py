@@ -44,7 +44,7 @@ def crack_pattern(frames: list[Frame], width: int, height: int, margin: float = 
     first = kept[0][0].read(SHELL)
     assert first is not None
     points = reference_points(first)
-    camera = _along_normal(points, first.triangles, width, height, margin)
+    camera = along_normal(points, first.triangles, width, height, margin)
     picture = background(width, height)
     inked: list[np.ndarray] = []
     for k in paint:
@@ -69,7 +69,7 @@ def crack_pattern(frames: list[Frame], width: int, height: int, margin: float = 
     return picture.reshape(height, width, 3), float(camera.scale[0])
 
 
-def _along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: int, margin: float) -> Camera:
+def along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: int, margin: float) -> Camera:
     """Looks straight on the pane, from above where there is an above."""
     corner = points[triangles]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]).sum(axis=0)
