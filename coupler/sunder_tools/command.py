@@ -100,6 +100,7 @@ def make_parser() -> argparse.ArgumentParser:
     validate.add_argument("--case", metavar="NAME", help="this case only")
     validate.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the table as JSON")
     validate.add_argument("--plots", metavar="FILE.png", type=Path, help="plots of convergence")
+    validate.add_argument("--pictures", metavar="DIR", type=Path, help="pictures of the runs, into this folder")
     bench = commands.add_parser(
         "bench", formatter_class=raw, allow_abbrev=False, help="measure speed beside the machine's limits",
         description="Minima over interleaved repetitions, and the machine's multiply-add peak and bandwidth in the\n"
@@ -164,7 +165,8 @@ def _dispatch(arguments: list[str]) -> int:
         from . import measure
         if options.command == "bench":
             return measure.bench(options.pattern, options.report)
-        return measure.validate(options.what, options.case, options.report, options.plots)
+        return measure.validate(options.what, options.case, options.report, options.plots,
+                                options.pictures)
     if not options.scene.is_file():
         raise CommandError(f"{options.scene}: no such scene file", BAD_INPUT)
     if options.command == "check":

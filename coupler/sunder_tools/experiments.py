@@ -6,12 +6,14 @@ import json
 import math
 import tempfile
 import time
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable
+from typing import Callable, Iterator
 
 from .build import REPOSITORY, Executables, ensure_built
 from .errors import CommandError
+from .report import read_run
 from .run import launch_once
 
 SCENES = REPOSITORY / "scenes"
@@ -24,6 +26,7 @@ class Table:
     lines: list[str] = field(default_factory=list)
     curves: list[dict[str, object]] = field(default_factory=list)
     headed: bool = False  # the head of the table stands already
+    pictures: Path | None = None  # an existing folder for them
 
     def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float) -> None:
         """Relative error, or absolute where the reference is zero; printed at once."""
@@ -37,12 +40,19 @@ class Table:
 
 def _run(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
     """Runs a scene of the repository; returns run.json, the rows of probes.csv and the seconds that it took."""
+    with _kept(executables, scene, settings) as (folder, seconds):
+        probes = folder / "probes.csv"
+        rows = list(csv.reader(probes.open())) if probes.is_file() else []
+        return read_run(folder), rows, seconds
+
+
+@contextmanager
+def _kept(executables: Executables, scene: str, settings: list[str]) -> Iterator[tuple[Path, float]]:
+    """Runs a scene of the repository; its run folder is there within, with the seconds that it took."""
     start = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
-        found = launch_once(executables, SCENES / scene, Path(folder), settings)
-        probes = Path(folder) / "probes.csv"
-        rows = list(csv.reader(probes.open())) if probes.is_file() else []
-    return found, rows, time.monotonic() - start
+        launch_once(executables, SCENES / scene, Path(folder), settings)
+        yield Path(folder), time.monotonic() - start
 
 
 def zener(inelasticity: float, step: float = 1e-4) -> float:
@@ -111,6 +121,36 @@ def torn_area(table: Table, executables: Executables) -> None:
                        "models are run in one scheme, and none loses area")
 
 
+DENSE = ["window_s=1e-5", "output.shell_frame_interval_s=1e-5"]  # frames closer than a tip takes for an edge
+FEWEST_GROWING = 10  # frames with new edges; fewer would prove little
+
+
+def consistency(table: Table, executables: Executables) -> None:
+    """Cracks of both modes over time, judged by the written frames alone; and the paper's Fig. 8."""
+    from .crack_check import check_folder  # numpy and PIL only now
+    from .stages import FINE, find_stages, write_stages
+    glass = ["shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=1.5e-3"]
+    for name, settings in (("torn_sheet", ["end_time_s=1e-3"]), ("glass", glass)):
+        with _kept(executables, f"{name}.textproto", settings + DENSE) as (folder, seconds):
+            found = check_folder(folder)
+            proven = found.growing >= FEWEST_GROWING
+            for what, count in (("lost", found.lost), ("unconnected", found.unconnected), ("gaps", found.gaps),
+                                ("in_pieces", found.apart), ("doubled", found.doubled)):
+                table.add(f"{name}_cracks_{what}", count if proven else math.nan, 0.0, 0.0, seconds)
+            table.lines.append(f"consistency {name}: {found.frames} frames, {found.growing} with new edges; "
+                               f"{found.edges} edges of {found.cracks} cracks, {found.starts} started on their own")
+            table.lines += [f"consistency {name}: {note}" for note in found.notes]
+            if name != "torn_sheet":
+                continue
+            stages = find_stages(folder)
+            table.lines.append(f"consistency {name}: of the middle line of the damage at the first of three stages, "
+                               f"{100 * stages.share_moved():.1f} % is more than an element off the last one's, "
+                               f"{100 * stages.share_moved(FINE):.1f} % more than {FINE} elements")
+            if table.pictures is not None:
+                write_stages(stages, table.pictures / "crack_stages.png")
+                print(f"picture          {table.pictures / 'crack_stages.png'}", flush=True)
+
+
 @dataclass(frozen=True)
 class Experiment:
     """A validation case that runs scenes."""
@@ -122,6 +162,9 @@ class Experiment:
 EXPERIMENTS = {"shells": (
     Experiment("restitution", "a ball on a large plate, Hertz contact, two processes (Zener 1941)", restitution),
     Experiment("torn_area", "area kept by a torn sheet, four stress models (paper, Fig. 9)", torn_area),
+), "cracks": (
+    Experiment("consistency", "earlier cracks are part of later ones, no gaps, by the frames alone (paper, Fig. 8)",
+               consistency),
 )}
 
 

@@ -31,12 +31,15 @@ def _run(command: list[str]) -> int:
     return status
 
 
-def validate(what: str, case: str | None, report: Path | None, plots: Path | None) -> int:
+def validate(what: str, case: str | None, report: Path | None, plots: Path | None,
+             pictures: Path | None = None) -> int:
     """Runs the validation cases of `what`; exit status 1 where a case fails."""
     if what not in VALIDATIONS:
         raise CommandError(f"nothing called '{what}' to validate; there is {', '.join(VALIDATIONS)}", BAD_INPUT)
     if report is not None:
         _can_write(report)
+    if pictures is not None:
+        _make_folder(pictures)
     runs = EXPERIMENTS.get(what, ())
     chosen = tuple(e for e in runs if case in (None, e.name))
     found: dict[str, list] = {"cases": [], "curves": []}
@@ -51,7 +54,7 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
                     print(f"and, by whole runs: {' '.join(e.name for e in runs)}", file=sys.stderr)
                 return status
             found.update(json.loads(numbers.read_text()))
-    table = Table(headed=bool(found["cases"]))
+    table = Table(headed=bool(found["cases"]), pictures=pictures)
     run_experiments(chosen, table)
     found["cases"] += table.rows
     found["curves"] += table.curves
@@ -96,6 +99,15 @@ def _can_write(path: Path) -> None:
         path.open("a").close()
     except OSError as error:
         raise CommandError(f"cannot write {path}: {error.strerror or error}", BAD_INPUT) from None
+
+
+def _make_folder(path: Path) -> None:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"cannot write into {path}: {error.strerror or error}", BAD_INPUT) from None
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise CommandError(f"cannot write into {path}: Permission denied", BAD_INPUT)
 
 
 def _write(path: Path, text: str) -> None:

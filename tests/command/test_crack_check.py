@@ -10,22 +10,10 @@ from pathlib import Path
 import numpy as np
 
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from .crack_history import STAGES, Edge, history, write_history
 from .synthetic import write_vtp
 from sunder_tools import crack_check
 from sunder_tools.vtp import VtpError
-
-SIDE = 0.1  # [m] of the made-up sheet, ten elements a side
-SPACING = 0.01
-Edge = tuple[tuple[float, float], tuple[float, float], int, float]  # ends [spacings], crack, birth [s]
-
-# A crack from the border turns and forks; another starts in the middle and ends on the first, past it by 2e-3 spacings.
-STAGES: list[tuple[float, list[Edge]]] = [
-    (0.0, []),
-    (1.0, [((-0.1, 5.0), (1.0, 5.0), 0, 0.0), ((1.0, 5.0), (2.0, 5.2), 0, 0.5)]),
-    (2.0, [((2.0, 5.2), (3.0, 5.4), 0, 1.5), ((2.5, 8.0), (2.5, 7.0), 1, 1.6)]),
-    (3.0, [((3.0, 5.4), (4.0, 6.0), 0, 2.5), ((3.0, 5.4), (4.0, 5.0), 2, 2.5), ((2.5, 7.0), (2.5, 6.0), 1, 2.6)]),
-    (4.0, [((2.5, 6.0), (2.5, 5.298), 1, 3.5)]),
-]
 
 
 class CrackCheck(unittest.TestCase):
@@ -33,32 +21,10 @@ class CrackCheck(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory()
         self.addCleanup(temporary.cleanup)
         self.folder = Path(temporary.name)
-        (self.folder / "frames").mkdir()
-        # edges of each frame: all that came so far
-        self.frames = [(t, [e for s, new in STAGES[:k + 1] for e in new]) for k, (t, _) in enumerate(STAGES)]
-
-    def write(self) -> None:
-        axis = np.linspace(0.0, SIDE, 11)
-        x, y = np.meshgrid(axis, axis)
-        index = np.arange(121).reshape(11, 11)
-        a, b, c, d = index[:-1, :-1], index[:-1, 1:], index[1:, 1:], index[1:, :-1]
-        triangles = np.concatenate([np.stack([a, b, c], -1), np.stack([a, c, d], -1)]).reshape(-1, 3)
-        points = np.stack([x, y, 0 * x], -1).reshape(-1, 3)
-        entries = []
-        for k, (time_s, edges) in enumerate(self.frames):
-            ends = np.array([p for e in edges for p in e[:2]], float).reshape(-1, 2) * SPACING
-            flat = np.column_stack([ends, np.zeros(len(ends))])
-            write_vtp(self.folder / f"frames/shell_{k}.vtp", points, triangles)
-            write_vtp(self.folder / f"frames/cracks_{k}.vtp", np.clip(flat, 0.0, SIDE),
-                      segments=np.arange(len(ends)).reshape(-1, 2), point_data={"parameter": flat},
-                      cell_data={"crack": np.array([e[2] for e in edges], int),
-                                 "time": np.array([e[3] for e in edges], float)}, floats="f8")
-            entries += [f'<DataSet timestep="{time_s}" part="{part}" file="frames/{name}_{k}.vtp"/>'
-                        for part, name in ((0, "shell"), (1, "cracks"))]
-        (self.folder / "frames.pvd").write_text(f"<VTKFile><Collection>{''.join(entries)}</Collection></VTKFile>")
+        self.frames = history()
 
     def found(self) -> crack_check.Findings:
-        self.write()
+        write_history(self.folder, self.frames)
         return crack_check.check_folder(self.folder)
 
     def everywhere(self, old: Edge, new: Edge) -> None:
@@ -131,7 +97,7 @@ class CrackCheck(unittest.TestCase):
         self.assertEqual(self.faults(), (0, 0, 0, 0, 0))
 
     def test_frames_without_parameters_are_refused(self) -> None:
-        self.write()
+        write_history(self.folder, self.frames)
         write_vtp(self.folder / "frames/cracks_0.vtp", [])
         with self.assertRaisesRegex(VtpError, "no parameter, crack, time; written by"):
             crack_check.check_folder(self.folder)
@@ -139,10 +105,10 @@ class CrackCheck(unittest.TestCase):
     def test_as_a_command_it_prints_and_fails(self) -> None:
         said = io.StringIO()
         with contextlib.redirect_stdout(said), contextlib.redirect_stderr(said):
-            self.write()
+            write_history(self.folder, self.frames)
             self.assertEqual(crack_check.main([str(self.folder)]), 0)
             del self.frames[3][1][1]
-            self.write()
+            write_history(self.folder, self.frames)
             self.assertEqual(crack_check.main([str(self.folder)]), 1)
             self.assertEqual(crack_check.main([str(self.folder / "none")]), 2)
             self.assertEqual(crack_check.main([]), 2)
