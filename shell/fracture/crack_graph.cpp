@@ -35,6 +35,15 @@ int CrackGraph::add_edge(int from, int to, int crack, double time, int face) {
   return index;
 }
 
+void CrackGraph::undo_edge() {
+  const CrackEdge& e = edges_.back();
+  total_length_ -= (e.b - e.a).norm();
+  const Vec2 lo = e.long_a.cwiseMin(e.long_b) - low_, hi = e.long_a.cwiseMax(e.long_b) - low_;
+  for (int j = bin(lo.y(), ny_); j <= bin(hi.y(), ny_); ++j)
+    for (int i = bin(lo.x(), nx_); i <= bin(hi.x(), nx_); ++i) bins_[static_cast<std::size_t>(j) * nx_ + i].pop_back();
+  edges_.pop_back();
+}
+
 bool CrackGraph::visible(const Vec2& a, const Vec2& b, int skip1, int skip2) const {
   bool clear = true;
   near(a, b, 0.0, [&](int e) {

@@ -37,6 +37,10 @@ class CrackGraph {
   /// Returns the number of the edge, or -1 where it would have no length.
   int add_edge(int from, int to, int crack, double time, int face);
   int new_crack() { return cracks_++; }
+  int next_crack() const { return cracks_; }
+  /// Takes back the last edge, which was only tried, or the last vertex, which no edge has.
+  void undo_edge();
+  void undo_vertex() { vertices_.pop_back(); }
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
   const std::vector<CrackEdge>& edges() const { return edges_; }

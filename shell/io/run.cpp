@@ -228,7 +228,9 @@ void Run::shell_window() {
   for (std::size_t i = 0; i < setup_.cuts.size(); ++i)
     if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * setup_.window) {
       Stopwatch w(stage_s_["crack_update"]);
+      const int before = static_cast<int>(s.cracks.edges().size());
       insert_polyline(m, s, setup_.cuts[i].points, time());
+      if (setup_.tips) start_at_ends(m, s, before, static_cast<int>(s.cracks.edges().size()));
       s.cut_done[i] = 1;
     }
   const double window_start = wall_clock();

@@ -21,29 +21,11 @@ std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   return out;
 }
 
-void recompute(const ShellModel& m, ShellState& s, int block, int lane) {
+// The Gauss point as it is now, with the functions of the uncut patch where no crack has touched it.
+GatheredPoint present_point(const ShellModel& m, const ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
-  const Vec2 p = gauss_point(m.patch, t, block, lane).parameter;
-  const int index = gather_point(m, s, block, lane);
-  GatheredPoint& g = s.points[index];
-  const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, lane, block / (t.gauss * t.gauss));
-  g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
-           : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
-                                             : PointKind::kDead;
-  g.functions = to_slots(m, mls);
-  if (!s.damage.empty()) s.damage[index].fresh = true;
-  if (g.kind == PointKind::kDead) {
-    for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
-    return;
-  }
-  const Forms<double> rest = surface_forms(gather(t, g, m.rest));
-  g.metric = {rest.a, rest.b};
-}
-
-// A Gauss point with the functions of the uncut patch joins the list of those that are known one by one.
-void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
-  const RowTables& t = m.tables;
-  const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+  const int index = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+  if (index >= 0) return s.points[index];
   GatheredPoint g;
   g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
   g.functions = patch_functions(m.patch, gauss_point(m.patch, t, block, lane).parameter, t.stride);
@@ -51,12 +33,63 @@ void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
   g.area = metric[kArea * t.lanes];
   g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
               {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
-  s.points.push_back(std::move(g));
+  return g;
+}
+
+// The same point with the functions that the present cracks leave it.
+GatheredPoint renewed(const ShellModel& m, const ShellState& s, const GatheredPoint& old) {
+  const RowTables& t = m.tables;
+  GatheredPoint g = old;
+  const Vec2 p = gauss_point(m.patch, t, g.block, g.lane).parameter;
+  const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, g.lane, g.block / (t.gauss * t.gauss));
+  g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
+           : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
+                                             : PointKind::kDead;
+  g.functions = to_slots(m, mls);
+  if (g.kind == PointKind::kDead) return g;
+  const Forms<double> rest = surface_forms(gather(t, g, m.rest));
+  g.metric = {rest.a, rest.b};
+  return g;
+}
+
+void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
+  const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
+  s.points.push_back(present_point(m, s, block, lane));
   if (s.brittleness > 0.0) {
     s.damage.emplace_back();
     s.damage.back().strength = s.strength[gauss];
   }
   s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
+}
+
+// Gauss points that look across an edge.
+std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const ShellState& s, const CrackEdge& e) {
+  const RowTables& t = m.tables;
+  const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
+  const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
+  std::vector<std::pair<int, int>> touched;
+  for (int f = m.patch.knots_v.span_of(low.y()); f <= m.patch.knots_v.span_of(high.y()); ++f)
+    for (int lane = m.patch.knots_u.span_of(low.x()); lane <= m.patch.knots_u.span_of(high.x()); ++lane)
+      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
+        const int block = f * t.gauss * t.gauss + sub;
+        const GaussPoint g = gauss_point(m.patch, t, block, lane);
+        if (g.weight == 0.0) continue;
+        const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+        bool hit = false;
+        const auto cut = [&](int control_point) {
+          return segments_meet(g.parameter, m.parameter[control_point], e.long_a, e.long_b);
+        };
+        // what was linear for want of a better basis may see another set of control points now
+        if (point >= 0 && s.points[point].kind == PointKind::kLinear) hit = true;
+        if (point < 0)
+          for (int k = 0; k < t.support() * t.support() && !hit; ++k)
+            hit = cut((f + k / t.support()) * t.columns + lane + k % t.support());
+        else
+          for (const GatheredFunction& n : s.points[point].functions)
+            if ((hit = cut(t.control_point(n.slot)))) break;
+        if (hit) touched.push_back({block, lane});
+      }
+  return touched;
 }
 
 }  // namespace
@@ -84,82 +117,106 @@ void watch_point(const ShellModel& m, ShellState& s, int block, int lane) {
   s.watched[gauss] = 1;
 }
 
-int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,
-                bool interlock) {
-  const int index = s.cracks.add_edge(from, to, crack, time, face);
-  if (index < 0) return index;
-  s.interlock_of.push_back(-1);
+namespace {
+
+// The edges from `first` on have just been added to the graph: what they touch gets new functions. False, and nothing
+// has changed, where they must release energy and do not.
+bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool interlock, bool must_release) {
   const RowTables& t = m.tables;
-  const CrackEdge& e = s.cracks.edges()[index];
-  const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
-  const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
+  const int end = static_cast<int>(s.cracks.edges().size());
   std::vector<std::pair<int, int>> touched;
-  for (int f = m.patch.knots_v.span_of(low.y()); f <= m.patch.knots_v.span_of(high.y()); ++f)
-    for (int lane = m.patch.knots_u.span_of(low.x()); lane <= m.patch.knots_u.span_of(high.x()); ++lane)
-      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
-        const int block = f * t.gauss * t.gauss + sub;
-        const GaussPoint g = gauss_point(m.patch, t, block, lane);
-        if (g.weight == 0.0) continue;
-        const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
-        bool hit = false;
-        const auto cut = [&](int control_point) {
-          return segments_meet(g.parameter, m.parameter[control_point], e.long_a, e.long_b);
-        };
-        // what was linear for want of a better basis may see another set of control points now
-        if (point >= 0 && s.points[point].kind == PointKind::kLinear) hit = true;
-        if (point < 0)
-          for (int k = 0; k < t.support() * t.support() && !hit; ++k)
-            hit = cut((f + k / t.support()) * t.columns + lane + k % t.support());
-        else
-          for (const GatheredFunction& n : s.points[point].functions)
-            if ((hit = cut(t.control_point(n.slot)))) break;
-        if (hit) touched.push_back({block, lane});
-      }
+  for (int k = first; k < end; ++k) {
+    const auto more = touched_points(m, s, s.cracks.edges()[k]);
+    touched.insert(touched.end(), more.begin(), more.end());
+  }
+  if (end - first > 1) {
+    std::sort(touched.begin(), touched.end());
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  }
   double before = 0.0, after = 0.0;
+  std::vector<GatheredPoint> changed;
+  std::vector<double> spared;
   for (const auto& [block, lane] : touched) {
-    const int point = gather_point(m, s, block, lane);
-    PointDamage* damage = s.damage.empty() ? nullptr : &s.damage[point];
-    const double held = point_energy(t, s.points[point], s.x, damage, s.brittleness);
-    const double full = point_energy(t, s.points[point], s.x);
-    recompute(m, s, block, lane);
-    double left = point_energy(t, s.points[point], s.x);
+    const GatheredPoint old = present_point(m, s, block, lane);
+    const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+    PointDamage fresh;
+    if (s.brittleness > 0.0) fresh.strength = s.strength[static_cast<std::size_t>(block) * t.lanes + lane];
+    const PointDamage* damage = s.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.damage[point] : &fresh;
+    const double held = point_energy(t, old, s.x, damage, s.brittleness), full = point_energy(t, old, s.x);
+    GatheredPoint g = renewed(m, s, old);
+    double left = point_energy(t, g, s.x);
     const double most =
-        damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness *
-                            s.points[point].area
-               : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * s.points[point].area;
+        damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * g.area
+               : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * g.area;
     if (left > most) {
       // between torn faces one-sided functions see distances that are no strain: such a point is rubble
-      s.points[point].kind = PointKind::kDead, s.points[point].functions.clear();
+      g.kind = PointKind::kDead, g.functions.clear();
       left = 0.0;
     }
     // a damaged point stores the same share of the full energy of what is left
-    if (damage) damage->spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
-    before += held, after += left - (damage ? damage->spared : 0.0);
+    spared.push_back(damage && full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0);
+    before += held, after += left - spared.back();
+    changed.push_back(std::move(g));
+  }
+  if (must_release && after > before) return false;
+  s.interlock_of.resize(end, -1);
+  for (std::size_t k = 0; k < changed.size(); ++k) {
+    GatheredPoint& g = changed[k];
+    const int point = gather_point(m, s, g.block, g.lane);
+    g.in_rows = false;
+    if (!s.damage.empty()) s.damage[point].fresh = true, s.damage[point].spared = spared[k];
+    if (g.kind == PointKind::kDead)
+      for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
+    s.points[point] = std::move(g);
   }
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
     const CrackEdge& own = s.cracks.edges()[lock.edge];
     const Vec2 middle = 0.5 * (own.a + own.b);
     bool hit = false;
-    for (const auto* side : {&lock.plus, &lock.minus})
-      for (const GatheredFunction& n : *side)
-        hit = hit || segments_meet(middle, m.parameter[t.control_point(n.slot)], e.long_a, e.long_b);
-    if (!hit) continue;
-    refasten(m, s, lock);
+    for (int k = first; k < end; ++k)
+      for (const auto* side : {&lock.plus, &lock.minus})
+        for (const GatheredFunction& n : *side)
+          hit = hit || segments_meet(middle, m.parameter[t.control_point(n.slot)], s.cracks.edges()[k].long_a,
+                                     s.cracks.edges()[k].long_b);
+    if (hit) refasten(m, s, lock);
   }
   (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
-  if (interlock) {
+  for (int k = first; k < end && interlock; ++k) {
+    const CrackEdge& e = s.cracks.edges()[k];
     Interlock lock;
-    lock.edge = index;
+    lock.edge = k;
     lock.area = (e.b - e.a).norm() * m.thickness;
-    if (fasten(m, s, lock)) {
-      s.interlock_of[index] = static_cast<int>(s.interlocks.size());
-      s.interlocks.push_back(std::move(lock));
-    }
+    if (!fasten(m, s, lock)) continue;
+    s.interlock_of[k] = static_cast<int>(s.interlocks.size());
+    s.interlocks.push_back(std::move(lock));
   }
   s.last_crack_time = time;
   s.last_force.clear();  // the next one differs by the crack, not by motion
+  return true;
+}
+
+}  // namespace
+
+int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,
+                bool interlock) {
+  const int index = s.cracks.add_edge(from, to, crack, time, face);
+  if (index >= 0) take_in(m, s, index, time, interlock, false);
   return index;
+}
+
+int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>& edges, double time, bool interlock) {
+  const int first = static_cast<int>(s.cracks.edges().size());
+  int added = 0;
+  bool whole = true;
+  for (const NewEdge& e : edges) {
+    const int index = s.cracks.add_edge(e.from, s.cracks.add_vertex(e.to), e.crack, time, e.face);
+    whole = whole && index >= 0, added += index >= 0;
+  }
+  if (whole && take_in(m, s, first, time, interlock, true)) return first;
+  for (int k = 0; k < added; ++k) s.cracks.undo_edge();
+  for (std::size_t k = 0; k < edges.size(); ++k) s.cracks.undo_vertex();
+  return -1;
 }
 
 void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>& points, double time) {

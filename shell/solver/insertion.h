@@ -9,6 +9,19 @@ namespace sunder::shell {
 int insert_edge(const ShellModel& model, ShellState& state, int from, int to, int crack, double time, int face,
                 bool interlock);
 
+/// An edge from a vertex to a new one at `to`.
+struct NewEdge {
+  int from;
+  Vec2 to;
+  int crack, face;
+};
+
+/// Adds edges as one event, but only where that adds no energy: what a crack would have to put in, the shell does not
+/// have. Returns the first of them; negative where they were refused, or one would have no length, and all is as
+/// before.
+int extend_cracks(const ShellModel& model, ShellState& state, const std::vector<NewEdge>& edges, double time,
+                  bool interlock);
+
 /// The Gauss point leaves the row kernel and keeps its functions: those of the patch. Returns its index in
 /// state.points; one that has left before stays what it is.
 int gather_point(const ShellModel& model, ShellState& state, int block, int lane);

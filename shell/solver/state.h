@@ -15,10 +15,16 @@ namespace sunder::shell {
 struct Tip {
   Vec2 p, direction;
   int vertex = 0, edge = -1, crack = 0;
+  int sibling = -1;           // crack of the other arm of the last branch
   int face = 0;               // tension side, -1 or +1
   double pending = 0.0;       // length that it may advance [m]
   double since_branch = 0.0;  // [m]
-  double mean[7] = {};        // stress of both faces while `pending` grew, weighted by speed; weight
+  double grown = 0.0;         // since it was born [m]
+  double strength = 1e300;    // of the flaw that it was born from [Pa], which resists until it has
+  double flaw = 0.0;          // grown so far [m]
+  double first_turn = 0.0;    // most that its first edge may turn [rad]
+  // while `pending` grew, weighted by speed: weight, turn [rad], drive
+  double weight = 0.0, turn = 0.0, ratio = 0.0;
   bool alive = true;
 };
 

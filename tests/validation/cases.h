@@ -39,5 +39,6 @@ std::vector<Case> static_cases();
 std::vector<Case> dynamic_cases();
 std::vector<Case> transfer_cases();
 std::vector<Case> crack_cases();
+std::vector<Case> tip_cases();
 
 }  // namespace sunder::validation

@@ -1,0 +1,141 @@
+#include "shell/solver/nucleation.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "shell/mechanics/principal.h"
+#include "shell/solver/insertion.h"
+#include "shell/solver/tip_drive.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kParallel = 0.6;  // cosine: a crack at a steeper angle does not relieve this one
+constexpr double kJoin = 1.5;      // spacings: a crack that starts so near another starts on it
+
+struct Overstressed {
+  double ratio;
+  int block, lane;
+};
+
+std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s) {
+  const RowTables& t = m.tables;
+  std::vector<Overstressed> over;
+  for (int q = 0; q < t.blocks(); ++q) {
+    const double* stress = &s.surface_stress[t.at(q, 6, 0, 0)];
+    const double* strength = &s.strength[static_cast<std::size_t>(q) * t.lanes];
+    for (int e = 0; e < t.spans_u; ++e) {
+      double high = 0.0;
+      for (int face = 0; face < 2; ++face) {
+        const double* f = stress + 3 * face * t.lanes + e;
+        const double half = 0.5 * (f[0] - f[t.lanes]);
+        high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::sqrt(half * half + f[2 * t.lanes] * f[2 * t.lanes]));
+      }
+      const std::size_t g = static_cast<std::size_t>(q) * t.lanes + e;
+      s.c[g] = high > strength[e] ? 1.0f : 0.0f;
+      if (high <= strength[e]) continue;
+      const int point = s.point_of[g];
+      if (s.c_his[g] < 1.0f) s.c_his[g] = 1.0f;
+      if (point >= 0 && s.points[point].kind != PointKind::kQuadratic) continue;
+      over.push_back({high / strength[e], q, e});
+    }
+  }
+  std::sort(over.begin(), over.end(), [](const Overstressed& a, const Overstressed& b) {
+    return a.ratio != b.ratio ? a.ratio > b.ratio : a.block != b.block ? a.block < b.block : a.lane < b.lane;
+  });
+  return over;
+}
+
+bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, const Vec2& p) {
+  for (const Tip& tip : s.tips)
+    if (tip.alive && (tip.p - p).norm() < r.tip_clearance &&
+        s.cracks.visible(p, tip.p + 0.1 * m.spacing * tip.direction, tip.edge))
+      return true;
+  return false;
+}
+
+// A new crack from `from` to `to`; its open end lives on.
+int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int from, const Vec2& to, const Tip& kind,
+                double time) {
+  Tip tip = kind;
+  tip.edge = extend_cracks(m, s, {{from, to, tip.crack, tip.face}}, time, r.interlock);
+  if (tip.edge < 0) {
+    s.cracks.undo_vertex();  // the other end, which is new as well
+    return 0;
+  }
+  tip.vertex = s.cracks.edges()[tip.edge].to;
+  tip.p = to, tip.direction = (to - s.cracks.vertices()[from]).normalized();
+  s.tips.push_back(tip);
+  return 1;
+}
+
+int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const Overstressed& o, double time,
+                std::uint64_t& random) {
+  const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
+  double six[6];
+  if (near_a_tip(m, s, r, p) || !surface_stress_at(m, s, o.block, o.lane, six)) return 0;
+  const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
+  const int face = high.high > low.high ? 1 : -1;
+  const Principal& stress = face > 0 ? high : low;
+  const bool alike = stress.low > r.alike * stress.high;  // then any direction is as good: scatter decides
+  Vec2 join_foot;
+  double join = kJoin * m.spacing;
+  bool joins = false, shielded = false;
+  Vec2 along = stress.crack;
+  s.cracks.near(p, p, std::max(join, r.parallel_clearance), [&](int e) {
+    Vec2 foot;
+    const double distance = s.cracks.distance(p, e, foot);
+    if (distance > std::max(join, r.parallel_clearance) || !s.cracks.visible(p, foot + 0.02 * (p - foot), e))
+      return true;
+    const CrackEdge& c = s.cracks.edges()[e];
+    if (distance < r.parallel_clearance && std::abs((c.b - c.a).normalized().dot(stress.crack)) > kParallel)
+      return !(shielded = true);
+    if (distance < join) join = distance, join_foot = foot, joins = true;
+    return true;
+  });
+  if (shielded) return 0;
+  if (alike && !joins) along = turned(Vec2(1, 0), std::numbers::pi * uniform(random));
+  // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
+  // a wave passes, would leave the sheet full of cracks one edge long.
+  Tip kind;
+  kind.strength = s.strength[static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane], kind.face = face;
+  kind.flaw =
+      m.material.youngs_modulus * m.material.fracture_energy / (std::numbers::pi * kind.strength * kind.strength);
+  double strongest = 0.0;
+  for (const double sign : {-1.0, 1.0}) {
+    Start start;
+    start.p = p, start.direction = sign * along, start.strength = kind.strength;
+    strongest = std::max(strongest, drive_at(m, s, r, start).ratio);
+  }
+  if (strongest <= 1.0) return 0;
+  kind.crack = s.cracks.new_crack();
+  if (joins) {
+    const Vec2 d = (p - join_foot).dot(along) > 0.0 ? along : Vec2(-along);
+    return start_crack(m, s, r, s.cracks.add_vertex(join_foot - 2e-3 * m.spacing * d), join_foot + m.spacing * d, kind,
+                       time);
+  }
+  const int a = s.cracks.add_vertex(p - 0.5 * m.spacing * along);
+  const int inserted = start_crack(m, s, r, a, p + 0.5 * m.spacing * along, kind, time);
+  if (inserted > 0) {
+    Tip back = s.tips.back();
+    back.vertex = a, back.p = s.cracks.vertices()[a], back.direction = -along;
+    s.tips.push_back(back);
+  }
+  return inserted;
+}
+
+}  // namespace
+
+int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
+  int inserted = 0, nucleated = 0;
+  for (const Overstressed& o : overstressed_points(m, s)) {
+    if (nucleated >= r.nucleations_per_step) break;
+    const int edges = nucleate_at(m, s, r, o, time, random);
+    inserted += edges;
+    nucleated += edges > 0;
+  }
+  return inserted;
+}
+
+}  // namespace sunder::shell

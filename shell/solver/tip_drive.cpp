@@ -1,0 +1,128 @@
+#include "shell/solver/tip_drive.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "shell/mechanics/principal.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+const double kWedge =
+    (getenv("X_W") ? atof(getenv("X_W")) : 40.0) * kDegree;  // of the weight about a direction, one standard deviation
+constexpr double kAround = 120.0 * kDegree;                  // points further round belong to the crack's flanks
+constexpr double kStep = 5.0 * kDegree;                      // between two directions that are tried
+
+double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
+
+struct Sample {
+  double angle, weight;
+  double six[6];
+};
+
+Drive drive_along(const std::vector<Sample>& samples, const CrackRules& r, const Start& start, double turn) {
+  double six[6] = {}, sum = 0.0;
+  for (const Sample& q : samples) {
+    const double w = q.weight * wedge(q.angle - turn);
+    sum += w;
+    for (int k = 0; k < 6; ++k) six[k] += w * q.six[k];
+  }
+  Drive best;
+  best.turn = turn;
+  if (!(sum > 0.0)) return best;
+  const Vec2 c = turned(start.direction, turn);
+  const double stretching = std::min(r.tip_strength, start.strength),
+               bending = std::min(r.tip_bending_strength, start.strength);
+  const double low = across(six, c) / sum, high = across(six + 3, c) / sum;
+  for (const int face : {-1, 1}) {
+    if (face == -start.face && turn != 0.0) continue;
+    const double here = face < 0 ? low : high, there = face < 0 ? high : low;
+    const double stretch = 0.5 * (here + there), bend = 0.5 * (here - there);
+    const double ratio =
+        stretch > 0.0 ? std::hypot(stretch / stretching, std::max(0.0, bend) / bending) : std::max(0.0, here) / bending;
+    if (ratio > best.ratio) best.ratio = ratio, best.face = face;
+  }
+  return best;
+}
+
+// Mean of an angular function over the wedge straight ahead, times that of sqrt(R / r) with weight exp(-2 r^2 / R^2).
+template <class F>
+double mean_ahead(F&& opening) {
+  constexpr int kAngles = 480;
+  constexpr double kRadial = 1.5420;
+  double sum = 0.0, weight = 0.0;
+  for (int i = 0; i < kAngles; ++i) {
+    const double t = kAround * (2.0 * (i + 0.5) / kAngles - 1.0), w = wedge(t);
+    sum += w * opening(t), weight += w;
+  }
+  return kRadial * sum / weight;
+}
+
+}  // namespace
+
+bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int lane, double* six) {
+  const int point = s.point_of[static_cast<std::size_t>(block) * m.tables.lanes + lane];
+  if (point >= 0 && s.points[point].kind == PointKind::kDead) return false;
+  for (int k = 0; k < 6; ++k) six[k] = s.surface_stress[m.tables.at(block, 6, k, lane)];
+  return true;
+}
+
+Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start) {
+  thread_local std::vector<Sample> samples;
+  samples.clear();
+  const RowTables& t = m.tables;
+  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+  const Vec2& p = start.p;
+  const Vec2 eye = p + 0.1 * m.spacing * start.direction;
+  for (int j = kv.span_of(p.y() - r.tip_radius); j <= kv.span_of(p.y() + r.tip_radius); ++j)
+    for (int i = ku.span_of(p.x() - r.tip_radius); i <= ku.span_of(p.x() + r.tip_radius); ++i)
+      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
+        const int block = j * t.gauss * t.gauss + sub;
+        const Vec2 q = gauss_point(m.patch, t, block, i).parameter, d = q - p;
+        if (d.squaredNorm() > r.tip_radius * r.tip_radius) continue;
+        Sample here;
+        here.angle = std::atan2(start.direction.x() * d.y() - start.direction.y() * d.x(), start.direction.dot(d));
+        if (std::abs(here.angle) > kAround || !s.cracks.visible(eye, q, start.edge) ||
+            !surface_stress_at(m, s, block, i, here.six))
+          continue;
+        here.weight = std::exp(-2.0 * d.squaredNorm() / (r.tip_radius * r.tip_radius));
+        samples.push_back(here);
+      }
+  const int steps = static_cast<int>(std::ceil(start.most_turn / kStep - 1e-9));
+  Drive best = drive_along(samples, r, start, 0.0);
+  for (int k = 1; k <= steps; ++k)
+    for (const double sign : {-1.0, 1.0}) {
+      const Drive d = drive_along(samples, r, start, sign * start.most_turn * k / steps);
+      if (d.ratio > best.ratio) best = d;
+    }
+  if (steps == 0 || std::abs(best.turn) > start.most_turn * (1.0 - 0.5 / steps)) return best;
+  // between the directions that were tried: the top of a parabola
+  const double step = start.most_turn / steps;
+  const double before = drive_along(samples, r, start, best.turn - step).ratio,
+               after = drive_along(samples, r, start, best.turn + step).ratio;
+  const double bend = before - 2.0 * best.ratio + after;
+  if (bend < 0.0) best.turn += 0.5 * step * std::clamp((before - after) / bend, -1.0, 1.0);
+  return best;
+}
+
+// K = sqrt(E G): sigma = K / sqrt(2 pi r) cos(t/2) (1 + sin(t/2) sin(3t/2))
+double stretching_mean() {
+  return mean_ahead([](double t) { return std::cos(0.5 * t) * (1.0 + std::sin(0.5 * t) * std::sin(1.5 * t)); }) /
+         std::sqrt(2.0 * std::numbers::pi);
+}
+
+// Williams 1961: surface stress k / sqrt(2 r) g(t) with the energy release k^2 pi (1 + nu) / (3 E (3 + nu)); g from
+// w = r^3/2 (a cos 3t/2 + b cos t/2) with free faces.
+double bending_mean(double nu) {
+  const double mean = mean_ahead([nu](double t) {
+    const double c1 = std::cos(0.5 * t), c3 = std::cos(1.5 * t), s = std::sin(t), c = std::cos(t);
+    const double rr = (3.0 + 5.0 * nu) * c1 - (7.0 + nu) * c3, tt = (5.0 + 3.0 * nu) * c1 + (7.0 + nu) * c3;
+    const double rt = (7.0 + nu) * std::sin(1.5 * t) - (1.0 - nu) * std::sin(0.5 * t);
+    return (rr * s * s + tt * c * c + 2.0 * rt * s * c) / (4.0 * (3.0 + nu));
+  });
+  return mean / std::numbers::sqrt2 * std::sqrt(3.0 * (3.0 + nu) / (std::numbers::pi * (1.0 + nu)));
+}
+
+}  // namespace sunder::shell

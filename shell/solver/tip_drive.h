@@ -1,0 +1,40 @@
+#pragma once
+// What drives a crack on from a point: the stress ahead of it against what the fracture energy allows.
+#include "shell/solver/crack_rules.h"
+
+namespace sunder::shell {
+
+struct Drive {
+  double ratio = 0.0;  // sqrt(energy release / fracture energy)
+  double turn = 0.0;   // towards the direction that opens most [rad]
+  int face = 0;        // that it opens first, -1 or +1
+};
+
+/// Where a crack may go on from.
+struct Start {
+  Vec2 p, direction;
+  int edge = -1;            // that ends there
+  double most_turn = 0.0;   // [rad]
+  int face = 0;             // that has opened it: it turns to open that one only; 0: none yet
+  double strength = 1e300;  // of the material as long as the crack is shorter than a flaw [Pa]
+};
+
+/// Mean stress over the points ahead on the crack's own side, weighted towards each direction within the turn; the one
+/// across which it pulls most (maximum hoop stress, Erdogan and Sih 1963). Energy releases of stretching and bending
+/// add; compression closes the face that bending opens. Ratio 0 where nothing bears.
+Drive drive_at(const ShellModel& model, const ShellState& state, const CrackRules& rules, const Start& start);
+
+/// Mean opening stress ahead, as `drive_at` takes it, at which a tip's energy release is the fracture energy, in units
+/// of sqrt(E G / radius): of a stretched sheet, and on the surface of a bent Kirchhoff-Love plate.
+double stretching_mean();
+double bending_mean(double poisson_ratio);
+
+/// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.
+bool surface_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* six);
+
+/// Normal stress on a crack along q, of 11 22 12.
+inline double across(const double* s, const Vec2& q) {
+  return q.y() * q.y() * s[0] + q.x() * q.x() * s[1] - 2.0 * q.x() * q.y() * s[2];
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,118 @@
+// What drives a crack on, against fracture mechanics: a short crack in a wide sheet, at any angle to the grid.
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "shell/geometry/builders.h"
+#include "shell/mechanics/principal.h"
+#include "shell/solver/insertion.h"
+#include "shell/solver/relaxation.h"
+#include "shell/solver/tip_drive.h"
+#include "shell/solver/tips.h"
+#include "tests/validation/cases.h"
+
+namespace sunder::validation {
+namespace {
+
+using namespace sunder::shell;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kSide = 0.2, kHalfCrack = 0.0125, kThickness = 0.004, kStress = 1e6;
+
+ShellMaterial glass() {
+  ShellMaterial m;
+  m.density = 2500, m.youngs_modulus = 70e9, m.poisson_ratio = 0.22, m.strength = 60e6, m.fracture_energy = 8.0;
+  return m;
+}
+
+enum class Pull { kAllRound, kOneWay, kBending };
+
+std::vector<Load> loads(Pull pull) {
+  std::vector<Load> out;
+  for (const int edge : {kUMin, kUMax, kVMin, kVMax}) {
+    Load l;
+    l.edges = edge;
+    const double sign = edge == kUMin || edge == kVMin ? -1.0 : 1.0;
+    if (pull == Pull::kBending) {
+      l.kind = Load::Kind::kEdgeMoment, l.size = 1e-2 * kStress * kThickness * kThickness / 6.0;
+    } else {
+      l.kind = Load::Kind::kEdgeForce;
+      if (edge == kVMin || edge == kVMax)
+        l.force.y() = sign * kStress * kThickness;
+      else if (pull == Pull::kAllRound)
+        l.force.x() = sign * kStress * kThickness;
+    }
+    out.push_back(l);
+  }
+  return out;
+}
+
+struct Found {
+  double k1 = 0.0;    // sqrt(energy release) over that of a crack across the stress in an endless sheet
+  double turn = 0.0;  // [rad]
+};
+
+Found crack_under(Pull pull, int elements, double angle, int threads) {
+  const ShellModel m = make_shell("sheet", plate(kSide, kSide, elements, elements, Vec3::Zero(), Quat::Identity()),
+                                  kThickness, glass(), 2, 2, {}, loads(pull));
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  // off the lattice by a part of a spacing, as cracks are
+  const Vec2 c(0.5 * kSide + 0.31 * m.spacing, 0.5 * kSide + 0.17 * m.spacing), d(std::cos(angle), std::sin(angle));
+  insert_polyline(m, s, {c - kHalfCrack * d, c + kHalfCrack * d}, 0.0);
+  start_at_ends(m, s, 0, static_cast<int>(s.cracks.edges().size()));
+  RelaxationRules rules;
+  rules.threads = threads, rules.tolerance = 1e-5;
+  relax(m, s, rules);
+  compute_forces(m, s, false, 1.0, threads);
+  const CrackRules r = make_crack_rules(m, 0.0);
+  Found found;
+  for (const Tip& tip : s.tips) {
+    Start start;
+    start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.most_turn = 80.0 * kPi / 180.0;
+    const Drive drive = drive_at(m, s, r, start);
+    const double e = m.material.youngs_modulus, nu = m.material.poisson_ratio;
+    const double root = drive.ratio * std::sqrt(e * m.material.fracture_energy);  // sqrt(E G)
+    const double known = pull == Pull::kBending
+                             ? 1e-2 * kStress * std::sqrt(kHalfCrack * kPi * (1.0 + nu) / (3.0 * (3.0 + nu)))
+                             : kStress * std::sqrt(kPi * kHalfCrack);
+    found.k1 += root / known / s.tips.size(), found.turn += std::abs(drive.turn) / s.tips.size();
+  }
+  return found;
+}
+
+// Maximum hoop stress (Erdogan and Sih 1963): angle, and what opens there over K of a crack across the stress.
+std::pair<double, double> kinked(double k1, double k2) {
+  const double q = k1 / k2, t = 2.0 * std::atan((q - std::sqrt(q * q + 8.0)) / 4.0);
+  return {std::abs(t), std::pow(std::cos(0.5 * t), 3) * k1 - 1.5 * std::cos(0.5 * t) * std::sin(t) * k2};
+}
+
+void energy_release(Report& r, int threads) {
+  constexpr double kDegree = kPi / 180.0;
+  for (const auto& [pull, name] : {std::pair{Pull::kAllRound, "stretched"}, std::pair{Pull::kBending, "bent"}})
+    for (const double angle : {0.0, 15.0, 30.0, 45.0})
+      for (const int elements : {64, 96, 128}) {
+        if (elements != 128 && angle != 30.0) continue;
+        const double start = seconds_now();
+        const Found f = crack_under(pull, elements, angle * kDegree, threads);
+        r.add(fmt::format("{}_{:.0f}_degrees_{}", name, angle, elements), f.k1, 1.0, 0.15, seconds_now() - start);
+        r.lines.push_back(
+            fmt::format("{} at {:.0f} degrees, {}: turns by {:.1f} degrees", name, angle, elements, f.turn / kDegree));
+      }
+  for (const double angle : {30.0, 45.0, 60.0}) {
+    const double start = seconds_now(), a = angle * kDegree;
+    const Found f = crack_under(Pull::kOneWay, 128, a, threads);
+    const auto [turn, k] = kinked(std::pow(std::cos(a), 2), std::sin(a) * std::cos(a));
+    r.add(fmt::format("kink_{:.0f}_degrees", angle), f.turn / kDegree, turn / kDegree, 0.15, seconds_now() - start);
+    r.add(fmt::format("kink_{:.0f}_opening", angle), f.k1, k, 0.15, 0.0);
+  }
+}
+
+}  // namespace
+
+std::vector<Case> tip_cases() {
+  return {
+      {"energy_release", "what drives a tip, stretched, bent, across and aslant (Erdogan and Sih)", energy_release}};
+}
+
+}  // namespace sunder::validation
