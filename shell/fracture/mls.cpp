@@ -48,6 +48,11 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
       p[k] << 1.0, x, y;
     a += w[k][0] * (p[k] * p[k].transpose());
   }
+  // Pivots are no less than the least eigenvalue, diagonal entries no more than the largest: a lower bound of the
+  // condition, which spares most supports of one-sided points the eigenvalues.
+  const Eigen::LDLT<Matrix> inverse(a);
+  const double least = inverse.vectorD().minCoeff();
+  if (!(least > 0.0) || a.diagonal().maxCoeff() > limit * least) return false;
   Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
   const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(B - 1);
   if (!(low > 0.0) || high > limit * low) return false;
@@ -55,7 +60,6 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
     const Matrix pp = p[k] * p[k].transpose();
     a1 += w[k][1] * pp, a2 += w[k][2] * pp, a11 += w[k][3] * pp, a22 += w[k][4] * pp, a12 += w[k][5] * pp;
   }
-  const Eigen::LDLT<Matrix> inverse(a);
   Column e = Column::Zero(), e1 = e, e2 = e, e11 = e, e22 = e, e12 = e;
   e(0) = 1.0, e1(1) = 1.0, e2(2) = 1.0;
   if constexpr (B == 6) e11(3) = 2.0, e22(5) = 2.0, e12(4) = 1.0;
