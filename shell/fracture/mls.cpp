@@ -110,20 +110,21 @@ MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2
     return n;
   };
   MlsPoint point;
-  for (double d = kSmallestSupport; d <= kLargestSupport + 1e-9; d += kSupportStep) {
+  for (double d = kSmallestSupport; d <= kLargeSupport + 1e-9; d += kSupportStep) {
     const int n = within(d);
     if (n >= 9 && shape_functions<6>(seen, n, d, grid.spacing_u, grid.spacing_v, kGoodCondition, point.functions)) {
       point.basis = MlsBasis::kQuadratic;
       return point;
     }
   }
-  const int all = static_cast<int>(seen.size());
-  if (all >= 9 &&
-      shape_functions<6>(seen, all, kLargestSupport, grid.spacing_u, grid.spacing_v, kLastCondition, point.functions)) {
-    point.basis = MlsBasis::kQuadratic;
-    return point;
+  for (const double d : {kLargestSupport, kLargeSupport}) {  // a narrow strip is better conditioned in the smaller one
+    const int n = within(d);
+    if (n >= 9 && shape_functions<6>(seen, n, d, grid.spacing_u, grid.spacing_v, kLastCondition, point.functions)) {
+      point.basis = MlsBasis::kQuadratic;
+      return point;
+    }
   }
-  for (double d = kSmallestSupport; d <= kLargestSupport + 1e-9; d += 2.0 * kSupportStep) {
+  for (double d = kSmallestSupport; d <= kLargeSupport + 1e-9; d += 2.0 * kSupportStep) {
     const int n = within(d);
     if (n >= 4 && shape_functions<3>(seen, n, d, grid.spacing_u, grid.spacing_v, kLinearCondition, point.functions)) {
       point.basis = MlsBasis::kLinear;
