@@ -27,7 +27,7 @@ struct MlsPoint {
 
 /// Supports in units of the spacing; conditioning decides which one is taken (shell/README.md "Shape functions beside a
 /// crack").
-constexpr double kSmallestSupport = 1.5, kLargeSupport = 4.5, kSupportStep = 0.25;
+constexpr double kSmallestSupport = 2.0, kLargeSupport = 4.5, kSupportStep = 0.25;
 /// Of points that see one side only: where a cut runs just short of a row of control points, the fifth row that they
 /// see is 4.7 spacings off, and with weight on four alone the rows beside the cut are too stiff for their mass.
 constexpr double kLargestSupport = 5.5;
