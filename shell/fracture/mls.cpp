@@ -48,6 +48,11 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
       p[k] << 1.0, x, y;
     a += w[k][0] * (p[k] * p[k].transpose());
   }
+  // Pivots are no less than the least eigenvalue, diagonal entries no more than the largest: a lower bound of the
+  // condition, which spares most supports of one-sided points the eigenvalues.
+  const Eigen::LDLT<Matrix> inverse(a);
+  const double least = inverse.vectorD().minCoeff();
+  if (!(least > 0.0) || a.diagonal().maxCoeff() > limit * least) return false;
   Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
   const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(B - 1);
   if (!(low > 0.0) || high > limit * low) return false;
@@ -55,7 +60,6 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
     const Matrix pp = p[k] * p[k].transpose();
     a1 += w[k][1] * pp, a2 += w[k][2] * pp, a11 += w[k][3] * pp, a22 += w[k][4] * pp, a12 += w[k][5] * pp;
   }
-  const Eigen::LDLT<Matrix> inverse(a);
   Column e = Column::Zero(), e1 = e, e2 = e, e11 = e, e22 = e, e12 = e;
   e(0) = 1.0, e1(1) = 1.0, e2(2) = 1.0;
   if constexpr (B == 6) e11(3) = 2.0, e22(5) = 2.0, e12(4) = 1.0;
@@ -106,20 +110,21 @@ MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2
     return n;
   };
   MlsPoint point;
-  for (double d = kSmallestSupport; d <= kLargestSupport + 1e-9; d += kSupportStep) {
+  for (double d = kSmallestSupport; d <= kLargeSupport + 1e-9; d += kSupportStep) {
     const int n = within(d);
     if (n >= 9 && shape_functions<6>(seen, n, d, grid.spacing_u, grid.spacing_v, kGoodCondition, point.functions)) {
       point.basis = MlsBasis::kQuadratic;
       return point;
     }
   }
-  const int all = static_cast<int>(seen.size());
-  if (all >= 9 &&
-      shape_functions<6>(seen, all, kLargestSupport, grid.spacing_u, grid.spacing_v, kLastCondition, point.functions)) {
-    point.basis = MlsBasis::kQuadratic;
-    return point;
+  for (const double d : {kLargestSupport, kLargeSupport}) {  // a narrow strip is better conditioned in the smaller one
+    const int n = within(d);
+    if (n >= 9 && shape_functions<6>(seen, n, d, grid.spacing_u, grid.spacing_v, kLastCondition, point.functions)) {
+      point.basis = MlsBasis::kQuadratic;
+      return point;
+    }
   }
-  for (double d = kSmallestSupport; d <= kLargestSupport + 1e-9; d += 2.0 * kSupportStep) {
+  for (double d = kSmallestSupport; d <= kLargeSupport + 1e-9; d += 2.0 * kSupportStep) {
     const int n = within(d);
     if (n >= 4 && shape_functions<3>(seen, n, d, grid.spacing_u, grid.spacing_v, kLinearCondition, point.functions)) {
       point.basis = MlsBasis::kLinear;

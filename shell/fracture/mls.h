@@ -27,8 +27,11 @@ struct MlsPoint {
 
 /// Supports in units of the spacing; conditioning decides which one is taken (shell/README.md "Shape functions beside a
 /// crack").
-constexpr double kSmallestSupport = 1.5, kLargestSupport = 4.5, kSupportStep = 0.25;
-constexpr double kGoodCondition = 200.0, kLastCondition = 3000.0, kLinearCondition = 30.0;
+constexpr double kSmallestSupport = 2.0, kLargeSupport = 4.5, kSupportStep = 0.25;
+/// Of points that see one side only: where a cut runs just short of a row of control points, the fifth row that they
+/// see is 4.7 spacings off, and with weight on four alone the rows beside the cut are too stiff for their mass.
+constexpr double kLargestSupport = 5.5;
+constexpr double kGoodCondition = 200.0, kLastCondition = 2500.0, kLinearCondition = 34.0;
 
 /// Shape functions at `p` (in span_u, span_v of the patch): the smallest support whose matrix is well
 /// conditioned, else the largest at lower demands, else a linear basis, else none.

@@ -103,7 +103,7 @@ TEST(Mls, ReproducesQuadraticsAndTheirDerivativesBesideACrack) {
       one += n.n[0];
       for (int k = 0; k < 6; ++k) sum[k] += n.n[k] * f(m.parameter[n.control_point]);
     }
-    const double h = m.spacing;  // conditioning up to 3000, derivatives scale with 1/h and 1/h^2
+    const double h = m.spacing;  // conditioning up to 2500, derivatives scale with 1/h and 1/h^2
     EXPECT_NEAR(one, 1.0, 1e-12);
     EXPECT_NEAR(sum[0], f(p), 1e-11);
     EXPECT_NEAR(sum[1], 2 + 6 * p.x() + p.y(), 1e-11 / h);
@@ -125,6 +125,22 @@ TEST(Mls, KeepsTheStableStepOfACutSheet) {
     EXPECT_GE(stable_step(m, s, 200, 1, true), 0.8 * intact) << angle << " degrees";
     EXPECT_NEAR(stable_step(m, s, 60, 1, true, {c}), stable_step(m, s, 200, 1, true), 0.1 * intact);
   }
+}
+
+// The Gauss points beside these cuts see their first row of control points 0.7 spacings off.
+TEST(Mls, KeepsTheStableStepBesideARowOfControlPoints) {
+  const ShellModel m = sheet();
+  const ShellState uncut = make_state(m, Vec3::Zero(), 1);
+  ShellState s = uncut;
+  const double intact = stable_step(m, s, 200, 1, true);
+  const auto after = [&](const std::vector<double>& heights) {
+    s = uncut;
+    for (const double y : heights) insert_polyline(m, s, {{0.0, y * m.spacing}, {0.2, y * m.spacing}}, 0.0);
+    return stable_step(m, s, 200, 1, true) / intact;
+  };
+  EXPECT_GE(after({4.23}), 0.8);
+  EXPECT_GE(after({8.73}), 0.8);
+  EXPECT_GE(after({8.63, 13.23}), 0.8);  // a strip of four rows, both its sides like that
 }
 
 TEST(Triangulation, PiecesCoverTheSheetAndAreWhatTheCutsLeave) {
