@@ -142,18 +142,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     ShellModel& s = r.shells.back();
     groups[s.name] = s.contact_group = static_cast<std::uint32_t>(groups.size());
     r.shell_velocity = scene::to_vec(m.shells(i).velocity());
-    for (int k = 0; k < m.shells(i).cuts_size(); ++k) {
-      PrescribedCut cut{{}, m.shells(i).cuts(k).time_s()};
-      for (const auto& p : m.shells(i).cuts(k).points()) {
-        const Vec2 given(p.u(), p.v()), low(s.patch.knots_u.begin(), s.patch.knots_v.begin()),
-            high(s.patch.knots_u.end(), s.patch.knots_v.end());
-        cut.points.push_back(given.cwiseMax(low).cwiseMin(high));  // the border, but for its last bits
-        scene.check((cut.points.back() - given).norm() <= 1e-9 * s.spacing, fmt::format("{}.cuts[{}].points", field, k),
-                    "({}, {}) lies outside the patch, whose parameters run to ({}, {})", p.u(), p.v(),
-                    s.patch.knots_u.end(), s.patch.knots_v.end());
-      }
-      r.cuts.push_back(std::move(cut));
-    }
+    for (int k = 0; k < m.shells(i).cuts_size(); ++k)
+      r.cuts.push_back(make_cut(scene, m.shells(i).cuts(k), s, fmt::format("{}.cuts[{}]", field, k)));
     for (int k = 0; k < m.output().probes_size(); ++k) {
       const auto& p = m.output().probes(k);
       if (!p.body().empty()) continue;

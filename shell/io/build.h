@@ -4,17 +4,13 @@
 
 #include "coupler/core/body.h"
 #include "coupler/scene/load.h"
+#include "shell/io/cuts.h"
 #include "shell/io/probes.h"
 #include "shell/solver/model.h"
 #include "shell/solver/step.h"
 #include "shell/solver/tips.h"
 
 namespace sunder::shell {
-
-struct PrescribedCut {
-  std::vector<Vec2> points;
-  double time = 0.0;
-};
 
 /// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
 /// crack starts there: a crack that is born within a window must not find the step too large.

@@ -179,15 +179,19 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
     return landed;
   };
   const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
-  int last = -1;
+  const bool closed = points.size() > 2 && points.front() == points.back();
+  int first = -1, last = -1;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     Vec2 a = points[i] + off, b = points[i + 1] + off;
-    if (i == 0) a = run_out(a, b);
-    if (i + 2 == points.size()) b = run_out(b, points[i] + off);
+    const bool at_end = i + 2 == points.size();
+    if (i == 0 && !closed) a = run_out(a, b);
+    if (at_end && !closed) b = run_out(b, points[i] + off);
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
-    if (last < 0) last = s.cracks.add_vertex(a);
+    if (last < 0) first = last = s.cracks.add_vertex(a);
     for (int k = 1; k <= pieces; ++k) {
-      const int next = s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
+      const int next = at_end && closed && k == pieces
+                           ? first
+                           : s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
       insert_edge(m, s, last, next, crack, time, 0, false);
       last = next;
     }
