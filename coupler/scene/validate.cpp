@@ -382,6 +382,8 @@ void validate(const LoadedScene& s) {
     positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
     s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");
   }
+  s.check(!r.has_healing() || r.mode() == proto::Fracture::DAMAGE, "fracture.healing",
+          "says whether damage heals, which only mode DAMAGE has; leave it out");
   if (r.has_quiet_growth())
     s.check(r.quiet_growth() >= 0.0 && r.quiet_growth() < 1.0, "fracture.quiet_growth",
             "is {}, must be a share from 0 to below 1", r.quiet_growth());

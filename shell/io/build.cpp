@@ -194,6 +194,7 @@ RunSetup build(const scene::LoadedScene& scene) {
           "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
           "below 2 E G_f / strength^2 = {:.3g} m; take more elements, a fracture_energy above {:.3g} J/m^2, or TIPS",
           width, widest, q.fracture_energy * width / widest);
+      if (m.fracture().has_healing()) r.healing = m.fracture().healing();
     }
     if (r.brittleness > 0.0) r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run
     if (r.tips) {

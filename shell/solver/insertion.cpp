@@ -119,7 +119,7 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
   for (const auto& [block, lane] : touched) {
     const int point = gather_point(m, s, block, lane);
     PointDamage* damage = s.damage.empty() ? nullptr : &s.damage[point];
-    const double held = point_energy(t, s.points[point], s.x, damage, s.brittleness);
+    const double held = point_energy(t, s.points[point], s.x, damage, s.brittleness, s.heals);
     const double full = point_energy(t, s.points[point], s.x);
     recompute(m, s, block, lane);
     double left = point_energy(t, s.points[point], s.x);
@@ -132,8 +132,13 @@ int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack,
       s.points[point].kind = PointKind::kDead, s.points[point].functions.clear();
       left = 0.0;
     }
-    // a damaged point stores the same share of the full energy of what is left
-    if (damage) damage->spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+    if (damage && s.heals) {
+      // a damaged point stores the same share of the full energy of what is left
+      damage->spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+    } else if (damage) {
+      damage->spared = 0.0;
+      settle(t, s.points[point], s.x, s.brittleness, *damage);
+    }
     before += held, after += left - (damage ? damage->spared : 0.0);
   }
   for (Interlock& lock : s.interlocks) {

@@ -80,14 +80,14 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     plastic.states = &s.plastic, plastic.advance = stress_share > 0.0;
   }
   RowDamage rows;
-  if (!s.watched.empty()) rows = {&s.watched, &s.strength, &s.point_of, &s.damage, s.brittleness, 0.0};
+  if (!s.watched.empty()) rows = {&s.watched, &s.strength, &s.point_of, &s.damage, s.brittleness, s.heals};
   double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force, &plastic, &rows);
   s.book.plastic += plastic.dissipated;
-  s.book.healing -= rows.healed;
-  DamageLaw law{&s.damage, s.brittleness, 0.0};
+  s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
+  DamageLaw law{&s.damage, s.brittleness, s.heals};
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
                           s.brittleness > 0.0 ? &law : nullptr);
-  s.book.healing -= law.healed;
+  s.book.healing -= law.healed, s.book.fracture += law.dissipated;
   s.interlock_energy = interlock_forces(m, s);
   if (!m.loads.empty()) {
     s.external.assign(s.force.size(), 0.0);

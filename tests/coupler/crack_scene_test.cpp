@@ -104,3 +104,13 @@ TEST(Cut, TakesSettingsAndKeepsItsTime) {
   for (const Vec2& p : cut.points) EXPECT_NEAR((p - Vec2(0.25, 0.25)).norm(), 0.2, 1e-12);
   expect_refusal(text, "shells[0].cuts[0].circle", {"set by --set"}, {"shells[pane].cuts[0].circle.radius_m=0.3"});
 }
+
+TEST(Healing, IsForDamageOnly) {
+  const std::string tough = "strength: 6e7 fracture_energy: 3000 ";
+  for (const char* mode : {"TIPS", "CUTS", "MODE_UNSPECIFIED"})
+    expect_refusal(scene("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)), "fracture.healing",
+                   {"only mode DAMAGE", "leave it out"});
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).healing);
+  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).healing);
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"}).healing);
+}
