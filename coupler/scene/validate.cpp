@@ -186,6 +186,27 @@ void cut(const Scene& s, const std::string& g, const proto::Cut& m) {
   }
 }
 
+void strength_factor(const Scene& s, const std::string& f, bool has, double factor) {
+  positive(s, f, has, factor, "-");
+  s.check(factor >= kLeastFactor && factor <= kMostFactor, f, "is {}; {:.0g} to {:.0g} (a thousand is unbreakable)",
+          factor, kLeastFactor, kMostFactor);
+}
+
+void strength_region(const Scene& s, const std::string& f, const proto::StrengthRegion& r) {
+  strength_factor(s, f + ".factor", r.has_factor(), r.factor());
+  if (r.has_disc()) {
+    s.check(!r.has_low() && !r.has_high(), f + ".disc", "is given, and so is a box; give one of them");
+    s.check(r.disc().has_center(), f + ".disc.center", "is missing; give u and v");
+    finite(s, f + ".disc.center", r.disc().center());
+    positive(s, f + ".disc.radius_m", r.disc().has_radius_m(), r.disc().radius_m(), "m");
+    return;
+  }
+  s.check(r.has_low() && r.has_high(), f, "has no place; give low and high {{ u v }}, or disc {{ center radius_m }}");
+  finite(s, f + ".low", r.low()), finite(s, f + ".high", r.high());
+  s.check(r.low().u() <= r.high().u() && r.low().v() <= r.high().v(), f,
+          "is a box whose low corner is above its high one");
+}
+
 std::string patch_name(const proto::Shell& shell) {  // the field that is set
   const auto* patch = shell.GetDescriptor()->FindOneofByName("patch");
   return shell.GetReflection()->GetOneofFieldDescriptor(shell, patch)->name();
@@ -259,6 +280,19 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   s.check(!shell.has_equilibrium() || !shell.has_velocity(), f + ".velocity",
           "is given, but a shell in equilibrium starts at rest");
   for (int i = 0; i < shell.cuts_size(); ++i) cut(s, fmt::format("{}.cuts[{}]", f, i), shell.cuts(i));
+  for (const auto& m : s.message.materials())
+    s.check(m.name() != shell.material() || m.has_strength() ||
+                (shell.strength_regions_size() == 0 && !shell.has_strength_map()),
+            f + (shell.has_strength_map() ? ".strength_map" : ".strength_regions"),
+            "scales the strength, which material '{}' has not; give it one, or leave this out", m.name());
+  for (int i = 0; i < shell.strength_regions_size(); ++i)
+    strength_region(s, fmt::format("{}.strength_regions[{}]", f, i), shell.strength_regions(i));
+  if (shell.has_strength_map()) {
+    const auto& map = shell.strength_map();
+    s.check(!map.path().empty(), f + ".strength_map.path", "is missing; name a PGM file beside the scene");
+    strength_factor(s, f + ".strength_map.low_factor", map.has_low_factor(), map.low_factor());
+    if (map.has_high_factor()) strength_factor(s, f + ".strength_map.high_factor", true, map.high_factor());
+  }
   finite(s, f + ".velocity", shell.velocity());
 }
 

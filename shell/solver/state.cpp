@@ -13,11 +13,12 @@ namespace {
 
 constexpr double kLengthening = 1e-2;  // of the spacing: crack edges block sight this far past their ends
 
-// Weibull strengths on a lattice of cells of the flaw spacing, turned and shifted by the seed so that
-// it shares no direction with the patch.
-void scatter_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
+// The material's strength times the scene's factors, and Weibull's on a lattice of cells of the flaw spacing, turned
+// and shifted by the seed so that it shares no direction with the patch.
+void assign_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
   const RowTables& t = m.tables;
   s.strength.assign(static_cast<std::size_t>(t.blocks()) * t.lanes, m.material.strength);
+  for (std::size_t g = 0; g < m.strength_factor.size(); ++g) s.strength[g] *= m.strength_factor[g];
   const double w = m.material.weibull_modulus;
   if (w <= 0.0) return;
   std::mt19937_64 random(seed * 7919 + 1);
@@ -37,8 +38,8 @@ void scatter_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
         h = (h ^ (h >> 27)) * 0x94d049bb133111ebULL;
         h ^= h >> 31;
       }
-      s.strength[static_cast<std::size_t>(q) * t.lanes + e] =
-          m.material.strength * std::pow(-std::log(uniform(h)), 1.0 / w) / mean;
+      double& strength = s.strength[static_cast<std::size_t>(q) * t.lanes + e];
+      strength = strength * std::pow(-std::log(uniform(h)), 1.0 / w) / mean;
     }
 }
 
@@ -66,7 +67,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   s.tables = t;
   s.cracks = CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()},
                         {m.patch.knots_u.end(), m.patch.knots_v.end()}, 2.0 * m.spacing, kLengthening * m.spacing);
-  scatter_strength(m, s, seed);
+  assign_strength(m, s, seed);
   return s;
 }
 
