@@ -189,11 +189,20 @@ RunSetup build(const scene::LoadedScene& scene) {
           "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
           "not belong together",
           1.0 / r.brittleness);
+      const double coarse = width / widest;  // times too coarse
+      const auto finer = [&](int elements) { return std::floor(1.001 * coarse * elements) + 1.0; };
       scene.check(
           r.brittleness > 0.0, "fracture.mode",
           "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
-          "below 2 E G_f / strength^2 = {:.3g} m; take more elements, a fracture_energy above {:.3g} J/m^2, or TIPS",
-          width, widest, q.fracture_energy * width / widest);
+          "below 2 E G_f / strength^2 = {:.3g} m; {}, a fracture_energy above {:.4g} J/m^2, or TIPS",
+          width, widest,
+          m.fracture().has_damage_width_m()
+              ? std::string("take a narrower damage_width_m")
+              : fmt::format("take more elements, {:.0f} x {:.0f} instead of {} x {} (a spacing below {:.3g} m where it "
+                            "is {:.3g} m)",
+                            finer(s.tables.spans_u), finer(s.tables.spans_v), s.tables.spans_u, s.tables.spans_v,
+                            s.spacing / coarse, s.spacing),
+          q.fracture_energy * coarse);
       if (m.fracture().has_healing()) r.healing = m.fracture().healing();
     }
     if (r.brittleness > 0.0) r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run

@@ -236,3 +236,18 @@ TEST(Healing, IsForDamageOnly) {
   EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).healing);
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"}).healing);
 }
+
+TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {
+  const std::string text = scene("", "strength: 6e7 fracture_energy: 2000 ", "fracture { mode: DAMAGE }\n");
+  // sqrt(3) 0.5 / 16 = 0.0541 m, 2 E G_f / strength^2 = 0.0778 m: resolved; with 1000 J/m^2 it is not
+  EXPECT_EQ(refusal(text).kind, "accepted");
+  const std::string set = "materials[glass].fracture_energy=1000";
+  expect_refusal(text, "fracture.mode",
+                 {"damage localises over 0.0541 m", "0.0389 m", "23 x 23 instead of 16 x 16",
+                  "a spacing below 0.0225 m", "a fracture_energy above 1392 J/m^2"},
+                 {set});
+  const std::vector<std::string> finer{set, "shells[pane].plate.elements_x=23", "shells[pane].plate.elements_y=23"};
+  EXPECT_EQ(refusal(text, finer).kind, "accepted");
+  EXPECT_EQ(refusal(text, {"materials[glass].fracture_energy=1393"}).kind, "accepted");
+  expect_refusal(text, "fracture.mode", {"a narrower damage_width_m"}, {set, "fracture.damage_width_m=0.05"});
+}
