@@ -56,6 +56,9 @@ struct Hull {
 constexpr int kMostHullCorners = 128;  // collision tests grow with the square and more
 Hull read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh);
 
+/// Factors of the strength, one by one and multiplied; from a thousand on nothing breaks that did not before.
+constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
+
 /// Degree of a shell's patch, whatever its kind: 2 where the scene gives none.
 int patch_degree(const proto::Shell& shell);
 

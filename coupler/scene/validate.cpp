@@ -142,6 +142,71 @@ void load(const Scene& s, const std::string& g, const proto::ShellLoad& m) {
   over_time(s, g + ".factor", m.factor(), [](const proto::FactorPoint& p) { return std::isfinite(p.value()); });
 }
 
+void finite(const Scene& s, const std::string& f, const proto::ParameterPoint& p) {
+  s.check(std::isfinite(p.u()) && std::isfinite(p.v()), f, "is ({}, {}); must be finite", p.u(), p.v());
+}
+
+void cut(const Scene& s, const std::string& g, const proto::Cut& m) {
+  const bool curved = m.shape_case() != proto::Cut::SHAPE_NOT_SET;
+  s.check(!curved || m.points_size() == 0, g + ".points", "are given, and so is a curve; give one of them");
+  s.check(curved || m.points_size() >= 2, g + ".points",
+          "has {} points; a cut has at least two, or is a circle, curve or spiral", m.points_size());
+  not_negative(s, g + ".time_s", true, m.time_s());
+  const auto all_finite = [&](const std::string& f, const auto& points) {
+    for (int k = 0; k < points.size(); ++k) finite(s, fmt::format("{}.points[{}]", f, k), points[k]);
+  };
+  all_finite(g, m.points());
+  if (m.has_circle()) {
+    s.check(m.circle().has_center(), g + ".circle.center", "is missing; give u and v");
+    finite(s, g + ".circle.center", m.circle().center());
+    positive(s, g + ".circle.radius_m", m.circle().has_radius_m(), m.circle().radius_m(), "m");
+  }
+  if (m.has_curve()) {
+    const auto& c = m.curve();
+    const std::string f = g + ".curve";
+    const int degree = c.has_degree() ? c.degree() : 3, least = c.closed() ? 3 : degree + 1, count = c.points_size();
+    s.check(degree >= 2 && degree <= 5, f + ".degree", "is {}; 2 to 5, or give the cut's points itself", degree);
+    s.check(count >= least, f + ".points", "has {} points; {} of degree {} has at least {}", count,
+            c.closed() ? "a closed curve" : "a curve", degree, least);
+    all_finite(f, c.points());
+    s.check(!c.closed() || c.points(0).u() != c.points(count - 1).u() || c.points(0).v() != c.points(count - 1).v(),
+            fmt::format("{}.points[{}]", f, count - 1),
+            "is the first point again, but a closed curve goes back to that by itself; leave the last one out");
+  }
+  if (m.has_spiral()) {
+    const auto& c = m.spiral();
+    const std::string f = g + ".spiral";
+    s.check(c.has_center(), f + ".center", "is missing; give u and v");
+    finite(s, f + ".center", c.center());
+    not_negative(s, f + ".inner_radius_m", true, c.inner_radius_m());
+    positive(s, f + ".outer_radius_m", c.has_outer_radius_m(), c.outer_radius_m(), "m");
+    s.check(c.outer_radius_m() > c.inner_radius_m(), f + ".outer_radius_m",
+            "is {} m; must be above inner_radius_m, {} m", c.outer_radius_m(), c.inner_radius_m());
+    positive(s, f + ".turns", c.has_turns(), c.turns(), "-");
+  }
+}
+
+void strength_factor(const Scene& s, const std::string& f, bool has, double factor) {
+  positive(s, f, has, factor, "-");
+  s.check(factor >= kLeastFactor && factor <= kMostFactor, f, "is {}; {:.0g} to {:.0g} (a thousand is unbreakable)",
+          factor, kLeastFactor, kMostFactor);
+}
+
+void strength_region(const Scene& s, const std::string& f, const proto::StrengthRegion& r) {
+  strength_factor(s, f + ".factor", r.has_factor(), r.factor());
+  if (r.has_disc()) {
+    s.check(!r.has_low() && !r.has_high(), f + ".disc", "is given, and so is a box; give one of them");
+    s.check(r.disc().has_center(), f + ".disc.center", "is missing; give u and v");
+    finite(s, f + ".disc.center", r.disc().center());
+    positive(s, f + ".disc.radius_m", r.disc().has_radius_m(), r.disc().radius_m(), "m");
+    return;
+  }
+  s.check(r.has_low() && r.has_high(), f, "has no place; give low and high {{ u v }}, or disc {{ center radius_m }}");
+  finite(s, f + ".low", r.low()), finite(s, f + ".high", r.high());
+  s.check(r.low().u() <= r.high().u() && r.low().v() <= r.high().v(), f,
+          "is a box whose low corner is above its high one");
+}
+
 std::string patch_name(const proto::Shell& shell) {  // the field that is set
   const auto* patch = shell.GetDescriptor()->FindOneofByName("patch");
   return shell.GetReflection()->GetOneofFieldDescriptor(shell, patch)->name();
@@ -214,13 +279,19 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
             f + ".equilibrium.tolerance", "is {}; 1e-12 to 0.1 of the loads", shell.equilibrium().tolerance());
   s.check(!shell.has_equilibrium() || !shell.has_velocity(), f + ".velocity",
           "is given, but a shell in equilibrium starts at rest");
-  for (int i = 0; i < shell.cuts_size(); ++i) {
-    const std::string g = fmt::format("{}.cuts[{}]", f, i);
-    s.check(shell.cuts(i).points_size() >= 2, g + ".points", "has {} points; a cut has at least two",
-            shell.cuts(i).points_size());
-    not_negative(s, g + ".time_s", true, shell.cuts(i).time_s());
-    for (const auto& p : shell.cuts(i).points())
-      s.check(std::isfinite(p.u()) && std::isfinite(p.v()), g + ".points", "has a point that is not finite");
+  for (int i = 0; i < shell.cuts_size(); ++i) cut(s, fmt::format("{}.cuts[{}]", f, i), shell.cuts(i));
+  for (const auto& m : s.message.materials())
+    s.check(m.name() != shell.material() || m.has_strength() ||
+                (shell.strength_regions_size() == 0 && !shell.has_strength_map()),
+            f + (shell.has_strength_map() ? ".strength_map" : ".strength_regions"),
+            "scales the strength, which material '{}' has not; give it one, or leave this out", m.name());
+  for (int i = 0; i < shell.strength_regions_size(); ++i)
+    strength_region(s, fmt::format("{}.strength_regions[{}]", f, i), shell.strength_regions(i));
+  if (shell.has_strength_map()) {
+    const auto& map = shell.strength_map();
+    s.check(!map.path().empty(), f + ".strength_map.path", "is missing; name a PGM file beside the scene");
+    strength_factor(s, f + ".strength_map.low_factor", map.has_low_factor(), map.low_factor());
+    if (map.has_high_factor()) strength_factor(s, f + ".strength_map.high_factor", true, map.high_factor());
   }
   finite(s, f + ".velocity", shell.velocity());
 }
@@ -345,6 +416,8 @@ void validate(const LoadedScene& s) {
     positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
     s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");
   }
+  s.check(!r.has_healing() || r.mode() == proto::Fracture::DAMAGE, "fracture.healing",
+          "says whether damage heals, which only mode DAMAGE has; leave it out");
   if (r.has_quiet_growth())
     s.check(r.quiet_growth() >= 0.0 && r.quiet_growth() < 1.0, "fracture.quiet_growth",
             "is {}, must be a share from 0 to below 1", r.quiet_growth());

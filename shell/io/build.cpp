@@ -142,18 +142,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     ShellModel& s = r.shells.back();
     groups[s.name] = s.contact_group = static_cast<std::uint32_t>(groups.size());
     r.shell_velocity = scene::to_vec(m.shells(i).velocity());
-    for (int k = 0; k < m.shells(i).cuts_size(); ++k) {
-      PrescribedCut cut{{}, m.shells(i).cuts(k).time_s()};
-      for (const auto& p : m.shells(i).cuts(k).points()) {
-        const Vec2 given(p.u(), p.v()), low(s.patch.knots_u.begin(), s.patch.knots_v.begin()),
-            high(s.patch.knots_u.end(), s.patch.knots_v.end());
-        cut.points.push_back(given.cwiseMax(low).cwiseMin(high));  // the border, but for its last bits
-        scene.check((cut.points.back() - given).norm() <= 1e-9 * s.spacing, fmt::format("{}.cuts[{}].points", field, k),
-                    "({}, {}) lies outside the patch, whose parameters run to ({}, {})", p.u(), p.v(),
-                    s.patch.knots_u.end(), s.patch.knots_v.end());
-      }
-      r.cuts.push_back(std::move(cut));
-    }
+    for (int k = 0; k < m.shells(i).cuts_size(); ++k)
+      r.cuts.push_back(make_cut(scene, m.shells(i).cuts(k), s, fmt::format("{}.cuts[{}]", field, k)));
     for (int k = 0; k < m.output().probes_size(); ++k) {
       const auto& p = m.output().probes(k);
       if (!p.body().empty()) continue;
@@ -199,11 +189,21 @@ RunSetup build(const scene::LoadedScene& scene) {
           "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
           "not belong together",
           1.0 / r.brittleness);
+      const double coarse = width / widest;  // times too coarse
+      const auto finer = [&](int elements) { return std::floor(1.001 * coarse * elements) + 1.0; };
       scene.check(
           r.brittleness > 0.0, "fracture.mode",
           "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
-          "below 2 E G_f / strength^2 = {:.3g} m; take more elements, a fracture_energy above {:.3g} J/m^2, or TIPS",
-          width, widest, q.fracture_energy * width / widest);
+          "below 2 E G_f / strength^2 = {:.3g} m; {}, a fracture_energy above {:.4g} J/m^2, or TIPS",
+          width, widest,
+          m.fracture().has_damage_width_m()
+              ? std::string("take a narrower damage_width_m")
+              : fmt::format("take more elements, {:.0f} x {:.0f} instead of {} x {} (a spacing below {:.3g} m where it "
+                            "is {:.3g} m)",
+                            finer(s.tables.spans_u), finer(s.tables.spans_v), s.tables.spans_u, s.tables.spans_v,
+                            s.spacing / coarse, s.spacing),
+          q.fracture_energy * coarse);
+      if (m.fracture().has_healing()) r.healing = m.fracture().healing();
     }
     if (r.brittleness > 0.0) r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run
     if (r.tips) {

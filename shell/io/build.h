@@ -4,17 +4,13 @@
 
 #include "coupler/core/body.h"
 #include "coupler/scene/load.h"
+#include "shell/io/cuts.h"
 #include "shell/io/probes.h"
 #include "shell/solver/model.h"
 #include "shell/solver/step.h"
 #include "shell/solver/tips.h"
 
 namespace sunder::shell {
-
-struct PrescribedCut {
-  std::vector<Vec2> points;
-  double time = 0.0;
-};
 
 /// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
 /// crack starts there: a crack that is born within a window must not find the step too large.
@@ -36,6 +32,7 @@ struct RunSetup {
   double probe_interval = 0.0;  // [s]
   double equilibrium = 0.0;     // tolerance of the equilibrium that the shell starts from; 0: starts as it is
   double brittleness = 0.0;     // H of the damage law; 0: no damage
+  bool healing = true;          // of damage, as the stress falls
   double last_change = 0.0;     // when the last load or support has stopped changing [s]
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();

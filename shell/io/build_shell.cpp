@@ -6,6 +6,7 @@
 
 #include "shell/geometry/builders.h"
 #include "shell/io/cad_file.h"
+#include "shell/io/strength_factors.h"
 
 namespace sunder::shell {
 namespace {
@@ -185,10 +186,21 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   for (int i = 0; i < s.loads_size(); ++i)
     at_field(scene, fmt::format("{}.loads[{}]", field, i),
              [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
-  return at_field(scene, field, [&] {
+  ShellModel model = at_field(scene, field, [&] {
     return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2, gauss, supports,
                       loads);
   });
+  model.strength_factor = strength_factors(scene, s, model, field);
+  for (int q = 0; q < model.tables.blocks(); ++q)
+    for (int e = 0; e < model.tables.spans_u; ++e) {
+      const double strength = model.strength_factor_at(q, e) * material.strength;
+      scene.check(
+          strength == 0.0 || in_the_middle < strength, field + ".surface_compression",
+          "puts the middle under {:.4g} Pa of tension, and where the scene makes it weakest the shell bears {:.4g} "
+          "Pa: it would crack by itself; take less, or a larger factor",
+          in_the_middle, strength);
+    }
+  return model;
 }
 
 }  // namespace sunder::shell

@@ -65,6 +65,13 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
     out +=
         fmt::format("memory         about {:.0f} MB\n",
                     1e-6 * (2.0 * 8.0 * s.tables.metric.size() + 8.0 * (s.surface_stress.size() + 12.0 * s.x.size())));
+    if (!m.strength_factor.empty()) {
+      double low = 1e300, high = 0.0;
+      for (int q = 0; q < m.tables.blocks(); ++q)
+        for (int e = 0; e < m.tables.spans_u; ++e)
+          low = std::min(low, m.strength_factor_at(q, e)), high = std::max(high, m.strength_factor_at(q, e));
+      out += fmt::format("strength       {:.3g} to {:.3g} times the material's\n", low, high);
+    }
     if (setup.brittleness > 0.0) {
       const double width = 2.0 * m.material.youngs_modulus * m.material.fracture_energy /
                            (m.material.strength * m.material.strength) * setup.brittleness / (1.0 + setup.brittleness);

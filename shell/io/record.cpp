@@ -240,7 +240,11 @@ void Run::write_summary(const std::string& status, const Error* error) {
   if (!setup_.shells.empty() && !setup_.bodies.empty())
     model("shell_contact", "bodies can meet the shell", "rigid_contact");
   if (setup_.tips) model("tip_cracks", "the shell's material has a strength", "crack_update");
-  if (setup_.brittleness > 0.0) model("rankine_damage", "fracture.mode is DAMAGE", "crack_update");
+  if (setup_.brittleness > 0.0)
+    model(setup_.healing ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",
+          "crack_update");
+  if (!setup_.shells.empty() && !setup_.shells[0].strength_factor.empty())
+    model("strength_factors", "the shell has strength_regions or a strength_map", "crack_update");
   if (!setup_.shells.empty() && setup_.shells[0].material.yield_stress > 0.0)
     model("j2_plasticity", "the shell's material has a yield stress", "internal_force");
   if (!setup_.cuts.empty()) model("prescribed_cuts", "the shell has cuts", "crack_update");

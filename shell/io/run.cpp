@@ -62,7 +62,7 @@ void Run::start() {
     const ShellModel& m = setup_.shells[0];
     state_ = std::make_unique<ShellState>(make_state(m, setup_.shell_velocity, setup_.seed));
     state_->cut_done.assign(setup_.cuts.size(), 0);
-    state_->brittleness = setup_.brittleness;
+    state_->brittleness = setup_.brittleness, state_->heals = setup_.healing;
     if (setup_.transfer.kind != Transfer::kDirect) state_->before = state_->v;
     for (const Proxy& p : proxies_)
       for (const ContactLaw& law : setup_.laws)

@@ -19,4 +19,12 @@ double keep(PointDamage& d, const Loss& now, double area) {
   return d.damage() > 0.0f ? 0.0 : std::exchange(d.spared, 0.0);
 }
 
+double keep_worst(PointDamage& d, const Loss& now, double area) {
+  const double stays = area * now.energy;
+  // the stress takes less work than the full one by what was spared, and stores less by what `stays` grew
+  const double dissipated = stays - d.spared - spared_since(d, now, area);
+  d.spared = stays, d.forms = now.forms, d.lost = now.lost, d.fresh = false;
+  return dissipated;
+}
+
 }  // namespace sunder::shell

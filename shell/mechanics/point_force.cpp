@@ -52,7 +52,7 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const double* n, 
 // As many points side by side as a pack has lanes; returns their energy where asked for.
 template <bool kEnergy>
 double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
-             SurfaceStress stress, double* force4, PointDamage* const* damaged, double brittleness, double& healed) {
+             SurfaceStress stress, double* force4, PointDamage* const* damaged, const DamageLaw* law, double& booked) {
   Pack d[5][3] = {};  // derivative, direction; a lane for each point
   ReferenceMetric<Pack> ref{};
   Pack area{};
@@ -79,10 +79,16 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   if (damaged) {
     Pack strength;
     for (int i = 0; i < kLanes; ++i) strength[i] = damaged[std::min(i, count - 1)]->strength;
+    if (!law->heals)
+      for (int i = 0; i < kLanes; ++i)
+        for (std::size_t l = 0; l < t.layers.zeta.size(); ++l)
+          damage[l][i] = damaged[std::min(i, count - 1)]->history[l];
     const bool wanted = stress.values || kEnergy;
-    r = (wanted ? integrate_weakened_layers<Pack, kEnergy, true>
-                : integrate_weakened_layers<Pack, kEnergy, false>)(f, ref, t.layers, t.elasticity, strength,
-                                                                   brittleness, damage, lost);
+    const auto integrate = law->heals ? (wanted ? integrate_weakened_layers<Pack, kEnergy, true>
+                                                : integrate_weakened_layers<Pack, kEnergy, false>)
+                                      : (wanted ? integrate_weakened_layers<Pack, kEnergy, true, false>
+                                                : integrate_weakened_layers<Pack, kEnergy, false, false>);
+    r = integrate(f, ref, t.layers, t.elasticity, strength, law->brittleness, damage, lost);
   } else {
     r = integrate_layers<Pack, kEnergy>(f, ref, t.layers, t.elasticity);
   }
@@ -102,14 +108,15 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     if (damaged) {
       PointDamage& d = *damaged[i];
       const Loss loss = loss_of(f, lost, i);
-      if constexpr (kEnergy) sum -= d.spared + spared_since(d, loss, points[i]->area);
+      const double spared = kEnergy && law->heals ? d.spared + spared_since(d, loss, points[i]->area) : 0.0;
       if (stress.values) {
         for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
           d.now[l] = static_cast<float>(damage[l][i]);
           d.history[l] = std::max(d.history[l], d.now[l]);
         }
-        healed += keep(d, loss, points[i]->area);
+        booked += (law->heals ? keep : keep_worst)(d, loss, points[i]->area);
       }
+      if constexpr (kEnergy) sum -= law->heals ? spared : d.spared + spared_since(d, loss, points[i]->area);
     }
     Pack4 own[5];
     for (int k = 0; k < 5; ++k) own[k] = Pack4{all[k].x[i], all[k].y[i], all[k].z[i], 0.0};
@@ -119,7 +126,7 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
 }
 
 double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::size_t begin, std::size_t end,
-             const double* x4, bool energy, SurfaceStress stress, double* force4, DamageLaw* law, double& healed) {
+             const double* x4, bool energy, SurfaceStress stress, double* force4, DamageLaw* law, double& booked) {
   double sum = 0.0, thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
   const GatheredPoint* together[kLanes];
@@ -132,7 +139,7 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
     }
     if (count < kLanes && (i + 1 < end || count == 0)) continue;
     sum += (energy ? batch<true> : batch<false>)(t, together, count, x4, thickness, stress, force4,
-                                                 law ? damaged : nullptr, law ? law->brittleness : 0.0, healed);
+                                                 law ? damaged : nullptr, law, booked);
     count = 0;
   }
   return sum;
@@ -162,19 +169,43 @@ Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std
   return {vector(0), vector(1), vector(2), vector(3), vector(4)};
 }
 
+namespace {
+
+// The full energy of a damaged point per area and, in `loss`, what weakening takes.
+double energy_and_loss(const RowTables& t, const GatheredPoint& p, const Forms<double>& f, const PointDamage& d,
+                       double brittleness, bool heals, Loss& loss) {
+  double damage[kMostLayers];
+  std::copy(d.history.begin(), d.history.end(), damage);
+  Resultants<double> lost{};
+  const auto integrate =
+      heals ? integrate_weakened_layers<double, true, true> : integrate_weakened_layers<double, true, true, false>;
+  const double energy = integrate(f, p.metric, t.layers, t.elasticity, d.strength, brittleness, damage, lost).energy;
+  loss = loss_of(f, lost, 0);
+  return energy;
+}
+
+}  // namespace
+
+void settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, double brittleness,
+            PointDamage& d) {
+  if (p.kind == PointKind::kDead) return;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!bears(f, p.metric, t.layers)) return;
+  Loss loss;
+  energy_and_loss(t, p, f, d, brittleness, false, loss);
+  keep_worst(d, loss, p.area);
+}
+
 double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const PointDamage* damage,
-                    double brittleness) {
+                    double brittleness, bool heals) {
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!bears(f, p.metric, t.layers)) return 0.0;
   double energy = 0.0;
   if (damage) {
-    double unused[kMostLayers];
-    Resultants<double> lost{};
-    energy = p.area * integrate_weakened_layers<double, true, true>(f, p.metric, t.layers, t.elasticity,
-                                                                    damage->strength, brittleness, unused, lost)
-                          .energy;
-    energy -= damage->spared + spared_since(*damage, loss_of(f, lost, 0), p.area);
+    Loss loss;
+    energy = p.area * energy_and_loss(t, p, f, *damage, brittleness, heals, loss);
+    energy -= damage->spared + spared_since(*damage, loss, p.area);
   } else {
     energy = p.area * integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity).energy;
   }
@@ -208,18 +239,18 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
     for (int c = 0; c < 3; ++c) x4[kPointLanes * i + c] = x[c * plane + i];
     x4[kPointLanes * i + 3] = 0.0;
   }
-  double sums[kChunks] = {}, healed[kChunks] = {};
+  double sums[kChunks] = {}, booked[kChunks] = {};
 #pragma omp parallel for schedule(static, 1) num_threads(std::min(threads, kChunks))
   for (int c = 0; c < kChunks; ++c) {
     double* own = scratch.data() + c * size;
     std::fill(own, own + size, 0.0);
     sums[c] = chunk(t, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks, x4, energy, stress, own,
-                    damage, healed[c]);
+                    damage, booked[c]);
   }
   double sum = 0.0;
   for (int c = 0; c < kChunks; ++c) {
     sum += sums[c];
-    if (damage) damage->healed += healed[c];
+    if (damage) (damage->heals ? damage->healed : damage->dissipated) += booked[c];
     const double* own = scratch.data() + c * size;
     for (int d = 0; d < 3; ++d)
       for (std::size_t i = 0; i < plane; ++i) force[d * plane + i] += own[kPointLanes * i + d];

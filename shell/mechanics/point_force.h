@@ -36,15 +36,18 @@ void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<
 struct DamageLaw {
   std::vector<PointDamage>* points = nullptr;  // parallel to the gathered points; null: nothing is damaged
   double brittleness = 0.0;                    // H of eq. 9
+  bool heals = true;                           // else the damage of a layer is its maximum over time
   // out: what points that healed in this substep had spared [J]. In one dimension nothing is left then; a
   // cycle of a biaxial stress leaves up to the order of the fracture energy, of either sign.
   double healed = 0.0;
+  double dissipated = 0.0;  // out, without healing: what weakening took for good in this substep [J]
 };
 
 /// Adds the points' forces to `force` [3][plane]; returns their elastic energy [J] if `energy`.
-/// `damage` weakens tension by the present stress; where `stress` is recorded its history is kept. Since it
+/// `damage` weakens tension by the present stress; where `stress` is recorded its history is kept. Where it
 /// heals it is elastic but softer: the energy is the full material's less what weakening spared. A crack
-/// that opens there dissipates what is stored.
+/// that opens there dissipates what is stored. Where it does not, the energy is what unloading along the secant gives
+/// back, and the rest is dissipated.
 /// Deterministic: a fixed number of chunks, summed in order. Stress as in row_forces.
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
@@ -52,7 +55,10 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
 
 /// Elastic energy of one point [J].
 double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
-                    const PointDamage* damage = nullptr, double brittleness = 0.0);
+                    const PointDamage* damage = nullptr, double brittleness = 0.0, bool heals = true);
+/// Without healing: as if the point had come to these positions with the functions that it has now.
+void settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double brittleness,
+            PointDamage& damage);
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
 

@@ -11,7 +11,7 @@
 namespace sunder::shell {
 
 /// What a layer's stress depends on beside its strain.
-enum class LayerLaw { kElastic, kYields, kWeakens };
+enum class LayerLaw { kElastic, kYields, kWeakens, kWeakensForGood };  // the last without healing
 struct RowMemory {
   const RowPlasticity* plastic = nullptr;
   const RowDamage* damage = nullptr;
@@ -49,9 +49,9 @@ inline void keep_where(IntPack mask, Vector<Pack>& v) {
   v = {select(mask, v.x, Pack{}), select(mask, v.y, Pack{}), select(mask, v.z, Pack{})};
 }
 
-// The damaged points of a pack: their resultants, and what they remember. `booked` gains what has healed, `spared` what
-// weakening spares of the energy; `summed` loses points that are crushed.
-template <bool kEnergy, bool kStress>
+// The damaged points of a pack: their resultants, and what they remember. `booked` gains what has healed, or was
+// dissipated where nothing heals, `spared` what weakening spares of the energy; `summed` loses points that are crushed.
+template <bool kEnergy, bool kStress, bool kHeals>
 Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t first, const Pack& area,
                           const Forms<Pack>& forms, const ReferenceMetric<Pack>& ref, IntPack& summed, double& booked,
                           double& spared) {
@@ -61,8 +61,12 @@ Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t 
   for (int i = 0; i < kLanes; ++i) watched[i] = (*law.watched)[first + i] ? -1 : 0;
   const Pack strength = select(watched, load<Pack>(law.strength->data() + first), splat<Pack>(kNever));
   Pack damage[kMostLayers];
+  if constexpr (!kHeals)
+    for (int i = 0; i < kLanes; ++i)
+      for (std::size_t l = 0; l < t.layers.zeta.size(); ++l)
+        damage[l][i] = watched[i] ? (*law.points)[(*law.point_of)[first + i]].history[l] : 0.0;
   Resultants<Pack> lost;
-  const Resultants<Pack> r = integrate_weakened_layers<Pack, kEnergy, kRemember>(
+  const Resultants<Pack> r = integrate_weakened_layers<Pack, kEnergy, kRemember, kHeals>(
       forms, ref, t.layers, t.elasticity, strength, law.brittleness, damage, lost);
   const IntPack sound = bears(forms, ref, t.layers);
   for (int i = 0; kRemember && i < kLanes; ++i) {
@@ -73,14 +77,16 @@ Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t 
       continue;
     }
     const Loss loss = loss_of(forms, lost, i);
-    if constexpr (kEnergy) spared += d.spared + spared_since(d, loss, area[i]);
+    if constexpr (kEnergy && kHeals) spared += d.spared + spared_since(d, loss, area[i]);
     if constexpr (kStress) {
       for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
         d.now[l] = static_cast<float>(damage[l][i]);
         d.history[l] = std::max(d.history[l], d.now[l]);
       }
-      booked += keep(d, loss, area[i]);
+      booked += (kHeals ? keep : keep_worst)(d, loss, area[i]);
     }
+    // what is not booked yet counts as stored
+    if constexpr (kEnergy && !kHeals) spared += d.spared + spared_since(d, loss, area[i]);
   }
   summed &= sound | ~watched;
   return r;
@@ -89,6 +95,7 @@ Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t 
 template <int kSupport, bool kRational, bool kEnergy, bool kStress, LayerLaw kLaw>
 double element_row(const RowTables& t, const double* x, SurfaceStress stress, RowMemory memory, int f, double* out,
                    double& booked) {
+  constexpr bool kWeakens = kLaw == LayerLaw::kWeakens || kLaw == LayerLaw::kWeakensForGood;
   const int stride = t.stride, lanes = t.lanes;
   thread_local std::vector<double> buffer;
   // Forces on the control points of an element, three or four along u, apart: [k][value, first, second in v][x y z]
@@ -196,13 +203,13 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
             lost = select(summed, area * lost, Pack{});
             for (int i = 0; i < kLanes; ++i) booked += lost[i];
             return r;
-          } else if constexpr (kLaw == LayerLaw::kWeakens) {
+          } else if constexpr (kWeakens) {
             const std::size_t first_point = static_cast<std::size_t>(block) * lanes + e;
             std::array<char, kLanes> watched;
             std::copy_n(memory.damage->watched->data() + first_point, kLanes, watched.data());
             if (watched != std::array<char, kLanes>{})
-              return weakened<kEnergy, kStress>(t, *memory.damage, first_point, area, forms, ref, summed, booked,
-                                                spared);
+              return weakened<kEnergy, kStress, kLaw == LayerLaw::kWeakens>(t, *memory.damage, first_point, area, forms,
+                                                                            ref, summed, booked, spared);
             return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
           } else {
             return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
@@ -266,7 +273,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
   }
   double sum = 0.0;
   for (int i = 0; i < kLanes; ++i) sum += energy[i];
-  if constexpr (kLaw == LayerLaw::kWeakens) sum -= spared;
+  if constexpr (kWeakens) sum -= spared;
   return sum;
 }
 
@@ -280,9 +287,10 @@ RowFunction pick(bool energy, bool stress) {
 }
 template <int kSupport, bool kRational>
 RowFunction pick(LayerLaw law, bool energy, bool stress) {
-  return (law == LayerLaw::kYields    ? pick<kSupport, kRational, LayerLaw::kYields>
-          : law == LayerLaw::kWeakens ? pick<kSupport, kRational, LayerLaw::kWeakens>
-                                      : pick<kSupport, kRational, LayerLaw::kElastic>)(energy, stress);
+  return (law == LayerLaw::kYields           ? pick<kSupport, kRational, LayerLaw::kYields>
+          : law == LayerLaw::kWeakens        ? pick<kSupport, kRational, LayerLaw::kWeakens>
+          : law == LayerLaw::kWeakensForGood ? pick<kSupport, kRational, LayerLaw::kWeakensForGood>
+                                             : pick<kSupport, kRational, LayerLaw::kElastic>)(energy, stress);
 }
 template <int kSupport>
 RowFunction row_function(bool rational, LayerLaw law, bool energy, bool stress) {

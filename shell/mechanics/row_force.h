@@ -11,7 +11,7 @@ namespace sunder::shell {
 /// Buffers that the kernel reuses; nothing is allocated in a substep.
 struct RowScratch {
   std::vector<double> row_force;               // [span along v][control row 0..degree][x y z][stride]
-  std::vector<double> row_energy, row_booked;  // [span along v]; dissipated by yielding, or healed
+  std::vector<double> row_energy, row_booked;  // [span along v]; dissipated by yielding or damage, or healed
   std::vector<double> weighted;                // [3][plane], control points times weights of rational patches
 };
 
@@ -37,8 +37,9 @@ struct RowDamage {
   const std::vector<double>* strength = nullptr;  // [block][lane] [Pa]
   const std::vector<int>* point_of = nullptr;     // [block][lane]: index into `points`
   std::vector<PointDamage>* points = nullptr;
-  double brittleness = 0.0;  // H of eq. 9
-  double healed = 0.0;       // out, as in DamageLaw [J]
+  double brittleness = 0.0;               // H of eq. 9
+  bool heals = true;                      // else the damage of a layer is its maximum over time
+  double healed = 0.0, dissipated = 0.0;  // out, as in DamageLaw [J]
 };
 
 /// Adds nothing: overwrites `force` [3][plane] with -dW/dx of the positions `x` [3][plane]. Sums run in

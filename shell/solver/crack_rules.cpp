@@ -31,13 +31,6 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
   r.parallel_clearance = std::max(2.5 * l, 2.0 * m.thickness);
   r.join = l;
   r.turn = 10.0 * kDegree;
-  if (getenv("X_PC")) r.parallel_clearance = atof(getenv("X_PC")) * l;
-  if (getenv("X_TC")) r.tip_clearance = atof(getenv("X_TC")) * l;
-  if (getenv("X_BR")) r.branch_ratio = atof(getenv("X_BR"));
-  if (getenv("X_BS")) r.branch_spacing = atof(getenv("X_BS")) * l;
-  if (getenv("X_NP")) r.nucleations_per_step = atoi(getenv("X_NP"));
-  if (getenv("X_TURN")) r.turn = atof(getenv("X_TURN")) * kDegree;
-  if (getenv("X_TIP")) r.tip_strength *= atof(getenv("X_TIP")), r.tip_bending_strength *= atof(getenv("X_TIP"));
   r.faces = {0.05 * m.thickness, kCrushing * m.material.strength};
   return r;
 }

@@ -219,7 +219,7 @@ void tear(const ShellModel& m, ShellState& s) {
     const std::array<double, 6> six = undamaged_stress(m.tables, g, s.x);
     const double limit = kTorn * d.strength * (1.0 + s.brittleness) / s.brittleness;
     if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit) continue;
-    s.book.fracture += point_energy(m.tables, g, s.x, &d, s.brittleness);
+    s.book.fracture += point_energy(m.tables, g, s.x, &d, s.brittleness, s.heals);
     gather_point(m, s, g.block, g.lane);
     g.kind = PointKind::kDead, g.functions.clear();
   }

@@ -134,15 +134,14 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   }
   double before = 0.0, after = 0.0;
-  std::vector<GatheredPoint> changed;
-  std::vector<double> spared;
+  std::vector<std::pair<GatheredPoint, PointDamage>> changed;
   for (const auto& [block, lane] : touched) {
     const GatheredPoint old = present_point(m, s, block, lane);
     const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
     PointDamage fresh;
     if (s.brittleness > 0.0) fresh.strength = s.strength[static_cast<std::size_t>(block) * t.lanes + lane];
     const PointDamage* damage = s.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.damage[point] : &fresh;
-    const double held = point_energy(t, old, s.x, damage, s.brittleness), full = point_energy(t, old, s.x);
+    const double held = point_energy(t, old, s.x, damage, s.brittleness, s.heals), full = point_energy(t, old, s.x);
     GatheredPoint g = renewed(m, s, old);
     double left = point_energy(t, g, s.x);
     const double most =
@@ -153,18 +152,23 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
       g.kind = PointKind::kDead, g.functions.clear();
       left = 0.0;
     }
-    // a damaged point stores the same share of the full energy of what is left
-    spared.push_back(damage && full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0);
-    before += held, after += left - spared.back();
-    changed.push_back(std::move(g));
+    PointDamage d = damage ? *damage : fresh;
+    d.fresh = true, d.spared = 0.0;
+    if (damage && s.heals) {
+      // a damaged point stores the same share of the full energy of what is left
+      d.spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+    } else if (damage) {
+      settle(t, g, s.x, s.brittleness, d);
+    }
+    before += held, after += left - d.spared;
+    changed.emplace_back(std::move(g), d);
   }
   if (must_release && after > before) return false;
   s.interlock_of.resize(end, -1);
-  for (std::size_t k = 0; k < changed.size(); ++k) {
-    GatheredPoint& g = changed[k];
+  for (auto& [g, d] : changed) {
     const int point = gather_point(m, s, g.block, g.lane);
     g.in_rows = false;
-    if (!s.damage.empty()) s.damage[point].fresh = true, s.damage[point].spared = spared[k];
+    if (!s.damage.empty()) s.damage[point] = d;
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.points[point] = std::move(g);
@@ -236,15 +240,19 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
     return landed;
   };
   const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
-  int last = -1;
+  const bool closed = points.size() > 2 && points.front() == points.back();
+  int first = -1, last = -1;
   for (std::size_t i = 0; i + 1 < points.size(); ++i) {
     Vec2 a = points[i] + off, b = points[i + 1] + off;
-    if (i == 0) a = run_out(a, b);
-    if (i + 2 == points.size()) b = run_out(b, points[i] + off);
+    const bool at_end = i + 2 == points.size();
+    if (i == 0 && !closed) a = run_out(a, b);
+    if (at_end && !closed) b = run_out(b, points[i] + off);
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
-    if (last < 0) last = s.cracks.add_vertex(a);
+    if (last < 0) first = last = s.cracks.add_vertex(a);
     for (int k = 1; k <= pieces; ++k) {
-      const int next = s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
+      const int next = at_end && closed && k == pieces
+                           ? first
+                           : s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
       insert_edge(m, s, last, next, crack, time, 0, false);
       last = next;
     }

@@ -19,8 +19,8 @@ double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh e
 
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
-  ShellModel m{name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0,
-               0};
+  ShellModel m{
+      name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0, 0, {}};
   Elasticity e = elasticity(material.youngs_modulus, material.poisson_ratio);
   e.model = material.stress_model;
   e.least_log_area = find_least_log_area(e);

@@ -42,7 +42,12 @@ struct ShellModel {
   double largest_mobility = 0.0;  // inverse mass of a point of the surface, at most [1/kg]
   double spacing = 0.0;           // mean length of an element [m]
   double spacing_u = 0.0, spacing_v = 0.0;
+  // Of the material's strength, [block][lane]; empty: 1 everywhere. The fracture energy goes with its square.
+  std::vector<float> strength_factor;
 
+  double strength_factor_at(int block, int lane) const {
+    return strength_factor.empty() ? 1.0 : strength_factor[static_cast<std::size_t>(block) * tables.lanes + lane];
+  }
   int control_points() const { return tables.columns * tables.rows; }
   double wave_speed() const;      // of compression in the plane [m/s]
   double rayleigh_speed() const;  // [m/s]

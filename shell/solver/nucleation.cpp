@@ -99,7 +99,10 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const O
   // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
   // a wave passes, would leave the sheet full of cracks one edge long.
   Tip kind;
-  kind.strength = s.strength[static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane], kind.face = face;
+  // what drives is measured against the material's resistance
+  kind.strength =
+      s.strength[static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane] / m.strength_factor_at(o.block, o.lane);
+  kind.face = face;
   kind.flaw =
       m.material.youngs_modulus * m.material.fracture_energy / (std::numbers::pi * kind.strength * kind.strength);
   double strongest = 0.0;

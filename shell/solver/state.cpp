@@ -13,11 +13,12 @@ namespace {
 
 constexpr double kLengthening = 1e-2;  // of the spacing: crack edges block sight this far past their ends
 
-// Weibull strengths on a lattice of cells of the flaw spacing, turned and shifted by the seed so that
-// it shares no direction with the patch.
-void scatter_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
+// The material's strength times the scene's factors, and Weibull's on a lattice of cells of the flaw spacing, turned
+// and shifted by the seed so that it shares no direction with the patch.
+void assign_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
   const RowTables& t = m.tables;
   s.strength.assign(static_cast<std::size_t>(t.blocks()) * t.lanes, m.material.strength);
+  for (std::size_t g = 0; g < m.strength_factor.size(); ++g) s.strength[g] *= m.strength_factor[g];
   const double w = m.material.weibull_modulus;
   if (w <= 0.0) return;
   std::mt19937_64 random(seed * 7919 + 1);
@@ -37,8 +38,8 @@ void scatter_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
         h = (h ^ (h >> 27)) * 0x94d049bb133111ebULL;
         h ^= h >> 31;
       }
-      s.strength[static_cast<std::size_t>(q) * t.lanes + e] =
-          m.material.strength * std::pow(-std::log(uniform(h)), 1.0 / w) / mean;
+      double& strength = s.strength[static_cast<std::size_t>(q) * t.lanes + e];
+      strength = strength * std::pow(-std::log(uniform(h)), 1.0 / w) / mean;
     }
 }
 
@@ -66,7 +67,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   s.tables = t;
   s.cracks = CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()},
                         {m.patch.knots_u.end(), m.patch.knots_v.end()}, 2.0 * m.spacing, kLengthening * m.spacing);
-  scatter_strength(m, s, seed);
+  assign_strength(m, s, seed);
   return s;
 }
 
@@ -80,14 +81,14 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     plastic.states = &s.plastic, plastic.advance = stress_share > 0.0;
   }
   RowDamage rows;
-  if (!s.watched.empty()) rows = {&s.watched, &s.strength, &s.point_of, &s.damage, s.brittleness, 0.0};
+  if (!s.watched.empty()) rows = {&s.watched, &s.strength, &s.point_of, &s.damage, s.brittleness, s.heals};
   double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force, &plastic, &rows);
   s.book.plastic += plastic.dissipated;
-  s.book.healing -= rows.healed;
-  DamageLaw law{&s.damage, s.brittleness, 0.0};
+  s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
+  DamageLaw law{&s.damage, s.brittleness, s.heals};
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
                           s.brittleness > 0.0 ? &law : nullptr);
-  s.book.healing -= law.healed;
+  s.book.healing -= law.healed, s.book.fracture += law.dissipated;
   s.interlock_energy = interlock_forces(m, s);
   if (!m.loads.empty()) {
     s.external.assign(s.force.size(), 0.0);

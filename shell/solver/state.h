@@ -43,7 +43,7 @@ struct Interlock {
 
 /// Energies that left the mechanics, each booked where it went [J].
 struct EnergyBook {
-  double fracture = 0.0;  // released when cracks were inserted and interlock broke
+  double fracture = 0.0;  // released when cracks were inserted and interlock broke, taken by damage that does not heal
   double injected = 0.0;  // positive jumps at insertion
   double contact = 0.0;   // inelastic and frictional, shell against bodies
   double handoff = 0.0;   // kinetic and elastic energy that a rigid piece cannot carry
@@ -78,6 +78,7 @@ struct ShellState {
   std::vector<PointDamage> damage;     // of each of these points where damage drives the cracks, else empty
   std::vector<char> watched;           // [block][lane]: damage may weaken the point, the rows sum it; empty: none
   double brittleness = 0.0;            // H of eq. 9; 0: cracks are not driven by damage
+  bool heals = true;                   // damage follows the present stress, else it stays at its maximum
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Tip> tips;
   std::vector<Interlock> interlocks;

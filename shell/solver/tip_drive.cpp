@@ -10,10 +10,9 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-const double kWedge =
-    (getenv("X_W") ? atof(getenv("X_W")) : 40.0) * kDegree;  // of the weight about a direction, one standard deviation
-constexpr double kAround = 120.0 * kDegree;                  // points further round belong to the crack's flanks
-constexpr double kStep = 5.0 * kDegree;                      // between two directions that are tried
+constexpr double kWedge = 40.0 * kDegree;    // of the weight about a direction, one standard deviation
+constexpr double kAround = 120.0 * kDegree;  // points further round belong to the crack's flanks
+constexpr double kStep = 5.0 * kDegree;      // between two directions that are tried
 
 double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
 
@@ -87,6 +86,8 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
         if (std::abs(here.angle) > kAround || !s.cracks.visible(eye, q, start.edge) ||
             !surface_stress_at(m, s, block, i, here.six))
           continue;
+        const double factor = m.strength_factor_at(block, i);  // of what resists there
+        for (double& stress : here.six) stress /= factor;
         here.weight = std::exp(-2.0 * d.squaredNorm() / (r.tip_radius * r.tip_radius));
         samples.push_back(here);
       }

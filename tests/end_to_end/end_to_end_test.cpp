@@ -68,6 +68,14 @@ TEST(TornSheet, TearsThroughAndItsBooksClose) {
   EXPECT_GE(run.number("stable_step.smallest_s"), 0.7 * run.number("stable_step.initial_s"));
 }
 
+TEST(TornSheet, ClosesItsBooksWithoutHealingToo) {
+  Pair run("torn_sheet.textproto", {"--until", "1e-3", "--set", "fracture.healing=false"});
+  ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
+  EXPECT_LT(std::abs(run.number("energy.residual_relative")), 0.01);
+  EXPECT_EQ(run.number("energy.healing"), 0.0);
+  EXPECT_GT(run.number("counts.fragments"), 1.0);
+}
+
 TEST(Run, IsTheSameForOneAndTwoThreadsAndNotForAnotherSpeed) {
   const auto hash = [](const std::vector<std::string>& options) {
     std::vector<std::string> all{

@@ -82,7 +82,7 @@ TEST(Substep, AllocatesNothing) {
         ShellState s = make_state(m, Vec3::Zero(), 1);
         if (g.yield_stress == 0.0) insert_polyline(m, s, {{0.0, 0.071}, {0.083, 0.093}}, 0.0);
         if (g.strength > 0.0) {
-          s.brittleness = 0.4;
+          s.brittleness = 0.4, s.heals = hertz == 0.0;
           s.damage.resize(s.points.size());
           for (int lane = 0; lane < 20; ++lane) watch_point(m, s, 40, lane);
         }

@@ -157,8 +157,122 @@ TEST(RankineDamage, HealsAlongTheSameWayAndGivesTheEnergyBack) {
   }
 }
 
+// Loaded past the peak, unloaded, loaded further and unloaded: healing goes back along the curve of softening; without,
+// each way back, and the way out again up to where it turned, is the secant (1 - c) E. Work, what is stored and what
+// was dissipated add up.
+TEST(RankineDamage, WithoutHealingUnloadsAlongTheSecantAndDissipates) {
+  for (const bool gathered : {false, true})
+    for (const bool heals : {true, false}) {
+      const ShellModel m = panel(8, 0.0);
+      ShellState s = make_state(m, Vec3::Zero(), 1);
+      s.brittleness = 0.4, s.heals = heals;
+      for (int q = 0; q < m.tables.blocks() && gathered; ++q)
+        for (int e = 0; e < m.tables.spans_u; ++e) gather_point(m, s, q, e);
+      const double peak = kStrength / kYoung, complete = peak * 1.4 / 0.4, volume = 0.3 * 0.3 * m.thickness;
+      const auto curve = [&](double strain) {  // stress while damage grows
+        return strain < peak ? kYoung * strain : kStrength * (complete - strain) / (complete - peak);
+      };
+      const int end = m.tables.slot(m.tables.columns - 1);
+      std::vector<double> x = s.x, force = s.force;
+      double work = 0.0, worst = 0.0, error = 0.0, missing = 0.0, strain = 0.0;
+      for (const double turn : {0.5 * (peak + complete), 0.0, 0.8 * complete, 0.0}) {
+        constexpr int kSteps = 2000;
+        const double start = strain;
+        for (int k = 1; k <= kSteps; ++k) {
+          strain = start + (turn - start) * k / kSteps;
+          stretch_x(m, s, strain);
+          const double energy = compute_forces(m, s, true, 1.0, 1);
+          watch_stress(m, s);
+          for (std::size_t i = 0; i < x.size(); ++i) work -= 0.5 * (s.force[i] + force[i]) * (s.x[i] - x[i]);
+          x = s.x, force = s.force;
+          double stress = 0.0;
+          for (int j = 0; j < m.tables.rows; ++j) stress -= s.force[end + j * m.tables.stride] / (0.3 * m.thickness);
+          worst = std::max(worst, strain);
+          const double secant = curve(worst) / worst;
+          error = std::max(error, std::abs(stress - (heals ? curve(strain) : secant * strain)));
+          missing = std::max(missing, std::abs(work - energy - s.book.fracture));
+        }
+      }
+      // what softening up to 0.8 of complete damage took: the area under the curve less the last triangle
+      const double last = curve(0.8 * complete);
+      const double exact = heals
+                               ? 0.0
+                               : volume * (0.5 * kStrength * peak + 0.5 * (kStrength + last) * (0.8 * complete - peak) -
+                                           0.5 * last * 0.8 * complete);
+      const double scale = 0.5 * kStrength * complete * volume;
+      // finite strain: a stress of E (1 + O(strain)), and 2e-3 is the largest; single precision of what is remembered
+      EXPECT_LT(error, 4e-3 * kStrength) << gathered << heals;
+      EXPECT_NEAR(s.book.fracture, exact, 4e-3 * scale) << gathered << heals;
+      EXPECT_NEAR(work, s.book.fracture, 1e-6 * scale) << gathered << heals;  // all unloaded: nothing is stored
+      EXPECT_LT(missing, 1e-6 * scale) << gathered << heals;
+      for (const PointDamage& d : s.damage) EXPECT_EQ(d.damage(), heals ? 0.0f : d.worst());
+    }
+}
+
+// On any path through bending, shear and stress of both signs: work is stored or dissipated.
+TEST(RankineDamage, WithoutHealingClosesTheBookOnAnyPath) {
+  ShellMaterial g;
+  g.density = 1000, g.youngs_modulus = kYoung, g.poisson_ratio = 0.2, g.strength = kStrength, g.fracture_energy = 12.0;
+  const ShellModel m = make_shell("p", plate(0.3, 0.3, 5, 4, Vec3::Zero(), Quat::Identity()), 0.01, g, 3, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  s.brittleness = 0.4, s.heals = false;
+  for (int q = 0; q < m.tables.blocks(); ++q)
+    for (int e = 0; e < m.tables.spans_u; ++e)
+      (q % 2 ? watch_point : [](const ShellModel& m, ShellState& s, int q, int e) { gather_point(m, s, q, e); })(m, s,
+                                                                                                                 q, e);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  std::vector<double> from = s.x, to = s.x, x = s.x;
+  compute_forces(m, s, false, 1.0, 1);
+  std::vector<double> force = s.force;
+  double work = 0.0, missing = 0.0, peak = 0.0;
+  for (int leg = 0; leg < 6; ++leg) {
+    from = to;
+    for (std::size_t i = 0; i < to.size(); ++i) to[i] = m.rest[i] + (leg < 5) * 1.6e-3 * m.spacing * uniform(random);
+    constexpr int kSteps = 1000;
+    for (int k = 1; k <= kSteps; ++k) {
+      for (std::size_t i = 0; i < x.size(); ++i) s.x[i] = from[i] + (to[i] - from[i]) * k / kSteps;
+      const double energy = compute_forces(m, s, true, 1.0, 2);
+      for (std::size_t i = 0; i < x.size(); ++i) work -= 0.5 * (s.force[i] + force[i]) * (s.x[i] - x[i]);
+      x = s.x, force = s.force;
+      peak = std::max(peak, energy), missing = std::max(missing, std::abs(work - energy - s.book.fracture));
+    }
+  }
+  EXPECT_GT(s.book.fracture, 0.1 * peak);
+  EXPECT_LT(missing, 1e-5 * s.book.fracture);  // of the trapezoidal rule over steps of a thousandth of a leg
+}
+
+// The energy that an edge through damaged ground releases or makes is what the book says.
+TEST(RankineDamage, BooksWhatACutThroughItChanges) {
+  for (const bool heals : {true, false}) {
+    const ShellModel m = panel(12, 0.2);
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    s.brittleness = 0.4, s.heals = heals;
+    const auto pull = [&](double strain) {  // uneven, or the functions after the cut would show what those before did
+      stretch_x(m, s, strain);
+      for (int i = 0; i < m.control_points(); ++i)
+        s.x[m.tables.slot(i)] += 0.2 * strain * m.spacing * std::sin(200.0 * m.parameter[i].x());
+    };
+    for (int k = 1; k <= 40; ++k) {
+      pull(1.2e-3 * k / 40);
+      compute_forces(m, s, false, 1.0, 1), watch_stress(m, s);
+    }
+    if (!heals) pull(0.8e-3);
+    const double before = compute_forces(m, s, true, 1.0, 1), lost = s.book.lost();
+    insert_polyline(m, s, {{0.07, 0.11}, {0.21, 0.17}}, 0.0);
+    const double after = compute_forces(m, s, true, 0.0, 1);
+    EXPECT_GT(std::abs(after - before), 1e-6 * before);
+    EXPECT_NEAR(after + s.book.lost(), before + lost, 1e-11 * before) << heals;  // sums in another order
+  }
+}
+
 // Rows and gathered points weaken alike, remember alike and heal alike, through growing and falling strain.
-TEST(RankineDamage, IsTheSameInRowsAndGathered) {
+class RowsAndGathered : public testing::TestWithParam<bool> {};
+INSTANTIATE_TEST_SUITE_P(RankineDamage, RowsAndGathered, testing::Bool(),
+                         [](const auto& i) { return i.param ? "WithHealing" : "WithoutHealing"; });
+
+TEST_P(RowsAndGathered, AreTheSame) {
+  const bool heals = GetParam();
   for (const bool rational : {false, true}) {
     ShellMaterial g;
     g.density = 1000, g.youngs_modulus = kYoung, g.poisson_ratio = 0.2, g.strength = kStrength,
@@ -168,7 +282,7 @@ TEST(RankineDamage, IsTheSameInRowsAndGathered) {
                  : make_shell("p", plate(0.3, 0.3, 13, 9, Vec3::Zero(), Quat::Identity()), 0.01, g, 3, 2, {});
     ShellState states[2] = {make_state(m, Vec3::Zero(), 1), make_state(m, Vec3::Zero(), 1)};
     for (ShellState& s : states) {
-      s.brittleness = 0.4;
+      s.brittleness = 0.4, s.heals = heals;
       for (int q = 0; q < m.tables.blocks(); ++q)
         for (int e = 0; e < m.tables.spans_u; ++e)
           if ((q + e) % 3)
@@ -195,8 +309,10 @@ TEST(RankineDamage, IsTheSameInRowsAndGathered) {
         ASSERT_NEAR(states[0].force[i], states[1].force[i], 1e-9 * scale + 1e-6)
             << k;                                                                  // round-off of E thickness spacing
       ASSERT_NEAR(energy[0], energy[1], 1e-9 * std::abs(energy[1]) + 1e-10) << k;  // and of E volume
-      ASSERT_NEAR(states[0].book.healing, states[1].book.healing, 1e-9 * std::abs(healed) + 1e-10);
-      healed = std::max(healed, std::abs(states[1].book.healing));
+      const auto booked = [&](const ShellState& s) { return heals ? s.book.healing : s.book.fracture; };
+      ASSERT_NEAR(booked(states[0]), booked(states[1]), (heals ? 1e-9 : 1e-6) * std::abs(healed) + 1e-10);
+      EXPECT_EQ(heals ? states[1].book.fracture : states[1].book.healing, 0.0);
+      healed = std::max(healed, std::abs(booked(states[1])));
     }
     EXPECT_GT(healed, 0.0);
     double worst = 0.0;

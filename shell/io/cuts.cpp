@@ -1,0 +1,115 @@
+#include "shell/io/cuts.h"
+
+#include <cmath>
+
+#include "shell/geometry/plane_curves.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kSame = 1e-9;          // spacings: points so close are one
+constexpr double kMostEdges = 2e4;      // of a curve
+constexpr double kSmallestRound = 0.5;  // spacings: radius of a circle, and distance of a spiral's turns
+
+Vec2 to_vec2(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
+
+struct Domain {
+  Vec2 low, high;
+  double spacing;
+  explicit Domain(const ShellModel& m)
+      : low(m.patch.knots_u.begin(), m.patch.knots_v.begin()),
+        high(m.patch.knots_u.end(), m.patch.knots_v.end()),
+        spacing(m.spacing) {}
+  Vec2 nearest(const Vec2& p) const { return p.cwiseMax(low).cwiseMin(high); }
+  bool contains(const Vec2& p) const { return (nearest(p) - p).norm() <= kSame * spacing; }
+};
+
+// The point, or where round-off has put it outside the border's; refused where it is further out.
+Vec2 inside(const scene::LoadedScene& scene, const std::string& field, const Domain& d, const Vec2& p,
+            const char* what) {
+  scene.check(
+      d.contains(p), field,
+      "{} ({:.6g}, {:.6g}), {:.3g} m outside the patch, whose parameters, metres on average, run from {:.6g} to "
+      "{:.6g} along u and from {:.6g} to {:.6g} along v; end a cut at the border to run out there",
+      what, p.x(), p.y(), (d.nearest(p) - p).norm(), d.low.x(), d.high.x(), d.low.y(), d.high.y());
+  return d.nearest(p);
+}
+
+constexpr const char* kItself =
+    "a cut neither crosses nor touches itself, but for a last point that is exactly the first and closes it; give two "
+    "cuts";
+
+std::vector<Vec2> polyline(const scene::LoadedScene& scene, const proto::Cut& m, const Domain& d,
+                           const std::string& field) {
+  std::vector<Vec2> points;
+  for (int k = 0; k < m.points_size(); ++k) {
+    const std::string own = fmt::format("{}.points[{}]", field, k);
+    points.push_back(inside(scene, own, d, to_vec2(m.points(k)), "lies at"));
+    if (k > 0)
+      scene.check(
+          (points[k] - points[k - 1]).norm() > kSame * d.spacing, own,
+          "is ({:.6g}, {:.6g}), as points[{}] is: the segment between them has no length; leave one of them out",
+          points[k].x(), points[k].y(), k - 1);
+  }
+  if (const auto hit = meets_itself(points, kSame * d.spacing))
+    scene.fail(fmt::format("{}.points[{}]", field, hit->second),
+               fmt::format("the segment from here to points[{}] meets that from points[{}] to points[{}] at ({:.6g}, "
+                           "{:.6g}); {}",
+                           hit->second + 1, hit->first, hit->first + 1, hit->at.x(), hit->at.y(), kItself));
+  return points;
+}
+
+std::vector<Vec2> sampled(const scene::LoadedScene& scene, const PlaneCurve& curve, const Domain& d,
+                          const std::string& field) {
+  for (const Vec2& p : fine_points(curve, d.spacing)) inside(scene, field, d, p, "reaches");
+  scene.check(curve.length > kSame * d.spacing, field, "has no length; its points are one and the same");
+  scene.check(curve.length <= kMostEdges * d.spacing, field,
+              "is {:.3g} m long, {:.3g} spacings of the shell; at most {:.0g}", curve.length, curve.length / d.spacing,
+              kMostEdges);
+  std::vector<Vec2> points = crack_points(curve, d.spacing);
+  for (Vec2& p : points) p = d.nearest(p);
+  if (const auto hit = meets_itself(points, kSame * d.spacing))
+    scene.fail(
+        field,
+        fmt::format("meets itself at ({:.6g}, {:.6g}): its {} edges, of about a spacing of {:.3g} m, have "
+                    "number {} from ({:.6g}, {:.6g}) and number {} from ({:.6g}, {:.6g}) there; {}",
+                    hit->at.x(), hit->at.y(), points.size() - 1, d.spacing, hit->first, points[hit->first].x(),
+                    points[hit->first].y(), hit->second, points[hit->second].x(), points[hit->second].y(), kItself));
+  return points;
+}
+
+}  // namespace
+
+PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, const ShellModel& model,
+                       const std::string& field) {
+  const Domain d(model);
+  const double least = kSmallestRound * d.spacing;
+  if (m.has_circle()) {
+    const double radius = m.circle().radius_m();
+    scene.check(radius >= least, field + ".circle.radius_m",
+                "is {} m, less than half a spacing of the shell, {:.3g} m; take a larger one, or more elements", radius,
+                least);
+    return {sampled(scene, circle_curve(to_vec2(m.circle().center()), radius), d, field + ".circle"), m.time_s()};
+  }
+  if (m.has_spiral()) {
+    const auto& s = m.spiral();
+    const double apart = (s.outer_radius_m() - s.inner_radius_m()) / s.turns();
+    scene.check(apart >= least || s.turns() < 1.0, field + ".spiral.turns",
+                "is {}: turns {:.3g} m apart, less than half a spacing of the shell, {:.3g} m; take fewer, or more "
+                "elements",
+                s.turns(), apart, least);
+    return {sampled(scene, spiral_curve(to_vec2(s.center()), s.inner_radius_m(), s.outer_radius_m(), s.turns()), d,
+                    field + ".spiral"),
+            m.time_s()};
+  }
+  if (m.has_curve()) {
+    const auto& c = m.curve();
+    std::vector<Vec2> points;
+    for (const auto& p : c.points()) points.push_back(to_vec2(p));
+    return {sampled(scene, spline_curve(points, c.has_degree() ? c.degree() : 3, c.closed()), d, field + ".curve"),
+            m.time_s()};
+  }
+  return {polyline(scene, m, d, field), m.time_s()};
+}
+
+}  // namespace sunder::shell

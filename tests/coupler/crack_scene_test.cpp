@@ -1,0 +1,253 @@
+// Cuts, strengths and damage of a scene: what is refused, with field and remedy, and what becomes of the rest.
+#include <cmath>
+
+#include "tests/coupler/small_scene.h"
+
+namespace {
+
+using namespace small_scene;
+using sunder::Vec2;
+
+const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
+
+// The small scene with more fields of the shell (line 10), the material and the scene.
+std::string scene(const std::string& shell, const std::string& material = "", const std::string& more = "") {
+  std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
+  text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
+  return text + more;
+}
+
+void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says,
+                    const std::vector<std::string>& settings = {}) {
+  const sunder::Error e = refusal(text, settings);
+  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << field;
+  EXPECT_EQ(e.field, field) << e.what();
+  for (const std::string& part : says) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+}
+
+sunder::shell::RunSetup built(const std::string& text, const std::vector<std::string>& settings = {}) {
+  const std::string path = own_file("crack_scene.textproto");
+  std::ofstream(path) << text;
+  const auto scene = sunder::scene::load(path, settings);
+  std::remove(path.c_str());
+  return sunder::shell::build(scene);
+}
+
+// Beside the scene; gone with it.
+struct MapFile {
+  std::string name = fmt::format("{}_map.pgm", getpid());
+  explicit MapFile(const std::string& content) { std::ofstream(own_file("map.pgm"), std::ios::binary) << content; }
+  ~MapFile() { std::remove(own_file("map.pgm").c_str()); }
+  std::string field(const std::string& more = "low_factor: 0.5") const {
+    return fmt::format("strength_map {{ path: \"{}\" {} }}", name, more);
+  }
+};
+
+}  // namespace
+
+TEST(Cut, ThatLeavesTheDomainIsRefusedWithHowFar) {
+  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.62 v: 0.1 } }"), "shells[0].cuts[0].points[1]",
+                 {":10:", "(0.62, 0.1), 0.12 m outside the patch", "from 0 to 0.5 along u"});
+  expect_refusal(scene("cuts { circle { center { u: 0.1 v: 0.3 } radius_m: 0.15 } }"), "shells[0].cuts[0].circle",
+                 {"outside the patch", "from 0 to 0.5 along u"});
+  expect_refusal(scene("cuts { spiral { center { u: 0.3 v: 0.3 } outer_radius_m: 0.25 turns: 2 } }"),
+                 "shells[0].cuts[0].spiral", {"outside the patch"});
+  expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.9 } points { u: 0.3 v: 0.9 } "
+                       "points { u: 0.4 v: 0.1 } } }"),
+                 "shells[0].cuts[0].curve", {"reaches", "outside the patch"});
+  // control points may lie outside as long as the curve does not; a circle may touch the border
+  EXPECT_EQ(refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.6 } points { u: 0.3 v: 0.6 } "
+                          "points { u: 0.4 v: 0.1 } } } cuts { circle { center { u: 0.25 v: 0.25 } radius_m: 0.25 } }"))
+                .kind,
+            "accepted");
+}
+
+TEST(Cut, OfTooFewPointsOrNoLengthIsRefused) {
+  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } }"), "shells[0].cuts[0].points",
+                 {"has 1 points", "at least two"});
+  expect_refusal(scene("cuts { time_s: 1 }"), "shells[0].cuts[0].points", {"circle, curve or spiral"});
+  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } points { u: 0.2 v: 0.1 } }"),
+                 "shells[0].cuts[0].points[2]", {"as points[1] is", "leave one of them out"});
+  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: nan v: 0.1 } }"), "shells[0].cuts[0].points[1]",
+                 {"must be finite"});
+  expect_refusal(scene("cuts { circle { center { u: 0.25 v: 0.25 } radius_m: 0.01 } }"),
+                 "shells[0].cuts[0].circle.radius_m", {"half a spacing", "more elements"});
+  expect_refusal(scene("cuts { circle { radius_m: 0.1 } }"), "shells[0].cuts[0].circle.center", {"is missing"});
+  expect_refusal(scene("cuts { circle { center { u: inf v: 0.25 } radius_m: 0.1 } }"),
+                 "shells[0].cuts[0].circle.center", {"must be finite"});
+  expect_refusal(scene("cuts { points { u: 0.1 } points {} circle { center {} radius_m: 0.1 } }"),
+                 "shells[0].cuts[0].points", {"give one of them"});
+  expect_refusal(scene("cuts { curve { points {} points { u: 0.1 } points { v: 0.1 } } }"),
+                 "shells[0].cuts[0].curve.points", {"has 3 points", "at least 4"});
+  expect_refusal(scene("cuts { curve { degree: 7 } }"), "shells[0].cuts[0].curve.degree", {"2 to 5"});
+  expect_refusal(scene("cuts { curve { closed: true points {} points { u: 0.1 } points { v: 0.1 } points {} } }"),
+                 "shells[0].cuts[0].curve.points[3]", {"leave the last one out"});
+  expect_refusal(scene("cuts { curve { points {} points {} points {} points {} } }"), "shells[0].cuts[0].curve",
+                 {"has no length"});
+  expect_refusal(scene("cuts { spiral { center { u: 0.2 v: 0.2 } inner_radius_m: 0.1 outer_radius_m: 0.1 turns: 1 } }"),
+                 "shells[0].cuts[0].spiral.outer_radius_m", {"above inner_radius_m"});
+  expect_refusal(scene("cuts { spiral { center { u: 0.2 v: 0.2 } outer_radius_m: 0.1 turns: 40 } }"),
+                 "shells[0].cuts[0].spiral.turns", {"take fewer"});
+}
+
+TEST(Cut, ThatMeetsItselfIsRefusedWithBothSegmentsAndThePlace) {
+  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } points { u: 0.2 v: 0.2 } "
+                       "points { u: 0.2 v: 0.05 } }"),
+                 "shells[0].cuts[0].points[2]",
+                 {"from here to points[3]", "points[0] to points[1] at (0.2, 0.1)", "two cuts"});
+  expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.5 v: 0.4 } points { u: 0 v: 0.4 } "
+                       "points { u: 0.4 v: 0.1 } } }"),
+                 "shells[0].cuts[0].curve", {"meets itself at (0.25", "two cuts"});
+  // two cuts that cross each other are fine, and so is one that closes
+  EXPECT_EQ(refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } } cuts { points { u: 0.2 v: 0.2 } "
+                          "points { u: 0.2 v: 0.05 } } cuts { points { u: 0.3 v: 0.3 } points { u: 0.4 v: 0.3 } "
+                          "points { u: 0.3 v: 0.4 } points { u: 0.3 v: 0.3 } }"))
+                .kind,
+            "accepted");
+}
+
+TEST(Cut, TakesSettingsAndKeepsItsTime) {
+  const std::string text = scene("cuts { time_s: 0.25 circle { center { u: 0.25 v: 0.25 } radius_m: 0.1 } }");
+  const auto cut = built(text, {"shells[pane].cuts[0].circle.radius_m=0.2"}).cuts[0];
+  EXPECT_EQ(cut.time, 0.25);
+  EXPECT_EQ(cut.points.front(), cut.points.back());
+  for (const Vec2& p : cut.points) EXPECT_NEAR((p - Vec2(0.25, 0.25)).norm(), 0.2, 1e-12);
+  expect_refusal(text, "shells[0].cuts[0].circle", {"set by --set"}, {"shells[pane].cuts[0].circle.radius_m=0.3"});
+}
+
+TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
+  const auto s = built(scene("strength_regions { low { u: 0 v: 0 } high { u: 0.25 v: 0.5 } factor: 0.3 } "
+                             "strength_regions { disc { center { u: 0.25 v: 0.25 } radius_m: 0.1 } factor: 2 }",
+                             kStrong),
+                       {"shells[pane].strength_regions[0].factor=0.5"});
+  const auto& m = s.shells[0];
+  const auto state = sunder::shell::make_state(m, sunder::Vec3::Zero(), 1);
+  int seen[4] = {};
+  for (int q = 0; q < m.tables.blocks(); ++q)
+    for (int e = 0; e < m.tables.spans_u; ++e) {
+      const Vec2 p = gauss_point(m.patch, m.tables, q, e).parameter;
+      const bool box = p.x() <= 0.25, disc = (p - Vec2(0.25, 0.25)).norm() <= 0.1;
+      EXPECT_EQ(state.strength[static_cast<std::size_t>(q) * m.tables.lanes + e],
+                6e7 * (box ? 0.5 : 1.0) * (disc ? 2.0 : 1.0));
+      ++seen[box + 2 * disc];
+    }
+  for (const int n : seen) EXPECT_GT(n, 0);
+  EXPECT_TRUE(built(scene("", kStrong)).shells[0].strength_factor.empty());
+}
+
+TEST(StrengthRegions, AreRefusedWhereTheySayNothingSound) {
+  const std::string box = "low { u: 0.1 v: 0.1 } high { u: 0.3 v: 0.3 } ";
+  const auto refused = [](const std::string& region, const std::string& field, const std::string& says) {
+    expect_refusal(scene("strength_regions { " + region + " }", kStrong), "shells[0].strength_regions" + field, {says});
+  };
+  refused(box, "[0].factor", "is missing");
+  refused(box + "factor: 0", "[0].factor", "must be positive");
+  refused(box + "factor: 1e9", "[0].factor", "1e-06 to 1e+06");
+  refused("factor: 2", "[0]", "low and high { u v }");
+  refused("low { u: 0.3 } high { u: 0.1 v: 1 } factor: 2", "[0]", "above its high one");
+  refused("low { u: nan } high { u: 0.1 v: 1 } factor: 2", "[0].low", "must be finite");
+  refused("low { u: 0.6 } high { u: 0.7 v: 1 } factor: 2", "[0]", "holds no Gauss point");
+  refused(box + "disc { center {} radius_m: 1 } factor: 2", "[0].disc", "give one of them");
+  refused("disc { center {} radius_m: -1 } factor: 2", "[0].disc.radius_m", "must be positive");
+  refused(box + "factor: 1e6 } strength_regions { " + box + "factor: 10", "", "multiply to 1e+07");
+  expect_refusal(scene("strength_regions { " + box + "factor: 2 }"), "shells[0].strength_regions", {"'glass' has not"});
+  expect_refusal(scene("layers: 5 surface_compression: 1e8 strength_regions { " + box + "factor: 0.5 }", kStrong),
+                 "shells[0].surface_compression", {"crack by itself", "a larger factor"});
+}
+
+TEST(StrengthMap, IsStretchedOverTheDomainLinearBetweenPixels) {
+  // black, grey; white, 100 of 200: the first row is at the top, v = 0.5
+  for (const std::string& content :
+       {std::string("P2\n# made by hand\n2 2 200\n0 100\n200 100\n"), std::string("P5 2 2 200\n\x00\x64\xc8\x64", 15),
+        std::string("P5 2 2 2000\n\x00\x00\x03\xe8\x07\xd0\x03\xe8", 20)}) {
+    const MapFile map(content);
+    const auto m = built(scene(map.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0];
+    for (int q = 0; q < m.tables.blocks(); ++q)
+      for (int e = 0; e < m.tables.spans_u; ++e) {
+        const Vec2 p = gauss_point(m.patch, m.tables, q, e).parameter / 0.5;
+        const double a = std::clamp(2.0 * p.x() - 0.5, 0.0, 1.0), b = std::clamp(2.0 * p.y() - 0.5, 0.0, 1.0);
+        EXPECT_NEAR(m.strength_factor_at(q, e), 0.5 + (1.0 - a) * b * 0.0 + (1.0 - a) * (1.0 - b) * 1.0 + a * 0.5,
+                    1e-6);
+      }
+  }
+}
+
+TEST(StrengthMap, OfAWrongShapeIsRefusedWithSizesThatDo) {
+  const auto refused = [](const std::string& head, const std::vector<std::string>& says, const std::string& settings) {
+    const MapFile map(head);
+    std::vector<std::string> list;
+    if (!settings.empty()) list.push_back(settings);
+    expect_refusal(scene(map.field(), kStrong), "shells[0].strength_map.path", says, list);
+  };
+  refused("P5 1 1 255\n\x7f", {"has 1 x 1 pixels", "2 to 16384", "1024 x 1024 would do"}, "");
+  refused("P5 20000 20000 255\n", {"has 20000 x 20000 pixels", "1024 x 1024 would do"}, "");
+  refused("P5 99999999999999 3 255\n", {"99999999999999 x 3"}, "");
+  refused("P5 100 80 255\n", {"has 100 x 80 pixels", "0.5 m x 0.5 m", "100 x 100 or 80 x 80 would do"}, "");
+  refused("P5 100 100 255\n", {"0.5 m x 0.25 m", "100 x 50 or 200 x 100 would do"}, "shells[pane].plate.size_y_m=0.25");
+}
+
+TEST(StrengthMap, OfGarbageIsRefused) {
+  const auto refused = [](const std::string& content, const std::string& says) {
+    const MapFile map(content);
+    expect_refusal(scene(map.field(), kStrong), "shells[0].strength_map.path", {says});
+  };
+  refused("", "is no PGM file");
+  refused("\x89PNG\r\n", "convert map.png");
+  refused("P6 2 2 255\n123412341234", "is no PGM file");
+  refused("P5", "has no width");
+  refused("P5 2 x 255\n", "has no height");
+  refused("P5 # 2 2 255 1234", "has no width");
+  refused("P5 -2 2 255\n1234", "has no width");
+  refused("P5 0 0 255\n", "has 0 x 0 pixels");
+  refused("P5 2 2 0\n1234", "says that white is 0");
+  refused("P5 2 2 70000\n1234", "says that white is 70000");
+  refused("P5 2 2 255\n123", "ends too early");
+  refused("P5 2 2 255\n12345", "goes on after its 2 x 2 pixels");
+  refused("P5 16000 16000 65535\n12", "ends too early");
+  refused("P5 2 2 60\n12zz", "whiter than white");
+  refused("P2 2 2 255\n1 2 3 256", "has a pixel of 256 in row 1, column 1");
+  refused("P2 2 2 255\n1 2 3\n\n\n\n", "has its end instead of the pixel");
+  refused("P2 2 2 255\n1 2 three 4", "has byte 116");
+  refused("P2 2 2 255\n1 2 99999999999999999999 4", "whiter than white");
+}
+
+TEST(StrengthMap, IsRefusedWithoutAFileOrFactors) {
+  expect_refusal(scene("strength_map { low_factor: 0.5 }", kStrong), "shells[0].strength_map.path", {"is missing"});
+  expect_refusal(scene("strength_map { path: \"none.pgm\" low_factor: 0.5 }", kStrong), "shells[0].strength_map.path",
+                 {"cannot be read"});
+  expect_refusal(scene("strength_map { path: \"../../x.pgm\" low_factor: 0.5 }", kStrong),
+                 "shells[0].strength_map.path", {"outside the scene's folder"});
+  expect_refusal(scene("strength_map { path: \"a.pgm\" }", kStrong), "shells[0].strength_map.low_factor",
+                 {"is missing"});
+  expect_refusal(scene("strength_map { path: \"a.pgm\" low_factor: 0 }", kStrong), "shells[0].strength_map.low_factor",
+                 {"must be positive"});
+  expect_refusal(scene("strength_map { path: \"a.pgm\" low_factor: 1 high_factor: -1 }", kStrong),
+                 "shells[0].strength_map.high_factor", {"must be positive"});
+  expect_refusal(scene("strength_map { path: \"a.pgm\" low_factor: 1 }"), "shells[0].strength_map",
+                 {"'glass' has not"});
+}
+
+TEST(Healing, IsForDamageOnly) {
+  const std::string tough = "strength: 6e7 fracture_energy: 3000 ";
+  for (const char* mode : {"TIPS", "CUTS", "MODE_UNSPECIFIED"})
+    expect_refusal(scene("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)), "fracture.healing",
+                   {"only mode DAMAGE", "leave it out"});
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).healing);
+  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).healing);
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"}).healing);
+}
+
+TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {
+  const std::string text = scene("", "strength: 6e7 fracture_energy: 2000 ", "fracture { mode: DAMAGE }\n");
+  // sqrt(3) 0.5 / 16 = 0.0541 m, 2 E G_f / strength^2 = 0.0778 m: resolved; with 1000 J/m^2 it is not
+  EXPECT_EQ(refusal(text).kind, "accepted");
+  const std::string set = "materials[glass].fracture_energy=1000";
+  expect_refusal(text, "fracture.mode",
+                 {"damage localises over 0.0541 m", "0.0389 m", "23 x 23 instead of 16 x 16",
+                  "a spacing below 0.0225 m", "a fracture_energy above 1392 J/m^2"},
+                 {set});
+  const std::vector<std::string> finer{set, "shells[pane].plate.elements_x=23", "shells[pane].plate.elements_y=23"};
+  EXPECT_EQ(refusal(text, finer).kind, "accepted");
+  EXPECT_EQ(refusal(text, {"materials[glass].fracture_energy=1393"}).kind, "accepted");
+  expect_refusal(text, "fracture.mode", {"a narrower damage_width_m"}, {set, "fracture.damage_width_m=0.05"});
+}

@@ -1,0 +1,64 @@
+#pragma once
+// A scene that is accepted as it stands, and what becomes of it where a test breaks it.
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "coupler/scene/load.h"
+#include "shell/io/build.h"
+#include "shell/io/check.h"
+
+namespace small_scene {
+
+inline const std::string kScene = R"(name: "small"
+end_time_s: 1
+window_s: 1e-4
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 }
+shells {
+  name: "pane"
+  material: "glass"
+  thickness_m: 0.004
+  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }
+}
+bodies {
+  name: "ball"
+  material: "glass"
+  sphere { radius_m: 0.02 }
+  pose { position { z: 0.1 } }
+}
+)";
+
+inline std::string replaced(const std::string& from, const std::string& to) {
+  std::string text = kScene;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+// Of this process alone: tests run side by side.
+inline std::string own_file(const std::string& name) {
+  return fmt::format("{}/{}_{}", testing::TempDir(), getpid(), name);
+}
+
+inline sunder::Error refusal(const std::string& text, const std::vector<std::string>& settings = {}) {
+  const std::string path = own_file("scene_test.textproto");
+  std::ofstream(path) << text;
+  struct Remover {
+    const std::string& path;
+    ~Remover() { std::remove(path.c_str()); }
+  } const remover{path};
+  try {
+    const auto scene = sunder::scene::load(path, settings);
+    sunder::shell::check_report(scene, sunder::shell::build(scene));
+  } catch (const sunder::Error& e) {
+    return e;
+  }
+  return sunder::Error(sunder::Exit::kDone, "accepted", "");
+}
+
+}  // namespace small_scene
