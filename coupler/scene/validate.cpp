@@ -412,6 +412,8 @@ void validate(const LoadedScene& s) {
   }
   const auto& r = m.fracture();
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
+  s.check(!r.has_branch_ratio() || (r.branch_ratio() > 1.0 && r.branch_ratio() <= 1e6), "fracture.branch_ratio",
+          "is {}; a tip runs above 1 and branches above this; at most 1e6, which is never", r.branch_ratio());
   if (r.has_damage_width_m()) {
     positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
     s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");

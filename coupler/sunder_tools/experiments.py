@@ -1,58 +1,15 @@
 """Validation by whole runs: scenes in two processes, what they leave behind against what is known."""
 from __future__ import annotations
 
-import csv
 import json
 import math
-import tempfile
-import time
-from contextlib import contextmanager
-from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Callable, Iterator
+from dataclasses import dataclass
+from typing import Callable
 
-from .build import REPOSITORY, Executables, ensure_built
+from .build import Executables, ensure_built
+from .crack_paths import branching, kalthoff, modes, pressed_plate, share
 from .errors import CommandError
-from .report import read_run
-from .run import launch_once
-
-SCENES = REPOSITORY / "scenes"
-
-
-@dataclass
-class Table:
-    """Rows as `sunder-validate` prints and writes them."""
-    rows: list[dict[str, object]] = field(default_factory=list)
-    lines: list[str] = field(default_factory=list)
-    curves: list[dict[str, object]] = field(default_factory=list)
-    headed: bool = False  # the head of the table stands already
-    pictures: Path | None = None  # an existing folder for them
-
-    def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float) -> None:
-        """Relative error, or absolute where the reference is zero; printed at once."""
-        error = abs(computed / reference - 1.0) if reference != 0.0 else abs(computed)
-        good = error <= tolerance  # NaN fails
-        self.rows.append({"name": name, "computed": computed, "reference": reference, "error": error,
-                          "tolerance": tolerance, "pass": good, "seconds": round(seconds, 3)})
-        print(f"{name:<34} {computed:>13.6g} {reference:>13.6g} {error:>10.2e} {tolerance:>9.1e} {seconds:>8.1f}  "
-              f"{'ok' if good else 'FAILED'}", flush=True)
-
-
-def _run(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
-    """Runs a scene of the repository; returns run.json, the rows of probes.csv and the seconds that it took."""
-    with _kept(executables, scene, settings) as (folder, seconds):
-        probes = folder / "probes.csv"
-        rows = list(csv.reader(probes.open())) if probes.is_file() else []
-        return read_run(folder), rows, seconds
-
-
-@contextmanager
-def _kept(executables: Executables, scene: str, settings: list[str]) -> Iterator[tuple[Path, float]]:
-    """Runs a scene of the repository; its run folder is there within, with the seconds that it took."""
-    start = time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
-        launch_once(executables, SCENES / scene, Path(folder), settings)
-        yield Path(folder), time.monotonic() - start
+from .trials import Table, kept_run, run_scene
 
 
 def zener(inelasticity: float, step: float = 1e-4) -> float:
@@ -85,7 +42,7 @@ def restitution(table: Table, executables: Executables) -> None:
         inelasticity = mass ** 0.6 * stiffness ** 0.4 * speed ** 0.2 / (
             8.0 * math.sqrt(glass[0] * thickness * rigidity))
         touch = 5.0 * (mass ** 2 / (stiffness ** 2 * speed)) ** 0.2  # with room
-        found, rows, seconds = _run(executables, "zener.textproto", [
+        found, rows, seconds = run_scene(executables, "zener.textproto", [
             f"bodies[ball].sphere.radius_m={radius}",
             f"bodies[ball].pose.position.z={radius + 0.5 * thickness + gap}",
             f"end_time_s={math.ceil((touch + gap / speed) / 2e-6) * 2e-6:.9g}", "output.frame_interval_s=1"])
@@ -108,7 +65,7 @@ def restitution(table: Table, executables: Executables) -> None:
 def torn_area(table: Table, executables: Executables) -> None:
     """scenes/torn_square.textproto with each stress model: area that the sheet keeps, torn points counted as lost."""
     for model in ("PLANE_STRESS", "PAPER_PROJECTION", "JGT17", "GHF18"):
-        found, _, seconds = _run(executables, "torn_square.textproto", [f"shells[sheet].stress_model={model}",
+        found, _, seconds = run_scene(executables, "torn_square.textproto", [f"shells[sheet].stress_model={model}",
                                                            "output.frame_interval_s=10"])
         surface, counts = found["surface"], found["counts"]
         # from below: an area above one is as wrong as one below
@@ -131,7 +88,7 @@ def consistency(table: Table, executables: Executables) -> None:
     from .stages import FINE, find_stages, write_stages
     glass = ["shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=1.5e-3"]
     for name, settings in (("torn_sheet", ["end_time_s=1e-3"]), ("glass", glass)):
-        with _kept(executables, f"{name}.textproto", settings + DENSE) as (folder, seconds):
+        with kept_run(executables, f"{name}.textproto", settings + DENSE) as (folder, seconds):
             found = check_folder(folder)
             proven = found.growing >= FEWEST_GROWING
             for what, count in (("lost", found.lost), ("unconnected", found.unconnected), ("gaps", found.gaps),
@@ -165,6 +122,11 @@ EXPERIMENTS = {"shells": (
 ), "cracks": (
     Experiment("consistency", "earlier cracks are part of later ones, no gaps, by the frames alone (paper, Fig. 8)",
                consistency),
+    Experiment("modes", "a notched sheet drawn apart, and sheared (paper, Fig. 11)", modes),
+    Experiment("pressed_plate", "a simply supported plate under pressure: an X", pressed_plate),
+    Experiment("kalthoff", "70 degrees to the notch (Kalthoff and Winkler 1988)", kalthoff),
+    Experiment("branching", "when a running crack divides, three spacings (Borden 2012)", branching),
+    Experiment("share", "what cracks cost while they grow, and with their number", share),
 )}
 
 

@@ -179,7 +179,8 @@ RunSetup build(const scene::LoadedScene& scene) {
       for (const auto& [given, field] : {std::pair{m.fracture().has_tip_radius_m(), "tip_radius_m"},
                                          std::pair{m.fracture().has_interlock_strength(), "interlock_strength"},
                                          std::pair{m.fracture().has_interlock_opening_m(), "interlock_opening_m"},
-                                         std::pair{m.fracture().has_interlock(), "interlock"}})
+                                         std::pair{m.fracture().has_interlock(), "interlock"},
+                                         std::pair{m.fracture().has_branch_ratio(), "branch_ratio"}})
         scene.check(!given, std::string("fracture.") + field, "is for mode TIPS; leave it out");
       const ShellMaterial& q = s.material;
       r.brittleness = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
@@ -213,6 +214,7 @@ RunSetup build(const scene::LoadedScene& scene) {
                   s.spacing);
       if (m.fracture().has_interlock_strength()) r.rules.faces.shear_strength = m.fracture().interlock_strength();
       if (m.fracture().has_interlock_opening_m()) r.rules.faces.opening = m.fracture().interlock_opening_m();
+      if (m.fracture().has_branch_ratio()) r.rules.branch_ratio = m.fracture().branch_ratio();
       if (m.fracture().has_interlock()) r.rules.interlock = m.fracture().interlock();
     }
   }

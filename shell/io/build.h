@@ -14,7 +14,7 @@ namespace sunder::shell {
 
 /// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
 /// crack starts there: a crack that is born within a window must not find the step too large.
-constexpr double kCrackedStep = 0.7;
+constexpr double kCrackedStep = 0.8;
 
 /// Of the stable step, what a scene may ask for: power iteration finds it from above.
 constexpr double kMostOfStable = 0.95;

@@ -192,9 +192,10 @@ void Run::write_summary(const std::string& status, const Error* error) {
     stages += fmt::format("{}{}: {}", stages.empty() ? "" : ", ", quoted(name), number(seconds)), total += seconds;
   j += fmt::format(
       "  \"time\": {{\"simulated_s\": {}, \"wall_s\": {}, \"windows\": {}, \"substeps\": {}, \"frozen_at_s\": {}, "
-      "\"frozen_why\": {}, \"stage_s\": {{{}}}}},\n",
+      "\"frozen_why\": {}, \"stage_s\": {{{}}}, \"cracks_grew\": {{\"wall_s\": {}, \"crack_update_s\": {}}}}},\n",
       number(time()), number(wall_clock() - wall_start_), windows_, substeps_,
-      frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages);
+      frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages,
+      number(growing_s_), number(growing_update_s_));
   j += fmt::format(
       "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": {}, "
       "\"healing\": {}, \"external_work\": {}, \"contact\": {}, \"damping\": {}, \"transfer\": {}, \"handoff_lost\": "

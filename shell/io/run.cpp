@@ -20,7 +20,8 @@ constexpr double kSmallPiece = 30.0;        // spacings squared: too small to be
 constexpr double kSettleTime = 5e-5;        // a larger piece stays so long, its cracks may still branch [s]
 constexpr double kLookInterval = 0.1;       // [s] of wall time between two looks at the peer
 constexpr int kPointsPerThread = 4000;
-constexpr double kPatience = 5.0;    // [s] of wall time that an interruption waits for the window's end
+constexpr double kPatience = 5.0;  // [s] of wall time that an interruption waits for the window's end
+constexpr int kMeasureEvery = 4;   // windows: what cracks leave of the stable step is a little more than is taken of it
 constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
 constexpr int kFirstIterations = 120, kLaterIterations = 16;  // of the stable step
 
@@ -225,6 +226,7 @@ void Run::shell_window() {
   }
   const int n = std::max(1, static_cast<int>(needed));
   const double dt = dt_ = setup_.window / n;
+  const double window_start = wall_clock(), update_before = stage_s_["crack_update"];
   for (std::size_t i = 0; i < setup_.cuts.size(); ++i)
     if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * setup_.window) {
       Stopwatch w(stage_s_["crack_update"]);
@@ -233,7 +235,6 @@ void Run::shell_window() {
       if (setup_.tips) start_at_ends(m, s, before, static_cast<int>(s.cracks.edges().size()));
       s.cut_done[i] = 1;
     }
-  const double window_start = wall_clock();
   for (int k = 0; k < n; ++k) {
     substep(dt);
     if (++substeps_ % kCompressionInterval == 0) try {
@@ -265,23 +266,30 @@ void Run::shell_window() {
     if (proxies_[i].impulse_sum > 0.0 && !proxies_[i].body.is_static) last_push_ = time() + setup_.window;
   std::vector<RigidBody> births = take_off(false);
   exchange(1, setup_.window, births);
-  Stopwatch w(stage_s_["internal_force"]);
-  const double energy = total_energy(dt);
+  double energy;
+  {
+    Stopwatch w(stage_s_["internal_force"]);
+    energy = total_energy(dt);
+  }
   // a strain of 1e-3 in one element: where all starts at rest
   const double least = 5e-7 * m.material.youngs_modulus * m.thickness * m.spacing * m.spacing;
   const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + std::abs(s.book.external) + least);
   if (!(std::abs(energy - reference_energy_) <= most)) unstable(energy - reference_energy_);
   close_books(energy + s.book.lost() + engine_loss_);
+  const bool grew = edges_seen_ < s.cracks.edges().size();
   for (; edges_seen_ < s.cracks.edges().size(); ++edges_seen_)
     changed_.push_back(0.5 * (s.cracks.edges()[edges_seen_].a + s.cracks.edges()[edges_seen_].b));
   if (setup_.brittleness > 0.0 && windows_ % kStrainedWindows == 0)  // what is damaged may be strained far
     for (const GatheredPoint& g : s.points)
       changed_.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
-  if (!changed_.empty()) {
+  if (!changed_.empty() && windows_ >= next_measure_) {
+    Stopwatch w(stage_s_["crack_update"]);
     smallest_step_ =
         std::min(smallest_step_, stable_step(m, s, kLaterIterations, options_.threads, can_crack(), changed_));
     changed_.clear();
+    next_measure_ = windows_ + kMeasureEvery;
   }
+  if (grew) growing_s_ += wall_clock() - window_start, growing_update_s_ += stage_s_["crack_update"] - update_before;
 }
 
 void Run::close_books(double energy) {

@@ -88,8 +88,9 @@ class Run {
   const std::atomic<bool>* interrupted_ = nullptr;
   std::uint64_t random_ = 0;
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;
-  std::size_t edges_seen_ = 0;  // crack edges that the stable step knows
-  std::vector<Vec2> changed_;   // where shape functions or masses have changed since it was last measured
+  std::size_t edges_seen_ = 0;     // crack edges that the stable step knows
+  std::int64_t next_measure_ = 0;  // window from which the stable step may be measured again
+  std::vector<Vec2> changed_;      // where shape functions or masses have changed since it was last measured
   BodyId first_shard_ = 1, next_id_ = 1;
   int fragments_ = 0, handed_off_ = 0, rubble_points_ = 0;
   double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;
@@ -108,6 +109,7 @@ class Run {
   std::vector<ShardRecord> shards_;
   EnergyBook book_;  // of the shell, kept when it is frozen
   std::map<std::string, double> stage_s_;
+  double growing_s_ = 0.0, growing_update_s_ = 0.0;  // of windows in which cracks grew: all, and crack_update
   std::string series_, probes_;
   double next_probe_ = 0.0;  // [s]
 };

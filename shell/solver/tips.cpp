@@ -13,9 +13,12 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
-constexpr double kRetry = 0.75;          // of an edge that a tip keeps which was refused
-constexpr double kMet = 0.05;            // spacings between tips that have met
-constexpr double kApart = 2.0;           // spacings that a tip has run before it may join its own crack
+// Edges, where a shorter one would not release energy: what changes around a tip costs the same for any.
+constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0};
+constexpr double kForced = 2.0;  // drive, four times the energy: then what the change of functions adds is put up with
+constexpr double kRetry = 0.75;  // of an edge that a tip keeps which was refused
+constexpr double kMet = 0.05;    // spacings between tips that have met
+constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;  // of a crack from the end of a cut
 
 // A crack that opens one face runs across one that opened the other and still keys, for that one is closed
@@ -32,12 +35,13 @@ struct Way {
   bool ends;  // on another crack or past the border
 };
 
-// The next edge of a tip along d; ends on what lies within reach.
-Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, const Tip& tip, const Vec2& d) {
+// The next edge of a tip along d, `length` long; ends on what lies within reach.
+Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, const Tip& tip, const Vec2& d,
+              double length) {
   const Vec2 a = tip.p;
-  Vec2 b = a + r.advance * d;
+  Vec2 b = a + length * d;
   bool ends = false;
-  const double reach = r.advance + r.join;
+  const double reach = length + r.join;
   double nearest = 2.0;
   int hit = -1;
   const Vec2 far = reach * d;
@@ -75,14 +79,27 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
 
 // Each tip runs one edge along its direction, all or none. Returns edges inserted.
 int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<std::pair<Tip*, Vec2>>& tips,
-            double time) {
+            double time, bool forced) {
   std::vector<Way> ways;
-  std::vector<NewEdge> edges;
-  for (const auto& [tip, d] : tips) {
-    ways.push_back(way_ahead(m, s, r, *tip, d));
-    edges.push_back({tip->vertex, ways.back().to, tip->crack, tip->face});
+  int first = -1;
+  double length = r.advance;
+  for (const double longer : kLengths) {
+    length = longer * r.advance;
+    ways.clear();
+    std::vector<NewEdge> edges;
+    for (const auto& [tip, d] : tips) {
+      ways.push_back(way_ahead(m, s, r, *tip, d, length));
+      edges.push_back({tip->vertex, ways.back().to, tip->crack, tip->face});
+    }
+    first = extend_cracks(m, s, edges, time, r.interlock);
+    if (first >= 0) break;
   }
-  const int first = extend_cracks(m, s, edges, time, r.interlock);
+  if (first < 0 && forced) {
+    length = r.advance;
+    ways = {way_ahead(m, s, r, *tips[0].first, tips[0].second, length)};
+    first = insert_edge(m, s, tips[0].first->vertex, s.cracks.add_vertex(ways[0].to), tips[0].first->crack, time,
+                        tips[0].first->face, r.interlock);
+  }
   if (first < 0) return 0;
   for (std::size_t k = 0; k < tips.size(); ++k) {
     Tip& tip = *tips[k].first;
@@ -91,6 +108,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     tip.edge = first + static_cast<int>(k), tip.vertex = s.cracks.edges()[tip.edge].to;
     tip.direction = step.normalized(), tip.p = b;
     tip.weight = tip.turn = tip.ratio = 0.0;
+    tip.pending -= length - r.advance;
     if (!ways[k].ends) continue;
     tip.alive = false;
     for (Tip& other : s.tips)  // met head on
@@ -140,10 +158,10 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
         one.since_branch = twin.since_branch = 0.0;
-        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, time);
+        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, time, false);
         if (edges > 0) s.cracks.new_crack(), tip = one, s.tips.push_back(twin);
       }
-      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, time);
+      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, time, tip.ratio > kForced * tip.weight);
       if (edges == 0) tip.pending = kRetry * r.advance;
       inserted += edges;
     }

@@ -1,0 +1,52 @@
+"""What validation by whole runs is made of: the table of its rows, and runs of the repository's scenes."""
+from __future__ import annotations
+
+import csv
+import tempfile
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Iterator
+
+from .build import REPOSITORY, Executables
+from .report import read_run
+from .run import launch_once
+
+SCENES = REPOSITORY / "scenes"
+
+
+@dataclass
+class Table:
+    """Rows as `sunder-validate` prints and writes them."""
+    rows: list[dict[str, object]] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+    curves: list[dict[str, object]] = field(default_factory=list)
+    headed: bool = False  # the head of the table stands already
+    pictures: Path | None = None  # an existing folder for them
+
+    def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float) -> None:
+        """Relative error, or absolute where the reference is zero; printed at once."""
+        error = abs(computed / reference - 1.0) if reference != 0.0 else abs(computed)
+        good = error <= tolerance  # NaN fails
+        self.rows.append({"name": name, "computed": computed, "reference": reference, "error": error,
+                          "tolerance": tolerance, "pass": good, "seconds": round(seconds, 3)})
+        print(f"{name:<34} {computed:>13.6g} {reference:>13.6g} {error:>10.2e} {tolerance:>9.1e} {seconds:>8.1f}  "
+              f"{'ok' if good else 'FAILED'}", flush=True)
+
+
+def run_scene(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
+    """Runs a scene of the repository; returns run.json, the rows of probes.csv and the seconds that it took."""
+    with kept_run(executables, scene, settings) as (folder, seconds):
+        probes = folder / "probes.csv"
+        rows = list(csv.reader(probes.open())) if probes.is_file() else []
+        return read_run(folder), rows, seconds
+
+
+@contextmanager
+def kept_run(executables: Executables, scene: str, settings: list[str]) -> Iterator[tuple[Path, float]]:
+    """Runs a scene of the repository; its run folder is there within, with the seconds that it took."""
+    start = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
+        launch_once(executables, SCENES / scene, Path(folder), settings)
+        yield Path(folder), time.monotonic() - start
