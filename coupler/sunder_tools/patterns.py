@@ -1,0 +1,131 @@
+"""Numbers out of crack patterns, and what can be said of several of them. Pure functions of arrays."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+RADIAL = math.cos(math.radians(45.0))  # an edge within 45 degrees of the radius is radial
+RESAMPLED = 4000                       # times, for a bound: its own scatter is then a percent
+
+
+def lengths(ends: np.ndarray) -> np.ndarray:
+    """Of edges (n, 2, 2) [m]."""
+    return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
+
+
+def harmonic(ends: np.ndarray, order: int = 4, turn: float = 0.0) -> complex:
+    """Mean of exp(i order phi) over the length of edges (n, 2, 2), phi the angle of an edge, turned by `turn` [rad].
+
+    An even order knows no sense of an edge. Order 4 is 1 for edges along either axis, -1 for edges along either
+    diagonal, 0 on the mean for edges that know nothing of the axes.
+    """
+    along = ends[:, 1] - ends[:, 0]
+    weight = np.linalg.norm(along, axis=1)
+    if weight.sum() == 0.0:
+        return complex(math.nan, math.nan)
+    phi = np.arctan2(along[:, 1], along[:, 0]) + turn
+    return complex((weight * np.exp(1j * order * phi)).sum() / weight.sum())
+
+
+def off_circle(ends: np.ndarray, centre: np.ndarray, radius: float, margin: float) -> np.ndarray:
+    """Which edges (n, 2, 2) have their middle inside a circle by more than `margin` [m]: not the circle's own."""
+    return np.linalg.norm(ends.mean(axis=1) - centre, axis=1) < radius - margin
+
+
+def radial_crossings(ends: np.ndarray, centre: np.ndarray, radius: float) -> np.ndarray:
+    """Angles [rad], in order, at which edges (n, 2, 2) that run within 45 degrees of the radius cross a circle."""
+    local = ends - centre
+    along = local[:, 1] - local[:, 0]
+    middle = local.mean(axis=1)
+    a = (along ** 2).sum(axis=1)
+    b = (local[:, 0] * along).sum(axis=1)
+    c = (local[:, 0] ** 2).sum(axis=1) - radius ** 2
+    straight = np.abs((along * middle).sum(axis=1)) >= RADIAL * np.sqrt(a) * np.linalg.norm(middle, axis=1)
+    crosses = straight & (a > 0.0) & ((c < 0.0) != ((local[:, 1] ** 2).sum(axis=1) < radius ** 2))
+    share = np.zeros(len(ends))
+    root = np.sqrt(np.maximum(b ** 2 - a * c, 0.0))
+    np.divide(np.where(c < 0.0, -b + root, -b - root), a, out=share, where=crosses)
+    at = (local[:, 0] + share[:, None] * along)[crosses]
+    return np.sort(np.arctan2(at[:, 1], at[:, 0]))
+
+
+def beta_share(x: float, a: float, b: float) -> float:
+    """Regularised incomplete beta function, by its continued fraction (Lentz)."""
+    if not 0.0 < x < 1.0:
+        return 0.0 if x <= 0.0 else 1.0
+    if x > (a + 1.0) / (a + b + 2.0):
+        return 1.0 - beta_share(1.0 - x, b, a)
+    front = math.exp(math.lgamma(a + b) - math.lgamma(a) - math.lgamma(b) + a * math.log(x) + b * math.log1p(-x)) / a
+    tiny = 1e-300
+    d = 1.0 - (a + b) * x / (a + 1.0)
+    c, d = 1.0, 1.0 / (d if abs(d) > tiny else tiny)
+    value = d
+    for k in range(1, 400):
+        for term in (k * (b - k) * x / ((a + 2 * k - 1) * (a + 2 * k)),
+                     -(a + k) * (a + b + k) * x / ((a + 2 * k) * (a + 2 * k + 1))):
+            d = 1.0 + term * d
+            c = 1.0 + term / c
+            d, c = 1.0 / (d if abs(d) > tiny else tiny), c if abs(c) > tiny else tiny
+            value *= c * d
+        if abs(c * d - 1.0) < 1e-14:
+            break
+    return front * value
+
+
+def anova(groups: list[np.ndarray]) -> tuple[float, float]:
+    """One-way analysis of variance: F, and the chance of such an F or more if all groups are of one kind.
+
+    Complex numbers count as two independent ones of one scatter each: twice the degrees of freedom.
+    """
+    groups = [np.asarray(g) for g in groups]
+    if len(groups) < 2 or any(len(g) == 0 for g in groups) or sum(map(len, groups)) <= len(groups):
+        raise ValueError("at least two groups, none empty, and more numbers than groups")
+    every = np.concatenate(groups)
+    parts = 2 if np.iscomplexobj(every) else 1
+    between = sum(len(g) * abs(g.mean() - every.mean()) ** 2 for g in groups)
+    within = sum((np.abs(g - g.mean()) ** 2).sum() for g in groups)
+    d1, d2 = parts * (len(groups) - 1), parts * (len(every) - len(groups))
+    if within == 0.0:
+        return (0.0, 1.0) if between == 0.0 else (math.inf, 0.0)
+    f = float(between / d1 / (within / d2))
+    return f, beta_share(d2 / (d2 + d1 * f), 0.5 * d2, 0.5 * d1)
+
+
+def student(share: float, degrees: int) -> float:
+    """t that a Student variable stays within, either side, with chance `share`."""
+    low, high = 0.0, 1e4
+    for _ in range(200):
+        t = 0.5 * (low + high)
+        inside = 1.0 - beta_share(degrees / (degrees + t * t), 0.5 * degrees, 0.5)
+        low, high = (t, high) if inside < share else (low, t)
+    return 0.5 * (low + high)
+
+
+def upper_bound(values: np.ndarray, share: float = 0.95) -> float:
+    """Bound of the modulus of the true mean of complex numbers, from resampling; the same for the same numbers."""
+    values = np.asarray(values)
+    picks = np.random.default_rng(1).integers(0, len(values), (RESAMPLED, len(values)))
+    return float(np.quantile(np.abs(values[picks].mean(axis=1)), share))
+
+
+@dataclass(frozen=True)
+class PowerLaw:
+    """y = factor x^exponent; `half` is half of the exponent's 95 % confidence interval."""
+    exponent: float
+    half: float
+    factor: float
+
+
+def power_law(x: np.ndarray, y: np.ndarray) -> PowerLaw:
+    """Least squares of log y over log x; all must be positive, and three of them at least."""
+    x, y = np.asarray(x, float), np.asarray(y, float)
+    if len(x) < 3 or (x <= 0.0).any() or (y <= 0.0).any() or np.ptp(x) == 0.0:
+        raise ValueError("a power law needs three positive pairs at least, and different x")
+    u, v = np.log(x), np.log(y)
+    spread = ((u - u.mean()) ** 2).sum()
+    exponent = float(((u - u.mean()) * (v - v.mean())).sum() / spread)
+    rest = v - v.mean() - exponent * (u - u.mean())
+    error = math.sqrt((rest ** 2).sum() / (len(x) - 2) / spread)
+    return PowerLaw(exponent, student(0.95, len(x) - 2) * error, math.exp(v.mean() - exponent * u.mean()))
