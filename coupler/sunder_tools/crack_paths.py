@@ -46,7 +46,19 @@ def leaving(graph: Graph, place: np.ndarray) -> np.ndarray:
         reached.update(int(v) for v in vertex[more].reshape(-1))
 
 
-def division(graph: Graph, start: float, end: float) -> tuple[float, float]:
+def first_division(graph: Graph) -> tuple[float, float]:
+    """Place along u [m] and time [s] of the first vertex from which a crack runs on in two directions; NaN: nowhere."""
+    vertex = graph.vertices()
+    times: dict[int, list[tuple[float, float]]] = {}
+    for (a, b), ends, born in zip(vertex, graph.ends, graph.born):
+        times.setdefault(int(a), []).append((float(born), float(ends[0, 0])))
+        times.setdefault(int(b), []).append((float(born), float(ends[1, 0])))
+    found = [(sorted(t)[-1][0], t[0][1]) for t in times.values() if len(t) >= 3]
+    when, place = min(found, default=(math.nan, math.nan))
+    return place, when
+
+
+def lasting_division(graph: Graph, start: float, end: float) -> tuple[float, float]:
     """Place along u [m] from which cracks cross planes of constant u in two places `APART` from one another, and go on
     to for `ARM`; and when the second of them came there [s]. NaN where they never do."""
     planes = np.arange(start, end, 0.25e-3)
@@ -98,15 +110,16 @@ def branching(table: Table, executables: Executables) -> None:
         with kept_run(executables, "branching.textproto", settings) as (folder, seconds):
             graph, run = grown(last_graph(folder)), read_run(folder)
         start = float(graph.born.min())
-        place, when = division(graph, 0.051, 0.095)
+        place, when = first_division(graph)
+        stays, later = lasting_division(graph, 0.051, 0.095)
         mean, fastest = front_speed(graph, when if math.isfinite(when) else 80e-6)
         energy = run["energy"]
         length = float(np.linalg.norm(graph.ends[:, 1] - graph.ends[:, 0], axis=1).sum())
-        spent = energy["dissipated_fracture"] / (3.0 * 1e-3 * length)
+        spent = energy["dissipated_fracture"] / (3.0 * 2e-4 * length)
         what = f"{100.0 / elements:.1f} mm" + ("" if ratio is None else f", branch ratio {ratio} of sqrt(2)")
         table.lines.append(
             f"branching {what}: starts at {start * 1e6:.1f} us, divides at {when * 1e6:.1f} us {place * 1e3 - 50.0:.1f} mm "
-            f"from the notch; mean speed until then {mean / rayleigh:.2f} and fastest {fastest / rayleigh:.2f} of the "
+            f"from the notch, for good at {later * 1e6:.1f} us and {stays * 1e3 - 50.0:.1f} mm; mean speed until then {mean / rayleigh:.2f} and fastest {fastest / rayleigh:.2f} of the "
             f"Rayleigh speed (not capped below it); energy released {spent:.2f} of G_f times the length")
         if ratio is None:
             table.add(f"branching_{elements}_us", when * 1e6, 35.0, 0.2858, seconds)  # 25 to 45

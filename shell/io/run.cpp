@@ -156,7 +156,7 @@ void Run::substep(double dt) {
   {
     Stopwatch w(stage_s_["internal_force"]);
     const double share = setup_.brittleness > 0.0 || !s.plastic.empty() ? 1.0
-                         : setup_.tips                                  ? std::min(1.0, dt * m.wave_speed() / m.spacing)
+                         : setup_.tips                                  ? std::min(1.0, dt / m.response_time())
                                                                         : 0.0;
     compute_forces(m, s, false, share, options_.threads);
   }

@@ -19,7 +19,7 @@ struct CrackRules {
   double parallel_clearance = 0.0;  // no nucleation so near a nearly parallel crack [m]
   double join = 0.0;                // a tip so near another crack or the border runs into it [m]
   double turn = 0.0;                // largest change of direction per edge [rad]
-  double alike = 0.9;               // principal stresses nearer than this leave the direction to chance
+  double alike = 0.8;               // principal stresses nearer than this leave the direction to chance
   int nucleations_per_step = 2;
   InterlockLaw faces;  // of fresh cracks
   bool interlock = true;

@@ -17,6 +17,10 @@ double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh e
   return std::sqrt(tables.elasticity.mu / material.density) * (0.862 + 1.14 * nu) / (1.0 + nu);
 }
 
+double ShellModel::response_time() const {
+  return std::max(spacing / wave_speed(), thickness / std::sqrt(tables.elasticity.mu / material.density));
+}
+
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
   ShellModel m{

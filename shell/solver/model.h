@@ -51,6 +51,9 @@ struct ShellModel {
   int control_points() const { return tables.columns * tables.rows; }
   double wave_speed() const;      // of compression in the plane [m/s]
   double rayleigh_speed() const;  // [m/s]
+  /// Over which stress is averaged before it starts or drives cracks: the passage of a spacing or, where that is
+  /// longer, of the thickness by a shear wave, before which a thin shell's theory knows nothing [s].
+  double response_time() const;
 };
 
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,

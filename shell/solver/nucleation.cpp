@@ -11,8 +11,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kParallel = 0.6;  // cosine: a crack at a steeper angle does not relieve this one
-constexpr double kJoin = 1.5;      // spacings: a crack that starts so near another starts on it
+constexpr double kParallel = 0.85;  // cosine: a crack at a steeper angle does not relieve this one
+constexpr double kBehind = 0.5;     // spacings
+constexpr double kJoin = 1.5;       // spacings: a crack that starts so near another starts on it
 
 struct Overstressed {
   double ratio;
@@ -47,9 +48,11 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
   return over;
 }
 
+// All of the process zone is the tip's, and further what lies ahead of it or beside it.
 bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, const Vec2& p) {
   for (const Tip& tip : s.tips)
     if (tip.alive && (tip.p - p).norm() < r.tip_clearance &&
+        ((tip.p - p).norm() < r.process_length || (p - tip.p).dot(tip.direction) > -kBehind * m.spacing) &&
         s.cracks.visible(p, tip.p + 0.1 * m.spacing * tip.direction, tip.edge))
       return true;
   return false;
@@ -74,7 +77,8 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const O
                 std::uint64_t& random) {
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
   double six[6];
-  if (near_a_tip(m, s, r, p) || !surface_stress_at(m, s, o.block, o.lane, six)) return 0;
+  // of the surroundings: at one point of a few an element, the direction would be that of the lattice
+  if (near_a_tip(m, s, r, p) || !mean_stress(m, s, p, r.tip_radius, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;

@@ -14,6 +14,20 @@ constexpr double kWedge = 40.0 * kDegree;    // of the weight about a direction,
 constexpr double kAround = 120.0 * kDegree;  // points further round belong to the crack's flanks
 constexpr double kStep = 5.0 * kDegree;      // between two directions that are tried
 
+// Calls f(block, lane, offset from p) for each Gauss point within the radius.
+template <class F>
+void points_within(const ShellModel& m, const Vec2& p, double radius, F&& f) {
+  const RowTables& t = m.tables;
+  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+  for (int j = kv.span_of(p.y() - radius); j <= kv.span_of(p.y() + radius); ++j)
+    for (int i = ku.span_of(p.x() - radius); i <= ku.span_of(p.x() + radius); ++i)
+      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
+        const int block = j * t.gauss * t.gauss + sub;
+        const Vec2 d = gauss_point(m.patch, t, block, i).parameter - p;
+        if (d.squaredNorm() <= radius * radius) f(block, i, d);
+      }
+}
+
 double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
 
 struct Sample {
@@ -68,29 +82,36 @@ bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int 
   return true;
 }
 
+bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double radius, double* six) {
+  std::fill(six, six + 6, 0.0);
+  double sum = 0.0;
+  points_within(m, p, radius, [&](int block, int lane, const Vec2& d) {
+    double here[6];
+    if (!s.cracks.visible(p, p + d) || !surface_stress_at(m, s, block, lane, here)) return;
+    const double w = std::exp(-2.0 * d.squaredNorm() / (radius * radius));
+    sum += w;
+    for (int k = 0; k < 6; ++k) six[k] += w * here[k];
+  });
+  for (int k = 0; k < 6 && sum > 0.0; ++k) six[k] /= sum;
+  return sum > 0.0;
+}
+
 Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start) {
   thread_local std::vector<Sample> samples;
   samples.clear();
-  const RowTables& t = m.tables;
-  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
   const Vec2& p = start.p;
   const Vec2 eye = p + 0.1 * m.spacing * start.direction;
-  for (int j = kv.span_of(p.y() - r.tip_radius); j <= kv.span_of(p.y() + r.tip_radius); ++j)
-    for (int i = ku.span_of(p.x() - r.tip_radius); i <= ku.span_of(p.x() + r.tip_radius); ++i)
-      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
-        const int block = j * t.gauss * t.gauss + sub;
-        const Vec2 q = gauss_point(m.patch, t, block, i).parameter, d = q - p;
-        if (d.squaredNorm() > r.tip_radius * r.tip_radius) continue;
-        Sample here;
-        here.angle = std::atan2(start.direction.x() * d.y() - start.direction.y() * d.x(), start.direction.dot(d));
-        if (std::abs(here.angle) > kAround || !s.cracks.visible(eye, q, start.edge) ||
-            !surface_stress_at(m, s, block, i, here.six))
-          continue;
-        const double factor = m.strength_factor_at(block, i);  // of what resists there
-        for (double& stress : here.six) stress /= factor;
-        here.weight = std::exp(-2.0 * d.squaredNorm() / (r.tip_radius * r.tip_radius));
-        samples.push_back(here);
-      }
+  points_within(m, p, r.tip_radius, [&](int block, int lane, const Vec2& d) {
+    Sample here;
+    here.angle = std::atan2(start.direction.x() * d.y() - start.direction.y() * d.x(), start.direction.dot(d));
+    if (std::abs(here.angle) > kAround || !s.cracks.visible(eye, p + d, start.edge) ||
+        !surface_stress_at(m, s, block, lane, here.six))
+      return;
+    const double factor = m.strength_factor_at(block, lane);  // of what resists there
+    for (double& stress : here.six) stress /= factor;
+    here.weight = std::exp(-2.0 * d.squaredNorm() / (r.tip_radius * r.tip_radius));
+    samples.push_back(here);
+  });
   const int steps = static_cast<int>(std::ceil(start.most_turn / kStep - 1e-9));
   Drive best = drive_along(samples, r, start, 0.0);
   for (int k = 1; k <= steps; ++k)

@@ -32,6 +32,9 @@ double bending_mean(double poisson_ratio);
 /// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.
 bool surface_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* six);
 
+/// The same, mean over the points within `radius` [m] that `p` sees, weight exp(-2 r^2 / radius^2).
+bool mean_stress(const ShellModel& model, const ShellState& state, const Vec2& p, double radius, double* six);
+
 /// Normal stress on a crack along q, of 11 22 12.
 inline double across(const double* s, const Vec2& q) {
   return q.y() * q.y() * s[0] + q.x() * q.x() * s[1] - 2.0 * q.x() * q.y() * s[2];

@@ -16,7 +16,7 @@ constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatte
 // Edges, where a shorter one would not release energy: what changes around a tip costs the same for any.
 constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0};
 constexpr double kForced = 2.0;  // drive, four times the energy: then what the change of functions adds is put up with
-constexpr double kRetry = 0.75;  // of an edge that a tip keeps which was refused
+constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
 constexpr double kMet = 0.05;    // spacings between tips that have met
 constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;  // of a crack from the end of a cut
