@@ -27,6 +27,38 @@ Window window(double s) {
   return {0.0, 0.0, 0.0};
 }
 
+constexpr int kMonomials = 16;  // of degree 4 at most, 15 of them, and one that is zero
+struct Monomials {
+  alignas(64) double at[kMonomials];
+  Monomials() : at{} {}
+  Monomials(double x, double y) {
+    const double xx = x * x, xy = x * y, yy = y * y;
+    const double all[kMonomials] = {1.0,    x,      y,       xx,      xy,      yy,      xx * x,  xx * y,
+                                    x * yy, yy * y, xx * xx, xx * xy, xx * yy, xy * yy, yy * yy, 0.0};
+    std::copy(all, all + kMonomials, at);
+  }
+  void add(double w, const Monomials& m) {
+    for (int i = 0; i < kMonomials; ++i) at[i] += w * m.at[i];
+  }
+};
+// The product of two basis functions is a monomial: matrices are made of sums of fifteen.
+constexpr int kProduct[6][6] = {{0, 1, 2, 3, 4, 5},    {1, 3, 4, 6, 7, 8},    {2, 4, 5, 7, 8, 9},
+                                {3, 6, 7, 10, 11, 12}, {4, 7, 8, 11, 12, 13}, {5, 8, 9, 12, 13, 14}};
+template <int B>
+Eigen::Matrix<double, B, B> matrix_of(const Monomials& m) {
+  Eigen::Matrix<double, B, B> a;
+  for (int i = 0; i < B; ++i)
+    for (int j = 0; j < B; ++j) a(i, j) = m.at[kProduct[i][j]];
+  return a;
+}
+
+// Pivots are no less than the least eigenvalue, diagonal entries no more than the largest: a lower bound of the
+// condition, which spares most supports of one-sided points the eigenvalues.
+template <class Factors, class Matrix>
+bool beyond(const Factors& inverse, const Matrix& a, double limit) {
+  const double least = inverse.vectorD().minCoeff();
+  return !(least > 0.0) || a.diagonal().maxCoeff() > limit * least;
+}
 // The basis is centred on the point and scaled by the support d; derivatives are those of the full
 // expression N_k = gamma(p)^T p_k W(p - p_k), gamma = A^-1 p. Returns false where cond(A) > limit.
 template <int B>
@@ -34,32 +66,32 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
                      std::vector<MlsFunction>& out) {
   using Matrix = Eigen::Matrix<double, B, B>;
   using Column = Eigen::Matrix<double, B, 1>;
-  Matrix a = Matrix::Zero(), a1 = a, a2 = a, a11 = a, a22 = a, a12 = a;
-  thread_local std::vector<Column> p;
-  thread_local std::vector<std::array<double, 6>> w;
-  p.resize(n), w.resize(n);
+  thread_local std::vector<Monomials> m;
+  thread_local std::vector<std::pair<Window, Window>> windows;
+  m.resize(n), windows.resize(n);
+  Monomials sum;
   for (int k = 0; k < n; ++k) {
     const double x = candidates[k].offset.x() / d, y = candidates[k].offset.y() / d;
-    const Window wx = window(-x), wy = window(-y);
-    w[k] = {wx.w * wy.w, wx.d * wy.w, wx.w * wy.d, wx.dd * wy.w, wx.w * wy.dd, wx.d * wy.d};
-    if constexpr (B == 6)
-      p[k] << 1.0, x, y, x * x, x * y, y * y;
-    else
-      p[k] << 1.0, x, y;
-    a += w[k][0] * (p[k] * p[k].transpose());
+    windows[k] = {window(-x), window(-y)};
+    m[k] = Monomials(x, y);
+    sum.add(windows[k].first.w * windows[k].second.w, m[k]);
   }
-  // Pivots are no less than the least eigenvalue, diagonal entries no more than the largest: a lower bound of the
-  // condition, which spares most supports of one-sided points the eigenvalues.
+  const Matrix a = matrix_of<B>(sum);
   const Eigen::LDLT<Matrix> inverse(a);
-  const double least = inverse.vectorD().minCoeff();
-  if (!(least > 0.0) || a.diagonal().maxCoeff() > limit * least) return false;
+  if (beyond(inverse, a, limit)) return false;
   Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
   const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(B - 1);
   if (!(low > 0.0) || high > limit * low) return false;
+  thread_local std::vector<std::array<double, 6>> w;
+  w.resize(n);
+  Monomials sums[5];
   for (int k = 0; k < n; ++k) {
-    const Matrix pp = p[k] * p[k].transpose();
-    a1 += w[k][1] * pp, a2 += w[k][2] * pp, a11 += w[k][3] * pp, a22 += w[k][4] * pp, a12 += w[k][5] * pp;
+    const auto& [wx, wy] = windows[k];
+    w[k] = {wx.w * wy.w, wx.d * wy.w, wx.w * wy.d, wx.dd * wy.w, wx.w * wy.dd, wx.d * wy.d};
+    for (int i = 0; i < 5; ++i) sums[i].add(w[k][i + 1], m[k]);
   }
+  const Matrix a1 = matrix_of<B>(sums[0]), a2 = matrix_of<B>(sums[1]), a11 = matrix_of<B>(sums[2]),
+               a22 = matrix_of<B>(sums[3]), a12 = matrix_of<B>(sums[4]);
   Column e = Column::Zero(), e1 = e, e2 = e, e11 = e, e22 = e, e12 = e;
   e(0) = 1.0, e1(1) = 1.0, e2(2) = 1.0;
   if constexpr (B == 6) e11(3) = 2.0, e22(5) = 2.0, e12(4) = 1.0;
@@ -69,7 +101,8 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
   out.resize(n);
   const double iu = 1.0 / (d * su), iv = 1.0 / (d * sv);
   for (int k = 0; k < n; ++k) {
-    const double c = g.dot(p[k]), c1 = g1.dot(p[k]), c2 = g2.dot(p[k]);
+    const Eigen::Map<const Column> p(m[k].at);  // the basis comes first
+    const double c = g.dot(p), c1 = g1.dot(p), c2 = g2.dot(p);
     const auto& v = w[k];
     MlsFunction& f = out[k];
     f.control_point = candidates[k].control_point;
@@ -77,9 +110,9 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
     f.n[1] = (c1 * v[0] + c * v[1]) * iu;
     f.n[2] = (c2 * v[0] + c * v[2]) * iv;
     if constexpr (B == 6) {
-      f.n[3] = (g11.dot(p[k]) * v[0] + 2.0 * c1 * v[1] + c * v[3]) * iu * iu;
-      f.n[4] = (g22.dot(p[k]) * v[0] + 2.0 * c2 * v[2] + c * v[4]) * iv * iv;
-      f.n[5] = (g12.dot(p[k]) * v[0] + c1 * v[2] + c2 * v[1] + c * v[5]) * iu * iv;
+      f.n[3] = (g11.dot(p) * v[0] + 2.0 * c1 * v[1] + c * v[3]) * iu * iu;
+      f.n[4] = (g22.dot(p) * v[0] + 2.0 * c2 * v[2] + c * v[4]) * iv * iv;
+      f.n[5] = (g12.dot(p) * v[0] + c1 * v[2] + c2 * v[1] + c * v[5]) * iu * iv;
     } else {
       f.n[3] = f.n[4] = f.n[5] = 0.0;
     }
