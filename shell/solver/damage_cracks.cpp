@@ -14,6 +14,7 @@ namespace {
 constexpr double kWatched = 0.8;   // of the strength: a layer may bear more than the mean surface stress says
 constexpr double kStep = 0.75;     // spacings of an edge
 constexpr double kSpent = 1.25;    // spacings beside a crack whose damage is that crack's
+constexpr double kMet = 0.01;      // spacings: an end so little past a crack that its edge has met is a joint
 constexpr double kShortest = 1.5;  // spacings: a shorter line waits until it has grown
 constexpr double kSpur = 1.5;      // spacings: a shorter side line is noise of the boundary
 constexpr double kUnhealed = 0.5;  // of a line's points: where less is still damaged, waves have passed
@@ -53,15 +54,33 @@ struct End {
   Vec2 p, ahead;
 };
 
+// An end that has joined another crack stands just past it, on a vertex of its own.
+bool joined(const ShellModel& m, const CrackGraph& g, int edge, const Vec2& end) {
+  const CrackEdge& own = g.edges()[edge];
+  bool met = false;
+  g.near(end, end, kMet * m.spacing, [&](int e) {
+    const CrackEdge& c = g.edges()[e];
+    if (c.from == own.from || c.from == own.to || c.to == own.from || c.to == own.to) return true;
+    Vec2 foot;
+    met = g.distance(end, e, foot) < kMet * m.spacing && segments_meet(own.a, own.b, c.long_a, c.long_b);
+    return !met;
+  });
+  return met;
+}
+
 std::vector<End> open_ends(const ShellModel& m, const CrackGraph& g) {
   std::vector<int> degree(g.vertices().size(), 0);
   for (const CrackEdge& e : g.edges()) ++degree[e.from], ++degree[e.to];
   std::vector<End> ends;
   for (std::size_t i = 0; i < g.edges().size(); ++i) {
     const CrackEdge& e = g.edges()[i];
+    const int edge = static_cast<int>(i);
     const Vec2 d = (e.b - e.a).normalized();
-    if (degree[e.to] == 1 && m.patch.contains(e.b)) ends.push_back({e.to, e.crack, static_cast<int>(i), e.b, d});
-    if (degree[e.from] == 1 && m.patch.contains(e.a)) ends.push_back({e.from, e.crack, static_cast<int>(i), e.a, -d});
+    const auto open = [&](int vertex, const Vec2& p) {
+      return degree[vertex] == 1 && m.patch.contains(p) && !joined(m, g, edge, p);
+    };
+    if (open(e.to, e.b)) ends.push_back({e.to, e.crack, edge, e.b, d});
+    if (open(e.from, e.a)) ends.push_back({e.from, e.crack, edge, e.a, -d});
   }
   return ends;
 }
