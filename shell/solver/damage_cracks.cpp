@@ -22,9 +22,10 @@ constexpr double kUnhealed = 0.5;  // of a line's points: where less is still da
 // such a point belongs to; spacings off it none does.
 constexpr double kOffLattice = 0.013;
 constexpr double kJoin = 1.5, kDamagedJoin = 5.0;  // spacings an end reaches, on sound and on damaged ground
-constexpr double kThrough = 0.8;                   // of a way's cells that make it damaged ground
-constexpr double kBroad = 0.7;  // of the cells around, fully damaged: no middle line tells where the crack goes
-constexpr double kView = 2.0;   // spacings ahead of an end over which its stress is averaged
+constexpr double kBeside = 0.25;  // spacings: a way that passes an open end so close runs along its crack
+constexpr double kThrough = 0.8;  // of a way's cells that make it damaged ground
+constexpr double kBroad = 0.7;    // of the cells around, fully damaged: no middle line tells where the crack goes
+constexpr double kView = 2.0;     // spacings ahead of an end over which its stress is averaged
 constexpr double kTurn = 20.0 * std::numbers::pi / 180.0;  // most per edge
 constexpr double kTorn = 16.0;  // times the stress at which damage is complete: what is stretched so far is rubble
 
@@ -113,6 +114,13 @@ int join(const ShellModel& m, ShellState& s, const DamageLattice& grid, const En
     if (distance >= nearest || distance < 1e-6 * l || way.dot(end.ahead) < 0.3 * distance) return;
     if (!s.cracks.visible(end.p, p - 1e-3 * l * way / distance, end.edge, skip)) return;
     if (distance > kJoin * l && grid.damaged_share(end.p, p) < kThrough) return;
+    for (const End& other : ends) {
+      const Vec2 off = other.p - end.p;
+      const double along = off.dot(way) / distance;
+      if (other.vertex != end.vertex && other.vertex != v && along > 0.0 && along < distance - kBeside * l &&
+          (off - along * way / distance).norm() < kBeside * l)
+        return;
+    }
     nearest = distance, target = p, vertex = v, found = true;
   };
   for (const End& other : ends)

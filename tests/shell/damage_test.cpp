@@ -427,6 +427,23 @@ TEST(ExtractCracks, AnEndJustShortOfAStemJoinsItOnce) {
   EXPECT_EQ(s.cracks.edges().size(), edges + 1);
 }
 
+// The end ahead is too far over sound ground; what lies behind it on the same crack is not a way out.
+TEST(ExtractCracks, AnEndDoesNotRunAlongTheCrackAheadOfIt) {
+  const ShellModel m = panel(40, 0.2);
+  const double l = m.spacing;
+  for (const double sound : {0.55, 0.65}) {
+    ShellState s = damaging(m);
+    insert_polyline(m, s, {{0.0, 0.1503}, {0.1, 0.1503}}, 0.0);
+    insert_polyline(m, s, {{0.1 + 2.4 * l, 0.1507}, {0.1 + 6.4 * l, 0.1513}}, 0.0);
+    damage_where(m, s, [&](const Vec2& p) {
+      return std::abs(p.y() - 0.15) < 0.9 * l && p.x() > 0.1 + sound * l && p.x() < 0.1 + 6.0 * l;
+    });
+    const std::size_t edges = s.cracks.edges().size();
+    for (int k = 0; k < 3; ++k) extract_cracks(m, s, 0.0);
+    EXPECT_EQ(s.cracks.edges().size(), edges) << sound;
+  }
+}
+
 TEST(ExtractCracks, WhatHasHealedIsNotCut) {
   const ShellModel m = panel(40, 0.2);
   ShellState s = damaging(m);
