@@ -151,6 +151,45 @@ def consistency(table: Table, executables: Executables) -> None:
                 print(f"picture          {table.pictures / 'crack_stages.png'}", flush=True)
 
 
+AFTER_S = 2.0     # the stretch is looked at so long after the sheet has parted
+COMES_BACK = 0.3  # more than this is over-stretched
+STAYS = 3.0       # without cracks: at least this
+
+
+def over_stretch(table: Table, executables: Executables) -> None:
+    """scenes/over_stretch.textproto as it is, with maximum damage, and with that and no cracks; the paper's Fig. 4."""
+    from .stretch import separated_at, stretched_at, write_stretched  # numpy and PIL only now
+    found = []
+    parted = 0.0
+    for name, words, settings in (
+            ("healing", "damage heals", []),
+            ("maximum", "maximum damage", ["fracture.healing=false"]),
+            ("uncut", "maximum damage, nothing is cut", ["fracture.healing=false", "fracture.extract_cracks=false"])):
+        with _kept(executables, "over_stretch.textproto", settings) as (folder, seconds):
+            run = read_run(folder)
+            if name != "uncut":
+                parted = separated_at(folder)  # the same motion parts all three
+            one = stretched_at(folder, parted + AFTER_S)
+            before = stretched_at(folder, parted - 0.1).largest() if name != "uncut" else math.nan
+        found.append((words, one))
+        largest = one.largest() if run["time"]["frozen_at_s"] is None else math.nan
+        if name == "uncut":
+            table.add("over_stretch_uncut_at_least", min(largest, STAYS), STAYS, 0.0, seconds)
+        else:
+            table.add(f"over_stretch_{name}", largest, 1.0, COMES_BACK, seconds)
+        table.lines.append(f"over_stretch {words}: {largest:.4g} at {one.time_s:.2g} s, {AFTER_S:g} s after it parted; "
+                           f"{one.beyond(1.0 + COMES_BACK):.1f} elements beyond {1.0 + COMES_BACK:g}"
+                           + ("" if math.isnan(before) else f"; {before:.3g} shortly before")
+                           + f"; injected {run['energy']['crack_injected']:.1e} of "
+                           f"{run['energy']['dissipated_fracture']:.1e} J")
+    table.lines.append("over_stretch: what is fully damaged is cut in the substep in which that completes, one Gauss "
+                       "point to either side of the crack; nothing pulls on it then, so that maximum damage does not "
+                       "over-stretch either, only damage without a crack does")
+    if table.pictures is not None:
+        write_stretched(found, table.pictures / "over_stretch.png")
+        print(f"picture          {table.pictures / 'over_stretch.png'}", flush=True)
+
+
 @dataclass(frozen=True)
 class Experiment:
     """A validation case that runs scenes."""
@@ -165,6 +204,8 @@ EXPERIMENTS = {"shells": (
 ), "cracks": (
     Experiment("consistency", "earlier cracks are part of later ones, no gaps, by the frames alone (paper, Fig. 8)",
                consistency),
+    Experiment("over_stretch", "stretch beside a crack with healing, with maximum damage, and uncut (paper, Fig. 4)",
+               over_stretch),
 )}
 
 
