@@ -114,6 +114,8 @@ def torn_area(table: Table, executables: Executables) -> None:
         # from below: an area above one is as wrong as one below
         tolerance = 0.01 if model == "PLANE_STRESS" else 0.05
         table.add(f"area_kept_{model.lower()}", surface["now_m2"], 1.0, tolerance, seconds)
+        if model == "PLANE_STRESS":
+            table.add("torn_square_injected", _injected(found), 0.0, MOST_INJECTED, seconds)
         table.lines.append(f"torn_area {model}: {counts['fragments']} fragments, stretch of what bears "
                            f"{surface['now_m2'] / surface['rest_m2'] - 1.0:+.1e}, {counts['rubble_points']} of "
                            f"{counts['gauss_points']} points torn")
@@ -121,7 +123,13 @@ def torn_area(table: Table, executables: Executables) -> None:
                        "models are run in one scheme, and none loses area")
 
 
+def _injected(run: dict) -> float:
+    """Energy that insertions of edges have added, over what fracture took."""
+    return run["energy"]["crack_injected"] / run["energy"]["dissipated_fracture"]
+
+
 DENSE = ["window_s=1e-5", "output.shell_frame_interval_s=1e-5"]  # frames closer than a tip takes for an edge
+MOST_INJECTED = 0.01  # of what fracture took, that insertions may add
 FEWEST_GROWING = 10  # frames with new edges; fewer would prove little
 
 
@@ -137,6 +145,8 @@ def consistency(table: Table, executables: Executables) -> None:
             for what, count in (("lost", found.lost), ("unconnected", found.unconnected), ("gaps", found.gaps),
                                 ("in_pieces", found.apart), ("doubled", found.doubled)):
                 table.add(f"{name}_cracks_{what}", count if proven else math.nan, 0.0, 0.0, seconds)
+            if name == "torn_sheet":
+                table.add(f"{name}_injected", _injected(read_run(folder)), 0.0, MOST_INJECTED, seconds)
             table.lines.append(f"consistency {name}: {found.frames} frames, {found.growing} with new edges; "
                                f"{found.edges} edges of {found.cracks} cracks, {found.starts} started on their own")
             table.lines += [f"consistency {name}: {note}" for note in found.notes]
