@@ -146,7 +146,8 @@ def consistency(table: Table, executables: Executables) -> None:
                                 ("in_pieces", found.apart), ("doubled", found.doubled)):
                 table.add(f"{name}_cracks_{what}", count if proven else math.nan, 0.0, 0.0, seconds)
             if name == "torn_sheet":
-                table.add(f"{name}_injected", _injected(read_run(folder)), 0.0, MOST_INJECTED, seconds)
+                table.add(f"{name}_injected", _injected(read_run(folder)) if proven else math.nan, 0.0,
+                          MOST_INJECTED, seconds)
             table.lines.append(f"consistency {name}: {found.frames} frames, {found.growing} with new edges; "
                                f"{found.edges} edges of {found.cracks} cracks, {found.starts} started on their own")
             table.lines += [f"consistency {name}: {note}" for note in found.notes]
