@@ -418,6 +418,8 @@ void validate(const LoadedScene& s) {
     positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
     s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");
   }
+  s.check(!r.has_extract_cracks() || r.mode() == proto::Fracture::DAMAGE, "fracture.extract_cracks",
+          "is for mode DAMAGE; leave it out");
   s.check(!r.has_healing() || r.mode() == proto::Fracture::DAMAGE, "fracture.healing",
           "says whether damage heals, which only mode DAMAGE has; leave it out");
   if (r.has_quiet_growth())

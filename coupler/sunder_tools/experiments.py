@@ -1,14 +1,15 @@
 """Validation by whole runs: scenes in two processes, what they leave behind against what is known."""
 from __future__ import annotations
 
+import importlib
 import json
 import math
 from dataclasses import dataclass
 from typing import Callable
 
 from .build import Executables, ensure_built
-from .crack_paths import branching, kalthoff, modes, pressed_plate, share
 from .errors import CommandError
+from .report import read_run
 from .trials import Table, kept_run, run_scene
 
 
@@ -71,6 +72,8 @@ def torn_area(table: Table, executables: Executables) -> None:
         # from below: an area above one is as wrong as one below
         tolerance = 0.01 if model == "PLANE_STRESS" else 0.05
         table.add(f"area_kept_{model.lower()}", surface["now_m2"], 1.0, tolerance, seconds)
+        if model == "PLANE_STRESS":
+            table.add("torn_square_injected", _injected(found), 0.0, MOST_INJECTED, seconds)
         table.lines.append(f"torn_area {model}: {counts['fragments']} fragments, stretch of what bears "
                            f"{surface['now_m2'] / surface['rest_m2'] - 1.0:+.1e}, {counts['rubble_points']} of "
                            f"{counts['gauss_points']} points torn")
@@ -78,7 +81,13 @@ def torn_area(table: Table, executables: Executables) -> None:
                        "models are run in one scheme, and none loses area")
 
 
+def _injected(run: dict) -> float:
+    """Energy that insertions of edges have added, over what fracture took."""
+    return run["energy"]["crack_injected"] / run["energy"]["dissipated_fracture"]
+
+
 DENSE = ["window_s=1e-5", "output.shell_frame_interval_s=1e-5"]  # frames closer than a tip takes for an edge
+MOST_INJECTED = 0.01  # of what fracture took, that insertions may add
 FEWEST_GROWING = 10  # frames with new edges; fewer would prove little
 
 
@@ -94,6 +103,9 @@ def consistency(table: Table, executables: Executables) -> None:
             for what, count in (("lost", found.lost), ("unconnected", found.unconnected), ("gaps", found.gaps),
                                 ("in_pieces", found.apart), ("doubled", found.doubled)):
                 table.add(f"{name}_cracks_{what}", count if proven else math.nan, 0.0, 0.0, seconds)
+            if name == "torn_sheet":
+                table.add(f"{name}_injected", _injected(read_run(folder)) if proven else math.nan, 0.0,
+                          MOST_INJECTED, seconds)
             table.lines.append(f"consistency {name}: {found.frames} frames, {found.growing} with new edges; "
                                f"{found.edges} edges of {found.cracks} cracks, {found.starts} started on their own")
             table.lines += [f"consistency {name}: {note}" for note in found.notes]
@@ -108,6 +120,45 @@ def consistency(table: Table, executables: Executables) -> None:
                 print(f"picture          {table.pictures / 'crack_stages.png'}", flush=True)
 
 
+AFTER_S = 2.0     # the stretch is looked at so long after the sheet has parted
+COMES_BACK = 0.3  # more than this is over-stretched
+STAYS = 3.0       # without cracks: at least this
+
+
+def over_stretch(table: Table, executables: Executables) -> None:
+    """scenes/over_stretch.textproto as it is, with maximum damage, and with that and no cracks; the paper's Fig. 4."""
+    from .stretch import separated_at, stretched_at, write_stretched  # numpy and PIL only now
+    found = []
+    parted = 0.0
+    for name, words, settings in (
+            ("healing", "damage heals", []),
+            ("maximum", "maximum damage", ["fracture.healing=false"]),
+            ("uncut", "maximum damage, nothing is cut", ["fracture.healing=false", "fracture.extract_cracks=false"])):
+        with kept_run(executables, "over_stretch.textproto", settings) as (folder, seconds):
+            run = read_run(folder)
+            if name != "uncut":
+                parted = separated_at(folder)  # the same motion parts all three
+            one = stretched_at(folder, parted + AFTER_S)
+            before = stretched_at(folder, parted - 0.1).largest() if name != "uncut" else math.nan
+        found.append((words, one))
+        largest = one.largest() if run["time"]["frozen_at_s"] is None else math.nan
+        if name == "uncut":
+            table.add("over_stretch_uncut_at_least", min(largest, STAYS), STAYS, 0.0, seconds)
+        else:
+            table.add(f"over_stretch_{name}", largest, 1.0, COMES_BACK, seconds)
+        table.lines.append(f"over_stretch {words}: {largest:.4g} at {one.time_s:.2g} s, {AFTER_S:g} s after it parted; "
+                           f"{one.beyond(1.0 + COMES_BACK):.1f} elements beyond {1.0 + COMES_BACK:g}"
+                           + ("" if math.isnan(before) else f"; {before:.3g} shortly before")
+                           + f"; injected {run['energy']['crack_injected']:.1e} of "
+                           f"{run['energy']['dissipated_fracture']:.1e} J")
+    table.lines.append("over_stretch: what is fully damaged is cut in the substep in which that completes, one Gauss "
+                       "point to either side of the crack; nothing pulls on it then, so that maximum damage does not "
+                       "over-stretch either, only damage without a crack does")
+    if table.pictures is not None:
+        write_stretched(found, table.pictures / "over_stretch.png")
+        print(f"picture          {table.pictures / 'over_stretch.png'}", flush=True)
+
+
 @dataclass(frozen=True)
 class Experiment:
     """A validation case that runs scenes."""
@@ -116,17 +167,26 @@ class Experiment:
     run: Callable[[Table, Executables], None]
 
 
+def _later(module: str, name: str) -> Callable[[Table, Executables], None]:
+    """A function of a module that needs numpy, which may not be installed before the first build."""
+    def run(table: Table, executables: Executables) -> None:
+        getattr(importlib.import_module(f".{module}", __package__), name)(table, executables)
+    return run
+
+
 EXPERIMENTS = {"shells": (
     Experiment("restitution", "a ball on a large plate, Hertz contact, two processes (Zener 1941)", restitution),
     Experiment("torn_area", "area kept by a torn sheet, four stress models (paper, Fig. 9)", torn_area),
 ), "cracks": (
     Experiment("consistency", "earlier cracks are part of later ones, no gaps, by the frames alone (paper, Fig. 8)",
                consistency),
-    Experiment("modes", "a notched sheet drawn apart, and sheared (paper, Fig. 11)", modes),
-    Experiment("pressed_plate", "a simply supported plate under pressure: an X", pressed_plate),
-    Experiment("kalthoff", "70 degrees to the notch (Kalthoff and Winkler 1988)", kalthoff),
-    Experiment("branching", "when a running crack divides, three spacings (Borden 2012)", branching),
-    Experiment("share", "what cracks cost while they grow, and with their number", share),
+    Experiment("modes", "a notched sheet drawn apart, and sheared (paper, Fig. 11)", _later("crack_paths", "modes")),
+    Experiment("pressed_plate", "a simply supported plate under pressure: an X", _later("crack_paths", "pressed_plate")),
+    Experiment("kalthoff", "70 degrees to the notch (Kalthoff and Winkler 1988)", _later("crack_paths", "kalthoff")),
+    Experiment("branching", "when a running crack divides, three spacings (Borden 2012)", _later("crack_paths", "branching")),
+    Experiment("share", "what cracks cost while they grow, and with their number", _later("crack_paths", "share")),
+    Experiment("over_stretch", "stretch beside a crack with healing, with maximum damage, and uncut (paper, Fig. 4)",
+               over_stretch),
 )}
 
 

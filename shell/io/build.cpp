@@ -205,6 +205,7 @@ RunSetup build(const scene::LoadedScene& scene) {
                             s.spacing / coarse, s.spacing),
           q.fracture_energy * coarse);
       if (m.fracture().has_healing()) r.healing = m.fracture().healing();
+      if (m.fracture().has_extract_cracks()) r.extract_cracks = m.fracture().extract_cracks();
     }
     if (r.brittleness > 0.0) r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run
     if (r.tips) {

@@ -33,6 +33,7 @@ struct RunSetup {
   double equilibrium = 0.0;     // tolerance of the equilibrium that the shell starts from; 0: starts as it is
   double brittleness = 0.0;     // H of the damage law; 0: no damage
   bool healing = true;          // of damage, as the stress falls
+  bool extract_cracks = true;   // where damage is complete
   double last_change = 0.0;     // when the last load or support has stopped changing [s]
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();

@@ -253,7 +253,7 @@ void Run::shell_window() {
       Stopwatch w(stage_s_["crack_update"]);
       watch_stress(m, s);
       const int every = crack_interval(setup_.rules, dt);
-      if (k % every == every - 1 || k == n - 1) extract_cracks(m, s, time() + (k + 1) * dt);
+      if (setup_.extract_cracks && (k % every == every - 1 || k == n - 1)) extract_cracks(m, s, time() + (k + 1) * dt);
     }
     look_around();
     if (*interrupted_ && wall_clock() - window_start > kPatience)

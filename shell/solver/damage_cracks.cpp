@@ -14,6 +14,7 @@ namespace {
 constexpr double kWatched = 0.8;   // of the strength: a layer may bear more than the mean surface stress says
 constexpr double kStep = 0.75;     // spacings of an edge
 constexpr double kSpent = 1.25;    // spacings beside a crack whose damage is that crack's
+constexpr double kMet = 0.01;      // spacings: an end so little past a crack that its edge has met is a joint
 constexpr double kShortest = 1.5;  // spacings: a shorter line waits until it has grown
 constexpr double kSpur = 1.5;      // spacings: a shorter side line is noise of the boundary
 constexpr double kUnhealed = 0.5;  // of a line's points: where less is still damaged, waves have passed
@@ -21,9 +22,10 @@ constexpr double kUnhealed = 0.5;  // of a line's points: where less is still da
 // such a point belongs to; spacings off it none does.
 constexpr double kOffLattice = 0.013;
 constexpr double kJoin = 1.5, kDamagedJoin = 5.0;  // spacings an end reaches, on sound and on damaged ground
-constexpr double kThrough = 0.8;                   // of a way's cells that make it damaged ground
-constexpr double kBroad = 0.7;  // of the cells around, fully damaged: no middle line tells where the crack goes
-constexpr double kView = 2.0;   // spacings ahead of an end over which its stress is averaged
+constexpr double kBeside = 0.25;  // spacings: a way that passes an open end so close runs along its crack
+constexpr double kThrough = 0.8;  // of a way's cells that make it damaged ground
+constexpr double kBroad = 0.7;    // of the cells around, fully damaged: no middle line tells where the crack goes
+constexpr double kView = 2.0;     // spacings ahead of an end over which its stress is averaged
 constexpr double kTurn = 20.0 * std::numbers::pi / 180.0;  // most per edge
 constexpr double kTorn = 16.0;  // times the stress at which damage is complete: what is stretched so far is rubble
 
@@ -53,15 +55,33 @@ struct End {
   Vec2 p, ahead;
 };
 
+// An end that has joined another crack stands just past it, on a vertex of its own.
+bool joined(const ShellModel& m, const CrackGraph& g, int edge, const Vec2& end) {
+  const CrackEdge& own = g.edges()[edge];
+  bool met = false;
+  g.near(end, end, kMet * m.spacing, [&](int e) {
+    const CrackEdge& c = g.edges()[e];
+    if (c.from == own.from || c.from == own.to || c.to == own.from || c.to == own.to) return true;
+    Vec2 foot;
+    met = g.distance(end, e, foot) < kMet * m.spacing && segments_meet(own.a, own.b, c.long_a, c.long_b);
+    return !met;
+  });
+  return met;
+}
+
 std::vector<End> open_ends(const ShellModel& m, const CrackGraph& g) {
   std::vector<int> degree(g.vertices().size(), 0);
   for (const CrackEdge& e : g.edges()) ++degree[e.from], ++degree[e.to];
   std::vector<End> ends;
   for (std::size_t i = 0; i < g.edges().size(); ++i) {
     const CrackEdge& e = g.edges()[i];
+    const int edge = static_cast<int>(i);
     const Vec2 d = (e.b - e.a).normalized();
-    if (degree[e.to] == 1 && m.patch.contains(e.b)) ends.push_back({e.to, e.crack, static_cast<int>(i), e.b, d});
-    if (degree[e.from] == 1 && m.patch.contains(e.a)) ends.push_back({e.from, e.crack, static_cast<int>(i), e.a, -d});
+    const auto open = [&](int vertex, const Vec2& p) {
+      return degree[vertex] == 1 && m.patch.contains(p) && !joined(m, g, edge, p);
+    };
+    if (open(e.to, e.b)) ends.push_back({e.to, e.crack, edge, e.b, d});
+    if (open(e.from, e.a)) ends.push_back({e.from, e.crack, edge, e.a, -d});
   }
   return ends;
 }
@@ -94,6 +114,13 @@ int join(const ShellModel& m, ShellState& s, const DamageLattice& grid, const En
     if (distance >= nearest || distance < 1e-6 * l || way.dot(end.ahead) < 0.3 * distance) return;
     if (!s.cracks.visible(end.p, p - 1e-3 * l * way / distance, end.edge, skip)) return;
     if (distance > kJoin * l && grid.damaged_share(end.p, p) < kThrough) return;
+    for (const End& other : ends) {
+      const Vec2 off = other.p - end.p;
+      const double along = off.dot(way) / distance;
+      if (other.vertex != end.vertex && other.vertex != v && along > 0.0 && along < distance - kBeside * l &&
+          (off - along * way / distance).norm() < kBeside * l)
+        return;
+    }
     nearest = distance, target = p, vertex = v, found = true;
   };
   for (const End& other : ends)

@@ -15,7 +15,7 @@ from PIL import Image
 
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
 from .crack_history import STAGES, history, write_history
-from sunder_tools import build, command, experiments, stages
+from sunder_tools import build, command, experiments, stages, trials
 from sunder_tools.thinning import closed, grown, share_outside, thinned
 from sunder_tools.vtp import VtpError
 
@@ -105,17 +105,21 @@ class StagesOfARun(InAFolder):
 
 
 class Consistency(InAFolder):
+    injected = 0.0  # [J]
+
     def validate(self, frames: list, *arguments: str) -> tuple[int, dict[str, object]]:
         """`validate cracks --case consistency` on made-up runs; status, and what each row computed."""
         def launch(executables: object, scene: Path, folder: Path, settings: list[str]) -> dict[str, object]:
             del executables, scene, settings
             write_history(folder, frames)
+            energy = {"crack_injected": self.injected, "dissipated_fracture": 2.0}
+            (folder / "run.json").write_text(json.dumps({"energy": energy}))
             return {}
 
         report = self.folder / "table.json"
         self.said = io.StringIO()
         nothing = build.Executables(Path("shell"), Path("rigid"))
-        with mock.patch.object(experiments, "launch_once", launch), \
+        with mock.patch.object(trials, "launch_once", launch), \
                 mock.patch.object(experiments, "ensure_built", lambda: nothing), \
                 contextlib.redirect_stdout(self.said), contextlib.redirect_stderr(self.said):
             status = command.main(["validate", "cracks", "--case", "consistency", "--json", str(report), *arguments])
@@ -135,6 +139,10 @@ class Consistency(InAFolder):
         with mock.patch.object(experiments, "FEWEST_GROWING", 4):
             status, rows = self.validate(frames)
         self.assertEqual((status, rows["glass_cracks_lost"], rows["torn_sheet_cracks_gaps"]), (1, 2, 0))
+        self.injected = 0.1
+        with mock.patch.object(experiments, "FEWEST_GROWING", 4):
+            status, rows = self.validate(history())
+        self.assertEqual((status, rows["torn_sheet_injected"], rows["torn_sheet_cracks_lost"]), (1, 0.05, 0))
         status, rows = self.validate(history())  # four frames with new edges
         self.assertEqual((status, set(rows.values())), (1, {None}))
 

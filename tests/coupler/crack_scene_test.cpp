@@ -235,6 +235,10 @@ TEST(Healing, IsForDamageOnly) {
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).healing);
   EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).healing);
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"}).healing);
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n")).extract_cracks);
+  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).extract_cracks);
+  expect_refusal(scene("", tough, "fracture { mode: TIPS extract_cracks: false }\n"), "fracture.extract_cracks",
+                 {"is for mode DAMAGE"});
 }
 
 TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {

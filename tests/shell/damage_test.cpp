@@ -401,6 +401,49 @@ TEST(ExtractCracks, BroadDamageStartsOneCrackAcrossTheLargestStress) {
   EXPECT_GT(s.cracks.total_length(), 3.0 * m.spacing);
 }
 
+// An end that has met a stem lies just past it: it must not walk along it, however it leans.
+TEST(ExtractCracks, AnEndThatHasJoinedAStemIsNotOpen) {
+  for (const double lean : {0.0, 0.03, 0.06, 0.12}) {
+    const ShellModel m = panel(40, 0.2);
+    ShellState s = damaging(m);
+    insert_polyline(m, s, {{0.0, 0.1503}, {0.3, 0.1541}}, 0.0);
+    insert_polyline(m, s, {{0.17 - lean, 0.0}, {0.17 - 0.5 * lean, 0.08}, {0.17, 0.1503 + 0.17 / 0.3 * 0.0038}}, 0.0);
+    damage_where(m, s, [&](const Vec2& p) { return std::abs(p.y() - 0.15) < 0.9 * m.spacing; });
+    const std::size_t edges = s.cracks.edges().size();
+    for (int k = 0; k < 5; ++k) extract_cracks(m, s, 0.0);
+    EXPECT_EQ(s.cracks.edges().size(), edges) << lean;
+  }
+}
+
+// One that stops at a stem without having met it is open, and joins it once.
+TEST(ExtractCracks, AnEndJustShortOfAStemJoinsItOnce) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  insert_polyline(m, s, {{0.0, 0.1503}, {0.3, 0.1503}}, 0.0);
+  insert_polyline(m, s, {{0.11, 0.0}, {0.17, 0.1503 - 0.3 * m.spacing}}, 0.0);
+  damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.17, 0.15)).norm() < 0.9 * m.spacing; });
+  const std::size_t edges = s.cracks.edges().size();
+  for (int k = 0; k < 5; ++k) extract_cracks(m, s, 0.0);
+  EXPECT_EQ(s.cracks.edges().size(), edges + 1);
+}
+
+// The end ahead is too far over sound ground; what lies behind it on the same crack is not a way out.
+TEST(ExtractCracks, AnEndDoesNotRunAlongTheCrackAheadOfIt) {
+  const ShellModel m = panel(40, 0.2);
+  const double l = m.spacing;
+  for (const double sound : {0.55, 0.65}) {
+    ShellState s = damaging(m);
+    insert_polyline(m, s, {{0.0, 0.1503}, {0.1, 0.1503}}, 0.0);
+    insert_polyline(m, s, {{0.1 + 2.4 * l, 0.1507}, {0.1 + 6.4 * l, 0.1513}}, 0.0);
+    damage_where(m, s, [&](const Vec2& p) {
+      return std::abs(p.y() - 0.15) < 0.9 * l && p.x() > 0.1 + sound * l && p.x() < 0.1 + 6.0 * l;
+    });
+    const std::size_t edges = s.cracks.edges().size();
+    for (int k = 0; k < 3; ++k) extract_cracks(m, s, 0.0);
+    EXPECT_EQ(s.cracks.edges().size(), edges) << sound;
+  }
+}
+
 TEST(ExtractCracks, WhatHasHealedIsNotCut) {
   const ShellModel m = panel(40, 0.2);
   ShellState s = damaging(m);

@@ -40,5 +40,6 @@ std::vector<Case> dynamic_cases();
 std::vector<Case> transfer_cases();
 std::vector<Case> crack_cases();
 std::vector<Case> tip_cases();
+std::vector<Case> bar_cases();
 
 }  // namespace sunder::validation

@@ -76,7 +76,8 @@ int main(int argc, char** argv) {
   std::map<std::string, std::vector<Case>> all{{"shells", static_cases()}, {"cracks", crack_cases()}};
   for (const auto& more : {dynamic_cases(), transfer_cases()})
     all["shells"].insert(all["shells"].end(), more.begin(), more.end());
-  for (const auto& more : {tip_cases()}) all["cracks"].insert(all["cracks"].end(), more.begin(), more.end());
+  for (const auto& more : {tip_cases(), bar_cases()})
+    all["cracks"].insert(all["cracks"].end(), more.begin(), more.end());
   std::vector<Case> cases;
   if (argc > 1 && all.count(argv[1])) cases = all[argv[1]], ++argv, --argc;
   for (int i = 1; i < argc; ++i) {
