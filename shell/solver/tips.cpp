@@ -14,8 +14,9 @@ namespace {
 
 constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
 // Edges, where a shorter one would not release energy: what changes around a tip costs the same for any.
-constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0};
-constexpr double kForced = 2.0;  // drive, four times the energy: then what the change of functions adds is put up with
+constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0, 4.0};
+constexpr double kForced =
+    10.0;  // drive, a hundred times the energy: then what the change of functions adds is put up with
 constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
 constexpr double kMet = 0.05;    // spacings between tips that have met
 constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
