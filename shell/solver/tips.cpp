@@ -15,8 +15,6 @@ namespace {
 constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
 // Edges, where a shorter one would not release energy: what changes around a tip costs the same for any.
 constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0, 4.0};
-constexpr double kForced =
-    10.0;  // drive, a hundred times the energy: then what the change of functions adds is put up with
 constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
 constexpr double kMet = 0.05;    // spacings between tips that have met
 constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
@@ -80,7 +78,7 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
 
 // Each tip runs one edge along its direction, all or none. Returns edges inserted.
 int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<std::pair<Tip*, Vec2>>& tips,
-            double time, bool forced) {
+            double time) {
   std::vector<Way> ways;
   int first = -1;
   double length = r.advance;
@@ -94,12 +92,6 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     }
     first = extend_cracks(m, s, edges, time, r.interlock);
     if (first >= 0) break;
-  }
-  if (first < 0 && forced) {
-    length = r.advance;
-    ways = {way_ahead(m, s, r, *tips[0].first, tips[0].second, length)};
-    first = insert_edge(m, s, tips[0].first->vertex, s.cracks.add_vertex(ways[0].to), tips[0].first->crack, time,
-                        tips[0].first->face, r.interlock);
   }
   if (first < 0) return 0;
   for (std::size_t k = 0; k < tips.size(); ++k) {
@@ -159,10 +151,10 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
         one.since_branch = twin.since_branch = 0.0;
-        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, time, false);
+        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, time);
         if (edges > 0) s.cracks.new_crack(), tip = one, s.tips.push_back(twin);
       }
-      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, time, tip.ratio > kForced * tip.weight);
+      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, time);
       if (edges == 0) tip.pending = kRetry * r.advance;
       inserted += edges;
     }
