@@ -187,6 +187,11 @@ EXPERIMENTS = {"shells": (
     Experiment("share", "what cracks cost while they grow, and with their number", _later("crack_paths", "share")),
     Experiment("over_stretch", "stretch beside a crack with healing, with maximum damage, and uncut (paper, Fig. 4)",
                over_stretch),
+    Experiment("round_pane", "the lattice must not show: 32 round panes, struck, the lattice turned",
+               _later("impacts", "round_pane")),
+    Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
+               _later("impacts", "impact_speed")),
+    Experiment("refinement", "cracks and residual speed on three grids", _later("impacts", "refinement")),
 )}
 
 

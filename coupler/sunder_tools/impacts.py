@@ -1,0 +1,164 @@
+"""Impacts on a brittle plate: the lattice must not show, radial cracks against speed, what refinement changes."""
+from __future__ import annotations
+
+import csv
+import math
+import random
+from pathlib import Path
+
+import numpy as np
+
+from .build import Executables
+from .crack_check import Graph
+from .crack_paths import grown, last_graph
+from .patterns import anova, harmonic, lengths, off_circle, power_law, radial_crossings, upper_bound
+from .report import read_run
+from .trials import Table, kept_run
+
+SIDE = 0.06       # [m] of the plate of both scenes
+ELEMENTS = 80
+SEEDS = 8
+COUNTED_AT = 4e-3  # [m]: four thicknesses from the impact radial cracks are counted
+LEAST_CHANCE = 0.01
+SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
+
+
+def _beside(seed: int) -> list[str]:
+    """The pellet beside the lattice's point of symmetry, by up to half an element; else that is what is seen."""
+    chance = random.Random(seed)
+    reach = 0.5 * SIDE / ELEMENTS
+    return [f"bodies[pellet].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
+
+
+def _struck(executables: Executables, scene: str, seed: int,
+            settings: list[str]) -> tuple[Graph | None, dict, float, float]:
+    """Cracks, run.json, the pellet's velocity at the end [m/s] and seconds; no cracks: None."""
+    with kept_run(executables, scene, [f"fracture.seed={seed}", "end_time_s=1.2e-4", *_beside(seed), *settings]) as (
+            folder, seconds):
+        rows = list(csv.reader((folder / "probes.csv").open()))
+        back = float(rows[-1][rows[0].index("pellet_vz [m/s]")])
+        try:
+            graph = grown(last_graph(folder))
+        except ValueError:
+            graph = None
+        return (graph if graph is not None and len(graph) else None), read_run(folder), back, seconds
+
+
+def _picture(path: Path, rows: list[list[Graph | None]]) -> None:
+    """Crack lines of many runs, small, a row a list; late ones red."""
+    from PIL import Image, ImageDraw
+    size = 200
+    image = Image.new("RGB", (size * max(map(len, rows)), size * len(rows)), "white")
+    draw = ImageDraw.Draw(image)
+    for j, row in enumerate(rows):
+        for i, graph in enumerate(row):
+            draw.rectangle([i * size, j * size, (i + 1) * size, (j + 1) * size], outline="#cccccc")
+            if graph is None:
+                continue
+            last = float(graph.born.max())
+            for ends, born in zip(graph.ends, graph.born):
+                at = [(i * size + u / SIDE * size, (j + 1) * size - v / SIDE * size) for u, v in ends]
+                draw.line(at, fill=(int(255 * born / last), 0, int(255 * (1.0 - born / last))))
+    image.save(path)
+    print(f"picture          {path}", flush=True)
+
+
+def round_pane(table: Table, executables: Executables) -> None:
+    """scenes/round_pane.textproto, its lattice turned by 0, 15, 30 and 45 degrees, eight seeds each."""
+    centre, radius = np.array([0.5 * SIDE, 0.5 * SIDE]), 0.027
+    groups: dict[str, list[list[complex]]] = {"harmonic": [], "length": [], "radials": []}
+    seconds, rows = 0.0, []
+    for degrees in (0, 15, 30, 45):
+        half = 0.5 * math.radians(degrees)
+        found: dict[str, list[complex]] = {name: [] for name in groups}
+        rows.append([])
+        for seed in range(1, SEEDS + 1):
+            graph, _, _, took = _struck(executables, "round_pane.textproto", seed + 100 * degrees, [
+                f"shells[plate].plate.pose.orientation.w={math.cos(half):.15g}",
+                f"shells[plate].plate.pose.orientation.z={math.sin(half):.15g}"])
+            seconds += took
+            rows[-1].append(graph)
+            ends = np.zeros((0, 2, 2)) if graph is None else graph.ends
+            ends = ends[off_circle(ends, centre, radius, 1e-3)]
+            if len(ends) == 0:
+                raise ValueError(f"round_pane: no crack at {degrees} degrees, seed {seed}")
+            found["harmonic"].append(harmonic(ends))
+            found["length"].append(float(lengths(ends).sum()))
+            found["radials"].append(float(len(radial_crossings(ends, centre, COUNTED_AT))))
+        for name, values in found.items():
+            groups[name].append(values)
+        length, radials = 1e3 * np.real(found["length"]), np.real(found["radials"])
+        table.lines.append(f"round_pane at {degrees} degrees: harmonic {np.mean(found['harmonic']):.2f}, length "
+                           f"{length.mean():.0f} +- {length.std(ddof=1):.0f} mm, radial cracks {radials.mean():.1f} +- "
+                           f"{radials.std(ddof=1):.1f}")
+    every = np.array(groups["harmonic"]).reshape(-1)
+    table.add("round_pane_harmonic_bound", upper_bound(every), 0.0, 0.3, seconds)
+    for name, values in groups.items():
+        chance = anova([np.array(v) for v in values])[1]
+        table.add(f"round_pane_{name}_depends", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
+        table.lines.append(f"round_pane: chance of so much difference between turns in {name} {chance:.2f}")
+    table.lines.append(f"round_pane: mean harmonic of all {len(every)} runs {every.mean():.3f}; of one run some "
+                       f"{np.abs(every).mean():.2f}, as few arms have")
+    if table.pictures is not None:
+        _picture(table.pictures / "round_pane.png", rows)
+
+
+def impact_speed(table: Table, executables: Executables) -> None:
+    """scenes/acrylic.textproto at seven speeds over a factor of eight, eight seeds each."""
+    centre = np.array([0.5 * SIDE, 0.5 * SIDE])
+    means, rows, x, y, seconds = {}, [], [], [], 0.0
+    for speed in SPEEDS:
+        counts, row = [], []
+        for seed in range(1, SEEDS + 1):
+            graph, _, _, took = _struck(executables, "acrylic.textproto", seed, [
+                f"bodies[pellet].twist.linear.z=-{speed}"]
+                + [f"shells[plate].plate.elements_{axis}={ELEMENTS}" for axis in "xy"])
+            seconds += took
+            row.append(graph)
+            counts.append(0 if graph is None else len(radial_crossings(graph.ends, centre, COUNTED_AT)))
+        rows.append(row)
+        means[speed] = float(np.mean(counts))
+        crossed = sum(c > 0 for c in counts) >= SEEDS // 2
+        table.lines.append(f"impact_speed {speed} m/s: {means[speed]:.1f} radial cracks, "
+                           f"{' '.join(map(str, counts))}" + ("" if crossed else "; left out, in most runs none"))
+        if crossed:
+            for count in counts:
+                if count > 0:
+                    x.append(float(speed)), y.append(float(count))
+    fit = power_law(np.array(x), np.array(y))
+    table.add("impact_speed_exponent", fit.exponent, 0.5, 1.0, seconds)
+    table.add("impact_speed_at_22", means[22], 4.0, 0.5, 0.0)
+    table.add("impact_speed_at_57", means[57], 8.0, 0.5, 0.0)
+    table.lines.append(f"impact_speed: exponent {fit.exponent:.2f}, +- {fit.half:.2f} (95 %); published "
+                       "0.5, 4 cracks at 22 m/s and 8 at 57 (Vandenberghe, Vermorel, Villermaux 2013)")
+    table.curves.append({"name": "radial cracks", "x_label": "speed [m/s]", "y_label": "radial cracks",
+                         "x": [float(s) for s in SPEEDS], "y": [means[s] for s in SPEEDS], "logarithmic": False})
+    table.curves.append({"name": "radial cracks, published", "x_label": "speed [m/s]", "y_label": "radial cracks",
+                         "x": [22.0, 57.0], "y": [4.0, 8.0], "logarithmic": False})
+    if table.pictures is not None:
+        _picture(table.pictures / "impact_speed.png", rows)
+
+
+def refinement(table: Table, executables: Executables) -> None:
+    """scenes/acrylic.textproto at 40 m/s on three grids, four seeds each: what comes of it."""
+    found: dict[int, dict[str, list[float]]] = {}
+    grids = (50, 75, 110)
+    for elements in grids:
+        here: dict[str, list[float]] = {"length": [], "fragments": [], "residual_speed": [], "fracture": []}
+        seconds = 0.0
+        for seed in range(1, 5):
+            graph, run, back, took = _struck(executables, "acrylic.textproto", seed, [
+                f"shells[plate].plate.elements_{axis}={elements}" for axis in "xy"])
+            seconds += took
+            here["length"].append(0.0 if graph is None else float(lengths(graph.ends).sum()))
+            here["fragments"].append(float(run["counts"]["fragments"]))
+            here["residual_speed"].append(-back)
+            here["fracture"].append(run["energy"]["dissipated_fracture"])
+        found[elements] = here
+        table.lines.append(f"refinement {SIDE / elements * 1e3:.2f} mm: " + ", ".join(
+            f"{name} {np.mean(v):.4g} +- {np.std(v, ddof=1):.2g}" for name, v in here.items()))
+    for name, tolerance in (("length", 0.3), ("residual_speed", 0.05)):
+        mean = [float(np.mean(found[elements][name])) for elements in grids]
+        table.add(f"refinement_{name}", mean[2], mean[1], tolerance, seconds)
+        table.curves.append({"name": f"refinement: {name}", "x_label": "spacing [mm]", "y_label": name,
+                             "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False})

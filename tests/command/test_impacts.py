@@ -1,0 +1,65 @@
+"""What the impact experiments are made of."""
+from __future__ import annotations
+
+import unittest
+
+import numpy as np
+
+from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools import crack_paths, experiments, impacts
+from sunder_tools.crack_check import Graph
+
+
+def graph(edges: list[tuple[float, float, float, float, float]]) -> Graph:
+    """Edges u v u v and birth."""
+    rows = np.array(edges, float)
+    ends = np.round(rows[:, :4], 9).reshape(-1, 2, 2)  # shared points are the same to the last bit
+    return Graph(ends, np.concatenate([ends, np.zeros((len(rows), 2, 1))], axis=2), np.zeros(len(rows), int), rows[:, 4])
+
+
+class Beside(unittest.TestCase):
+    def test_is_within_half_an_element_and_the_same_for_a_seed(self) -> None:
+        for seed in range(20):
+            offsets = [float(s.split("=")[1]) for s in impacts._beside(seed)]
+            self.assertTrue(all(abs(o) <= 0.5 * impacts.SIDE / impacts.ELEMENTS for o in offsets))
+            self.assertEqual(impacts._beside(seed), impacts._beside(seed))
+        self.assertNotEqual(impacts._beside(1), impacts._beside(2))
+
+
+class Divisions(unittest.TestCase):
+    def fork(self) -> Graph:
+        stem = [(0.05 + 1e-3 * k, 0.02, 0.051 + 1e-3 * k, 0.02, 1e-6 * k) for k in range(8)]
+        arms = [(0.058 + 1e-3 * k, 0.02 + s * 6e-4 * k, 0.059 + 1e-3 * k, 0.02 + s * 6e-4 * (k + 1), 1e-6 * (8 + k))
+                for s in (-1, 1) for k in range(10)]
+        return graph(stem + arms)
+
+    def test_are_found_where_a_crack_runs_on_in_two_directions(self) -> None:
+        place, when = crack_paths.first_division(self.fork())
+        self.assertAlmostEqual(place, 0.058)
+        self.assertAlmostEqual(when, 8e-6)
+        place, _ = crack_paths.lasting_division(self.fork(), 0.051, 0.095)
+        self.assertTrue(0.058 < place < 0.061)
+
+    def test_are_none_in_a_straight_crack(self) -> None:
+        straight = graph([(0.05 + 1e-3 * k, 0.02, 0.051 + 1e-3 * k, 0.02, 1e-6 * k) for k in range(20)])
+        self.assertTrue(np.isnan(crack_paths.first_division(straight)[1]))
+        self.assertTrue(np.isnan(crack_paths.lasting_division(straight, 0.051, 0.095)[1]))
+
+    def test_speed_is_that_of_the_front(self) -> None:
+        mean, fastest = crack_paths.front_speed(self.fork(), 7e-6)
+        self.assertAlmostEqual(mean, 1000.0, delta=1.0)
+        self.assertAlmostEqual(fastest, 1000.0, delta=1.0)
+
+    def test_what_leaves_a_place_is_what_hangs_together_with_it(self) -> None:
+        two = graph([(0, 0, 1, 0, 1), (1, 0, 2, 1, 2), (5, 5, 6, 6, 1)])
+        self.assertEqual(len(crack_paths.leaving(two, np.zeros(2))), 4)
+
+
+class Registry(unittest.TestCase):
+    def test_every_experiment_that_comes_later_exists(self) -> None:
+        for module, names in ((impacts, ("round_pane", "impact_speed", "refinement")),
+                              (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share"))):
+            for name in names:
+                self.assertTrue(callable(getattr(module, name)))
+                self.assertIn(name, [e.name for e in experiments.EXPERIMENTS["cracks"]])
+
