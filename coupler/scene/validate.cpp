@@ -152,6 +152,11 @@ void cut(const Scene& s, const std::string& g, const proto::Cut& m) {
   s.check(curved || m.points_size() >= 2, g + ".points",
           "has {} points; a cut has at least two, or is a circle, curve or spiral", m.points_size());
   not_negative(s, g + ".time_s", true, m.time_s());
+  const auto& f = s.message.fracture();
+  const double last =
+      f.has_latest_freeze_s() ? std::min(f.latest_freeze_s(), s.message.end_time_s()) : s.message.end_time_s();
+  s.check(m.time_s() < last, g + ".time_s",
+          "is {} s, and the shell is solved until {} s at the latest: it would never be made", m.time_s(), last);
   const auto all_finite = [&](const std::string& f, const auto& points) {
     for (int k = 0; k < points.size(); ++k) finite(s, fmt::format("{}.points[{}]", f, k), points[k]);
   };

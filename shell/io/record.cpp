@@ -65,7 +65,7 @@ void Run::write_series_row() {
       "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{},{:.9g},{:.9g},{:.9g},{"
       ":.9g}\n",
       time(), kinetic_, elastic_, b.fracture, b.injected, b.contact, b.damping, b.handoff, b.frozen, engine_loss_,
-      residual_, state_ ? state_->cracks.total_length() : 0.0, fragments_, handed_off_, b.plastic, b.healing,
+      residual_, state_ ? state_->cracks.total_length() : frozen_length_, fragments_, handed_off_, b.plastic, b.healing,
       b.transfer, b.external);
 }
 

@@ -64,6 +64,7 @@ void Run::freeze_shell(const std::string& why) {
   std::vector<RigidBody> births = take_off(true);
   const double before = total_energy(dt_);
   frozen_kinetic_ = kinetic_energy(m, *state_, dt_);
+  frozen_length_ = state_->cracks.total_length();
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, *state_, pieces);
   for (int i = 0; i < m.tables.plane; ++i)

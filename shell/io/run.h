@@ -103,6 +103,7 @@ class Run {
   double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
   double mass_error_ = 0.0, momentum_error_ = 0.0, angular_error_ = 0.0, geometry_error_ = 0.0;
   double next_frame_ = 0.0, wall_start_ = 0.0, last_progress_ = 0.0, last_look_ = 0.0;
+  double frozen_length_ = 0.0;                                            // of its cracks [m]
   double frozen_kinetic_ = 0.0;                                           // of the shell, as it was frozen [J]
   double frozen_at_ = -1.0, frozen_potential_ = 0.0, frozen_wall_ = 0.0;  // [s], [J] of what stays where it is
   std::string frozen_why_, frozen_hash_;                                  // hash of the shell as it was frozen

@@ -9,6 +9,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kMostGain = 4.0;                 // of a point's energy when its functions change
+constexpr double kAtBorder = 0.1;                 // spacings: a cut that ends so close to the border runs out
 constexpr double kOnACrack = 0.02, kPast = 2e-3;  // spacings: a cut that ends so close to a crack ends on it
 constexpr double kFreeEnergy = 1e-4;              // of E per volume: that of a strain of 1.4 %
 // Control points of a uniform cubic patch lie on knots, where a cut at round numbers runs, and round-off would put one
@@ -225,9 +226,8 @@ int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>
 
 void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>& points, double time) {
   const int crack = s.cracks.new_crack();
-  const auto run_out = [&](Vec2 end, const Vec2& from) {  // 1 % beyond the border, so that the cut is complete
+  const auto run_out = [&](Vec2 end, const Vec2& from) {
     const Vec2 d = (end - from).normalized();
-    if (!m.patch.contains(end + m.spacing * d)) return Vec2(end + 1.01 * m.spacing * d);
     // an end on another crack goes a little past it, so that no gap is left
     double nearest = kOnACrack * m.spacing;
     Vec2 landed = end;
@@ -237,6 +237,8 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
       if (distance < nearest) nearest = distance, landed = foot + kPast * m.spacing * d;
       return true;
     });
+    // at the border it goes on over it, by more than visibility needs
+    if (landed == end && !m.patch.contains(end + kAtBorder * m.spacing * d)) landed = end + 1.01 * m.spacing * d;
     return landed;
   };
   const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
