@@ -67,7 +67,8 @@ def _picture(path: Path, rows: list[list[Graph | None]], side: float) -> None:
 def round_pane(table: Table, executables: Executables) -> None:
     """scenes/round_pane.textproto, its lattice turned by 0, 15, 30 and 45 degrees, eight seeds each."""
     centre, radius = np.array([0.5 * ROUND, 0.5 * ROUND]), 0.0135
-    groups: dict[str, list[list[complex]]] = {"harmonic": [], "length": [], "radials": []}
+    names = ("harmonic", "harmonic_in_the_room", "length", "radials")
+    groups: dict[str, list[list[complex]]] = {name: [] for name in names}
     seconds, rows = 0.0, []
     for degrees in (0, 15, 30, 45):
         half = 0.5 * math.radians(degrees)
@@ -84,6 +85,7 @@ def round_pane(table: Table, executables: Executables) -> None:
             if len(ends) == 0:
                 raise ValueError(f"round_pane: no crack at {degrees} degrees, seed {seed}")
             found["harmonic"].append(harmonic(ends))
+            found["harmonic_in_the_room"].append(harmonic(ends, turn=2.0 * half))  # in which a lattice's own would turn
             found["length"].append(float(lengths(ends).sum()))
             found["radials"].append(float(len(radial_crossings(ends, centre, COUNTED_AT))))
         for name, values in found.items():
