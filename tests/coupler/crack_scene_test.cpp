@@ -45,6 +45,16 @@ struct MapFile {
 
 }  // namespace
 
+TEST(Cut, ThatWouldNeverBeMadeIsRefused) {
+  expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } time_s: 1e3 }"),
+                 "shells[0].cuts[0].time_s", {"is 1000 s", "would never be made"});
+}
+
+TEST(BranchRatio, AtWhichATipDoesNotEvenRunIsRefused) {
+  expect_refusal(scene("", kStrong, "fracture { branch_ratio: 0.5 }\n"), "fracture.branch_ratio",
+                 {"is 0.5", "above 1"});
+}
+
 TEST(Cut, ThatLeavesTheDomainIsRefusedWithHowFar) {
   expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.62 v: 0.1 } }"), "shells[0].cuts[0].points[1]",
                  {":10:", "(0.62, 0.1), 0.12 m outside the patch", "from 0 to 0.5 along u"});

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/fracture/outline.h"
+#include "shell/mechanics/principal.h"
 #include "shell/solver/handoff.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/step.h"
@@ -301,6 +302,48 @@ TEST(CrackGraph, AControlPointOnACutKeepsItsPlace) {
     compute_forces(m, lifted, false, 0.0, 1);
     EXPECT_LT(lifted.at(lifted.force, m.tables.slot(i)).z(), -1e-3) << "control point " << i;
     if (i > 3 * m.tables.columns) break;
+  }
+}
+
+TEST(ExtendCracks, ThatWouldAddEnergyIsRefusedAndChangesNothing) {
+  const ShellModel m = sheet();
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (double& x : s.x) x += 1e-5 * uniform(random);
+  int refused = 0, taken = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Vec2 from(0.1 + 0.06 * uniform(random), 0.1 + 0.06 * uniform(random));
+    const Vec2 to = from + 0.75 * m.spacing * turned(Vec2(1, 0), 3.0 * uniform(random));
+    const int vertex = s.cracks.add_vertex(from);
+    const std::size_t edges = s.cracks.edges().size(), vertices = s.cracks.vertices().size(), points = s.points.size();
+    const double length = s.cracks.total_length(), energy = compute_forces(m, s, true, 0.0, 1);
+    const int edge = extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false);
+    EXPECT_EQ(s.book.injected, 0.0);
+    if (edge >= 0) {
+      EXPECT_LE(compute_forces(m, s, true, 0.0, 1), energy * (1.0 + 1e-12));
+      ++taken;
+      continue;
+    }
+    EXPECT_EQ(s.cracks.edges().size(), edges);
+    EXPECT_EQ(s.cracks.vertices().size(), vertices);
+    EXPECT_EQ(s.points.size(), points);
+    EXPECT_NEAR(s.cracks.total_length(), length, 1e-15);
+    EXPECT_EQ(compute_forces(m, s, true, 0.0, 1), energy);
+    ++refused;
+  }
+  EXPECT_GT(refused, 0);
+  EXPECT_GT(taken, 0);
+}
+
+TEST(PrescribedCut, ThatEndsShortOfTheBorderDoesNotReachIt) {
+  const ShellModel m = sheet();
+  const double u = m.patch.knots_u.end(), v = 0.51 * m.patch.knots_v.end();
+  for (const double gap : {0.9, 0.0}) {
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    insert_polyline(m, s, {{gap * m.spacing, v}, {u - gap * m.spacing, v}}, 0.0);
+    std::vector<Piece> pieces;
+    EXPECT_EQ(partition(m, s, pieces).pieces, gap > 0.0 ? 1 : 2);
   }
 }
 
