@@ -6,7 +6,7 @@
 #include <sys/prctl.h>
 
 #include "coupler/core/error.h"
-#include "coupler/link/server.h"
+#include "coupler/link/session.h"
 #include "rigid/engine/engine.h"
 
 namespace {
@@ -38,22 +38,7 @@ int run(int argc, char** argv) {
   const auto engine = sunder::rigid::make_engine(name);
   if (check) return 0;
   sunder::require(!endpoint.empty(), "--endpoint is missing\n{}", kUsage);
-  const auto info = engine->info();
-  sunder::link::RigidService service;
-  service.peer = {info.name, info.version, info.capabilities};
-  service.add = [&](const sunder::RigidBody& b) { engine->add(b); };
-  service.set_contact_laws = [&](const std::vector<sunder::ContactLaw>& laws) { engine->set_contact_laws(laws); };
-  service.advance = [&](double window_s, const std::vector<sunder::link::Motion>& motions) {
-    std::vector<sunder::rigid::Handback> handbacks;
-    for (const auto& m : motions) handbacks.push_back({m.id, m.motion});
-    engine->advance(window_s, handbacks);
-  };
-  service.states = [&] {
-    std::vector<sunder::link::State> out;
-    for (const auto& s : engine->states()) out.push_back({s.id, s.mass, s.motion});
-    return out;
-  };
-  sunder::link::serve(endpoint, service);
+  sunder::link::serve(endpoint, *engine);
   return 0;
 }
 

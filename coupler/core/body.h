@@ -58,4 +58,19 @@ struct ContactLaw {
   double restitution = 0.0;
 };
 
+/// What holds two bodies together, or one to the world. A frame is in body coordinates (of the world where `second` is
+/// 0); the axis of a hinge or slider is its z axis. Where the joint is not strained both frames coincide.
+struct Joint {
+  enum class Kind { kBall, kHinge, kSlider, kFixed };
+  struct Frame {
+    Vec3 position = Vec3::Zero();  // [m]
+    Quat orientation = Quat::Identity();
+  };
+  std::uint32_t id = 0;  // counted from 1
+  std::string name;
+  Kind kind = Kind::kBall;
+  BodyId first = 0, second = 0;  // second 0: the world
+  Frame first_frame, second_frame;
+};
+
 }  // namespace sunder

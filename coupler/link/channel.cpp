@@ -15,6 +15,7 @@ namespace {
 
 constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
 constexpr int kPollMs = 100;
+constexpr double kConnectSeconds = 10.0;
 
 }  // namespace
 
@@ -38,7 +39,13 @@ struct Channel::Sockets {
   }
 };
 
-Channel::Channel(Role role, const std::string& endpoint) : s_(std::make_unique<Sockets>()) {
+double Channel::steady_seconds() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+Channel::Channel(Role role, const std::string& endpoint, const std::string& keys, std::function<double()> now)
+    : now_(std::move(now)), s_(std::make_unique<Sockets>()) {
+  (void)keys;
   const bool local =
       endpoint.rfind("ipc://", 0) == 0 || std::regex_match(endpoint, std::regex("tcp://127\\.0\\.0\\.1:[0-9]{1,5}"));
   require(local, "--endpoint {}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet",
@@ -82,8 +89,13 @@ void Channel::send(const std::string& bytes) {
     throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
 }
 
-std::string Channel::receive(double connect_s) {
-  const auto start = std::chrono::steady_clock::now();
+std::string Channel::ask(const std::string& request, double deadline_s, const char* what) {
+  send(request);
+  return receive(kConnectSeconds, deadline_s, what);
+}
+
+std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
+  const double start = now_();
   while (true) {
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0}, {s_->monitor.handle(), 0, ZMQ_POLLIN, 0}};
     try {
@@ -94,9 +106,12 @@ std::string Channel::receive(double connect_s) {
     zmq::message_t message;
     if (s_->data.recv(message, zmq::recv_flags::dontwait)) return message.to_string();
     check_peer();
-    const double waited = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    const double waited = now_() - start;
     if (!s_->was_connected && waited > connect_s)
       throw Error(Exit::kPeerLost, "peer_lost", fmt::format("{} did not connect within {} s", s_->peer, connect_s));
+    if (deadline_s > 0.0 && waited > deadline_s)
+      throw Error(Exit::kPeerLost, "deadline",
+                  fmt::format("{} is there, but has not answered {} within {} s", s_->peer, what, deadline_s));
   }
 }
 

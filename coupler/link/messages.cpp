@@ -64,7 +64,7 @@ RigidBody decode(const proto::RigidBody& m, const std::string& field) {
   RigidBody b;
   b.id = m.id(), b.name = m.name(), b.is_static = m.is_static(), b.mass = m.mass();
   check(b.id != 0, "{}.id is 0; ids start at 1", field);
-  check(b.name.size() < 256, "{}.name has {} bytes; 255 at most", field, b.name.size());
+  check(b.name.size() <= kMaxWord, "{}.name has {} bytes; {} at most", field, b.name.size(), kMaxWord);
   b.principal_inertia = decode(m.principal_inertia(), field + ".principal_inertia");
   if (!b.is_static)
     check(std::isfinite(b.mass) && b.mass > 0.0 && b.principal_inertia.minCoeff() > 0.0,
@@ -111,14 +111,182 @@ RigidBody decode(const proto::RigidBody& m, const std::string& field) {
   return b;
 }
 
-std::vector<ContactLaw> decode_contacts(const proto::Load& load) {
-  std::vector<ContactLaw> laws;
-  for (const auto& c : load.contacts()) {
-    check(std::isfinite(c.friction()) && c.friction() >= 0.0, "contacts.friction is {}", c.friction());
-    check(c.restitution() >= 0.0 && c.restitution() <= 1.0, "contacts.restitution is {}", c.restitution());
-    laws.push_back({c.first_group(), c.second_group(), c.friction(), c.restitution()});
+proto::Contact encode(const ContactLaw& law) {
+  proto::Contact m;
+  m.set_first_group(law.first_group), m.set_second_group(law.second_group);
+  m.set_friction(law.friction), m.set_restitution(law.restitution);
+  return m;
+}
+
+proto::Joint encode(const Joint& j) {
+  proto::Joint m;
+  m.set_id(j.id), m.set_name(j.name), m.set_first(j.first), m.set_second(j.second);
+  m.set_kind(static_cast<proto::Joint::Kind>(static_cast<int>(j.kind) + 1));
+  const auto frame = [](const Joint::Frame& f, proto::Pose* pose) {
+    *pose->mutable_position() = encode(f.position), *pose->mutable_orientation() = encode(f.orientation);
+  };
+  frame(j.first_frame, m.mutable_first_frame()), frame(j.second_frame, m.mutable_second_frame());
+  return m;
+}
+
+proto::Handback encode(const Motion& motion) {
+  proto::Handback h;
+  h.set_id(motion.id);
+  *h.mutable_position() = encode(motion.motion.position), *h.mutable_orientation() = encode(motion.motion.orientation);
+  *h.mutable_velocity() = encode(motion.motion.velocity);
+  *h.mutable_angular_momentum() = encode(motion.motion.angular_momentum);
+  return h;
+}
+
+proto::ContactRow encode(const ContactRow& row) {
+  proto::ContactRow m;
+  m.set_first(row.first), m.set_second(row.second);
+  *m.mutable_first_point() = encode(row.first_point), *m.mutable_second_point() = encode(row.second_point);
+  *m.mutable_normal() = encode(row.normal);
+  m.set_friction(row.friction), m.set_restitution(row.restitution), m.set_allowance_m(row.allowance);
+  return m;
+}
+
+void encode_states(const std::vector<State>& states, google::protobuf::RepeatedPtrField<proto::BodyState>* out) {
+  for (const State& s : states) {
+    auto* m = out->Add();
+    m->set_id(s.id), m->set_mass(s.mass);
+    *m->mutable_position() = encode(s.motion.position), *m->mutable_orientation() = encode(s.motion.orientation);
+    *m->mutable_velocity() = encode(s.motion.velocity);
+    *m->mutable_angular_momentum() = encode(s.motion.angular_momentum);
   }
-  return laws;
+}
+
+namespace {
+
+void check_coefficients(double friction, double restitution, const std::string& field) {
+  check(std::isfinite(friction) && friction >= 0.0, "{}.friction is {}", field, friction);
+  check(restitution >= 0.0 && restitution <= 1.0, "{}.restitution is {}", field, restitution);
+}
+
+Joint decode_joint(const proto::Joint& m, const std::string& field) {
+  Joint j;
+  j.id = m.id(), j.name = m.name(), j.first = m.first(), j.second = m.second();
+  check(j.id != 0 && j.first != 0, "{}: joint {} of body {}; ids start at 1", field, j.id, j.first);
+  check(j.name.size() <= kMaxWord, "{}.name has {} bytes; {} at most", field, j.name.size(), kMaxWord);
+  check(m.kind() >= proto::Joint::BALL && m.kind() <= proto::Joint::FIXED, "{}.kind is {}", field,
+        static_cast<int>(m.kind()));
+  j.kind = static_cast<Joint::Kind>(static_cast<int>(m.kind()) - 1);
+  const auto frame = [&](const proto::Pose& pose, const char* name) {
+    return Joint::Frame{decode(pose.position(), field + name), decode(pose.orientation(), field + name)};
+  };
+  j.first_frame = frame(m.first_frame(), ".first_frame"), j.second_frame = frame(m.second_frame(), ".second_frame");
+  return j;
+}
+
+}  // namespace
+
+std::vector<RigidBody> decode_bodies(const google::protobuf::RepeatedPtrField<proto::RigidBody>& bodies,
+                                     const std::string& field) {
+  check(bodies.size() <= kMaxBodies, "{}: {} bodies; {} at most", field, bodies.size(), kMaxBodies);
+  std::vector<RigidBody> out;
+  for (const auto& b : bodies) out.push_back(decode(b, fmt::format("{}[{}]", field, b.id())));
+  return out;
+}
+
+World decode(const proto::Load& load) {
+  World world;
+  world.bodies = decode_bodies(load.bodies(), "bodies");
+  check(load.contacts_size() <= kMaxLaws, "contacts: {} of them; {} at most", load.contacts_size(), kMaxLaws);
+  for (const auto& c : load.contacts()) {
+    check_coefficients(c.friction(), c.restitution(), "contacts");
+    world.laws.push_back({c.first_group(), c.second_group(), c.friction(), c.restitution()});
+  }
+  check(load.joints_size() <= kMaxJoints, "joints: {} of them; {} at most", load.joints_size(), kMaxJoints);
+  for (const auto& j : load.joints()) world.joints.push_back(decode_joint(j, fmt::format("joints[{}]", j.id())));
+  world.tick = load.tick(), world.keep_windows = load.keep_windows();
+  return world;
+}
+
+std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<proto::Handback>& motions,
+                                   const std::string& field) {
+  check(motions.size() <= kMaxBodies, "{}: {} bodies; {} at most", field, motions.size(), kMaxBodies);
+  std::vector<Motion> out;
+  for (const auto& h : motions) {
+    const std::string name = fmt::format("{}[{}]", field, h.id());
+    check(out.empty() || h.id() > out.back().id, "{}: twice, or out of order", name);
+    out.push_back(
+        {h.id(),
+         {decode(h.position(), name + ".position"), decode(h.orientation(), name + ".orientation"),
+          decode(h.velocity(), name + ".velocity"), decode(h.angular_momentum(), name + ".angular_momentum")}});
+  }
+  return out;
+}
+
+std::vector<BodyId> decode_ids(const google::protobuf::RepeatedField<std::uint32_t>& ids, const std::string& field) {
+  check(ids.size() <= kMaxBodies, "{}: {} bodies; {} at most", field, ids.size(), kMaxBodies);
+  for (int i = 1; i < ids.size(); ++i)
+    check(ids[i] > ids[i - 1], "{}: body {} comes twice, or out of order", field, ids[i]);
+  return {ids.begin(), ids.end()};
+}
+
+WindowTask decode(const proto::Window& w) {
+  WindowTask task;
+  task.tick = w.tick(), task.ticks = w.ticks(), task.window_s = w.window_s(), task.again = w.again();
+  task.handbacks = decode_motions(w.handbacks(), "handbacks");
+  task.solved = decode_ids(w.solved(), "solved");
+  task.births = decode_bodies(w.births(), "births");
+  return task;
+}
+
+EngineInfo decode_peer(const proto::HelloReply& hello) {
+  check(!hello.engine_name().empty() && hello.engine_name().size() <= kMaxWord, "hello.engine_name has {} bytes",
+        hello.engine_name().size());
+  check(hello.engine_version().size() <= kMaxWord, "hello.engine_version has {} bytes", hello.engine_version().size());
+  check(hello.capabilities_size() <= static_cast<int>(kMaxWord), "hello has {} capabilities",
+        hello.capabilities_size());
+  EngineInfo info{hello.engine_name(), hello.engine_version(), {}};
+  for (const std::string& word : hello.capabilities()) {
+    check(!word.empty() && word.size() <= kMaxWord, "hello.capabilities: a word of {} bytes", word.size());
+    info.capabilities.push_back(word);
+  }
+  return info;
+}
+
+std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
+                                 const std::set<BodyId>& expected) {
+  std::vector<State> out;
+  for (const auto& m : states) {
+    const std::string field = fmt::format("states[{}]", m.id());
+    check(expected.count(m.id()) && (out.empty() || m.id() > out.back().id), "{}: an unknown or repeated body", field);
+    check(std::isfinite(m.mass()) && m.mass() > 0.0, "{}.mass is {}", field, m.mass());
+    out.push_back(
+        {m.id(),
+         m.mass(),
+         {decode(m.position(), field + ".position"), decode(m.orientation(), field + ".orientation"),
+          decode(m.velocity(), field + ".velocity"), decode(m.angular_momentum(), field + ".angular_momentum")}});
+  }
+  check(out.size() == expected.size(), "states: {} for {} bodies", out.size(), expected.size());
+  return out;
+}
+
+std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const std::set<BodyId>& known) {
+  check(reply.rows_size() <= kMaxRows, "rows: {} of them; {} at most", reply.rows_size(), kMaxRows);
+  std::vector<ContactRow> out;
+  for (const auto& m : reply.rows()) {
+    const std::string field = fmt::format("rows[{}]", out.size());
+    check(known.count(m.first()) && known.count(m.second()) && m.first() != m.second(), "{}: bodies {} and {}", field,
+          m.first(), m.second());
+    ContactRow row{m.first(),
+                   m.second(),
+                   decode(m.first_point(), field + ".first_point"),
+                   decode(m.second_point(), field + ".second_point"),
+                   decode(m.normal(), field + ".normal"),
+                   m.friction(),
+                   m.restitution(),
+                   m.allowance_m()};
+    check(std::abs(row.normal.norm() - 1.0) < kNormalTolerance, "{}.normal has length {}, must be 1", field,
+          row.normal.norm());
+    check_coefficients(row.friction, row.restitution, field);
+    check(std::isfinite(row.allowance) && row.allowance >= 0.0, "{}.allowance_m is {}", field, row.allowance);
+    out.push_back(std::move(row));
+  }
+  return out;
 }
 
 }  // namespace sunder::link

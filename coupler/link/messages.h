@@ -1,26 +1,47 @@
 #pragma once
 // Plain types <-> messages. Everything decoded here is checked: finite, sizes, ids, unit quaternions.
+#include <set>
 #include <string>
 #include <vector>
 
-#include "coupler/core/body.h"
+#include "coupler/link/rigid_link.h"
 #include "exchange.pb.h"
 
 namespace sunder::link {
 
-constexpr std::uint32_t kProtocol = 1;
+constexpr std::uint32_t kProtocol = 2;
 constexpr double kQuaternionTolerance = 1e-9;  // off unit length: round-off of a window, no more
+constexpr double kNormalTolerance = 1e-6;      // single precision is good enough for a direction
 constexpr int kMaxBodies = 100000, kMaxParts = 4096, kMaxCorners = 4096;
-constexpr std::size_t kMaxMessage = 256u << 20;  // bytes
+constexpr int kMaxJoints = 100000, kMaxRows = 1000000, kMaxLaws = 1000000;
+constexpr std::size_t kMaxHash = 256, kMaxWord = 255;  // bytes
+constexpr std::size_t kMaxMessage = 256u << 20;        // bytes
 
 proto::Vec3 encode(const Vec3& v);
 proto::Quaternion encode(const Quat& q);
 proto::RigidBody encode(const RigidBody& body);
+proto::Contact encode(const ContactLaw& law);
+proto::Joint encode(const Joint& joint);
+proto::Handback encode(const Motion& motion);
+proto::ContactRow encode(const ContactRow& row);
+void encode_states(const std::vector<State>& states, google::protobuf::RepeatedPtrField<proto::BodyState>* out);
 
 /// All throw Error(peer_lost status, "bad_message") with the field and the value.
 Vec3 decode(const proto::Vec3& v, const std::string& field);
 Quat decode(const proto::Quaternion& q, const std::string& field);
 RigidBody decode(const proto::RigidBody& body, const std::string& field);
-std::vector<ContactLaw> decode_contacts(const proto::Load& load);
+World decode(const proto::Load& load);
+WindowTask decode(const proto::Window& window);
+EngineInfo decode_peer(const proto::HelloReply& hello);
+std::vector<RigidBody> decode_bodies(const google::protobuf::RepeatedPtrField<proto::RigidBody>& bodies,
+                                     const std::string& field);
+std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<proto::Handback>& motions,
+                                   const std::string& field);
+std::vector<BodyId> decode_ids(const google::protobuf::RepeatedField<std::uint32_t>& ids, const std::string& field);
+/// Exactly one state for each body in `expected`, by ascending id.
+std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
+                                 const std::set<BodyId>& expected);
+/// Between bodies in `known` only.
+std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const std::set<BodyId>& known);
 
 }  // namespace sunder::link

@@ -3,17 +3,16 @@
 #include <cmath>
 #include <map>
 
-#include "coupler/core/error.h"
 #include "rigid/engine/bullet_shapes.h"
 #include "rigid/engine/bullet_world.h"
+#include "rigid/engine/checks.h"
 
 namespace sunder::rigid {
 namespace {
 
 /// Turn per window above which the average angular velocity is not trusted (its logarithm is
 /// ambiguous from pi on); the handback's own is solved on instead.
-constexpr double kFastTurn = 0.7;        // [rad]
-constexpr double kUnitTolerance = 1e-6;  // of |q| [-]
+constexpr double kFastTurn = 0.7;  // [rad]
 
 btVector3 plain(const Vec3& v) { return btVector3(v.x(), v.y(), v.z()); }
 Vec3 plain(const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); }
@@ -21,11 +20,6 @@ Vec3 plain(const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); }
 btTransform bullet_pose(const BodyMotion& m) {
   const Quat& q = m.orientation;
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), plain(kLengthScale * m.position));
-}
-
-bool finite(const BodyMotion& m) {
-  return m.position.allFinite() && m.orientation.coeffs().allFinite() && m.velocity.allFinite() &&
-         m.angular_momentum.allFinite();
 }
 
 /// Orientation after a free flight of h seconds that starts with the angular velocity w [rad/s].
@@ -54,28 +48,6 @@ struct Transit {
   btVector3 linear{0, 0, 0}, angular{0, 0, 0};
   btTransform pose = btTransform::getIdentity();
 };
-
-void check_body(const RigidBody& body) {
-  const BodyMotion& m = body.motion;
-  if (!finite(m)) reject_body(body, "motion", "holds a number that is not finite");
-  const double length = m.orientation.norm();
-  if (std::abs(length - 1.0) > kUnitTolerance)
-    reject_body(body, "motion.orientation", fmt::format("has length {}, must be 1; normalize it", length));
-  if (body.is_static) return;
-  if (!std::isfinite(body.mass) || !(body.mass > 0.0))
-    reject_body(body, "mass", fmt::format("is {} kg, must be positive and finite; or make the body static", body.mass));
-  const Vec3& inertia = body.principal_inertia;
-  if (!inertia.allFinite() || !(inertia.minCoeff() > 0.0))
-    reject_body(body, "principal_inertia",
-                fmt::format("is ({}, {}, {}) kg m^2, must be positive and finite; or make the body static", inertia.x(),
-                            inertia.y(), inertia.z()));
-}
-
-[[noreturn]] void reject_handback(BodyId id, const std::string& what) {
-  Error error(Exit::kBadInput, "bad_handback", fmt::format("handback of body {}: {}", id, what));
-  error.body = std::to_string(id);
-  throw error;
-}
 
 }  // namespace
 
@@ -109,10 +81,7 @@ std::vector<Transit> BulletEngine::Impl::match(const std::vector<Handback>& hand
     if (held.body.is_static) continue;
     if (next == handbacks.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
     if (next->id < id) break;
-    if (!finite(next->motion)) reject_handback(id, "holds a number that is not finite");
-    const double length = next->motion.orientation.norm();
-    if (std::abs(length - 1.0) > kUnitTolerance)
-      reject_handback(id, fmt::format("orientation has length {}, must be 1", length));
+    check_handback(*next);
     transits.push_back({.held = &held, .handback = &next->motion});
     ++next;
   }
@@ -125,32 +94,28 @@ BulletEngine::BulletEngine() : impl_(std::make_unique<Impl>()) {}
 BulletEngine::~BulletEngine() = default;
 
 EngineInfo BulletEngine::info() const {
+  using namespace link::capability;
   const int version = btGetVersion();
   return {"bullet",
           fmt::format("{}.{}", version / 100, version % 100),
-          {"convex_hulls", "compound", "double_precision", "deterministic"}};
+          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kDoublePrecision,
+           kDeterministic}};
 }
 
 void BulletEngine::add(const RigidBody& body) {
-  if (body.id == 0) reject_body(body, "id", "is 0, which is never used; count from 1");
-  if (impl_->bodies.count(body.id)) reject_body(body, "id", "is held already; ids are for the whole run");
   check_body(body);
+  if (impl_->bodies.count(body.id)) reject_body(body, "id", "is held already; ids are for the whole run");
   impl_->bodies.emplace(body.id, Held{body, make_bullet_shape(body), nullptr});
 }
 
 void BulletEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
-  for (const ContactLaw& law : laws) {
-    if (!(law.friction >= 0.0) || !std::isfinite(law.friction) || !(law.restitution >= 0.0 && law.restitution <= 1.0))
-      throw Error(Exit::kBadInput, "bad_contact_law",
-                  fmt::format("contact groups {} and {}: friction {} must be at least 0, restitution {} in 0..1",
-                              law.first_group, law.second_group, law.friction, law.restitution));
-  }
+  check_laws(laws);
   impl_->world.set_contact_laws(laws);
 }
 
-void BulletEngine::advance(double window_s, const std::vector<Handback>& handbacks) {
-  if (!(window_s > 0.0) || !std::isfinite(window_s))
-    throw Error(Exit::kBadInput, "bad_handback", fmt::format("window_s is {} s, must be positive", window_s));
+void BulletEngine::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) {
+  (void)solved;
+  check_window(window_s);
   std::vector<Transit> transits = impl_->match(handbacks);
   impl_->insert_new_bodies();
 

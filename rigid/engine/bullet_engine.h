@@ -29,7 +29,7 @@ class BulletEngine final : public Engine {
   EngineInfo info() const override;
   void add(const RigidBody& body) override;
   void set_contact_laws(const std::vector<ContactLaw>& laws) override;
-  void advance(double window_s, const std::vector<Handback>& handbacks) override;
+  void advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) override;
   std::vector<EngineState> states() const override;
 
  private:

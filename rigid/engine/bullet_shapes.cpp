@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "coupler/core/error.h"
+#include "rigid/engine/checks.h"
 
 namespace sunder::rigid {
 namespace {
@@ -103,13 +103,6 @@ void touch_planes_by(BulletShape& shape, PlanePoints points) {
 }
 
 }  // namespace
-
-void reject_body(const RigidBody& body, const std::string& field, const std::string& what) {
-  Error error(Exit::kBadInput, "bad_body", fmt::format("body {} '{}': {} {}", body.id, body.name, field, what));
-  error.field = field;
-  error.body = body.name;
-  throw error;
-}
 
 BulletShape make_bullet_shape(const RigidBody& body) {
   BulletShape result;

@@ -29,7 +29,4 @@ struct BulletShape {
 /// Throws Error (bad_body) with id, name, value and remedy where the shape cannot be held.
 BulletShape make_bullet_shape(const RigidBody& body);
 
-/// Throws Error (bad_body); shared with the checks on mass and motion.
-[[noreturn]] void reject_body(const RigidBody& body, const std::string& field, const std::string& what);
-
 }  // namespace sunder::rigid

@@ -174,9 +174,9 @@ void Run::write_summary(const std::string& status, const Error* error) {
         "\"body\": {}}},\n",
         quoted(error->kind), quoted(error->what()), quoted(error->file), error->line, quoted(error->field),
         error->window, quoted(error->body));
-  if (client_)
-    j += fmt::format("  \"engine\": {{\"name\": {}, \"version\": {}}},\n", quoted(client_->peer().name),
-                     quoted(client_->peer().version));
+  if (rigid_)
+    j += fmt::format("  \"engine\": {{\"name\": {}, \"version\": {}}},\n", quoted(rigid_->peer().name),
+                     quoted(rigid_->peer().version));
   int patches = 0, points = 0, gauss = 0, layers = 0;
   for (const ShellModel& m : setup_.shells) {
     ++patches, points += m.control_points(), gauss += m.tables.gauss_points();

@@ -5,6 +5,8 @@
 #include <set>
 
 #include "coupler/core/error.h"
+#include "coupler/link/channel.h"
+#include "coupler/link/remote.h"
 #include "shell/solver/compression.h"
 #include "shell/solver/damage_cracks.h"
 #include "shell/solver/hertz.h"
@@ -49,16 +51,18 @@ void Run::start() {
   // a thread for less than this costs more in waiting than it brings; results are the same for any number
   if (!setup_.shells.empty())
     options_.threads = std::min(options_.threads, 1 + setup_.shells[0].tables.gauss_points() / kPointsPerThread);
-  client_ = std::make_unique<link::RigidClient>(options_.endpoint, options_.scene_hash);
+  if (!rigid_)
+    rigid_ = std::make_unique<link::RemoteRigid>(
+        std::make_unique<link::Channel>(link::Channel::Role::kConnect, options_.endpoint), options_.scene_hash);
   if (can_crack()) {  // shards are compounds of convex hulls
-    const auto& can = client_->peer().capabilities;
+    const auto& can = rigid_->peer().capabilities;
     for (const char* need : {"convex_hulls", "compound"})
       require(std::find(can.begin(), can.end(), need) != can.end(),
               "the engine '{}' cannot do '{}', which shards need; take another engine, or a shell without strength and "
               "cuts",
-              client_->peer().name, need);
+              rigid_->peer().name, need);
   }
-  client_->load(setup_.bodies, setup_.laws);
+  rigid_->load({setup_.bodies, setup_.laws, {}});
   if (!setup_.shells.empty()) {
     const ShellModel& m = setup_.shells[0];
     state_ = std::make_unique<ShellState>(make_state(m, setup_.shell_velocity, setup_.seed));
@@ -310,7 +314,7 @@ void Run::unstable(double energy) const {
 void Run::look_around() {
   if (wall_clock() - last_look_ < kLookInterval) return;
   last_look_ = wall_clock();
-  client_->check_peer();
+  rigid_->check_peer();
   progress();
 }
 
@@ -420,7 +424,7 @@ void Run::exchange(int ticks, double window, const std::vector<RigidBody>& birth
     p.linear_impulse = p.angular_impulse = p.shell_linear = p.shell_angular = Vec3::Zero();
     p.impulse_sum = p.moment_sum = 0.0;
   }
-  const auto states = client_->window(tick_, ticks, window, motions, births);
+  const auto states = rigid_->window({tick_, ticks, window, motions, {}, births});
   check_births(births, states);
   std::size_t k = 0;
   for (Proxy& p : proxies_)
@@ -461,11 +465,11 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
       progress();
     }
     write_frame();
-    client_->bye();
+    rigid_->bye();
     write_summary(interrupted ? "interrupted" : "done", nullptr);
     return interrupted ? Exit::kInterrupted : Exit::kDone;
   } catch (const Error& e) {
-    if (client_) client_->abort(e.kind, e.what());
+    if (rigid_) rigid_->abort(e.kind, e.what());
     try {
       write_summary(e.status == Exit::kInterrupted ? "interrupted" : "failed", &e);
     } catch (const Error&) {  // the disk is full: the message on the terminal remains
@@ -473,7 +477,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     throw;
   } catch (const std::exception& e) {  // our own mistake, or the machine's: the peer and run.json hear of it too
     const Error internal(Exit::kPhysics, "internal", e.what());
-    if (client_) client_->abort(internal.kind, e.what());
+    if (rigid_) rigid_->abort(internal.kind, e.what());
     try {
       write_summary("failed", &internal);
     } catch (const Error&) {

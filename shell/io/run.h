@@ -6,7 +6,7 @@
 #include <map>
 #include <string>
 
-#include "coupler/link/client.h"
+#include "coupler/link/rigid_link.h"
 #include "shell/io/build.h"
 #include "shell/io/frames.h"
 #include "shell/solver/step.h"
@@ -78,7 +78,7 @@ class Run {
   RunSetup setup_;
   RunOptions options_;
   FrameWriter frames_;
-  std::unique_ptr<link::RigidClient> client_;
+  std::unique_ptr<link::RigidLink> rigid_;
   std::unique_ptr<ShellState> state_;  // none once frozen
   std::vector<Proxy> proxies_;         // moving and static bodies of the scene and shards, by id
   std::vector<ContactCoefficients> coefficients_;

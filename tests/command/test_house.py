@@ -24,7 +24,7 @@ MAY = {
     "shell/io": {"coupler/core", "coupler/scene", "coupler/link", "shell/geometry", "shell/mechanics", "shell/fracture",
                  "shell/contact", "shell/solver"},
     "shell": {"coupler/core", "coupler/scene", "coupler/link", "shell/io"},
-    "rigid/engine": {"coupler/core"},
+    "rigid/engine": {"coupler/core", "coupler/link"},
     "rigid": {"coupler/core", "coupler/link", "rigid/engine"},
 }
 

@@ -1,41 +1,19 @@
 #include <functional>
-#include <map>
 #include <thread>
 
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
+#include "coupler/link/channel.h"
 #include "coupler/link/messages.h"
-#include "coupler/link/server.h"
+#include "coupler/link/remote.h"
+#include "coupler/link/session.h"
+#include "rigid/engine/free_flight.h"
 
 using namespace sunder;
 using namespace sunder::link;
 
 namespace {
-
-// An engine without contacts: a body is where it was handed back.
-struct FreeEngine {
-  std::map<BodyId, RigidBody> bodies;
-  RigidService service() {
-    RigidService s;
-    s.peer = {"free", "1", {"convex_hulls"}};
-    s.add = [this](const RigidBody& b) { bodies[b.id] = b; };
-    s.set_contact_laws = [](const std::vector<ContactLaw>&) {};
-    s.advance = [this](double, const std::vector<Motion>& motions) {
-      for (const Motion& m : motions) {
-        if (!bodies.count(m.id)) throw Error(Exit::kPeerLost, "bad_message", "handback of an unknown body");
-        bodies[m.id].motion = m.motion;
-      }
-    };
-    s.states = [this] {
-      std::vector<State> out;
-      for (const auto& [id, b] : bodies)
-        if (!b.is_static) out.push_back({id, b.mass, b.motion});
-      return out;
-    };
-    return s;
-  }
-};
 
 RigidBody ball() {
   RigidBody b;
@@ -48,7 +26,7 @@ RigidBody ball() {
 // Serves one session in a thread; what it threw is its verdict.
 struct Served {
   std::string folder, endpoint, said;
-  FreeEngine engine;
+  rigid::FreeFlight engine;
   std::thread thread;
   Served() {
     std::string name = testing::TempDir() + "/session_XXXXXX";
@@ -56,7 +34,7 @@ struct Served {
     endpoint = "ipc://" + folder + "/socket";
     thread = std::thread([this] {
       try {
-        serve(endpoint, engine.service());
+        serve(endpoint, engine);
       } catch (const Error& e) {
         said = e.kind + ": " + e.what();
       }
@@ -94,15 +72,15 @@ proto::Request window() {
 TEST(Session, RunsFromHelloToBye) {
   Served server;
   {
-    RigidClient client(server.endpoint, "scene");
-    EXPECT_EQ(client.peer().name, "free");
-    const auto loaded = client.load({ball()}, {});
+    RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint), "scene");
+    EXPECT_EQ(client.peer().name, "freeflight");
+    const auto loaded = client.load({{ball()}, {}, {}});
     ASSERT_EQ(loaded.size(), 1u);
     BodyMotion moved = ball().motion;
     moved.position = {0, 0, -1e-3};
     RigidBody shard = ball();
     shard.id = 2;
-    const auto states = client.window(0, 2, 1e-3, {{1, moved}}, {shard});
+    const auto states = client.window({0, 2, 1e-3, {{1, moved}}, {}, {shard}});
     ASSERT_EQ(states.size(), 2u);
     EXPECT_EQ(states[0].motion.position, Vec3(0, 0, -1e-3));
     client.bye();
@@ -123,16 +101,16 @@ TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
     Requests requests;
     const char* says;
   } cases[] = {
-      {{load()}, "out of turn"},
+      {{load()}, "before Hello"},
       {{hello(), hello()}, "second Hello"},
-      {{hello(), window()}, "out of turn"},
-      {{hello(), load(), load()}, "out of turn"},
-      {{proto::Request()}, "without content"},
+      {{hello(), window()}, "Window before Load"},
+      {{hello(), load(), load()}, "second Load"},
+      {{hello(), proto::Request()}, "without content"},
       {spoiled([](auto& w) { w.set_tick(7); }), "tick"},
       {spoiled([](auto& w) { w.set_ticks(0); }), "tick"},
       {spoiled([&](auto& w) { w.set_window_s(nan); }), "window_s"},
       {spoiled([](auto& w) { w.set_window_s(-1); }), "window_s"},
-      {spoiled([](auto& w) { w.mutable_handbacks(0)->set_id(9); }), "unknown body"},
+      {spoiled([](auto& w) { w.mutable_handbacks(0)->set_id(9); }), "handback of body 1: is missing"},
       {spoiled([&](auto& w) { w.mutable_handbacks(0)->mutable_position()->set_x(nan); }), "position"},
       {spoiled([](auto& w) { w.mutable_handbacks(0)->mutable_orientation()->set_x(0.1); }), "orientation"},
       {spoiled([](auto& w) { w.add_births(); }), "births"},
@@ -178,7 +156,7 @@ TEST(Session, RefusesAWrongSequenceAndBytesThatAreNoRequest) {
 TEST(Session, AClientThatFailsSaysWhy) {
   Served server;
   {
-    RigidClient client(server.endpoint, "scene");
+    RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint), "scene");
     client.abort("unstable", "the energy is nan");
     server.thread.join();
   }

@@ -155,7 +155,7 @@ class Caller {
       }
       handbacks_.push_back({id, proxy.motion});
     }
-    engine_.advance(window_s_, handbacks_);
+    engine_.advance(window_s_, handbacks_, {});
     for (const EngineState& state : engine_.states()) proxies_.at(state.id).motion = state.motion;
   }
 

@@ -1,0 +1,149 @@
+#include "coupler/link/remote.h"
+
+#include <chrono>
+#include <cmath>
+
+#include "coupler/link/messages.h"
+
+namespace sunder::link {
+namespace {
+
+// Deadlines of the handshake [s]. A window may take as long as it does: a peer that has gone is noticed otherwise.
+constexpr double kHelloSeconds = 10.0, kLoadSeconds = 120.0, kByeSeconds = 10.0, kNone = 0.0;
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(Exit::kPeerLost, "bad_message", message); }
+
+void expect(bool right_kind, const char* request) {
+  if (!right_kind) refuse(fmt::format("a reply of another kind to {}", request));
+}
+
+}  // namespace
+
+proto::Reply RemoteRigid::ask(proto::Request& request, double deadline_s, const char* what) {
+  request.set_sequence(++sequence_);
+  const std::int64_t sent = now_ns();
+  const std::string bytes = transport_->ask(request.SerializeAsString(), deadline_s, what);
+  proto::Reply reply;
+  if (!reply.ParseFromString(bytes)) refuse("the rigid process sent bytes that are no reply");
+  if (reply.has_error())
+    throw Error(Exit::kPeerLost, reply.error().kind(), "the rigid process reports: " + reply.error().message());
+  if (reply.sequence() != sequence_) refuse(fmt::format("reply {} to request {}", reply.sequence(), sequence_));
+  if (heard_) heard_({what, sent, now_ns(), {reply.spans().begin(), reply.spans().end()}});
+  return reply;
+}
+
+RemoteRigid::RemoteRigid(std::unique_ptr<Transport> transport, const std::string& scene_hash,
+                         std::function<void(const TimedReply&)> heard)
+    : transport_(std::move(transport)), heard_(std::move(heard)) {
+  proto::Request request;
+  auto* hello = request.mutable_hello();
+  hello->set_protocol_min(kProtocol), hello->set_protocol_max(kProtocol);
+  hello->set_scene_hash(scene_hash), hello->set_trace(static_cast<bool>(heard_));
+  const proto::Reply reply = ask(request, kHelloSeconds, "Hello");
+  expect(reply.has_hello(), "Hello");
+  if (reply.hello().protocol() != kProtocol)
+    refuse(fmt::format("the rigid process speaks protocol {}, this one {}", reply.hello().protocol(), kProtocol));
+  if (reply.hello().scene_hash() != scene_hash) refuse("the rigid process holds another scene");
+  peer_ = decode_peer(reply.hello());
+}
+
+std::vector<State> RemoteRigid::load(const World& world) {
+  proto::Request request;
+  auto* load = request.mutable_load();
+  all_.clear(), moving_.clear();
+  for (const RigidBody& b : world.bodies) {
+    *load->add_bodies() = encode(b), all_.insert(b.id);
+    if (!b.is_static) moving_.insert(b.id);
+  }
+  for (const ContactLaw& law : world.laws) *load->add_contacts() = encode(law);
+  for (const Joint& j : world.joints) *load->add_joints() = encode(j);
+  load->set_tick(world.tick), load->set_keep_windows(world.keep_windows);
+  const proto::Reply reply = ask(request, kLoadSeconds, "Load");
+  expect(reply.has_load(), "Load");
+  const auto states = decode_states(reply.load().states(), moving_);
+  const double tolerance = peer_.can(capability::kDoublePrecision) ? 0.0 : 1e-6;
+  for (const State& s : states)  // the other side holds what was sent
+    for (const RigidBody& b : world.bodies)
+      if (b.id == s.id && std::abs(s.mass - b.mass) > tolerance * b.mass)
+        refuse(fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", b.id, b.mass, s.mass));
+  return states;
+}
+
+void RemoteRigid::restore(const std::string& caches) {
+  proto::Request request;
+  request.mutable_restore()->set_caches(caches);
+  expect(ask(request, kLoadSeconds, "Restore").has_restore(), "Restore");
+}
+
+std::vector<ContactRow> RemoteRigid::rows(std::int64_t tick, double window_s, const std::vector<Motion>& motions,
+                                          const std::vector<BodyId>& bodies) {
+  proto::Request request;
+  auto* e = request.mutable_export_();
+  e->set_tick(tick), e->set_window_s(window_s);
+  for (const Motion& m : motions) *e->add_motions() = encode(m);
+  for (const BodyId id : bodies) e->add_bodies(id);
+  const proto::Reply reply = ask(request, kNone, "Export");
+  expect(reply.has_export_(), "Export");
+  return decode_rows(reply.export_(), all_);
+}
+
+std::vector<State> RemoteRigid::window(const WindowTask& task) {
+  proto::Request request;
+  auto* w = request.mutable_window();
+  w->set_tick(task.tick), w->set_ticks(task.ticks), w->set_window_s(task.window_s), w->set_again(task.again);
+  for (const Motion& m : task.handbacks) *w->add_handbacks() = encode(m);
+  for (const BodyId id : task.solved) w->add_solved(id);
+  for (const RigidBody& b : task.births) {
+    *w->add_births() = encode(b), all_.insert(b.id);
+    if (!b.is_static) moving_.insert(b.id);
+  }
+  const proto::Reply reply = ask(request, kNone, "Window");
+  expect(reply.has_window(), "Window");
+  if (reply.window().tick() != task.tick + task.ticks)
+    refuse(fmt::format("the rigid process is at tick {}, expected {}", reply.window().tick(), task.tick + task.ticks));
+  return decode_states(reply.window().states(), moving_);
+}
+
+std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies) {
+  proto::Request request;
+  request.mutable_add_bodies();
+  std::set<BodyId> expected;
+  for (const RigidBody& b : bodies) {
+    *request.mutable_add_bodies()->add_bodies() = encode(b), all_.insert(b.id);
+    if (!b.is_static) moving_.insert(b.id), expected.insert(b.id);
+  }
+  const proto::Reply reply = ask(request, kNone, "AddBodies");
+  expect(reply.has_add_bodies(), "AddBodies");
+  return decode_states(reply.add_bodies().states(), expected);
+}
+
+std::string RemoteRigid::save() {
+  proto::Request request;
+  request.mutable_save();
+  proto::Reply reply = ask(request, kNone, "Save");
+  expect(reply.has_save(), "Save");
+  return std::move(*reply.mutable_save()->mutable_caches());
+}
+
+void RemoteRigid::bye() {
+  proto::Request request;
+  request.mutable_bye();
+  expect(ask(request, kByeSeconds, "Bye").has_bye(), "Bye");
+}
+
+void RemoteRigid::abort(const std::string& kind, const std::string& message) noexcept {
+  try {
+    proto::Request request;
+    request.set_sequence(++sequence_);
+    request.mutable_error()->set_kind(kind), request.mutable_error()->set_message(message);
+    transport_->tell(request.SerializeAsString());
+  } catch (...) {
+  }
+}
+
+}  // namespace sunder::link

@@ -1,0 +1,47 @@
+#pragma once
+// The rigid side behind messages.
+#include <functional>
+#include <memory>
+#include <set>
+
+#include "coupler/link/rigid_link.h"
+#include "coupler/link/transport.h"
+#include "exchange.pb.h"
+
+namespace sunder::link {
+
+/// What a reply told of its time: spans on the engine's clock, and when it was asked and answered on ours [ns].
+struct TimedReply {
+  const char* request;
+  std::int64_t sent_ns, received_ns;
+  std::vector<proto::Span> spans;
+};
+
+class RemoteRigid final : public RigidLink {
+ public:
+  /// Says Hello. `heard`: called after every reply, where the session is traced.
+  RemoteRigid(std::unique_ptr<Transport> transport, const std::string& scene_hash,
+              std::function<void(const TimedReply&)> heard = {});
+  const EngineInfo& peer() const override { return peer_; }
+  std::vector<State> load(const World& world) override;
+  void restore(const std::string& caches) override;
+  std::vector<ContactRow> rows(std::int64_t tick, double window_s, const std::vector<Motion>& motions,
+                               const std::vector<BodyId>& bodies) override;
+  std::vector<State> window(const WindowTask& task) override;
+  std::vector<State> add_bodies(const std::vector<RigidBody>& bodies) override;
+  std::string save() override;
+  void bye() override;
+  void abort(const std::string& kind, const std::string& message) noexcept override;
+  void check_peer() override { transport_->check_peer(); }
+
+ private:
+  proto::Reply ask(proto::Request& request, double deadline_s, const char* what);
+
+  std::unique_ptr<Transport> transport_;
+  std::function<void(const TimedReply&)> heard_;
+  EngineInfo peer_;
+  std::uint64_t sequence_ = 0;
+  std::set<BodyId> all_, moving_;  // that the engine holds
+};
+
+}  // namespace sunder::link

@@ -1,0 +1,141 @@
+#include "coupler/link/session.h"
+
+#include <chrono>
+#include <memory>
+
+#include "coupler/link/channel.h"
+#include "coupler/link/messages.h"
+
+namespace sunder::link {
+namespace {
+
+constexpr double kConnectSeconds = 30.0;
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+[[noreturn]] void refuse(const std::string& message) { throw Error(Exit::kPeerLost, "bad_message", message); }
+
+}  // namespace
+
+struct Answer {
+  Session& s;
+  proto::Reply reply;
+
+  template <class Work>
+  auto timed(const char* name, Work work) {
+    if (!s.trace_) return work();
+    const std::int64_t begin = now_ns();
+    auto result = work();
+    auto* span = reply.add_spans();
+    span->set_name(name), span->set_begin_ns(begin), span->set_end_ns(now_ns());
+    return result;
+  }
+
+  void to(const proto::Request& request) {
+    const auto kind = request.kind_case();
+    if (kind != proto::Request::kHello && kind != proto::Request::kError && s.state_ == Session::kNew)
+      refuse("a request before Hello");
+    switch (kind) {
+      case proto::Request::kHello:
+        return hello(request.hello());
+      case proto::Request::kLoad: {
+        const World world = timed("decode", [&] { return decode(request.load()); });
+        encode_states(timed("load", [&] { return s.host_.load(world); }), reply.mutable_load()->mutable_states());
+        s.state_ = Session::kLoaded;
+        return;
+      }
+      case proto::Request::kRestore:
+        s.host_.restore(request.restore().caches());
+        reply.mutable_restore();
+        return;
+      case proto::Request::kExport: {
+        const auto& e = request.export_();
+        const auto motions = decode_motions(e.motions(), "motions");
+        const auto rows = timed("rows", [&] {
+          return s.host_.rows(e.tick(), e.window_s(), motions, decode_ids(e.bodies(), "export.bodies"));
+        });
+        reply.mutable_export_();
+        for (const ContactRow& row : rows) *reply.mutable_export_()->add_rows() = encode(row);
+        return;
+      }
+      case proto::Request::kWindow: {
+        const WindowTask task = timed("decode", [&] { return decode(request.window()); });
+        const auto states = timed("window", [&] { return s.host_.window(task); });
+        reply.mutable_window()->set_tick(s.host_.tick());
+        encode_states(states, reply.mutable_window()->mutable_states());
+        return;
+      }
+      case proto::Request::kAddBodies: {
+        const auto bodies = decode_bodies(request.add_bodies().bodies(), "bodies");
+        encode_states(s.host_.add_bodies(bodies), reply.mutable_add_bodies()->mutable_states());
+        return;
+      }
+      case proto::Request::kSave:
+        reply.mutable_save()->set_caches(timed("save", [&] { return s.host_.save(); }));
+        return;
+      case proto::Request::kBye:
+        reply.mutable_bye();
+        s.state_ = Session::kDone;
+        return;
+      case proto::Request::kError:
+        s.abandoned_ = true;
+        throw Error(Exit::kPeerLost, "peer_failed", "the shell process reports: " + request.error().message());
+      default:
+        refuse("a request without content");
+    }
+  }
+
+  void hello(const proto::Hello& hello) {
+    if (s.state_ != Session::kNew) refuse("a second Hello");
+    if (hello.protocol_min() > kProtocol || hello.protocol_max() < kProtocol)
+      refuse(fmt::format("protocol {} to {} asked for, {} is spoken here", hello.protocol_min(), hello.protocol_max(),
+                         kProtocol));
+    if (hello.scene_hash().size() > kMaxHash)
+      refuse(fmt::format("hello.scene_hash has {} bytes; {} at most", hello.scene_hash().size(), kMaxHash));
+    auto* h = reply.mutable_hello();
+    h->set_protocol(kProtocol), h->set_scene_hash(hello.scene_hash());
+    const EngineInfo& info = s.host_.peer();
+    h->set_engine_name(info.name), h->set_engine_version(info.version);
+    for (const auto& c : info.capabilities) h->add_capabilities(c);
+    s.trace_ = hello.trace();
+    s.state_ = Session::kGreeted;
+  }
+};
+
+std::string Session::answer(const std::string& bytes) {
+  Answer answer{*this, {}};
+  const auto failed = [&](const Error& e) {
+    answer.reply.Clear();
+    answer.reply.mutable_error()->set_kind(e.kind), answer.reply.mutable_error()->set_message(e.what());
+    failure_ = std::make_shared<Error>(e);
+    state_ = kDone;
+  };
+  try {
+    proto::Request request;
+    if (!request.ParseFromString(bytes)) refuse("bytes that are no request");
+    if (request.sequence() != ++sequence_)
+      refuse(fmt::format("request {}, expected {}", request.sequence(), sequence_));
+    answer.to(request);
+  } catch (const Error& e) {
+    failed(e);
+  } catch (const std::exception& e) {  // our own mistake or the engine's: the other side hears of it too
+    failed(Error(Exit::kPhysics, "internal", e.what()));
+  }
+  answer.reply.set_sequence(sequence_);
+  return answer.reply.SerializeAsString();
+}
+
+void serve(const std::string& endpoint, Engine& engine, const std::string& keys) {
+  Channel channel(Channel::Role::kBind, endpoint, keys);
+  Session session(engine);
+  while (!session.over()) {
+    const std::string reply = session.answer(channel.receive(kConnectSeconds));
+    if (!session.abandoned()) channel.send(reply);
+  }
+  session.rethrow();
+}
+
+}  // namespace sunder::link

@@ -1,0 +1,67 @@
+#include "rigid/engine/checks.h"
+
+#include <cmath>
+
+namespace sunder::rigid {
+namespace {
+
+constexpr double kUnitTolerance = 1e-6;  // of |q| [-]
+
+bool finite(const BodyMotion& m) {
+  return m.position.allFinite() && m.orientation.coeffs().allFinite() && m.velocity.allFinite() &&
+         m.angular_momentum.allFinite();
+}
+
+}  // namespace
+
+void reject_body(const RigidBody& body, const std::string& field, const std::string& what) {
+  Error error(Exit::kBadInput, "bad_body", fmt::format("body {} '{}': {} {}", body.id, body.name, field, what));
+  error.field = field;
+  error.body = body.name;
+  throw error;
+}
+
+void reject_handback(BodyId id, const std::string& what) {
+  Error error(Exit::kBadInput, "bad_handback", fmt::format("handback of body {}: {}", id, what));
+  error.body = std::to_string(id);
+  throw error;
+}
+
+void check_body(const RigidBody& body) {
+  if (body.id == 0) reject_body(body, "id", "is 0, which is never used; count from 1");
+  const BodyMotion& m = body.motion;
+  if (!finite(m)) reject_body(body, "motion", "holds a number that is not finite");
+  const double length = m.orientation.norm();
+  if (std::abs(length - 1.0) > kUnitTolerance)
+    reject_body(body, "motion.orientation", fmt::format("has length {}, must be 1; normalize it", length));
+  if (body.is_static) return;
+  if (!std::isfinite(body.mass) || !(body.mass > 0.0))
+    reject_body(body, "mass", fmt::format("is {} kg, must be positive and finite; or make the body static", body.mass));
+  const Vec3& inertia = body.principal_inertia;
+  if (!inertia.allFinite() || !(inertia.minCoeff() > 0.0))
+    reject_body(body, "principal_inertia",
+                fmt::format("is ({}, {}, {}) kg m^2, must be positive and finite; or make the body static", inertia.x(),
+                            inertia.y(), inertia.z()));
+}
+
+void check_handback(const Handback& handback) {
+  if (!finite(handback.motion)) reject_handback(handback.id, "holds a number that is not finite");
+  const double length = handback.motion.orientation.norm();
+  if (std::abs(length - 1.0) > kUnitTolerance)
+    reject_handback(handback.id, fmt::format("orientation has length {}, must be 1", length));
+}
+
+void check_window(double window_s) {
+  if (!(window_s > 0.0) || !std::isfinite(window_s))
+    throw Error(Exit::kBadInput, "bad_handback", fmt::format("window_s is {} s, must be positive", window_s));
+}
+
+void check_laws(const std::vector<ContactLaw>& laws) {
+  for (const ContactLaw& law : laws)
+    if (!(law.friction >= 0.0) || !std::isfinite(law.friction) || !(law.restitution >= 0.0 && law.restitution <= 1.0))
+      throw Error(Exit::kBadInput, "bad_contact_law",
+                  fmt::format("contact groups {} and {}: friction {} must be at least 0, restitution {} in 0..1",
+                              law.first_group, law.second_group, law.friction, law.restitution));
+}
+
+}  // namespace sunder::rigid

@@ -1,0 +1,20 @@
+#pragma once
+// What every engine refuses. For adapters.
+#include "rigid/engine/engine.h"
+
+namespace sunder::rigid {
+
+/// Throws Error (bad_body).
+[[noreturn]] void reject_body(const RigidBody& body, const std::string& field, const std::string& what);
+/// Throws Error (bad_handback).
+[[noreturn]] void reject_handback(BodyId id, const std::string& what);
+/// Id, motion, mass and inertia. Throws Error (bad_body) with id, name, value and remedy.
+void check_body(const RigidBody& body);
+/// Finite, unit quaternion. Throws Error (bad_handback).
+void check_handback(const Handback& handback);
+/// Throws Error (bad_handback).
+void check_window(double window_s);
+/// Throws Error (bad_contact_law).
+void check_laws(const std::vector<ContactLaw>& laws);
+
+}  // namespace sunder::rigid

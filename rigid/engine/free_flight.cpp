@@ -1,0 +1,51 @@
+#include "rigid/engine/free_flight.h"
+
+#include "rigid/engine/checks.h"
+
+namespace sunder::rigid {
+
+EngineInfo FreeFlight::info() const {
+  using namespace link::capability;
+  return {"freeflight",
+          "1",
+          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kExportRows, kSaveRestore, kDoublePrecision,
+           kDeterministic}};
+}
+
+void FreeFlight::add(const RigidBody& body) {
+  check_body(body);
+  if (!bodies_.emplace(body.id, body).second) reject_body(body, "id", "is held already; ids are for the whole run");
+}
+
+void FreeFlight::move(const std::vector<Handback>& motions) {
+  auto next = motions.begin();
+  for (auto& [id, body] : bodies_) {
+    if (body.is_static) continue;
+    if (next == motions.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
+    if (next->id < id) break;
+    check_handback(*next);
+    body.motion = next++->motion;
+  }
+  if (next != motions.end())
+    reject_handback(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+}
+
+void FreeFlight::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>&) {
+  check_window(window_s);
+  move(handbacks);
+}
+
+std::vector<EngineState> FreeFlight::states() const {
+  std::vector<EngineState> out;
+  for (const auto& [id, body] : bodies_)
+    if (!body.is_static) out.push_back({id, body.mass, body.motion});
+  return out;
+}
+
+void FreeFlight::restore(const std::string& caches, const std::vector<Handback>& motions) {
+  if (!caches.empty())
+    throw Error(Exit::kBadInput, "bad_state", fmt::format("freeflight keeps no caches; {} bytes given", caches.size()));
+  move(motions);
+}
+
+}  // namespace sunder::rigid
