@@ -5,7 +5,7 @@
 
 namespace sunder::link {
 
-class EngineHost final : public RigidLink {
+class EngineHost : public RigidLink {
  public:
   explicit EngineHost(Engine& engine) : engine_(engine), info_(engine.info()) {}
   const EngineInfo& peer() const override { return info_; }

@@ -47,6 +47,8 @@ void apply_setting(proto::Scene& scene, const std::string& setting);
 
 /// What needs no geometry: numbers, names, references, counts, paths.
 void validate(const LoadedScene& scene);
+/// Its part about schemes, windows and joints.
+void validate_coupling(const LoadedScene& scene);
 
 /// The convex hull of the corners of an OFF or OBJ file below the scene's folder.
 struct Hull {

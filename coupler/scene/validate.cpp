@@ -415,6 +415,7 @@ void validate(const LoadedScene& s) {
     s.check(!c.has_restitution() || (c.restitution() >= 0.0 && c.restitution() <= 1.0), f + ".restitution",
             "is {}; 0 to 1", c.restitution());
   }
+  validate_coupling(s);
   const auto& r = m.fracture();
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
   s.check(!r.has_branch_ratio() || (r.branch_ratio() > 1.0 && r.branch_ratio() <= 1e6), "fracture.branch_ratio",

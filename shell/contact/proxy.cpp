@@ -112,7 +112,7 @@ Vec3 Proxy::velocity_at(const Vec3& world) const {
 
 Mat3 Proxy::inverse_mass_at(const Vec3& world) const {
   Mat3 k = Mat3::Zero();
-  if (body.is_static) return k;
+  if (body.is_static || unmoved) return k;
   const Vec3 arm = world - body.motion.position;
   for (int d = 0; d < 3; ++d)
     k.col(d) = body.apply_inverse_inertia(arm.cross(Vec3::Unit(d))).cross(arm) + Vec3::Unit(d) / body.mass;
@@ -122,7 +122,7 @@ Mat3 Proxy::inverse_mass_at(const Vec3& world) const {
 void Proxy::apply(const Vec3& world, const Vec3& j) {
   const Vec3 turn = (world - body.motion.position).cross(j);
   linear_impulse += j, angular_impulse += turn;
-  if (body.is_static) return;
+  if (body.is_static || unmoved) return;
   body.motion.velocity += j / body.mass;
   body.motion.angular_momentum += turn;
 }

@@ -15,6 +15,7 @@ class Proxy {
  public:
   explicit Proxy(RigidBody body);
   RigidBody body;
+  bool unmoved = false;  // by impulses, which are only counted: the lagged scheme
   Vec3 linear_impulse = Vec3::Zero();   // from the shell in this window [N s]
   Vec3 angular_impulse = Vec3::Zero();  // about the centre of mass [N m s]
   // The ledger's other page: what the shell's control points received, summed where they are.

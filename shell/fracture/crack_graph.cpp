@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/core/error.h"
+
 namespace sunder::shell {
 
 CrackGraph::CrackGraph(const Vec2& low, const Vec2& high, double reach, double lengthening)
@@ -42,6 +44,19 @@ void CrackGraph::undo_edge() {
   for (int j = bin(lo.y(), ny_); j <= bin(hi.y(), ny_); ++j)
     for (int i = bin(lo.x(), nx_); i <= bin(hi.x(), nx_); ++i) bins_[static_cast<std::size_t>(j) * nx_ + i].pop_back();
   edges_.pop_back();
+}
+
+void CrackGraph::restore(const std::vector<Vec2>& vertices, const std::vector<CrackEdge>& edges, int cracks,
+                         double total_length) {
+  const int count = static_cast<int>(vertices.size());
+  vertices_ = vertices, edges_.clear(), total_length_ = 0.0;
+  for (auto& bin : bins_) bin.clear();
+  for (const CrackEdge& e : edges) {
+    const bool known = e.from >= 0 && e.from < count && e.to >= 0 && e.to < count;
+    if (!known || add_edge(e.from, e.to, e.crack, e.time, e.face) < 0)
+      throw Error(Exit::kBadInput, "bad_checkpoint", fmt::format("crack edge {} is none", edges_.size()));
+  }
+  cracks_ = cracks, total_length_ = total_length;  // a sum depends on the order of what was taken back in between
 }
 
 bool CrackGraph::visible(const Vec2& a, const Vec2& b, int skip1, int skip2) const {

@@ -41,6 +41,9 @@ class CrackGraph {
   /// Takes back the last edge, which was only tried, or the last vertex, which no edge has.
   void undo_edge();
   void undo_vertex() { vertices_.pop_back(); }
+  /// Puts the cracks of a checkpoint in place of these; the graph's domain and bins are as they were. Throws Error
+  /// (bad_checkpoint).
+  void restore(const std::vector<Vec2>& vertices, const std::vector<CrackEdge>& edges, int cracks, double total_length);
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
   const std::vector<CrackEdge>& edges() const { return edges_; }

@@ -116,6 +116,41 @@ void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, con
   }
 }
 
+Joint make_joint(const proto::BodyJoint& m, std::uint32_t id, const std::vector<RigidBody>& bodies) {
+  const auto find = [&](const std::string& name) -> const RigidBody* {
+    for (const RigidBody& b : bodies)
+      if (b.name == name) return &b;
+    return nullptr;
+  };
+  const RigidBody *first = find(m.first()), *second = find(m.second());
+  Joint j;
+  j.id = id, j.name = m.name(), j.kind = static_cast<Joint::Kind>(m.kind() - 1);
+  j.first = first->id, j.second = second ? second->id : 0;
+  const Vec3 at = m.has_position() ? scene::to_vec(m.position()) : first->motion.position;
+  const Quat axes = m.has_axis() ? Quat::FromTwoVectors(Vec3::UnitZ(), scene::to_vec(m.axis())) : Quat::Identity();
+  const auto frame = [&](const RigidBody* b) {
+    if (!b) return Joint::Frame{at, axes};
+    const Quat back = b->motion.orientation.conjugate();
+    return Joint::Frame{back * (at - b->motion.position), (back * axes).normalized()};
+  };
+  j.first_frame = frame(first), j.second_frame = frame(second);
+  return j;
+}
+
+CouplingRules make_coupling(const proto::Scene& m) {
+  const proto::Coupling& c = m.coupling();
+  CouplingRules r;
+  r.scheme = static_cast<CouplingRules::Scheme>(c.scheme());
+  if (c.has_export_above()) r.export_above = c.export_above();
+  if (c.has_iterations()) r.iterations = c.iterations();
+  if (c.has_adaptive_window()) {
+    const proto::AdaptiveWindow& a = c.adaptive_window();
+    r.tolerance = a.has_tolerance() ? a.tolerance() : 1e-4;
+    r.ticks = a.has_shortest_window_s() ? static_cast<int>(std::lround(m.window_s() / a.shortest_window_s())) : 64;
+  }
+  return r;
+}
+
 }  // namespace
 
 RunSetup build(const scene::LoadedScene& scene) {
@@ -123,6 +158,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   RunSetup r;
   r.name = m.name();
   r.end_time = m.end_time_s(), r.window = m.window_s();
+  r.coupling = make_coupling(m);
+  r.tick = r.window / r.coupling.ticks;
   r.settle_window = m.has_settle_window_s() ? m.settle_window_s() : m.window_s();
   if (m.has_time_step_safety()) r.safety = m.time_step_safety();
   r.time_step = m.time_step_s();
@@ -247,6 +284,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     }
     r.bodies.push_back(std::move(b));
   }
+  for (const proto::BodyJoint& j : m.joints())
+    r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies));
   for (const auto& p : m.output().probes())
     for (int i = 0; i < m.bodies_size(); ++i)
       if (m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), Vec2::Zero(), i});

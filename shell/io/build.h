@@ -22,10 +22,21 @@ constexpr double kMostOfStable = 0.95;
 /// Substeps that a window may take.
 constexpr double kMostSubsteps = 1e6;
 
+/// How a window is shared with the rigid side (scene.proto, Coupling).
+struct CouplingRules {
+  enum class Scheme { kProxy, kExported, kIterated, kStaggered, kLagged };
+  Scheme scheme = Scheme::kProxy;
+  double export_above = 3.0;  // sum of k H^2 / M [-]
+  int iterations = 8;
+  double tolerance = 0.0;  // energy residual of a window, of the most energy there was; 0: windows keep their length
+  int ticks = 1;           // of a window of full length
+};
+
 /// All that a run needs from a scene, in plain types.
 struct RunSetup {
   std::string name;
   double end_time = 0.0, window = 0.0, settle_window = 0.0, safety = 0.8;  // [s], [-]
+  double tick = 0.0;                                                       // all windows are whole multiples of it [s]
   double time_step = 0.0;  // of a substep, as the scene asks for it [s]; 0: `safety` times the stable one
   double frame_interval = 0.0, shell_frame_interval = 0.0;
   std::vector<Probe> probes;
@@ -44,6 +55,8 @@ struct RunSetup {
   CrackRules rules;
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
+  std::vector<Joint> joints;
+  CouplingRules coupling;
   TransferRules transfer;
   std::vector<double> hertz;  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   std::vector<ContactLaw> laws;

@@ -23,9 +23,10 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
                   "slow it down, or lower time_step_safety",
                   setup.bodies[i].name, travel, m.name);
     }
-    scene.check(setup.window >= step, "window_s",
-                "is {} s, shorter than the stable step of shell '{}', {:.3g} s; make it a multiple of that",
-                setup.window, m.name, step);
+    scene.check(setup.tick >= step,
+                setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
+                "is {} s, shorter than the stable step of shell '{}', {:.3g} s; make it a multiple of that", setup.tick,
+                m.name, step);
     const int layers = m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size());
     const double shell_time = std::min(setup.latest_freeze, setup.end_time);
     const double allowed = step * (can_crack ? kCrackedStep : 1.0);

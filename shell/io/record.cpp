@@ -11,6 +11,7 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kCouplingWarning = 0.1;                         // of the most energy there was, as the next two
 constexpr double kResidualWarning = 0.02, kFrozenWarning = 0.1;  // of the most energy there was
 
 constexpr double kProgressInterval = 0.5;  // [s]
@@ -35,6 +36,7 @@ std::string number(double v) { return std::isfinite(v) ? fmt::format("{:.17g}", 
 
 void Run::write_frame() {
   const double start = wall_clock();
+  const std::int64_t begin = Trace::now_ns();
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   const ShellModel* model = state_ ? &setup_.shells[0] : nullptr;
@@ -45,10 +47,11 @@ void Run::write_frame() {
   if (!probes_.empty()) write_atomically(options_.out + "/probes.csv", probes_);
   if (time() > 0.0) write_summary("running", nullptr);  // what a killed run leaves says how far it came
   stage_s_["io"] += wall_clock() - start;
+  traced("frame", begin);
 }
 
 void Run::write_probes() {
-  if (setup_.probes.empty() || time() < next_probe_ - 1e-6 * setup_.window) return;
+  if (setup_.probes.empty() || time() < next_probe_ - 1e-6 * setup_.tick) return;
   const bool bodies =
       std::any_of(setup_.probes.begin(), setup_.probes.end(), [](const Probe& p) { return p.body >= 0; });
   if (!state_ && !bodies) return;
@@ -155,6 +158,12 @@ std::vector<std::string> Run::warnings() const {
     out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
                               percent(-b.handoff),
                               setup_.transfer.kind != Transfer::kDirect ? ": the grid glues what is cut" : ""));
+  if (percent(residual_sum_) > 100.0 * kCouplingWarning)
+    out.push_back(fmt::format(
+        "windows are too long for bodies that the shell pushes and the engine holds: {:.1f} % of the energy "
+        "there was is uncertain by it; shorten window_s, give coupling.adaptive_window, or take an engine "
+        "that can do 'export_rows'",
+        percent(residual_sum_)));
   if (percent(frozen_kinetic_) > 100.0 * kFrozenWarning)
     out.push_back(
         fmt::format("the shell was frozen while it still moved with {:.0f} % of the energy there was: raise "
@@ -216,6 +225,14 @@ void Run::write_summary(const std::string& status, const Error* error) {
       "\"mass_geometry_error_max\": {}, \"area_m2\": {}, \"detached_area_m2\": {}}},\n",
       number(mass_error_), number(momentum_error_), number(angular_error_), number(geometry_error_),
       number(handed_area_), number(detached_area_));
+  static constexpr const char* kSchemes[] = {"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"};
+  j += fmt::format(
+      "  \"coupling\": {{\"scheme\": {}, \"residual_sum\": {}, \"residual_max\": {}, \"exported_bodies\": {}, "
+      "\"exported_windows\": {}, \"hardest\": {}, \"passes_a_window\": {}, \"shortest_window_s\": {}}},\n",
+      quoted(kSchemes[static_cast<int>(setup_.coupling.scheme)]), number(residual_sum_), number(residual_max_),
+      ever_exported_.size(), exported_windows_, number(hardest_),
+      number(windows_ > 0 && passes_ > 0 ? static_cast<double>(passes_) / static_cast<double>(windows_) : 1.0),
+      number(shortest_window_ * setup_.tick));
   std::string warned;
   for (const std::string& w : warnings()) warned += (warned.empty() ? "" : ", ") + quoted(w);
   j += "  \"warnings\": [" + warned + "],\n";

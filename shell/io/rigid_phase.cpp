@@ -83,12 +83,13 @@ void Run::freeze_shell(const std::string& why) {
   frozen_wall_ = wall_clock();
   state_.reset();
   book_.frozen += before - total_energy(dt_);
-  fly(setup_.window, proxies_.size() - births.size());  // newborn bodies do not move in the window of their birth
-  exchange(1, setup_.window, births);
+  open_window(window_ticks_ * setup_.tick);
+  fly(window_ticks_ * setup_.tick, proxies_.size() - births.size());  // newborn bodies do not move in this window
+  exchange(window_ticks_, window_ticks_ * setup_.tick, births);
 }
 
 std::int64_t Run::settle_ticks() const {
-  const auto most = static_cast<std::int64_t>(std::llround(setup_.settle_window / setup_.window));
+  const auto most = static_cast<std::int64_t>(std::llround(setup_.settle_window / setup_.tick));
   if (setup_.shells.empty() || most <= 1) return most;
   double thickness = setup_.shells[0].thickness;
   for (const ShellModel& m : setup_.shells) thickness = std::min(thickness, m.thickness);
@@ -103,10 +104,10 @@ std::int64_t Run::settle_ticks() const {
       const double gap = (a.motion.position - b.motion.position).norm() - proxies_[i].radius() - proxies_[j].radius();
       const double speed = (a.motion.velocity - b.motion.velocity).norm();
       if (speed * longest <= travel || gap > speed * longest) continue;
-      longest = std::max(travel / speed, setup_.window);
+      longest = std::max(travel / speed, setup_.tick);
     }
   }
-  return std::max<std::int64_t>(1, static_cast<std::int64_t>(longest / setup_.window * (1.0 + 1e-9)));
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(longest / setup_.tick * (1.0 + 1e-9)));
 }
 
 void Run::fly(double window, std::size_t count) {
@@ -121,9 +122,9 @@ void Run::fly(double window, std::size_t count) {
 }
 
 void Run::rigid_window() {
-  const std::int64_t end = std::llround(setup_.end_time / setup_.window);
-  const int ticks = static_cast<int>(std::max<std::int64_t>(1, std::min(settle_ticks(), end - tick_)));
-  const double window = ticks * setup_.window;
+  const int ticks = static_cast<int>(std::max<std::int64_t>(1, std::min(settle_ticks(), end_tick() - tick_)));
+  const double window = ticks * setup_.tick;
+  open_window(window);
   fly(window, proxies_.size());
   exchange(ticks, window, {});
   const double energy = total_energy(0.0);

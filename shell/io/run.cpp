@@ -5,8 +5,6 @@
 #include <set>
 
 #include "coupler/core/error.h"
-#include "coupler/link/channel.h"
-#include "coupler/link/remote.h"
 #include "shell/solver/compression.h"
 #include "shell/solver/damage_cracks.h"
 #include "shell/solver/hertz.h"
@@ -17,24 +15,18 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kLedgerTolerance = 1e-12;  // of the sum of |J|; double precision leaves some 1e-15
-constexpr double kSmallPiece = 30.0;        // spacings squared: too small to bend, leaves at once
-constexpr double kSettleTime = 5e-5;        // a larger piece stays so long, its cracks may still branch [s]
-constexpr double kLookInterval = 0.1;       // [s] of wall time between two looks at the peer
+constexpr double kSmallPiece = 30.0;   // spacings squared: too small to bend, leaves at once
+constexpr double kSettleTime = 5e-5;   // a larger piece stays so long, its cracks may still branch [s]
+constexpr double kLookInterval = 0.1;  // [s] of wall time between two looks at the peer
 constexpr int kPointsPerThread = 4000;
 constexpr double kPatience = 5.0;  // [s] of wall time that an interruption waits for the window's end
 constexpr int kMeasureEvery = 4;   // windows: what cracks leave of the stable step is a little more than is taken of it
 constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
 constexpr int kFirstIterations = 120, kLaterIterations = 16;  // of the stable step
 
-double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
+constexpr std::int64_t kHeldAtFirst = 64;  // windows in which a body of the scene may turn out to be held
 
-struct Stopwatch {
-  double& sum;
-  double start = wall_clock();
-  explicit Stopwatch(double& sum) : sum(sum) {}
-  ~Stopwatch() { sum += wall_clock() - start; }
-};
+double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
 
 }  // namespace
 
@@ -44,6 +36,7 @@ Run::Run(RunSetup setup, RunOptions options)
   if (options_.until > 0.0) setup_.end_time = std::min(setup_.end_time, options_.until);
   setup_.latest_freeze = std::min(setup_.latest_freeze, setup_.end_time);
   for (const RigidBody& b : setup_.bodies) proxies_.emplace_back(b);
+  window_ticks_ = setup_.coupling.ticks, shortest_window_ = window_ticks_;
   next_id_ = first_shard_ = static_cast<BodyId>(setup_.bodies.size() + 1);
 }
 
@@ -51,18 +44,12 @@ void Run::start() {
   // a thread for less than this costs more in waiting than it brings; results are the same for any number
   if (!setup_.shells.empty())
     options_.threads = std::min(options_.threads, 1 + setup_.shells[0].tables.gauss_points() / kPointsPerThread);
-  if (!rigid_)
-    rigid_ = std::make_unique<link::RemoteRigid>(
-        std::make_unique<link::Channel>(link::Channel::Role::kConnect, options_.endpoint), options_.scene_hash);
-  if (can_crack()) {  // shards are compounds of convex hulls
-    const auto& can = rigid_->peer().capabilities;
-    for (const char* need : {"convex_hulls", "compound"})
-      require(std::find(can.begin(), can.end(), need) != can.end(),
-              "the engine '{}' cannot do '{}', which shards need; take another engine, or a shell without strength and "
-              "cuts",
-              rigid_->peer().name, need);
-  }
-  rigid_->load({setup_.bodies, setup_.laws, {}});
+  if (!options_.trace.empty()) options_.heard = [this](const link::TimedReply& reply) { trace_.heard(reply); };
+  rigid_ = options_.connect(options_);
+  check_engine();
+  const bool again = setup_.coupling.scheme == CouplingRules::Scheme::kIterated;
+  rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again});
+  for (const RigidBody& b : setup_.bodies) held_until_[b.id] = kHeldAtFirst;
   if (!setup_.shells.empty()) {
     const ShellModel& m = setup_.shells[0];
     state_ = std::make_unique<ShellState>(make_state(m, setup_.shell_velocity, setup_.seed));
@@ -94,9 +81,12 @@ void Run::start() {
     require(setup_.time_step <= most,
             "time_step_s is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
             setup_.time_step, m.name, can_crack() ? " with cracks" : "", most / kMostOfStable, 0.99 * most);
-    require(setup_.window >= initial_step_,
-            "window_s is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple", setup_.window,
+    require(setup_.tick >= initial_step_,
+            "{} is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple",
+            setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
             initial_step_);
+    refresh_candidates(m, *state_, proxies_, coefficients_, setup_.safety * initial_step_, candidates_);
+    candidates_.age = 0;
   }
   reference_energy_ = total_energy(0.0);
   // the most that was there at once; grows with the run
@@ -130,6 +120,26 @@ void Run::find_equilibrium() {
       fmt::format("no equilibrium of shell '{}' found: {} Newton steps and {} of relaxation leave {:.3g} of the "
                   "loads, more than {:.3g}; support it, lower the loads, or raise equilibrium.tolerance",
                   setup_.shells[0].name, r.newton, r.steps, r.residual, setup_.equilibrium));
+}
+
+void Run::check_engine() const {
+  const link::EngineInfo& peer = rigid_->peer();
+  const auto need = [&](const char* what, const std::string& why) {
+    require(peer.can(what), "the engine '{}' cannot do '{}', which {}; take another engine, or change the scene",
+            peer.name, what, why);
+  };
+  using namespace link::capability;
+  for (const RigidBody& b : setup_.bodies) {
+    if (std::holds_alternative<SphereShape>(b.shape)) need(kSpheres, "body '" + b.name + "' needs");
+    if (std::holds_alternative<BoxShape>(b.shape)) need(kBoxes, "body '" + b.name + "' needs");
+    if (std::holds_alternative<HalfSpaceShape>(b.shape)) need(kHalfSpaces, "body '" + b.name + "' needs");
+    if (std::holds_alternative<ConvexShape>(b.shape)) need(kConvexHulls, "body '" + b.name + "' needs");
+  }
+  for (const Joint& j : setup_.joints) need(kJoints, "joint '" + j.name + "' needs");
+  if (can_crack())
+    for (const char* what : {kConvexHulls, kCompound}) need(what, "shards need; or leave strength and cuts out");
+  if (setup_.coupling.scheme == CouplingRules::Scheme::kExported) need(kExportRows, "coupling.scheme EXPORTED needs");
+  if (setup_.coupling.scheme == CouplingRules::Scheme::kIterated) need(kSaveRestore, "coupling.scheme ITERATED needs");
 }
 
 double Run::bodies_energy() const {
@@ -177,6 +187,7 @@ void Run::substep(double dt) {
       candidates_.age = 1;
     }
     contact(m, s, proxies_, coefficients_, candidates_, dt);
+    engine_loss_ += rows_.solve(dt);
   }
   if (setup_.transfer.kind != Transfer::kDirect) {
     Stopwatch w(stage_s_["transfer"]);
@@ -212,34 +223,11 @@ double Run::with_hertz(double step) {
   return step;
 }
 
-void Run::shell_window() {
+void Run::take_substeps(int n, double dt) {
   const ShellModel& m = setup_.shells[0];
   ShellState& s = *state_;
-  const double step = with_hertz(can_crack() ? std::min(smallest_step_, kCrackedStep * initial_step_) : smallest_step_);
-  // a crack may have taken more from the stable step than was allowed for
-  const double taken = setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
-  const double needed = std::ceil(setup_.window / taken * (1.0 - 1e-12));
-  if (!(needed <= kMostSubsteps)) {
-    Error e(
-        Exit::kPhysics, "substeps",
-        fmt::format("a window of {:.3g} s would take {:.3g} substeps of {:.3g} s; at most {:.0g}: shorten window_s, or "
-                    "take a softer contact, or a longer time_step_s",
-                    setup_.window, needed, taken, kMostSubsteps));
-    e.window = windows_;
-    throw e;
-  }
-  const int n = std::max(1, static_cast<int>(needed));
-  const double dt = dt_ = setup_.window / n;
-  const double window_start = wall_clock(), update_before = stage_s_["crack_update"];
-  for (std::size_t i = 0; i < setup_.cuts.size(); ++i)
-    if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * setup_.window) {
-      Stopwatch w(stage_s_["crack_update"]);
-      const int before = static_cast<int>(s.cracks.edges().size());
-      insert_polyline(m, s, setup_.cuts[i].points, time());
-      if (setup_.tips) start_at_ends(m, s, before, static_cast<int>(s.cracks.edges().size()));
-      s.cut_done[i] = 1;
-    }
   for (int k = 0; k < n; ++k) {
+    share_kick(1.0 / n);
     substep(dt);
     if (++substeps_ % kCompressionInterval == 0) try {
         check_compression(m, s);
@@ -260,16 +248,58 @@ void Run::shell_window() {
       if (setup_.extract_cracks && (k % every == every - 1 || k == n - 1)) extract_cracks(m, s, time() + (k + 1) * dt);
     }
     look_around();
-    if (*interrupted_ && wall_clock() - window_start > kPatience)
+    if (*interrupted_ && wall_clock() - window_start_wall_ > kPatience)
       throw Error(Exit::kInterrupted, "interrupted", "interrupted within a window, which would have taken long");
   }
+}
+
+void Run::shell_window() {
+  const ShellModel& m = setup_.shells[0];
+  ShellState& s = *state_;
+  const double step = with_hertz(can_crack() ? std::min(smallest_step_, kCrackedStep * initial_step_) : smallest_step_);
+  // a crack may have taken more from the stable step than was allowed for
+  const double taken = setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
+  window_ticks_ = static_cast<int>(std::min<std::int64_t>(window_ticks_, end_tick() - tick_));
+  const double window = window_ticks_ * setup_.tick;
+  const double needed = std::ceil(setup_.tick / taken * (1.0 - 1e-12));
+  if (!(needed * setup_.coupling.ticks <= kMostSubsteps)) {
+    Error e(
+        Exit::kPhysics, "substeps",
+        fmt::format("a window of {:.3g} s would take {:.3g} substeps of {:.3g} s; at most {:.0g}: shorten window_s, or "
+                    "take a softer contact, or a longer time_step_s",
+                    setup_.window, needed * setup_.coupling.ticks, taken, kMostSubsteps));
+    e.window = windows_;
+    throw e;
+  }
+  const int n = std::max(1, static_cast<int>(needed)) * window_ticks_;  // windows of any length take the same substep
+  const double dt = dt_ = window / n;
+  s.time = time();
+  const double window_start = wall_clock(), update_before = stage_s_["crack_update"];
+  for (std::size_t i = 0; i < setup_.cuts.size(); ++i)
+    if (!s.cut_done[i] && setup_.cuts[i].time <= time() + 0.5 * window) {
+      Stopwatch w(stage_s_["crack_update"]);
+      const int before = static_cast<int>(s.cracks.edges().size());
+      insert_polyline(m, s, setup_.cuts[i].points, time());
+      if (setup_.tips) start_at_ends(m, s, before, static_cast<int>(s.cracks.edges().size()));
+      s.cut_done[i] = 1;
+    }
+  open_window(window);
+  window_start_wall_ = window_start;
+  const std::int64_t substeps_begin = Trace::now_ns();
+  if (setup_.coupling.scheme == CouplingRules::Scheme::kIterated)
+    iterate_window(n, dt);
+  else
+    take_substeps(n, dt);
+  traced("substeps", substeps_begin);
   for (const Proxy& p : proxies_)
     if (!p.body.motion.position.allFinite() || !p.body.motion.velocity.allFinite()) unstable(std::nan(""));
   check_ledger();
   for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
-    if (proxies_[i].impulse_sum > 0.0 && !proxies_[i].body.is_static) last_push_ = time() + setup_.window;
+    if (proxies_[i].impulse_sum > 0.0 && !proxies_[i].body.is_static) last_push_ = time() + window;
+  const std::int64_t pieces_begin = Trace::now_ns();
   std::vector<RigidBody> births = take_off(false);
-  exchange(1, setup_.window, births);
+  traced("pieces", pieces_begin);
+  exchange(window_ticks_, window, births);
   double energy;
   {
     Stopwatch w(stage_s_["internal_force"]);
@@ -293,6 +323,7 @@ void Run::shell_window() {
     changed_.clear();
     next_measure_ = windows_ + kMeasureEvery;
   }
+  adapt_window();
   if (grew) growing_s_ += wall_clock() - window_start, growing_update_s_ += stage_s_["crack_update"] - update_before;
 }
 
@@ -316,23 +347,6 @@ void Run::look_around() {
   last_look_ = wall_clock();
   rigid_->check_peer();
   progress();
-}
-
-void Run::check_ledger() {
-  for (Proxy& p : proxies_) {
-    if (p.impulse_sum == 0.0) continue;
-    const double linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
-    const double angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
-    ledger_linear_ = std::max(ledger_linear_, linear), ledger_angular_ = std::max(ledger_angular_, angular);
-    if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
-      Error e(Exit::kPhysics, "ledger",
-              fmt::format(
-                  "window {}: what the shell lost, body '{}' did not gain: {:.3g} linear, {:.3g} angular of {:.3g} N s",
-                  windows_, p.body.name, linear, angular, p.impulse_sum));
-      e.window = windows_, e.body = p.body.name;
-      throw e;
-    }
-  }
 }
 
 void Run::check_handoff(const Totals& before, const Totals& after, const RigidBody& b) {
@@ -377,7 +391,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
     if (t.pieces == 1 && !all) continue;  // nothing has separated: a free shell stays a shell
     if (!all && !p.control_points.empty() && p.area > kSmallPiece * m.spacing * m.spacing) {
       const auto [since, fresh] = detached_since_.try_emplace(p.control_points[0], tick_);
-      if (static_cast<double>(tick_ - since->second) * setup_.window < kSettleTime) continue;
+      if (static_cast<double>(tick_ - since->second) * setup_.tick < kSettleTime) continue;
     }
     if (!any) before = total_energy(dt_), any = true;
     if (p.control_points.empty())
@@ -392,7 +406,8 @@ std::vector<RigidBody> Run::take_off(bool all) {
     const double mass = m.material.density * m.thickness * h.area;
     geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
     handed_area_ += h.area, ++handed_off_;
-    shards_.push_back({h.body.id, time() + setup_.window, h.area, h.body.mass, h.body.motion.velocity.norm(),
+    shards_.push_back({h.body.id, time() + window_ticks_ * setup_.tick, h.area, h.body.mass,
+                       h.body.motion.velocity.norm(),
                        static_cast<int>(std::get<ConvexShape>(h.body.shape).parts.size())});
     for (const int slot : h.donors) changed_.push_back(m.parameter[m.tables.control_point(slot)]);
     p.gone = true;
@@ -413,45 +428,13 @@ std::vector<RigidBody> Run::take_off(bool all) {
   return births;
 }
 
-void Run::exchange(int ticks, double window, const std::vector<RigidBody>& births) {
-  Stopwatch w(stage_s_["coupling"]);
-  std::vector<link::Motion> motions;
-  const std::size_t old = proxies_.size() - births.size();
-  const double before = bodies_energy();
-  for (std::size_t i = 0; i < old; ++i) {
-    Proxy& p = proxies_[i];
-    if (!p.body.is_static) motions.push_back({p.body.id, p.body.motion});
-    p.linear_impulse = p.angular_impulse = p.shell_linear = p.shell_angular = Vec3::Zero();
-    p.impulse_sum = p.moment_sum = 0.0;
-  }
-  const auto states = rigid_->window({tick_, ticks, window, motions, {}, births});
-  check_births(births, states);
-  std::size_t k = 0;
-  for (Proxy& p : proxies_)
-    if (!p.body.is_static) p.body.motion = states[k++].motion;
-  engine_loss_ += before - bodies_energy();
-  tick_ += ticks;
-  ++windows_;
-}
-
-void Run::check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states) {
-  for (const RigidBody& b : births)
-    for (const link::State& s : states) {
-      if (s.id != b.id || b.is_static) continue;
-      const Vec3 momentum = b.mass * b.motion.velocity;
-      const double scale = std::max(momentum.norm(), 1e-12), turn = std::max(b.motion.angular_momentum.norm(), 1e-12);
-      mass_error_ = std::max(mass_error_, std::abs(s.mass - b.mass) / b.mass);
-      momentum_error_ = std::max(momentum_error_, (s.mass * s.motion.velocity - momentum).norm() / scale);
-      angular_error_ = std::max(angular_error_, (s.motion.angular_momentum - b.motion.angular_momentum).norm() / turn);
-    }
-}
-
 Exit Run::execute(const std::atomic<bool>& interrupted) {
   interrupted_ = &interrupted;
   try {
     start();
-    const std::int64_t end = std::llround(setup_.end_time / setup_.window);
+    const std::int64_t end = end_tick();
     while (tick_ < end && !interrupted) {
+      const std::int64_t begin = Trace::now_ns();
       const std::string why = state_ ? cracking_has_ended() : "";
       if (!why.empty())
         freeze_shell(why);
@@ -459,13 +442,16 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
         shell_window();
       else
         rigid_window();
-      if (time() >= next_frame_ - 1e-6 * setup_.window) write_frame();
+      if (time() >= next_frame_ - 1e-6 * setup_.tick) write_frame();
       write_series_row();
       write_probes();
       progress();
+      traced(state_ ? "window" : "window without a shell", begin);
+      if (options_.observe) options_.observe(*this);
     }
     write_frame();
     rigid_->bye();
+    if (!options_.trace.empty()) trace_.write(options_.trace);
     write_summary(interrupted ? "interrupted" : "done", nullptr);
     return interrupted ? Exit::kInterrupted : Exit::kDone;
   } catch (const Error& e) {

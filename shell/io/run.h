@@ -2,19 +2,35 @@
 // A whole run: windows of substeps against proxies, exchanged with the rigid process.
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <deque>
+#include <functional>
 #include <map>
+#include <set>
 #include <string>
 
+#include "coupler/link/held_rows.h"
 #include "coupler/link/rigid_link.h"
 #include "shell/io/build.h"
 #include "shell/io/frames.h"
+#include "shell/io/trace.h"
 #include "shell/solver/step.h"
 
 namespace sunder::shell {
 
+class Run;
+
 struct RunOptions {
-  std::string out, endpoint, scene_hash;
+  std::string out, scene_hash;
+  std::string record, replay, trace;  // files; empty: not
+  std::string keys;                   // folder of the keys of an encrypted session; empty: none
+  bool resume = false;                // from the checkpoint in `out`
+  /// The rigid side. Asked once, at the start.
+  std::function<std::unique_ptr<link::RigidLink>(const RunOptions&)> connect;
+  std::function<void(const link::TimedReply&)> heard;  // set by the run where it is traced
+  // For programs that hold a run in themselves: called after every window; and before a window's ledger is checked.
+  std::function<void(const Run&)> observe;
+  std::function<void(std::int64_t window, std::vector<Proxy>&)> tamper;
   double until = 0.0;  // [s]; 0: the scene's end
   int threads = 1;
   bool quiet = false;
@@ -33,11 +49,24 @@ inline double wall_clock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
+struct Stopwatch {
+  double& sum;
+  double start = wall_clock();
+  explicit Stopwatch(double& sum) : sum(sum) {}
+  ~Stopwatch() { sum += wall_clock() - start; }
+};
+
 class Run {
  public:
   Run(RunSetup setup, RunOptions options);
   /// Returns done or interrupted; throws Error after run.json says why.
   Exit execute(const std::atomic<bool>& interrupted);
+
+  double time() const { return static_cast<double>(tick_) * setup_.tick; }  // [s]
+  double mechanical_energy() const { return kinetic_ + elastic_; }          // of shell and bodies, as last summed [J]
+  const std::vector<Proxy>& bodies() const { return proxies_; }
+  double hardest() const { return hardest_; }  // largest k H^2 / M that was measured [-]
+  int exported() const { return static_cast<int>(ever_exported_.size()); }
 
  private:
   void start();
@@ -52,7 +81,22 @@ class Run {
   bool impact_ahead() const;  // a body of the scene flies towards the shell
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   std::int64_t settle_ticks() const;  // length of the next window without a shell
+  void check_engine() const;          // that it can do what the scene needs
+  void traced(const char* name, std::int64_t begin_ns) {
+    if (!options_.trace.empty()) trace_.add(name, begin_ns, Trace::now_ns(), windows_);
+  }
   void substep(double dt);
+  void take_substeps(int n, double dt);
+  std::int64_t end_tick() const { return std::llround(setup_.end_time / setup_.tick); }
+  // coupling.cpp
+  std::vector<link::Motion> motions() const;
+  void open_window(double window);
+  void choose_exported();
+  void iterate_window(int n, double dt);
+  void share_kick(double share);
+  /// What the engine is told of the first `count` bodies; `substeps` over which kicks were spread.
+  std::vector<link::Motion> handbacks(double window, std::size_t count, int substeps) const;
+  void adapt_window();
   std::vector<RigidBody> take_off(bool all);
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
   void check_ledger();
@@ -73,11 +117,16 @@ class Run {
   std::vector<std::string> warnings() const;
   void progress();
   std::string state_hash() const;
-  double time() const { return static_cast<double>(tick_) * setup_.window; }
+
+  /// Impulses of the engine that the next pass of a window spreads over its substeps.
+  struct Kick {
+    Vec3 linear = Vec3::Zero(), angular = Vec3::Zero();  // [N s], [N m s]
+  };
 
   RunSetup setup_;
   RunOptions options_;
   FrameWriter frames_;
+  Trace trace_;
   std::unique_ptr<link::RigidLink> rigid_;
   std::unique_ptr<ShellState> state_;  // none once frozen
   std::vector<Proxy> proxies_;         // moving and static bodies of the scene and shards, by id
@@ -113,6 +162,20 @@ class Run {
   double growing_s_ = 0.0, growing_update_s_ = 0.0;  // of windows in which cracks grew: all, and crack_update
   std::string series_, probes_;
   double next_probe_ = 0.0;  // [s]
+  // Coupling.
+  int window_ticks_ = 1, shortest_window_ = 1;
+  double window_start_wall_ = 0.0;
+  std::vector<link::Motion> starts_;                            // of the present window
+  link::HeldRows rows_;                                         // that its substeps solve
+  std::vector<BodyId> solved_;                                  // whose rows they are
+  std::map<BodyId, std::int64_t> held_until_, exported_until_;  // window
+  std::set<BodyId> ever_exported_;
+  std::vector<Kick> kicks_;             // of each body that is not static
+  std::vector<link::Motion> answered_;  // handbacks of the last pass, and the engine's answer
+  std::vector<link::State> agreed_;
+  std::int64_t exported_windows_ = 0, passes_ = 0;
+  int most_passes_ = 0;
+  double hardest_ = 0.0, window_residual_ = 0.0, residual_sum_ = 0.0, residual_max_ = 0.0;  // [-], [J]
 };
 
 }  // namespace sunder::shell

@@ -23,7 +23,8 @@ MAY = {
                      "shell/contact"},
     "shell/io": {"coupler/core", "coupler/scene", "coupler/link", "shell/geometry", "shell/mechanics", "shell/fracture",
                  "shell/contact", "shell/solver"},
-    "shell": {"coupler/core", "coupler/scene", "coupler/link", "shell/io"},
+    "shell": {"coupler/link", "shell/io"},
+    "coupler/single": {"coupler/link", "rigid/engine", "shell/io"},
     "rigid/engine": {"coupler/core", "coupler/link"},
     "rigid": {"coupler/core", "coupler/link", "rigid/engine"},
 }

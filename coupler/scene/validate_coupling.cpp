@@ -1,0 +1,69 @@
+// Joints between bodies, and how windows are shared.
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "coupler/scene/load.h"
+
+namespace sunder::scene {
+namespace {
+
+constexpr int kMostIterations = 100;
+constexpr double kMostHalvings = 20.0;
+
+void joint(const LoadedScene& s, const std::string& field, const proto::BodyJoint& j, std::set<std::string>& names) {
+  s.check(!j.name().empty() && names.insert(j.name()).second, field + ".name", "'{}' is empty or used twice", j.name());
+  s.check(j.kind() != proto::BodyJoint::KIND_UNSPECIFIED && proto::BodyJoint::Kind_IsValid(j.kind()), field + ".kind",
+          "is missing; BALL, HINGE, SLIDER or FIXED");
+  const auto body = [&](const std::string& name) -> const proto::Body* {
+    for (const proto::Body& b : s.message.bodies())
+      if (b.name() == name) return &b;
+    return nullptr;
+  };
+  const proto::Body *first = body(j.first()), *second = body(j.second());
+  s.check(first, field + ".first", "'{}' is no body of this scene", j.first());
+  s.check(!first->is_static() && !first->has_half_space(), field + ".first",
+          "'{}' is static; name a body that moves first", j.first());
+  s.check(j.second().empty() || second, field + ".second",
+          "'{}' is no body of this scene; name one, or leave it out for the world", j.second());
+  s.check(j.first() != j.second(), field + ".second", "is '{}' as well; a joint is between two bodies", j.second());
+  for (const auto& [name, v] : {std::pair{".position", &j.position()}, std::pair{".axis", &j.axis()}})
+    s.check(std::isfinite(v->x()) && std::isfinite(v->y()) && std::isfinite(v->z()), field + name,
+            "is ({}, {}, {}), must be finite", v->x(), v->y(), v->z());
+  const bool turned = j.kind() == proto::BodyJoint::HINGE || j.kind() == proto::BodyJoint::SLIDER;
+  s.check(!j.has_axis() || turned, field + ".axis", "is for a HINGE or a SLIDER; leave it out");
+  s.check(!j.has_axis() || to_vec(j.axis()).norm() > 1e-9, field + ".axis", "has no direction");
+}
+
+}  // namespace
+
+void validate_coupling(const LoadedScene& s) {
+  const proto::Scene& m = s.message;
+  std::set<std::string> names;
+  for (int i = 0; i < m.joints_size(); ++i) joint(s, fmt::format("joints[{}]", i), m.joints(i), names);
+  const proto::Coupling& c = m.coupling();
+  s.check(proto::Coupling::Scheme_IsValid(c.scheme()), "coupling.scheme",
+          "is {}; PROXY, EXPORTED, ITERATED, STAGGERED or LAGGED", static_cast<int>(c.scheme()));
+  if (c.has_export_above()) {
+    s.check(c.scheme() == proto::Coupling::PROXY, "coupling.export_above", "is for scheme PROXY; leave it out");
+    s.check(c.export_above() > 0.0, "coupling.export_above", "is {}, must be positive", c.export_above());
+  }
+  if (c.has_iterations()) {
+    s.check(c.scheme() == proto::Coupling::ITERATED, "coupling.iterations", "is for scheme ITERATED; leave it out");
+    s.check(c.iterations() >= 1 && c.iterations() <= kMostIterations, "coupling.iterations", "is {}; 1 to {}",
+            c.iterations(), kMostIterations);
+  }
+  if (!c.has_adaptive_window()) return;
+  const proto::AdaptiveWindow& a = c.adaptive_window();
+  s.check(!a.has_tolerance() || (a.tolerance() > 0.0 && a.tolerance() < 1.0), "coupling.adaptive_window.tolerance",
+          "is {}; a share of the energy, above 0 and below 1", a.tolerance());
+  if (!a.has_shortest_window_s()) return;
+  const double halvings = std::log2(m.window_s() / a.shortest_window_s());
+  s.check(a.shortest_window_s() > 0.0 && halvings >= 1.0 - 1e-9 && halvings <= kMostHalvings &&
+              std::abs(halvings - std::round(halvings)) < 1e-6,
+          "coupling.adaptive_window.shortest_window_s",
+          "is {} s; must be window_s, {} s, over a power of two, as {:.6g} s is", a.shortest_window_s(), m.window_s(),
+          m.window_s() / std::exp2(std::clamp(std::round(halvings), 1.0, kMostHalvings)));
+}
+
+}  // namespace sunder::scene

@@ -1,0 +1,69 @@
+#include "shell/io/trace.h"
+
+#include <chrono>
+#include <limits>
+
+#include "shell/io/vtp.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr int kShell = 1, kRigid = 2;  // process numbers in the trace
+
+std::string event(const std::string& name, int process, std::int64_t begin, std::int64_t end, std::int64_t window) {
+  return fmt::format(
+      ",\n{{\"name\": \"{}\", \"ph\": \"X\", \"pid\": {}, \"tid\": 1, \"ts\": {:.3f}, \"dur\": {:.3f}{}}}", name,
+      process, 1e-3 * static_cast<double>(begin), 1e-3 * static_cast<double>(end - begin),
+      window >= 0 ? fmt::format(", \"args\": {{\"window\": {}}}", window) : "");
+}
+
+// Names come from the other process.
+std::string plain(const std::string& name) {
+  std::string out;
+  for (const char c : name.substr(0, 64))
+    if ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == ' ') out += c;
+  return out;
+}
+
+}  // namespace
+
+std::int64_t Trace::now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
+
+void Trace::add(const char* name, std::int64_t begin_ns, std::int64_t end_ns, std::int64_t window) {
+  events_.push_back({name, begin_ns, end_ns, window});
+}
+
+void Trace::heard(const link::TimedReply& reply) { replies_.push_back(reply); }
+
+void Trace::write(const std::string& path) const {
+  // The offset that puts the engine's work into the middle of the exchange is wrong by at most half of what the
+  // exchange took beyond that work.
+  std::int64_t offset = 0, least = std::numeric_limits<std::int64_t>::max();
+  for (const link::TimedReply& r : replies_) {
+    if (r.spans.empty()) continue;
+    const std::int64_t begin = r.spans.front().begin_ns(), end = r.spans.back().end_ns();
+    const std::int64_t slack = (r.received_ns - r.sent_ns) - (end - begin);
+    if (end < begin || slack < 0 || slack >= least) continue;
+    least = slack, offset = (r.sent_ns - begin) + slack / 2;
+  }
+  std::int64_t start = std::numeric_limits<std::int64_t>::max();
+  for (const Event& e : events_) start = std::min(start, e.begin);
+  for (const link::TimedReply& r : replies_) start = std::min(start, r.sent_ns);
+  std::string out = fmt::format(
+      "{{\"displayTimeUnit\": \"ms\", \"traceEvents\": [\n"
+      "{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": \"sunder-shell\"}}}},\n"
+      "{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": \"sunder-rigid\"}}}}",
+      kShell, kRigid);
+  for (const Event& e : events_) out += event(e.name, kShell, e.begin - start, e.end - start, e.window);
+  for (const link::TimedReply& r : replies_) {
+    out += event(r.request, kShell, r.sent_ns - start, r.received_ns - start, -1);
+    for (const auto& s : r.spans)
+      out += event(plain(s.name()), kRigid, s.begin_ns() + offset - start, s.end_ns() + offset - start, -1);
+  }
+  write_atomically(path, out + "\n]}\n");
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,48 @@
+#pragma once
+// All that a shell is between two windows, for checkpoints.
+#include <memory>
+
+#include "coupler/core/archive.h"
+#include "shell/solver/state.h"
+
+namespace sunder {
+template <>
+inline constexpr bool kAsBytes<shell::Tip> = true;
+}  // namespace sunder
+
+namespace sunder::shell {
+
+template <class A>
+void archive(A& a, GatheredPoint& p) {
+  archive_all(a, p.block, p.lane, p.kind, p.area, p.metric, p.functions, p.left, p.in_rows);
+}
+
+template <class A>
+void archive(A& a, Interlock& i) {
+  archive_all(a, i.edge, i.area, i.plus, i.minus, i.rest, i.rest_area, i.holds, i.opening, i.shear, i.sound);
+}
+
+/// Edges are added again in their order, which finds the same bins.
+template <class A>
+void archive(A& a, CrackGraph& g) {
+  std::vector<Vec2> vertices = g.vertices();
+  std::vector<CrackEdge> edges = g.edges();
+  int cracks = g.next_crack();
+  double length = g.total_length();
+  std::size_t count = archive_detail::length(a, edges.size(), sizeof(int));
+  archive_all(a, vertices, cracks, length);
+  if constexpr (A::kReading) edges.resize(count);
+  for (CrackEdge& e : edges) archive_all(a, e.from, e.to, e.crack, e.time, e.face);
+  if constexpr (A::kReading) g.restore(vertices, edges, cracks, length);
+}
+
+/// `s` is a state of the same model; what a substep needs only within itself is left as it is.
+template <class A>
+void archive(A& a, ShellState& s) {
+  archive_all(a, s.x, s.v, s.force, s.time, s.external, s.last_force, s.mass, s.inverse_mass, s.gone, s.surface_stress,
+              s.strength, s.c, s.c_his, s.plastic, s.tables.metric, s.points, s.point_of, s.damage, s.watched,
+              s.brittleness, s.heals, s.cracks, s.tips, s.interlocks, s.interlock_of, s.cut_done, s.last_crack_time,
+              s.book, s.before, s.kicked, s.moving, s.affine, s.interlock_energy);
+}
+
+}  // namespace sunder::shell
