@@ -21,7 +21,7 @@ namespace sunder {
 template <class T>
 inline constexpr bool kAsBytes = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
 template <class S, int R, int C, int O>
-inline constexpr bool kAsBytes<Eigen::Matrix<S, R, C, O, R, C>> = R != Eigen::Dynamic && C != Eigen::Dynamic;
+inline constexpr bool kAsBytes<Eigen::Matrix<S, R, C, O, R, C>> = R != Eigen::Dynamic&& C != Eigen::Dynamic;
 template <>
 inline constexpr bool kAsBytes<Quat> = true;
 
@@ -37,8 +37,7 @@ class ArchiveReader {
   static constexpr bool kReading = true;
   ArchiveReader(const char* data, std::size_t size) : data_(data), left_(size) {}
   void raw(void* to, std::size_t size) {
-    if (size > left_)
-      throw Error(Exit::kBadInput, "bad_checkpoint", fmt::format("{} bytes are missing", size - left_));
+    if (size > left_) throw Error(Exit::kBadInput, "bad_checkpoint", fmt::format("{} bytes are missing", size - left_));
     std::memcpy(to, data_, size);
     data_ += size, left_ -= size;
   }

@@ -441,6 +441,8 @@ void validate(const LoadedScene& s) {
     positive(s, "output.shell_frame_interval_s", true, m.output().shell_frame_interval_s(), "s");
   if (m.output().has_probe_interval_s())
     positive(s, "output.probe_interval_s", true, m.output().probe_interval_s(), "s");
+  not_negative(s, "output.checkpoint_interval_s", m.output().has_checkpoint_interval_s(),
+               m.output().checkpoint_interval_s());
   std::set<std::string> probes;
   for (int i = 0; i < m.output().probes_size(); ++i) {
     const auto& p = m.output().probes(i);

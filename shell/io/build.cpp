@@ -168,6 +168,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.shell_frame_interval =
       m.output().has_shell_frame_interval_s() ? m.output().shell_frame_interval_s() : r.frame_interval;
   r.probe_interval = m.output().has_probe_interval_s() ? m.output().probe_interval_s() : r.window;
+  r.checkpoint_interval =
+      m.output().has_checkpoint_interval_s() ? m.output().checkpoint_interval_s() : r.end_time / 10.0;
   r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : 5e-4;
   r.quiet_growth = m.fracture().has_quiet_growth() ? m.fracture().quiet_growth() : 0.01;
   r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;

@@ -40,12 +40,13 @@ struct RunSetup {
   double time_step = 0.0;  // of a substep, as the scene asks for it [s]; 0: `safety` times the stable one
   double frame_interval = 0.0, shell_frame_interval = 0.0;
   std::vector<Probe> probes;
-  double probe_interval = 0.0;  // [s]
-  double equilibrium = 0.0;     // tolerance of the equilibrium that the shell starts from; 0: starts as it is
-  double brittleness = 0.0;     // H of the damage law; 0: no damage
-  bool healing = true;          // of damage, as the stress falls
-  bool extract_cracks = true;   // where damage is complete
-  double last_change = 0.0;     // when the last load or support has stopped changing [s]
+  double probe_interval = 0.0;       // [s]
+  double checkpoint_interval = 0.0;  // [s]; 0: none
+  double equilibrium = 0.0;          // tolerance of the equilibrium that the shell starts from; 0: starts as it is
+  double brittleness = 0.0;          // H of the damage law; 0: no damage
+  bool healing = true;               // of damage, as the stress falls
+  bool extract_cracks = true;        // where damage is complete
+  double last_change = 0.0;          // when the last load or support has stopped changing [s]
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellModel> shells;  // none or one

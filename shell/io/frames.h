@@ -20,6 +20,7 @@ class FrameWriter {
   int count() const { return count_; }
 
  private:
+  friend class Run;  // keeps it in checkpoints
   std::string folder_;
   int count_ = 0;
   std::string index_;

@@ -37,6 +37,7 @@ Run::Run(RunSetup setup, RunOptions options)
   setup_.latest_freeze = std::min(setup_.latest_freeze, setup_.end_time);
   for (const RigidBody& b : setup_.bodies) proxies_.emplace_back(b);
   window_ticks_ = setup_.coupling.ticks, shortest_window_ = window_ticks_;
+  next_checkpoint_ = setup_.checkpoint_interval;
   next_id_ = first_shard_ = static_cast<BodyId>(setup_.bodies.size() + 1);
 }
 
@@ -47,6 +48,20 @@ void Run::start() {
   if (!options_.trace.empty()) options_.heard = [this](const link::TimedReply& reply) { trace_.heard(reply); };
   rigid_ = options_.connect(options_);
   check_engine();
+  if (!rigid_->peer().can(link::capability::kSaveRestore)) setup_.checkpoint_interval = 0.0;
+  for (const Proxy& p : proxies_)
+    for (const ContactLaw& law : setup_.laws)
+      if (!setup_.shells.empty() &&
+          ((law.first_group == setup_.shells[0].contact_group && law.second_group == p.body.contact_group) ||
+           (law.second_group == setup_.shells[0].contact_group && law.first_group == p.body.contact_group))) {
+        coefficients_.push_back({law.friction, law.restitution, setup_.hertz[coefficients_.size()]});
+        break;
+      }
+  if (options_.resume) {
+    load_checkpoint();
+    write_summary("running", nullptr);
+    return;
+  }
   const bool again = setup_.coupling.scheme == CouplingRules::Scheme::kIterated;
   rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again});
   for (const RigidBody& b : setup_.bodies) held_until_[b.id] = kHeldAtFirst;
@@ -56,13 +71,6 @@ void Run::start() {
     state_->cut_done.assign(setup_.cuts.size(), 0);
     state_->brittleness = setup_.brittleness, state_->heals = setup_.healing;
     if (setup_.transfer.kind != Transfer::kDirect) state_->before = state_->v;
-    for (const Proxy& p : proxies_)
-      for (const ContactLaw& law : setup_.laws)
-        if ((law.first_group == m.contact_group && law.second_group == p.body.contact_group) ||
-            (law.second_group == m.contact_group && law.first_group == p.body.contact_group)) {
-          coefficients_.push_back({law.friction, law.restitution, setup_.hertz[coefficients_.size()]});
-          break;
-        }
     if (setup_.equilibrium > 0.0) find_equilibrium();
     if (setup_.tips)  // what opens a face has first to relieve it
       for (double& strength : state_->strength) strength += m.material.surface_compression;
@@ -447,9 +455,11 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
       write_probes();
       progress();
       traced(state_ ? "window" : "window without a shell", begin);
+      if (setup_.checkpoint_interval > 0.0 && time() >= next_checkpoint_ - 1e-6 * setup_.tick) save_checkpoint();
       if (options_.observe) options_.observe(*this);
     }
     write_frame();
+    if (interrupted && setup_.checkpoint_interval > 0.0) save_checkpoint();
     rigid_->bye();
     if (!options_.trace.empty()) trace_.write(options_.trace);
     write_summary(interrupted ? "interrupted" : "done", nullptr);

@@ -81,7 +81,12 @@ class Run {
   bool impact_ahead() const;  // a body of the scene flies towards the shell
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   std::int64_t settle_ticks() const;  // length of the next window without a shell
-  void check_engine() const;          // that it can do what the scene needs
+  std::string checkpoint_path() const;
+  void save_checkpoint();
+  void load_checkpoint();
+  template <class A>
+  void archive_members(A& a);
+  void check_engine() const;  // that it can do what the scene needs
   void traced(const char* name, std::int64_t begin_ns) {
     if (!options_.trace.empty()) trace_.add(name, begin_ns, Trace::now_ns(), windows_);
   }
@@ -161,7 +166,8 @@ class Run {
   std::map<std::string, double> stage_s_;
   double growing_s_ = 0.0, growing_update_s_ = 0.0;  // of windows in which cracks grew: all, and crack_update
   std::string series_, probes_;
-  double next_probe_ = 0.0;  // [s]
+  double next_probe_ = 0.0;       // [s]
+  double next_checkpoint_ = 0.0;  // [s]
   // Coupling.
   int window_ticks_ = 1, shortest_window_ = 1;
   double window_start_wall_ = 0.0;
