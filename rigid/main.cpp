@@ -12,13 +12,14 @@
 namespace {
 
 constexpr const char* kUsage =
-    "sunder-rigid --endpoint ipc://PATH [--engine NAME] [--die-with-parent]\n"
+    "sunder-rigid --endpoint ipc://PATH [--engine NAME] [--keys DIR] [--die-with-parent]\n"
     "sunder-rigid --check [--engine NAME]     says whether there is such an engine\n"
+    "sunder-rigid --list                      the names of all engines\n"
     "Binds the endpoint, serves one session and ends with it.\n"
     "Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.\n";
 
 int run(int argc, char** argv) {
-  std::string endpoint, name = "bullet";
+  std::string endpoint, keys, name = "bullet";
   bool check = false;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
@@ -27,18 +28,22 @@ int run(int argc, char** argv) {
       check = true;
       continue;
     }
+    if (option == "--list") {
+      for (const std::string& engine : sunder::rigid::engine_names()) fmt::print("{}\n", engine);
+      return 0;
+    }
     if (option == "--die-with-parent") {
       prctl(PR_SET_PDEATHSIG, SIGTERM);
       continue;
     }
-    sunder::require(i + 1 < argc && (option == "--endpoint" || option == "--engine"),
+    sunder::require(i + 1 < argc && (option == "--endpoint" || option == "--engine" || option == "--keys"),
                     "{}: unknown option or no value\n{}", option, kUsage);
-    (option == "--endpoint" ? endpoint : name) = argv[++i];
+    (option == "--endpoint" ? endpoint : option == "--keys" ? keys : name) = argv[++i];
   }
   const auto engine = sunder::rigid::make_engine(name);
   if (check) return 0;
   sunder::require(!endpoint.empty(), "--endpoint is missing\n{}", kUsage);
-  sunder::link::serve(endpoint, *engine);
+  sunder::link::serve(endpoint, *engine, keys);
   return 0;
 }
 

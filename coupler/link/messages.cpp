@@ -1,5 +1,6 @@
 #include "coupler/link/messages.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "coupler/core/error.h"
@@ -235,6 +236,11 @@ WindowTask decode(const proto::Window& w) {
 }
 
 EngineInfo decode_peer(const proto::HelloReply& hello) {
+  const auto plain = [](const std::string& word) {  // it is printed, and written into reports
+    return std::all_of(word.begin(), word.end(),
+                       [](unsigned char c) { return c >= 0x20 && c < 0x7f && c != '"' && c != '\\'; });
+  };
+  check(plain(hello.engine_name()) && plain(hello.engine_version()), "hello: name or version is no plain text");
   check(!hello.engine_name().empty() && hello.engine_name().size() <= kMaxWord, "hello.engine_name has {} bytes",
         hello.engine_name().size());
   check(hello.engine_version().size() <= kMaxWord, "hello.engine_version has {} bytes", hello.engine_version().size());
@@ -242,7 +248,8 @@ EngineInfo decode_peer(const proto::HelloReply& hello) {
         hello.capabilities_size());
   EngineInfo info{hello.engine_name(), hello.engine_version(), {}};
   for (const std::string& word : hello.capabilities()) {
-    check(!word.empty() && word.size() <= kMaxWord, "hello.capabilities: a word of {} bytes", word.size());
+    check(!word.empty() && plain(word) && word.size() <= kMaxWord, "hello.capabilities: a word of {} bytes",
+          word.size());
     info.capabilities.push_back(word);
   }
   return info;

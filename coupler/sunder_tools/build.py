@@ -26,6 +26,7 @@ class Executables:
     """Where the two programs are."""
     shell: Path
     rigid: Path
+    single: Path  # both in one
 
 
 def build_dir() -> Path:
@@ -39,7 +40,8 @@ def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
     `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on.
     """
     folder = build_dir()
-    found = Executables(folder / "shell" / "sunder-shell", folder / "rigid" / "sunder-rigid")
+    found = Executables(folder / "shell" / "sunder-shell", folder / "rigid" / "sunder-rigid",
+                        folder / "coupler" / "single" / "sunder-single")
     if os.environ.get(BUILD_DIR_VARIABLE):
         for path in (found.shell, found.rigid):
             if not os.access(path, os.X_OK):

@@ -14,7 +14,7 @@ from typing import NoReturn
 from .build import BUILD_DIR_VARIABLE, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 
-COMMANDS = ("run", "check", "build", "test", "validate", "bench")
+COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -73,14 +73,23 @@ def make_parser() -> argparse.ArgumentParser:
         "check", formatter_class=raw, allow_abbrev=False, help="check a scene and say what it will cost",
         description="Reports errors with line, field and remedy; else sizes, stable step, minutes, memory.",
         epilog=EPILOG)
+    run.add_argument("scene", metavar="SCENE", type=Path, nargs="?", help="scene file (.textproto)")
+    check.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)")
     for command in (run, check):
-        command.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)")
         command.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[],
                              type=_setting, help="change a field, e.g. shells[pane].thickness_m=0.003; repeatable")
     run.add_argument("--out", metavar="DIR", type=Path,
                      help="run folder; an earlier run there is replaced (default: runs/<scene>-<date>-<time>)")
     run.add_argument("--rigid", metavar="ENGINE", default="bullet",
-                     help="rigid-body engine, or the path of a program that serves one (default: bullet)")
+                     help="a name that 'sunder engines' lists, inprocess[:NAME], the path of a program that serves\n"
+                          "one, or the address at which one waits (ipc://..., tcp://...); default: bullet")
+    run.add_argument("--resume", metavar="DIR", type=Path,
+                     help="go on with the run in this folder from its last checkpoint, to the bit")
+    run.add_argument("--record", action="store_true", help="keep all messages in session.rec, for 'sunder replay'")
+    run.add_argument("--trace", action="store_true",
+                     help="trace.json: both processes on one clock, for Perfetto or chrome://tracing")
+    run.add_argument("--keys", metavar="DIR", type=Path,
+                     help="folder made by 'sunder keys': encrypts, as tcp:// beyond this machine must be")
     run.add_argument("--until", metavar="SECONDS", type=_positive_seconds,
                      help="end at this simulated time instead of the scene's end_time_s")
     run.add_argument("--threads", metavar="N", type=_threads, help="threads of the shell solver (default: all)")
@@ -96,7 +105,7 @@ def make_parser() -> argparse.ArgumentParser:
         "validate", formatter_class=raw, allow_abbrev=False, help="compare with exact and published answers",
         description="A table of case, computed, reference, error, tolerance, seconds; exit status 1 where a case fails.",
         epilog=EPILOG)
-    validate.add_argument("what", metavar="WHAT", help="shells or cracks")
+    validate.add_argument("what", metavar="WHAT", help="shells, cracks or coupling")
     validate.add_argument("--case", metavar="NAME", help="this case only")
     validate.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the table as JSON")
     validate.add_argument("--plots", metavar="FILE.png", type=Path, help="plots of convergence")
@@ -107,6 +116,29 @@ def make_parser() -> argparse.ArgumentParser:
                     "same run.", epilog=EPILOG)
     bench.add_argument("--filter", metavar="NAME", dest="pattern", help="benchmarks whose name holds NAME")
     bench.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the numbers as JSON")
+
+    commands.add_parser("engines", formatter_class=raw, allow_abbrev=False, epilog=EPILOG,
+                        help="list the rigid-body engines and what they can do",
+                        description="Launches each engine and asks it; rigid/README.md says what the words promise.")
+    serve = commands.add_parser(
+        "serve", formatter_class=raw, allow_abbrev=False, help="wait with an engine for a run on another machine",
+        description="Serves one session and ends with it. On the other machine:\n"
+                    "  sunder run SCENE --rigid tcp://THIS_MACHINE:PORT --keys DIR", epilog=EPILOG)
+    serve.add_argument("--endpoint", metavar="ADDRESS", required=True, help="tcp://0.0.0.0:PORT, or ipc://PATH")
+    serve.add_argument("--rigid", metavar="ENGINE", default="bullet", help="its name or program (default: bullet)")
+    serve.add_argument("--keys", metavar="DIR", type=Path, help="folder made by 'sunder keys', the same on both machines")
+    keys = commands.add_parser(
+        "keys", formatter_class=raw, allow_abbrev=False, help="make keys for a run across machines",
+        description="Writes rigid.key and shell.key (secret, mode 0600) and both public keys into a new folder.\n"
+                    "Each machine needs its own secret key and both public ones.", epilog=EPILOG)
+    keys.add_argument("folder", metavar="DIR", type=Path)
+    replay = commands.add_parser(
+        "replay", formatter_class=raw, allow_abbrev=False, help="play a recorded run to one of its two sides alone",
+        description="Exit status 0 where that side says what was recorded, to the bit; else 1 and the first difference.",
+        epilog=EPILOG)
+    replay.add_argument("folder", metavar="DIR", type=Path, help="folder of a run that was made with --record")
+    replay.add_argument("--side", choices=("shell", "rigid"), default="shell", help="who is played to (default: shell)")
+    replay.add_argument("--rigid", metavar="ENGINE", help="with --side rigid: another engine than the recorded one")
 
     test = commands.add_parser(
         "test", formatter_class=raw, help="build everything and run the tests", usage="sunder test [CTEST_ARGUMENT ...]",
@@ -167,13 +199,35 @@ def _dispatch(arguments: list[str]) -> int:
             return measure.bench(options.pattern, options.report)
         return measure.validate(options.what, options.case, options.report, options.plots,
                                 options.pictures)
+    if options.command in ("engines", "serve", "keys", "replay"):
+        from . import peers
+        return peers.dispatch(options)
+    if options.command == "run" and options.resume:
+        return _resume(options)
+    if options.scene is None:
+        raise CommandError("run: SCENE is missing; see 'sunder run --help'", BAD_INPUT)
     if not options.scene.is_file():
         raise CommandError(f"{options.scene}: no such scene file", BAD_INPUT)
     if options.command == "check":
         return _check(options.scene, options.settings)
-    from .run import run_scene  # here: `--help` and `check` do without it
-    return run_scene(options.scene, options.out, options.rigid, options.settings, options.until,
-                     options.threads, options.quiet)
+    from .run import Job, run_scene  # here: `--help` and `check` do without it
+    job = Job(options.scene, options.rigid, tuple(options.settings), options.until, options.threads, options.keys,
+              options.record, options.trace)
+    return run_scene(job, options.out, options.quiet)
+
+
+def _resume(options: argparse.Namespace) -> int:
+    from .run import Job, run_scene
+    for given, name in ((options.scene, "SCENE"), (options.settings, "--set"), (options.out, "--out"),
+                        (options.record, "--record")):
+        if given:
+            raise CommandError(f"--resume {options.resume}: goes on with what is there; leave {name} out")
+    kept = Job.read(options.resume)
+    if not kept.scene.is_file():
+        raise CommandError(f"{kept.scene}: no such scene file; the run in {options.resume} was of it")
+    job = Job(kept.scene, kept.engine, kept.settings, options.until or kept.until, options.threads or kept.threads,
+              options.keys, trace=options.trace)
+    return run_scene(job, None, options.quiet, options.resume)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

@@ -12,7 +12,7 @@ from .errors import CommandError
 
 # What a run writes. Replacing a run removes these and nothing else that somebody put there.
 RUN_FILES = ("run.json", "series.csv", "probes.csv", "shards.csv", "frames.pvd", "frames", "contact_sheet.png", "shell.log",
-             "rigid.log")
+             "rigid.log", "command.json", "session.rec", "trace.json", "checkpoint/state")
 PROBE_BYTES = 1 << 20  # room that has to be there before anything is launched
 
 
@@ -40,6 +40,10 @@ class RunFolder:
                     target.rmdir()
             else:
                 target.unlink(missing_ok=True)
+        try:
+            (self.path / "checkpoint").rmdir()
+        except OSError:
+            pass  # there is none, or somebody else's files are in it
 
     def has_frames(self) -> bool:
         """True if at least one frame was written."""
@@ -112,6 +116,16 @@ def open_folder(out: Path | None, scene: Path) -> RunFolder:
                   else "give --out a folder that you may write to")
         raise CommandError(f"cannot write the run folder: {where}: {error.strerror}; {remedy}") from None
     return folder
+
+
+def reopen_folder(path: Path) -> RunFolder:
+    """The folder of a run that is to go on; nothing in it is touched. Raises CommandError."""
+    if not _is_run(path):
+        raise CommandError(f"{path}: holds no run.json of a run; name the folder of a run that ended early")
+    if not (path / "checkpoint" / "state").is_file():
+        raise CommandError(f"{path}: holds no checkpoint: it ended before output.checkpoint_interval_s, or its engine "
+                           "cannot do 'save_restore'; run the scene anew")
+    return RunFolder(path, [])
 
 
 def _make(path: Path, created: list[Path]) -> None:

@@ -1,57 +1,102 @@
 """`sunder run`: check, launch both processes, watch them, tell how it went."""
 from __future__ import annotations
 
+import json
 import os
 import signal
 import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from dataclasses import dataclass
 from pathlib import Path
 from types import FrameType
 from typing import Iterator
 
-from . import report
+from . import engines, report
 from .build import Executables, ensure_built
 from .errors import BAD_INPUT, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
-from .folder import RunFolder, open_folder, refuse_foreign
+from .folder import RunFolder, open_folder, refuse_foreign, reopen_folder
 from .logged import tail
 from .socket_dir import SocketDir
 from .tee import Tee
 from .watch import Ending, watch
 
+COMMAND_FILE, RECORD_FILE, TRACE_FILE = "command.json", "session.rec", "trace.json"
 
-def run_scene(scene: Path, out: Path | None, engine: str, settings: list[str], until: str | None,
-              threads: str | None, quiet: bool) -> int:
+
+@dataclass(frozen=True)
+class Job:
+    """What is to be run, as `command.json` in the run folder keeps it."""
+    scene: Path
+    engine: str = "bullet"
+    settings: tuple[str, ...] = ()
+    until: str | None = None
+    threads: str | None = None
+    keys: Path | None = None
+    record: bool = False
+    trace: bool = False
+
+    def shell_arguments(self) -> list[str]:
+        """Of the fracture process, but --out and the rigid side."""
+        out = ["--scene", str(self.scene)]
+        for setting in self.settings:
+            out += ["--set", setting]
+        return out + (["--until", self.until] if self.until else [])
+
+    def write(self, folder: Path) -> None:
+        """So that the run can go on, or be played back, by the folder alone."""
+        (folder / COMMAND_FILE).write_text(json.dumps(
+            {"scene": str(self.scene.resolve()), "engine": self.engine, "settings": list(self.settings),
+             "until": self.until, "threads": self.threads}, indent=2) + "\n")
+
+    @staticmethod
+    def read(folder: Path) -> "Job":
+        """Raises CommandError where the folder does not say."""
+        path = folder / COMMAND_FILE
+        try:
+            kept = json.loads(path.read_text())
+            return Job(Path(kept["scene"]), str(kept["engine"]), tuple(str(s) for s in kept["settings"]),
+                       kept["until"], kept["threads"])
+        except (OSError, ValueError, KeyError, TypeError) as error:
+            raise CommandError(f"{path}: does not say what was run ({error}); name the folder of a run") from None
+
+
+def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = None) -> int:
     """Runs a scene from check to pictures; returns the exit status. Raises CommandError."""
     if out is not None:
         refuse_foreign(out)
     executables = ensure_built()
-    rigid = _engine_command(engine, executables)
-    set_arguments = [part for setting in settings for part in ("--set", setting)]
+    rigid = engines.resolve(job.engine, executables)
     # All that can be refused is, before anything of an earlier run in the folder is touched.
-    until_arguments = ["--until", until] if until else []
-    _check_quietly([str(executables.shell), "--scene", str(scene), "--check", *set_arguments, *until_arguments], scene)
-    if "/" not in engine:
-        _check_quietly([*rigid, "--check"], scene)
-    folder = open_folder(out, scene)
-    keep = False
+    _check_quietly([str(executables.shell), *job.shell_arguments(), "--check"], job.scene)
+    if rigid.command and "/" not in job.engine:
+        _check_quietly([*rigid.command, "--check"], job.scene)
+    folder = reopen_folder(resume) if resume else open_folder(out, job.scene)
+    keep = resume is not None
     try:
-        shell = [str(executables.shell), "--scene", str(scene), "--out", str(folder.path), *set_arguments]
-        shell += until_arguments
-        shell += ["--threads", threads] if threads else []
+        if not resume:
+            job.write(folder.path)
+        shell = [*job.shell_arguments(), "--out", str(folder.path)]
+        shell += ["--threads", job.threads] if job.threads else []
         shell += ["--quiet"] if quiet else []
+        shell += ["--resume"] if resume else []
+        shell += ["--record", str(folder.path / RECORD_FILE)] if job.record else []
+        shell += ["--trace", str(folder.path / TRACE_FILE)] if job.trace else []
+        shell += ["--keys", str(job.keys)] if job.keys else []
         with _counted_interrupts() as interrupts:
-            ending = _launch(shell, rigid, folder.path, interrupts)
+            ending = _launch(shell, rigid, executables, folder.path, interrupts)
         status, message = _verdict(ending, folder.path)
         # Refused, or interrupted before there was anything: as if the run had not been started.
-        keep = folder.has_frames() or (status != BAD_INPUT and status != INTERRUPTED) or (
+        keep = keep or folder.has_frames() or (status != BAD_INPUT and status != INTERRUPTED) or (
             status == INTERRUPTED and ending.shell == INTERRUPTED and (folder.path / "run.json").exists())
         if message:
             print(f"sunder: {message}", file=sys.stderr, flush=True)
-        if keep:
+        if keep and not (resume and status == BAD_INPUT):
             _settle_run_json(folder.path, status, message, ending)
             _finish(folder, quiet)
+        if status != DONE and (folder.path / "checkpoint" / "state").is_file() and not quiet:
+            print(f"sunder: goes on from its last checkpoint with: sunder run --resume {folder.path}", file=sys.stderr)
         return status
     finally:
         if not keep and not folder.has_frames():
@@ -59,28 +104,19 @@ def run_scene(scene: Path, out: Path | None, engine: str, settings: list[str], u
         folder.close()
 
 
-def launch_once(executables: Executables, scene: Path, folder: Path, settings: list[str]) -> dict[str, object]:
+def launch_once(executables: Executables, scene: Path, folder: Path, settings: list[str],
+                engine: str = "bullet") -> dict[str, object]:
     """Runs a scene into an existing, empty folder without pictures; returns run.json. Raises CommandError."""
-    set_arguments = [part for setting in settings for part in ("--set", setting)]
-    shell = [str(executables.shell), "--scene", str(scene), "--out", str(folder), "--quiet", *set_arguments]
+    job = Job(scene, engine, tuple(settings))
     with _counted_interrupts() as interrupts:
-        ending = _launch(shell, _engine_command("bullet", executables), folder, interrupts)
+        ending = _launch([*job.shell_arguments(), "--out", str(folder), "--quiet"],
+                         engines.resolve(engine, executables), executables, folder, interrupts)
     if ending.interrupted:
         raise Interrupted
     status, message = _verdict(ending, folder)
     if status != DONE:
         raise CommandError(f"{scene.name}: {message or tail(folder / 'shell.log', 3)}", status)
     return report.read_run(folder)
-
-
-def _engine_command(engine: str, executables: Executables) -> list[str]:
-    """The rigid process's command up to --engine; a path (with a '/') is a program of the user's."""
-    if "/" not in engine:
-        return [str(executables.rigid), "--engine", engine]
-    if not (os.path.isfile(engine) and os.access(engine, os.X_OK)):
-        raise CommandError(f"--rigid {engine}: not an executable file; give an engine's name or the path of a "
-                           "program that takes --engine NAME --endpoint ADDRESS")
-    return [os.path.abspath(engine), "--engine", Path(engine).stem]
 
 
 def _check_quietly(command: list[str], scene: Path) -> None:
@@ -114,22 +150,28 @@ def _counted_interrupts() -> Iterator[list[int]]:
             signal.signal(number, handler)
 
 
-def _launch(shell: list[str], rigid: list[str], folder: Path, interrupts: list[int]) -> Ending:
-    """Starts both, each in its own session so that Ctrl-C reaches only the launcher, and watches."""
+def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, folder: Path,
+            interrupts: list[int]) -> Ending:
+    """Starts what is to be started, each in its own session so that Ctrl-C reaches only the launcher, and watches."""
     processes: list[subprocess.Popen[bytes]] = []
     with SocketDir() as socket:
-        common = ["--endpoint", socket.endpoint, "--die-with-parent"]
+        endpoint = rigid.endpoint or socket.endpoint
         try:
             tee = Tee(folder / "shell.log")
             with (folder / "rigid.log").open("wb") as rigid_log:
-                processes.append(subprocess.Popen([*rigid, *common], stdin=subprocess.DEVNULL, stdout=rigid_log,
-                                                  stderr=subprocess.STDOUT, start_new_session=True))
+                if rigid.command:
+                    processes.append(subprocess.Popen(
+                        [*rigid.command, "--endpoint", endpoint, "--die-with-parent"], stdin=subprocess.DEVNULL,
+                        stdout=rigid_log, stderr=subprocess.STDOUT, start_new_session=True))
+            where = ["--engine", rigid.in_process] if rigid.in_process else ["--endpoint", endpoint]
+            program = executables.single if rigid.in_process else executables.shell
             # Threads that spin while they wait for one another take the core that the other needs.
             patient = {"OMP_WAIT_POLICY": "passive", **os.environ}
-            processes.append(subprocess.Popen([*shell, *common], stdin=subprocess.DEVNULL, stdout=tee.child_end,
-                                              stderr=tee.child_end, start_new_session=True, env=patient))
+            processes.append(subprocess.Popen([str(program), *shell, *where, "--die-with-parent"],
+                                              stdin=subprocess.DEVNULL, stdout=tee.child_end, stderr=tee.child_end,
+                                              start_new_session=True, env=patient))
             tee.started()
-            ending = watch(processes[1], processes[0], interrupts)
+            ending = watch(processes[-1], processes[0] if rigid.command else None, interrupts)
             tee.join()
             return ending
         except OSError as error:

@@ -44,8 +44,8 @@ class _Deadline:
             self.process.kill()
 
 
-def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes], interrupts: list[int]) -> Ending:
-    """Returns once both have ended. `interrupts` grows by one entry per Ctrl-C, SIGTERM or SIGHUP.
+def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes] | None, interrupts: list[int]) -> Ending:
+    """Returns once both have ended; `rigid` is None where it is not ours to watch. `interrupts` grows by one entry per Ctrl-C, SIGTERM or SIGHUP.
 
     The first interruption goes to the shell as SIGINT, which then ends the run and tells its peer;
     the second kills both.
@@ -53,7 +53,7 @@ def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes], interr
     ending = Ending()
     deadline: _Deadline | None = None
     while True:
-        shell_ended, rigid_ended = shell.poll() is not None, rigid.poll() is not None
+        shell_ended, rigid_ended = shell.poll() is not None, rigid is None or rigid.poll() is not None
         if shell_ended and rigid_ended:
             break
         if interrupts and not ending.interrupted:
@@ -66,8 +66,9 @@ def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes], interr
         if len(interrupts) > 1 and not ending.killed_by_user:
             ending.killed_by_user = not shell_ended  # a run that is complete stays complete
             shell.kill()
-            rigid.kill()
-        if deadline is None and (shell_ended or rigid_ended):
+            if rigid is not None:
+                rigid.kill()
+        if rigid is not None and deadline is None and (shell_ended or rigid_ended):
             if shell_ended:
                 deadline = _Deadline(rigid, GRACE_S)
             else:
@@ -81,5 +82,5 @@ def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes], interr
             ending.shell_was_signalled = True
         else:
             ending.rigid_was_signalled = True
-    ending.shell, ending.rigid = shell.returncode, rigid.returncode
+    ending.shell, ending.rigid = shell.returncode, rigid.returncode if rigid is not None else 0
     return ending
