@@ -3,6 +3,7 @@
 #include <cmath>
 #include <map>
 
+#include "rigid/engine/bullet_caches.h"
 #include "rigid/engine/bullet_shapes.h"
 #include "rigid/engine/bullet_world.h"
 #include "rigid/engine/checks.h"
@@ -70,7 +71,7 @@ void BulletEngine::Impl::insert_new_bodies() {
         mass, nullptr, held.shape.get(), plain(Vec3(kMassScale * kLengthScale * kLengthScale * inertia)));
     construction.m_startWorldTransform = bullet_pose(body.motion);
     held.rigid = std::make_unique<btRigidBody>(construction);
-    world.add(*held.rigid, body.contact_group);
+    world.add(*held.rigid, id, body.contact_group);
   }
 }
 
@@ -98,8 +99,8 @@ EngineInfo BulletEngine::info() const {
   const int version = btGetVersion();
   return {"bullet",
           fmt::format("{}.{}", version / 100, version % 100),
-          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kDoublePrecision,
-           kDeterministic}};
+          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kSaveRestore,
+           kDoublePrecision, kDeterministic}};
 }
 
 void BulletEngine::add(const RigidBody& body) {
@@ -197,6 +198,29 @@ std::vector<EngineState> BulletEngine::states() const {
     result.push_back({id, mass, held.body.motion});
   }
   return result;
+}
+
+std::string BulletEngine::save() {
+  impl_->insert_new_bodies();  // they are newborn on either side
+  const WorldMemory memory = impl_->world.memory();
+  impl_->world.start_over(memory);
+  return encode_caches(memory);
+}
+
+void BulletEngine::restore(const std::string& caches, const std::vector<Handback>& motions) {
+  const WorldMemory memory = decode_caches(caches);
+  const auto same_id = [](const auto& a, const auto& b) { return a.first == b.first; };
+  if (!std::equal(memory.newborn.begin(), memory.newborn.end(), impl_->bodies.begin(), impl_->bodies.end(), same_id))
+    throw Error(Exit::kBadInput, "bad_state",
+                fmt::format("the caches are of {} bodies, the engine has {}, or others; add the same ones",
+                            memory.newborn.size(), impl_->bodies.size()));
+  const std::vector<Transit> transits = impl_->match(motions);
+  impl_->insert_new_bodies();
+  for (const Transit& t : transits) {
+    t.held->body.motion = *t.handback;
+    t.held->rigid->setCenterOfMassTransform(bullet_pose(*t.handback));
+  }
+  impl_->world.start_over(memory);
 }
 
 }  // namespace sunder::rigid

@@ -21,7 +21,7 @@ constexpr double kPositionShare = 0.2;  // [-]
 /// Bullet leaves out points farther apart than this; how relax() drops a row.
 constexpr double kProcessed = 1e6, kLeftOut = 1e7;  // [Bullet lengths]
 
-std::pair<std::uint64_t, std::uint64_t> ordered(std::uint64_t a, std::uint64_t b) {
+std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
   return {std::min(a, b), std::max(a, b)};
 }
 
@@ -59,8 +59,8 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
   }
 };
 
-void BodyTag::set(btRigidBody& body, int slot, std::uint32_t contact_group) {
-  body.setUserIndex(slot);
+void BodyTag::set(btRigidBody& body, BodyId id, std::uint32_t contact_group) {
+  body.setUserIndex(static_cast<int>(id));
   body.setUserIndex2(static_cast<int>(contact_group));
 }
 
@@ -93,8 +93,9 @@ BulletWorld::BulletWorld() : configuration_(pool_sizes()), dispatcher_(&configur
 
 BulletWorld::~BulletWorld() = default;
 
-void BulletWorld::add(btRigidBody& body, std::uint32_t contact_group) {
-  BodyTag::set(body, next_slot_++, contact_group);
+void BulletWorld::add(btRigidBody& body, BodyId id, std::uint32_t contact_group) {
+  BodyTag::set(body, id, contact_group);
+  BodyTag::set_newborn(body, true);
   body.setDamping(0, 0);
   body.setSleepingThresholds(0, 0);
   body.setActivationState(DISABLE_DEACTIVATION);
@@ -103,6 +104,7 @@ void BulletWorld::add(btRigidBody& body, std::uint32_t contact_group) {
   body.setCcdMotionThreshold(0);
   body.setContactProcessingThreshold(kProcessed);
   world_->addRigidBody(&body);
+  bodies_[id] = &body;
 }
 
 void BulletWorld::set_contact_laws(const std::vector<ContactLaw>& laws) {
@@ -138,24 +140,24 @@ bool BulletWorld::detect(double window_s) {
 
 void BulletWorld::update_allowances() {
   // Depth of each pair that has an allowance or a newborn body.
-  std::map<Pair, double> depths;
+  std::map<BodyPair, double> depths;
   for (const Row& row : rows_) {
-    const Pair pair = ordered(BodyTag::slot(*row.first), BodyTag::slot(*row.second));
-    if (pair.second < static_cast<std::uint64_t>(first_newborn_slot_) && !allowances_.count(pair)) continue;
+    const BodyPair pair = ordered(BodyTag::id(*row.first), BodyTag::id(*row.second));
+    if (!BodyTag::newborn(*row.first) && !BodyTag::newborn(*row.second) && !allowances_.count(pair)) continue;
     double& depth = depths[pair];  // 0 where new
     depth = std::max(depth, -row.point->getDistance());
   }
-  std::map<Pair, double> next;
+  std::map<BodyPair, double> next;
   for (const auto& [pair, depth] : depths) {
     const auto known = allowances_.find(pair);
     const double allowance = known == allowances_.end() ? depth : std::min(depth, known->second);
     if (allowance > 0.0) next[pair] = allowance;  // a pair that has come apart is as any other
   }
   allowances_ = std::move(next);
-  first_newborn_slot_ = next_slot_;
+  for (const auto& [id, body] : bodies_) BodyTag::set_newborn(*body, false);
   if (allowances_.empty()) return;
   for (Row& row : rows_) {
-    const auto found = allowances_.find(ordered(BodyTag::slot(*row.first), BodyTag::slot(*row.second)));
+    const auto found = allowances_.find(ordered(BodyTag::id(*row.first), BodyTag::id(*row.second)));
     if (found == allowances_.end()) continue;
     row.allowance = found->second;
     row.point->setDistance(row.point->getDistance() + row.allowance);
@@ -208,6 +210,27 @@ void BulletWorld::relax(double window_s) {
     point.m_contactPointFlags &= ~BT_CONTACT_FLAG_HAS_CONTACT_ERP;
     point.m_contactERP = 0.0;
   }
+}
+
+WorldMemory BulletWorld::memory() const {
+  WorldMemory memory;
+  for (const auto& [id, body] : bodies_) memory.newborn[id] = BodyTag::newborn(*body);
+  memory.allowances = allowances_;
+  return memory;
+}
+
+void BulletWorld::start_over(const WorldMemory& memory) {
+  // All of them, static ones too: resetPool does nothing while one is left, and the order of pairs, which decides in
+  // which order contacts are solved, hangs on the history of the broadphase.
+  for (const auto& [id, body] : bodies_) world_->removeRigidBody(body);
+  broadphase_.resetPool(&dispatcher_);
+  rows_.clear();
+  for (const auto& [id, body] : bodies_) {
+    world_->addRigidBody(body);
+    BodyTag::set_newborn(*body, memory.newborn.at(id));
+  }
+  solver_.reset();
+  allowances_ = memory.allowances;
 }
 
 }  // namespace sunder::rigid

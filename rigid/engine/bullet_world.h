@@ -18,9 +18,20 @@ namespace sunder::rigid {
 
 /// What the world reads of a body, kept in Bullet's user indices.
 struct BodyTag {
-  static void set(btRigidBody& body, int slot, std::uint32_t contact_group);
-  static int slot(const btCollisionObject& body) { return body.getUserIndex(); }
+  static void set(btRigidBody& body, BodyId id, std::uint32_t contact_group);
+  static BodyId id(const btCollisionObject& body) { return static_cast<BodyId>(body.getUserIndex()); }
   static std::uint32_t group(const btCollisionObject& body) { return static_cast<std::uint32_t>(body.getUserIndex2()); }
+  /// Not through detect() yet.
+  static bool newborn(const btCollisionObject& body) { return body.getUserIndex3() != 0; }
+  static void set_newborn(btCollisionObject& body, bool newborn) { body.setUserIndex3(newborn ? 1 : 0); }
+};
+
+using BodyPair = std::pair<BodyId, BodyId>;  // lower first
+
+/// What a world keeps from window to window besides the bodies' motions.
+struct WorldMemory {
+  std::map<BodyId, bool> newborn;         // every body
+  std::map<BodyPair, double> allowances;  // overlap that a pair may keep from birth [Bullet lengths], above 0
 };
 
 class BulletWorld {
@@ -29,7 +40,7 @@ class BulletWorld {
   ~BulletWorld();
 
   /// The body outlives the world.
-  void add(btRigidBody& body, std::uint32_t contact_group);
+  void add(btRigidBody& body, BodyId id, std::uint32_t contact_group);
   void set_contact_laws(const std::vector<ContactLaw>& laws);
 
   /// Finds contacts at the present poses; false where there are none to solve.
@@ -40,8 +51,12 @@ class BulletWorld {
   /// gives contacts that met fast enough their restitution.
   void relax(double window_s);
 
+  WorldMemory memory() const;
+  /// As a world that was made just now, given its bodies by ascending id where they are, and this memory: whatever
+  /// came before, the windows from here on are the same to the bit.
+  void start_over(const WorldMemory& memory);
+
  private:
-  using Pair = std::pair<std::uint64_t, std::uint64_t>;  // lower first
   struct Row {
     btManifoldPoint* point;
     const btCollisionObject *first, *second;
@@ -67,12 +82,11 @@ class BulletWorld {
   btDbvtBroadphase broadphase_;
   btSequentialImpulseConstraintSolver solver_;
   std::unique_ptr<World> world_;
-  std::map<Pair, ContactLaw> laws_;
-  ContactLaw other_pairs_;  // friction 0.5, restitution 0
+  std::map<std::pair<std::uint32_t, std::uint32_t>, ContactLaw> laws_;  // lower group first
+  ContactLaw other_pairs_;                                              // friction 0.5, restitution 0
   std::vector<Row> rows_;
-  std::map<Pair, double> allowances_;
-  int first_newborn_slot_ = 0;  // bodies from here on have not been through detect()
-  int next_slot_ = 0;
+  std::map<BodyPair, double> allowances_;
+  std::map<BodyId, btRigidBody*> bodies_;
 };
 
 }  // namespace sunder::rigid
