@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "rigid/engine/bullet_caches.h"
 #include "rigid/engine/bullet_shapes.h"
@@ -37,7 +38,8 @@ Quat free_turn(const RigidBody& body, const Vec3& w, double h) {
 struct Held {
   RigidBody body;  // the master: what Bullet holds is a rounded copy
   BulletShape shape;
-  std::unique_ptr<btRigidBody> rigid;  // null until the first window
+  std::unique_ptr<btRigidBody> rigid;   // null until the first window
+  std::unique_ptr<btRigidBody> mirror;  // null until rows()
 };
 
 /// A body on its way through a window. Velocities are those that the solver is given [Bullet units].
@@ -50,13 +52,40 @@ struct Transit {
   btTransform pose = btTransform::getIdentity();
 };
 
+/// The average velocities that lead to the handback.
+void aim(Transit& t, double window_s) {
+  const BodyMotion &start = t.held->body.motion, &end = *t.handback;
+  const Quat turn = end.orientation * start.orientation.conjugate();
+  t.spin = rotation_vector(turn) / window_s;
+  const Vec3 end_spin =
+      end.orientation *
+      (end.orientation.conjugate() * end.angular_momentum).cwiseQuotient(t.held->body.principal_inertia);
+  t.fast = end_spin.norm() * window_s > kFastTurn || t.spin.norm() * window_s > kFastTurn;
+  if (t.fast) t.spin = end_spin;
+  t.linear = plain(Vec3(kLengthScale / window_s * (end.position - start.position)));
+  t.angular = plain(t.spin);
+}
+
+std::unique_ptr<btRigidBody> make_rigid(const Held& held) {
+  const RigidBody& body = held.body;
+  const double mass = body.is_static ? 0.0 : kMassScale * body.mass;
+  const Vec3 inertia = body.is_static ? Vec3(Vec3::Zero()) : body.principal_inertia;
+  btRigidBody::btRigidBodyConstructionInfo construction(
+      mass, nullptr, held.shape.get(), plain(Vec3(kMassScale * kLengthScale * kLengthScale * inertia)));
+  construction.m_startWorldTransform = bullet_pose(body.motion);
+  return std::make_unique<btRigidBody>(construction);
+}
+
 }  // namespace
 
 struct BulletEngine::Impl {
-  std::map<BodyId, Held> bodies;  // before the world: it refers to them to its end
-  BulletWorld world;
+  std::map<BodyId, Held> bodies;  // before the worlds: they refer to them to their end
+  BulletWorld world{BulletWorld::Use::kMove};
+  BulletWorld mirror{BulletWorld::Use::kLook};  // rows() looks for contacts here, so that `world` does not notice
 
   void insert_new_bodies();
+  void start_over(const WorldMemory& memory);
+  std::set<BodyId> known(const std::vector<BodyId>& ids, const char* what) const;
   std::vector<Transit> match(const std::vector<Handback>& handbacks);
 };
 
@@ -64,15 +93,16 @@ struct BulletEngine::Impl {
 void BulletEngine::Impl::insert_new_bodies() {
   for (auto& [id, held] : bodies) {
     if (held.rigid) continue;
-    const RigidBody& body = held.body;
-    const double mass = body.is_static ? 0.0 : kMassScale * body.mass;
-    const Vec3 inertia = body.is_static ? Vec3(Vec3::Zero()) : body.principal_inertia;
-    btRigidBody::btRigidBodyConstructionInfo construction(
-        mass, nullptr, held.shape.get(), plain(Vec3(kMassScale * kLengthScale * kLengthScale * inertia)));
-    construction.m_startWorldTransform = bullet_pose(body.motion);
-    held.rigid = std::make_unique<btRigidBody>(construction);
-    world.add(*held.rigid, id, body.contact_group);
+    held.rigid = make_rigid(held);
+    world.add(*held.rigid, id, held.body.contact_group);
   }
+}
+
+/// Bodies are in their places.
+void BulletEngine::Impl::start_over(const WorldMemory& memory) {
+  world.start_over(memory);
+  mirror.clear();
+  for (auto& [id, held] : bodies) held.mirror.reset();
 }
 
 std::vector<Transit> BulletEngine::Impl::match(const std::vector<Handback>& handbacks) {
@@ -91,6 +121,12 @@ std::vector<Transit> BulletEngine::Impl::match(const std::vector<Handback>& hand
   return transits;
 }
 
+std::set<BodyId> BulletEngine::Impl::known(const std::vector<BodyId>& ids, const char* what) const {
+  for (const BodyId id : ids)
+    if (!bodies.count(id)) reject_handback(id, fmt::format("'{}' names it, and there is no such body", what));
+  return {ids.begin(), ids.end()};
+}
+
 BulletEngine::BulletEngine() : impl_(std::make_unique<Impl>()) {}
 BulletEngine::~BulletEngine() = default;
 
@@ -99,45 +135,37 @@ EngineInfo BulletEngine::info() const {
   const int version = btGetVersion();
   return {"bullet",
           fmt::format("{}.{}", version / 100, version % 100),
-          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kSaveRestore,
-           kDoublePrecision, kDeterministic}};
+          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kExportRows,
+           kSaveRestore, kDoublePrecision, kDeterministic}};
 }
 
 void BulletEngine::add(const RigidBody& body) {
   check_body(body);
   if (impl_->bodies.count(body.id)) reject_body(body, "id", "is held already; ids are for the whole run");
-  impl_->bodies.emplace(body.id, Held{body, make_bullet_shape(body), nullptr});
+  impl_->bodies.emplace(body.id, Held{body, make_bullet_shape(body), nullptr, nullptr});
 }
 
 void BulletEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
   check_laws(laws);
   impl_->world.set_contact_laws(laws);
+  impl_->mirror.set_contact_laws(laws);
 }
 
 void BulletEngine::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) {
-  (void)solved;
   check_window(window_s);
   std::vector<Transit> transits = impl_->match(handbacks);
+  const std::set<BodyId> left_out = impl_->known(solved, "solved");
   impl_->insert_new_bodies();
 
   for (Transit& t : transits) {
-    const BodyMotion &start = t.held->body.motion, &end = *t.handback;
-    RigidBody& body = t.held->body;
-    const Quat turn = end.orientation * start.orientation.conjugate();
-    t.spin = rotation_vector(turn) / window_s;
-    const Vec3 end_spin =
-        end.orientation * (end.orientation.conjugate() * end.angular_momentum).cwiseQuotient(body.principal_inertia);
-    t.fast = end_spin.norm() * window_s > kFastTurn || t.spin.norm() * window_s > kFastTurn;
-    if (t.fast) t.spin = end_spin;
-    t.linear = plain(Vec3(kLengthScale / window_s * (end.position - start.position)));
-    t.angular = plain(t.spin);
+    aim(t, window_s);
     t.held->rigid->setLinearVelocity(t.linear);
     t.held->rigid->setAngularVelocity(t.angular);
     t.pose = t.held->rigid->getWorldTransform();
   }
 
   bool any_touched = false;
-  if (impl_->world.detect(window_s)) {
+  if (impl_->world.detect(window_s, left_out)) {
     impl_->world.solve(window_s);
     for (Transit& t : transits) {
       const btRigidBody& rigid = *t.held->rigid;
@@ -200,10 +228,42 @@ std::vector<EngineState> BulletEngine::states() const {
   return result;
 }
 
+std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<Handback>& motions,
+                                           const std::vector<BodyId>& bodies) {
+  check_window(window_s);
+  std::vector<Transit> transits = impl_->match(motions);
+  const std::set<BodyId> listed = impl_->known(bodies, "bodies");
+  for (auto& [id, held] : impl_->bodies) {
+    if (held.mirror) continue;
+    held.mirror = make_rigid(held);
+    impl_->mirror.add(*held.mirror, id, held.body.contact_group);
+  }
+  for (Transit& t : transits) {
+    aim(t, window_s);
+    btRigidBody& mirror = *t.held->mirror;
+    mirror.setCenterOfMassTransform(bullet_pose(t.held->body.motion));
+    mirror.setLinearVelocity(t.linear);
+    mirror.setAngularVelocity(t.angular);
+  }
+  std::vector<ContactRow> rows;
+  for (const SeenContact& contact : impl_->mirror.see(window_s, listed)) {
+    const btManifoldPoint& point = *contact.point;
+    rows.push_back({.first = contact.bodies.first,
+                    .second = contact.bodies.second,
+                    .first_point = plain(point.m_localPointA) / kLengthScale,
+                    .second_point = plain(point.m_localPointB) / kLengthScale,
+                    .normal = plain(point.m_normalWorldOnB).normalized(),
+                    .friction = contact.law.friction,
+                    .restitution = contact.law.restitution,
+                    .allowance = impl_->world.allowance(contact.bodies, contact.depth) / kLengthScale});
+  }
+  return rows;
+}
+
 std::string BulletEngine::save() {
   impl_->insert_new_bodies();  // they are newborn on either side
   const WorldMemory memory = impl_->world.memory();
-  impl_->world.start_over(memory);
+  impl_->start_over(memory);
   return encode_caches(memory);
 }
 
@@ -220,7 +280,7 @@ void BulletEngine::restore(const std::string& caches, const std::vector<Handback
     t.held->body.motion = *t.handback;
     t.held->rigid->setCenterOfMassTransform(bullet_pose(*t.handback));
   }
-  impl_->world.start_over(memory);
+  impl_->start_over(memory);
 }
 
 }  // namespace sunder::rigid

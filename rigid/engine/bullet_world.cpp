@@ -1,7 +1,6 @@
 #include "rigid/engine/bullet_world.h"
 
 #include <algorithm>
-#include <set>
 
 #include "rigid/engine/bullet_shapes.h"
 
@@ -36,6 +35,15 @@ btVector3 velocity_at(const btCollisionObject& object, const btVector3& world_po
   return body->getVelocityInLocalPoint(world_point - body->getCenterOfMassPosition());
 }
 
+/// Contacts of the listed bodies only.
+void find_listed(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& how) {
+  const auto listed = [](const btBroadphaseProxy* proxy) {
+    return BodyTag::listed(*static_cast<const btCollisionObject*>(proxy->m_clientObject));
+  };
+  if (listed(pair.m_pProxy0) || listed(pair.m_pProxy1))
+    btCollisionDispatcher::defaultNearCallback(pair, dispatcher, how);
+}
+
 }  // namespace
 
 int BulletWorld::island(const Row& row) {
@@ -47,10 +55,13 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
 
   // No predict: without damping and forces it would only fill the pose for continuous collision.
-  void detect(double h) {
+  void find(double h) {
     getDispatchInfo().m_timeStep = h;
     getDispatchInfo().m_stepCount = 0;
     performDiscreteCollisionDetection();
+  }
+  void detect(double h) {
+    find(h);
     calculateSimulationIslands();
   }
   void solve(double h) {
@@ -64,7 +75,7 @@ void BodyTag::set(btRigidBody& body, BodyId id, std::uint32_t contact_group) {
   body.setUserIndex2(static_cast<int>(contact_group));
 }
 
-BulletWorld::BulletWorld() : configuration_(pool_sizes()), dispatcher_(&configuration_) {
+BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&configuration_) {
   configuration_.setConvexConvexMultipointIterations(3, 3);  // one point is too few for plate on plate
   for (int shape : {SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
     dispatcher_.registerCollisionCreateFunc(shape, STATIC_PLANE_PROXYTYPE, &shape_on_plane_);
@@ -75,6 +86,11 @@ BulletWorld::BulletWorld() : configuration_(pool_sizes()), dispatcher_(&configur
   for (int shape : {BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
     dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, shape, &one_point_);
     dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
+  }
+  if (use == Use::kLook) {
+    dispatcher_.setNearCallback(find_listed);
+    // Bullet's own for two spheres finds them only once they overlap.
+    dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
   gContactBreakingThreshold = kLengthScale * kContactGap_m;  // process-wide; every instance sets the same
   // Else the gap would be a share of each body's size.
@@ -117,7 +133,7 @@ const ContactLaw& BulletWorld::law(const btCollisionObject& a, const btCollision
   return found == laws_.end() ? other_pairs_ : found->second;
 }
 
-bool BulletWorld::detect(double window_s) {
+bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
   world_->detect(window_s);
   rows_.clear();
   for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
@@ -131,11 +147,54 @@ bool BulletWorld::detect(double window_s) {
       point.m_combinedRestitution = 0.0;  // relax() gives it, see there
       const btVector3 closing =
           velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
-      rows_.push_back({&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, false});
+      rows_.push_back({&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, false, false});
     }
   }
   update_allowances();
-  return !rows_.empty();
+  if (solved.empty()) return !rows_.empty();
+  bool any = false;
+  for (Row& row : rows_) {
+    row.left_out = solved.count(BodyTag::id(*row.first)) > 0 || solved.count(BodyTag::id(*row.second)) > 0;
+    any = any || !row.left_out;
+    if (!row.left_out) continue;
+    btManifoldPoint& point = *row.point;
+    point.setDistance(kLeftOut);
+    // what it pushed with when it was last solved here is no start for the next time
+    point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0.0;
+  }
+  return any;
+}
+
+std::vector<SeenContact> BulletWorld::see(double window_s, const std::set<BodyId>& listed) {
+  for (const auto& [id, body] : bodies_) BodyTag::set_listed(*body, listed.count(id) > 0);
+  world_->find(window_s);
+  std::vector<SeenContact> seen;
+  std::map<BodyPair, double> depths;
+  for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
+    const btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);
+    const btCollisionObject &a = *manifold.getBody0(), &b = *manifold.getBody1();
+    if (!BodyTag::listed(a) && !BodyTag::listed(b)) continue;
+    const BodyPair bodies(BodyTag::id(a), BodyTag::id(b));
+    double& depth = depths[ordered(bodies.first, bodies.second)];
+    for (int k = 0; k < manifold.getNumContacts(); ++k) {
+      const btManifoldPoint& point = manifold.getContactPoint(k);
+      depth = std::max(depth, -point.getDistance());
+      seen.push_back({&point, bodies, law(a, b), 0.0});
+    }
+  }
+  for (SeenContact& contact : seen) contact.depth = depths.at(ordered(contact.bodies.first, contact.bodies.second));
+  return seen;
+}
+
+bool BulletWorld::newborn(BodyId id) const {
+  const auto found = bodies_.find(id);
+  return found == bodies_.end() || BodyTag::newborn(*found->second);
+}
+
+double BulletWorld::allowance(const BodyPair& pair, double depth) const {
+  const auto known = allowances_.find(ordered(pair.first, pair.second));
+  if (known != allowances_.end()) return std::min(depth, known->second);
+  return newborn(pair.first) || newborn(pair.second) ? depth : 0.0;
 }
 
 void BulletWorld::update_allowances() {
@@ -149,9 +208,8 @@ void BulletWorld::update_allowances() {
   }
   std::map<BodyPair, double> next;
   for (const auto& [pair, depth] : depths) {
-    const auto known = allowances_.find(pair);
-    const double allowance = known == allowances_.end() ? depth : std::min(depth, known->second);
-    if (allowance > 0.0) next[pair] = allowance;  // a pair that has come apart is as any other
+    const double kept = allowance(pair, depth);
+    if (kept > 0.0) next[pair] = kept;  // a pair that has come apart is as any other
   }
   allowances_ = std::move(next);
   for (const auto& [id, body] : bodies_) BodyTag::set_newborn(*body, false);
@@ -181,6 +239,7 @@ void BulletWorld::relax(double window_s) {
     point.m_positionWorldOnB = row.second->getWorldTransform() * point.m_localPointB;
     const double gap =
         (point.m_positionWorldOnA - point.m_positionWorldOnB).dot(point.m_normalWorldOnB) + row.allowance;
+    if (row.left_out) continue;
     row.acted = point.m_appliedImpulse > 0.0;
     point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);
     if (row.acted && row.restitution > 0.0 && row.approach > kLengthScale * kImpactSpeed_m_s) {
@@ -219,17 +278,25 @@ WorldMemory BulletWorld::memory() const {
   return memory;
 }
 
-void BulletWorld::start_over(const WorldMemory& memory) {
+void BulletWorld::clear() {
   // All of them, static ones too: resetPool does nothing while one is left, and the order of pairs, which decides in
   // which order contacts are solved, hangs on the history of the broadphase.
   for (const auto& [id, body] : bodies_) world_->removeRigidBody(body);
+  bodies_.clear();
   broadphase_.resetPool(&dispatcher_);
+  solver_.reset();
   rows_.clear();
-  for (const auto& [id, body] : bodies_) {
+  allowances_.clear();
+}
+
+void BulletWorld::start_over(const WorldMemory& memory) {
+  const std::map<BodyId, btRigidBody*> bodies = bodies_;
+  clear();
+  for (const auto& [id, body] : bodies) {
     world_->addRigidBody(body);
     BodyTag::set_newborn(*body, memory.newborn.at(id));
   }
-  solver_.reset();
+  bodies_ = bodies;
   allowances_ = memory.allowances;
 }
 

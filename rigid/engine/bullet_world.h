@@ -8,6 +8,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <utility>
 #include <vector>
 
@@ -22,8 +23,13 @@ struct BodyTag {
   static BodyId id(const btCollisionObject& body) { return static_cast<BodyId>(body.getUserIndex()); }
   static std::uint32_t group(const btCollisionObject& body) { return static_cast<std::uint32_t>(body.getUserIndex2()); }
   /// Not through detect() yet.
-  static bool newborn(const btCollisionObject& body) { return body.getUserIndex3() != 0; }
-  static void set_newborn(btCollisionObject& body, bool newborn) { body.setUserIndex3(newborn ? 1 : 0); }
+  static bool newborn(const btCollisionObject& body) { return (body.getUserIndex3() & 1) != 0; }
+  static void set_newborn(btCollisionObject& body, bool yes) { body.setUserIndex3((body.getUserIndex3() & ~1) | yes); }
+  /// Whose contacts see() is asked for.
+  static bool listed(const btCollisionObject& body) { return (body.getUserIndex3() & 2) != 0; }
+  static void set_listed(btCollisionObject& body, bool yes) {
+    body.setUserIndex3((body.getUserIndex3() & ~2) | (yes ? 2 : 0));
+  }
 };
 
 using BodyPair = std::pair<BodyId, BodyId>;  // lower first
@@ -34,27 +40,46 @@ struct WorldMemory {
   std::map<BodyPair, double> allowances;  // overlap that a pair may keep from birth [Bullet lengths], above 0
 };
 
+/// A contact as see() found it.
+struct SeenContact {
+  const btManifoldPoint* point;  // until the next see()
+  BodyPair bodies;               // the point's A and B, in this order
+  ContactLaw law;
+  double depth;  // of the pair [Bullet lengths], 0 where its deepest point is none
+};
+
 class BulletWorld {
  public:
-  BulletWorld();
+  enum class Use { kMove, kLook };  // detect, solve, relax; or see
+  explicit BulletWorld(Use use);
   ~BulletWorld();
 
   /// The body outlives the world.
   void add(btRigidBody& body, BodyId id, std::uint32_t contact_group);
   void set_contact_laws(const std::vector<ContactLaw>& laws);
 
-  /// Finds contacts at the present poses; false where there are none to solve.
-  bool detect(double window_s);
+  /// Finds contacts at the present poses; false where there are none to solve. Contacts of bodies in `solved` count
+  /// for what overlap may be kept, but are not solved.
+  bool detect(double window_s, const std::set<BodyId>& solved);
   /// Solves velocities, and moves poses out of penetration (split impulses).
   void solve(double window_s);
   /// Velocity-only solve at the present poses of the contacts that acted in solve() or touch now;
   /// gives contacts that met fast enough their restitution.
   void relax(double window_s);
 
+  /// Use::kLook. Contacts of the listed bodies at the present poses. They are kept from call to call
+  /// as detect() keeps them, so that flat faces have their four points.
+  std::vector<SeenContact> see(double window_s, const std::set<BodyId>& listed);
+  /// Overlap that the next detect() would let the pair keep; `depth` [Bullet lengths] is what it would find. Bodies
+  /// that are not here yet count as newborn.
+  double allowance(const BodyPair& pair, double depth) const;
+
   WorldMemory memory() const;
   /// As a world that was made just now, given its bodies by ascending id where they are, and this memory: whatever
   /// came before, the windows from here on are the same to the bit.
   void start_over(const WorldMemory& memory);
+  /// Takes all bodies out.
+  void clear();
 
  private:
   struct Row {
@@ -64,6 +89,7 @@ class BulletWorld {
     double restitution;  // [-]
     double allowance;    // penetration that does not count
     bool acted;          // pushed in solve()
+    bool left_out;       // of a body whose contacts are solved elsewhere
   };
   class World;
 
@@ -73,6 +99,7 @@ class BulletWorld {
   /// Pairs that overlap when one of the two is new (shards share faces with their neighbours) may keep
   /// that overlap: it is subtracted until they come apart, and never grows again.
   void update_allowances();
+  bool newborn(BodyId id) const;
 
   btDefaultCollisionConfiguration configuration_;
   PlaneCreateFunc shape_on_plane_{false}, plane_under_shape_{true};

@@ -1,84 +1,13 @@
 #include <gtest/gtest.h>
 
-#include <functional>
 #include <limits>
 
-#include "coupler/core/error.h"
-#include "rigid/engine/bullet_engine.h"
-#include "tests/rigid/shards.h"
+#include "tests/rigid/trial.h"
 
 namespace sunder::rigid {
 namespace {
 
 using namespace testing;  // NOLINT: the helpers of this folder
-
-constexpr double kWindow = 0.25e-3;  // [s]
-
-/// Everything an engine is given before its first window.
-struct Scene {
-  std::vector<RigidBody> bodies;
-  std::vector<ContactLaw> laws{{0, 0, 0.4, 0.2}};
-};
-
-/// A pane cut into overlapping neighbours above the floor, a box and a ball upon it, and a shard of two parts.
-Scene pile() {
-  Scene scene;
-  scene.bodies.push_back(half_space(500));
-  const double a = 0.04, o = 0.1e-3;
-  for (int j = 0; j < 3; ++j)
-    for (int i = 0; i < 3; ++i)
-      scene.bodies.push_back(plate(static_cast<BodyId>(10 + 3 * j + i),
-                                   {rectangle(i * a - o, j * a - o, (i + 1) * a + o, (j + 1) * a + o)}, 0.004));
-  for (RigidBody& b : scene.bodies)
-    if (!b.is_static) b.motion.position.z() = 0.004;
-  RigidBody brick = box(1, Vec3(0.02, 0.015, 0.01), 0.06), ball = sphere(2, 0.015, 0.04);
-  brick.motion.position = Vec3(0.05, 0.03, 0.02);
-  ball.motion.position = Vec3(0.08, 0.09, 0.03);
-  ball.motion.velocity = Vec3(0.1, -0.2, -1.0);
-  RigidBody angle = plate(3, {rectangle(0, 0, 0.06, 0.02), rectangle(0, 0.02, 0.02, 0.06)}, 0.004);
-  angle.motion.position += Vec3(0.05, 0.05, 0.05);
-  angle.motion.orientation = rotation_from_vector(Vec3(0.3, 0.2, 0.1)) * angle.motion.orientation;
-  for (const RigidBody& b : {brick, ball, angle}) scene.bodies.push_back(b);
-  return scene;
-}
-
-/// One engine and its caller.
-struct Trial {
-  BulletEngine engine;
-  Caller caller{engine, kWindow, kGravity};
-
-  explicit Trial(const Scene& scene) {
-    engine.set_contact_laws(scene.laws);
-    for (const RigidBody& b : scene.bodies) caller.add(b);
-  }
-  std::vector<Handback> motions() const {
-    std::vector<Handback> out;
-    for (const EngineState& s : engine.states()) out.push_back({s.id, s.motion});
-    return out;
-  }
-  void windows(int count) {
-    for (int i = 0; i < count; ++i) caller.window();
-  }
-};
-
-/// The scene with its bodies where the run has them, in the same order.
-Scene moved(Scene scene, const Trial& run) {
-  for (RigidBody& b : scene.bodies)
-    if (!b.is_static) b.motion = run.caller.body(b.id).motion;
-  return scene;
-}
-
-std::string bits(const Engine& engine) {
-  std::string out;
-  const auto put = [&](const double* numbers, std::size_t count) {
-    out.append(reinterpret_cast<const char*>(numbers), count * sizeof(double));
-  };
-  for (const EngineState& s : engine.states()) {
-    put(s.motion.position.data(), 3), put(s.motion.orientation.coeffs().data(), 4);
-    put(s.motion.velocity.data(), 3), put(s.motion.angular_momentum.data(), 3);
-  }
-  return out;
-}
 
 std::vector<RigidBody> late_shards(BodyId first) {
   std::vector<RigidBody> shards = thrown_shards(4, first);
@@ -137,9 +66,9 @@ TEST(BulletSave, TheSameEngineTakesWindowsAgain) {
       std::vector<Handback> handbacks = motions;
       for (int k = 0; k < 3; ++k)
         for (Handback& m : handbacks) {
-          m.motion.velocity.z() -= kGravity * kWindow;
-          m.motion.position += kWindow * m.motion.velocity;
-          if (m.id == handbacks.back().id) run.engine.advance(kWindow, handbacks, {});
+          m.motion.velocity.z() -= kGravity * Trial::kWindow;
+          m.motion.position += Trial::kWindow * m.motion.velocity;
+          if (m.id == handbacks.back().id) run.engine.advance(Trial::kWindow, handbacks, {});
         }
       return bits(run.engine);
     };
@@ -152,16 +81,6 @@ TEST(BulletSave, TheSameEngineTakesWindowsAgain) {
     ASSERT_EQ(run.engine.save(), caches) << i;
     run.caller.window();
   }
-}
-
-std::string kind_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status, Exit::kBadInput);
-    return error.kind;
-  }
-  return "accepted";
 }
 
 TEST(BulletSave, RefusesCachesThatItCannotHaveWritten) {
