@@ -77,6 +77,12 @@ std::string encode_caches(const WorldMemory& memory) {
   for (const auto& [id, newborn] : memory.newborn) out.put(id), out.put(static_cast<std::uint8_t>(newborn));
   out.put_size(memory.allowances.size());
   for (const auto& [pair, allowance] : memory.allowances) out.put(pair.first), out.put(pair.second), out.put(allowance);
+  out.put_size(memory.joints.size());
+  for (const auto& [id, impulses] : memory.joints) {
+    out.put(id);
+    for (const JointImpulse& stage : impulses)
+      for (const double impulse : stage) out.put(impulse);
+  }
   return out.bytes + digest(out.bytes);
 }
 
@@ -103,6 +109,13 @@ WorldMemory decode_caches(const std::string& bytes) {
     if (pair.first >= pair.second || !memory.newborn.count(pair.first) || !memory.newborn.count(pair.second) ||
         !(allowance > 0.0) || !memory.allowances.emplace(pair, allowance).second)
       refuse(fmt::format("overlap {} of bodies {} and {}", allowance, pair.first, pair.second));
+  }
+  for (std::size_t left = in.get_size(4 + 12 * sizeof(double)); left > 0; --left) {
+    const auto id = in.get<std::uint32_t>();
+    std::array<JointImpulse, 2> impulses;
+    for (JointImpulse& stage : impulses)
+      for (double& impulse : stage) impulse = in.get_finite();
+    if (id == 0 || !memory.joints.emplace(id, impulses).second) refuse(fmt::format("joint {}", id));
   }
   if (!in.at_end()) refuse("there is more than they should hold");
   return memory;

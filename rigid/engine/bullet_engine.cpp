@@ -1,5 +1,6 @@
 #include "rigid/engine/bullet_engine.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -24,15 +25,29 @@ btTransform bullet_pose(const BodyMotion& m) {
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), plain(kLengthScale * m.position));
 }
 
-/// Orientation after a free flight of h seconds that starts with the angular velocity w [rad/s].
-Quat free_turn(const RigidBody& body, const Vec3& w, double h) {
-  const Quat& start = body.motion.orientation;
-  const Vec3 momentum = body.apply_inertia(w);
+/// Orientation of the body after h seconds from `start` with the angular momentum held; `w` is its spin at first.
+Quat midpoint_turn(const RigidBody& body, const Quat& start, const Vec3& w, const Vec3& momentum, double h) {
   const auto spin_at = [&](const Quat& q) -> Vec3 {
     return q * (q.conjugate() * momentum).cwiseQuotient(body.principal_inertia);
   };
   const Quat middle = (rotation_from_vector(0.5 * h * w) * start).normalized();
   return (rotation_from_vector(h * spin_at(middle)) * start).normalized();
+}
+
+/// Orientation after a free flight of h seconds that starts with the angular velocity w [rad/s].
+Quat free_turn(const RigidBody& body, const Vec3& w, double h) {
+  return midpoint_turn(body, body.motion.orientation, w, body.apply_inertia(w), h);
+}
+
+/// The same for an angular momentum [kg m^2/s], and closer.
+Quat free_flight(const RigidBody& body, const Vec3& momentum, double h) {
+  constexpr int kSteps = 4;
+  Quat q = body.motion.orientation;
+  for (int i = 0; i < kSteps; ++i) {
+    const Vec3 w = q * (q.conjugate() * momentum).cwiseQuotient(body.principal_inertia);
+    q = midpoint_turn(body, q, w, momentum, h / kSteps);
+  }
+  return q;
 }
 
 struct Held {
@@ -46,7 +61,7 @@ struct Held {
 struct Transit {
   Held* held;
   const BodyMotion* handback;
-  bool fast = false, touched = false;
+  bool fast = false, jointed = false;
   Vec3 spin = Vec3::Zero();  // [rad/s]
   btVector3 linear{0, 0, 0}, angular{0, 0, 0};
   btTransform pose = btTransform::getIdentity();
@@ -66,6 +81,42 @@ void aim(Transit& t, double window_s) {
   t.angular = plain(t.spin);
 }
 
+bool touched(const Transit& t) {
+  const btRigidBody& rigid = *t.held->rigid;
+  return !(rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular &&
+           rigid.getWorldTransform() == t.pose);
+}
+
+/// Where the body ends by what the solver made of its velocities and pose.
+BodyMotion arrival(const Transit& t, double window_s) {
+  BodyMotion master = *t.handback;  // to the bit where nothing touched it
+  if (!touched(t)) return master;
+  const btRigidBody& rigid = *t.held->rigid;
+  const Vec3 dv = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
+  const Vec3 dw = plain(rigid.getAngularVelocity() - t.angular);
+  const btTransform& pushed = rigid.getWorldTransform();
+  const Vec3 push = plain(pushed.getOrigin() - t.pose.getOrigin()) / kLengthScale;
+  btQuaternion push_turn;
+  (pushed.getBasis() * t.pose.getBasis().transpose()).getRotation(push_turn);
+  master.position += window_s * dv + push;
+  // The handback pose, turned by the difference between two free flights from the start: with and
+  // without the change of spin. exp(H (w + dw)) alone holds w fixed, and a thin shard that an impact
+  // sets spinning then gains energy of order (|w| H)^2. Bounded however fast the body turns.
+  Quat without = free_turn(t.held->body, t.spin, window_s), with = free_turn(t.held->body, t.spin + dw, window_s);
+  if (t.jointed) {
+    // From the momenta: an impulse of the joint, then a free flight. The average spin is not that of the start, and
+    // what this leaves, of order (|w| H)^2, adds up where a joint acts in every window.
+    const Vec3& momentum = t.handback->angular_momentum;
+    without = free_flight(t.held->body, momentum, window_s);
+    with = free_flight(t.held->body, momentum + t.held->body.apply_inertia(dw), window_s);
+  }
+  const Quat turned = with * without.conjugate() * t.handback->orientation;
+  master.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
+  master.velocity += dv;
+  master.angular_momentum += t.held->body.apply_inertia(dw);  // at the start, as the solver had it
+  return master;
+}
+
 std::unique_ptr<btRigidBody> make_rigid(const Held& held) {
   const RigidBody& body = held.body;
   const double mass = body.is_static ? 0.0 : kMassScale * body.mass;
@@ -80,22 +131,25 @@ std::unique_ptr<btRigidBody> make_rigid(const Held& held) {
 
 struct BulletEngine::Impl {
   std::map<BodyId, Held> bodies;  // before the worlds: they refer to them to their end
+  std::map<std::uint32_t, Joint> joints;
   BulletWorld world{BulletWorld::Use::kMove};
   BulletWorld mirror{BulletWorld::Use::kLook};  // rows() looks for contacts here, so that `world` does not notice
 
-  void insert_new_bodies();
+  void insert_new();
   void start_over(const WorldMemory& memory);
   std::set<BodyId> known(const std::vector<BodyId>& ids, const char* what) const;
   std::vector<Transit> match(const std::vector<Handback>& handbacks);
 };
 
-/// In id order whatever the order of add().
-void BulletEngine::Impl::insert_new_bodies() {
+/// In id order whatever the order of add(). Joints with them.
+void BulletEngine::Impl::insert_new() {
   for (auto& [id, held] : bodies) {
     if (held.rigid) continue;
     held.rigid = make_rigid(held);
     world.add(*held.rigid, id, held.body.contact_group);
   }
+  for (const auto& [id, joint] : joints)
+    if (!world.has_joint(id)) world.add_joint(joint);
 }
 
 /// Bodies are in their places.
@@ -135,14 +189,28 @@ EngineInfo BulletEngine::info() const {
   const int version = btGetVersion();
   return {"bullet",
           fmt::format("{}.{}", version / 100, version % 100),
-          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kExportRows,
-           kSaveRestore, kDoublePrecision, kDeterministic}};
+          {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kJoints,
+           kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
 }
 
 void BulletEngine::add(const RigidBody& body) {
   check_body(body);
   if (impl_->bodies.count(body.id)) reject_body(body, "id", "is held already; ids are for the whole run");
   impl_->bodies.emplace(body.id, Held{body, make_bullet_shape(body), nullptr, nullptr});
+}
+
+void BulletEngine::add_joint(const Joint& joint) {
+  check_joint(joint);
+  if (impl_->joints.count(joint.id)) reject_joint(joint, "its id is held already");
+  bool any_moves = false;
+  for (const BodyId id : {joint.first, joint.second}) {
+    if (id == 0) continue;  // the world
+    const auto held = impl_->bodies.find(id);
+    if (held == impl_->bodies.end()) reject_joint(joint, fmt::format("there is no body {}; add it first", id));
+    any_moves = any_moves || !held->second.body.is_static;
+  }
+  if (!any_moves) reject_joint(joint, "nothing that it holds moves; leave it out");
+  impl_->joints.emplace(joint.id, joint);
 }
 
 void BulletEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
@@ -155,7 +223,7 @@ void BulletEngine::advance(double window_s, const std::vector<Handback>& handbac
   check_window(window_s);
   std::vector<Transit> transits = impl_->match(handbacks);
   const std::set<BodyId> left_out = impl_->known(solved, "solved");
-  impl_->insert_new_bodies();
+  impl_->insert_new();
 
   for (Transit& t : transits) {
     aim(t, window_s);
@@ -164,40 +232,28 @@ void BulletEngine::advance(double window_s, const std::vector<Handback>& handbac
     t.pose = t.held->rigid->getWorldTransform();
   }
 
-  bool any_touched = false;
-  if (impl_->world.detect(window_s, left_out)) {
-    impl_->world.solve(window_s);
-    for (Transit& t : transits) {
-      const btRigidBody& rigid = *t.held->rigid;
-      t.touched = !(rigid.getLinearVelocity() == t.linear && rigid.getAngularVelocity() == t.angular &&
-                    rigid.getWorldTransform() == t.pose);
-      any_touched = any_touched || t.touched;
-    }
-  }
+  const BulletWorld::Ahead ahead{
+      .end_of =
+          [&](BodyId id) {
+            const auto by_id = [](const Transit& t, BodyId sought) { return t.held->body.id < sought; };
+            return bullet_pose(arrival(*std::lower_bound(transits.begin(), transits.end(), id, by_id), window_s));
+          },
+      .put_back =
+          [&] {
+            for (Transit& t : transits) {
+              t.held->rigid->setCenterOfMassTransform(t.pose);
+              t.held->rigid->setLinearVelocity(t.linear);
+              t.held->rigid->setAngularVelocity(t.angular);
+            }
+          }};
+  const bool in_contact = impl_->world.detect(window_s, left_out), joined = impl_->world.choose_joints(left_out);
+  for (Transit& t : transits) t.jointed = joined && impl_->world.holds(t.held->body.id);
+  if (in_contact || joined) impl_->world.solve(window_s, ahead);
+  const bool any_touched = joined || std::any_of(transits.begin(), transits.end(), touched);
 
   for (Transit& t : transits) {
-    btRigidBody& rigid = *t.held->rigid;
-    BodyMotion master = *t.handback;  // to the bit where nothing touched it
-    if (t.touched) {
-      const Vec3 dv = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
-      const Vec3 dw = plain(rigid.getAngularVelocity() - t.angular);
-      const btTransform& pushed = rigid.getWorldTransform();
-      const Vec3 push = plain(pushed.getOrigin() - t.pose.getOrigin()) / kLengthScale;
-      btQuaternion push_turn;
-      (pushed.getBasis() * t.pose.getBasis().transpose()).getRotation(push_turn);
-      master.position += window_s * dv + push;
-      // The handback pose, turned by the difference between two free flights from the start: with and
-      // without the change of spin. exp(H (w + dw)) alone holds w fixed, and a thin shard that an impact
-      // sets spinning then gains energy of order (|w| H)^2. Bounded however fast the body turns.
-      const Quat without = free_turn(t.held->body, t.spin, window_s),
-                 with = free_turn(t.held->body, t.spin + dw, window_s);
-      const Quat turned = with * without.conjugate() * t.handback->orientation;
-      master.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
-      master.velocity += dv;
-      master.angular_momentum += t.held->body.apply_inertia(dw);  // at the start, as the solver had it
-    }
-    t.held->body.motion = master;
-    rigid.setCenterOfMassTransform(bullet_pose(master));
+    t.held->body.motion = arrival(t, window_s);
+    t.held->rigid->setCenterOfMassTransform(bullet_pose(t.held->body.motion));
   }
   if (!any_touched) return;
 
@@ -238,6 +294,8 @@ std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<Ha
     held.mirror = make_rigid(held);
     impl_->mirror.add(*held.mirror, id, held.body.contact_group);
   }
+  for (const auto& [id, joint] : impl_->joints)
+    if (!impl_->mirror.has_joint(id)) impl_->mirror.add_joint(joint);
   for (Transit& t : transits) {
     aim(t, window_s);
     btRigidBody& mirror = *t.held->mirror;
@@ -261,7 +319,7 @@ std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<Ha
 }
 
 std::string BulletEngine::save() {
-  impl_->insert_new_bodies();  // they are newborn on either side
+  impl_->insert_new();  // they are newborn on either side
   const WorldMemory memory = impl_->world.memory();
   impl_->start_over(memory);
   return encode_caches(memory);
@@ -269,13 +327,17 @@ std::string BulletEngine::save() {
 
 void BulletEngine::restore(const std::string& caches, const std::vector<Handback>& motions) {
   const WorldMemory memory = decode_caches(caches);
-  const auto same_id = [](const auto& a, const auto& b) { return a.first == b.first; };
-  if (!std::equal(memory.newborn.begin(), memory.newborn.end(), impl_->bodies.begin(), impl_->bodies.end(), same_id))
+  const auto same_key = [](const auto& a, const auto& b) { return a.first == b.first; };
+  if (!std::equal(memory.newborn.begin(), memory.newborn.end(), impl_->bodies.begin(), impl_->bodies.end(), same_key))
     throw Error(Exit::kBadInput, "bad_state",
                 fmt::format("the caches are of {} bodies, the engine has {}, or others; add the same ones",
                             memory.newborn.size(), impl_->bodies.size()));
+  if (!std::equal(memory.joints.begin(), memory.joints.end(), impl_->joints.begin(), impl_->joints.end(), same_key))
+    throw Error(Exit::kBadInput, "bad_state",
+                fmt::format("the caches are of {} joints, the engine has {}, or others; add the same ones",
+                            memory.joints.size(), impl_->joints.size()));
   const std::vector<Transit> transits = impl_->match(motions);
-  impl_->insert_new_bodies();
+  impl_->insert_new();
   for (const Transit& t : transits) {
     t.held->body.motion = *t.handback;
     t.held->rigid->setCenterOfMassTransform(bullet_pose(*t.handback));

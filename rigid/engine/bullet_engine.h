@@ -31,6 +31,7 @@ class BulletEngine final : public Engine {
   void set_contact_laws(const std::vector<ContactLaw>& laws) override;
   void advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) override;
   std::vector<EngineState> states() const override;
+  void add_joint(const Joint& joint) override;
   std::vector<ContactRow> rows(double window_s, const std::vector<Handback>& motions,
                                const std::vector<BodyId>& bodies) override;
   std::string save() override;

@@ -17,6 +17,10 @@ constexpr double kImpactSpeed_m_s = 0.05;
 constexpr int kIterations = 50;  // stacks of twenty plates stand with 20 to 50
 /// Share of a penetration taken back per window by moving poses, never by velocities.
 constexpr double kPositionShare = 0.2;  // [-]
+/// Joints are solved until none is farther off than this, and where there are contacts as well, until the joints have
+/// no more to change than that. [m/s or rad/s]
+constexpr double kJointResidual = 1e-9, kContactResidual = 1e-6;
+constexpr int kMostTurns = 8, kMostPasses = 10;
 /// Bullet leaves out points farther apart than this; how relax() drops a row.
 constexpr double kProcessed = 1e6, kLeftOut = 1e7;  // [Bullet lengths]
 
@@ -70,11 +74,6 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
   }
 };
 
-void BodyTag::set(btRigidBody& body, BodyId id, std::uint32_t contact_group) {
-  body.setUserIndex(static_cast<int>(id));
-  body.setUserIndex2(static_cast<int>(contact_group));
-}
-
 BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&configuration_) {
   configuration_.setConvexConvexMultipointIterations(3, 3);  // one point is too few for plate on plate
   for (int shape : {SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
@@ -87,6 +86,7 @@ BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&c
     dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, shape, &one_point_);
     dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
+  ground_.setUserIndex(0);  // no body's id
   if (use == Use::kLook) {
     dispatcher_.setNearCallback(find_listed);
     // Bullet's own for two spheres finds them only once they overlap.
@@ -222,7 +222,61 @@ void BulletWorld::update_allowances() {
   }
 }
 
-void BulletWorld::solve(double window_s) { world_->solve(window_s); }
+void BulletWorld::add_joint(const Joint& joint) {
+  btRigidBody &first = *bodies_.at(joint.first), &second = joint.second == 0 ? ground_ : *bodies_.at(joint.second);
+  // contacts that there are already would go on to be solved
+  broadphase_.getOverlappingPairCache()->cleanProxyFromPairs(first.getBroadphaseHandle(), &dispatcher_);
+  auto made = std::make_unique<BulletJoint>(joint, first, second);
+  world_->addConstraint(made.get(), &second != &ground_);
+  joints_.add(joint.id, std::move(made));
+}
+
+bool BulletWorld::contacts_to_solve() const {
+  return std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return !row.left_out; });
+}
+
+void BulletWorld::solve(double window_s, const Ahead& ahead) {
+  if (!joints_.any()) return world_->solve(window_s);
+  joints_.begin(BulletJoint::kSolve, window_s);
+  const bool contacts = contacts_to_solve();
+  for (int pass = 1;; ++pass) {
+    joints_.push();
+    if (contacts) {
+      world_->solve(window_s);
+      joints_.take_in(window_s);
+    }
+    double moved = 0.0;
+    for (int turn = 0; turn < kMostTurns; ++turn) {
+      moved += joints_.correct();
+      if (joints_.mend(window_s, ahead.end_of) <= kJointResidual) break;
+    }
+    if (!contacts || moved <= kContactResidual || pass == kMostPasses) return;
+    ahead.put_back();
+  }
+}
+
+void BulletWorld::relax_joined(double window_s, int mode) {
+  struct Velocity {
+    btRigidBody* body;
+    btVector3 linear, angular;
+  };
+  std::vector<Velocity> start;
+  for (const auto& [id, body] : bodies_)
+    if (!body->isStaticObject()) start.push_back({body, body->getLinearVelocity(), body->getAngularVelocity()});
+  joints_.begin(BulletJoint::kRelax, window_s);
+  const bool contacts = contacts_to_solve();
+  for (int pass = 1;; ++pass) {
+    joints_.push();
+    if (contacts) {
+      world_->solve(window_s);
+      joints_.take_in(window_s);
+    }
+    const double moved = joints_.correct();
+    if (!contacts || moved <= kContactResidual || pass == kMostPasses) return;
+    for (const Velocity& v : start) v.body->setLinearVelocity(v.linear), v.body->setAngularVelocity(v.angular);
+    world_->getSolverInfo().m_solverMode = mode;  // from the contact impulses of the last pass, as joints do
+  }
+}
 
 void BulletWorld::relax(double window_s) {
   // Restitution is given here and not in solve(): there a foreseen contact (gap > 0) has to close its
@@ -253,7 +307,10 @@ void BulletWorld::relax(double window_s) {
   const int mode = info.m_solverMode;
   info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;  // the impulses of solve() are in the velocities already
   info.m_splitImpulse = false;                    // poses stay
-  world_->solve(window_s);
+  if (joints_.any())
+    relax_joined(window_s, mode);
+  else
+    world_->solve(window_s);
   info.m_solverMode = mode;
   info.m_splitImpulse = true;
   // solve() of the next window starts from its own impulses, but not where there was an impact: with a
@@ -275,12 +332,15 @@ WorldMemory BulletWorld::memory() const {
   WorldMemory memory;
   for (const auto& [id, body] : bodies_) memory.newborn[id] = BodyTag::newborn(*body);
   memory.allowances = allowances_;
+  memory.joints = joints_.impulses();
   return memory;
 }
 
 void BulletWorld::clear() {
   // All of them, static ones too: resetPool does nothing while one is left, and the order of pairs, which decides in
   // which order contacts are solved, hangs on the history of the broadphase.
+  for (const auto& [id, joint] : joints_.all()) world_->removeConstraint(joint.get());
+  joints_.take_out();
   for (const auto& [id, body] : bodies_) world_->removeRigidBody(body);
   bodies_.clear();
   broadphase_.resetPool(&dispatcher_);
@@ -291,6 +351,8 @@ void BulletWorld::clear() {
 
 void BulletWorld::start_over(const WorldMemory& memory) {
   const std::map<BodyId, btRigidBody*> bodies = bodies_;
+  for (const auto& [id, joint] : joints_.all()) world_->removeConstraint(joint.get());
+  auto joints = joints_.take_out();
   clear();
   for (const auto& [id, body] : bodies) {
     world_->addRigidBody(body);
@@ -298,6 +360,11 @@ void BulletWorld::start_over(const WorldMemory& memory) {
   }
   bodies_ = bodies;
   allowances_ = memory.allowances;
+  for (auto& [id, joint] : joints) {  // by id too, whenever they were added: their order in the solver counts
+    world_->addConstraint(joint.get(), &joint->getRigidBodyB() != &ground_);
+    joint->set_impulses(memory.joints.at(id));
+    joints_.add(id, std::move(joint));
+  }
 }
 
 }  // namespace sunder::rigid

@@ -6,6 +6,7 @@
 #include <btBulletDynamicsCommon.h>
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <set>
@@ -13,24 +14,11 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "rigid/engine/bullet_joints.h"
 #include "rigid/engine/bullet_plane.h"
+#include "rigid/engine/bullet_tag.h"
 
 namespace sunder::rigid {
-
-/// What the world reads of a body, kept in Bullet's user indices.
-struct BodyTag {
-  static void set(btRigidBody& body, BodyId id, std::uint32_t contact_group);
-  static BodyId id(const btCollisionObject& body) { return static_cast<BodyId>(body.getUserIndex()); }
-  static std::uint32_t group(const btCollisionObject& body) { return static_cast<std::uint32_t>(body.getUserIndex2()); }
-  /// Not through detect() yet.
-  static bool newborn(const btCollisionObject& body) { return (body.getUserIndex3() & 1) != 0; }
-  static void set_newborn(btCollisionObject& body, bool yes) { body.setUserIndex3((body.getUserIndex3() & ~1) | yes); }
-  /// Whose contacts see() is asked for.
-  static bool listed(const btCollisionObject& body) { return (body.getUserIndex3() & 2) != 0; }
-  static void set_listed(btCollisionObject& body, bool yes) {
-    body.setUserIndex3((body.getUserIndex3() & ~2) | (yes ? 2 : 0));
-  }
-};
 
 using BodyPair = std::pair<BodyId, BodyId>;  // lower first
 
@@ -38,6 +26,7 @@ using BodyPair = std::pair<BodyId, BodyId>;  // lower first
 struct WorldMemory {
   std::map<BodyId, bool> newborn;         // every body
   std::map<BodyPair, double> allowances;  // overlap that a pair may keep from birth [Bullet lengths], above 0
+  BulletJoints::Impulses joints;          // of every joint: what its solves start from
 };
 
 /// A contact as see() found it.
@@ -57,12 +46,25 @@ class BulletWorld {
   /// The body outlives the world.
   void add(btRigidBody& body, BodyId id, std::uint32_t contact_group);
   void set_contact_laws(const std::vector<ContactLaw>& laws);
+  /// Both bodies are here; they collide no more. Use::kLook heeds only that.
+  void add_joint(const Joint& joint);
+  bool has_joint(std::uint32_t id) const { return joints_.has(id); }
 
   /// Finds contacts at the present poses; false where there are none to solve. Contacts of bodies in `solved` count
   /// for what overlap may be kept, but are not solved.
   bool detect(double window_s, const std::set<BodyId>& solved);
+  /// Before solve(): joints that hold no body of `solved` act. False where there is none.
+  bool choose_joints(const std::set<BodyId>& solved) { return joints_.choose(solved); }
+  /// Whether one that acts holds the body.
+  bool holds(BodyId id) const { return joints_.hold(id); }
+  /// How joints look ahead: where a body would end with its present velocity [Bullet lengths], and what puts velocities
+  /// and poses back as they were before solve().
+  struct Ahead {
+    std::function<btTransform(BodyId)> end_of;
+    std::function<void()> put_back;
+  };
   /// Solves velocities, and moves poses out of penetration (split impulses).
-  void solve(double window_s);
+  void solve(double window_s, const Ahead& ahead);
   /// Velocity-only solve at the present poses of the contacts that acted in solve() or touch now;
   /// gives contacts that met fast enough their restitution.
   void relax(double window_s);
@@ -99,6 +101,9 @@ class BulletWorld {
   /// Pairs that overlap when one of the two is new (shards share faces with their neighbours) may keep
   /// that overlap: it is subtracted until they come apart, and never grows again.
   void update_allowances();
+  /// The solve of relax() where joints act; `mode` is that of solve().
+  void relax_joined(double window_s, int mode);
+  bool contacts_to_solve() const;
   bool newborn(BodyId id) const;
 
   btDefaultCollisionConfiguration configuration_;
@@ -109,6 +114,8 @@ class BulletWorld {
   btDbvtBroadphase broadphase_;
   btSequentialImpulseConstraintSolver solver_;
   std::unique_ptr<World> world_;
+  btRigidBody ground_{0.0, nullptr, nullptr};  // what joints to the world hold on to
+  BulletJoints joints_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, ContactLaw> laws_;  // lower group first
   ContactLaw other_pairs_;                                              // friction 0.5, restitution 0
   std::vector<Row> rows_;

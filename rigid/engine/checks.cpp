@@ -64,4 +64,27 @@ void check_laws(const std::vector<ContactLaw>& laws) {
                               law.first_group, law.second_group, law.friction, law.restitution));
 }
 
+void reject_joint(const Joint& joint, const std::string& what) {
+  Error error(Exit::kBadInput, "bad_joint",
+              fmt::format("joint {} '{}' between bodies {} and {}: {}", joint.id, joint.name, joint.first, joint.second,
+                          what));
+  error.field = "joint";
+  throw error;
+}
+
+void check_joint(const Joint& joint) {
+  if (joint.id == 0) reject_joint(joint, "id is 0; count from 1");
+  if (joint.first == 0) reject_joint(joint, "its first end must be a body; only the second may be the world (0)");
+  if (joint.first == joint.second) reject_joint(joint, "both ends are one body");
+  if (joint.kind < Joint::Kind::kBall || joint.kind > Joint::Kind::kFixed)
+    reject_joint(joint, fmt::format("kind {} is none", static_cast<int>(joint.kind)));
+  for (const Joint::Frame& frame : {joint.first_frame, joint.second_frame}) {
+    if (!frame.position.allFinite() || !frame.orientation.coeffs().allFinite())
+      reject_joint(joint, "a frame holds a number that is not finite");
+    const double length = frame.orientation.norm();
+    if (std::abs(length - 1.0) > kUnitTolerance)
+      reject_joint(joint, fmt::format("an orientation has length {}, must be 1; normalize it", length));
+  }
+}
+
 }  // namespace sunder::rigid

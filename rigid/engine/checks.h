@@ -17,4 +17,9 @@ void check_window(double window_s);
 /// Throws Error (bad_contact_law).
 void check_laws(const std::vector<ContactLaw>& laws);
 
+/// Throws Error (bad_joint).
+[[noreturn]] void reject_joint(const Joint& joint, const std::string& what);
+/// Id, frames, and two ends that differ. Throws Error (bad_joint).
+void check_joint(const Joint& joint);
+
 }  // namespace sunder::rigid
