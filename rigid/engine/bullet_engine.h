@@ -19,6 +19,8 @@ namespace sunder::rigid {
 ///   come apart; so add every body before the window in which it is born, not at a place to be left.
 /// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s.
 /// - add() in any order between two windows gives the same result.
+/// - save() forgets what contacts pushed with: a stack that is saved in every window sinks (rigid/README.md).
+/// - restore() refuses motions that do not match as advance() does (bad_handback), and caches with bad_state.
 class BulletEngine final : public Engine {
  public:
   BulletEngine();

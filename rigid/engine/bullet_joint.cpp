@@ -9,8 +9,8 @@ namespace sunder::rigid {
 namespace {
 
 /// Of a strain that was there at the start of a window: the share that is taken back, and how fast at most.
-constexpr double kStrainShare = 0.2;       // [-]
-constexpr double kCorrectionSpeed = 0.05;  // [m/s or rad/s]
+constexpr double kStrainShare = 0.2;                              // [-]
+constexpr double kCorrectionSpeed = 0.05, kCorrectionSpin = 1.0;  // [m/s], [rad/s]
 
 btTransform frame(const Joint::Frame& f) {
   const Quat& q = f.orientation;
@@ -93,7 +93,7 @@ double BulletJoint::rate(int k) const {
 void BulletJoint::aim(double window_s) {
   const Strain now = strain(m_rbA.getWorldTransform(), m_rbB.getWorldTransform());
   for (int k = 0; k < row_count(); ++k) {
-    const double most = window_s * kCorrectionSpeed * (k < linear_rows() ? kLengthScale : 1.0);
+    const double most = window_s * (k < linear_rows() ? kLengthScale * kCorrectionSpeed : kCorrectionSpin);
     const double back = std::clamp(kStrainShare * now[k], -most, most);
     wanted_[k] = now[k] - back;
     aim_[k] = -back / window_s;

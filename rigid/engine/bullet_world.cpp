@@ -19,8 +19,8 @@ constexpr int kIterations = 50;  // stacks of twenty plates stand with 20 to 50
 constexpr double kPositionShare = 0.2;  // [-]
 /// Joints are solved until none is farther off than this, and where there are contacts as well, until the joints have
 /// no more to change than that. [m/s or rad/s]
-constexpr double kJointResidual = 1e-9, kContactResidual = 1e-6;
-constexpr int kMostTurns = 8, kMostPasses = 10;
+constexpr double kJointResidual = 1e-9, kContactResidual = 1e-5;
+constexpr int kMostTurns = 8, kMostPasses = 4;
 /// Bullet leaves out points farther apart than this; how relax() drops a row.
 constexpr double kProcessed = 1e6, kLeftOut = 1e7;  // [Bullet lengths]
 

@@ -14,9 +14,11 @@ namespace sunder::rigid::testing {
 struct Scene {
   std::vector<RigidBody> bodies;
   std::vector<ContactLaw> laws{{0, 0, 0.4, 0.2}};
+  std::vector<Joint> joints{};
 };
 
-/// A pane cut into overlapping neighbours above the floor, a box and a ball upon it, and a shard of two parts.
+/// A pane cut into overlapping neighbours above the floor, a box and a ball upon it, a shard of two parts, and a hinge
+/// and a ball joint.
 inline Scene pile() {
   Scene scene;
   scene.bodies.push_back(half_space(500));
@@ -34,7 +36,13 @@ inline Scene pile() {
   RigidBody angle = plate(3, {rectangle(0, 0, 0.06, 0.02), rectangle(0, 0.02, 0.02, 0.06)}, 0.004);
   angle.motion.position += Vec3(0.05, 0.05, 0.05);
   angle.motion.orientation = rotation_from_vector(Vec3(0.3, 0.2, 0.1)) * angle.motion.orientation;
-  for (const RigidBody& b : {brick, ball, angle}) scene.bodies.push_back(b);
+  RigidBody arm = box(4, Vec3(0.03, 0.005, 0.005), 0.02);
+  arm.motion.position = Vec3(0.05 + 0.02 + 0.03, 0.03, 0.02);
+  for (const RigidBody& b : {brick, ball, angle, arm}) scene.bodies.push_back(b);
+  scene.joints.push_back({1, "hinge", Joint::Kind::kHinge, 4, 1, {Vec3(-0.03, 0, 0), {}}, {Vec3(0.02, 0, 0), {}}});
+  const Vec3 hook = ball.motion.position + Vec3(0, 0, 0.05);
+  scene.joints.push_back({2, "string", Joint::Kind::kBall, 2, 0, {Vec3(0, 0, 0.05), {}}, {hook, {}}});
+  for (Joint& j : scene.joints) j.first_frame.orientation = j.second_frame.orientation = Quat::Identity();
   return scene;
 }
 
@@ -48,6 +56,7 @@ struct Trial {
       : caller(engine, window_s, gravity) {
     engine.set_contact_laws(scene.laws);
     for (const RigidBody& b : scene.bodies) caller.add(b);
+    for (const Joint& j : scene.joints) engine.add_joint(j);
   }
   std::vector<Handback> motions() const {
     std::vector<Handback> out;
