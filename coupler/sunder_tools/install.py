@@ -13,7 +13,7 @@ from .logged import run_logged, tail
 
 PACKAGES = (
     "g++", "cmake", "ninja-build", "pkg-config", "libeigen3-dev", "libcgal-dev", "libbullet-dev",
-    "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
+    "libode-dev", "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
     "libfmt-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
 )
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too

@@ -3,13 +3,15 @@
 #include "coupler/core/error.h"
 #include "rigid/engine/bullet_engine.h"
 #include "rigid/engine/free_flight.h"
+#include "rigid/engine/ode_engine.h"
 
 namespace sunder::rigid {
 
-std::vector<std::string> engine_names() { return {"bullet", "freeflight"}; }
+std::vector<std::string> engine_names() { return {"bullet", "ode", "freeflight"}; }
 
 std::unique_ptr<Engine> make_engine(const std::string& name) {
   if (name == "bullet") return std::make_unique<BulletEngine>();
+  if (name == "ode") return std::make_unique<OdeEngine>();
   if (name == "freeflight") return std::make_unique<FreeFlight>();
   throw Error(Exit::kBadInput, "unknown_engine",
               fmt::format("engine '{}' is unknown; engines: {}", name, fmt::join(engine_names(), ", ")));

@@ -57,6 +57,8 @@ class House(unittest.TestCase):
                     self.assertIn(str(path.relative_to(TOP)), allowed)
             if any(re.match(r"(LinearMath|Bullet|bt)", name) for name in includes(path)):
                 self.assertTrue(path.name.startswith("bullet_"), f"{path} names the engine")
+            if any(name.startswith("ode/") for name in includes(path)):
+                self.assertEqual(path.name, "ode_solver.cpp", f"{path} names the engine")
 
     def test_no_file_is_long(self) -> None:
         long = [f"{p.relative_to(TOP)}: {n}" for room in ("shell", "rigid", "coupler", "tests")

@@ -1,0 +1,238 @@
+#include "rigid/engine/ode_solver.h"
+
+#include <ode/ode.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdarg>
+#include <cstdio>
+#include <memory>
+#include <numeric>
+#include <type_traits>
+
+#include "coupler/core/error.h"
+
+namespace sunder::rigid {
+namespace {
+
+static_assert(std::is_same_v<dReal, double>, "ode's headers are not those of the double precision build");
+
+/// Rows of an island up to which the exact solver is taken: its time grows with their cube, and sweeps do not hold a
+/// stack of plates.
+constexpr int kExactRows = 300;
+constexpr int kSweeps = 100;
+constexpr double kOverRelaxation = 1.3;  // ODE's own
+/// Share of the softest row's answer by which every row gives: several corners of one plate say the same, and the exact
+/// solver factorises their matrix.
+constexpr double kSoftness = 1e-9;  // [-]
+/// Slip slower than this has no direction.
+constexpr double kNoSlip = 1e-12;  // [m/s]
+/// QuickStep shuffles its rows by a process-wide generator; it starts from here each time.
+constexpr unsigned kSeed = 20;
+
+/// By which the rows' targets differ: corners of a symmetric stack that come free at the same instant leave the exact
+/// solver without a way on.
+constexpr double kUntie = 1e-9;  // [m/s]
+
+/// Set by ODE when the exact solver stops half way.
+thread_local bool gave_up = false;
+
+void hear(int number, const char* message, va_list arguments) {
+  gave_up = gave_up || number == d_ERR_LCP;
+  if (number == d_ERR_LCP) return;
+  std::fprintf(stderr, "ode: ");
+  std::vfprintf(stderr, message, arguments);
+  std::fputc('\n', stderr);
+}
+
+struct WorldDeleter {
+  void operator()(dxWorld* world) const { dWorldDestroy(world); }  // with its bodies and joints
+};
+
+void set_pose(dBodyID body, const Vec3& x, const Quat& q) {
+  dBodySetPosition(body, x.x(), x.y(), x.z());
+  const dQuaternion turn = {q.w(), q.x(), q.y(), q.z()};
+  dBodySetQuaternion(body, turn);
+}
+
+dBodyID make_body(dWorldID world, const SolverBody& b) {
+  dBodyID body = dBodyCreate(world);
+  dMass mass;
+  dMassSetParameters(&mass, b.mass, 0, 0, 0, b.inertia.x(), b.inertia.y(), b.inertia.z(), 0, 0, 0);
+  dBodySetMass(body, &mass);
+  dBodySetGyroscopicMode(body, 0);  // the handback has turned it
+  dBodySetLinearVel(body, b.velocity.x(), b.velocity.y(), b.velocity.z());
+  dBodySetAngularVel(body, b.spin.x(), b.spin.y(), b.spin.z());
+  return body;
+}
+
+/// Leaves the bodies where the joint is not strained: ODE takes a joint's frames from the poses at that moment.
+void make_joint(dWorldID world, const SolverJoint& j, dBodyID first, dBodyID second) {
+  Vec3 at = Vec3::Zero();
+  Quat frame = Quat::Identity();
+  const auto put = [&](dBodyID body, const Joint::Frame& own) {
+    const Quat turn = (frame * own.orientation.conjugate()).normalized();
+    set_pose(body, at - turn * own.position, turn);
+  };
+  if (second)
+    put(second, j.second_frame);
+  else
+    at = j.second_frame.position, frame = j.second_frame.orientation;
+  put(first, j.first_frame);
+  const Vec3 axis = frame * Vec3::UnitZ();
+  dJointID joint = nullptr;
+  switch (j.kind) {
+    case Joint::Kind::kBall:
+      dJointAttach(joint = dJointCreateBall(world, nullptr), first, second);
+      dJointSetBallAnchor(joint, at.x(), at.y(), at.z());
+      return;
+    case Joint::Kind::kHinge:
+      dJointAttach(joint = dJointCreateHinge(world, nullptr), first, second);
+      dJointSetHingeAnchor(joint, at.x(), at.y(), at.z());
+      dJointSetHingeAxis(joint, axis.x(), axis.y(), axis.z());
+      return;
+    case Joint::Kind::kSlider:
+      dJointAttach(joint = dJointCreateSlider(world, nullptr), first, second);
+      dJointSetSliderAxis(joint, axis.x(), axis.y(), axis.z());
+      return;
+    case Joint::Kind::kFixed:
+      dJointAttach(joint = dJointCreateFixed(world, nullptr), first, second);
+      dJointSetFixed(joint);
+      return;
+  }
+}
+
+Vec3 velocity_at(const SolverBody& b, const Vec3& point) { return b.velocity + b.spin.cross(point - b.position); }
+
+/// In [0, 1), the same for the same row, and without a pattern.
+double spread(std::size_t row) {
+  const double x = 0.6180339887498949 * static_cast<double>(row + 1);
+  return x - std::floor(x);
+}
+
+dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<SolverBody>& bodies, double untie) {
+  dContact contact = {};
+  contact.surface.mode = dContactApprox1 | dContactFDir1 | dContactMotionN;
+  contact.surface.mu = c.friction;
+  contact.surface.motionN = c.target - untie;
+  contact.geom.depth = 0.0;  // what a window may close by is in the target; nothing else pushes
+  for (int i = 0; i < 3; ++i) contact.geom.pos[i] = c.point[i], contact.geom.normal[i] = c.normal[i];
+  // Along the slip friction is Coulomb's; a fixed pair of directions would hold up to sqrt(2) as much between them.
+  Vec3 slip = velocity_at(bodies[c.first], c.point);
+  if (c.second >= 0) slip -= velocity_at(bodies[c.second], c.point);
+  slip -= slip.dot(c.normal) * c.normal;
+  const Vec3 direction = slip.norm() > kNoSlip ? slip.normalized() : c.normal.unitOrthogonal();
+  for (int i = 0; i < 3; ++i) contact.fdir1[i] = direction[i];
+  return dJointCreateContact(world, nullptr, &contact);
+}
+
+struct Island {
+  std::vector<int> bodies;
+  std::vector<const SolverJoint*> joints;
+  std::vector<SolverContact*> contacts;
+
+  int rows() const {
+    int n = 0;
+    for (const SolverContact* c : contacts) n += c->friction > 0.0 ? 3 : 1;
+    for (const SolverJoint* j : joints) n += j->kind == Joint::Kind::kBall ? 3 : j->kind == Joint::Kind::kFixed ? 6 : 5;
+    return n;
+  }
+};
+
+std::vector<Island> islands(std::size_t body_count, const std::vector<SolverJoint>& joints,
+                            std::vector<SolverContact>& contacts) {
+  std::vector<int> root(body_count);
+  std::iota(root.begin(), root.end(), 0);
+  const auto top = [&](int i) {
+    while (root[i] != i) i = root[i] = root[root[i]];
+    return i;
+  };
+  const auto join = [&](int a, int b) {
+    if (b < 0) return;
+    a = top(a), b = top(b);
+    root[std::max(a, b)] = std::min(a, b);
+  };
+  for (const SolverJoint& j : joints) join(j.first, j.second);
+  for (const SolverContact& c : contacts) join(c.first, c.second);
+  std::vector<Island> all(body_count);
+  for (const SolverJoint& j : joints) all[top(j.first)].joints.push_back(&j);
+  for (SolverContact& c : contacts) all[top(c.first)].contacts.push_back(&c);
+  for (std::size_t i = 0; i < body_count; ++i) all[top(static_cast<int>(i))].bodies.push_back(static_cast<int>(i));
+  all.erase(
+      std::remove_if(all.begin(), all.end(), [](const Island& i) { return i.joints.empty() && i.contacts.empty(); }),
+      all.end());
+  return all;
+}
+
+/// In a world of its own, so that neither earlier windows nor other islands show in the bits. False, and nothing is
+/// changed, where it gave up.
+bool solve(double window_s, double joint_share, bool exactly, std::vector<SolverBody>& bodies, Island& island) {
+  const std::unique_ptr<dxWorld, WorldDeleter> owner(dWorldCreate());
+  dWorldID world = owner.get();
+  double least_mass = bodies[island.bodies.front()].mass;
+  std::vector<dBodyID> made(bodies.size(), nullptr);
+  for (const int i : island.bodies) {
+    made[i] = make_body(world, bodies[i]);
+    least_mass = std::min(least_mass, bodies[i].mass);
+  }
+  const auto of = [&](int i) { return i < 0 ? nullptr : made[i]; };
+  for (const SolverJoint* j : island.joints) make_joint(world, *j, of(j->first), of(j->second));
+  for (const int i : island.bodies) set_pose(made[i], bodies[i].position, bodies[i].orientation);
+  std::vector<dJointFeedback> feedback(island.contacts.size());
+  for (std::size_t i = 0; i < island.contacts.size(); ++i) {
+    const SolverContact& c = *island.contacts[i];
+    dJointID joint = make_contact(world, c, bodies, kUntie * spread(i));
+    dJointAttach(joint, of(c.first), of(c.second));
+    feedback[i] = {};
+    dJointSetFeedback(joint, &feedback[i]);
+  }
+  dWorldSetERP(world, joint_share);
+  dWorldSetCFM(world, kSoftness * window_s / least_mass);  // ODE's are forces: [1/(N s)] times the window
+  gave_up = false;
+  if (exactly) {
+    dWorldStep(world, window_s);
+  } else {
+    dRandSetSeed(kSeed);
+    dWorldSetQuickStepNumIterations(world, kSweeps);
+    dWorldSetQuickStepW(world, kOverRelaxation);
+    dWorldQuickStep(world, window_s);
+  }
+  const auto spin_of = [&](int i) { return Eigen::Map<const Vec3>(dBodyGetAngularVel(made[i])); };
+  const auto velocity_of = [&](int i) { return Eigen::Map<const Vec3>(dBodyGetLinearVel(made[i])); };
+  for (const int i : island.bodies) gave_up = gave_up || !velocity_of(i).allFinite() || !spin_of(i).allFinite();
+  if (gave_up) return false;
+  for (const int i : island.bodies) bodies[i].velocity = velocity_of(i), bodies[i].spin = spin_of(i);
+  for (std::size_t i = 0; i < island.contacts.size(); ++i) {
+    const dReal* f = feedback[i].f1;
+    island.contacts[i]->acted = island.contacts[i]->normal.dot(Vec3(f[0], f[1], f[2])) > 0.0;
+  }
+  return true;
+}
+
+}  // namespace
+
+void solve_velocities(double window_s, double joint_share, std::vector<SolverBody>& bodies,
+                      const std::vector<SolverJoint>& joints, std::vector<SolverContact>& contacts) {
+  for (Island& island : islands(bodies.size(), joints, contacts)) {
+    if (island.rows() <= kExactRows && solve(window_s, joint_share, true, bodies, island)) continue;
+    if (!solve(window_s, joint_share, false, bodies, island))
+      throw Error(Exit::kPhysics, "engine",
+                  fmt::format("ode finds no finite velocities for {} bodies with {} contacts and {} joints",
+                              island.bodies.size(), island.contacts.size(), island.joints.size()));
+  }
+}
+
+OdeLibrary::OdeLibrary() {
+  if (!dCheckConfiguration("ODE_double_precision"))
+    throw Error(Exit::kBadInput, "bad_engine",
+                fmt::format("the ode library at hand is not the double precision build ({}); install libode8 of Debian",
+                            dGetConfiguration()));
+  ensure(dInitODE2(0) != 0, "ode does not start");
+  dSetMessageHandler(hear);
+}
+
+OdeLibrary::~OdeLibrary() { dCloseODE(); }
+
+const char* ode_version() { return dODE_VERSION; }
+
+}  // namespace sunder::rigid
