@@ -19,7 +19,7 @@ static_assert(std::is_same_v<dReal, double>, "ode's headers are not those of the
 
 /// Rows of an island up to which the exact solver is taken: its time grows with their cube, and sweeps do not hold a
 /// stack of plates.
-constexpr int kExactRows = 300;
+constexpr int kExactRows = 500;
 constexpr int kSweeps = 100;
 constexpr double kOverRelaxation = 1.3;  // ODE's own
 /// Share of the softest row's answer by which every row gives: several corners of one plate say the same, and the exact

@@ -1,0 +1,172 @@
+#include "rigid/engine/ode_window.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace sunder::rigid {
+namespace {
+
+/// Meeting slower than this is no impact and does not bounce: resting closes with g H per window.
+constexpr double kImpactSpeed = 0.05;  // [m/s]
+/// Overlap that is left alone, and the share of what is more that a window takes back by moving poses.
+constexpr double kSlack_m = 5e-6;
+constexpr double kPushShare = 0.2;  // [-]
+/// Of the joints' error, all: a body on a joint then goes along the chord of its arc, and the velocity, turned by the
+/// second solve, keeps its magnitude. With less it loses energy of order (|w| H)^2 in every window.
+constexpr double kJointShare = 1.0;  // [-]
+
+/// Orientation after a free flight of h seconds that starts with this angular velocity [rad/s].
+Quat free_turn(RigidBody body, const Vec3& spin, double h) {
+  body.motion.angular_momentum = body.apply_inertia(spin);
+  body.drift(h);
+  return body.motion.orientation;
+}
+
+/// Bodies on their way through a window, indexed as the movers.
+class Transit {
+ public:
+  Transit(double window_s, const std::vector<Mover>& movers, const std::vector<const BodyMotion*>& ends,
+          std::vector<Meeting> meetings, std::vector<SolverJoint> joints)
+      : h_(window_s),
+        movers_(movers),
+        meetings_(std::move(meetings)),
+        joints_(std::move(joints)),
+        acted_(meetings_.size()) {
+    auto next = ends.begin();
+    for (const Mover& m : movers_) {
+      ends_.push_back(*m.body);
+      if (!m.body->is_static) ends_.back().motion = **next++;
+    }
+  }
+
+  /// Where the bodies come, and how they move there.
+  const std::vector<RigidBody>& run() {
+    if (meetings_.empty() && joints_.empty()) return ends_;
+    if (solve()) push(), relax();
+    return ends_;
+  }
+
+ private:
+  /// What slots of the solver are; static bodies have none.
+  template <class Make>
+  void gather(Make make) {
+    slots_.assign(movers_.size(), -1);
+    solver_bodies_.clear();
+    for (std::size_t i = 0; i < movers_.size(); ++i) {
+      if (movers_[i].body->is_static) continue;
+      slots_[i] = static_cast<int>(solver_bodies_.size());
+      solver_bodies_.push_back(make(i));
+    }
+  }
+  SolverBody at(std::size_t i, const BodyMotion& pose, const Vec3& velocity, const Vec3& spin) const {
+    const RigidBody& b = *movers_[i].body;
+    return {b.mass, b.principal_inertia, pose.position, pose.orientation, velocity, spin};
+  }
+  Vec3 point(int i, const Vec3& local, bool at_end) const {
+    const BodyMotion& m = at_end ? ends_[i].motion : movers_[i].body->motion;
+    return m.position + m.orientation * local;
+  }
+  double gap_at_end(const Meeting& m) const {
+    return m.normal.dot(point(m.first, m.first_point, true) - point(m.second, m.second_point, true)) + m.allowance;
+  }
+  SolverContact contact(const Meeting& m, bool at_end, double friction, double target) const {
+    const Vec3 middle = 0.5 * (point(m.first, m.first_point, at_end) + point(m.second, m.second_point, at_end));
+    return {slots_[m.first], slots_[m.second], middle, m.normal, friction, target, false};
+  }
+  std::vector<SolverJoint> joints() const {
+    std::vector<SolverJoint> all = joints_;
+    for (SolverJoint& j : all) j.first = slots_[j.first], j.second = j.second < 0 ? -1 : slots_[j.second];
+    return all;
+  }
+
+  /// On the average velocities: contacts may close their gaps. False where nothing came of it.
+  bool solve() {
+    gather([&](std::size_t i) { return at(i, movers_[i].body->motion, movers_[i].velocity, movers_[i].spin); });
+    std::vector<SolverContact> contacts;
+    for (const Meeting& m : meetings_)
+      contacts.push_back(contact(m, false, m.law->friction, -std::max(0.0, m.gap) / h_));
+    solve_velocities(h_, kJointShare, solver_bodies_, joints(), contacts);
+    for (std::size_t k = 0; k < contacts.size(); ++k) acted_[k] = contacts[k].acted;
+    bool any = false;
+    for (std::size_t i = 0; i < movers_.size(); ++i) {
+      if (slots_[i] < 0) continue;
+      const SolverBody& s = solver_bodies_[slots_[i]];
+      const Vec3 dv = s.velocity - movers_[i].velocity, dw = s.spin - movers_[i].spin;
+      if (dv.isZero(0.0) && dw.isZero(0.0)) continue;
+      any = true;
+      const RigidBody& start = *movers_[i].body;
+      BodyMotion& end = ends_[i].motion;
+      end.position += h_ * dv;
+      // Turned by the difference between two free flights from the start. exp(H (w + dw)) would hold w fixed, and a
+      // thin shard that an impact sets spinning would gain energy of order (|w| H)^2.
+      const Quat without = free_turn(start, movers_[i].spin, h_), with = free_turn(start, s.spin, h_);
+      end.orientation = (with * without.conjugate() * end.orientation).normalized();
+      end.velocity += dv;
+      end.angular_momentum += start.apply_inertia(dw);
+    }
+    return any;
+  }
+
+  /// Moves poses out of overlaps; velocities do not hear of it.
+  void push() {
+    const auto too_deep = [&](const Meeting& m) { return gap_at_end(m) < -kSlack_m; };
+    if (std::none_of(meetings_.begin(), meetings_.end(), too_deep)) return;
+    gather([&](std::size_t i) { return at(i, ends_[i].motion, Vec3::Zero(), Vec3::Zero()); });
+    std::vector<SolverContact> contacts;
+    for (const Meeting& m : meetings_) {
+      const double gap = gap_at_end(m);
+      contacts.push_back(
+          contact(m, true, 0.0, gap > 0.0 ? -gap / h_ : kPushShare * std::max(0.0, -gap - kSlack_m) / h_));
+    }
+    solve_velocities(h_, 0.0, solver_bodies_, joints(), contacts);
+    for (std::size_t i = 0; i < movers_.size(); ++i) {
+      if (slots_[i] < 0) continue;
+      const SolverBody& s = solver_bodies_[slots_[i]];
+      if (s.velocity.isZero(0.0) && s.spin.isZero(0.0)) continue;
+      ends_[i].motion.position += h_ * s.velocity;
+      ends_[i].motion.orientation = (rotation_from_vector(h_ * s.spin) * ends_[i].motion.orientation).normalized();
+    }
+  }
+
+  /// Velocities alone, where the bodies have come to: contacts that pushed or touch now do not close.
+  void relax() {
+    gather(
+        [&](std::size_t i) { return at(i, ends_[i].motion, ends_[i].motion.velocity, ends_[i].angular_velocity()); });
+    const std::vector<SolverBody> before = solver_bodies_;
+    std::vector<SolverContact> contacts;
+    for (std::size_t k = 0; k < meetings_.size(); ++k) {
+      const Meeting& m = meetings_[k];
+      if (!acted_[k] && gap_at_end(m) > 0.0) continue;
+      const bool bounces = acted_[k] && m.approach > kImpactSpeed;
+      contacts.push_back(contact(m, true, m.law->friction, bounces ? m.law->restitution * m.approach : 0.0));
+    }
+    solve_velocities(h_, 0.0, solver_bodies_, joints(), contacts);
+    for (std::size_t i = 0; i < movers_.size(); ++i) {
+      if (slots_[i] < 0) continue;
+      const SolverBody &was = before[slots_[i]], &is = solver_bodies_[slots_[i]];
+      const Vec3 dv = is.velocity - was.velocity, dw = is.spin - was.spin;
+      if (dv.isZero(0.0) && dw.isZero(0.0)) continue;
+      ends_[i].motion.velocity += dv;
+      ends_[i].motion.angular_momentum += ends_[i].apply_inertia(dw);
+    }
+  }
+
+  double h_;
+  const std::vector<Mover>& movers_;
+  std::vector<Meeting> meetings_;
+  std::vector<SolverJoint> joints_;  // between movers
+  std::vector<char> acted_;          // by meeting
+  std::vector<RigidBody> ends_;
+  std::vector<int> slots_;  // by mover
+  std::vector<SolverBody> solver_bodies_;
+};
+
+}  // namespace
+
+std::vector<RigidBody> take_window(double window_s, const std::vector<Mover>& movers,
+                                   const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings,
+                                   std::vector<SolverJoint> joints) {
+  return Transit(window_s, movers, ends, std::move(meetings), std::move(joints)).run();
+}
+
+}  // namespace sunder::rigid
