@@ -1,0 +1,54 @@
+// Vectors [x, y, z] and unit quaternions [w, x, y, z] in double precision.
+
+export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
+export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
+export const scale = (s, a) => [s * a[0], s * a[1], s * a[2]];
+export const norm = (a) => Math.hypot(...a);
+const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+
+export const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
+
+export const multiply = (a, b) => [
+  a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
+  a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
+  a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
+  a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
+];
+
+export function normalized(q) {
+  const length = Math.hypot(...q);
+  return q.map((c) => c / length);
+}
+
+export function rotate(q, v) {
+  const u = [q[1], q[2], q[3]];
+  const t = scale(2, cross(u, v));
+  return add(add(v, scale(q[0], t)), cross(u, t));
+}
+
+/** The turn by |v| radians about v. */
+export function turnOf(v) {
+  const angle = norm(v);
+  // sin(x/2)/x, without the division where it would be 0/0
+  const share = angle < 1e-4 ? 0.5 - (angle * angle) / 48 : Math.sin(angle / 2) / angle;
+  return [Math.cos(angle / 2), ...scale(share, v)];
+}
+
+/** The shorter rotation vector of a unit quaternion [rad]; inverse of turnOf. */
+export function vectorOf(q) {
+  const s = q[0] < 0 ? -1 : 1;
+  const u = [s * q[1], s * q[2], s * q[3]];
+  const sine = norm(u);
+  return sine === 0 ? [0, 0, 0] : scale((2 * Math.atan2(sine, s * q[0])) / sine, u);
+}
+
+/** World inertia (principal moments along the body axes) times a world vector. */
+export function applyInertia(q, principal, v) {
+  const local = rotate(conjugate(q), v);
+  return rotate(q, [local[0] * principal[0], local[1] * principal[1], local[2] * principal[2]]);
+}
+
+export function applyInverseInertia(q, principal, v) {
+  const local = rotate(conjugate(q), v);
+  return rotate(q, [local[0] / principal[0], local[1] / principal[1], local[2] / principal[2]]);
+}

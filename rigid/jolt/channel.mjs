@@ -1,0 +1,72 @@
+// Whole messages over a bound pair of ZeroMQ sockets. ZeroMQ's own thread beats while this one computes: a peer that
+// computes is not taken for one that has gone.
+import { Exit, Failure, refuse } from './failure.mjs';
+import { kMaxMessage } from './messages.mjs';
+
+const kHeartbeat_ms = 200, kHeartbeatTimeout_ms = 600; // a stopped peer is noticed within 0.8 s
+const kConnect_s = 30, kSend_ms = 2000, kLinger_ms = 500;
+/** What the peer said before it went is still read. */
+const kLastWords_ms = 100;
+
+const lost = (message) => new Failure(Exit.peerLost, 'peer_lost', message);
+
+export class Channel {
+  /** Throws Failure (bad_endpoint). */
+  static async bind(zmq, endpoint) {
+    if (!endpoint.startsWith('ipc://') && !/^tcp:\/\/127\.0\.0\.1:[0-9]{1,5}$/.test(endpoint))
+      throw new Failure(Exit.badInput, 'bad_input',
+        `--endpoint ${endpoint}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet`);
+    const channel = new Channel(new zmq.Pair({
+      linger: kLinger_ms, maxMessageSize: kMaxMessage, heartbeatInterval: kHeartbeat_ms,
+      heartbeatTimeout: kHeartbeatTimeout_ms, sendTimeout: kSend_ms,
+    }));
+    try {
+      await channel.socket.bind(endpoint);
+    } catch (error) {
+      channel.close();
+      throw new Failure(Exit.badInput, 'bad_endpoint',
+        `--endpoint ${endpoint}: ${error.message}; is another run using it, may its folder be written?`);
+    }
+    return channel;
+  }
+
+  constructor(socket) {
+    this.socket = socket;
+    this.gone = new Promise((_, reject) => {
+      const unconnected = setTimeout(
+        () => reject(lost(`the shell process did not connect within ${kConnect_s} s`)), 1000 * kConnect_s);
+      this.giveUp = () => clearTimeout(unconnected);
+      let connected = false;
+      socket.events.on('handshake', () => {
+        connected = true;
+        this.giveUp();
+      });
+      socket.events.on('disconnect', () => {
+        if (!connected) return;
+        const words = 'the shell process is gone: its connection closed, or it answered no heartbeat for ' +
+          `${kHeartbeatTimeout_ms} ms, without a goodbye`;
+        setTimeout(() => reject(lost(words)), kLastWords_ms);
+      });
+    });
+    this.gone.catch(() => {}); // heard by whoever waits
+  }
+
+  async receive() {
+    const parts = await Promise.race([this.socket.receive(), this.gone]);
+    if (parts.length !== 1) refuse(`a message in ${parts.length} parts`);
+    return parts[0];
+  }
+
+  async send(bytes) {
+    try {
+      await this.socket.send(bytes);
+    } catch {
+      throw lost('the shell process takes no messages any more');
+    }
+  }
+
+  close() {
+    this.giveUp();
+    this.socket.close();
+  }
+}

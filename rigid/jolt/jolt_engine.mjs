@@ -1,0 +1,184 @@
+// Rigid bodies held by Jolt, taken through windows (rigid/README.md "A window"). The masters are double precision and
+// here; what Jolt has are rounded copies, so a body that nothing touches comes back with its handback to the bit.
+import * as m from './algebra.mjs';
+import { Exit, Failure, rejectBody, rejectHandback } from './failure.mjs';
+import { addJoint } from './jolt_joints.mjs';
+import { kLength, kMass } from './jolt_shapes.mjs';
+import { World } from './jolt_world.mjs';
+
+/** Turn per window above which the average angular velocity is not trusted (its logarithm is ambiguous from pi on); the
+ * handback's own is solved on instead. */
+const kFastTurn = 0.7; // [rad]
+/** Changes below single precision's round-off of a pose are none. */
+const kPositionNoise = 4 * 2 ** -24; // of the largest coordinate [-]
+const kTurnNoise = 1e-6; // [rad]
+
+const rounded = (v) => v.map(Math.fround);
+const same = (a, b) => a[0] === b[0] && a[1] === b[1] && a[2] === b[2];
+
+/** Orientation after a free flight of h seconds that starts with angular velocity w [rad/s]. */
+function freeTurn(start, principal, w, h) {
+  const momentum = m.applyInertia(start, principal, w);
+  const middle = m.normalized(m.multiply(m.turnOf(m.scale(0.5 * h, w)), start));
+  const spin = m.applyInverseInertia(middle, principal, momentum);
+  return m.normalized(m.multiply(m.turnOf(m.scale(h, spin)), start));
+}
+
+export class JoltEngine {
+  constructor({ jolt, version }) {
+    this.world = new World(jolt);
+    this.held = new Map(); // by id
+    this.moving = []; // by ascending id
+    this.newborn = [];
+    this.info = {
+      name: 'jolt',
+      version,
+      capabilities: ['spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution',
+        'joints'],
+    };
+  }
+
+  setContactLaws(laws) {
+    this.world.setLaws(laws);
+  }
+
+  /** Throws Failure (bad_body). */
+  add(body) {
+    if (this.held.has(body.id)) rejectBody(body, 'id', 'is held already; ids are for the whole run');
+    const held = {
+      id: body.id, group: body.contact_group, body, motion: body.motion, rigid: null, shape: this.world.shapes.make(body),
+      met: false, touched: false, mass: body.mass,
+    };
+    this.held.set(body.id, held);
+    this.newborn.push(held);
+    if (body.is_static) return;
+    this.moving.push(held);
+    this.moving.sort((a, b) => a.id - b.id);
+  }
+
+  /** Throws Failure (bad_joint). */
+  addJoint(joint) {
+    this.insertNewborn();
+    addJoint(this.world, joint, this.held);
+  }
+
+  /** In the order of ids whatever the order of add(). */
+  insertNewborn() {
+    this.newborn.sort((a, b) => a.id - b.id);
+    for (const held of this.newborn) {
+      held.rigid = this.world.add(held, held.body, held.shape);
+      held.shape.Release();
+      held.shape = null;
+      if (!held.body.is_static) held.mass = 1 / (kMass * held.rigid.GetMotionProperties().GetInverseMass());
+    }
+    this.newborn = [];
+  }
+
+  states() {
+    return this.moving.map(({ id, mass, motion }) => ({ id, mass, ...motion }));
+  }
+
+  /** Throws Failure (bad_handback). */
+  match(handbacks) {
+    let next = 0;
+    for (const { id } of this.moving) {
+      if (next === handbacks.length || handbacks[next].id > id) rejectHandback(id, 'is missing; give one for each moving body');
+      if (handbacks[next].id < id) break;
+      ++next;
+    }
+    if (next !== handbacks.length)
+      rejectHandback(handbacks[next].id, 'names no moving body, or comes twice or out of order; give one each, by ascending id');
+  }
+
+  advance(window, handbacks, solved) {
+    this.match(handbacks);
+    this.insertNewborn();
+    this.world.leaveOut(solved);
+    let way = 0;
+    this.moving.forEach((held, index) => {
+      this.depart(held, handbacks[index], window);
+      way = Math.max(way, m.norm(held.linear) * window);
+    });
+    this.world.solve(window, way);
+    let anyTouched = false;
+    for (const held of this.moving) {
+      this.arrive(held, window);
+      anyTouched ||= held.touched;
+    }
+    if (anyTouched) this.relax(window);
+  }
+
+  /** Gives Jolt the average velocity of the window. */
+  depart(held, handback, window) {
+    const start = held.motion, principal = held.body.principal_inertia;
+    held.handback = handback;
+    const turn = m.multiply(handback.orientation, m.conjugate(start.orientation));
+    let spin = m.scale(1 / window, m.vectorOf(turn));
+    const endSpin = m.applyInverseInertia(handback.orientation, principal, handback.angular_momentum);
+    if (Math.max(m.norm(endSpin), m.norm(spin)) * window > kFastTurn) spin = endSpin;
+    held.spin = spin;
+    held.angular = rounded(spin);
+    held.linear = rounded(m.scale(kLength / window, m.subtract(handback.position, start.position)));
+    held.met = held.jointed === true;
+    this.world.put(held.rigid, start, held.linear, held.angular);
+  }
+
+  /** The handback, and what Jolt has changed. */
+  arrive(held, window) {
+    const { motion: start, handback } = held, principal = held.body.principal_inertia;
+    held.touched = false;
+    held.motion = {
+      position: handback.position, orientation: handback.orientation, velocity: handback.velocity,
+      angular_momentum: handback.angular_momentum,
+    };
+    if (!held.met) return;
+    const now = this.world.read(held.rigid);
+    const dv = m.subtract(now.linear, held.linear), dw = m.subtract(now.angular, held.angular);
+    // Beyond what the velocities explain: overlaps that were taken back, ways that were cut short at an impact.
+    const from = rounded(m.scale(kLength, start.position));
+    let push = m.subtract(now.position, m.add(from, m.scale(window, now.linear)));
+    if (m.norm(push) <= kPositionNoise * Math.max(...from.map(Math.abs), ...now.position.map(Math.abs))) push = [0, 0, 0];
+    const explained = m.multiply(m.turnOf(m.scale(window, now.angular)), start.orientation);
+    let pushTurn = m.multiply(now.orientation, m.conjugate(explained));
+    if (m.norm(m.vectorOf(pushTurn)) <= kTurnNoise) pushTurn = [1, 0, 0, 0];
+    held.touched = !(same(now.linear, held.linear) && same(now.angular, held.angular) && same(push, [0, 0, 0]) &&
+      pushTurn[0] === 1);
+    if (!held.touched) return;
+    const change = m.scale(1 / kLength, m.add(m.scale(window, dv), push));
+    // The handback pose, turned by the difference between two free flights: the change of spin with the body's own
+    // precession, else a thin shard that an impact sets spinning gains energy.
+    const without = freeTurn(start.orientation, principal, held.spin, window);
+    const withIt = freeTurn(start.orientation, principal, m.add(held.spin, dw), window);
+    const turned = m.multiply(m.multiply(withIt, m.conjugate(without)), handback.orientation);
+    held.motion = {
+      position: m.add(handback.position, change),
+      orientation: m.normalized(m.multiply(pushTurn, turned)),
+      velocity: m.add(handback.velocity, m.scale(1 / kLength, dv)),
+      angular_momentum: m.add(handback.angular_momentum, m.applyInertia(start.orientation, principal, dw)),
+    };
+  }
+
+  /** Velocities once more at the new poses: without it bodies squeezed between shell and floor gain energy. */
+  relax(window) {
+    for (const held of this.moving) {
+      const { orientation, velocity, angular_momentum: momentum } = held.motion;
+      held.linear = rounded(m.scale(kLength, velocity));
+      held.angular = rounded(m.applyInverseInertia(orientation, held.body.principal_inertia, momentum));
+      held.met = held.jointed === true;
+      this.world.put(held.rigid, held.motion, held.linear, held.angular);
+    }
+    this.world.relax(window);
+    for (const held of this.moving) {
+      if (!held.met) continue;
+      const now = this.world.read(held.rigid);
+      if (same(now.linear, held.linear) && same(now.angular, held.angular)) continue;
+      const { motion } = held;
+      const dv = m.subtract(now.linear, held.linear), dw = m.subtract(now.angular, held.angular);
+      held.motion = {
+        ...motion,
+        velocity: m.add(motion.velocity, m.scale(1 / kLength, dv)),
+        angular_momentum: m.add(motion.angular_momentum, m.applyInertia(motion.orientation, held.body.principal_inertia, dw)),
+      };
+    }
+  }
+}

@@ -1,0 +1,89 @@
+// Bodies' shapes for Jolt.
+import { rejectBody } from './failure.mjs';
+
+/** Jolt's length unit here is 1 cm and its mass unit 1 g: its tolerances are made for things of some metres, shards
+ * measure centimetres. */
+export const kLength = 100; // [1/m]
+export const kMass = 1000; // [1/kg]
+
+/** Edges and corners are rounded by at most so much, within the shape's size. */
+const kRounding = 0.03; // [cm]
+/** Of the smallest half size of a box, at most so much is rounded. */
+const kRoundedShare = 0.45;
+/** Corners closer to a face than this are taken as in it. The smaller ones are for slivers. */
+const kHullTolerances = [1e-3, 1e-4, 1e-5]; // [cm]
+const kHalfSpaceExtent = 1e5; // [cm]
+
+/** Makes shapes whose origin is the body's centre of mass whatever their geometry says. */
+export class Shapes {
+  constructor(jolt) {
+    this.jolt = jolt;
+    this.vector = new jolt.Vec3(0, 0, 0);
+    this.upright = new jolt.Quat(0, 0, 0, 1);
+  }
+
+  /** Throws Failure (bad_body) where Jolt cannot hold the shape. */
+  make(body) {
+    const { jolt } = this;
+    const { sphere, box, half_space: halfSpace, parts } = body.shape;
+    if (sphere) return this.create(new jolt.SphereShapeSettings(kLength * sphere), body, 'shape.radius');
+    if (box) {
+      const rounding = Math.min(kRounding, kRoundedShare * kLength * Math.min(...box));
+      return this.create(new jolt.BoxShapeSettings(this.point(box), rounding), body, 'shape.half_size');
+    }
+    if (halfSpace) {
+      if (!body.is_static) rejectBody(body, 'shape', 'is a half space that moves; make it static or use a box');
+      const plane = new jolt.Plane(this.set(0, 0, 1), 0);
+      const settings = new jolt.PlaneShapeSettings(plane);
+      settings.mHalfExtent = kHalfSpaceExtent;
+      return this.create(settings, body, 'shape');
+    }
+    const hulls = parts.map((part, index) => this.hull(part, body, `shape.parts[${index}]`));
+    if (hulls.length === 1) return this.centred(hulls[0], body);
+    const compound = new jolt.StaticCompoundShapeSettings();
+    for (const hull of hulls) compound.AddShapeShapeSettings(this.set(0, 0, 0), this.upright, hull, 0);
+    return this.centred(compound, body);
+  }
+
+  /** Settings that Jolt makes a hull of. */
+  hull(corners, body, field) {
+    let said = '';
+    for (const tolerance of kHullTolerances) {
+      const settings = new this.jolt.ConvexHullShapeSettings();
+      for (const corner of corners) settings.mPoints.push_back(this.point(corner));
+      settings.mMaxConvexRadius = kRounding;
+      settings.mMaxErrorConvexRadius = kRounding;
+      settings.mHullTolerance = tolerance;
+      const result = settings.Create();
+      if (!result.HasError()) return settings;
+      said = result.GetError().c_str();
+      this.jolt.destroy(settings);
+    }
+    return rejectBody(body, field, `is no hull (${corners.length} corners): ${said}; leave flat parts out, thin fine ones`);
+  }
+
+  centred(settings, body) {
+    const centre = settings.Create().Get().GetCenterOfMass();
+    const back = this.set(-centre.GetX(), -centre.GetY(), -centre.GetZ());
+    return this.create(new this.jolt.OffsetCenterOfMassShapeSettings(back, settings), body, 'shape');
+  }
+
+  create(settings, body, field) {
+    const result = settings.Create();
+    if (result.HasError()) rejectBody(body, field, `is refused: ${result.GetError().c_str()}`);
+    const shape = result.Get();
+    shape.AddRef();
+    settings.AddRef();
+    settings.Release(); // and what it was made from
+    return shape;
+  }
+
+  set(x, y, z) {
+    this.vector.Set(x, y, z);
+    return this.vector;
+  }
+
+  point(p) {
+    return this.set(kLength * p[0], kLength * p[1], kLength * p[2]);
+  }
+}

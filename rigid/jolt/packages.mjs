@@ -1,0 +1,39 @@
+// The packages that package-lock.json names, from where coupler/sunder_tools/node.py unpacks them.
+import { existsSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { dirname, join } from 'node:path';
+import { fileURLToPath, pathToFileURL } from 'node:url';
+
+import { Exit, Failure } from './failure.mjs';
+
+const repository = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
+const folder = join(repository, 'build', 'node', 'node_modules');
+const require = createRequire(join(folder, 'none.cjs'));
+
+/** Exports of a package. Throws Failure where it is not there or does not run on this machine. */
+async function load(name, entry) {
+  try {
+    if (!existsSync(join(folder, name))) throw new Error('there is no such folder');
+    return entry ? await import(pathToFileURL(require.resolve(entry))) : require(name);
+  } catch (error) {
+    const remedy = "/usr/bin/python3 -m coupler.sunder_tools.node in the checkout installs it";
+    throw new Failure(Exit.badInput, 'no_package', `node package ${join(folder, name)}: ${error.message}; ${remedy}`);
+  }
+}
+
+export const loadZeroMq = () => load('zeromq');
+
+/** The types of the exchange, with the names of the fields as in the .proto files. */
+export async function loadMessages() {
+  const protobuf = await load('protobufjs');
+  const root = new protobuf.Root();
+  root.resolvePath = (_, name) => join(repository, 'proto', name);
+  root.loadSync('exchange.proto', { keepCase: true });
+  return { Request: root.lookupType('sunder.proto.Request'), Reply: root.lookupType('sunder.proto.Reply') };
+}
+
+/** Jolt's module, and its version. */
+export async function loadJolt() {
+  const start = (await load('jolt-physics', 'jolt-physics/wasm-compat')).default;
+  return { jolt: await start(), version: require('jolt-physics/package.json').version };
+}
