@@ -38,6 +38,11 @@ export class JoltEngine {
     };
   }
 
+  /** Gives back the world's memory; of Jolt's 128 MB one world takes a quarter. */
+  close() {
+    this.world.close();
+  }
+
   setContactLaws(laws) {
     this.world.setLaws(laws);
   }

@@ -12,7 +12,14 @@ const kRounding = 0.03; // [cm]
 const kRoundedShare = 0.45;
 /** Corners closer to a face than this are taken as in it. The smaller ones are for slivers. */
 const kHullTolerances = [1e-3, 1e-4, 1e-5]; // [cm]
+/** Share of (diagonal of the bounds)^3 below which a hull is flat. */
+const kFlatShare = 1e-12;
 const kHalfSpaceExtent = 1e5; // [cm]
+
+function hasVolume(shape) {
+  const size = shape.GetLocalBounds().GetSize();
+  return shape.GetVolume() > kFlatShare * Math.hypot(size.GetX(), size.GetY(), size.GetZ()) ** 3;
+}
 
 /** Makes shapes whose origin is the body's centre of mass whatever their geometry says. */
 export class Shapes {
@@ -55,8 +62,8 @@ export class Shapes {
       settings.mMaxErrorConvexRadius = kRounding;
       settings.mHullTolerance = tolerance;
       const result = settings.Create();
-      if (!result.HasError()) return settings;
-      said = result.GetError().c_str();
+      if (!result.HasError() && hasVolume(result.Get())) return settings;
+      said = result.HasError() ? result.GetError().c_str() : 'it is flat';
       this.jolt.destroy(settings);
     }
     return rejectBody(body, field, `is no hull (${corners.length} corners): ${said}; leave flat parts out, thin fine ones`);

@@ -57,6 +57,10 @@ export class World {
     this.system.SetContactListener(this.listener());
   }
 
+  close() {
+    this.jolt.destroy(this.interface);
+  }
+
   /** Sets the coefficients of every contact, and marks the bodies that have one. */
   listener() {
     const { jolt, byPointer } = this;

@@ -16,7 +16,7 @@ async function load(name, entry) {
     if (!existsSync(join(folder, name))) throw new Error('there is no such folder');
     return entry ? await import(pathToFileURL(require.resolve(entry))) : require(name);
   } catch (error) {
-    const remedy = "/usr/bin/python3 -m coupler.sunder_tools.node in the checkout installs it";
+    const remedy = `/usr/bin/python3 -m sunder_tools.node in ${join(repository, 'coupler')} gets it`;
     throw new Failure(Exit.badInput, 'no_package', `node package ${join(folder, name)}: ${error.message}; ${remedy}`);
   }
 }

@@ -1,0 +1,184 @@
+"""A session with the Jolt engine for tests: the server, tests/rigid/jolt_client.mjs, and bodies that fly freely."""
+from __future__ import annotations
+
+import json
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from . import REPOSITORY
+
+ENGINE = REPOSITORY / "rigid" / "jolt"
+CLIENT = REPOSITORY / "tests" / "rigid" / "jolt_client.mjs"
+PATIENCE_S = 60.0  # for what must happen; no test waits so long where all is well
+
+Message = dict[str, Any]
+PROTOCOL: Message = {"hello": {"protocol_min": 2, "protocol_max": 2, "scene_hash": "aGFzaA=="}}
+
+
+def why_not() -> str:
+    """Why the engine cannot run here; '' if it can."""
+    if not shutil.which("node"):
+        return "there is no node"
+    check = subprocess.run([ENGINE / "sunder-rigid-jolt", "--check"], capture_output=True, text=True, check=False)
+    return check.stderr.strip() if check.returncode else ""
+
+
+def xyz(v: Any) -> Message:
+    return dict(zip("xyz", map(float, v)))
+
+
+def vector(v: Message) -> np.ndarray:
+    return np.array([v["x"], v["y"], v["z"]])
+
+
+def quaternion(q: Message) -> np.ndarray:
+    return np.array([q["w"], q["x"], q["y"], q["z"]])
+
+
+def wxyz(q: np.ndarray) -> Message:
+    return dict(zip("wxyz", map(float, q)))
+
+
+def multiply(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    u, v = a[1:], b[1:]
+    return np.array([a[0] * b[0] - u @ v, *(a[0] * v + b[0] * u + np.cross(u, v))])
+
+
+def rotate(q: np.ndarray, v: np.ndarray) -> np.ndarray:
+    return multiply(multiply(q, np.array([0.0, *v])), q * [1, -1, -1, -1])[1:]
+
+
+def turn(v: np.ndarray) -> np.ndarray:
+    angle = float(np.linalg.norm(v))
+    return np.array([np.cos(angle / 2), *(np.sinc(angle / 2 / np.pi) / 2 * v)])
+
+
+def body(number: int, shape: Message, mass: float, inertia: Any, position: Any, velocity: Any = (0, 0, 0),
+         orientation: Any = (1, 0, 0, 0), momentum: Any = (0, 0, 0), group: int = 0) -> Message:
+    q = np.array(orientation, float)
+    return {"id": number, "name": f"body {number}", "mass": mass, "principal_inertia": xyz(inertia),
+            "position": xyz(position), "orientation": wxyz(q / np.linalg.norm(q)), "velocity": xyz(velocity),
+            "angular_momentum": xyz(momentum), "contact_group": group, **shape}
+
+
+def ball(number: int, radius: float, mass: float, position: Any, velocity: Any = (0, 0, 0)) -> Message:
+    return body(number, {"sphere_radius_m": radius}, mass, [0.4 * mass * radius**2] * 3, position, velocity)
+
+
+def slab(number: int, half: Any, position: Any, parts: int = 0, **more: Any) -> Message:
+    """Of glass: a box or, with `parts`, so many convex parts side by side along x."""
+    half = np.array(half, float)
+    mass = 2500 * 8 * float(half.prod())
+    inertia = mass / 3 * (half @ half - half**2)
+    shape: Message = {"box_half_size_m": xyz(half)}
+    if parts:
+        edges = np.linspace(-half[0], half[0], parts + 1)
+        shape = {"convex": {"parts": [
+            {"corners": [float(c) for x in edges[i:i + 2] for y in (-1, 1) for z in (-1, 1)
+                         for c in (x, y * half[1], z * half[2])]} for i in range(parts)]}}
+    return body(number, shape, mass, inertia, position, **more)
+
+
+def floor(number: int) -> Message:
+    return {**body(number, {"half_space": True}, 0, (0, 0, 0), (0, 0, 0)), "is_static": True}
+
+
+class Sessions:
+    """Sessions one after the other within the client's process; ends it, whatever the test did."""
+
+    def __init__(self, case: unittest.TestCase, *endpoint: str) -> None:
+        self.client = subprocess.Popen(["node", CLIENT, ENGINE, *endpoint], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+                                       text=True)
+        case.addCleanup(self._end, self.client)
+
+    @staticmethod
+    def _end(process: subprocess.Popen[str]) -> None:
+        if process.poll() is None:
+            process.kill()
+        process.communicate()
+
+    def tell(self, request: Message) -> None:
+        assert self.client.stdin is not None
+        print(json.dumps(request), file=self.client.stdin, flush=True)
+
+    def ask(self, request: Message) -> Message:
+        assert self.client.stdout is not None
+        self.tell(request)
+        line = self.client.stdout.readline()
+        assert line, "the client has ended"
+        return json.loads(line)
+
+
+class Session(Sessions):
+    """A server of its own and its client."""
+
+    def __init__(self, case: unittest.TestCase) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        case.addCleanup(temporary.cleanup)
+        endpoint = f"ipc://{temporary.name}/socket"
+        self.server = subprocess.Popen([ENGINE / "sunder-rigid-jolt", "--endpoint", endpoint], stderr=subprocess.PIPE, text=True)
+        case.addCleanup(self._end, self.server)
+        super().__init__(case, endpoint)
+
+    def ended(self) -> tuple[int, str]:
+        """Exit status of the server, and what it said."""
+        _, said = self.server.communicate(timeout=PATIENCE_S)
+        return self.server.returncode, said
+
+
+class Flight:
+    """The bodies of a session, which fly freely under gravity to their handbacks."""
+
+    def __init__(self, session: Sessions, bodies: list[Message], window_s: float = 1e-3, gravity: float = -9.81,
+                 laws: list[Message] | None = None, joints: list[Message] | None = None) -> None:
+        self.session, self.window_s, self.gravity, self.tick = session, window_s, np.array([0, 0, gravity]), 0
+        self.bodies = {b["id"]: b for b in bodies}
+        assert session.ask(PROTOCOL)["kind"] == "hello"
+        reply = session.ask({"load": {"bodies": bodies, "contacts": laws or [], "joints": joints or []}})
+        assert reply["kind"] == "load", reply
+        self.states = self.by_id(reply["load"]["states"])
+
+    @staticmethod
+    def by_id(states: list[Message]) -> dict[int, Message]:
+        return {s["id"]: s for s in states}
+
+    def spin(self, number: int, q: np.ndarray, momentum: np.ndarray) -> np.ndarray:
+        inverse = q * [1, -1, -1, -1]
+        return rotate(q, rotate(inverse, momentum) / vector(self.bodies[number]["principal_inertia"]))
+
+    def handbacks(self) -> list[Message]:
+        out, h = [], self.window_s
+        for number, s in sorted(self.states.items()):
+            v, q, momentum = vector(s["velocity"]), quaternion(s["orientation"]), vector(s["angular_momentum"])
+            end = v + h * self.gravity
+            middle = multiply(turn(h / 2 * self.spin(number, q, momentum)), q)
+            q = multiply(turn(h * self.spin(number, middle / np.linalg.norm(middle), momentum)), q)
+            out.append({"id": number, "position": xyz(vector(s["position"]) + h / 2 * (v + end)),
+                        "orientation": wxyz(q / np.linalg.norm(q)), "velocity": xyz(end), "angular_momentum": xyz(momentum)})
+        return out
+
+    def window(self, **more: Any) -> list[Message]:
+        """One window; returns its handbacks."""
+        handbacks = self.handbacks()
+        reply = self.session.ask({"window": {"tick": self.tick, "ticks": 3, "window_s": self.window_s,
+                                             "handbacks": handbacks, **more}})
+        assert reply["kind"] == "window", reply
+        self.tick += 3
+        assert reply["window"]["tick"] == self.tick
+        for b in more.get("births", []):
+            self.bodies[b["id"]] = b
+        self.states = self.by_id(reply["window"]["states"])
+        return handbacks
+
+    def run(self, windows: int) -> None:
+        for _ in range(windows):
+            self.window()
+
+    def at(self, number: int, what: str = "position") -> np.ndarray:
+        return vector(self.states[number][what])

@@ -1,0 +1,356 @@
+"""Sessions with the Jolt engine. Skipped where node or its packages are missing; sunder_tools.node gets them."""
+from __future__ import annotations
+
+import os
+import signal
+import subprocess
+import time
+import unittest
+
+import numpy as np
+
+from .jolt_session import (ENGINE, PATIENCE_S, PROTOCOL, Flight, Message, Session, Sessions, ball, body, floor, multiply, quaternion, rotate, slab,
+                           vector, why_not, wxyz, xyz)
+
+WHY_NOT = why_not()
+PEER_NOTICED_S = 2.0  # DESIGN's promise; heartbeats see a stopped peer within 0.8 s
+
+
+class JoltCase(unittest.TestCase):
+    def setUp(self) -> None:
+        if WHY_NOT:
+            self.skipTest(WHY_NOT)
+
+    sessions: Sessions | None = None
+
+    def anew(self) -> Sessions:
+        """The one client of a test, in a new session."""
+        if self.sessions is None:
+            self.sessions = Sessions(self)
+        else:
+            self.sessions.tell({"anew": True})
+        return self.sessions
+
+    def flight(self, bodies: list[Message], **more: object) -> Flight:
+        return Flight(self.anew(), bodies, **more)  # type: ignore[arg-type]
+
+
+class Engine(JoltCase):
+    def test_what_nothing_touches_comes_back_to_the_bit(self) -> None:
+        shard = slab(7, (0.02, 0.013, 0.0015), (0.1, -0.2, 5.0), parts=2, velocity=(1 / 3, 2, 3))
+        # 4000 rad/s turns four radians a window
+        for spin in (3.0, 4000.0):
+            shard["angular_momentum"] = xyz(spin * vector(shard["principal_inertia"]) * (0.3, 0.5, 0.8))
+            flight = self.flight([shard, floor(1)])
+            for _ in range(50):
+                handback, = flight.window()
+                state = flight.states[7]
+                self.assertEqual({key: state[key] for key in handback}, handback)
+
+    def test_engine_holds_what_was_loaded(self) -> None:
+        flight = self.flight([slab(1, (0.02, 0.01, 0.002), (0, 0, 1))])
+        flight.window()
+        mass = flight.bodies[1]["mass"]
+        self.assertAlmostEqual(flight.states[1]["mass"], mass, delta=1e-6 * mass)  # what the shell's side asks for
+
+    def test_ball_comes_to_rest_on_a_half_space(self) -> None:
+        flight = self.flight([ball(1, 0.05, 1.0, (0.3, 0.1, 0.06)), floor(2)])
+        flight.run(300)
+        # from -slop, 0.05 mm, to the round-off of single precision
+        self.assertAlmostEqual(flight.at(1)[2], 0.05, delta=5.1e-5)
+        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
+        self.assertLess(np.linalg.norm(flight.at(1)[:2] - (0.3, 0.1)), 1e-6)
+
+    def test_balls_part_by_their_restitution_and_keep_momentum(self) -> None:
+        for restitution in (0.0, 0.4, 1.0):
+            flight = self.flight([ball(1, 0.05, 0.3, (0, 0, 0), (2, 0, 0)), ball(2, 0.03, 0.7, (0.1013, 0, 0), (-1.1, 0, 0))],
+                                 gravity=0.0, laws=[{"friction": 0.3, "restitution": restitution}])
+            flight.run(60)
+            a, b = flight.at(1, "velocity")[0], flight.at(2, "velocity")[0]
+            self.assertAlmostEqual(b - a, restitution * 3.1, delta=1e-6)  # single precision
+            self.assertAlmostEqual(0.3 * a + 0.7 * b, 0.3 * 2.0 - 0.7 * 1.1, delta=1e-6)
+
+    def test_laws_belong_to_pairs_of_groups(self) -> None:
+        def hop(group: int) -> float:
+            dropped = ball(1, 0.05, 1.0, (0, 0, 0.051), (0, 0, -1))
+            flight = self.flight([{**dropped, "contact_group": group}, floor(2)], gravity=0.0,
+                                 laws=[{"first_group": 5, "second_group": 0, "restitution": 0.5}])
+            flight.run(10)
+            return float(flight.at(1, "velocity")[2])
+        self.assertAlmostEqual(hop(5), 0.5, delta=1e-5)
+        self.assertAlmostEqual(hop(6), 0.0, delta=1e-5)
+
+    def test_friction_stops_a_box(self) -> None:
+        start = slab(1, (0.05, 0.05, 0.02), (0, 0, 0.02), velocity=(1, 0, 0))
+        flight = self.flight([start, floor(2)], laws=[{"friction": 0.5}])
+        flight.run(300)
+        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
+        # v^2 / (2 mu g), and up to one window's way for where the last one ends
+        self.assertAlmostEqual(flight.at(1)[0], 1 / (2 * 0.5 * 9.81), delta=1e-3)
+
+    def test_thin_shards_fall_flat_and_keep_their_thickness(self) -> None:
+        for parts in (0, 1, 3):
+            shard = slab(1, (0.02, 0.013, 0.0015), (0, 0, 0.03), parts=parts, orientation=(1, 0.5, 0.3, 0.1))
+            flight = self.flight([shard, floor(2)])
+            flight.run(900)
+            self.assertAlmostEqual(flight.at(1)[2], 0.0015, delta=6e-5, msg=f"{parts} parts")  # slop
+            self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-3)
+            up = rotate(quaternion(flight.states[1]["orientation"]), np.array([0, 0, 1]))
+            self.assertGreater(abs(up[2]), 1 - 1e-4)
+
+    def test_thin_plates_stack(self) -> None:
+        plates = [slab(i + 1, (0.05, 0.04, 0.0015), (0.2, 0.1, 0.0015 + 0.003 * i), parts=1) for i in range(12)]
+        flight = self.flight([*plates, floor(99)])
+        flight.run(300)
+        for i in range(12):
+            # of the whole stack: 0.06 mm at 20 iterations; without warm starts it sinks by millimetres
+            self.assertAlmostEqual(flight.at(i + 1)[2], 0.0015 + 0.003 * i, delta=3e-4)
+
+    def test_fast_shards_do_not_pass_through_a_plate(self) -> None:
+        plate = {**slab(1, (1, 1, 0.002), (0, 0, -0.002)), "is_static": True}
+        shards = [slab(i + 2, (0.008, 0.006, 0.002), (0.05 * i, 0, 0.05), velocity=(0, 0, -10),
+                       orientation=(1, 0.3 * i, 0.2 * (i % 3), 0.1)) for i in range(8)]
+        flight = self.flight([plate, *shards])
+        flight.run(150)  # each goes 10 mm a window at first
+        for i in range(8):
+            self.assertGreater(flight.at(i + 2)[2], 0.0)
+
+    def test_newborn_neighbours_gain_no_energy(self) -> None:
+        # overlapping by 0.2 mm, born at the end of a window
+        shards = [slab(i + 10, (0.0101, 0.0101, 0.002), (0.02 * i, 0, 1), parts=1) for i in range(4)]
+        flight = self.flight([ball(1, 0.01, 0.1, (0, 0, 3))], gravity=0.0)
+        flight.window(births=shards)
+        self.assertEqual(sorted(flight.states), [1, 10, 11, 12, 13])
+        flight.run(100)
+        for i in range(4):
+            self.assertLess(np.linalg.norm(flight.at(i + 10, "velocity")), 1e-6)
+            self.assertLess(np.linalg.norm(flight.at(i + 10) - (0.02 * i, 0, 1)), 0.5e-3)
+
+    def test_solved_bodies_touch_nothing(self) -> None:
+        flight = self.flight([ball(1, 0.05, 1.0, (0, 0, 0.06)), ball(3, 0.05, 1.0, (1, 0, 0.06)), floor(2)])
+        for _ in range(200):
+            flight.window(solved=[1])
+        self.assertLess(flight.at(1)[2], 0.0)
+        self.assertGreater(flight.at(3)[2], 0.049)
+        flight.run(1)  # and no longer than they are named
+        self.assertGreater(flight.at(1, "velocity")[2], -1.0)
+
+    def test_joints_hold_what_they_hold(self) -> None:
+        kinds = {"BALL": 1, "HINGE": 2, "SLIDER": 3, "FIXED": 4}
+        # z of the joint, horizontal in the world: across gravity
+        frame = {"w": np.sqrt(0.5), "x": np.sqrt(0.5)}
+        for kind, number in kinds.items():
+            beam = slab(1, (0.05, 0.01, 0.01), (0.05, 0, 1), momentum=(0, 0, 1e-4))
+            joint = {"id": 1, "name": kind, "kind": number, "first": 1, "second": 0,
+                     "first_frame": {"position": xyz((-0.05, 0, 0)), "orientation": frame},
+                     "second_frame": {"position": xyz((0, 0, 1)), "orientation": frame}}
+            flight = self.flight([beam], joints=[joint])
+            flight.run(300)
+            q = quaternion(flight.states[1]["orientation"])
+            end = flight.at(1) + rotate(q, np.array([-0.05, 0, 0]))
+            axis = rotate(q, np.array([0, -1, 0]))
+            turned = 2 * np.arccos(min(1.0, abs(q[0])))
+            self.assertLess(np.linalg.norm((end - (0, 0, 1))[[0, 2]]), 2e-4, kind)  # the slider slides along y
+            if kind in ("BALL", "HINGE"):
+                self.assertGreater(turned, 0.5, kind)
+                self.assertLess(abs(end[1]), 2e-4, kind)
+            if kind != "BALL":
+                self.assertGreater(axis @ (0, -1, 0), 1 - 1e-5, kind)
+            if kind in ("SLIDER", "FIXED"):
+                self.assertLess(turned, 1e-2, kind)
+
+    def test_same_requests_give_the_same_bits(self) -> None:
+        def states() -> dict[int, Message]:
+            shards = [slab(i + 2, (0.012, 0.009, 0.002), (0.02 * (i % 4), 0.02 * (i // 4), 0.02 + 0.005 * (i % 3)), parts=1 + i % 2,
+                           velocity=(0.1 * (i % 5), -0.2, -2), orientation=(1, 0.1 * i, 0.2, -0.1 * (i % 3))) for i in range(16)]
+            flight = self.flight([floor(1), *shards])
+            flight.run(150)
+            return flight.states
+        self.assertEqual(states(), states())
+
+
+class Refusals(JoltCase):
+    LOAD: Message = {"load": {"bodies": [ball(1, 0.1, 2.0, (0, 0, 0))]}}
+    BACK: Message = {"id": 1, "position": xyz((0, 0, 0)), "orientation": wxyz(np.array([1, 0, 0, 0])),
+                     "velocity": xyz((0, 0, 0)), "angular_momentum": xyz((0, 0, 0))}
+
+    def window(self, back: Message | None = None, **more: object) -> Message:
+        return {"window": {"tick": 0, "ticks": 2, "window_s": 1e-3, "handbacks": [{**self.BACK, **(back or {})}], **more}}
+
+    def load(self, **more: object) -> Message:
+        return {"load": {"bodies": [{**self.LOAD["load"]["bodies"][0], **more}]}}
+
+    def check(self, requests: list[Message], says: str, status: int) -> None:
+        with self.subTest(says):
+            sessions = self.anew()
+            *before, last = requests
+            for request in before:
+                reply = sessions.ask(request)
+                self.assertEqual(reply["ends_with"], 0, reply)
+            told = sessions.ask(last)
+            self.assertEqual((told["kind"], told["ends_with"]), ("error", status), told)
+            self.assertIn(says, told["error"]["message"])
+            if status == 3:
+                self.assertEqual(told["error"]["kind"], "bad_message")
+
+    def test_out_of_turn(self) -> None:
+        load, window = self.LOAD, self.window()
+        for requests, says in (
+                ([load], "before Hello"), ([PROTOCOL, PROTOCOL], "second Hello"), ([PROTOCOL, window], "Window before Load"),
+                ([PROTOCOL, load, load], "second Load"), ([PROTOCOL, {}], "without content"),
+                ([{"hello": {"protocol_min": 3, "protocol_max": 4}}], "protocol 3 to 4"),
+                ([PROTOCOL, {"export": {}}], "Export before Load"),
+                ([{**PROTOCOL, "sequence": 5}], "request 5, expected 1"),
+                ([PROTOCOL, load, self.window(tick=7)], "window at tick 7"),
+                ([PROTOCOL, load, self.window(ticks=0)], "window at tick 0 (+0)"),
+                ([PROTOCOL, load, self.window(again=True)], "window.again"),
+                ([PROTOCOL, {"load": {"keep_windows": True}}], "keep_windows"),
+                ([PROTOCOL, {"load": {"tick": -1}}], "load.tick is -1"),
+                ([{"raw": "\xff\xff\xff not a request"}], "no request")):
+            self.check(requests, says, 3)
+
+    def test_out_of_range(self) -> None:
+        load = self.LOAD
+        nan = xyz((0, 0, 0)) | {"y": "NaN"}
+        joint = {"id": 1, "kind": 1, "first": 1, "first_frame": {"orientation": {"w": 1}}, "second_frame": {"orientation": {"w": 1}}}
+        bodies = load["load"]["bodies"]
+        for requests, says in (
+                ([PROTOCOL, load, self.window(window_s="NaN")], "window_s is NaN"),
+                ([PROTOCOL, load, self.window(window_s=-1)], "window_s is -1"),
+                ([PROTOCOL, load, self.window({"position": nan})], "handbacks[1].position is (0, NaN, 0)"),
+                ([PROTOCOL, load, self.window({"angular_momentum": {"x": "Infinity"}})], "handbacks[1].angular_momentum"),
+                ([PROTOCOL, load, self.window({"orientation": {"w": 1, "x": 0.1}})], "orientation"),
+                ([PROTOCOL, load, self.window({"orientation": {"w": "NaN"}})], "orientation"),
+                ([PROTOCOL, load, {"window": {**self.window()["window"], "handbacks": [self.BACK, self.BACK]}}], "out of order"),
+                ([PROTOCOL, load, self.window(solved=[2, 1])], "solved[1]"),
+                ([PROTOCOL, load, self.window(births=[{}])], "births[0].id is 0"),
+                ([PROTOCOL, self.load(mass=0)], "mass 0"),
+                ([PROTOCOL, self.load(mass="NaN")], "mass NaN"),
+                ([PROTOCOL, self.load(principal_inertia=xyz((1, 0, 1)))], "inertia must be positive"),
+                ([PROTOCOL, self.load(sphere_radius_m=-1)], "sphere_radius_m is -1"),
+                ([PROTOCOL, self.load(name="x" * 256)], "name has 256 bytes"),
+                ([PROTOCOL, {"load": {"bodies": [bodies[0], bodies[0]]}}], "comes twice"),
+                ([PROTOCOL, {"load": {"bodies": [body(1, {}, 1, (1, 1, 1), (0, 0, 0))]}}], "has no shape"),
+                ([PROTOCOL, {"load": {"bodies": [body(1, {"convex": {"parts": [{"corners": [0] * 11}]}}, 1, (1, 1, 1), (0, 0, 0))]}}],
+                 "11 coordinates"),
+                ([PROTOCOL, {"load": {"contacts": [{"friction": -1}]}}], "friction is -1"),
+                ([PROTOCOL, {"load": {"contacts": [{"restitution": "NaN"}]}}], "restitution is NaN"),
+                ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "kind": 0}]}}], "kind is 0"),
+                ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "second": 9}]}}], "between bodies 1 and 9"),
+                ([PROTOCOL, {"load": {"bodies": bodies, "joints": [{**joint, "first_frame": {}}]}}], "first_frame")):
+            self.check(requests, says, 3)
+
+    def test_what_the_engine_cannot(self) -> None:
+        load = self.LOAD
+        flat = {"convex": {"parts": [{"corners": [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]}]}}
+        for requests, says in (
+                ([PROTOCOL, load, {"export": {}}], "export_rows"), ([PROTOCOL, load, {"save": {}}], "save_restore"),
+                ([PROTOCOL, load, {"restore": {}}], "save_restore"),
+                ([PROTOCOL, load, self.window({"id": 9})], "handback of body 1: is missing"),
+                ([PROTOCOL, load, self.window(births=[ball(1, 1, 1, (0, 0, 0))])], "is held already"),
+                ([PROTOCOL, {"load": {"bodies": [body(1, flat, 1, (1, 1, 1), (0, 0, 0))]}}], "is no hull"),
+                ([PROTOCOL, {"load": {"bodies": [body(1, {"half_space": True}, 1, (1, 1, 1), (0, 0, 0))]}}], "half space that moves")):
+            self.check(requests, says, 2)
+
+    def test_a_server_says_so_and_ends_with_the_status(self) -> None:
+        for requests, says, status in (([PROTOCOL, self.LOAD, self.window(tick=7)], "bad_message: window at tick 7", 3),
+                                       ([PROTOCOL, self.load(half_space=True)], "bad_body: body 1", 2)):
+            session = Session(self)
+            replies = [session.ask(request) for request in requests]
+            self.assertEqual(replies[-1]["kind"], "error")
+            ended, said = session.ended()
+            self.assertEqual(ended, status)
+            self.assertIn(says, said)
+
+    def test_arguments(self) -> None:
+        for arguments, says in (([], "--endpoint is missing"), (["--fast"], "--fast: unknown option"), (["--engine"], "no value"),
+                                (["--endpoint", "tcp://192.0.2.1:5555"], "use ipc://PATH"),
+                                (["--endpoint", "ipc:///nowhere/at/all"], "bad_endpoint")):
+            done = subprocess.run([ENGINE / "sunder-rigid-jolt", *arguments], capture_output=True, text=True, timeout=PATIENCE_S,
+                                  check=False)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(says, done.stderr)
+
+
+class Peers(JoltCase):
+    def test_goodbye_ends_with_0(self) -> None:
+        session = Session(self)
+        hello = session.ask(PROTOCOL)["hello"]
+        self.assertEqual((hello["engine_name"], hello["protocol"], hello["scene_hash"]), ("jolt", 2, "aGFzaA=="))
+        self.assertIn("convex_hulls", hello["capabilities"])
+        self.assertNotIn("double_precision", hello["capabilities"])
+        self.assertEqual(session.ask(Refusals.LOAD)["load"]["states"][0]["id"], 1)
+        self.assertEqual(session.ask({"bye": {}})["kind"], "bye")
+        self.assertEqual(session.ended(), (0, ""))
+
+    def test_spans_where_hello_asks_for_them(self) -> None:
+        session = Session(self)
+        session.ask({"hello": {**PROTOCOL["hello"], "trace": True}})
+        spans = session.ask(Refusals.LOAD)["spans"]
+        self.assertEqual([s["name"] for s in spans], ["decode", "load"])
+        self.assertTrue(all(0 < s["begin_ns"] <= s["end_ns"] for s in spans))
+
+    def test_a_shell_that_failed_is_not_answered(self) -> None:
+        session = Session(self)
+        session.ask(PROTOCOL)
+        session.tell({"silent": {"error": {"kind": "ledger", "message": "it does not close"}}})
+        status, said = session.ended()
+        self.assertEqual(status, 3)
+        self.assertIn("peer_failed: the shell process reports: it does not close", said)
+
+    def test_a_peer_that_is_killed_or_stopped_is_lost(self) -> None:
+        for how in (signal.SIGKILL, signal.SIGSTOP):
+            session = Session(self)
+            session.ask(PROTOCOL)
+            session.client.send_signal(how)
+            status, said = session.ended()
+            self.assertEqual(status, 3, said)
+            self.assertIn("without a goodbye", said)
+
+    def test_who_computes_for_long_is_not_lost(self) -> None:
+        # Boxes in one place: many times longer than heartbeats are waited for, on any machine that there is.
+        heap = [slab(i + 1, (0.05 + 1e-4 * i, 0.04, 0.03), (1e-4 * i, 0, 0), parts=8) for i in range(60)]
+        session = Session(self)
+        session.ask(PROTOCOL)
+        session.ask({"load": {"bodies": heap}})
+        start = time.monotonic()
+        for tick in range(20):
+            reply = session.ask(self.still(heap, tick))
+            self.assertEqual(reply.get("kind"), "window", reply)
+            if tick == 0:
+                print("one window took", time.monotonic() - start)
+                break
+        self.assertEqual(session.ask({"bye": {}})["kind"], "bye")
+        self.assertEqual(session.ended()[0], 0)
+
+    @staticmethod
+    def still(bodies: list[Message], tick: int) -> Message:
+        keys = ("id", "position", "orientation", "velocity", "angular_momentum")
+        return {"window": {"tick": tick, "ticks": 1, "window_s": 1e-3, "handbacks": [{k: b[k] for k in keys} for b in bodies]}}
+
+    def test_dies_with_its_parent(self) -> None:
+        # the parent says its child's number, and waits
+        program = "import subprocess, sys\np = subprocess.Popen(sys.argv[1:])\nprint(p.pid, flush=True)\np.wait()\n"
+        parent = subprocess.Popen(["/usr/bin/python3", "-c", program, ENGINE / "sunder-rigid-jolt", "--die-with-parent",
+                                   "--endpoint", "ipc:///tmp/none"], stdout=subprocess.PIPE, text=True)
+        self.addCleanup(parent.communicate)
+        assert parent.stdout is not None
+        child = int(parent.stdout.readline())
+        time.sleep(1.0)  # it looks for its parent from then on
+        parent.kill()
+        end = time.monotonic() + PATIENCE_S
+        while os.path.exists(f"/proc/{child}") and not self.is_zombie(child):
+            self.assertLess(time.monotonic(), end, "it lives on")
+            time.sleep(0.05)
+
+    @staticmethod
+    def is_zombie(pid: int) -> bool:
+        try:
+            with open(f"/proc/{pid}/stat", encoding="ascii") as stat:
+                return stat.read().rpartition(")")[2].split()[0] == "Z"
+        except OSError:
+            return True
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,71 @@
+// The shell's side of sessions for tests: a line of JSON in is a request, a line of JSON out is its reply.
+// Instead of a request: {"raw": TEXT} sends these bytes, {"silent": REQUEST} awaits no reply, {"anew": true} begins
+// another session where there is no socket. Numbers that JSON has not are strings, as "NaN". A reply {"lost": true}: the
+// other side is gone.
+// Arguments: folder of the engine, and an endpoint; without one the sessions are within this process, and their
+// replies carry `ends_with`, the exit status that a server would have.
+import { join, resolve } from 'node:path';
+import { createInterface } from 'node:readline';
+import { pathToFileURL } from 'node:url';
+
+const [folder, endpoint] = process.argv.slice(2);
+const part = (name) => import(pathToFileURL(join(resolve(folder), name)));
+const { loadJolt, loadMessages, loadZeroMq } = await part('packages.mjs');
+const { Request, Reply } = await loadMessages();
+const decode = (bytes) => Reply.toObject(Reply.decode(bytes), { longs: Number, defaults: true, oneofs: true, bytes: String });
+
+async function connected() {
+  const zmq = await loadZeroMq();
+  const socket = new zmq.Pair({ linger: 500, heartbeatInterval: 200, heartbeatTimeout: 600, sendTimeout: 2000 });
+  const gone = new Promise((done) => {
+    let known = false;
+    socket.events.on('handshake', () => { known = true; });
+    // its last words are read first
+    socket.events.on('disconnect', () => known && setTimeout(done, 100, null));
+  });
+  socket.connect(endpoint);
+  return {
+    tell: (bytes) => socket.send(bytes),
+    hear: async () => {
+      const parts = await Promise.race([socket.receive(), gone]);
+      return parts ? decode(parts[0]) : { lost: true };
+    },
+    close: () => socket.close(),
+  };
+}
+
+async function within() {
+  const [{ JoltEngine }, { Session }, jolt] = [await part('jolt_engine.mjs'), await part('session.mjs'), await loadJolt()];
+  const types = { Request, Reply };
+  let engine, session, reply;
+  const anew = () => {
+    engine?.close();
+    engine = new JoltEngine(jolt);
+    session = new Session(engine, types);
+  };
+  anew();
+  return {
+    anew,
+    tell: (bytes) => { reply = decode(session.answer(bytes)); },
+    hear: () => ({ ...reply, ends_with: session.failure?.status ?? 0 }),
+    close: () => engine.close(),
+  };
+}
+
+const other = endpoint ? await connected() : await within();
+let sequence = 0;
+for await (const line of createInterface({ input: process.stdin })) {
+  const asked = JSON.parse(line);
+  if (asked.anew) {
+    other.anew();
+    sequence = 0;
+    continue;
+  }
+  const request = asked.silent ?? asked;
+  const bytes = request.raw !== undefined
+    ? Buffer.from(request.raw, 'latin1')
+    : Request.encode(Request.fromObject({ sequence: ++sequence, ...request })).finish();
+  await other.tell(bytes);
+  if (!asked.silent) process.stdout.write(`${JSON.stringify(await other.hear())}\n`);
+}
+other.close();
