@@ -160,7 +160,10 @@ export class World {
     const position = xyz(rigid.GetPosition());
     const q = rigid.GetRotation();
     const orientation = [q.GetW(), q.GetX(), q.GetY(), q.GetZ()];
-    return { position, orientation, linear: xyz(rigid.GetLinearVelocity()), angular: xyz(rigid.GetAngularVelocity()) };
+    const linear = xyz(rigid.GetLinearVelocity()), angular = xyz(rigid.GetAngularVelocity());
+    if (![...position, ...orientation, ...linear, ...angular].every(Number.isFinite))
+      throw new Failure(Exit.physics, 'diverged', `body ${this.byPointer.get(this.jolt.getPointer(rigid)).id}: Jolt's answer is not finite`);
+    return { position, orientation, linear, angular };
   }
 
   /** Finds and solves contacts and joints, and moves. `way`: the furthest that a body may go [cm]. */

@@ -9,11 +9,11 @@ import unittest
 
 import numpy as np
 
-from .jolt_session import (ENGINE, PATIENCE_S, PROTOCOL, Flight, Message, Session, Sessions, ball, body, floor, multiply, quaternion, rotate, slab,
-                           vector, why_not, wxyz, xyz)
+from .jolt_session import (ENGINE, PATIENCE_S, PROTOCOL, Flight, Message, Session, Sessions, ball, body, floor,
+                           quaternion, rotate, slab, vector, why_not, wxyz, xyz)
 
 WHY_NOT = why_not()
-PEER_NOTICED_S = 2.0  # DESIGN's promise; heartbeats see a stopped peer within 0.8 s
+SILENCE_S = 0.8  # after which a peer without heartbeats is lost
 
 
 class JoltCase(unittest.TestCase):
@@ -92,7 +92,7 @@ class Engine(JoltCase):
         for parts in (0, 1, 3):
             shard = slab(1, (0.02, 0.013, 0.0015), (0, 0, 0.03), parts=parts, orientation=(1, 0.5, 0.3, 0.1))
             flight = self.flight([shard, floor(2)])
-            flight.run(900)
+            flight.run(500)
             self.assertAlmostEqual(flight.at(1)[2], 0.0015, delta=6e-5, msg=f"{parts} parts")  # slop
             self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-3)
             up = rotate(quaternion(flight.states[1]["orientation"]), np.array([0, 0, 1]))
@@ -101,7 +101,7 @@ class Engine(JoltCase):
     def test_thin_plates_stack(self) -> None:
         plates = [slab(i + 1, (0.05, 0.04, 0.0015), (0.2, 0.1, 0.0015 + 0.003 * i), parts=1) for i in range(12)]
         flight = self.flight([*plates, floor(99)])
-        flight.run(300)
+        flight.run(200)
         for i in range(12):
             # of the whole stack: 0.06 mm at 20 iterations; without warm starts it sinks by millimetres
             self.assertAlmostEqual(flight.at(i + 1)[2], 0.0015 + 0.003 * i, delta=3e-4)
@@ -164,7 +164,7 @@ class Engine(JoltCase):
             shards = [slab(i + 2, (0.012, 0.009, 0.002), (0.02 * (i % 4), 0.02 * (i // 4), 0.02 + 0.005 * (i % 3)), parts=1 + i % 2,
                            velocity=(0.1 * (i % 5), -0.2, -2), orientation=(1, 0.1 * i, 0.2, -0.1 * (i % 3))) for i in range(16)]
             flight = self.flight([floor(1), *shards])
-            flight.run(150)
+            flight.run(100)
             return flight.states
         self.assertEqual(states(), states())
 
@@ -308,25 +308,23 @@ class Peers(JoltCase):
             self.assertIn("without a goodbye", said)
 
     def test_who_computes_for_long_is_not_lost(self) -> None:
-        # Boxes in one place: many times longer than heartbeats are waited for, on any machine that there is.
-        heap = [slab(i + 1, (0.05 + 1e-4 * i, 0.04, 0.03), (1e-4 * i, 0, 0), parts=8) for i in range(60)]
-        session = Session(self)
-        session.ask(PROTOCOL)
-        session.ask({"load": {"bodies": heap}})
-        start = time.monotonic()
-        for tick in range(20):
-            reply = session.ask(self.still(heap, tick))
+        # Boxes in one place, of more and more parts until a window takes longer than a silent peer is waited for.
+        for parts in (8, 12, 18, 27):
+            heap = [slab(i + 1, (0.05 + 1e-4 * i, 0.04, 0.03), (1e-4 * i, 0, 0), parts=parts) for i in range(60)]
+            session = Session(self)
+            session.ask(PROTOCOL)
+            session.ask({"load": {"bodies": heap}})
+            keys = ("id", "position", "orientation", "velocity", "angular_momentum")
+            window = {"ticks": 1, "window_s": 1e-3, "handbacks": [{k: b[k] for k in keys} for b in heap]}
+            start = time.monotonic()
+            reply = session.ask({"window": window})
+            took = time.monotonic() - start
             self.assertEqual(reply.get("kind"), "window", reply)
-            if tick == 0:
-                print("one window took", time.monotonic() - start)
-                break
-        self.assertEqual(session.ask({"bye": {}})["kind"], "bye")
-        self.assertEqual(session.ended()[0], 0)
-
-    @staticmethod
-    def still(bodies: list[Message], tick: int) -> Message:
-        keys = ("id", "position", "orientation", "velocity", "angular_momentum")
-        return {"window": {"tick": tick, "ticks": 1, "window_s": 1e-3, "handbacks": [{k: b[k] for k in keys} for b in bodies]}}
+            self.assertEqual(session.ask({"bye": {}})["kind"], "bye")
+            self.assertEqual(session.ended()[0], 0)
+            if took > 2 * SILENCE_S:
+                return
+        self.skipTest(f"the longest window took {took} s")
 
     def test_dies_with_its_parent(self) -> None:
         # the parent says its child's number, and waits

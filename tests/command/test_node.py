@@ -1,0 +1,184 @@
+"""Packages for Node.js, from a registry on this machine: what is checked, and what is left behind when it fails."""
+from __future__ import annotations
+
+import base64
+import contextlib
+import hashlib
+import http.server
+import io
+import json
+import os
+import tarfile
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from . import REPOSITORY
+from sunder_tools import node
+from sunder_tools.errors import CommandError
+
+
+def archive(files: dict[str, bytes], link: str = "") -> bytes:
+    out = io.BytesIO()
+    with tarfile.open(fileobj=out, mode="w:gz") as tar:
+        for name, content in files.items():
+            member = tarfile.TarInfo(name)
+            member.size = len(content)
+            tar.addfile(member, io.BytesIO(content))
+        if link:
+            member = tarfile.TarInfo("package/link")
+            member.type, member.linkname = tarfile.SYMTYPE, link
+            tar.addfile(member)
+    return out.getvalue()
+
+
+class Packages(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.root = Path(temporary.name)
+        self.sources, self.folder = self.root / "jolt", self.root / "build" / "node"
+        self.sources.mkdir()
+        self.served: dict[str, bytes] = {}
+        self.asked: list[str] = []
+        outer = self
+
+        class Registry(http.server.BaseHTTPRequestHandler):
+            def do_GET(self) -> None:  # noqa: N802: the base class's name
+                outer.asked.append(self.path)
+                content = outer.served.get(self.path)
+                self.send_response(404 if content is None else 200)
+                self.end_headers()
+                self.wfile.write(content or b"")
+
+            def log_message(self, *_: object) -> None:
+                pass
+
+        server = http.server.HTTPServer(("127.0.0.1", 0), Registry)
+        thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+        thread.start()
+        self.addCleanup(server.server_close)
+        self.addCleanup(thread.join)
+        self.addCleanup(server.shutdown)
+        self.said = io.StringIO()
+        for context in (mock.patch.dict(os.environ, {node.REGISTRY_VARIABLE: f"http://127.0.0.1:{server.server_port}/"}),
+                        mock.patch.object(node.shutil, "which", lambda _: None),
+                        mock.patch.object(node.time, "sleep", lambda _: None), contextlib.redirect_stderr(self.said)):
+            context.__enter__()
+            self.addCleanup(context.__exit__, None, None, None)
+        self.serve("ball", "1.2.3", archive({"package/index.js": b"ball", "package/lib/deep.js": b"deep"}))
+        self.serve("@round/ball", "4.5.6", archive({"other/index.js": b"round"}))
+        self.lock("ball", "@round/ball")
+
+    def serve(self, name: str, version: str, content: bytes) -> None:
+        self.served[f"/{name}/-/{name.split('/')[-1]}-{version}.tgz"] = content
+
+    def lock(self, *names: str, **integrities: str) -> None:
+        versions = {path.split("/-/")[0][1:]: (path.rpartition("-")[2].removesuffix(".tgz"), content)
+                    for path, content in self.served.items()}
+        packages: dict[str, object] = {"": {"name": "engine"}}
+        for name in names:
+            version, content = versions[name]
+            sha = "sha512-" + base64.b64encode(hashlib.sha512(content).digest()).decode()
+            packages[f"node_modules/{name}"] = {"version": version, "integrity": integrities.get(name, sha)}
+        (self.sources / node.LOCK_FILE).write_text(json.dumps({"packages": packages}))
+
+    def get(self) -> None:
+        node.ensure_packages(self.root / "node.log", self.sources, self.folder)
+
+    def refused(self, *words: str) -> None:
+        with self.assertRaises(CommandError) as caught:
+            self.get()
+        for word in words:
+            self.assertIn(word, str(caught.exception))
+
+    def read(self, name: str) -> str:
+        return (self.folder / "node_modules" / name).read_text()
+
+    def test_are_unpacked_once(self) -> None:
+        self.get()
+        self.assertEqual((self.read("ball/index.js"), self.read("ball/lib/deep.js"), self.read("@round/ball/index.js")),
+                         ("ball", "deep", "round"))
+        self.assertEqual(sorted(self.asked), ["/@round/ball/-/ball-4.5.6.tgz", "/ball/-/ball-1.2.3.tgz"])
+        self.asked.clear()
+        self.get()
+        self.assertEqual(self.asked, [])
+        self.assertEqual(os.listdir(self.folder.parent), ["node"])
+
+    def test_are_renewed_when_the_lock_file_changes(self) -> None:
+        self.get()
+        self.served.clear()
+        self.serve("ball", "2.0.0", archive({"package/index.js": b"newer"}))
+        self.lock("ball")
+        self.get()
+        self.assertEqual(self.read("ball/index.js"), "newer")
+        self.assertEqual(os.listdir(self.folder / "node_modules"), ["ball"])
+        self.assertEqual(os.listdir(self.folder.parent), ["node"])
+
+    def test_a_failure_leaves_the_old_ones(self) -> None:
+        self.get()
+        old = self.read("ball/index.js")
+        self.serve("ball", "1.2.3", archive({"package/index.js": b"forged"}))
+        (self.sources / node.LOCK_FILE).write_text((self.sources / node.LOCK_FILE).read_text() + "\n")
+        self.refused("ball 1.2.3: the archive that came has sha512", node.LOCK_FILE)
+        self.assertEqual(self.read("ball/index.js"), old)
+        self.assertEqual(os.listdir(self.folder.parent), ["node"])
+
+    def test_what_is_not_there_is_said_with_the_remedy(self) -> None:
+        self.served.pop("/ball/-/ball-1.2.3.tgz")
+        self.refused("ball-1.2.3.tgz: HTTP Error 404", "check the network", node.REGISTRY_VARIABLE)
+        self.assertFalse(self.folder.exists())
+        with mock.patch.dict(os.environ, {node.REGISTRY_VARIABLE: "http://127.0.0.1:9"}):  # nobody listens there
+            self.refused("cannot download http://127.0.0.1:9/", "check the network")
+        with mock.patch.dict(os.environ, {node.REGISTRY_VARIABLE: "nowhere"}):
+            self.refused("cannot download nowhere/", node.REGISTRY_VARIABLE)
+
+    def test_only_sha512_is_taken(self) -> None:
+        self.lock("ball", ball="sha1-abc")
+        self.refused("'sha1-abc', must be sha512")
+
+    def test_archives_stay_below_their_folder(self) -> None:
+        for content in (archive({"package/../../out.js": b"x"}), archive({"/package/out.js": b"x"}), archive({"out.js": b"x"}),
+                        archive({}, link="/etc/passwd"), b"no archive"):
+            self.serve("ball", "1.2.3", content)
+            self.lock("ball")
+            self.refused("ball: its archive")
+            self.assertEqual(os.listdir(self.root / "build"), [])
+
+    def test_the_real_lock_file_can_be_read(self) -> None:
+        lock = json.loads((REPOSITORY / "rigid" / "jolt" / node.LOCK_FILE).read_text())["packages"]
+        wanted = json.loads((REPOSITORY / "rigid" / "jolt" / "package.json").read_text())["dependencies"]
+        self.assertEqual(lock[""]["dependencies"], wanted)
+        for place, entry in lock.items():
+            if place:
+                self.assertRegex(entry["integrity"], "^sha512-")
+                self.assertRegex(entry["version"], r"^\d+\.\d+\.\d+$")
+        for name, version in wanted.items():
+            self.assertEqual(lock[f"node_modules/{name}"]["version"], version)
+
+
+class Npm(unittest.TestCase):
+    def test_its_failure_is_told(self) -> None:
+        with tempfile.TemporaryDirectory() as temporary:
+            root = Path(temporary)
+            (root / "package.json").write_text("{}")
+            (root / node.LOCK_FILE).write_text("{}")
+
+            def run(command: list[str], log: Path, cwd: Path) -> int:
+                log.write_text("npm is ill\n")
+                self.assertIn("--ignore-scripts", command)
+                self.assertTrue((cwd / node.LOCK_FILE).is_file())
+                return 1
+
+            with mock.patch.object(node, "run_logged", run), mock.patch.object(node.shutil, "which", lambda _: "/bin/npm"), \
+                    contextlib.redirect_stderr(io.StringIO()), self.assertRaises(CommandError) as caught:
+                node.ensure_packages(root / "log", root, root / "build" / "node")
+            self.assertIn("npm is ill", str(caught.exception))
+            self.assertIn("failed with status 1", str(caught.exception))
+            self.assertEqual(os.listdir(root / "build"), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
