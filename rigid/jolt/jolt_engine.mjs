@@ -34,7 +34,7 @@ export class JoltEngine {
       name: 'jolt',
       version,
       capabilities: ['spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution',
-        'joints'],
+        'joints', 'deterministic'],
     };
   }
 

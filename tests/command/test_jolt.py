@@ -163,6 +163,7 @@ class Engine(JoltCase):
         def states() -> dict[int, Message]:
             shards = [slab(i + 2, (0.012, 0.009, 0.002), (0.02 * (i % 4), 0.02 * (i // 4), 0.02 + 0.005 * (i % 3)), parts=1 + i % 2,
                            velocity=(0.1 * (i % 5), -0.2, -2), orientation=(1, 0.1 * i, 0.2, -0.1 * (i % 3))) for i in range(16)]
+            self.sessions = None  # in a process of its own
             flight = self.flight([floor(1), *shards])
             flight.run(100)
             return flight.states
