@@ -1,7 +1,7 @@
 // Rigid bodies held by Jolt, taken through windows (rigid/README.md "A window"). The masters are double precision and
 // here; what Jolt has are rounded copies, so a body that nothing touches comes back with its handback to the bit.
 import * as m from './algebra.mjs';
-import { Exit, Failure, rejectBody, rejectHandback } from './failure.mjs';
+import { rejectBody, rejectHandback } from './failure.mjs';
 import { addJoint } from './jolt_joints.mjs';
 import { kLength, kMass } from './jolt_shapes.mjs';
 import { World } from './jolt_world.mjs';
@@ -33,8 +33,10 @@ export class JoltEngine {
     this.info = {
       name: 'jolt',
       version,
-      capabilities: ['spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution',
-        'joints', 'deterministic'],
+      capabilities: [
+        'spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution', 'joints',
+        'deterministic',
+      ],
     };
   }
 
@@ -51,14 +53,14 @@ export class JoltEngine {
   add(body) {
     if (this.held.has(body.id)) rejectBody(body, 'id', 'is held already; ids are for the whole run');
     const held = {
-      id: body.id, group: body.contact_group, body, motion: body.motion, rigid: null, shape: this.world.shapes.make(body),
-      met: false, touched: false, mass: body.mass,
+      id: body.id, group: body.contact_group, mass: body.mass, motion: body.motion, body, rigid: null,
+      shape: this.world.shapes.make(body), met: false, touched: false,
     };
     this.held.set(body.id, held);
     this.newborn.push(held);
     if (body.is_static) return;
     this.moving.push(held);
-    this.moving.sort((a, b) => a.id - b.id);
+    if (this.moving.at(-2)?.id > body.id) this.moving.sort((a, b) => a.id - b.id);
   }
 
   /** Throws Failure (bad_joint). */
@@ -87,12 +89,14 @@ export class JoltEngine {
   match(handbacks) {
     let next = 0;
     for (const { id } of this.moving) {
-      if (next === handbacks.length || handbacks[next].id > id) rejectHandback(id, 'is missing; give one for each moving body');
+      if (next === handbacks.length || handbacks[next].id > id)
+        rejectHandback(id, 'is missing; give one for each moving body');
       if (handbacks[next].id < id) break;
       ++next;
     }
     if (next !== handbacks.length)
-      rejectHandback(handbacks[next].id, 'names no moving body, or comes twice or out of order; give one each, by ascending id');
+      rejectHandback(handbacks[next].id,
+        'names no moving body, or comes twice or out of order; give one each, by ascending id');
   }
 
   advance(window, handbacks, solved) {
@@ -142,7 +146,8 @@ export class JoltEngine {
     // Beyond what the velocities explain: overlaps that were taken back, ways that were cut short at an impact.
     const from = rounded(m.scale(kLength, start.position));
     let push = m.subtract(now.position, m.add(from, m.scale(window, now.linear)));
-    if (m.norm(push) <= kPositionNoise * Math.max(...from.map(Math.abs), ...now.position.map(Math.abs))) push = [0, 0, 0];
+    const furthest = Math.max(...from.map(Math.abs), ...now.position.map(Math.abs));
+    if (m.norm(push) <= kPositionNoise * furthest) push = [0, 0, 0];
     const explained = m.multiply(m.turnOf(m.scale(window, now.angular)), start.orientation);
     let pushTurn = m.multiply(now.orientation, m.conjugate(explained));
     if (m.norm(m.vectorOf(pushTurn)) <= kTurnNoise) pushTurn = [1, 0, 0, 0];
@@ -182,7 +187,8 @@ export class JoltEngine {
       held.motion = {
         ...motion,
         velocity: m.add(motion.velocity, m.scale(1 / kLength, dv)),
-        angular_momentum: m.add(motion.angular_momentum, m.applyInertia(motion.orientation, held.body.principal_inertia, dw)),
+        angular_momentum: m.add(motion.angular_momentum,
+          m.applyInertia(motion.orientation, held.body.principal_inertia, dw)),
       };
     }
   }

@@ -8,7 +8,8 @@ export function addJoint(world, joint, held) {
   const { jolt } = world;
   const first = held.get(joint.first), second = held.get(joint.second);
   if (first.body.is_static && (!second || second.body.is_static))
-    throw new Failure(Exit.badInput, 'bad_joint', `joint ${joint.id} '${joint.name}': both bodies are static; name one that moves`);
+    throw new Failure(Exit.badInput, 'bad_joint',
+      `joint ${joint.id} '${joint.name}': both bodies are static; name one that moves`);
   const frames = [joint.first_frame, joint.second_frame];
   const axes = (settings, names, axis) => frames.forEach((frame, i) => {
     const v = new jolt.Vec3(...rotate(frame.orientation, axis));

@@ -66,7 +66,8 @@ export class Shapes {
       said = result.HasError() ? result.GetError().c_str() : 'it is flat';
       this.jolt.destroy(settings);
     }
-    return rejectBody(body, field, `is no hull (${corners.length} corners): ${said}; leave flat parts out, thin fine ones`);
+    return rejectBody(body, field,
+      `is no hull (${corners.length} corners): ${said}; leave flat parts out, thin fine ones`);
   }
 
   centred(settings, body) {

@@ -127,7 +127,8 @@ export class World {
     const rigid = this.bodies.CreateBody(settings);
     jolt.destroy(settings);
     if (jolt.getPointer(rigid) === 0)
-      throw new Failure(Exit.badInput, 'bad_body', `body ${body.id} '${body.name}': Jolt holds ${kMaxBodies} bodies, no more`);
+      throw new Failure(Exit.badInput, 'bad_body',
+        `body ${body.id} '${body.name}': Jolt holds ${kMaxBodies} bodies here, no more`);
     this.byPointer.set(jolt.getPointer(rigid), held);
     this.bodies.AddBody(rigid.GetID(), jolt.EActivation_Activate);
     return rigid;
@@ -161,8 +162,10 @@ export class World {
     const q = rigid.GetRotation();
     const orientation = [q.GetW(), q.GetX(), q.GetY(), q.GetZ()];
     const linear = xyz(rigid.GetLinearVelocity()), angular = xyz(rigid.GetAngularVelocity());
-    if (![...position, ...orientation, ...linear, ...angular].every(Number.isFinite))
-      throw new Failure(Exit.physics, 'diverged', `body ${this.byPointer.get(this.jolt.getPointer(rigid)).id}: Jolt's answer is not finite`);
+    if (![...position, ...orientation, ...linear, ...angular].every(Number.isFinite)) {
+      const { id } = this.byPointer.get(this.jolt.getPointer(rigid));
+      throw new Failure(Exit.physics, 'diverged', `body ${id}: what Jolt made of its motion is not finite`);
+    }
     return { position, orientation, linear, angular };
   }
 
@@ -204,6 +207,7 @@ export class World {
     this.contacts = 0;
     this.interface.Step(window, 1);
     if (this.contacts >= kMaxContacts)
-      throw new Failure(Exit.physics, 'contacts', `more than ${kMaxContacts} contacts in a window: Jolt drops the others`);
+      throw new Failure(Exit.physics, 'contacts',
+        `more than ${kMaxContacts} contacts in a window, and Jolt drops the others; shorten window_s`);
   }
 }

@@ -19,7 +19,7 @@ function options(argv) {
     if (option === '--help') found.help = true;
     else if (option === '--check') found.check = true;
     else if (option === '--die-with-parent') found.dieWithParent = true;
-    else if ((option === '--endpoint' || option === '--engine') && i + 1 < argv.length) found[option.slice(2)] = argv[++i];
+    else if (['--endpoint', '--engine'].includes(option) && i + 1 < argv.length) found[option.slice(2)] = argv[++i];
     else throw new Failure(Exit.badInput, 'bad_input', `${option}: unknown option or no value\n${kUsage}`);
   }
   if (!found.help && !found.check && !found.endpoint)

@@ -1,5 +1,5 @@
-// Messages to plain values and back. Everything decoded here is checked, as in coupler/link/messages.cpp: finite, sizes,
-// ids, unit quaternions. What is absent counts as zero.
+// Messages to plain values and back. Everything decoded here is checked, as in coupler/link/messages.cpp: finite,
+// sizes, ids, unit quaternions. What is absent counts as zero.
 import { check } from './failure.mjs';
 
 export const kProtocol = 2;
@@ -27,7 +27,8 @@ function vector(v, field) {
 function quaternion(q, field) {
   const r = q ? [q.w, q.x, q.y, q.z] : [0, 0, 0, 0];
   // also refuses what is not finite
-  check(Math.abs(Math.hypot(...r) - 1) < kQuaternionTolerance, () => `${field} is (${r.join(', ')}): not of unit length`);
+  check(Math.abs(Math.hypot(...r) - 1) < kQuaternionTolerance,
+    () => `${field} is (${r.join(', ')}): not of unit length`);
   return r;
 }
 

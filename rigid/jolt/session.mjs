@@ -34,7 +34,9 @@ export class Session {
       reply = { ...this.to(request), spans: this.spans };
     } catch (error) {
       // not ours: our own mistake or the engine's, the other side hears of it too
-      this.failure = error instanceof Failure ? error : new Failure(Exit.physics, 'internal', error.stack ?? String(error));
+      this.failure = error instanceof Failure
+        ? error
+        : new Failure(Exit.physics, 'internal', error.stack ?? String(error));
       this.state = kDone;
       reply = { error: { kind: this.failure.kind, message: this.failure.message } };
     }

@@ -1,7 +1,7 @@
 // The shell's side of sessions for tests: a line of JSON in is a request, a line of JSON out is its reply.
 // Instead of a request: {"raw": TEXT} sends these bytes, {"silent": REQUEST} awaits no reply, {"anew": true} begins
-// another session where there is no socket. Numbers that JSON has not are strings, as "NaN". A reply {"lost": true}: the
-// other side is gone.
+// another session where there is no socket. Numbers that JSON has not are strings, as "NaN". A reply {"lost": true}:
+// the other side is gone.
 // Arguments: folder of the engine, and an endpoint; without one the sessions are within this process, and their
 // replies carry `ends_with`, the exit status that a server would have.
 import { join, resolve } from 'node:path';
@@ -12,7 +12,8 @@ const [folder, endpoint] = process.argv.slice(2);
 const part = (name) => import(pathToFileURL(join(resolve(folder), name)));
 const { loadJolt, loadMessages, loadZeroMq } = await part('packages.mjs');
 const { Request, Reply } = await loadMessages();
-const decode = (bytes) => Reply.toObject(Reply.decode(bytes), { longs: Number, defaults: true, oneofs: true, bytes: String });
+const plain = { longs: Number, defaults: true, oneofs: true, bytes: String };
+const decode = (bytes) => Reply.toObject(Reply.decode(bytes), plain);
 
 async function connected() {
   const zmq = await loadZeroMq();
@@ -35,7 +36,8 @@ async function connected() {
 }
 
 async function within() {
-  const [{ JoltEngine }, { Session }, jolt] = [await part('jolt_engine.mjs'), await part('session.mjs'), await loadJolt()];
+  const { JoltEngine } = await part('jolt_engine.mjs'), { Session } = await part('session.mjs');
+  const jolt = await loadJolt();
   const types = { Request, Reply };
   let engine, session, reply;
   const anew = () => {
