@@ -1,0 +1,137 @@
+// Collisions between free bodies: momentum kept, energy never gained, restitution as the law says.
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "tests/conformance/suite.h"
+
+namespace sunder::conformance {
+namespace {
+
+using namespace link::capability;
+
+// An engine applies each impulse to both bodies at one point: the sum closes to the round-off of some dozens of
+// additions, however far its solver has converged.
+constexpr double kMomentumTolerance = 1e-12;
+// Impulses that take no more than the contact has leave round-off; 1e-9 of the kinetic energy is a thousand times that.
+constexpr double kGainTolerance = 1e-9;
+// A contact with restitution 1 ends on the speed that it met with. Two to four points solved by iteration leave some
+// tenths of a percent of it.
+constexpr double kElasticTolerance = 1e-2;
+constexpr double kRestitutionTolerance = 1e-2;
+// What a collision has to pass on to be one, of the momentum in relative motion.
+constexpr double kMet = 0.1;
+
+RigidBody angle_iron(BodyId id) {  // an L of two convex parts
+  return plate(id, {rectangle(0, 0, 0.1, 0.03), rectangle(0, 0.03, 0.03, 0.1)}, 0.02);
+}
+
+struct Meeting {
+  RigidBody first, second;
+  double friction, restitution;
+};
+
+Meeting spheres(const Vec3& offset, double friction, double restitution, const Vec3& spin) {
+  return {moving(at(sphere(1, 0.05), Vec3(-0.1, 0, 0)), {1.0, 0, 0}, spin),
+          moving(at(sphere(2, 0.04), offset), {-0.6, 0, 0}, -0.5 * spin), friction, restitution};
+}
+
+Meeting boxes(const Vec3& offset, double friction, double restitution) {
+  return {moving(turned(at(box(1, {0.05, 0.03, 0.02}), {-0.15, 0, 0}), {0.3, 0.5, 0.2}), {1.5, 0, 0.1}, {2, 1, -3}),
+          moving(at(box(2, {0.04, 0.04, 0.06}), offset), {-0.5, 0.1, 0}, {0, 1, 1}), friction, restitution};
+}
+
+Meeting compounds(double friction) {
+  return {moving(turned(at(angle_iron(1), {-0.15, 0, 0}), {0.8, 0.2, 0.4}), {1.5, 0.1, 0}, {2, 1, -3}),
+          moving(turned(at(angle_iron(2), {0, 0.02, 0.02}), {0.1, -0.9, 0}), {-0.5, 0, 0}, {1, 0, 1}), friction, 0.0};
+}
+
+void meet(Suite& s, const Meeting& m) {
+  Play play(s.target, {{{m.first, m.second}, law(m.friction, m.restitution), {}}});
+  const Vec3 centre = play.centre_of_mass(), linear = play.momentum(), angular = play.angular_momentum(centre);
+  const double start = play.kinetic_energy();
+  const double reduced = m.first.mass * m.second.mass / (m.first.mass + m.second.mass);
+  const double relative = reduced * (m.first.motion.velocity - m.second.motion.velocity).norm();
+  const double arm = (m.first.motion.position - m.second.motion.position).norm();
+  double gain = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    play.window();
+    gain = std::max(gain, (play.kinetic_energy() - play.handback_energy()) / start);  // flight has its own error
+  }
+  const Vec3 change = m.first.mass * (play.body(1).motion.velocity - m.first.motion.velocity);
+  const double met = change.norm() / relative;
+  s.report.check_error("met", met, kMet, std::max(0.0, kMet - met), 0.0, "momentum passed on, of the relative one");
+  s.report.check("linear", (play.momentum() - linear).norm() / relative, 0.0, s.exact(kMomentumTolerance));
+  s.report.check("angular", (play.angular_momentum(centre) - angular).norm() / (relative * arm), 0.0,
+                 s.exact(kMomentumTolerance));
+  if (m.restitution < 1.0)
+    s.report.check("gain", gain, 0.0, s.exact(kGainTolerance), "largest gain of a window, of the kinetic energy");
+  else
+    s.report.check("energy", play.kinetic_energy(), start, kElasticTolerance);
+  play.end();
+}
+
+// Head-on at 2 m/s without gravity: what comes back of the speed.
+void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double half_width) {
+  for (const double restitution : {0.0, 0.5, 1.0}) {
+    Play play(s.target, {{{lower, moving(upper, {0, 0, -2.0})}, law(0.0, restitution), {}}});
+    play.run(0.1);
+    const BodyMotion& up = play.body(upper.id).motion;
+    const double measured = (up.velocity - play.body(lower.id).motion.velocity).z() / 2.0;
+    const double turn = play.body(upper.id).angular_velocity().norm() * half_width / 2.0;
+    s.report.check_error(fmt::format("e_{:g}", restitution), measured, restitution, std::abs(measured - restitution),
+                         kRestitutionTolerance, "absolute");
+    s.report.check(fmt::format("turn_{:g}", restitution), turn, 0.0, kRestitutionTolerance,
+                   "speed of its rim, of the closing speed");
+    play.end();
+  }
+}
+
+}  // namespace
+
+std::vector<Case> collision_cases() {
+  const auto one = [](const std::string& name, const std::string& what, std::vector<std::string> needs, Meeting m) {
+    needs.push_back(kContact);
+    if (m.friction > 0.0) needs.push_back(kFriction);
+    if (m.restitution > 0.0) needs.push_back(kRestitution);
+    return Case{"collision_" + name, what, std::move(needs), [m = std::move(m)](Suite& s) { meet(s, m); }};
+  };
+  const Vec3 centre(0.05, 0, 0), beside(0.05, 0.03, 0.02), near(0.02, 0.03, 0.01);
+  return {
+      one("spheres", "two spheres, head-on", {kSpheres}, spheres(centre, 0, 0, Vec3::Zero())),
+      one("spheres_off_centre", "two spheres, off-centre", {kSpheres}, spheres(beside, 0, 0.3, Vec3::Zero())),
+      one("spheres_frictional", "two spinning spheres with friction", {kSpheres},
+          spheres(beside, 0.4, 0, {5, 20, -30})),
+      one("spheres_elastic", "two elastic spheres", {kSpheres}, spheres(beside, 0, 1, {5, 0, 3})),
+      one("boxes_off_centre", "two tumbling boxes", {kBoxes}, boxes(near, 0, 0)),
+      one("boxes_frictional", "two tumbling boxes with friction", {kBoxes}, boxes(near, 0.4, 0)),
+      one("boxes_elastic", "two elastic boxes", {kBoxes}, boxes(near, 0, 1)),
+      one("compounds", "two L of two parts", {kConvexHulls, kCompound}, compounds(0)),
+      one("compounds_frictional", "two L with friction", {kConvexHulls, kCompound}, compounds(0.4)),
+  };
+}
+
+std::vector<Case> restitution_cases() {
+  return {
+      {"restitution_sphere_floor",
+       "restitution 0, 0.5, 1 of a sphere on a half space",
+       {kSpheres, kHalfSpaces, kContact, kRestitution},
+       [](Suite& s) {
+         bounce(s, half_space(1), at(sphere(2, 0.05), {0, 0, 0.0933}), 0.05);
+       }},
+      {"restitution_spheres",
+       "the same of two spheres",
+       {kSpheres, kContact, kRestitution},
+       [](Suite& s) {
+         bounce(s, sphere(1, 0.05), at(sphere(2, 0.05), {0, 0, 0.1433}), 0.05);
+       }},
+      {"restitution_box_floor",
+       "the same of a box that comes down flat",
+       {kBoxes, kHalfSpaces, kContact, kRestitution},
+       [](Suite& s) {
+         bounce(s, half_space(1), at(box(2, {0.05, 0.04, 0.02}), {0, 0, 0.0633}), 0.05);
+       }},
+  };
+}
+
+}  // namespace sunder::conformance

@@ -1,0 +1,194 @@
+// Joints: what they let move moves as it should, what they hold stays.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/conformance/suite.h"
+
+namespace sunder::conformance {
+namespace {
+
+using namespace link::capability;
+
+// Ten seconds are 10000 windows: an anchor that creeps by 10 nm in each has left by what is seen (resting.cpp).
+constexpr double kAnchor_m = 1e-4;
+constexpr double kAxis_rad = 1e-3;  // the same at the end of an arm of 0.1 m
+// The window scheme is of first or second order in omega H = 6e-3 for these pendulums; round the period up to 0.2 %.
+constexpr double kPeriodTolerance = 2e-3;
+// A joint that is solved on velocities turns them by omega H each window, and loses (omega H)^2 of the kinetic energy:
+// some 0.1 % a second at this swing. It must lose, not gain: what gains in 10 s runs away in 100.
+constexpr double kLossTolerance = 2e-2, kGainTolerance = 1e-3;
+constexpr double kMotionTolerance = 1e-2;  // of what a joint lets move: friction would show long before
+// Impulses of a joint are equal and opposite (collisions.cpp); and 1000 windows of them.
+constexpr double kMomentumTolerance = 1e-12;
+// Putting anchors back together moves bodies, not velocities: each time by some of (omega H)^2 of the arm.
+constexpr double kTurnTolerance = 1e-3;
+
+Joint joint(Joint::Kind kind, BodyId first, BodyId second, const Vec3& first_point, const Vec3& second_point,
+            const Quat& first_turn = Quat::Identity(), const Quat& second_turn = Quat::Identity()) {
+  return {1, "joint", kind, first, second, {first_point, first_turn}, {second_point, second_turn}};
+}
+
+struct Frame {
+  Vec3 position;
+  Quat orientation;
+};
+
+Frame placed(const Play& play, BodyId id, const Joint::Frame& frame) {
+  if (id == 0) return {frame.position, frame.orientation};
+  const BodyMotion& m = play.body(id).motion;
+  return {m.position + m.orientation * frame.position, m.orientation * frame.orientation};
+}
+
+Vec3 gap(const Play& play, const Joint& j) {
+  return placed(play, j.first, j.first_frame).position - placed(play, j.second, j.second_frame).position;
+}
+
+double axis_error(const Play& play, const Joint& j) {
+  const Vec3 a = placed(play, j.first, j.first_frame).orientation * Vec3::UnitZ();
+  const Vec3 b = placed(play, j.second, j.second_frame).orientation * Vec3::UnitZ();
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+double turn_error(const Play& play, const Joint& j) {
+  return rotation_vector(placed(play, j.first, j.first_frame).orientation *
+                         placed(play, j.second, j.second_frame).orientation.conjugate())
+      .norm();
+}
+
+// A rod that hangs by its upper end from the world, let go at 10 degrees.
+void pendulum(Suite& s) {
+  const Vec3 half(0.01, 0.01, 0.15), up(0, 0, half.z());
+  const double angle = 10.0 * EIGEN_PI / 180.0;
+  RigidBody rod = box(1, half);
+  rod.motion.orientation = rotation_from_vector({0, angle, 0});
+  rod.motion.position = -(rod.motion.orientation * up);
+  const Joint ball = joint(Joint::Kind::kBall, 1, 0, up, Vec3::Zero());
+  Play play(s.target, {{{rod}, {}, {ball}}, gravity()});
+  const auto energy = [&] {
+    return play.kinetic_energy() + rod.mass * kGravity * (play.body(1).motion.position.z() + half.z());
+  };
+  const double swing = energy(), about_pivot = rod.principal_inertia.y() + rod.mass * half.z() * half.z();
+  // To the fourth order of the angle.
+  const double period = 2.0 * EIGEN_PI * std::sqrt(about_pivot / (rod.mass * kGravity * half.z())) *
+                        (1.0 + angle * angle / 16.0 + 11.0 / 3072.0 * angle * angle * angle * angle);
+  double first = -1.0, last = -1.0, anchor = 0.0, most = swing, before = play.body(1).motion.position.x();
+  int crossings = 0;
+  for (int i = 0; i < 10000; ++i) {
+    play.window();
+    const double now = play.body(1).motion.position.x();
+    if ((before > 0.0) != (now > 0.0)) {
+      last = play.time() - 1e-3 * now / (now - before), ++crossings;
+      if (crossings == 1) first = last;
+    }
+    before = now, anchor = std::max(anchor, gap(play, ball).norm()), most = std::max(most, energy());
+  }
+  s.report.check("period", crossings > 2 ? 2.0 * (last - first) / (crossings - 1) : NAN, period, kPeriodTolerance,
+                 "[s], over 10 s");
+  s.report.check("energy", energy(), swing, kLossTolerance, "[J], after 10 s");
+  s.report.check("gain", most / swing - 1.0, 0.0, kGainTolerance, "most energy at any time, above the first");
+  s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m], worst in 10 s");
+  play.end();
+}
+
+// A door that turns about a level axis, pushed aside by its weight.
+void hinge(Suite& s) {
+  const Vec3 half(0.1, 0.01, 0.15), edge(-half.x(), 0, 0);
+  const Quat level = rotation_from_vector({0.5 * EIGEN_PI, 0, 0});  // its z axis along the world's -y
+  RigidBody door = box(1, half);
+  door.motion.orientation = level;
+  door.motion.position = -(level * edge);
+  const Joint pin = joint(Joint::Kind::kHinge, 1, 0, edge, Vec3::Zero(), Quat::Identity(), level);
+  Play play(s.target, {{{door}, {}, {pin}}, gravity()});
+  double axis = 0.0, anchor = 0.0, lowest = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    play.window();
+    axis = std::max(axis, axis_error(play, pin)), anchor = std::max(anchor, gap(play, pin).norm());
+    if (i < 1000) lowest = std::min(lowest, play.body(1).motion.position.z());
+  }
+  s.report.check("axis", axis, 0.0, kAxis_rad, "[rad], worst in 10 s");
+  s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m], worst in 10 s");
+  s.report.check("swings", lowest / half.x(), -1.0, kMotionTolerance, "lowest in the first second, of its arm");
+  play.end();
+}
+
+// Down a rail at 30 degrees, with its centre beside the rail.
+void slider(Suite& s) {
+  const double slope = 30.0 * EIGEN_PI / 180.0;
+  const Quat rail = rotation_from_vector({0, EIGEN_PI / 2 + slope, 0});  // z leads down the rail
+  const Vec3 beside(0, 0.02, 0.03), along = rail * Vec3::UnitZ();
+  const RigidBody block = at(box(1, {0.05, 0.02, 0.03}), -beside);
+  const Joint line = joint(Joint::Kind::kSlider, 1, 0, beside, Vec3::Zero(), rail, rail);
+  Play play(s.target, {{{block}, {}, {line}}, gravity()});
+  double off = 0.0, turn = 0.0;
+  const auto watch = [&](int windows) {
+    for (int i = 0; i < windows; ++i) {
+      play.window();
+      const Vec3 d = gap(play, line);
+      off = std::max(off, (d - d.dot(along) * along).norm()), turn = std::max(turn, turn_error(play, line));
+    }
+  };
+  watch(1000);
+  s.report.check("distance", gap(play, line).dot(along), 0.5 * kGravity * std::sin(slope), kMotionTolerance,
+                 "[m], in the first second");
+  watch(1000);
+  s.report.check("line", off, 0.0, kAnchor_m, "off its line [m], worst in 2 s");
+  s.report.check("turn", turn, 0.0, kAxis_rad, "[rad]");
+  play.end();
+}
+
+void cantilever(Suite& s) {
+  const Vec3 half(0.15, 0.02, 0.02), end(-half.x(), 0, 0);
+  const Joint clamp = joint(Joint::Kind::kFixed, 1, 0, end, end);
+  Play play(s.target, {{{box(1, half)}, {}, {clamp}}, gravity()});
+  double off = 0.0, turn = 0.0;
+  for (int i = 0; i < 10000; ++i) {
+    play.window();
+    off = std::max(off, gap(play, clamp).norm()), turn = std::max(turn, turn_error(play, clamp));
+  }
+  s.report.check("anchor", off, 0.0, kAnchor_m, "[m], worst in 10 s");
+  s.report.check("turn", turn, 0.0, kAxis_rad, "[rad]");
+  play.end();
+}
+
+// Two boxes that tumble about one another, nothing else being there.
+void linked(Suite& s) {
+  const Vec3 half(0.05, 0.03, 0.02), right(0.06, 0, 0);
+  const RigidBody a = moving(at(box(1, half), -right), {1, -0.3, 0.2}, {0, 0, 5.0});
+  const RigidBody b = moving(at(box(2, half), right), {1, 0.3, 0.2}, {0, 0, 5.0});
+  const Joint ball = joint(Joint::Kind::kBall, 1, 2, right, -right);
+  Play play(s.target, {{{a, b}, {}, {ball}}});
+  const Vec3 centre = play.centre_of_mass(), linear = play.momentum(), angular = play.angular_momentum(centre);
+  const double start = play.kinetic_energy();
+  double change = 0.0, anchor = 0.0, most = start;
+  for (int i = 0; i < 1000; ++i) {
+    const Vec3 before = play.momentum();
+    play.window();
+    change = std::max(change, (play.momentum() - before).norm() / linear.norm());
+    anchor = std::max(anchor, gap(play, ball).norm()), most = std::max(most, play.kinetic_energy());
+  }
+  const Vec3 moved = centre + linear / (a.mass + b.mass);  // the centre of mass goes straight on
+  s.report.check("linear", change, 0.0, s.exact(kMomentumTolerance), "worst change in a window");
+  s.report.check("path", (play.centre_of_mass() - moved).norm(), 0.0, kAnchor_m, "of the centre of mass in 1 s [m]");
+  s.report.check("angular", (play.angular_momentum(moved) - angular).norm() / angular.norm(), 0.0, kTurnTolerance,
+                 "after 1 s");
+  s.report.check("gain", most / start - 1.0, 0.0, kGainTolerance, "most kinetic energy at any time");
+  s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m]");
+  play.end();
+}
+
+}  // namespace
+
+std::vector<Case> joint_cases() {
+  const auto one = [](const char* name, const char* what, void (*run)(Suite&)) {
+    return Case{name, what, {kBoxes, kJoints}, run};
+  };
+  return {
+      one("joint_ball", "a pendulum: period, energy, anchor", pendulum),
+      one("joint_hinge", "a hinge keeps its axis and swings", hinge),
+      one("joint_slider", "a slider keeps its line and slides", slider),
+      one("joint_fixed", "a fixed joint holds a cantilever", cantilever),
+      one("joint_linked", "two free bodies linked by a ball joint", linked),
+  };
+}
+
+}  // namespace sunder::conformance

@@ -1,0 +1,78 @@
+#include "tests/conformance/process.h"
+
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <fcntl.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#include "coupler/core/error.h"
+
+namespace sunder::conformance {
+namespace {
+
+constexpr useconds_t kPoll_us = 2000;
+constexpr double kKillSeconds = 5.0;
+constexpr int kCannotExecute = 127;
+
+}  // namespace
+
+double seconds_now() {
+  timespec t;
+  clock_gettime(CLOCK_MONOTONIC, &t);
+  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
+}
+
+EngineProcess::EngineProcess(const Target& target) : endpoint_(target.endpoint) {
+  if (target.command.empty()) return;
+  std::string name = (std::filesystem::temp_directory_path() / "sunder-conformance-XXXXXX").string();
+  if (!mkdtemp(name.data()))  // 0700
+    throw Error(Exit::kBadInput, "bad_engine", name + ": no folder can be made there; set TMPDIR");
+  folder_ = name;
+  endpoint_ = "ipc://" + folder_ + "/link";
+  std::vector<std::string> command = target.command;
+  for (const std::string& a : {std::string("--endpoint"), endpoint_, std::string("--die-with-parent")})
+    command.push_back(a);
+  std::vector<char*> argv;
+  for (std::string& a : command) argv.push_back(a.data());
+  argv.push_back(nullptr);
+  const std::string log = folder_ + "/log";
+  pid_ = fork();
+  if (pid_ < 0) throw Error(Exit::kBadInput, "bad_engine", "no process can be started");
+  if (pid_ == 0) {
+    const int in = open("/dev/null", O_RDONLY), out = open(log.c_str(), O_CREAT | O_TRUNC | O_WRONLY, 0600);
+    dup2(in, 0), dup2(out, 1), dup2(out, 2);
+    execvp(argv[0], argv.data());
+    _exit(kCannotExecute);
+  }
+}
+
+EngineProcess::~EngineProcess() {
+  if (ours() && !wait(0.0)) kill(pid_, SIGKILL), wait(kKillSeconds);
+  std::error_code ignored;
+  if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+}
+
+std::optional<int> EngineProcess::wait(double seconds) {
+  if (!ours()) return std::nullopt;
+  for (const double end = seconds_now() + seconds; !status_; usleep(kPoll_us)) {
+    int s = 0;
+    if (waitpid(pid_, &s, WNOHANG) == pid_) status_ = WIFEXITED(s) ? WEXITSTATUS(s) : 256 + WTERMSIG(s);
+    if (status_ || seconds_now() >= end) break;
+  }
+  return status_;
+}
+
+std::string EngineProcess::last_words() const {
+  std::ifstream in(folder_ + "/log");
+  std::string last;
+  for (std::string line; std::getline(in, line);)
+    if (!line.empty()) last = line;
+  return last;
+}
+
+}  // namespace sunder::conformance

@@ -1,0 +1,109 @@
+#include "tests/conformance/report.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+
+#include <fmt/format.h>
+
+namespace sunder::conformance {
+namespace {
+
+const char* word(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass:
+      return "pass";
+    case Verdict::kFail:
+      return "fail";
+    case Verdict::kSkipped:
+      return "skipped";
+    default:
+      return "reported";
+  }
+}
+
+std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
+
+std::string quoted(const std::string& text) {
+  std::string out = "\"";
+  for (const char c : text) {
+    const auto code = static_cast<unsigned char>(c);
+    if (c == '"' || c == '\\')
+      out += '\\', out += c;
+    else if (code < 0x20)
+      out += fmt::format("\\u{:04x}", code);
+    else
+      out += c;
+  }
+  return out + "\"";
+}
+
+std::string list(const std::vector<std::string>& words) {
+  std::string out;
+  for (const std::string& w : words) out += (out.empty() ? "" : ", ") + quoted(w);
+  return "[" + out + "]";
+}
+
+}  // namespace
+
+void Report::begin(const std::string& name, const std::vector<std::string>& needs) { case_ = name, needs_ = needs; }
+
+void Report::add(Row row) {
+  const bool judged = row.verdict == Verdict::kPass || row.verdict == Verdict::kFail;
+  const std::string numbers =
+      row.verdict == Verdict::kReported ? fmt::format("{:>13.6g} {:>13} {:>10} {:>9}", row.computed, "", "", "")
+      : judged && row.tolerance >= 0.0
+          ? fmt::format("{:>13.6g} {:>13.6g} {:>10.2e} {:>9.1e}", row.computed, row.reference, row.error, row.tolerance)
+          : fmt::format("{:>13} {:>13} {:>10} {:>9}", "", "", "", "");
+  fmt::print("{:<38} {}  {:<8} {}\n", row.name, numbers, word(row.verdict), row.note);
+  std::fflush(stdout);
+  rows_.push_back(std::move(row));
+}
+
+void Report::check(const std::string& what, double computed, double reference, double tolerance,
+                   const std::string& note) {
+  const double error = reference != 0.0 ? std::abs(computed / reference - 1.0) : std::abs(computed);
+  check_error(what, computed, reference, error, tolerance, note);
+}
+
+void Report::check_error(const std::string& what, double computed, double reference, double error, double tolerance,
+                         const std::string& note) {
+  const Verdict verdict = error <= tolerance ? Verdict::kPass : Verdict::kFail;
+  add({case_ + "." + what, needs_, computed, reference, error, tolerance, verdict, note});
+}
+
+void Report::tell(const std::string& what, double computed, const std::string& note) {
+  add({case_ + "." + what, needs_, computed, 0.0, 0.0, 0.0, Verdict::kReported, note});
+}
+
+void Report::skip(const std::string& missing) {
+  add({case_, needs_, NAN, NAN, NAN, -1.0, Verdict::kSkipped, "the engine does not declare '" + missing + "'"});
+}
+
+void Report::fail(const std::string& note) { add({case_, needs_, NAN, NAN, NAN, -1.0, Verdict::kFail, note}); }
+
+int Report::count(Verdict verdict) const {
+  return static_cast<int>(
+      std::count_if(rows_.begin(), rows_.end(), [&](const Row& r) { return r.verdict == verdict; }));
+}
+
+void Report::write_json(const std::string& path, const link::EngineInfo& engine) const {
+  std::ofstream out(path);
+  out << fmt::format("{{\"engine\": {}, \"version\": {}, \"capabilities\": {},\n\"cases\": [", quoted(engine.name),
+                     quoted(engine.version), list(engine.capabilities));
+  for (std::size_t i = 0; i < rows_.size(); ++i) {
+    const Row& r = rows_[i];
+    out << (i ? ",\n  " : "\n  ")
+        << fmt::format(
+               "{{\"name\": {}, \"needs\": {}, \"computed\": {}, \"reference\": {}, \"error\": {}, \"tolerance\": {}, "
+               "\"verdict\": \"{}\", \"note\": {}}}",
+               quoted(r.name), list(r.needs), number(r.computed), number(r.reference), number(r.error),
+               number(r.tolerance), word(r.verdict), quoted(r.note));
+  }
+  out << "\n]}\n";
+  out.close();
+  if (!out) throw Error(Exit::kBadInput, "bad_file", "--json " + path + ": cannot be written");
+}
+
+}  // namespace sunder::conformance

@@ -1,0 +1,97 @@
+// Bodies at rest: they lie where they lie, and a stack of thin plates stands.
+#include <algorithm>
+#include <cmath>
+
+#include "tests/conformance/suite.h"
+
+namespace sunder::conformance {
+namespace {
+
+using namespace link::capability;
+
+// A shell is a few millimetres thick, and meets bodies where they are drawn: a tenth of a millimetre is not seen in a
+// picture and is a few percent of the thinnest pane.
+constexpr double kHeight_m = 1e-4;
+// At rest a contact solver leaves a few percent of what gravity adds in a window, 10 mm/s at 1 ms.
+constexpr double kSpeed_m_s = 1e-3;
+// A tenth of a plate for all twenty: what sinks by a thickness in a pile shows, and nothing pushes sideways.
+constexpr double kStack_m = 3e-4;
+
+void lie(Suite& s, const RigidBody& lower, const RigidBody& upper) {
+  Play play(s.target, {{{lower, upper}, law(0.5, 0.0), {}}, gravity()});
+  play.run(1.0);
+  const BodyMotion &end = play.body(upper.id).motion, &start = upper.motion;
+  s.report.check_error("height", end.position.z(), start.position.z(), std::abs(end.position.z() - start.position.z()),
+                       kHeight_m, "after 1 s [m]");
+  s.report.check("drift", (end.position - start.position).head<2>().norm(), 0.0, kHeight_m, "sideways [m]");
+  s.report.check("speed", end.velocity.norm(), 0.0, kSpeed_m_s, "[m/s]");
+  play.end();
+}
+
+void stack(Suite& s, const std::function<RigidBody(BodyId)>& make) {
+  constexpr int count = 20;
+  constexpr double thickness = 0.003;
+  std::vector<RigidBody> bodies{half_space(1)};
+  for (int i = 0; i < count; ++i) bodies.push_back(at(make(static_cast<BodyId>(2 + i)), {0, 0, (i + 0.5) * thickness}));
+  Play play(s.target, {{bodies, law(0.5, 0.0), {}}, gravity()});
+  play.run(2.0);
+  double height = 0.0, drift = 0.0;
+  for (std::size_t i = 1; i < bodies.size(); ++i) {
+    const Vec3 moved = play.body(bodies[i].id).motion.position - bodies[i].motion.position;
+    height = std::max(height, std::abs(moved.z())), drift = std::max(drift, moved.head<2>().norm());
+  }
+  s.report.check("height", height, 0.0, kStack_m, "worst of twenty plates after 2 s [m]");
+  s.report.check("drift", drift, 0.0, kStack_m, "sideways [m]");
+  play.end();
+}
+
+}  // namespace
+
+std::vector<Case> resting_cases() {
+  const auto slab = at(fixed(box(1, {0.2, 0.2, 0.02})), {0, 0, -0.02});
+  const auto tile = [](BodyId id) { return plate(id, {rectangle(-0.075, -0.075, 0.075, 0.075)}, 0.003); };
+  return {
+      {"rest_sphere",
+       "a sphere lies on a half space",
+       {kSpheres, kHalfSpaces, kContact},
+       [](Suite& s) {
+         lie(s, half_space(1), at(sphere(2, 0.05), {0, 0, 0.05}));
+       }},
+      {"rest_box",
+       "a box lies on a half space",
+       {kBoxes, kHalfSpaces, kContact},
+       [](Suite& s) {
+         lie(s, half_space(1), at(box(2, {0.05, 0.04, 0.02}), {0, 0, 0.02}));
+       }},
+      {"rest_box_on_box",
+       "a box lies on a static box",
+       {kBoxes, kContact},
+       [=](Suite& s) {
+         lie(s, slab, at(box(2, {0.05, 0.04, 0.02}), {0, 0, 0.02}));
+       }},
+      {"rest_shard",
+       "a shard lies on a half space",
+       {kConvexHulls, kHalfSpaces, kContact},
+       [=](Suite& s) {
+         lie(s, half_space(1), at(tile(2), {0, 0, 0.0015}));
+       }},
+      {"rest_shard_on_box",
+       "a shard lies on a static box",
+       {kConvexHulls, kBoxes, kContact},
+       [=](Suite& s) {
+         lie(s, slab, at(tile(2), {0, 0, 0.0015}));
+       }},
+      {"stack_boxes",
+       "twenty boxes 150 x 150 x 3 mm stand",
+       {kBoxes, kHalfSpaces, kContact, kFriction},
+       [](Suite& s) { stack(s, [](BodyId id) {
+                        return box(id, {0.075, 0.075, 0.0015});
+                      }); }},
+      {"stack_shards",
+       "the same as convex hulls",
+       {kConvexHulls, kHalfSpaces, kContact, kFriction},
+       [=](Suite& s) { stack(s, tile); }},
+  };
+}
+
+}  // namespace sunder::conformance
