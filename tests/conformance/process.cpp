@@ -17,6 +17,7 @@ namespace {
 
 constexpr useconds_t kPoll_us = 2000;
 constexpr double kKillSeconds = 5.0;
+constexpr double kBindSeconds = 20.0;  // an interpreter may have to start first
 constexpr int kCannotExecute = 127;
 
 }  // namespace
@@ -48,6 +49,14 @@ EngineProcess::EngineProcess(const Target& target) : endpoint_(target.endpoint) 
     dup2(in, 0), dup2(out, 1), dup2(out, 2);
     execvp(argv[0], argv.data());
     _exit(kCannotExecute);
+  }
+  const double end = seconds_now() + kBindSeconds;
+  while (!std::filesystem::exists(folder_ + "/link") && !wait(0.0) && seconds_now() < end) usleep(kPoll_us);
+  if (wait(0.0)) {
+    const std::string words = last_words();
+    std::filesystem::remove_all(folder_);
+    throw Error(Exit::kPeerLost, "bad_engine",
+                fmt::format("{} ends with status {} before there is a session. {}", command[0], *status_, words));
   }
 }
 

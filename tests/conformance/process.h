@@ -16,7 +16,7 @@ struct Target {
 /// One process for one session; killed when it goes out of scope.
 class EngineProcess {
  public:
-  /// Throws Error (bad_engine) where it cannot be started.
+  /// Returns once it has bound its endpoint. Throws Error (bad_engine) where it cannot be started or ends before that.
   explicit EngineProcess(const Target& target);
   ~EngineProcess();
   EngineProcess(const EngineProcess&) = delete;

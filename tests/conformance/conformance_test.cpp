@@ -1,0 +1,117 @@
+// The suite can fail: each fault of wrong-engine is found by the case that is there for it, and only a fault is.
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include <sys/wait.h>
+
+#include <fmt/format.h>
+#include <google/protobuf/struct.pb.h>
+#include <google/protobuf/util/json_util.h>
+#include <gtest/gtest.h>
+
+namespace {
+
+struct Outcome {
+  int status = -1;
+  std::string said;
+  std::map<std::string, std::string> verdicts;  // by row
+  std::map<std::string, std::string> notes;
+};
+
+/// Runs the suite with these arguments.
+Outcome suite(const std::string& arguments) {
+  std::string folder = testing::TempDir() + "/conformance_XXXXXX";
+  EXPECT_TRUE(mkdtemp(folder.data()));
+  const std::string json = folder + "/rows.json";
+  FILE* pipe = popen(fmt::format("'{}' {} --json '{}' 2>&1", SUNDER_CONFORMANCE, arguments, json).c_str(), "r");
+  Outcome out;
+  char buffer[4096];
+  while (const std::size_t n = fread(buffer, 1, sizeof buffer, pipe)) out.said.append(buffer, n);
+  const int s = pclose(pipe);
+  out.status = WIFEXITED(s) ? WEXITSTATUS(s) : -1;
+  std::stringstream text;
+  text << std::ifstream(json).rdbuf();
+  std::filesystem::remove_all(folder);
+  google::protobuf::Struct table;
+  if (text.str().empty()) return out;
+  EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text.str(), &table).ok()) << text.str();
+  for (const auto& value : table.fields().at("cases").list_value().values()) {
+    const auto& row = value.struct_value().fields();
+    out.verdicts[row.at("name").string_value()] = row.at("verdict").string_value();
+    out.notes[row.at("name").string_value()] = row.at("note").string_value();
+  }
+  return out;
+}
+
+Outcome with_fault(const std::string& base, const std::string& fault, const std::string& name) {
+  return suite(
+      fmt::format("--engine '{}' --engine-arg --base --engine-arg {} --engine-arg --fault --engine-arg {} "
+                  "--case {}",
+                  WRONG_ENGINE, base, fault, name));
+}
+
+}  // namespace
+
+TEST(Conformance, FindsEachFaultByTheRowThatIsThereForIt) {
+  const struct {
+    const char *base, *fault, *name, *fails, *passes;
+  } cases[] = {
+      {"bullet", "leaks", "collision_spheres", "linear", "met"},
+      {"bullet", "bouncy", "collision_spheres", "gain", "linear"},
+      {"bullet", "sticky", "restitution_sphere_floor", "e_0.5", "e_0"},
+      {"bullet", "slippery", "friction_angle", "holds_0deg", ""},
+      {"bullet", "hovers", "rest_box", "height", "drift"},
+      {"bullet", "random", "deterministic", "states", ""},
+      {"bullet", "unhinged", "joint_ball", "anchor", ""},
+      {"bullet", "rowless", "export_half_space", "count", "foreign"},
+      {"bullet", "flipped", "export_half_space", "normal", "face"},
+      {"bullet", "meddling", "solved_half_space", "solved", "not_solved"},
+      {"freeflight", "stale", "free_flight_sphere", "pose", "mass"},
+      {"freeflight", "late", "births", "birth", ""},
+      {"freeflight", "forgetful", "save_restore", "states", ""},
+      {"freeflight", "forgetful", "again", "states", ""},
+      {"freeflight", "sieve", "collision_boxes_off_centre", "met", "linear"},
+      {"freeflight", "sieve", "tunnelling_plate", "window_0.5ms", ""},
+      {"freeflight", "polite", "rules_turn", "second_hello", ""},
+      {"freeflight", "lingers", "rules_end", "bye", ""},
+  };
+  for (const auto& c : cases) {
+    const std::string name = c.name;
+    Outcome wrong = with_fault(c.base, c.fault, name);
+    EXPECT_EQ(wrong.status, 1) << c.fault << ": " << wrong.said;
+    EXPECT_EQ(wrong.verdicts[name + "." + c.fails], "fail") << c.fault << ": " << wrong.said;
+    if (*c.passes) {
+      EXPECT_EQ(wrong.verdicts[name + "." + c.passes], "pass") << c.fault << ": " << wrong.said;
+    }
+  }
+}
+
+TEST(Conformance, PassesTheSameRowsWithoutAFault) {
+  for (const char* name : {"collision_spheres", "restitution_sphere_floor", "friction_angle", "rest_box",
+                           "deterministic", "export_half_space", "solved_half_space"}) {
+    const Outcome right = with_fault("bullet", "none", name);
+    EXPECT_EQ(right.status, 0) << right.said;
+  }
+  for (const char* name : {"free_flight_sphere", "births", "save_restore", "again", "rules_turn", "rules_end"}) {
+    const Outcome right = with_fault("freeflight", "none", name);
+    EXPECT_EQ(right.status, 0) << right.said;
+  }
+}
+
+TEST(Conformance, SkipsByWhatIsNotDeclaredAndSaysWhich) {
+  Outcome flight = with_fault("freeflight", "none", "joint_ball");
+  EXPECT_EQ(flight.status, 0) << flight.said;
+  EXPECT_EQ(flight.verdicts["joint_ball"], "skipped");
+  EXPECT_NE(flight.notes["joint_ball"].find("'joints'"), std::string::npos) << flight.notes["joint_ball"];
+}
+
+TEST(Conformance, RefusesWhatItCannotDo) {
+  EXPECT_EQ(suite("").status, 2);
+  EXPECT_EQ(suite("--engine a --endpoint b").status, 2);
+  EXPECT_EQ(suite(fmt::format("--engine '{}' --case nonsense", WRONG_ENGINE)).status, 2);
+  EXPECT_EQ(suite("--engine /nonexistent/engine").status, 3);
+  EXPECT_EQ(suite("--engine /bin/false").status, 3);
+}

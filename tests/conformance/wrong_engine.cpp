@@ -1,0 +1,144 @@
+// wrong-engine: an engine with one fault, to see that the suite finds it. Without a fault it is as good as the one that
+// it is made from.
+#include <chrono>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <thread>
+
+#include <sys/prctl.h>
+
+#include <csignal>
+
+#include "coupler/link/session.h"
+#include "rigid/engine/engine.h"
+
+namespace {
+
+using namespace sunder;
+using namespace sunder::link;
+
+const std::set<std::string> kFaults = {"none",    "leaks",    "bouncy", "stale",     "hovers",   "slippery",
+                                       "sticky",  "sieve",    "random", "forgetful", "unhinged", "rowless",
+                                       "flipped", "meddling", "polite", "lingers",   "late"};
+
+class WrongEngine final : public Engine {
+ public:
+  WrongEngine(const std::string& base, std::string fault)
+      : inner_(rigid::make_engine(base)), fault_(std::move(fault)) {}
+
+  EngineInfo info() const override {
+    EngineInfo info = inner_->info();
+    const auto declare = [&](const char* word) {
+      if (!info.can(word)) info.capabilities.push_back(word);
+    };
+    if (fault_ == "sieve")
+      for (const char* word : {capability::kContact, capability::kFriction, capability::kRestitution}) declare(word);
+    if (fault_ == "unhinged") declare(capability::kJoints);
+    declare(capability::kExportRows);
+    return info;
+  }
+
+  void add(const RigidBody& body) override {
+    bodies_[body.id] = body;
+    RigidBody held = body;
+    if (auto* box = std::get_if<BoxShape>(&held.shape); box && fault_ == "hovers") box->half_size.array() += 1e-3;
+    if (auto* ball = std::get_if<SphereShape>(&held.shape); ball && fault_ == "hovers") ball->radius += 1e-3;
+    if (fault_ == "late" && advanced_) held.motion.velocity *= 1.0 + 1e-6;
+    inner_->add(held);
+  }
+
+  void set_contact_laws(const std::vector<ContactLaw>& laws) override {
+    std::vector<ContactLaw> changed = laws_ = laws;
+    for (ContactLaw& law : changed) {
+      if (fault_ == "slippery") law.friction *= 0.85;
+      if (fault_ == "sticky") law.restitution = 0.0;
+    }
+    inner_->set_contact_laws(changed);
+  }
+
+  void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) override {
+    if (fault_ == "stale") before_ = inner_->states();
+    inner_->advance(window_s, handbacks, solved);
+    handbacks_.clear();
+    for (const Motion& m : handbacks) handbacks_[m.id] = m.motion;
+    // An honest engine leaves what is solved at its handback.
+    left_ = fault_ == "meddling" ? std::set<BodyId>{} : std::set<BodyId>(solved.begin(), solved.end());
+    ++advanced_;
+  }
+
+  std::vector<State> states() const override {
+    if (fault_ == "stale" && !before_.empty()) return before_;
+    std::vector<State> out = inner_->states();
+    for (State& s : out) {
+      const auto given = handbacks_.find(s.id);
+      if (given == handbacks_.end()) continue;
+      BodyMotion& m = s.motion;
+      if (left_.count(s.id)) m = given->second;
+      const Vec3 change = m.velocity - given->second.velocity;
+      if (fault_ == "leaks" && change.norm() > 0.0) m.velocity *= 1.0 - 1e-6;
+      if (fault_ == "bouncy") m.velocity += 1.2 * change;
+      if (fault_ == "forgetful") m.velocity.x() += 1e-9 * static_cast<double>(advanced_ % 7);
+      if (fault_ == "random")
+        m.velocity.x() += 1e-12 * static_cast<double>(std::chrono::steady_clock::now().time_since_epoch().count() % 89);
+    }
+    return out;
+  }
+
+  void add_joint(const Joint&) override {}  // "unhinged" only: nothing else declares joints
+
+  /// Right for boxes whose lower face lies on the plane z = 0 of body 1.
+  std::vector<ContactRow> rows(double, const std::vector<Motion>&, const std::vector<BodyId>& ids) override {
+    std::vector<ContactRow> out;
+    for (const BodyId id : ids) {
+      const auto* box = std::get_if<BoxShape>(&bodies_.at(id).shape);
+      if (!box || fault_ == "rowless") continue;
+      for (const auto& [x, y] : {std::pair{1, 1}, {1, -1}, {-1, 1}, {-1, -1}}) {
+        const Vec3 corner = box->half_size.cwiseProduct(Vec3(x, y, -1)), &place = bodies_.at(id).motion.position;
+        const Vec3 on_floor(corner.x() + place.x(), corner.y() + place.y(), 0.0);
+        const Vec3 normal = fault_ == "flipped" ? Vec3(0, 0, -1) : Vec3(0, 0, 1);
+        out.push_back({id, 1, corner, on_floor, normal, laws_[0].friction, laws_[0].restitution, 0.0});
+      }
+    }
+    return out;
+  }
+
+  std::string save() override { return inner_->save(); }
+  void restore(const std::string& caches, const std::vector<Motion>& motions) override {
+    inner_->restore(caches, motions);
+  }
+
+ private:
+  std::unique_ptr<Engine> inner_;
+  std::string fault_;
+  std::map<BodyId, RigidBody> bodies_;
+  std::vector<ContactLaw> laws_;
+  std::map<BodyId, BodyMotion> handbacks_;
+  std::set<BodyId> left_;
+  std::vector<State> before_;
+  long advanced_ = 0;
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string base = "bullet", fault = "none", endpoint;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (option == "--die-with-parent")
+      prctl(PR_SET_PDEATHSIG, SIGTERM);
+    else if (i + 1 < argc)
+      (option == "--base" ? base : option == "--fault" ? fault : endpoint) = argv[++i];
+  }
+  if (!kFaults.count(fault)) return static_cast<int>(Exit::kBadInput);
+  int status = 0;
+  try {
+    WrongEngine engine(base, fault);
+    serve(endpoint, engine);
+  } catch (const Error& e) {
+    fmt::print(stderr, "wrong-engine: {}\n", e.what());
+    status = static_cast<int>(e.status);
+  }
+  if (fault == "lingers") std::this_thread::sleep_for(std::chrono::seconds(3));
+  return fault == "polite" ? 0 : status;
+}
