@@ -1,7 +1,6 @@
 #include "coupler/link/host.h"
 
 #include <cmath>
-#include <set>
 
 namespace sunder::link {
 namespace {
@@ -14,6 +13,31 @@ void EngineHost::loaded(const char* what) const {
   if (!is_loaded_) refuse(fmt::format("{} before Load", what));
 }
 
+void EngineHost::needs(const char* capability, const char* what) const {
+  if (!info_.can(capability)) refuse(fmt::format("{}: the engine cannot do '{}'", what, capability));
+}
+
+// One for each body that moves, by id: the other side counts on the same bodies as this one, or the session is lost.
+void EngineHost::match(const std::vector<Motion>& motions, const char* what) const {
+  auto next = moving_.begin();
+  for (const Motion& m : motions) {
+    if (next != moving_.end() && m.id > *next) break;
+    if (next == moving_.end() || m.id < *next)
+      refuse(fmt::format("{} of body {}: names no moving body, or comes twice or out of order", what, m.id));
+    ++next;
+  }
+  if (next != moving_.end())
+    refuse(fmt::format("{} of body {}: is missing; give one for each moving body", what, *next));
+}
+
+void EngineHost::add(const std::vector<RigidBody>& bodies, const char* what) {
+  for (const RigidBody& b : bodies) {
+    if (!known_.insert(b.id).second) refuse(fmt::format("{}[{}]: comes twice, or is held already", what, b.id));
+    if (!b.is_static) moving_.insert(b.id);
+    engine_.add(b);
+  }
+}
+
 std::vector<Motion> EngineHost::motions() const {
   std::vector<Motion> out;
   for (const State& s : engine_.states()) out.push_back({s.id, s.motion});
@@ -23,19 +47,14 @@ std::vector<Motion> EngineHost::motions() const {
 std::vector<State> EngineHost::load(const World& world) {
   if (is_loaded_) refuse("a second Load");
   if (world.tick < 0) refuse(fmt::format("load.tick is {}", world.tick));
-  if (world.keep_windows && !info_.can(capability::kSaveRestore))
-    refuse("load.keep_windows: the engine cannot do 'save_restore'");
-  if (!world.joints.empty() && !info_.can(capability::kJoints)) refuse("load.joints: the engine cannot do 'joints'");
+  if (world.keep_windows) needs(capability::kSaveRestore, "load.keep_windows");
+  if (!world.joints.empty()) needs(capability::kJoints, "load.joints");
   engine_.set_contact_laws(world.laws);
-  std::set<BodyId> known;
-  for (const RigidBody& b : world.bodies) {
-    if (!known.insert(b.id).second) refuse(fmt::format("bodies[{}]: comes twice", b.id));
-    engine_.add(b);
-  }
+  add(world.bodies, "bodies");
   std::set<std::uint32_t> joints;
   for (const Joint& j : world.joints) {
     if (!joints.insert(j.id).second) refuse(fmt::format("joints[{}]: comes twice", j.id));
-    if (!known.count(j.first) || (j.second != 0 && !known.count(j.second)) || j.first == j.second)
+    if (!known_.count(j.first) || (j.second != 0 && !known_.count(j.second)) || j.first == j.second)
       refuse(fmt::format("joints[{}]: between bodies {} and {}, one of which there is not", j.id, j.first, j.second));
     engine_.add_joint(j);
   }
@@ -45,6 +64,7 @@ std::vector<State> EngineHost::load(const World& world) {
 
 void EngineHost::restore(const std::string& caches) {
   loaded("Restore");
+  needs(capability::kSaveRestore, "Restore");
   if (moved_) refuse("Restore after a window");
   engine_.restore(caches, motions());
 }
@@ -52,8 +72,10 @@ void EngineHost::restore(const std::string& caches) {
 std::vector<ContactRow> EngineHost::rows(std::int64_t tick, double window_s, const std::vector<Motion>& motions,
                                          const std::vector<BodyId>& bodies) {
   loaded("Export");
+  needs(capability::kExportRows, "Export");
   if (tick != tick_) refuse(fmt::format("export at tick {}, expected {}", tick, tick_));
   if (!std::isfinite(window_s) || window_s <= 0.0) refuse(fmt::format("window_s is {}", window_s));
+  match(motions, "motion");
   return engine_.rows(window_s, motions, bodies);
 }
 
@@ -66,6 +88,7 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
   if (w.tick != tick_ || w.ticks < 1)
     refuse(fmt::format("window at tick {} (+{}), expected {}", w.tick, w.ticks, tick_));
   if (!std::isfinite(w.window_s) || w.window_s <= 0.0) refuse(fmt::format("window_s is {}", w.window_s));
+  match(w.handbacks, "handback");
   if (w.again) {
     engine_.restore(last_caches_, last_motions_);
   } else if (keep_windows_) {
@@ -73,7 +96,7 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
   }
   moved_ = true;
   engine_.advance(w.window_s, w.handbacks, w.solved);
-  for (const RigidBody& b : w.births) engine_.add(b);
+  add(w.births, "births");
   if (!w.births.empty()) last_tick_ = -1;  // what was born cannot be taken back
   tick_ += w.ticks;
   return engine_.states();
@@ -82,7 +105,8 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
 std::vector<State> EngineHost::add_bodies(const std::vector<RigidBody>& bodies) {
   loaded("AddBodies");
   std::set<BodyId> ids;
-  for (const RigidBody& b : bodies) engine_.add(b), ids.insert(b.id);
+  add(bodies, "bodies");
+  for (const RigidBody& b : bodies) ids.insert(b.id);
   last_tick_ = -1;
   std::vector<State> out;
   for (const State& s : engine_.states())
@@ -92,6 +116,7 @@ std::vector<State> EngineHost::add_bodies(const std::vector<RigidBody>& bodies) 
 
 std::string EngineHost::save() {
   loaded("Save");
+  needs(capability::kSaveRestore, "Save");
   return engine_.save();
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 // An engine in this process, asked in the right order: the rigid side of every session, and the link of a run without
 // one.
+#include <set>
+
 #include "coupler/link/rigid_link.h"
 
 namespace sunder::link {
@@ -24,11 +26,15 @@ class EngineHost : public RigidLink {
  private:
   std::vector<Motion> motions() const;
   void loaded(const char* what) const;
+  void needs(const char* capability, const char* what) const;
+  void match(const std::vector<Motion>& motions, const char* what) const;
+  void add(const std::vector<RigidBody>& bodies, const char* what);
 
   Engine& engine_;
   EngineInfo info_;
   bool is_loaded_ = false, keep_windows_ = false, moved_ = false;
   std::int64_t tick_ = 0;
+  std::set<BodyId> known_, moving_;
   // Before the last window, where windows are kept.
   std::int64_t last_tick_ = -1;
   std::string last_caches_;

@@ -95,7 +95,8 @@ TEST(Conformance, PassesTheSameRowsWithoutAFault) {
     const Outcome right = with_fault("bullet", "none", name);
     EXPECT_EQ(right.status, 0) << right.said;
   }
-  for (const char* name : {"free_flight_sphere", "births", "save_restore", "again", "rules_turn", "rules_end"}) {
+  for (const char* name :
+       {"free_flight_sphere", "births", "save_restore", "again", "rules_turn", "rules_window", "rules_end"}) {
     const Outcome right = with_fault("freeflight", "none", name);
     EXPECT_EQ(right.status, 0) << right.said;
   }
