@@ -11,7 +11,9 @@ namespace {
 using namespace link::capability;
 
 // An engine applies each impulse to both bodies at one point: the sum closes to the round-off of some dozens of
-// additions, however far its solver has converged.
+// additions, however far its solver has converged. The same goes for angular momentum about a fixed point where the two
+// impulses of a contact act at one point. Poses that are moved apart by s shift it by s x p: an engine has to meet
+// contacts in time, or give that back.
 constexpr double kMomentumTolerance = 1e-12;
 // Impulses that take no more than the contact has leave round-off; 1e-9 of the kinetic energy is a thousand times that.
 constexpr double kGainTolerance = 1e-9;

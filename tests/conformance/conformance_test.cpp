@@ -102,6 +102,12 @@ TEST(Conformance, PassesTheSameRowsWithoutAFault) {
   }
 }
 
+TEST(Conformance, FreeFlightHoldsAllThatItDeclares) {
+  const Outcome all = suite(fmt::format("--engine '{}' --engine-arg --engine --engine-arg freeflight", SUNDER_RIGID));
+  EXPECT_EQ(all.status, 0) << all.said;
+  EXPECT_GT(all.verdicts.size(), 60u);
+}
+
 TEST(Conformance, SkipsByWhatIsNotDeclaredAndSaysWhich) {
   Outcome flight = with_fault("freeflight", "none", "joint_ball");
   EXPECT_EQ(flight.status, 0) << flight.said;

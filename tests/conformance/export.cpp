@@ -102,7 +102,8 @@ void solved(Suite& s, const RigidBody& below) {
 void joint_solved(Suite& s) {
   Scene scene;
   scene.world.bodies = {box(kAbove, kHalf)};
-  scene.world.joints = {{1, "peg", Joint::Kind::kBall, kAbove, 0, {{0.05, 0, 0}, {}}, {{0.05, 0, 0}, {}}}};
+  scene.world.joints = {
+      {1, "peg", Joint::Kind::kBall, kAbove, 0, {{0.05, 0, 0}, Quat::Identity()}, {{0.05, 0, 0}, Quat::Identity()}}};
   Play play(s.target, scene);
   std::vector<link::Motion> off = play.flight();
   off[0].motion.position.x() += 1e-3, off[0].motion.velocity.x() = 1.0;

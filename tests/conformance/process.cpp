@@ -16,6 +16,7 @@ namespace sunder::conformance {
 namespace {
 
 constexpr useconds_t kPoll_us = 2000;
+constexpr useconds_t kLastSession_us = 200000;  // that an engine of somebody else's may still be ending
 constexpr double kKillSeconds = 5.0;
 constexpr double kBindSeconds = 20.0;  // an interpreter may have to start first
 constexpr int kCannotExecute = 127;
@@ -29,7 +30,10 @@ double seconds_now() {
 }
 
 EngineProcess::EngineProcess(const Target& target) : endpoint_(target.endpoint) {
-  if (target.command.empty()) return;
+  if (target.command.empty()) {
+    usleep(kLastSession_us);
+    return;
+  }
   std::string name = (std::filesystem::temp_directory_path() / "sunder-conformance-XXXXXX").string();
   if (!mkdtemp(name.data()))  // 0700
     throw Error(Exit::kBadInput, "bad_engine", name + ": no folder can be made there; set TMPDIR");

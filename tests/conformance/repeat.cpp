@@ -24,7 +24,8 @@ Scene heap(const Suite& s, bool keep_windows = false) {
           moving(at(box(id, {0.02, 0.015, 0.01}), {0.035, 0.07 * (id - 50), 0.04}), {0, 0, -1}, {5, 3, 0}));
   link::World world{bodies, law(0.4, 0.2), {}};
   if (s.info.can(kJoints) && s.info.can(kBoxes))
-    world.joints.push_back({1, "link", Joint::Kind::kBall, 50, 51, {{0, 0.035, 0}, {}}, {{0, -0.035, 0}, {}}});
+    world.joints.push_back(
+        {1, "link", Joint::Kind::kBall, 50, 51, {{0, 0.035, 0}, Quat::Identity()}, {{0, -0.035, 0}, Quat::Identity()}});
   world.keep_windows = keep_windows;
   return {world, gravity()};
 }
