@@ -27,11 +27,11 @@ void fly_freely(Suite& s, const RigidBody& body, double size) {
     pose = std::max(pose, pose_error(got, given, size)), velocity = std::max(velocity, velocity_error(got, given));
     exact += same_bits(got, given);
   }
-  play.end();
   const std::string note = exact == kWindows ? "bit-exact" : fmt::format("bit-exact in {} windows", exact);
   s.report.check("pose", pose, 0.0, s.exact(kFlightTolerance), note);
   s.report.check("velocity", velocity, 0.0, s.exact(kFlightTolerance), note);
   s.report.check("mass", play.states()[0].mass, body.mass, s.exact(kMomentumTolerance));
+  play.end();
 }
 
 RigidBody half_metre_shard(BodyId id) {
