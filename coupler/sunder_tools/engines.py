@@ -45,7 +45,7 @@ def resolve(text: str, executables: Executables) -> Rigid:
         return Rigid(text, command=(os.path.abspath(text), "--engine", Path(text).stem))
     if text == JOLT and JOLT_PROGRAM.is_file():
         from .node import ensure_node
-        ensure_node()
+        ensure_node(REPOSITORY / "build" / "install.log")
         return Rigid(text, command=(str(JOLT_PROGRAM), "--engine", text))
     return Rigid(text, command=(str(executables.rigid), "--engine", text))
 

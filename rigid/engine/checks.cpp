@@ -65,9 +65,9 @@ void check_laws(const std::vector<ContactLaw>& laws) {
 }
 
 void reject_joint(const Joint& joint, const std::string& what) {
-  Error error(Exit::kBadInput, "bad_joint",
-              fmt::format("joint {} '{}' between bodies {} and {}: {}", joint.id, joint.name, joint.first, joint.second,
-                          what));
+  Error error(
+      Exit::kBadInput, "bad_joint",
+      fmt::format("joint {} '{}' between bodies {} and {}: {}", joint.id, joint.name, joint.first, joint.second, what));
   error.field = "joint";
   throw error;
 }
