@@ -5,6 +5,8 @@
 #include <cstring>
 #include <regex>
 
+#include <sys/stat.h>
+#include <unistd.h>
 #include <zmq.hpp>
 
 #include "coupler/core/error.h"
@@ -15,7 +17,8 @@ namespace {
 
 constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
 constexpr int kPollMs = 100;
-constexpr double kConnectSeconds = 10.0;
+constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
+const std::string kIpc = "ipc://";
 
 }  // namespace
 
@@ -26,7 +29,10 @@ struct Channel::Sockets {
   bool was_connected = false, lost = false;
 
   std::string peer;
+  std::string file;  // that bind has made; ZeroMQ leaves it behind
+  struct stat made {};
 
+  void fail_if_lost();
   void read_events() {
     zmq::message_t event, address;
     while (monitor.recv(event, zmq::recv_flags::dontwait)) {
@@ -47,7 +53,7 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
     : now_(std::move(now)), s_(std::make_unique<Sockets>()) {
   (void)keys;
   const bool local =
-      endpoint.rfind("ipc://", 0) == 0 || std::regex_match(endpoint, std::regex("tcp://127\\.0\\.0\\.1:[0-9]{1,5}"));
+      endpoint.rfind(kIpc, 0) == 0 || std::regex_match(endpoint, std::regex("tcp://127\\.0\\.0\\.1:[0-9]{1,5}"));
   require(local, "--endpoint {}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet",
           endpoint);
   s_->peer = role == Role::kConnect ? "the rigid process" : "the shell process";
@@ -56,15 +62,17 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
   d.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxMessage));
   d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
   d.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
-  d.set(zmq::sockopt::sndtimeo, 2000);
+  d.set(zmq::sockopt::sndtimeo, kPollMs);
   static std::atomic<int> number = 0;
   const std::string watch = "inproc://monitor-" + std::to_string(number++);
   zmq_socket_monitor(d.handle(), watch.c_str(), ZMQ_EVENT_ALL);
   s_->monitor.connect(watch);
   try {
-    if (role == Role::kBind)
+    if (role == Role::kBind) {
       d.bind(endpoint);
-    else
+      if (endpoint.rfind(kIpc, 0) == 0 && stat(endpoint.c_str() + kIpc.size(), &s_->made) == 0)
+        s_->file = endpoint.substr(kIpc.size());
+    } else
       d.connect(endpoint);
   } catch (const zmq::error_t& e) {
     throw Error(
@@ -73,20 +81,44 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
   }
 }
 
-Channel::~Channel() { zmq_socket_monitor(s_->data.handle(), nullptr, 0); }
+Channel::~Channel() {
+  zmq_socket_monitor(s_->data.handle(), nullptr, 0);
+  struct stat there {};  // another process may be bound there by now: its file stays
+  if (!s_->file.empty() && stat(s_->file.c_str(), &there) == 0 && there.st_dev == s_->made.st_dev &&
+      there.st_ino == s_->made.st_ino)
+    unlink(s_->file.c_str());
+}
 
-void Channel::check_peer() {
-  s_->read_events();
-  if (s_->lost)
+void Channel::Sockets::fail_if_lost() {
+  read_events();
+  if (lost)
     throw Error(
         Exit::kPeerLost, "peer_lost",
-        fmt::format("{} is gone: its connection closed, or it answered no heartbeat for {} ms, without a goodbye",
-                    s_->peer, kHeartbeatTimeoutMs));
+        fmt::format("{} is gone: its connection closed, or it answered no heartbeat for {} ms, without a goodbye", peer,
+                    kHeartbeatTimeoutMs));
+}
+
+void Channel::check_peer() {
+  // what it said last is read first: it may be why
+  if ((s_->data.get(zmq::sockopt::events) & ZMQ_POLLIN) == 0) s_->fail_if_lost();
 }
 
 void Channel::send(const std::string& bytes) {
-  if (!s_->data.send(zmq::buffer(bytes), zmq::send_flags::none))
-    throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
+  if (bytes.size() > kMaxMessage)  // the other side would close the connection, and nobody would know why
+    throw Error(Exit::kPeerLost, "message_size",
+                fmt::format("a message of {} bytes for {}; {} at most: take fewer or simpler bodies", bytes.size(),
+                            s_->peer, kMaxMessage));
+  const double start = now_();
+  while (!s_->data.send(zmq::buffer(bytes), zmq::send_flags::none)) {
+    s_->fail_if_lost();
+    if (now_() - start > kSendSeconds)
+      throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
+  }
+}
+
+void Channel::tell(const std::string& request) {
+  s_->fail_if_lost();  // it would be kept for a peer that is gone, and hold up our end
+  send(request);
 }
 
 std::string Channel::ask(const std::string& request, double deadline_s, const char* what) {

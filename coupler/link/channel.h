@@ -19,12 +19,13 @@ class Channel final : public Transport {
           std::function<double()> now = steady_seconds);
   ~Channel() override;
 
+  /// Throws Error: peer_lost where the other side takes nothing any more; message_size above kMaxMessage.
   void send(const std::string& bytes);
   /// Waits for a message. Throws Error: peer_lost where the peer is gone, or has not connected within `connect_s`;
   /// deadline where it is there and nothing has come for `deadline_s`, if that is positive.
   std::string receive(double connect_s, double deadline_s = 0.0, const char* what = "");
   std::string ask(const std::string& request, double deadline_s, const char* what) override;
-  void tell(const std::string& request) override { send(request); }
+  void tell(const std::string& request) override;
   void check_peer() override;
 
  private:

@@ -2,6 +2,7 @@
 #include <thread>
 
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "coupler/core/error.h"
 #include "coupler/link/channel.h"
@@ -42,7 +43,7 @@ struct Served {
   }
   ~Served() {
     if (thread.joinable()) thread.join();
-    std::remove((folder + "/socket").c_str()), std::remove(folder.c_str());
+    EXPECT_EQ(std::remove(folder.c_str()), 0) << "something is left in " << folder;
   }
 };
 
@@ -164,6 +165,34 @@ TEST(Session, AClientThatFailsSaysWhy) {
     server.thread.join();
   }
   EXPECT_NE(server.said.find("the energy is nan"), std::string::npos) << server.said;
+}
+
+TEST(Channel, LeavesTheSocketOfAnotherThatTookItsPlace) {
+  std::string name = testing::TempDir() + "/channel_XXXXXX";
+  const std::string folder = mkdtemp(name.data()), path = folder + "/socket";
+  {
+    const Channel second = [&] {
+      const Channel first(Channel::Role::kBind, "ipc://" + path);
+      return Channel(Channel::Role::kBind, "ipc://" + path);  // ZeroMQ lets it, as it must after a killed process
+    }();
+    EXPECT_EQ(access(path.c_str(), F_OK), 0);
+  }
+  EXPECT_NE(access(path.c_str(), F_OK), 0);
+  EXPECT_EQ(std::remove(folder.c_str()), 0);
+}
+
+TEST(Channel, RefusesToSendWhatTheOtherSideWouldNotTake) {
+  Served server;
+  {
+    auto channel = std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint);
+    try {
+      channel->send(std::string(kMaxMessage + 1, '\0'));
+      ADD_FAILURE() << "sent";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind, "message_size");
+    }
+    RemoteRigid(std::move(channel), "").bye();  // the session goes on
+  }
 }
 
 TEST(Channel, IsForThisMachineOnly) {
