@@ -255,6 +255,20 @@ EngineInfo decode_peer(const proto::HelloReply& hello) {
   return info;
 }
 
+Error decode_error(const proto::Error& error, const std::string& who) {
+  const std::string& kind = error.kind();
+  const bool named = !kind.empty() && kind.size() <= kMaxWord && std::all_of(kind.begin(), kind.end(), [](char c) {
+    return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
+  });
+  const std::string& whole = error.message();
+  std::size_t size = std::min(whole.size(), kMaxReport);
+  while (size > 0 && size < whole.size() && (whole[size] & 0xc0) == 0x80) --size;  // no half of a character
+  std::string message = whole.substr(0, size);
+  for (char& c : message)
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\n') c = ' ';  // nothing that moves the terminal's cursor
+  return Error(Exit::kPeerLost, named ? kind : "peer_failed", who + " reports: " + message);
+}
+
 std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
                                  const std::set<BodyId>& expected) {
   std::vector<State> out;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "coupler/core/error.h"
 #include "coupler/link/rigid_link.h"
 #include "exchange.pb.h"
 
@@ -15,6 +16,7 @@ constexpr double kNormalTolerance = 1e-6;      // single precision is good enoug
 constexpr int kMaxBodies = 100000, kMaxParts = 4096, kMaxCorners = 4096;
 constexpr int kMaxJoints = 100000, kMaxRows = 1000000, kMaxLaws = 1000000;
 constexpr std::size_t kMaxHash = 256, kMaxWord = 255;  // bytes
+constexpr std::size_t kMaxReport = 4096;               // bytes of what the other side says of its failure
 constexpr std::size_t kMaxMessage = 256u << 20;        // bytes
 
 proto::Vec3 encode(const Vec3& v);
@@ -33,6 +35,9 @@ RigidBody decode(const proto::RigidBody& body, const std::string& field);
 World decode(const proto::Load& load);
 WindowTask decode(const proto::Window& window);
 EngineInfo decode_peer(const proto::HelloReply& hello);
+/// What the other side, `who`, says of its failure: peer_failed where it names no kind, and no longer than kMaxReport,
+/// as it goes to the terminal and to run.json.
+Error decode_error(const proto::Error& error, const std::string& who);
 std::vector<RigidBody> decode_bodies(const google::protobuf::RepeatedPtrField<proto::RigidBody>& bodies,
                                      const std::string& field);
 std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<proto::Handback>& motions,

@@ -30,8 +30,7 @@ proto::Reply RemoteRigid::ask(proto::Request& request, double deadline_s, const 
   const std::string bytes = transport_->ask(request.SerializeAsString(), deadline_s, what);
   proto::Reply reply;
   if (!reply.ParseFromString(bytes)) refuse("the rigid process sent bytes that are no reply");
-  if (reply.has_error())
-    throw Error(Exit::kPeerLost, reply.error().kind(), "the rigid process reports: " + reply.error().message());
+  if (reply.has_error()) throw decode_error(reply.error(), "the rigid process");
   if (reply.sequence() != sequence_) refuse(fmt::format("reply {} to request {}", reply.sequence(), sequence_));
   if (heard_) heard_({what, sent, now_ns(), {reply.spans().begin(), reply.spans().end()}});
   return reply;
@@ -44,12 +43,17 @@ RemoteRigid::RemoteRigid(std::unique_ptr<Transport> transport, const std::string
   auto* hello = request.mutable_hello();
   hello->set_protocol_min(kProtocol), hello->set_protocol_max(kProtocol);
   hello->set_scene_hash(scene_hash), hello->set_trace(static_cast<bool>(heard_));
-  const proto::Reply reply = ask(request, kHelloSeconds, "Hello");
-  expect(reply.has_hello(), "Hello");
-  if (reply.hello().protocol() != kProtocol)
-    refuse(fmt::format("the rigid process speaks protocol {}, this one {}", reply.hello().protocol(), kProtocol));
-  if (reply.hello().scene_hash() != scene_hash) refuse("the rigid process holds another scene");
-  peer_ = decode_peer(reply.hello());
+  try {
+    const proto::Reply reply = ask(request, kHelloSeconds, "Hello");
+    expect(reply.has_hello(), "Hello");
+    if (reply.hello().protocol() != kProtocol)
+      refuse(fmt::format("the rigid process speaks protocol {}, this one {}", reply.hello().protocol(), kProtocol));
+    if (reply.hello().scene_hash() != scene_hash) refuse("the rigid process holds another scene");
+    peer_ = decode_peer(reply.hello());
+  } catch (const Error& e) {  // later failures are the owner's to report, who does not exist yet
+    abort(e.kind, e.what());
+    throw;
+  }
 }
 
 std::vector<State> RemoteRigid::load(const World& world) {

@@ -82,7 +82,7 @@ struct Answer {
         return;
       case proto::Request::kError:
         s.abandoned_ = true;
-        throw Error(Exit::kPeerLost, "peer_failed", "the shell process reports: " + request.error().message());
+        throw Error(Exit::kPeerLost, "peer_failed", decode_error(request.error(), "the shell process").what());
       default:
         refuse("a request without content");
     }

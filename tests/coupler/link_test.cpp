@@ -72,6 +72,25 @@ TEST(Messages, WhatParsesButMakesNoSenseIsRefusedByName) {
   }
 }
 
+TEST(Messages, WhatTheOtherSideReportsIsNamedAndNoLongerThanATerminalTakes) {
+  proto::Error report;
+  report.set_kind("bad_body"), report.set_message("body 3");
+  EXPECT_EQ(link::decode_error(report, "it").kind, "bad_body");
+  EXPECT_STREQ(link::decode_error(report, "it").what(), "it reports: body 3");
+  for (const std::string& kind : {std::string(), std::string("two words"), std::string(1000, 'a')}) {
+    report.set_kind(kind);
+    EXPECT_EQ(link::decode_error(report, "it").kind, "peer_failed");
+  }
+  report.set_message("\x1b[2J");  // would clear the screen
+  EXPECT_STREQ(link::decode_error(report, "it").what(), "it reports:  [2J");
+  std::string accents;
+  for (std::size_t i = 0; i < link::kMaxReport; ++i) accents += "\u00e9";
+  report.set_message("x" + accents);
+  const std::string said = link::decode_error(report, "").what(), start = " reports: x";
+  EXPECT_EQ(said.size(), start.size() - 1 + link::kMaxReport - 1);  // one byte less than could be: é has two
+  EXPECT_EQ(said.substr(said.size() - 2), "\u00e9");
+}
+
 TEST(Contact, ImpulseObeysCoulombAndNeverPulls) {
   using shell::contact_impulse;
   const Vec3 n(0, 0, 1);
