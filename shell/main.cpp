@@ -63,7 +63,7 @@ int main(int argc, char** argv) {
   if (first == "hello" || first == "replay-rigid") try {
       return ask(first, {argv + 2, argv + argc});
     } catch (const sunder::Error& e) {
-      fmt::print(stderr, "sunder-shell: {}\n", e.what());
+      fmt::print(stderr, "sunder-shell: {}: {}\n", e.kind, e.what());
       return static_cast<int>(e.status);
     }
   return sunder::shell::run_program({"sunder-shell", "--endpoint", "ipc://PATH|tcp://HOST:PORT", connect}, argc, argv);

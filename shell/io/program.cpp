@@ -102,7 +102,7 @@ int run_program(const Program& program, int argc, char** argv) {
   try {
     return run(program, argc, argv);
   } catch (const Error& e) {
-    fmt::print(stderr, "{}: {}\n", program.name, e.what());
+    fmt::print(stderr, "{}: {}: {}\n", program.name, e.kind, e.what());
     return static_cast<int>(e.status);
   } catch (const std::exception& e) {
     fmt::print(stderr, "{}: {}\n", program.name, e.what());
