@@ -1,0 +1,130 @@
+// Ten minutes of work on the other side, on a clock of the test's own: a window is waited for, a handshake is not.
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include "coupler/core/error.h"
+#include "coupler/link/channel.h"
+#include "coupler/link/messages.h"
+#include "coupler/link/remote.h"
+#include "coupler/link/session.h"
+#include "rigid/engine/free_flight.h"
+
+using namespace sunder;
+using namespace sunder::link;
+
+namespace {
+
+constexpr double kTenMinutes = 600.0;
+constexpr int kLooks = 3;  // at the clock, of a client that has seen it jump and waits on
+
+RigidBody ball() {
+  RigidBody b;
+  b.id = 1, b.name = "ball", b.mass = 2.0, b.principal_inertia = Vec3::Constant(0.1);
+  b.shape = SphereShape{0.1};
+  return b;
+}
+
+// A rigid process in a thread whose clock jumps while it computes the answer to one kind of request.
+struct SlowServer {
+  std::string folder, endpoint;
+  std::atomic<double> clock{0.0};
+  std::atomic<int> looks{0};          // of the client at the clock
+  std::atomic<bool> given_up{false};  // by the client
+  std::thread thread;
+
+  explicit SlowServer(proto::Request::KindCase slow) {
+    std::string name = testing::TempDir() + "/deadline_XXXXXX";
+    folder = mkdtemp(name.data());
+    endpoint = "ipc://" + folder + "/socket";
+    thread = std::thread([this, slow] {
+      try {
+        rigid::FreeFlight engine;
+        Session session(engine);
+        Channel channel(Channel::Role::kBind, endpoint);
+        while (!session.over()) {
+          const std::string bytes = channel.receive(10.0);
+          proto::Request request;
+          if (request.ParseFromString(bytes) && request.kind_case() == slow) {
+            wait_for_looks(2);  // one as it begins to wait, one while it does
+            clock = kTenMinutes;
+            wait_for_looks(kLooks);
+          }
+          const std::string reply = session.answer(bytes);
+          if (!session.abandoned()) channel.send(reply);
+        }
+        session.rethrow();
+      } catch (const Error&) {  // the client has left, as it should where it gives up
+      }
+    });
+  }
+  ~SlowServer() {
+    given_up = true;
+    thread.join();
+    std::remove(folder.c_str());  // fails where the socket is still in it
+    EXPECT_NE(access(folder.c_str(), F_OK), 0);
+  }
+
+  void wait_for_looks(int more) {
+    for (const int enough = looks + more; looks < enough && !given_up;)
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  double now() {
+    ++looks;
+    return clock;
+  }
+  // Hello, Load, a window, Bye; what went wrong.
+  std::string session() {
+    try {
+      RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, endpoint, "", [this] { return now(); }),
+                         "");
+      client.load({{ball()}, {}, {}});
+      BodyMotion moved = ball().motion;
+      moved.position = {0, 0, -1e-3};
+      const auto states = client.window({0, 1, 1e-3, {{1, moved}}, {}});
+      EXPECT_EQ(states.at(0).motion.position, moved.position);
+      client.bye();
+    } catch (const Error& e) {
+      given_up = true;
+      EXPECT_EQ(e.status, Exit::kPeerLost);
+      return e.kind + ": " + e.what();
+    }
+    return "";
+  }
+};
+
+}  // namespace
+
+TEST(TenMinutes, OfAWindowAreWaitedFor) {
+  SlowServer server(proto::Request::kWindow);  // answers once the client has seen how late it is and waits on
+  EXPECT_EQ(server.session(), "");
+  EXPECT_EQ(server.clock, kTenMinutes);
+}
+
+TEST(TenMinutes, OfAHandshakeAreTooMany) {
+  for (const auto& [kind, name] : {std::pair(proto::Request::kHello, "Hello"), std::pair(proto::Request::kLoad, "Load"),
+                                   std::pair(proto::Request::kBye, "Bye")}) {
+    SlowServer server(kind);
+    const std::string said = server.session();
+    EXPECT_EQ(said.rfind("deadline: ", 0), 0u) << said;
+    EXPECT_NE(said.find(name), std::string::npos) << said;
+  }
+}
+
+TEST(TenMinutes, OfNobodyAreTooMany) {
+  std::atomic<int> looks{0};
+  // by the clock of the test: the first look is at the start, later ones ten minutes on
+  Channel channel(Channel::Role::kConnect, "ipc://" + testing::TempDir() + "/nobody", "",
+                  [&] { return looks++ == 0 ? 0.0 : kTenMinutes; });
+  try {
+    channel.receive(10.0);
+    FAIL() << "something came";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "peer_lost");
+    EXPECT_NE(std::string(e.what()).find("did not connect"), std::string::npos) << e.what();
+  }
+}
