@@ -15,6 +15,7 @@ PACKAGES = (
     "g++", "cmake", "ninja-build", "pkg-config", "libeigen3-dev", "libcgal-dev", "libbullet-dev",
     "libode-dev", "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
     "libfmt-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
+    "python3-protobuf",
 )
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
