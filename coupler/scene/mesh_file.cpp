@@ -13,6 +13,8 @@
 namespace sunder::scene {
 namespace {
 
+constexpr double kFarthest = 1e6;  // of a point from the origin [m]; squares and volumes of such numbers are finite
+
 Hull hull_of(const LoadedScene& scene, const std::string& field, const std::string& path,
              const std::vector<Vec3>& points) {
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
@@ -58,6 +60,9 @@ Hull read_mesh(const LoadedScene& scene, const std::string& field, const proto::
     scene.check(static_cast<bool>(words >> p.x() >> p.y() >> p.z()) && p.allFinite(), field + ".path",
                 "'{}': '{}' is no point of three numbers", mesh.path(), line);
     points.push_back(scale * p);
+    scene.check(points.back().cwiseAbs().maxCoeff() <= kFarthest, field + ".path",
+                "'{}': '{}' is further than {:g} m away, scaled by {}; is scale right?", mesh.path(), line, kFarthest,
+                scale);
   };
   if (file.extension() == ".off") {
     std::getline(in, line);
