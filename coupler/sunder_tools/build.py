@@ -50,7 +50,7 @@ def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
         return found
     try:
         folder.parent.mkdir(exist_ok=True)
-        with _only_builder(folder.parent / "lock"):
+        with only_builder(folder.parent / "lock"):
             ensure_installed(folder.parent / "install.log", PACKAGES + (CAD_PACKAGES if cad else ()))
             _build(folder, folder.parent / "build.log", all_targets, cad)
     except OSError as error:
@@ -60,7 +60,7 @@ def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
 
 
 @contextmanager
-def _only_builder(path: Path) -> Iterator[None]:
+def only_builder(path: Path) -> Iterator[None]:
     """Holds the lock file; waits, and says so, while another `sunder` holds it."""
     with path.open("a") as lock:
         try:

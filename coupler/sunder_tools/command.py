@@ -14,7 +14,7 @@ from typing import NoReturn
 from .build import BUILD_DIR_VARIABLE, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 
-COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay")
+COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -47,6 +47,10 @@ def _threads(text: str) -> str:
     if not text.isascii() or not text.isdigit() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
     return text
+
+
+def _count(text: str) -> int:
+    return int(_threads(text))
 
 
 class _Parser(argparse.ArgumentParser):
@@ -139,6 +143,12 @@ def make_parser() -> argparse.ArgumentParser:
     replay.add_argument("folder", metavar="DIR", type=Path, help="folder of a run that was made with --record")
     replay.add_argument("--side", choices=("shell", "rigid"), default="shell", help="who is played to (default: shell)")
     replay.add_argument("--rigid", metavar="ENGINE", help="with --side rigid: another engine than the recorded one")
+    fuzz = commands.add_parser(
+        "fuzz", formatter_class=raw, allow_abbrev=False, help="feed garbage to everything that reads",
+        description="Installs clang, builds fuzzers with sanitizers, and looks for input that does harm: messages of\n"
+                    "both sides, scenes, images, meshes. Exit status 1 where something is found.", epilog=EPILOG)
+    fuzz.add_argument("--target", metavar="NAME", help="session, replies, bullet, scene, pgm or mesh only")
+    fuzz.add_argument("--runs", metavar="N", type=_count, default=None, help="inputs for each (default: 100000)")
 
     test = commands.add_parser(
         "test", formatter_class=raw, help="build everything and run the tests", usage="sunder test [CTEST_ARGUMENT ...]",
@@ -199,6 +209,9 @@ def _dispatch(arguments: list[str]) -> int:
             return measure.bench(options.pattern, options.report)
         return measure.validate(options.what, options.case, options.report, options.plots,
                                 options.pictures)
+    if options.command == "fuzz":
+        from . import fuzz
+        return fuzz.fuzz(options.target, options.runs or fuzz.DEFAULT_RUNS)
     if options.command in ("engines", "serve", "keys", "replay"):
         from . import peers
         return peers.dispatch(options)

@@ -1,0 +1,63 @@
+// Files that a user gives: scenes with settings, PGM images, OFF and OBJ meshes.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "coupler/scene/load.h"
+#include "shell/io/pgm_file.h"
+#include "tests/fuzz/targets.h"
+
+namespace sunder::fuzz {
+
+/// "!name.path=value", newline, scene: with a setting. Anything else: a scene.
+void run_scene(const std::uint8_t* data, std::size_t size) {
+  std::vector<std::string> settings;
+  if (size > 0 && data[0] == '!') {
+    const auto* end = std::find(data, data + size, '\n');
+    settings.emplace_back(data + 1, end);
+    size -= static_cast<std::size_t>(end - data), data = end;
+  }
+  const std::string path = file_with("scene.textproto", data, size);
+  refuses_by_name([&] {
+    const auto scene = scene::load(path, settings);
+    demand(scene.hash.size() == 64, "a scene without a hash");
+  });
+}
+
+void run_pgm(const std::uint8_t* data, std::size_t size) {
+  const std::string path = file_with("map.pgm", data, size);
+  refuses_by_name([&] {
+    const auto image = shell::read_pgm(path, [](double width, double height) {  // as strength maps do
+      require(std::min(width, height) >= 2.0 && std::max(width, height) <= 16384.0, "size");
+    });
+    demand(image.pixels.size() == static_cast<std::size_t>(image.width) * image.height, "pixels are missing");
+    for (const double x : {0.0, 0.3, 1.0})
+      for (const double y : {0.0, 0.7, 1.0}) {
+        const double grey = image.grey(x, y);
+        demand(grey >= 0.0 && grey <= 1.0, "a grey beyond black and white");
+      }
+  });
+}
+
+/// First byte: OFF or OBJ, and the scale.
+void run_mesh(const std::uint8_t* data, std::size_t size) {
+  if (size == 0) return;
+  constexpr double kMost = std::numeric_limits<double>::max();
+  constexpr double kScales[] = {1.0, 1e-3, 1e3, kMost, std::numeric_limits<double>::denorm_min(), 0.0, -1.0};
+  const std::string name = data[0] & 1 ? "mesh.off" : "mesh.obj";
+  scene::LoadedScene scene;
+  scene.path = file_with(name, data + 1, size - 1);
+  proto::ConvexMesh mesh;
+  mesh.set_path(name);
+  const std::size_t scale = data[0] / 2 % 8;
+  if (scale < std::size(kScales)) mesh.set_scale(kScales[scale]);
+  refuses_by_name([&] {
+    const auto hull = scene::read_mesh(scene, "bodies[0].mesh", mesh);
+    demand(hull.corners.size() >= 4 && hull.triangles.size() >= 4, "a hull without a volume");
+    for (const Vec3& c : hull.corners) demand(c.allFinite(), "a corner that is not finite");
+    for (const auto& t : hull.triangles)
+      for (const int k : t) demand(k >= 0 && k < static_cast<int>(hull.corners.size()), "a triangle of no corner");
+  });
+}
+
+}  // namespace sunder::fuzz

@@ -1,0 +1,57 @@
+#include "tests/fuzz/targets.h"
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+#include <google/protobuf/stubs/logging.h>
+#include <unistd.h>
+
+#include "coupler/core/error.h"
+
+namespace sunder::fuzz {
+
+const std::vector<Target>& targets() {
+  google::protobuf::SetLogHandler(nullptr);  // it writes a line for every text that is not UTF-8
+  static const std::vector<Target> all{
+      {"session", run_session, mutate_session},
+      {"bullet", run_bullet, mutate_session},
+      {"replies", run_replies, mutate_reply},
+      {"scene", run_scene, nullptr},
+      {"pgm", run_pgm, nullptr},
+      {"mesh", run_mesh, nullptr},
+  };
+  return all;
+}
+
+void demand(bool good, const std::string& what) {
+  if (good) return;
+  fmt::print(stderr, "finding: {}\n", what);
+  std::abort();
+}
+
+void refuses_by_name(const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& e) {
+    demand(e.status == Exit::kBadInput && !e.kind.empty() && *e.what() != '\0',
+           fmt::format("status {}, kind '{}': {}", static_cast<int>(e.status), e.kind, e.what()));
+  }
+}
+
+std::string file_with(const std::string& name, const std::uint8_t* data, std::size_t size) {
+  static const struct Folder {
+    std::string path = std::filesystem::temp_directory_path() / "sunder_fuzz_XXXXXX";
+    Folder() { demand(mkdtemp(path.data()) != nullptr, "no temporary folder"); }
+    ~Folder() {
+      std::error_code ignored;
+      std::filesystem::remove_all(path, ignored);
+    }
+  } folder;
+  const std::string path = folder.path + "/" + name;
+  std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
+  return path;
+}
+
+}  // namespace sunder::fuzz
