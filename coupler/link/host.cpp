@@ -44,6 +44,22 @@ std::vector<Motion> EngineHost::motions() const {
   return out;
 }
 
+std::vector<State> EngineHost::states() const {
+  std::vector<State> out = engine_.states();
+  for (const State& s : out) {
+    const BodyMotion& m = s.motion;
+    const bool sound = std::isfinite(s.mass) && m.position.allFinite() && m.orientation.coeffs().allFinite() &&
+                       m.velocity.allFinite() && m.angular_momentum.allFinite();
+    if (sound) continue;
+    Error e(Exit::kPhysics, "engine_failed",
+            fmt::format("{}: body {} has a motion that is not finite; are its numbers beyond what the engine can do?",
+                        info_.name, s.id));
+    e.body = std::to_string(s.id);
+    throw e;
+  }
+  return out;
+}
+
 std::vector<State> EngineHost::load(const World& world) {
   if (is_loaded_) refuse("a second Load");
   if (world.tick < 0) refuse(fmt::format("load.tick is {}", world.tick));
@@ -59,7 +75,7 @@ std::vector<State> EngineHost::load(const World& world) {
     engine_.add_joint(j);
   }
   tick_ = world.tick, keep_windows_ = world.keep_windows, is_loaded_ = true;
-  return engine_.states();
+  return states();
 }
 
 void EngineHost::restore(const std::string& caches) {
@@ -99,7 +115,7 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
   add(w.births, "births");
   if (!w.births.empty()) last_tick_ = -1;  // what was born cannot be taken back
   tick_ += w.ticks;
-  return engine_.states();
+  return states();
 }
 
 std::vector<State> EngineHost::add_bodies(const std::vector<RigidBody>& bodies) {
@@ -109,7 +125,7 @@ std::vector<State> EngineHost::add_bodies(const std::vector<RigidBody>& bodies) 
   for (const RigidBody& b : bodies) ids.insert(b.id);
   last_tick_ = -1;
   std::vector<State> out;
-  for (const State& s : engine_.states())
+  for (const State& s : states())
     if (ids.count(s.id)) out.push_back(s);
   return out;
 }

@@ -25,6 +25,8 @@ class EngineHost : public RigidLink {
 
  private:
   std::vector<Motion> motions() const;
+  /// What the engine has. Throws Error (engine_failed) where a number of it is not finite.
+  std::vector<State> states() const;
   void loaded(const char* what) const;
   void needs(const char* capability, const char* what) const;
   void match(const std::vector<Motion>& motions, const char* what) const;

@@ -167,6 +167,31 @@ TEST(Session, AClientThatFailsSaysWhy) {
   EXPECT_NE(server.said.find("the energy is nan"), std::string::npos) << server.said;
 }
 
+TEST(EngineHost, DoesNotHandOnWhatIsNotFinite) {
+  struct Broken final : Engine {
+    rigid::FreeFlight whole;
+    double z = 0.0;  // of every body
+    EngineInfo info() const override { return {"broken", "1", {}}; }
+    void add(const RigidBody& body) override { whole.add(body); }
+    void set_contact_laws(const std::vector<ContactLaw>&) override {}
+    void advance(double, const std::vector<Motion>&, const std::vector<BodyId>&) override { z = std::nan(""); }
+    std::vector<State> states() const override {
+      auto states = whole.states();
+      for (State& s : states) s.motion.position.z() = z;
+      return states;
+    }
+  } engine;
+  EngineHost host(engine);
+  EXPECT_EQ(host.load({{ball()}, {}, {}}).size(), 1u);
+  try {
+    host.window({0, 1, 1e-3, {{1, ball().motion}}, {}});
+    FAIL() << "handed on";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "engine_failed");
+    EXPECT_NE(std::string(e.what()).find("body 1"), std::string::npos) << e.what();
+  }
+}
+
 TEST(Channel, LeavesTheSocketOfAnotherThatTookItsPlace) {
   std::string name = testing::TempDir() + "/channel_XXXXXX";
   const std::string folder = mkdtemp(name.data()), path = folder + "/socket";
