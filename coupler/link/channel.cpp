@@ -32,7 +32,13 @@ struct Channel::Sockets {
   std::string file;  // that bind has made; ZeroMQ leaves it behind
   struct stat made {};
 
-  void fail_if_lost();
+  void fail_if_lost() const;  // as of the last look at events
+  /// The peer is gone, and something that it said is still to be read. Its end is looked at first: what came before it
+  /// is there by then.
+  bool left_words() {
+    read_events();
+    return lost && (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0;
+  }
   void read_events() {
     zmq::message_t event, address;
     while (monitor.recv(event, zmq::recv_flags::dontwait)) {
@@ -89,8 +95,7 @@ Channel::~Channel() {
     unlink(s_->file.c_str());
 }
 
-void Channel::Sockets::fail_if_lost() {
-  read_events();
+void Channel::Sockets::fail_if_lost() const {
   if (lost)
     throw Error(
         Exit::kPeerLost, "peer_lost",
@@ -99,8 +104,7 @@ void Channel::Sockets::fail_if_lost() {
 }
 
 void Channel::check_peer() {
-  // what it said last is read first: it may be why
-  if ((s_->data.get(zmq::sockopt::events) & ZMQ_POLLIN) == 0) s_->fail_if_lost();
+  if (!s_->left_words()) s_->fail_if_lost();  // what it said last is read first: it may be why
 }
 
 void Channel::send(const std::string& bytes) {
@@ -110,6 +114,7 @@ void Channel::send(const std::string& bytes) {
                             s_->peer, kMaxMessage));
   const double start = now_();
   while (!s_->data.send(zmq::buffer(bytes), zmq::send_flags::none)) {
+    if (s_->left_words()) return;  // nobody hears this any more, and what was said comes with the next receive
     s_->fail_if_lost();
     if (now_() - start > kSendSeconds)
       throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
@@ -117,6 +122,7 @@ void Channel::send(const std::string& bytes) {
 }
 
 void Channel::tell(const std::string& request) {
+  s_->read_events();
   s_->fail_if_lost();  // it would be kept for a peer that is gone, and hold up our end
   send(request);
 }
