@@ -103,9 +103,17 @@ void HeldRows::take(const std::vector<ContactRow>& rows, const std::vector<Joint
 
 void HeldRows::prepare(Contact& c, double h) {
   const BodyMotion &a = c.first->motion, &b = c.second->motion;
-  const Vec3 pa = a.position + a.orientation * c.row.first_point, pb = b.position + b.orientation * c.row.second_point;
-  const double gap = (pa - pb).dot(c.row.normal) + c.row.allowance;
-  const Vec3 middle = 0.5 * (pa + pb);
+  const Vec3& n = c.row.normal;
+  Vec3 pa = a.position + a.orientation * c.row.first_point, pb = b.position + b.orientation * c.row.second_point;
+  // A sphere touches below its centre, however it turns and wherever it slides: an impulse beside that would turn it.
+  const auto* first_sphere = std::get_if<SphereShape>(&c.first->shape);
+  const auto* second_sphere = std::get_if<SphereShape>(&c.second->shape);
+  if (first_sphere) pa = a.position - first_sphere->radius * n;
+  if (second_sphere) pb = b.position + second_sphere->radius * n;
+  const double gap = (pa - pb).dot(n) + c.row.allowance;
+  const Vec3 middle = first_sphere    ? Vec3(pa - 0.5 * gap * n)
+                      : second_sphere ? Vec3(pb + 0.5 * gap * n)
+                                      : Vec3(0.5 * (pa + pb));
   c.first_arm = middle - a.position, c.second_arm = middle - b.position;
   Mat3 axes;
   axes << c.row.normal, c.side, c.other;

@@ -33,7 +33,7 @@ void pose(const Scene& s, const std::string& field, const proto::Pose& p) {
 
 void material(const Scene& s, const std::string& f, const proto::Material& m) {
   positive(s, f + ".density", m.has_density(), m.density(), "kg/m^3");
-  s.check(m.density() >= 1e-6 && m.density() <= 1e9, f + ".density", "is {}; 1e-6 to 1e9 kg/m^3", m.density());
+  s.check(m.density() >= 1e-6 && m.density() <= 1e12, f + ".density", "is {}; 1e-6 to 1e12 kg/m^3", m.density());
   if (m.has_youngs_modulus()) {
     positive(s, f + ".youngs_modulus", true, m.youngs_modulus(), "Pa");
     s.check(m.youngs_modulus() >= 1e-3 && m.youngs_modulus() <= 1e15, f + ".youngs_modulus", "is {}; 1e-3 to 1e15 Pa",

@@ -15,6 +15,7 @@ using Scheme = CouplingRules::Scheme;
 constexpr double kLedgerTolerance = 1e-12;  // of the sum of |J|; double precision leaves some 1e-15
 constexpr int kStiffnessEvery = 8;          // windows between two measurements
 constexpr int kHeldWindows = 64;            // that a body counts as held by the engine, or stays exported, afterwards
+constexpr double kRecovery = 0.02;          // twenty plates on the first sink in by 2 um, and nothing bounces
 constexpr double kAgreed = 1e-9;            // change of the engine's impulses between two passes, of themselves
 constexpr double kFastestRelaxation = 2.0, kSlowestRelaxation = 0.02, kFirstRelaxation = 0.5;
 constexpr double kLeastResidual = 1.0 / 16.0;  // of the tolerance, below which a window is doubled
@@ -75,7 +76,7 @@ void Run::choose_exported() {
 
 void Run::open_window(double window) {
   starts_ = motions();
-  for (Proxy& p : proxies_) p.unmoved = setup_.coupling.scheme == Scheme::kLagged;
+  for (Proxy& p : proxies_) p.unmoved = setup_.coupling.scheme == Scheme::kLagged, p.recovery = 0.0;
   solved_.clear();
   if (state_) choose_exported();
   std::set<BodyId> exported;
@@ -112,6 +113,8 @@ void Run::open_window(double window) {
   std::vector<RigidBody*> bodies;
   for (Proxy& p : proxies_) bodies.push_back(&p.body);
   rows_.take(rows, joints, bodies);
+  for (Proxy& p : proxies_)
+    if (exported.count(p.body.id)) p.recovery = kRecovery;
   for (const BodyId id : exported) ever_exported_.insert(id);
   ++exported_windows_;
 }
@@ -230,7 +233,8 @@ void Run::exchange(int ticks, double window, const std::vector<RigidBody>& birth
       const Vec3 dw = p.body.apply_inverse_inertia(now.angular_momentum - then.angular_momentum);
       // the work that the shell's push would have done on what the engine has changed
       window_residual_ += std::abs(p.linear_impulse.dot(dv) + p.angular_impulse.dot(dw));
-      if (!dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = windows_ + kHeldWindows;
+      const bool exported = p.recovery > 0.0 && !rows_.empty();  // the engine has nothing left to hold it by
+      if (exported || !dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = windows_ + kHeldWindows;
     }
     p.body.motion = now;
     ++k;

@@ -89,10 +89,10 @@ void Run::start() {
     require(setup_.time_step <= most,
             "time_step_s is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
             setup_.time_step, m.name, can_crack() ? " with cracks" : "", most / kMostOfStable, 0.99 * most);
-    require(setup_.tick >= initial_step_,
-            "{} is {} s, shorter than the stable step of the shell, {:.3g} s; make it a multiple",
+    const double step = setup_.time_step > 0.0 ? setup_.time_step * (1.0 - 1e-9) : initial_step_;
+    require(setup_.tick >= step, "{} is {} s, shorter than {}, {:.3g} s; make it a multiple",
             setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
-            initial_step_);
+            setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step);
     refresh_candidates(m, *state_, proxies_, coefficients_, setup_.safety * initial_step_, candidates_);
     candidates_.age = 0;
   }

@@ -153,8 +153,9 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       Mat3 inverse = body.inverse_mass_at(x);
       for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
       if (inverse.trace() <= 0.0) continue;
+      const Vec3 wanted = (body.recovery * -gap.value / dt) * gap.normal;  // of the relative velocity afterwards
       const Vec3 j =
-          contact_impulse(gap.normal, before, inverse, coefficients[b].friction, coefficients[b].restitution);
+          contact_impulse(gap.normal, before - wanted, inverse, coefficients[b].friction, coefficients[b].restitution);
       if (j.isZero(0.0)) continue;
       push(s, body, functions, x, before, j, dt);
     }

@@ -181,7 +181,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"StressAtRestThatCracks", "poisson_ratio: 0.22 }\nshells {",
              "poisson_ratio: 0.22 strength: 5e7 fracture_energy: 8 }\nshells { layers: 5 surface_compression: 1.1e8", 5,
              "crack by itself"},
-        Case{"DensityBeyondMatter", "density: 2500", "density: 1e300", 4, "1e-6 to 1e9"},
+        Case{"DensityBeyondMatter", "density: 2500", "density: 1e300", 4, "1e-6 to 1e12"},
         Case{"StiffnessBeyondMatter", "youngs_modulus: 70e9", "youngs_modulus: 1e-300", 4, "1e-3 to 1e15"},
         Case{"PoissonRatioAtTheLimit", "poisson_ratio: 0.22", "poisson_ratio: -0.999999", 4, "-0.99 to 0.4999"},
         Case{"GridSpacingWithoutAGrid", "end_time_s: 1\n", "end_time_s: 1 transfer { grid_spacing_m: 0.01 }\n", 2,

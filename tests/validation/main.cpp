@@ -73,13 +73,20 @@ void write_json(const std::string& path, const Report& report) {
 int main(int argc, char** argv) {
   std::string only, json;
   int threads = 1;
-  std::map<std::string, std::vector<Case>> all{{"shells", static_cases()}, {"cracks", crack_cases()}};
+  std::map<std::string, std::vector<Case>> all{
+      {"shells", static_cases()}, {"cracks", crack_cases()}, {"coupling", coupling_cases()}};
+  const std::map<std::string, std::vector<Case>> on_demand{{"coupling", long_coupling_cases()}};
   for (const auto& more : {dynamic_cases(), transfer_cases()})
     all["shells"].insert(all["shells"].end(), more.begin(), more.end());
   for (const auto& more : {tip_cases(), bar_cases()})
     all["cracks"].insert(all["cracks"].end(), more.begin(), more.end());
   std::vector<Case> cases;
-  if (argc > 1 && all.count(argv[1])) cases = all[argv[1]], ++argv, --argc;
+  std::vector<Case> by_name;
+  if (argc > 1 && all.count(argv[1])) {
+    cases = all[argv[1]];
+    if (on_demand.count(argv[1])) by_name = on_demand.at(argv[1]);
+    ++argv, --argc;
+  }
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (i + 1 < argc && option == "--case")
@@ -97,6 +104,8 @@ int main(int argc, char** argv) {
       return option == "--help" ? 0 : 2;
     }
   }
+  for (const Case& c : by_name)
+    if (c.name == only) cases.push_back(c);
   Report report;
   bool found = false;
   fmt::print("{:<34} {:>13} {:>13} {:>10} {:>9} {:>8}\n", "case", "computed", "reference", "error", "tolerance",

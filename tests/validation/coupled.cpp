@@ -1,0 +1,147 @@
+#include "tests/validation/coupled.h"
+
+#include <atomic>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "coupler/link/host.h"
+#include "coupler/scene/load.h"
+#include "rigid/engine/engine.h"
+#include "shell/io/run.h"
+#include "tests/validation/cases.h"
+
+namespace sunder::validation {
+namespace {
+
+constexpr double kSide = 0.3, kThickness = 0.004, kDensity = 2500.0, kRadius = 0.04, kGap = 1e-5, kSpeed = 1.0;
+constexpr int kElements = 8;
+constexpr double kArm = 0.12;   // from the hinge to the ball's centre [m]
+constexpr double kHertz = 1e8;  // elastic contact, so that energy tells [N/m^1.5]
+
+struct TemporaryFolder {
+  std::filesystem::path path;
+  TemporaryFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "sunder_validate_XXXXXX").string();
+    path = mkdtemp(name.data());
+  }
+  ~TemporaryFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path, ignored);
+  }
+};
+
+}  // namespace
+
+namespace {
+// Speed of the body, or of the plate [m/s]: with a heavy body less, or the plate's net would be torn apart.
+double thrown(const Coupled& c) { return kSpeed / std::sqrt(std::max(1.0, c.ratio)); }
+}  // namespace
+
+std::string coupled_text(const Coupled& c) {
+  const double window = c.substeps * coupled_substep();
+  const double plate_mass = kDensity * kThickness * kSide * kSide;
+  const double density = c.ratio * plate_mass / (4.0 / 3.0 * std::numbers::pi * std::pow(kRadius, 3));
+  const std::string contact =
+      c.elastic ? fmt::format(
+                      "contacts {{ friction: 0 }} contacts {{ first: \"plate\" second: \"ball\" hertz {{ "
+                      "stiffness: {} }} }}",
+                      kHertz)
+                : "contacts { friction: 0.4 }";
+  std::string s = fmt::format(
+      "name: \"coupled\"\nend_time_s: {:.17g}\nwindow_s: {:.17g}\ntime_step_s: {:.17g}\ngravity {{ z: {} }}\n"
+      "materials {{ name: \"plate\" density: {} youngs_modulus: 70e9 poisson_ratio: 0.22 }}\n"
+      "materials {{ name: \"body\" density: {:.17g} }}\n"
+      "shells {{ name: \"plate\" material: \"plate\" thickness_m: {} velocity {{ z: {} }}\n"
+      "  plate {{ size_x_m: {} size_y_m: {} elements_x: {} elements_y: {} }} supports {{ edges: ALL kind: CLAMPED }} "
+      "}}\n"
+      "{}\n"
+      "coupling {{ scheme: {} }}\noutput {{ frame_interval_s: 1e9 checkpoint_interval_s: 0 }}\n",
+      c.windows * window, window, coupled_substep(), c.resting ? -9.81 : 0.0, kDensity, density, kThickness,
+      c.hold == Hold::kFree ? 0.0 : -thrown(c), kSide, kSide, kElements, kElements, contact, c.scheme);
+  const auto sphere = [&](const char* name, double z, double vz) {
+    return fmt::format(
+        "bodies {{ name: \"{}\" material: \"body\" sphere {{ radius_m: {} }} pose {{ position {{ x: 7.926e-3 y: "
+        "7.926e-3 z: {:.17g} }} }} twist {{ linear {{ z: {} }} }} }}\n",
+        name, kRadius, z, vz);
+  };
+  const double top = 0.5 * kThickness + kGap;
+  if (c.hold == Hold::kFree) return s + sphere("ball", top + kRadius, c.resting ? 0.0 : -thrown(c)) + c.more;
+  if (c.hold == Hold::kHinge)
+    return s + sphere("ball", -top - kRadius, 0.0) +
+           fmt::format(
+               "joints {{ name: \"pin\" kind: HINGE first: \"ball\" position {{ x: {:.17g} y: 7.926e-3 z: {:.17g} }} "
+               "axis {{ y: 1 }} }}\n",
+               7.926e-3 - kArm, -top - kRadius) +
+           c.more;
+  s += sphere("ball", -top - kRadius, 0.0);
+  double low = -top - 2.0 * kRadius - kGap;
+  if (c.hold == Hold::kBody) s += sphere("other", low - kRadius, 0.0), low -= 2.0 * kRadius + kGap;
+  return s + fmt::format("bodies {{ name: \"floor\" half_space {{}} pose {{ position {{ z: {:.17g} }} }} }}\n", low) +
+         c.more;
+}
+
+double coupled_substep() {
+  // a wave in the plane crosses an element: 0.6 of the stable step
+  return 1.0 * kSide / kElements / std::sqrt(70e9 / ((1.0 - 0.22 * 0.22) * kDensity));
+}
+
+std::string run_text(const std::string& text, const std::string& engine_name, const Watch& watch, WatchedRun* end,
+                     const Tamper& tamper) {
+  const TemporaryFolder folder;
+  const std::string file = (folder.path / "scene.textproto").string();
+  std::ofstream(file) << text;
+  std::string failure;
+  try {
+    const auto scene = scene::load(file, {});
+    const auto engine = rigid::make_engine(engine_name);
+    shell::RunOptions options;
+    options.out = folder.path.string(), options.quiet = true, options.scene_hash = scene.hash;
+    options.connect = [&](const shell::RunOptions&) { return std::make_unique<link::EngineHost>(*engine); };
+    options.observe = [&](const shell::Run& run) {
+      std::vector<const RigidBody*> bodies;
+      for (const shell::Proxy& p : run.bodies()) bodies.push_back(&p.body);
+      if (watch) watch(run.time(), run.mechanical_energy(), bodies);
+      if (end) end->hardest = run.hardest(), end->exported = run.exported();
+    };
+    options.tamper = tamper;
+    shell::Run run(shell::build(scene), options);
+    const std::atomic<bool> never{false};
+    run.execute(never);
+  } catch (const Error& e) {
+    failure = e.kind + ": " + e.what();
+  }
+  if (end) {
+    std::ifstream summary(folder.path / "run.json");
+    end->summary.assign(std::istreambuf_iterator<char>(summary), {});
+  }
+  return failure;
+}
+
+Watched run_coupled(const Coupled& c, const Tamper& tamper) {
+  Watched w;
+  const double begin = seconds_now();
+  WatchedRun end;
+  w.failure = run_text(
+      coupled_text(c), c.engine,
+      [&](double, double energy, const std::vector<const RigidBody*>& bodies) {
+        if (w.start_energy == 0.0) w.start_energy = energy;  // after one window; the plate has hardly moved
+        w.most_energy = std::max(w.most_energy, energy), w.end_energy = energy;
+        w.track.push_back(bodies[0]->motion);
+      },
+      &end, tamper);
+  // before anything happened, whatever the first window made of it
+  const double plate = kDensity * kThickness * kSide * kSide;
+  if (c.hold == Hold::kFree) w.start_energy = 0.5 * c.ratio * plate * thrown(c) * thrown(c);
+  w.hardest = end.hardest, w.exported = end.exported;
+  const auto at = end.summary.find("\"linear_max\": ");
+  if (at != std::string::npos) w.ledger = std::strtod(end.summary.c_str() + at + 14, nullptr);
+  w.seconds = seconds_now() - begin;
+  return w;
+}
+
+}  // namespace sunder::validation

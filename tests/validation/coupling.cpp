@@ -1,0 +1,265 @@
+// Coupling schemes: free, squeezed and held bodies against the run whose windows are single substeps.
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "coupler/core/error.h"
+#include "shell/io/run.h"
+#include "tests/validation/cases.h"
+#include "tests/validation/coupled.h"
+
+namespace sunder::validation {
+namespace {
+
+constexpr double kAsMonolithic = 1e-9;  // [m, m/s]
+constexpr double kMostGain = 0.02, kHardest = 3e4;
+
+// Times [s] must be those that whole numbers give, to the last bit.
+void ticks(Report& report, int) {
+  const double start = seconds_now();
+  constexpr std::int64_t kWindows = 10000000;
+  constexpr int kRatio = 6400;  // substeps a window
+  const double tick = 1e-4 / 3.0;
+  double worst = 0.0, summed = 0.0, drift = 0.0;
+  for (std::int64_t w = 0; w < kWindows; ++w) {
+    const double begin = static_cast<double>(w) * tick, end = static_cast<double>(w + 1) * tick;
+    // what a window of the shell ends on is what the next one begins on
+    const double dt = tick / kRatio;
+    worst = std::max(worst, std::abs((begin + kRatio * dt) - end) / end);
+    summed += tick;
+  }
+  drift = std::abs(summed / (static_cast<double>(kWindows) * tick) - 1.0);
+  report.add("ticks_1e7_drift", std::abs(static_cast<double>(kWindows) * tick / (1e7 * tick) - 1.0), 0.0, 0.0,
+             seconds_now() - start);
+  report.add("ticks_1e7_within_a_window", worst, 0.0, 1e-15, 0.0);
+  report.lines.push_back(fmt::format("ticks: summing 1e7 windows instead would have drifted by {:.1e}", drift));
+  Coupled c;
+  c.windows = 100000, c.elastic = false;
+  const double real = seconds_now();
+  double last = 0.0;
+  std::int64_t count = 0;
+  const std::string failure =
+      run_text(coupled_text(c), "freeflight", [&](double time, double, const auto&) { last = time, ++count; });
+  const double expected = static_cast<double>(c.windows) * coupled_substep();
+  report.add("ticks_1e5_real_windows", failure.empty() && count == c.windows ? last / expected - 1.0 : std::nan(""),
+             0.0, 0.0, seconds_now() - real);
+}
+
+// A body that only the shell pushes moves as if there were no windows.
+void free_bodies(Report& report, int) {
+  const double step = coupled_substep();
+  for (const double ratio : {1e-3, 1.0, 1e6}) {
+    Coupled c;
+    c.ratio = ratio, c.elastic = false, c.windows = 4000;
+    const Watched whole = run_coupled(c);
+    for (const char* engine : {"bullet", "ode", "freeflight"})
+      for (const int n : {20, 1000}) {
+        c.substeps = n, c.windows = 4000 / n, c.engine = engine;
+        const Watched w = run_coupled(c);
+        double worst = w.failure.empty() ? 0.0 : std::nan("");
+        for (std::size_t k = 0; k < w.track.size(); ++k) {
+          const BodyMotion &a = w.track[k], &b = whole.track.at((k + 1) * n - 1);
+          worst = std::max({worst, (a.position - b.position).norm(), (a.velocity - b.velocity).norm()});
+        }
+        report.add(fmt::format("free_{}_{:g}_{}", engine, ratio, n), worst, 0.0, kAsMonolithic, w.seconds);
+      }
+  }
+  report.lines.push_back(
+      fmt::format("free: largest difference [m, m/s] from windows of one substep, {:.3g} s, at every "
+                  "window; name: engine, mass over the plate's, substeps a window",
+                  step));
+}
+
+void rebound(Report& report, int) {
+  for (const double ratio : {0.01, 1.0, 100.0}) {
+    double speed[2];
+    double seconds = 0.0;
+    for (const int i : {0, 1}) {
+      Coupled c;
+      c.ratio = ratio, c.substeps = i == 0 ? 10 : 100, c.windows = 6000 / c.substeps;
+      const Watched w = run_coupled(c);
+      speed[i] = w.failure.empty() ? w.track.back().velocity.z() : std::nan(""), seconds += w.seconds;
+    }
+    report.add(fmt::format("rebound_{:g}_window_times_10", ratio), speed[1], speed[0], 0.01, seconds);
+  }
+}
+
+// Gain of energy and rebound over mass ratio, substeps and what holds the body.
+void map_of(Report& report, const std::vector<std::string>& schemes, const std::vector<double>& ratios,
+            const std::vector<int>& counts, int windows) {
+  std::map<std::string, double> worst;
+  report.lines.push_back(
+      "map: hold, mass over the plate's, substeps a window, k H^2 / M, scheme: energy gained, energy "
+      "left, velocity after over that of the first scheme");
+  for (const Hold hold : {Hold::kFree, Hold::kFloor, Hold::kBody, Hold::kHinge})
+    for (const double ratio : ratios)
+      for (const int n : counts) {
+        double hardness = 0.0;
+        std::string line;
+        for (const std::string& scheme : schemes) {
+          Coupled c;
+          c.hold = hold, c.ratio = ratio, c.substeps = n, c.windows = windows, c.scheme = scheme;
+          if (scheme == "ITERATED" && n > 100) continue;  // each window up to eight times
+          const Watched w = run_coupled(c);
+          hardness = std::max(hardness, w.hardest);
+          const double gain = w.failure.empty() ? std::max(0.0, w.gain()) : std::numeric_limits<double>::infinity();
+          line += fmt::format("  {} {:.2g} {:.3f}{}", scheme, gain, w.end_energy / w.start_energy,
+                              w.failure.empty() ? "" : " (" + w.failure.substr(0, w.failure.find(':')) + ")");
+          Curve* curve = nullptr;
+          for (Curve& known : report.curves)
+            if (known.name == scheme) curve = &known;
+          if (!curve) {
+            report.curves.push_back({scheme, "k H^2 / M", "energy gained", {}, {}});
+            curve = &report.curves.back();
+          }
+          curve->x.push_back(std::max(hardness, 1e-6)), curve->y.push_back(std::max(std::min(gain, 1e6), 1e-9));
+          if (hold == Hold::kFree || hardness <= kHardest) worst[scheme] = std::max(worst[scheme], gain);
+        }
+        report.lines.push_back(fmt::format("{:<6} {:<6g} {:>4} {:>9.2g} {}", kHoldNames[static_cast<int>(hold)], ratio,
+                                           n, hardness, line));
+      }
+  for (const auto& [scheme, gain] : worst) {
+    const bool must_hold = scheme == "PROXY" || scheme == "EXPORTED";
+    if (must_hold)
+      report.add("map_gain_" + scheme, gain, 0.0, kMostGain, 0.0);
+    else  // a scheme that is there to be measured: it has to be seen to fail
+      report.add("map_fails_" + scheme, gain > kMostGain ? 1.0 : 0.0, scheme == "LAGGED" ? 1.0 : (gain > kMostGain),
+                 0.0, 0.0);
+  }
+}
+
+void map_small(Report& report, int) {
+  map_of(report, {"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"}, {1e-3, 1.0, 1e6}, {1, 20, 100}, 200);
+}
+void map_whole(Report& report, int) {
+  map_of(report, {"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"}, {1e-3, 1e-1, 1e1, 1e3, 1e6},
+         {1, 10, 100, 1000}, 1000);
+}
+
+void corners(Report& report, int) {
+  for (const Hold hold : {Hold::kFloor, Hold::kBody, Hold::kHinge, Hold::kFree})
+    for (const double ratio : {1e-3, 1e6}) {
+      Coupled c;
+      c.hold = hold, c.ratio = ratio, c.substeps = 20, c.windows = 100000;
+      const Watched w = run_coupled(c);
+      const double gain = w.failure.empty() ? std::max(0.0, w.gain()) : std::nan("");
+      report.add(fmt::format("corner_{}_{:g}", kHoldNames[static_cast<int>(hold)], ratio), gain, 0.0, kMostGain,
+                 w.seconds);
+    }
+}
+
+// A ball that is pressed on a plate by gravity, over less than a period: two masses and springs.
+void oscillator(Report& report, int) {
+  const auto end_of = [](const std::string& scheme, int n) {
+    Coupled c;
+    c.scheme = scheme, c.substeps = n, c.windows = 640 / n, c.ratio = 20.0, c.elastic = false, c.resting = true;
+    const Watched w = run_coupled(c);
+    return w.failure.empty() ? w.track.back() : BodyMotion{Vec3::Constant(std::nan(""))};
+  };
+  const double start = seconds_now();
+  const BodyMotion exact = end_of("PROXY", 1);
+  for (const char* scheme : {"PROXY", "ITERATED", "EXPORTED", "STAGGERED", "LAGGED"}) {
+    Curve curve{std::string("oscillator ") + scheme, "substeps a window", "error of the ball's height [m]", {}, {}};
+    for (const int n : {2, 4, 8, 16, 32}) {
+      curve.x.push_back(n);
+      curve.y.push_back(std::max((end_of(scheme, n).position - exact.position).norm(), 1e-18));
+    }
+    const double order = std::log2(curve.y[3] / curve.y[1]) / 2.0;  // from 4 to 16
+    if (scheme == std::string("STAGGERED") || scheme == std::string("LAGGED"))
+      report.add(std::string("order_") + scheme, order, 1.0, 0.25, seconds_now() - start);
+    else
+      report.add(std::string("error_") + scheme, *std::max_element(curve.y.begin(), curve.y.end()), 0.0, kAsMonolithic,
+                 seconds_now() - start);
+    report.lines.push_back(
+        fmt::format("oscillator {}: errors {:.2e} {:.2e} {:.2e} {:.2e} {:.2e} m at 2 to 32 substeps a "
+                    "window",
+                    scheme, curve.y[0], curve.y[1], curve.y[2], curve.y[3], curve.y[4]));
+    report.curves.push_back(std::move(curve));
+  }
+}
+
+// What one side lost the other has gained; and where it has not, the run says so.
+void closure(Report& report, int) {
+  for (const char* engine : {"bullet", "ode", "freeflight"})
+    for (const Hold hold : {Hold::kFree, Hold::kFloor}) {
+      Coupled c;
+      c.hold = hold, c.engine = engine, c.substeps = 20, c.windows = 200, c.elastic = false;
+      const Watched w = run_coupled(c);
+      report.add(fmt::format("ledger_{}_{}", engine, kHoldNames[static_cast<int>(hold)]),
+                 w.failure.empty() && w.ledger > 0.0 ? w.ledger : std::nan(""), 0.0, 1e-12, w.seconds);
+    }
+  Coupled c;
+  c.substeps = 20, c.windows = 200, c.elastic = false;
+  const Watched leak = run_coupled(c, [](std::int64_t window, std::vector<shell::Proxy>& bodies) {
+    if (window >= 3 && bodies[0].impulse_sum > 0.0) bodies[0].linear_impulse *= 1.0 + 1e-9;
+  });
+  const bool named = leak.failure.rfind("ledger: window ", 0) == 0 && leak.failure.find("'ball'") != std::string::npos;
+  report.add("planted_leak_is_named", named ? 1.0 : 0.0, 1.0, 0.0, leak.seconds);
+  report.lines.push_back("closure: a leak of 1e-9 of the impulse ends the run with: " + leak.failure);
+}
+
+// Twenty plates on a flexing shell, for two seconds.
+void plates(Report& report, int) {
+  for (const char* engine : {"bullet", "ode"}) {
+    constexpr int kCount = 20;
+    constexpr double kPlate = 0.003, kShell = 0.006;
+    std::string s =
+        "name: \"plates\" end_time_s: 2 window_s: 1e-3\n"
+        "materials { name: \"acrylic\" density: 1200 youngs_modulus: 3.2e9 poisson_ratio: 0.3 mass_damping_per_s: 40 "
+        "}\n"
+        "materials { name: \"glass\" density: 2500 }\n"
+        "shells { name: \"shell\" material: \"acrylic\" thickness_m: 0.006 plate { size_x_m: 0.5 size_y_m: 0.5 "
+        "elements_x: 10 elements_y: 10 } supports { edges: ALL kind: CLAMPED } }\n"
+        "contacts { friction: 0.4 }\ncoupling { scheme: EXPORTED }\n"
+        "output { frame_interval_s: 1e9 checkpoint_interval_s: 0 }\n";
+    for (int i = 0; i < kCount; ++i)
+      s += fmt::format(
+          "bodies {{ name: \"plate_{}\" material: \"glass\" box {{ size_m {{ x: 0.15 y: 0.15 z: {} }} }} pose {{ "
+          "position "
+          "{{ x: {:.6f} y: {:.6f} z: {:.9f} }} }} }}\n",
+          i, kPlate, 0.004 * std::sin(1.7 * i), 0.004 * std::cos(2.3 * i),
+          0.5 * kShell + (i + 0.5) * kPlate + 1e-6 * (i + 1));
+    const double start = seconds_now();
+    std::vector<Vec3> settled, last;
+    double worst_gap = 0.0;
+    const std::string failure = run_text(s, engine, [&](double time, double, const auto& bodies) {
+      last.clear();
+      for (const RigidBody* b : bodies) last.push_back(b->motion.position);
+      if (time >= 0.5 && settled.empty()) settled = last;
+      if (time < 0.5) return;
+      for (int i = 1; i < kCount; ++i) worst_gap = std::max(worst_gap, std::abs((last[i] - last[i - 1]).z() - kPlate));
+    });
+    double slid = 0.0, walked = 0.0;  // beside the next one; the whole stack on the shell
+    for (std::size_t i = 0; i < settled.size(); ++i) {
+      const Vec3 moved = last[i] - settled[i];
+      if (i > 0) slid = std::max(slid, (moved - (last[i - 1] - settled[i - 1])).head<2>().norm());
+      walked = std::max(walked, moved.head<2>().norm());
+    }
+    if (!failure.empty()) worst_gap = slid = std::nan(""), report.lines.push_back("plates: " + failure);
+    report.lines.push_back(fmt::format(
+        "plates {}: the stack as a whole has walked {:.3g} m on the shell between 0.5 and 2 s", engine, walked));
+    report.add(fmt::format("plates_{}_gap_m", engine), worst_gap, 0.0, 1e-5, seconds_now() - start);
+    report.add(fmt::format("plates_{}_slid_m", engine), slid, 0.0, 1e-5, 0.0);
+  }
+}
+
+}  // namespace
+
+std::vector<Case> coupling_cases() {
+  return {{"closure", "impulses between shell and bodies, and a planted leak", closure},
+          {"ticks", "no drift in time", ticks},
+          {"free", "free bodies against windows of one substep", free_bodies},
+          {"oscillator", "order of the schemes", oscillator},
+          {"rebound", "of a ball, windows ten times as long", rebound},
+          {"map", "energy gained by squeezed and held bodies, all schemes: a part of map_whole", map_small},
+          {"plates", "twenty plates on a flexing shell for 2 s", plates}};
+}
+
+std::vector<Case> long_coupling_cases() {
+  return {{"map_whole", "five mass ratios, up to 1000 substeps, 1000 windows a point: half an hour", map_whole},
+          {"corners", "eight points with 1e5 windows", corners}};
+}
+
+}  // namespace sunder::validation
