@@ -6,13 +6,15 @@
 #include <sys/prctl.h>
 
 #include "coupler/core/error.h"
+#include "coupler/link/keys.h"
 #include "coupler/link/session.h"
 #include "rigid/engine/engine.h"
 
 namespace {
 
 constexpr const char* kUsage =
-    "sunder-rigid --endpoint ipc://PATH [--engine NAME] [--keys DIR] [--die-with-parent]\n"
+    "sunder-rigid --endpoint ipc://PATH|tcp://HOST:PORT [--engine NAME] [--keys DIR] [--die-with-parent]\n"
+    "sunder-rigid --make-keys DIR             makes a folder of keys, for both sides of encrypted sessions\n"
     "sunder-rigid --check [--engine NAME]     says whether there is such an engine\n"
     "sunder-rigid --list                      the names of all engines\n"
     "Binds the endpoint, serves one session and ends with it.\n"
@@ -36,8 +38,18 @@ int run(int argc, char** argv) {
       prctl(PR_SET_PDEATHSIG, SIGTERM);
       continue;
     }
-    sunder::require(i + 1 < argc && (option == "--endpoint" || option == "--engine" || option == "--keys"),
+    sunder::require(i + 1 < argc && (option == "--endpoint" || option == "--engine" || option == "--keys" ||
+                                     option == "--make-keys"),
                     "{}: unknown option or no value\n{}", option, kUsage);
+    if (option == "--make-keys") {
+      const std::string folder = argv[++i];
+      sunder::link::make_keys(folder);
+      fmt::print(
+          "{0}: rigid.key and rigid.pub, shell.key and shell.pub\nCopy the folder to the other machine by a way that "
+          "nobody reads (scp -p -r); the .key of the other side may be left out.\n",
+          folder);
+      return 0;
+    }
     (option == "--endpoint" ? endpoint : option == "--keys" ? keys : name) = argv[++i];
   }
   const auto engine = sunder::rigid::make_engine(name);

@@ -4,12 +4,14 @@
 #include <chrono>
 #include <cstring>
 #include <regex>
+#include <set>
 
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.hpp>
 
 #include "coupler/core/error.h"
+#include "coupler/link/keys.h"
 #include "coupler/link/messages.h"
 
 namespace sunder::link {
@@ -18,19 +20,54 @@ namespace {
 constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
 constexpr int kPollMs = 100;
 constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
-const std::string kIpc = "ipc://";
+// A connection that closes in the middle of a handshake may be a server that is being replaced; one that always does
+// is not meant for us.
+constexpr int kMostClosed = 3;
+const std::string kIpc = "ipc://", kZap = "inproc://zeromq.zap.01";
+
+[[noreturn]] void bad_endpoint(const std::string& endpoint, const std::string& why) {
+  throw Error(Exit::kBadInput, "bad_endpoint", fmt::format("--endpoint {}: {}", endpoint, why));
+}
+
+void check_endpoint(const std::string& endpoint, bool with_keys) {
+  if (endpoint.rfind(kIpc, 0) == 0) return;
+  static const std::regex address("tcp://[^/;]+:[0-9]{1,5}"), loopback("tcp://127\\.0\\.0\\.1:[0-9]{1,5}");
+  if (!std::regex_match(endpoint, address)) bad_endpoint(endpoint, "use ipc://PATH or tcp://HOST:PORT");
+  if (!with_keys && !std::regex_match(endpoint, loopback))
+    bad_endpoint(endpoint,
+                 "can be reached from beyond this machine; give --keys DIR, made by 'sunder keys DIR', or use "
+                 "tcp://127.0.0.1:PORT");
+}
 
 }  // namespace
 
 struct Channel::Sockets {
   zmq::context_t context{1};
+  // Where ZeroMQ asks whom to admit; of a binding side with keys only. It would admit all where nobody answers: this
+  // one opens before `data` and closes after.
+  zmq::socket_t door;
   zmq::socket_t data{context, zmq::socket_type::pair};
   zmq::socket_t monitor{context, zmq::socket_type::pair};
   bool was_connected = false, lost = false;
 
-  std::string peer;
+  Role role;
+  std::string peer, endpoint;
+  bool with_keys = false;
   std::string file;  // that bind has made; ZeroMQ leaves it behind
   struct stat made {};
+
+  // Anybody may knock at a port: those who are turned away must not end the session with the one who is not.
+  std::set<int> open;     // connections, by their descriptors
+  int ours = -1;          // of them, once it has spoken
+  int turned_away = 0;    // handshakes that failed
+  std::string last_away;  // why the last of them did that says
+
+  int closed_on_us = 0;
+  std::string refusal;  // why the side that we connect to will never have us
+
+  void open_door(const std::string& admitted);
+  void answer_door();
+  std::string admitted;  // public key, 32 bytes
 
   void fail_if_lost() const;  // as of the last look at events
   /// The peer is gone, and something that it said is still to be read. Its end is looked at first: what came before it
@@ -39,17 +76,88 @@ struct Channel::Sockets {
     read_events();
     return lost && (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0;
   }
-  void read_events() {
-    zmq::message_t event, address;
-    while (monitor.recv(event, zmq::recv_flags::dontwait)) {
-      std::uint16_t kind = 0;
-      std::memcpy(&kind, event.data(), sizeof kind);
-      (void)monitor.recv(address, zmq::recv_flags::none);
-      if (kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) was_connected = true;
-      if (kind == ZMQ_EVENT_DISCONNECTED && was_connected) lost = true;
+  void read_events();
+  void handshake_failed(std::uint16_t kind, int value);
+  void heard(zmq::message_t& message);
+};
+
+// RFC 27: what is asked comes in seven parts for CURVE, the last is the public key of who wants in.
+void Channel::Sockets::open_door(const std::string& public_key) {
+  admitted = public_key;
+  door = zmq::socket_t(context, zmq::socket_type::rep);
+  door.set(zmq::sockopt::linger, 0);
+  door.bind(kZap);
+}
+
+void Channel::Sockets::answer_door() {
+  while (door) {
+    zmq::message_t part;
+    std::vector<std::string> asked;
+    if (!door.recv(part, zmq::recv_flags::dontwait)) return;
+    asked.push_back(part.to_string());
+    while (part.more() && door.recv(part, zmq::recv_flags::none)) asked.push_back(part.to_string());
+    const bool in = asked.size() == 7 && asked[0] == "1.0" && asked[5] == "CURVE" && asked[6] == admitted;
+    const std::string reply[] = {
+        "1.0", asked.size() > 1 ? asked[1] : "", in ? "200" : "400", in ? "" : "not the shell of these keys", "", ""};
+    for (std::size_t i = 0; i < std::size(reply); ++i)
+      door.send(zmq::buffer(reply[i]), i + 1 < std::size(reply) ? zmq::send_flags::sndmore : zmq::send_flags::none);
+  }
+}
+
+void Channel::Sockets::read_events() {
+  zmq::message_t event, address;
+  while (monitor.recv(event, zmq::recv_flags::dontwait)) {
+    std::uint16_t kind = 0;
+    std::int32_t value = 0;  // mostly the descriptor
+    std::memcpy(&kind, event.data(), sizeof kind);
+    std::memcpy(&value, event.data<char>() + sizeof kind, sizeof value);
+    (void)monitor.recv(address, zmq::recv_flags::none);
+    if (kind == ZMQ_EVENT_ACCEPTED || kind == ZMQ_EVENT_CONNECTED) open.insert(value);
+    if (kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) was_connected = true;
+    if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH || kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL ||
+        kind == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL)
+      handshake_failed(kind, value);
+    if (kind == ZMQ_EVENT_DISCONNECTED) {
+      open.erase(value);
+      if (was_connected && (ours >= 0 ? value == ours : open.empty())) lost = true;
     }
   }
-};
+}
+
+void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
+  const bool mismatch =
+      kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL && value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH;
+  if (role == Role::kBind) {
+    ++turned_away;
+    if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL && !last_away.empty()) return;  // others said more
+    last_away = kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH       ? "its public key is not the shell.pub here"
+                : mismatch && with_keys                       ? "it came without --keys"
+                : mismatch                                    ? "it came with --keys, and there are none here"
+                : kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL ? "it expects another rigid.pub, or is no shell process"
+                                                              : "it left at our first word, as one with other keys "
+                                                                "or without any does";
+    return;
+  }
+  if (was_connected) return;
+  if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH)
+    refusal = "it does not know our shell.key: its shell.pub is another";
+  else if (mismatch)
+    refusal = with_keys ? "it has no keys: start it with --keys DIR" : "it wants keys: give --keys DIR";
+  else if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL)
+    refusal = "what it answers is not for us: it is no rigid process, or has other keys";
+  else if (++closed_on_us >= kMostClosed && with_keys)  // a server that cannot read us does not say so
+    refusal = "it closes the connection at our first word: our rigid.pub is not of its rigid.key, or it has no --keys";
+}
+
+// The first message tells which of the connections is the peer's.
+void Channel::Sockets::heard(zmq::message_t& message) {
+  if (ours >= 0) return;
+  read_events();  // those of earlier connections, whose descriptor it may have
+  const int from = zmq_msg_get(message.handle(), ZMQ_SRCFD);
+  if (from < 0) return;
+  ours = from;
+  if (!open.contains(from)) lost = true;  // it has spoken and gone
+}
 
 double Channel::steady_seconds() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -57,11 +165,8 @@ double Channel::steady_seconds() {
 
 Channel::Channel(Role role, const std::string& endpoint, const std::string& keys, std::function<double()> now)
     : now_(std::move(now)), s_(std::make_unique<Sockets>()) {
-  (void)keys;
-  const bool local =
-      endpoint.rfind(kIpc, 0) == 0 || std::regex_match(endpoint, std::regex("tcp://127\\.0\\.0\\.1:[0-9]{1,5}"));
-  require(local, "--endpoint {}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet",
-          endpoint);
+  check_endpoint(endpoint, !keys.empty());
+  s_->role = role, s_->endpoint = endpoint, s_->with_keys = !keys.empty();
   s_->peer = role == Role::kConnect ? "the rigid process" : "the shell process";
   auto& d = s_->data;
   d.set(zmq::sockopt::linger, 500);
@@ -69,6 +174,19 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
   d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
   d.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
   d.set(zmq::sockopt::sndtimeo, kPollMs);
+  if (endpoint.find('[') != std::string::npos) d.set(zmq::sockopt::ipv6, true);
+  if (s_->with_keys) {
+    const Keys k = read_keys(keys, role == Role::kBind ? Side::kRigid : Side::kShell);
+    d.set(zmq::sockopt::curve_secretkey, k.secret);
+    if (role == Role::kBind) {
+      d.set(zmq::sockopt::curve_server, true);
+      d.set(zmq::sockopt::zap_domain, "sunder");
+      s_->open_door(k.peer_public);
+    } else {
+      d.set(zmq::sockopt::curve_publickey, k.own_public);
+      d.set(zmq::sockopt::curve_serverkey, k.peer_public);
+    }
+  }
   static std::atomic<int> number = 0;
   const std::string watch = "inproc://monitor-" + std::to_string(number++);
   zmq_socket_monitor(d.handle(), watch.c_str(), ZMQ_EVENT_ALL);
@@ -81,9 +199,7 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
     } else
       d.connect(endpoint);
   } catch (const zmq::error_t& e) {
-    throw Error(
-        Exit::kBadInput, "bad_endpoint",
-        fmt::format("--endpoint {}: {}; is another run using it, may its folder be written?", endpoint, e.what()));
+    bad_endpoint(endpoint, fmt::format("{}; is another run using it, may its folder be written?", e.what()));
   }
 }
 
@@ -96,6 +212,10 @@ Channel::~Channel() {
 }
 
 void Channel::Sockets::fail_if_lost() const {
+  if (!refusal.empty())
+    throw Error(
+        Exit::kPeerLost, "not_admitted",
+        fmt::format("{} at {}: {}; both sides need the folder of one 'sunder keys DIR'", peer, endpoint, refusal));
   if (lost)
     throw Error(
         Exit::kPeerLost, "peer_lost",
@@ -135,18 +255,30 @@ std::string Channel::ask(const std::string& request, double deadline_s, const ch
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
   const double start = now_();
   while (true) {
-    zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0}, {s_->monitor.handle(), 0, ZMQ_POLLIN, 0}};
+    zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0},
+                               {s_->monitor.handle(), 0, ZMQ_POLLIN, 0},
+                               {s_->door.handle(), 0, ZMQ_POLLIN, 0}};
     try {
-      zmq::poll(items, 2, std::chrono::milliseconds(kPollMs));
+      zmq::poll(items, s_->door ? 3 : 2, std::chrono::milliseconds(kPollMs));
     } catch (const zmq::error_t& e) {
       if (e.num() != EINTR) throw;
     }
     zmq::message_t message;
-    if (s_->data.recv(message, zmq::recv_flags::dontwait)) return message.to_string();
+    if (s_->data.recv(message, zmq::recv_flags::dontwait)) {
+      s_->heard(message);
+      return message.to_string();
+    }
+    s_->answer_door();
     check_peer();
     const double waited = now_() - start;
-    if (!s_->was_connected && waited > connect_s)
-      throw Error(Exit::kPeerLost, "peer_lost", fmt::format("{} did not connect within {} s", s_->peer, connect_s));
+    if (!s_->was_connected && waited > connect_s) {
+      const std::string late = fmt::format("{} did not connect within {} s", s_->peer, connect_s);
+      if (s_->turned_away == 0) throw Error(Exit::kPeerLost, "peer_lost", late);
+      throw Error(Exit::kPeerLost, "not_admitted",
+                  fmt::format("{}; {} attempts came to nothing: {}; both sides need the folder of one "
+                              "'sunder keys DIR'",
+                              late, s_->turned_away, s_->last_away));
+    }
     if (deadline_s > 0.0 && waited > deadline_s)
       throw Error(Exit::kPeerLost, "deadline",
                   fmt::format("{} is there, but has not answered {} within {} s", s_->peer, what, deadline_s));

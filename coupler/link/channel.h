@@ -1,5 +1,5 @@
 #pragma once
-// One ZeroMQ socket pair between two processes. ZeroMQ is named nowhere else.
+// One ZeroMQ socket pair between two processes. ZeroMQ is named here and in keys.cpp only.
 #include <functional>
 #include <memory>
 #include <string>
@@ -13,8 +13,10 @@ namespace sunder::link {
 class Channel final : public Transport {
  public:
   enum class Role { kBind, kConnect };
-  /// Throws Error (bad_endpoint) where the endpoint cannot be bound, or is neither ipc:// nor tcp:// of this machine
-  /// and there are no keys. `now`: the clock of deadlines [s].
+  /// `keys`: the folder of link/keys.h; with it the session is encrypted and the binding side, the rigid process,
+  /// admits the shell of these keys only. Empty: none, for ipc:// and tcp://127.0.0.1. Throws Error: bad_endpoint where
+  /// the endpoint cannot be bound, or is beyond this machine and there are no keys; bad_keys. `now`: the clock of
+  /// deadlines [s].
   Channel(Role role, const std::string& endpoint, const std::string& keys = "",
           std::function<double()> now = steady_seconds);
   ~Channel() override;
@@ -22,7 +24,8 @@ class Channel final : public Transport {
   /// Throws Error: peer_lost where the other side takes nothing any more; message_size above kMaxMessage.
   void send(const std::string& bytes);
   /// Waits for a message. Throws Error: peer_lost where the peer is gone, or has not connected within `connect_s`;
-  /// deadline where it is there and nothing has come for `deadline_s`, if that is positive.
+  /// deadline where it is there and nothing has come for `deadline_s`, if that is positive; not_admitted where the two
+  /// have no keys in common: at once where we connect, after `connect_s` where we bind, for the right one may yet come.
   std::string receive(double connect_s, double deadline_s = 0.0, const char* what = "");
   std::string ask(const std::string& request, double deadline_s, const char* what) override;
   void tell(const std::string& request) override;
