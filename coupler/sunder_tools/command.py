@@ -143,6 +143,7 @@ def make_parser() -> argparse.ArgumentParser:
     replay.add_argument("folder", metavar="DIR", type=Path, help="folder of a run that was made with --record")
     replay.add_argument("--side", choices=("shell", "rigid"), default="shell", help="who is played to (default: shell)")
     replay.add_argument("--rigid", metavar="ENGINE", help="with --side rigid: another engine than the recorded one")
+    replay.add_argument("--keys", metavar="DIR", type=Path, help="with --rigid tcp://HOST:PORT: as for 'sunder run'")
     fuzz = commands.add_parser(
         "fuzz", formatter_class=raw, allow_abbrev=False, help="feed garbage to everything that reads",
         description="Installs clang, builds fuzzers with sanitizers, and looks for input that does harm: messages of\n"

@@ -29,10 +29,10 @@ def dispatch(options: argparse.Namespace) -> int:
     if not recording.is_file():
         raise CommandError(f"{recording}: there is none; make the run with --record")
     if options.side == "shell":
-        if options.rigid:
-            raise CommandError("--rigid is for --side rigid; leave it out")
+        if options.rigid or options.keys:
+            raise CommandError("--rigid and --keys are for --side rigid; leave them out")
         return _replay_shell(job, recording)
-    return _replay_rigid(options.rigid or job.engine, recording)
+    return _replay_rigid(options.rigid or job.engine, recording, options.keys)
 
 
 def _serve(options: argparse.Namespace) -> int:
@@ -55,11 +55,13 @@ def _replay_shell(job: Job, recording: Path) -> int:
     return status
 
 
-def _replay_rigid(engine: str, recording: Path) -> int:
+def _replay_rigid(engine: str, recording: Path, keys: Path | None) -> int:
     executables = ensure_built()
     rigid = engines.resolve(engine, executables)
     if rigid.in_process:  # what was recorded is a session; the same engine has one of its own
         rigid = engines.resolve(rigid.in_process, executables)
+    if keys and not rigid.endpoint:
+        raise CommandError(f"--keys {keys}: is for an engine that waits at an address; leave it out")
     with SocketDir() as socket:
         endpoint = rigid.endpoint or socket.endpoint
         server = None
@@ -67,7 +69,8 @@ def _replay_rigid(engine: str, recording: Path) -> int:
             server = subprocess.Popen([*rigid.command, "--endpoint", endpoint, "--die-with-parent"],
                                       stdin=subprocess.DEVNULL)
         try:
-            status = subprocess.run([str(executables.shell), "replay-rigid", str(recording), "--endpoint", endpoint],
+            status = subprocess.run([str(executables.shell), "replay-rigid", str(recording), "--endpoint", endpoint,
+                                     *(["--keys", str(keys)] if keys else [])],
                                     check=False).returncode
         finally:
             if server is not None:

@@ -68,6 +68,9 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
         refuse_foreign(out)
     executables = ensure_built()
     rigid = engines.resolve(job.engine, executables)
+    if job.keys and not rigid.endpoint:
+        raise CommandError(f"--keys {job.keys}: is for an engine that waits at an address, --rigid tcp://HOST:PORT; "
+                           "leave it out, this run's own is reached through a folder that only you may enter")
     # All that can be refused is, before anything of an earlier run in the folder is touched.
     _check_quietly([str(executables.shell), *job.shell_arguments(), "--check"], job.scene)
     if rigid.command and "/" not in job.engine:
