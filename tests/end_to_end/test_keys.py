@@ -5,6 +5,7 @@ import contextlib
 import json
 import os
 import shutil
+import signal
 import socket
 import subprocess
 import tempfile
@@ -127,6 +128,22 @@ class Encrypted(unittest.TestCase):
             # of Hello's reply; without keys it is there for anybody
             self.assertEqual(b"double_precision" in heard, not options)
         self.assertEqual(len(hashes), 1, "encryption changed the run")
+
+    def test_a_stopped_process_is_noticed_through_the_encryption(self) -> None:
+        keys, out = self.make_keys(), self.root / "out"
+        out.mkdir()
+        both = ["--endpoint", f"tcp://127.0.0.1:{free_port()}", "--keys", keys]
+        rigid = self.start(BUILD / "rigid" / "sunder-rigid", *both)
+        shell = self.start(BUILD / "shell" / "sunder-shell", "--scene", SCENE, "--out", out, "--quiet", *both)
+        end = time.monotonic() + LONGEST_S
+        while len(list(out.glob("frames/bodies_*.vtp"))) < 2:
+            self.assertIsNone(shell.poll())
+            self.assertLess(time.monotonic(), end, "no frames came")
+            time.sleep(0.01)
+        rigid.send_signal(signal.SIGSTOP)
+        said, _ = shell.communicate(timeout=LONGEST_S)  # its connection stays open: only heartbeats can tell
+        self.assertEqual(shell.returncode, 3, said)
+        self.assertIn("peer_lost", said)
 
     def test_keys_are_for_an_engine_at_an_address(self) -> None:
         keys = self.make_keys()
