@@ -8,22 +8,84 @@
 namespace sunder::link {
 namespace {
 
+// Name of a field of a list's member, as "states[7].position". It becomes text only where it has to be said: a window
+// has four of them for every body.
+struct Member {
+  const char* list;
+  std::size_t id;
+  const char* field;
+};
+
+}  // namespace
+}  // namespace sunder::link
+
+template <>
+struct fmt::formatter<sunder::link::Member> : fmt::formatter<std::string_view> {
+  template <class Context>
+  auto format(const sunder::link::Member& m, Context& context) const {
+    return fmt::format_to(context.out(), "{}[{}]{}", m.list, m.id, m.field);
+  }
+};
+
+namespace sunder::link {
+namespace {
+
 template <class... Args>
 void check(bool good, fmt::format_string<Args...> format, Args&&... args) {
   if (!good) throw Error(Exit::kPeerLost, "bad_message", fmt::format(format, std::forward<Args>(args)...));
+}
+
+// In place: what is made apart is copied on its way into an arena.
+void encode(const Vec3& v, proto::Vec3* m) { m->set_x(v.x()), m->set_y(v.y()), m->set_z(v.z()); }
+
+void encode(const Quat& q, proto::Quaternion* m) { m->set_w(q.w()), m->set_x(q.x()), m->set_y(q.y()), m->set_z(q.z()); }
+
+// Into whatever has the four fields of a motion.
+template <class Message>
+void encode_motion(const BodyMotion& motion, Message* m) {
+  encode(motion.position, m->mutable_position()), encode(motion.orientation, m->mutable_orientation());
+  encode(motion.velocity, m->mutable_velocity());
+  encode(motion.angular_momentum, m->mutable_angular_momentum());
+}
+
+template <class Field>
+Vec3 decode_vector(const proto::Vec3& v, const Field& field) {
+  const Vec3 r(v.x(), v.y(), v.z());
+  check(r.allFinite(), "{} is ({}, {}, {}): not finite", field, v.x(), v.y(), v.z());
+  return r;
+}
+
+template <class Field>
+Quat decode_quaternion(const proto::Quaternion& q, const Field& field) {
+  const Quat r(q.w(), q.x(), q.y(), q.z());
+  check(r.coeffs().allFinite() && std::abs(r.norm() - 1.0) < kQuaternionTolerance,
+        "{} is ({}, {}, {}, {}): not of unit length", field, q.w(), q.x(), q.y(), q.z());
+  return r;
+}
+
+// Of a member of `list`, by its id.
+template <class Message>
+BodyMotion decode_motion(const Message& m, const char* list) {
+  const auto field = [&](const char* name) { return Member{list, m.id(), name}; };
+  BodyMotion motion;
+  motion.position = decode_vector(m.position(), field(".position"));
+  motion.orientation = decode_quaternion(m.orientation(), field(".orientation"));
+  motion.velocity = decode_vector(m.velocity(), field(".velocity"));
+  motion.angular_momentum = decode_vector(m.angular_momentum(), field(".angular_momentum"));
+  return motion;
 }
 
 }  // namespace
 
 proto::Vec3 encode(const Vec3& v) {
   proto::Vec3 m;
-  m.set_x(v.x()), m.set_y(v.y()), m.set_z(v.z());
+  encode(v, &m);
   return m;
 }
 
 proto::Quaternion encode(const Quat& q) {
   proto::Quaternion m;
-  m.set_w(q.w()), m.set_x(q.x()), m.set_y(q.y()), m.set_z(q.z());
+  encode(q, &m);
   return m;
 }
 
@@ -48,18 +110,9 @@ proto::RigidBody encode(const RigidBody& b) {
   return m;
 }
 
-Vec3 decode(const proto::Vec3& v, const std::string& field) {
-  const Vec3 r(v.x(), v.y(), v.z());
-  check(r.allFinite(), "{} is ({}, {}, {}): not finite", field, v.x(), v.y(), v.z());
-  return r;
-}
+Vec3 decode(const proto::Vec3& v, const std::string& field) { return decode_vector(v, field); }
 
-Quat decode(const proto::Quaternion& q, const std::string& field) {
-  const Quat r(q.w(), q.x(), q.y(), q.z());
-  check(r.coeffs().allFinite() && std::abs(r.norm() - 1.0) < kQuaternionTolerance,
-        "{} is ({}, {}, {}, {}): not of unit length", field, q.w(), q.x(), q.y(), q.z());
-  return r;
-}
+Quat decode(const proto::Quaternion& q, const std::string& field) { return decode_quaternion(q, field); }
 
 RigidBody decode(const proto::RigidBody& m, const std::string& field) {
   RigidBody b;
@@ -130,37 +183,37 @@ proto::Joint encode(const Joint& j) {
   return m;
 }
 
+void encode(const Motion& motion, proto::Handback* out) {
+  out->set_id(motion.id);
+  encode_motion(motion.motion, out);
+}
+
 proto::Handback encode(const Motion& motion) {
   proto::Handback h;
-  h.set_id(motion.id);
-  *h.mutable_position() = encode(motion.motion.position), *h.mutable_orientation() = encode(motion.motion.orientation);
-  *h.mutable_velocity() = encode(motion.motion.velocity);
-  *h.mutable_angular_momentum() = encode(motion.motion.angular_momentum);
+  encode(motion, &h);
   return h;
 }
 
-proto::ContactRow encode(const ContactRow& row) {
-  proto::ContactRow m;
-  m.set_first(row.first), m.set_second(row.second);
-  *m.mutable_first_point() = encode(row.first_point), *m.mutable_second_point() = encode(row.second_point);
-  *m.mutable_normal() = encode(row.normal);
-  m.set_friction(row.friction), m.set_restitution(row.restitution), m.set_allowance_m(row.allowance);
-  return m;
+void encode(const ContactRow& row, proto::ContactRow* out) {
+  out->set_first(row.first), out->set_second(row.second);
+  encode(row.first_point, out->mutable_first_point()), encode(row.second_point, out->mutable_second_point());
+  encode(row.normal, out->mutable_normal());
+  out->set_friction(row.friction), out->set_restitution(row.restitution), out->set_allowance_m(row.allowance);
 }
 
 void encode_states(const std::vector<State>& states, google::protobuf::RepeatedPtrField<proto::BodyState>* out) {
+  out->Reserve(static_cast<int>(states.size()));
   for (const State& s : states) {
     auto* m = out->Add();
     m->set_id(s.id), m->set_mass(s.mass);
-    *m->mutable_position() = encode(s.motion.position), *m->mutable_orientation() = encode(s.motion.orientation);
-    *m->mutable_velocity() = encode(s.motion.velocity);
-    *m->mutable_angular_momentum() = encode(s.motion.angular_momentum);
+    encode_motion(s.motion, m);
   }
 }
 
 namespace {
 
-void check_coefficients(double friction, double restitution, const std::string& field) {
+template <class Field>
+void check_coefficients(double friction, double restitution, const Field& field) {
   check(std::isfinite(friction) && friction >= 0.0, "{}.friction is {}", field, friction);
   check(restitution >= 0.0 && restitution <= 1.0, "{}.restitution is {}", field, restitution);
 }
@@ -208,13 +261,10 @@ std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<prot
                                    const std::string& field) {
   check(motions.size() <= kMaxBodies, "{}: {} bodies; {} at most", field, motions.size(), kMaxBodies);
   std::vector<Motion> out;
+  out.reserve(static_cast<std::size_t>(motions.size()));
   for (const auto& h : motions) {
-    const std::string name = fmt::format("{}[{}]", field, h.id());
-    check(out.empty() || h.id() > out.back().id, "{}: twice, or out of order", name);
-    out.push_back(
-        {h.id(),
-         {decode(h.position(), name + ".position"), decode(h.orientation(), name + ".orientation"),
-          decode(h.velocity(), name + ".velocity"), decode(h.angular_momentum(), name + ".angular_momentum")}});
+    check(out.empty() || h.id() > out.back().id, "{}: twice, or out of order", Member{field.c_str(), h.id(), ""});
+    out.push_back({h.id(), decode_motion(h, field.c_str())});
   }
   return out;
 }
@@ -272,15 +322,14 @@ Error decode_error(const proto::Error& error, const std::string& who) {
 std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
                                  const std::set<BodyId>& expected) {
   std::vector<State> out;
+  out.reserve(expected.size());
+  auto next = expected.begin();  // both go by id: no need to search
   for (const auto& m : states) {
-    const std::string field = fmt::format("states[{}]", m.id());
-    check(expected.count(m.id()) && (out.empty() || m.id() > out.back().id), "{}: an unknown or repeated body", field);
-    check(std::isfinite(m.mass()) && m.mass() > 0.0, "{}.mass is {}", field, m.mass());
-    out.push_back(
-        {m.id(),
-         m.mass(),
-         {decode(m.position(), field + ".position"), decode(m.orientation(), field + ".orientation"),
-          decode(m.velocity(), field + ".velocity"), decode(m.angular_momentum(), field + ".angular_momentum")}});
+    while (next != expected.end() && *next < m.id()) ++next;
+    check(next != expected.end() && *next == m.id(), "{}: an unknown or repeated body", Member{"states", m.id(), ""});
+    ++next;
+    check(std::isfinite(m.mass()) && m.mass() > 0.0, "{} is {}", Member{"states", m.id(), ".mass"}, m.mass());
+    out.push_back({m.id(), m.mass(), decode_motion(m, "states")});
   }
   check(out.size() == expected.size(), "states: {} for {} bodies", out.size(), expected.size());
   return out;
@@ -290,14 +339,15 @@ std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const std::
   check(reply.rows_size() <= kMaxRows, "rows: {} of them; {} at most", reply.rows_size(), kMaxRows);
   std::vector<ContactRow> out;
   for (const auto& m : reply.rows()) {
-    const std::string field = fmt::format("rows[{}]", out.size());
+    const auto name = [&](const char* of) { return Member{"rows", out.size(), of}; };
+    const Member field = name("");
     check(known.count(m.first()) && known.count(m.second()) && m.first() != m.second(), "{}: bodies {} and {}", field,
           m.first(), m.second());
     ContactRow row{m.first(),
                    m.second(),
-                   decode(m.first_point(), field + ".first_point"),
-                   decode(m.second_point(), field + ".second_point"),
-                   decode(m.normal(), field + ".normal"),
+                   decode_vector(m.first_point(), name(".first_point")),
+                   decode_vector(m.second_point(), name(".second_point")),
+                   decode_vector(m.normal(), name(".normal")),
                    m.friction(),
                    m.restitution(),
                    m.allowance_m()};

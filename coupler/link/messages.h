@@ -25,7 +25,9 @@ proto::RigidBody encode(const RigidBody& body);
 proto::Contact encode(const ContactLaw& law);
 proto::Joint encode(const Joint& joint);
 proto::Handback encode(const Motion& motion);
-proto::ContactRow encode(const ContactRow& row);
+/// In place, as messages of many bodies are filled.
+void encode(const Motion& motion, proto::Handback* out);
+void encode(const ContactRow& row, proto::ContactRow* out);
 void encode_states(const std::vector<State>& states, google::protobuf::RepeatedPtrField<proto::BodyState>* out);
 
 /// All throw Error(peer_lost status, "bad_message") with the field and the value.

@@ -35,7 +35,8 @@ class RemoteRigid final : public RigidLink {
   void check_peer() override { transport_->check_peer(); }
 
  private:
-  proto::Reply ask(proto::Request& request, double deadline_s, const char* what);
+  /// The reply, beside the request in its arena, which there must be.
+  proto::Reply& ask(proto::Request& request, double deadline_s, const char* what);
 
   std::unique_ptr<Transport> transport_;
   std::function<void(const TimedReply&)> heard_;

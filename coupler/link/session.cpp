@@ -22,7 +22,7 @@ std::int64_t now_ns() {
 
 struct Answer {
   Session& s;
-  proto::Reply reply;
+  proto::Reply& reply;
 
   template <class Work>
   auto timed(const char* name, Work work) {
@@ -57,8 +57,8 @@ struct Answer {
         const auto rows = timed("rows", [&] {
           return s.host_.rows(e.tick(), e.window_s(), motions, decode_ids(e.bodies(), "export.bodies"));
         });
-        reply.mutable_export_();
-        for (const ContactRow& row : rows) *reply.mutable_export_()->add_rows() = encode(row);
+        auto* out = reply.mutable_export_();
+        for (const ContactRow& row : rows) encode(row, out->add_rows());
         return;
       }
       case proto::Request::kWindow: {
@@ -106,7 +106,8 @@ struct Answer {
 };
 
 std::string Session::answer(const std::string& bytes) {
-  Answer answer{*this, {}};
+  google::protobuf::Arena arena;  // a message of many bodies is thousands of small ones
+  Answer answer{*this, *google::protobuf::Arena::CreateMessage<proto::Reply>(&arena)};
   const auto failed = [&](const Error& e) {
     answer.reply.Clear();
     answer.reply.mutable_error()->set_kind(e.kind), answer.reply.mutable_error()->set_message(e.what());
@@ -114,7 +115,7 @@ std::string Session::answer(const std::string& bytes) {
     state_ = kDone;
   };
   try {
-    proto::Request request;
+    auto& request = *google::protobuf::Arena::CreateMessage<proto::Request>(&arena);
     if (!request.ParseFromString(bytes)) refuse("bytes that are no request");
     if (request.sequence() != ++sequence_)
       refuse(fmt::format("request {}, expected {}", request.sequence(), sequence_));
