@@ -117,7 +117,8 @@ def make_parser() -> argparse.ArgumentParser:
     bench = commands.add_parser(
         "bench", formatter_class=raw, allow_abbrev=False, help="measure speed beside the machine's limits",
         description="Minima over interleaved repetitions, and the machine's multiply-add peak and bandwidth in the\n"
-                    "same run.", epilog=EPILOG)
+                    "same run; what a window's exchange with an engine in another process costs, and a whole run.",
+        epilog=EPILOG)
     bench.add_argument("--filter", metavar="NAME", dest="pattern", help="benchmarks whose name holds NAME")
     bench.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the numbers as JSON")
 

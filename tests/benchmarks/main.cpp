@@ -1,5 +1,7 @@
-// sunder-bench: what a force evaluation costs, beside the machine's own limits, all in one run.
+// sunder-bench: what a force evaluation costs, beside the machine's own limits, and what it costs to have the engine in
+// another process; all in one run.
 #include <fstream>
+#include <functional>
 #include <iostream>
 #include <map>
 #include <memory>
@@ -8,7 +10,9 @@
 #include <fmt/format.h>
 #include <omp.h>
 
+#include "coupler/core/error.h"
 #include "tests/benchmarks/counting.h"
+#include "tests/benchmarks/two_processes.h"
 // the counting type must be known before the templates that it runs
 #include "shell/solver/insertion.h"
 #include "shell/solver/step.h"
@@ -168,21 +172,13 @@ class Minima : public benchmark::ConsoleReporter {
   }
 };
 
-}  // namespace
+constexpr const char* kKernels[] = {"force_10k",    "force_160k",   "force_1250k", "force_cubic",
+                                    "force_scalar", "force_damage", "force_sound", "force_cut",
+                                    "step_1",       "step_2",       "fma",         "triad"};
 
-int main(int argc, char** argv) {
-  std::string filter, json;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (i + 1 < argc && option == "--filter")
-      filter = argv[++i];
-    else if (i + 1 < argc && option == "--json")
-      json = argv[++i];
-    else {
-      std::cerr << "sunder-bench [--filter NAME] [--json FILE]\n";
-      return option == "--help" ? 0 : 2;
-    }
-  }
+bool chosen(const std::string& name, const std::string& filter) { return name.find(filter) != std::string::npos; }
+
+void measure_kernels(const std::string& filter, std::map<std::string, double>& out) {
   const auto small = sheet(32, 20), middle = sheet(100, 100), large = sheet(280, 279);
   const auto cubic = sheet(66, 67, 0.0, 1e-4, 3);  // as many layer points as the middle one
   const auto damaged = sheet(60, 60, 7e6, 1.5e-4), sound = sheet(60, 60);
@@ -193,12 +189,9 @@ int main(int argc, char** argv) {
   const auto cut = sheet(60, 60);
   for (int k = 1; k < 15; ++k)
     insert_polyline(cut->model, cut->state, {{0.02 * k, 0.013}, {0.02 * k + 0.011, 0.287}}, 0.0);
-  bool any = false;
-  std::string names;
   const auto add = [&](const std::string& name, auto&& f) {
-    names += " " + name;
-    if (name.find(filter) == std::string::npos) return;
-    any = true;
+    ensure(std::count(std::begin(kKernels), std::end(kKernels), name) == 1, "{} is not in the list", name);
+    if (!chosen(name, filter)) return;
     benchmark::RegisterBenchmark(name.c_str(), f)
         ->Repetitions(5)
         ->MinTime(0.15)
@@ -217,10 +210,6 @@ int main(int argc, char** argv) {
   add("step_2", [&](benchmark::State& b) { whole_substep(b, *middle, 2); });
   add("fma", multiply_add);
   add("triad", triad);
-  if (!any) {
-    std::cerr << "sunder-bench: no benchmark's name holds '" << filter << "'; there are:" << names << "\n";
-    return 2;
-  }
   // repetitions of different benchmarks take turns, so that a slow moment of the machine meets all of them
   std::string own = "sunder-bench", interleave = "--benchmark_enable_random_interleaving=true";
   std::vector<char*> options{own.data(), interleave.data()};
@@ -228,7 +217,6 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&count, options.data());
   Minima minima;
   benchmark::RunSpecifiedBenchmarks(&minima);
-  std::map<std::string, double> out;
   const auto seconds = [&](const char* name) { return minima.seconds.count(name) ? minima.seconds[name] : 0.0; };
   const auto put = [&](const std::string& key, const char* name, double scale) {
     if (seconds(name) > 0.0) out[key] = seconds(name) * scale;
@@ -260,12 +248,45 @@ int main(int argc, char** argv) {
   out["bytes_per_layer_point"] =
       (8.0 * static_cast<double>(mt.metric.size() + mt.basis_u.size() + mt.basis_v.size()) + 8.0 * 9.0 * mt.plane) /
       middle->layer_points;
-  std::string text;
+}
+
+// Every number, and what it should be at most where that is said.
+void print(const std::map<std::string, double>& out) {
+  std::map<std::string, bench::Goal> goals;
+  for (const bench::ProcessBenchmark& b : bench::process_benchmarks())
+    for (const bench::Goal& g : b.goals) goals.emplace(g.key, g);
   for (const auto& [key, value] : out) {
-    fmt::print("{:<40} {:.6g}\n", key, value);
-    text += fmt::format("{}\n  \"{}\": {:.9g}", text.empty() ? "" : ",", key, value);
+    const auto goal = goals.find(key);
+    if (goal == goals.end())
+      fmt::print("{:<40} {:.6g}\n", key, value);
+    else
+      fmt::print("{:<40} {:.6g} {}, goal {:g}: {}\n", key, value, goal->second.unit, goal->second.at_most,
+                 value <= goal->second.at_most ? "met" : "missed");
   }
+}
+
+int run(const std::string& filter, const std::string& json) {
+  std::map<std::string, double> out;
+  bool any = false;
+  std::string names;
+  // before the kernels' threads and memory, which a new process would be made of
+  for (const bench::ProcessBenchmark& b : bench::process_benchmarks()) {
+    names += fmt::format(" {}", b.name);
+    if (!chosen(b.name, filter)) continue;
+    any = true;
+    b.measure(out);
+  }
+  bool kernels = false;
+  for (const std::string name : kKernels) names += " " + name, kernels = kernels || chosen(name, filter);
+  if (!any && !kernels) {
+    std::cerr << "sunder-bench: no benchmark's name holds '" << filter << "'; there are:" << names << "\n";
+    return 2;
+  }
+  if (kernels) measure_kernels(filter, out);
+  print(out);
   if (json.empty()) return 0;
+  std::string text;
+  for (const auto& [key, value] : out) text += fmt::format("{}\n  \"{}\": {:.9g}", text.empty() ? "" : ",", key, value);
   std::ofstream file(json);
   file << "{" << text << "\n}\n";
   file.close();
@@ -274,4 +295,35 @@ int main(int argc, char** argv) {
     return 2;
   }
   return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string filter, json;
+  for (int i = 1; i < argc; ++i) {
+    const std::string option = argv[i];
+    if (i + 1 < argc && option == "--filter")
+      filter = argv[++i];
+    else if (i + 1 < argc && option == "--json")
+      json = argv[++i];
+    else if (option == "--list") {
+      for (const char* name : kKernels) fmt::print("{}\n", name);
+      for (const bench::ProcessBenchmark& b : bench::process_benchmarks())
+        for (const bench::Goal& g : b.goals) fmt::print("{}: {}, goal {:g} {}\n", b.name, g.key, g.at_most, g.unit);
+      return 0;
+    } else {
+      std::cerr << "sunder-bench [--filter NAME] [--json FILE] | --list\n";
+      return option == "--help" ? 0 : 2;
+    }
+  }
+  try {
+    return run(filter, json);
+  } catch (const Error& e) {
+    std::cerr << "sunder-bench: " << e.kind << ": " << e.what() << "\n";
+    return static_cast<int>(e.status);
+  } catch (const std::exception& e) {
+    std::cerr << "sunder-bench: " << e.what() << "\n";
+    return static_cast<int>(Exit::kPhysics);
+  }
 }

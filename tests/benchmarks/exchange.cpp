@@ -1,0 +1,162 @@
+// Window and reply between two processes, without physics: the free-flight engine gives back what it is handed. Timed
+// from the task to the checked states: encode, ZeroMQ, decode, check, and the same back.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "coupler/link/channel.h"
+#include "coupler/link/remote.h"
+#include "tests/benchmarks/two_processes.h"
+#include "tests/conformance/process.h"
+
+namespace sunder::bench {
+namespace {
+
+constexpr int kFourKilobytes = 31;  // bodies whose handbacks, 131 bytes each, are about 4 KB; states have 140
+constexpr int kManyFragments = 1000;
+constexpr double kWindow = 1e-3;  // [s]
+constexpr double kFinish = 2.0;   // [s] that an engine may take to end after Bye
+
+// Notes how large what passes is.
+class Weighed final : public link::Transport {
+ public:
+  Weighed(std::unique_ptr<link::Transport> inner, RoundTrips& trips) : inner_(std::move(inner)), trips_(trips) {}
+  std::string ask(const std::string& request, double deadline_s, const char* what) override {
+    std::string reply = inner_->ask(request, deadline_s, what);
+    trips_.request_bytes = request.size(), trips_.reply_bytes = reply.size();
+    return reply;
+  }
+  void tell(const std::string& request) override { inner_->tell(request); }
+  void check_peer() override { inner_->check_peer(); }
+
+ private:
+  std::unique_ptr<link::Transport> inner_;
+  RoundTrips& trips_;
+};
+
+// Every number differs from zero, which would not be sent, and from its neighbour's.
+RigidBody fragment(int number) {
+  const double s = 1.0 + 1e-3 * number;
+  RigidBody b;
+  b.id = static_cast<BodyId>(number), b.name = fmt::format("shard_{}", number);
+  b.mass = 0.01 * s, b.principal_inertia = Vec3(1e-6, 2e-6, 2.5e-6) * s;
+  b.motion = {Vec3(0.1 * s, -0.2 * s, 0.3 + s), Quat(0.8, 0.2 * s, -0.4, 0.3).normalized(),
+              Vec3(1.0 * s, -0.5, -3.0 * s), Vec3(1e-6, -2e-6, 3e-6) * s};
+  const double a = 5e-3;
+  b.shape = ConvexShape{{{{a, a, a}, {-a, -a, a}, {-a, a, -a}, {a, -a, -a}}}};
+  return b;
+}
+
+bool same(const BodyMotion& a, const BodyMotion& b) {
+  return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs() && a.velocity == b.velocity &&
+         a.angular_momentum == b.angular_momentum;
+}
+
+class Exchange {
+ public:
+  explicit Exchange(int bodies)
+      : engine_({{SUNDER_RIGID, "--engine", "freeflight"}, ""}),
+        rigid_(std::make_unique<Weighed>(
+                   std::make_unique<link::Channel>(link::Channel::Role::kConnect, engine_.endpoint()), trips_),
+               "benchmark") {
+    link::World world;
+    for (int i = 1; i <= bodies; ++i) {
+      world.bodies.push_back(fragment(i));
+      task_.handbacks.push_back({world.bodies.back().id, world.bodies.back().motion});
+    }
+    task_.window_s = kWindow;
+    rigid_.load(world);
+  }
+
+  void windows(int count, bool noted) {
+    for (int k = 0; k < count; ++k) {
+      for (link::Motion& m : task_.handbacks) m.motion.position += kWindow * m.motion.velocity;
+      const auto start = std::chrono::steady_clock::now();
+      const std::vector<link::State> states = rigid_.window(task_);
+      const auto end = std::chrono::steady_clock::now();
+      task_.tick += task_.ticks;
+      if (noted) trips_.us.push_back(std::chrono::duration<double, std::micro>(end - start).count());
+      for (std::size_t i = 0; i < states.size(); ++i)
+        ensure(same(states[i].motion, task_.handbacks[i].motion), "body {} comes back from free flight another way",
+               states[i].id);
+    }
+  }
+
+  RoundTrips finish() {
+    const RoundTrips trips = trips_;  // without Bye
+    rigid_.bye();
+    const auto status = engine_.wait(kFinish);
+    ensure(status == 0, "the engine process ends with status {}: {}", status.value_or(-1), engine_.last_words());
+    return trips;
+  }
+
+ private:
+  conformance::EngineProcess engine_;
+  RoundTrips trips_;
+  link::RemoteRigid rigid_;
+  link::WindowTask task_;
+};
+
+// Percentiles of all, and beside them those of the calmest and the busiest block: what else the machine did.
+void tell(const char* what, const RoundTrips& trips, int bodies, int blocks) {
+  fmt::print("{}: {} windows of {} bodies, {} bytes there and {} back, in {} blocks\n", what, trips.us.size(), bodies,
+             trips.request_bytes, trips.reply_bytes, blocks);
+  const std::size_t size = trips.us.size() / static_cast<std::size_t>(blocks);
+  for (const double share : {0.5, 0.99}) {
+    std::vector<double> found;
+    for (auto at = trips.us.begin(); at != trips.us.end(); at += static_cast<std::ptrdiff_t>(size))
+      found.push_back(percentile({at, at + static_cast<std::ptrdiff_t>(size)}, share));
+    const auto [least, most] = std::minmax_element(found.begin(), found.end());
+    fmt::print("  p{:.0f} {:.1f} us; of a block {:.1f} to {:.1f}\n", 100.0 * share, percentile(trips.us, share), *least,
+               *most);
+  }
+}
+
+void four_kilobytes(std::map<std::string, double>& out) {
+  constexpr int kBlocks = 40, kWindows = 250;
+  const RoundTrips trips = measure_round_trips(kFourKilobytes, kBlocks, kWindows);
+  tell("window_roundtrip_us_4k", trips, kFourKilobytes, kBlocks);
+  out["window_roundtrip_us_4k_p50"] = percentile(trips.us, 0.5);
+  out["window_roundtrip_us_4k_p99"] = percentile(trips.us, 0.99);
+}
+
+void many_fragments(std::map<std::string, double>& out) {
+  constexpr int kBlocks = 20, kWindows = 50;
+  const RoundTrips trips = measure_round_trips(kManyFragments, kBlocks, kWindows);
+  tell("window_roundtrip_us_1000_fragments", trips, kManyFragments, kBlocks);
+  out["window_roundtrip_us_1000_fragments_p50"] = percentile(trips.us, 0.5);
+}
+
+}  // namespace
+
+double percentile(std::vector<double> samples, double share) {
+  ensure(!samples.empty() && share > 0.0 && share <= 1.0, "percentile {} of {} samples", share, samples.size());
+  const auto rank = static_cast<std::size_t>(std::ceil(share * static_cast<double>(samples.size())));
+  const auto at = samples.begin() + static_cast<std::ptrdiff_t>(rank - 1);
+  std::nth_element(samples.begin(), at, samples.end());
+  return *at;
+}
+
+RoundTrips measure_round_trips(int bodies, int blocks, int windows) {
+  Exchange exchange(bodies);
+  exchange.windows(windows, false);
+  exchange.windows(blocks * windows, true);
+  return exchange.finish();
+}
+
+const std::vector<ProcessBenchmark>& process_benchmarks() {
+  static const std::vector<ProcessBenchmark> all{
+      {"window_roundtrip_us_4k",
+       {{"window_roundtrip_us_4k_p50", 100.0, "us"}, {"window_roundtrip_us_4k_p99", 500.0, "us"}},
+       four_kilobytes},
+      {"window_roundtrip_us_1000_fragments",
+       {{"window_roundtrip_us_1000_fragments_p50", 1000.0, "us"}},
+       many_fragments},
+      {"process_boundary_overhead", {{"process_boundary_overhead_percent", 3.0, "%"}}, measure_process_boundary}};
+  return all;
+}
+
+}  // namespace sunder::bench
