@@ -1,5 +1,7 @@
 // sunder-bench: what a force evaluation costs, beside the machine's own limits, and what it costs to have the engine in
 // another process; all in one run.
+#include <algorithm>
+#include <cstdlib>
 #include <fstream>
 #include <functional>
 #include <iostream>
@@ -283,6 +285,9 @@ int run(const std::string& filter, const std::string& json) {
     return 2;
   }
   if (kernels) measure_kernels(filter, out);
+  double load = 0.0;  // what takes turns with a window's two processes shows in its slowest hundredth first
+  if (getloadavg(&load, 1) == 1)
+    fmt::print("load average over the last minute {:.1f}, on {} processors\n", load, omp_get_num_procs());
   print(out);
   if (json.empty()) return 0;
   std::string text;
