@@ -78,7 +78,11 @@ void Run::open_window(double window) {
   starts_ = motions();
   for (Proxy& p : proxies_) p.unmoved = setup_.coupling.scheme == Scheme::kLagged, p.recovery = 0.0;
   solved_.clear();
-  if (state_) choose_exported();
+  if (!state_) {  // no substeps: nobody but the engine solves anything
+    rows_.clear(), exported_until_.clear();
+    return;
+  }
+  choose_exported();
   std::set<BodyId> exported;
   for (const auto& [id, until] : exported_until_)
     if (until > windows_) exported.insert(id);

@@ -81,7 +81,7 @@ void Run::freeze_shell(const std::string& why) {
   frozen_hash_ = state_hash();
   frozen_at_ = time(), frozen_why_ = why;
   frozen_wall_ = wall_clock();
-  state_.reset();
+  state_.reset();  // and with it whatever was exported
   book_.frozen += before - total_energy(dt_);
   open_window(window_ticks_ * setup_.tick);
   fly(window_ticks_ * setup_.tick, proxies_.size() - births.size());  // newborn bodies do not move in this window

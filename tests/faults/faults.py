@@ -117,7 +117,7 @@ def _after_hash(cell: Cell) -> Ending:  # the engine repeats what it was told, t
 
 def _after_duplicate(cell: Cell) -> Ending:
     if cell.side == SHELL and cell.phase == BIRTHS:  # a body that the engine cannot hold is bad input, as any other
-        return Ending(PEER_LOST, ("bad_body",), BAD_INPUT, "bad_body")
+        return Ending(PEER_LOST, ("bad_message",), PEER_LOST, "bad_message")
     return _after_bad_message(cell)
 
 
