@@ -120,6 +120,7 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
 
 std::vector<State> EngineHost::add_bodies(const std::vector<RigidBody>& bodies) {
   loaded("AddBodies");
+  needs(capability::kSaveRestore, "AddBodies");  // it comes only where windows are repeated
   std::set<BodyId> ids;
   add(bodies, "bodies");
   for (const RigidBody& b : bodies) ids.insert(b.id);

@@ -22,7 +22,3 @@ export function check(good, message) {
 export function rejectBody(body, field, what) {
   throw new Failure(Exit.badInput, 'bad_body', `body ${body.id} '${body.name}': ${field} ${what}`);
 }
-
-export function rejectHandback(id, what) {
-  throw new Failure(Exit.badInput, 'bad_handback', `handback of body ${id}: ${what}`);
-}

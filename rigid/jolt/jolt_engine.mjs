@@ -1,7 +1,6 @@
 // Rigid bodies held by Jolt, taken through windows (rigid/README.md "A window"). The masters are double precision and
 // here; what Jolt has are rounded copies, so a body that nothing touches comes back with its handback to the bit.
 import * as m from './algebra.mjs';
-import { rejectBody, rejectHandback } from './failure.mjs';
 import { addJoint } from './jolt_joints.mjs';
 import { kLength, kMass } from './jolt_shapes.mjs';
 import { World } from './jolt_world.mjs';
@@ -49,9 +48,8 @@ export class JoltEngine {
     this.world.setLaws(laws);
   }
 
-  /** Throws Failure (bad_body). */
+  /** A body whose id is not held yet. Throws Failure (bad_body). */
   add(body) {
-    if (this.held.has(body.id)) rejectBody(body, 'id', 'is held already; ids are for the whole run');
     const held = {
       id: body.id, group: body.contact_group, mass: body.mass, motion: body.motion, body, rigid: null,
       shape: this.world.shapes.make(body), met: false, touched: false,
@@ -85,22 +83,8 @@ export class JoltEngine {
     return this.moving.map(({ id, mass, motion }) => ({ id, mass, ...motion }));
   }
 
-  /** Throws Failure (bad_handback). */
-  match(handbacks) {
-    let next = 0;
-    for (const { id } of this.moving) {
-      if (next === handbacks.length || handbacks[next].id > id)
-        rejectHandback(id, 'is missing; give one for each moving body');
-      if (handbacks[next].id < id) break;
-      ++next;
-    }
-    if (next !== handbacks.length)
-      rejectHandback(handbacks[next].id,
-        'names no moving body, or comes twice or out of order; give one each, by ascending id');
-  }
-
+  /** One handback for each body that moves, by ascending id: the session has seen to it. */
   advance(window, handbacks, solved) {
-    this.match(handbacks);
     this.insertNewborn();
     this.world.leaveOut(solved);
     let way = 0;

@@ -90,7 +90,7 @@ function body(m, field) {
   return b;
 }
 
-export function decodeBodies(bodies, field) {
+function decodeBodies(bodies, field) {
   check(bodies.length <= kMaxBodies, () => `${field}: ${bodies.length} bodies; ${kMaxBodies} at most`);
   return bodies.map((b) => body(b, `${field}[${b.id}]`));
 }

@@ -206,7 +206,19 @@ class Refusals(JoltCase):
                 ([PROTOCOL, load, self.window(tick=7)], "window at tick 7"),
                 ([PROTOCOL, load, self.window(ticks=0)], "window at tick 0 (+0)"),
                 ([PROTOCOL, load, self.window(again=True)], "window.again"),
-                ([PROTOCOL, {"load": {"keep_windows": True}}], "keep_windows"),
+                ([PROTOCOL, {"load": {"keep_windows": True}}], "keep_windows: the engine cannot do 'save_restore'"),
+                ([PROTOCOL, load, {"export": {}}], "Export: the engine cannot do 'export_rows'"),
+                ([PROTOCOL, load, {"save": {}}], "Save: the engine cannot do 'save_restore'"),
+                ([PROTOCOL, load, {"restore": {}}], "Restore: the engine cannot do 'save_restore'"),
+                ([PROTOCOL, load, {"add_bodies": {}}], "AddBodies: the engine cannot do 'save_restore'"),
+                # field 15, a message of no bytes: a request of some later protocol, sequence 2
+                ([PROTOCOL, {"raw": "\x08\x02\x7a\x00"}], "a kind that is not known here"),
+                ([PROTOCOL, load, self.window({"id": 9})], "handback of body 1: is missing"),
+                ([PROTOCOL, load, {"window": {**window["window"], "handbacks": []}}], "handback of body 1: is missing"),
+                ([PROTOCOL, load, {"window": {**window["window"], "handbacks": [self.BACK, {**self.BACK, "id": 9}]}}],
+                 "handback of body 9: names no moving body"),
+                ([PROTOCOL, load, self.window(solved=[9])], "solved[9]: there is no such body"),
+                ([PROTOCOL, load, self.window(births=[ball(1, 1, 1, (0, 0, 0))])], "births[1]: comes twice, or is held already"),
                 ([PROTOCOL, {"load": {"tick": -1}}], "load.tick is -1"),
                 ([{"raw": "\xff\xff\xff not a request"}], "no request")):
             self.check(requests, says, 3)
@@ -243,13 +255,8 @@ class Refusals(JoltCase):
             self.check(requests, says, 3)
 
     def test_what_the_engine_cannot(self) -> None:
-        load = self.LOAD
         flat = {"convex": {"parts": [{"corners": [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]}]}}
         for requests, says in (
-                ([PROTOCOL, load, {"export": {}}], "export_rows"), ([PROTOCOL, load, {"save": {}}], "save_restore"),
-                ([PROTOCOL, load, {"restore": {}}], "save_restore"),
-                ([PROTOCOL, load, self.window({"id": 9})], "handback of body 1: is missing"),
-                ([PROTOCOL, load, self.window(births=[ball(1, 1, 1, (0, 0, 0))])], "is held already"),
                 ([PROTOCOL, {"load": {"bodies": [body(1, flat, 1, (1, 1, 1), (0, 0, 0))]}}], "is no hull"),
                 ([PROTOCOL, {"load": {"bodies": [body(1, {"half_space": True}, 1, (1, 1, 1), (0, 0, 0))]}}], "half space that moves")):
             self.check(requests, says, 2)

@@ -89,11 +89,10 @@ Requests spoiled(const Suite& s, const std::function<void(proto::Window&)>& spoi
 }
 
 void turns(Suite& s) {
-  proto::Request old = hello(), late = load(s), save, twice = load(s);
+  proto::Request old = hello(), late = load(s), twice = load(s);
   old.mutable_hello()->set_protocol_min(link::kProtocol + 1),
       old.mutable_hello()->set_protocol_max(link::kProtocol + 7);
   late.set_sequence(7);
-  save.mutable_save();
   *twice.mutable_load()->add_bodies() = link::encode(any_body(s, 1));
   refused(s, "version", {old});
   refused(s, "sequence", {hello(), late});
@@ -103,7 +102,22 @@ void turns(Suite& s) {
   refused(s, "second_load", {hello(), load(s), load(s)});
   refused(s, "no_content", {hello(), proto::Request()});
   refused(s, "body_twice", {hello(), twice});
-  if (!s.info.can(kSaveRestore)) refused(s, "save_not_declared", {hello(), load(s), save});
+  undeclared(s);
+}
+
+// What the engine does not declare; an engine that declares all of it has no row here.
+void undeclared(Suite& s) {
+  proto::Request save, restore, more, rows, kept = load(s);
+  save.mutable_save(), restore.mutable_restore(), more.mutable_add_bodies();
+  rows.mutable_export_()->set_window_s(1e-3);
+  *rows.mutable_export_()->add_motions() = link::encode(link::Motion{1, any_body(s, 1).motion});
+  kept.mutable_load()->set_keep_windows(true);
+  if (!s.info.can(kExportRows)) refused(s, "export_not_declared", {hello(), load(s), rows});
+  if (s.info.can(kSaveRestore)) return;
+  refused(s, "save_not_declared", {hello(), load(s), save});
+  refused(s, "restore_not_declared", {hello(), load(s), restore});
+  refused(s, "add_bodies_not_declared", {hello(), load(s), more});
+  refused(s, "keep_windows_not_declared", {hello(), kept});
 }
 
 void windows(Suite& s) {
