@@ -10,7 +10,11 @@ export function addJoint(world, joint, held) {
   if (first.body.is_static && (!second || second.body.is_static))
     throw new Failure(Exit.badInput, 'bad_joint',
       `joint ${joint.id} '${joint.name}': both bodies are static; name one that moves`);
-  const frames = [joint.first_frame, joint.second_frame];
+  // Jolt's slider carries the whole way slid as the lever arm of its first body: in single precision, one that moves
+  // leaves the line after some metres. One that cannot move carries it for nothing.
+  const ends = [{ held: first, frame: joint.first_frame }, { held: second, frame: joint.second_frame }];
+  if (!second || second.body.is_static) ends.reverse();
+  const frames = ends.map(({ frame }) => frame);
   const axes = (settings, names, axis) => frames.forEach((frame, i) => {
     const v = new jolt.Vec3(...rotate(frame.orientation, axis));
     settings[names + (i + 1)] = v;
@@ -41,8 +45,8 @@ export function addJoint(world, joint, held) {
   }[joint.kind]();
   settings.mSpace = jolt.EConstraintSpace_LocalToBodyCOM;
   points(settings);
-  const other = second ? second.rigid : world.interface.sGetFixedToWorldBody();
-  const constraint = settings.Create(first.rigid, other);
+  const still = world.interface.sGetFixedToWorldBody();
+  const constraint = settings.Create(...ends.map(({ held: end }) => end?.rigid ?? still));
   world.system.AddConstraint(constraint);
   world.joints.push({ constraint, ids: [joint.first, joint.second] });
   first.jointed = true;
