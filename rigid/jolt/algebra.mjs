@@ -4,7 +4,8 @@ export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 export const scale = (s, a) => [s * a[0], s * a[1], s * a[2]];
 export const norm = (a) => Math.hypot(...a);
-const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
+const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 export const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
 
@@ -14,6 +15,12 @@ export const multiply = (a, b) => [
   a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1],
   a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
 ];
+
+/** x with a x[0] + b x[1] + c x[2] = d, of columns that are not in one plane. */
+export function solve([a, b, c], d) {
+  const bc = cross(b, c), volume = dot(a, bc);
+  return [dot(d, bc) / volume, dot(a, cross(d, c)) / volume, dot(a, cross(b, d)) / volume];
+}
 
 export function normalized(q) {
   const length = Math.hypot(...q);

@@ -1,6 +1,7 @@
 // Rigid bodies held by Jolt, taken through windows (rigid/README.md "A window"). The masters are double precision and
 // here; what Jolt has are rounded copies, so a body that nothing touches comes back with its handback to the bit.
 import * as m from './algebra.mjs';
+import { freeIslands, giveBackTurn } from './jolt_islands.mjs';
 import { addJoint } from './jolt_joints.mjs';
 import { kLength, kMass } from './jolt_shapes.mjs';
 import { World } from './jolt_world.mjs';
@@ -29,6 +30,8 @@ export class JoltEngine {
     this.held = new Map(); // by id
     this.moving = []; // by ascending id
     this.newborn = [];
+    this.jointed = []; // pairs of what joints hold
+    this.islands = null; // of them, held to nothing else; null: to be found
     this.info = {
       name: 'jolt',
       version,
@@ -52,7 +55,7 @@ export class JoltEngine {
   add(body) {
     const held = {
       id: body.id, group: body.contact_group, mass: body.mass, motion: body.motion, body, rigid: null,
-      shape: this.world.shapes.make(body), met: false, touched: false,
+      shape: this.world.shapes.make(body), met: false, struck: false, touched: false,
     };
     this.held.set(body.id, held);
     this.newborn.push(held);
@@ -65,6 +68,8 @@ export class JoltEngine {
   addJoint(joint) {
     this.insertNewborn();
     addJoint(this.world, joint, this.held);
+    this.jointed.push([this.held.get(joint.first), this.held.get(joint.second)]);
+    this.islands = null;
   }
 
   /** In the order of ids whatever the order of add(). */
@@ -98,6 +103,9 @@ export class JoltEngine {
       this.arrive(held, window);
       anyTouched ||= held.touched;
     }
+    // where there are contacts as well, what moved a body may have been something outside
+    this.islands ??= freeIslands(this.jointed);
+    for (const island of this.islands) if (!island.some((held) => held.struck)) giveBackTurn(island);
     if (anyTouched) this.relax(window);
   }
 
@@ -113,6 +121,8 @@ export class JoltEngine {
     held.angular = rounded(spin);
     held.linear = rounded(m.scale(kLength / window, m.subtract(handback.position, start.position)));
     held.met = held.jointed === true;
+    held.struck = false;
+    held.push = [0, 0, 0];
     this.world.put(held.rigid, start, held.linear, held.angular);
   }
 
@@ -138,7 +148,8 @@ export class JoltEngine {
     held.touched = !(same(now.linear, held.linear) && same(now.angular, held.angular) && same(push, [0, 0, 0]) &&
       pushTurn[0] === 1);
     if (!held.touched) return;
-    const change = m.scale(1 / kLength, m.add(m.scale(window, dv), push));
+    held.push = m.scale(1 / kLength, push);
+    const change = m.add(m.scale(window / kLength, dv), held.push);
     // The handback pose, turned by the difference between two free flights: the change of spin with the body's own
     // precession, else a thin shard that an impact sets spinning gains energy.
     const without = freeTurn(start.orientation, principal, held.spin, window);

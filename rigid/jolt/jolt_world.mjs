@@ -80,8 +80,8 @@ export class World {
       const law = this.laws.get(a.group)?.get(b.group) ?? kOtherPairs;
       settings.mCombinedFriction = law.friction;
       settings.mCombinedRestitution = this.relaxing ? 0 : law.restitution;
-      a.met = true;
-      b.met = true;
+      a.met = a.struck = true;
+      b.met = b.struck = true;
     };
     listener.OnContactValidate = () => jolt.ValidateResult_AcceptAllContactsForThisBodyPair;
     listener.OnContactAdded = touch;
@@ -102,8 +102,8 @@ export class World {
     }
   }
 
-  /** `held` is marked with `met` in each step in which it has a contact. Returns Jolt's body, which turns about its
-   * origin. */
+  /** `held` is marked with `met` and `struck` in each step in which it has a contact. Returns Jolt's body, which turns
+   * about its origin. */
   add(held, body, shape) {
     const { jolt } = this;
     this.place(body.motion);

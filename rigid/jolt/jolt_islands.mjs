@@ -1,0 +1,51 @@
+// Bodies that joints hold together and nothing holds to the world: what moving poses does to their angular momentum.
+import * as m from './algebra.mjs';
+
+/** Lists of bodies that joints connect. Those with an end that does not move are no islands: what holds them takes up
+ * any angular momentum. `pairs`: of ends, undefined for the world. */
+export function freeIslands(pairs) {
+  const above = new Map(); // union-find
+  const top = (held) => {
+    while (above.get(held) !== held) held = above.get(held);
+    return held;
+  };
+  const moves = (held) => held !== undefined && !held.body.is_static;
+  for (const held of pairs.flat()) if (moves(held)) above.set(held, held);
+  for (const [first, second] of pairs) if (moves(first) && moves(second)) above.set(top(second), top(first));
+  const islands = new Map();
+  for (const held of above.keys()) islands.set(top(held), [...(islands.get(top(held)) ?? []), held]);
+  for (const [first, second] of pairs) {
+    if (moves(first) && !moves(second)) islands.delete(top(first));
+    if (moves(second) && !moves(first)) islands.delete(top(second));
+  }
+  return [...islands.values()];
+}
+
+/** Jolt puts joints back together by moving bodies by `held.push` [m], and s x p is missing then: of bodies that go
+ * round one another by (omega H)^2/2 in each window, always the same way. Gives it back as one turn of the whole
+ * island, which keeps its momentum, and every joint's velocity, as they are. */
+export function giveBackTurn(island) {
+  let missing = [0, 0, 0], centre = [0, 0, 0], mass = 0;
+  for (const held of island) {
+    const { position, velocity } = held.motion;
+    missing = m.subtract(missing, m.cross(held.push, m.scale(held.mass, velocity)));
+    centre = m.add(centre, m.scale(held.mass, position));
+    mass += held.mass;
+  }
+  if (m.norm(missing) === 0) return;
+  centre = m.scale(1 / mass, centre);
+  const inertiaOf = ({ motion, body }, w) => m.applyInertia(motion.orientation, body.principal_inertia, w);
+  const columns = [[1, 0, 0], [0, 1, 0], [0, 0, 1]].map((axis) => island.reduce((sum, held) => {
+    const arm = m.subtract(held.motion.position, centre);
+    return m.add(sum, m.add(inertiaOf(held, axis), m.scale(held.mass, m.cross(arm, m.cross(axis, arm)))));
+  }, [0, 0, 0]));
+  const turn = m.solve(columns, missing);
+  for (const held of island) {
+    const { motion } = held, arm = m.subtract(motion.position, centre);
+    held.motion = {
+      ...motion,
+      velocity: m.add(motion.velocity, m.cross(turn, arm)),
+      angular_momentum: m.add(motion.angular_momentum, inertiaOf(held, turn)),
+    };
+  }
+}
