@@ -39,6 +39,12 @@ btVector3 velocity_at(const btCollisionObject& object, const btVector3& world_po
   return body->getVelocityInLocalPoint(world_point - body->getCenterOfMassPosition());
 }
 
+/// Bullet pushes either body at its own point of a contact. What is foreseen or overlaps has these apart, and friction,
+/// or a normal that no longer leads from one to the other, would then turn the pair out of nothing.
+void act_at_one_point(btManifoldPoint& point) {
+  point.m_positionWorldOnA = point.m_positionWorldOnB = 0.5 * (point.m_positionWorldOnA + point.m_positionWorldOnB);
+}
+
 /// Contacts of the listed bodies only.
 void find_listed(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& how) {
   const auto listed = [](const btBroadphaseProxy* proxy) {
@@ -145,6 +151,7 @@ bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
       // Set here instead of through Bullet's callbacks, which are process-wide.
       point.m_combinedFriction = pair_law.friction;
       point.m_combinedRestitution = 0.0;  // relax() gives it, see there
+      act_at_one_point(point);
       const btVector3 closing =
           velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
       rows_.push_back({&point, &a, &b, closing.dot(point.m_normalWorldOnB), pair_law.restitution, 0.0, false, false});
@@ -293,6 +300,7 @@ void BulletWorld::relax(double window_s) {
     point.m_positionWorldOnB = row.second->getWorldTransform() * point.m_localPointB;
     const double gap =
         (point.m_positionWorldOnA - point.m_positionWorldOnB).dot(point.m_normalWorldOnB) + row.allowance;
+    act_at_one_point(point);
     if (row.left_out) continue;
     row.acted = point.m_appliedImpulse > 0.0;
     point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);

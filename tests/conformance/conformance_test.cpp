@@ -61,6 +61,7 @@ TEST(Conformance, FindsEachFaultByTheRowThatIsThereForIt) {
   } cases[] = {
       {"bullet", "leaks", "collision_spheres", "linear", "met"},
       {"bullet", "bouncy", "collision_spheres", "gain", "linear"},
+      {"bullet", "twists", "collision_boxes_frictional", "angular_rest", "angular"},
       {"bullet", "sticky", "restitution_sphere_floor", "e_0.5", "e_0"},
       {"bullet", "slippery", "friction_angle", "holds_0deg", ""},
       {"bullet", "hovers", "rest_box", "height", "drift"},

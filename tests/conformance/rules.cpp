@@ -88,6 +88,21 @@ Requests spoiled(const Suite& s, const std::function<void(proto::Window&)>& spoi
   return {hello(), load(s), r};
 }
 
+// What the engine does not declare; an engine that declares all of it has no row here.
+void undeclared(Suite& s) {
+  proto::Request save, restore, more, rows, kept = load(s);
+  save.mutable_save(), restore.mutable_restore(), more.mutable_add_bodies();
+  rows.mutable_export_()->set_window_s(1e-3);
+  *rows.mutable_export_()->add_motions() = link::encode(link::Motion{1, any_body(s, 1).motion});
+  kept.mutable_load()->set_keep_windows(true);
+  if (!s.info.can(kExportRows)) refused(s, "export_not_declared", {hello(), load(s), rows});
+  if (s.info.can(kSaveRestore)) return;
+  refused(s, "save_not_declared", {hello(), load(s), save});
+  refused(s, "restore_not_declared", {hello(), load(s), restore});
+  refused(s, "add_bodies_not_declared", {hello(), load(s), more});
+  refused(s, "keep_windows_not_declared", {hello(), kept});
+}
+
 void turns(Suite& s) {
   proto::Request old = hello(), late = load(s), twice = load(s);
   old.mutable_hello()->set_protocol_min(link::kProtocol + 1),
@@ -103,21 +118,6 @@ void turns(Suite& s) {
   refused(s, "no_content", {hello(), proto::Request()});
   refused(s, "body_twice", {hello(), twice});
   undeclared(s);
-}
-
-// What the engine does not declare; an engine that declares all of it has no row here.
-void undeclared(Suite& s) {
-  proto::Request save, restore, more, rows, kept = load(s);
-  save.mutable_save(), restore.mutable_restore(), more.mutable_add_bodies();
-  rows.mutable_export_()->set_window_s(1e-3);
-  *rows.mutable_export_()->add_motions() = link::encode(link::Motion{1, any_body(s, 1).motion});
-  kept.mutable_load()->set_keep_windows(true);
-  if (!s.info.can(kExportRows)) refused(s, "export_not_declared", {hello(), load(s), rows});
-  if (s.info.can(kSaveRestore)) return;
-  refused(s, "save_not_declared", {hello(), load(s), save});
-  refused(s, "restore_not_declared", {hello(), load(s), restore});
-  refused(s, "add_bodies_not_declared", {hello(), load(s), more});
-  refused(s, "keep_windows_not_declared", {hello(), kept});
 }
 
 void windows(Suite& s) {

@@ -20,7 +20,7 @@ using namespace sunder::link;
 
 const std::set<std::string> kFaults = {"none",    "leaks",    "bouncy", "stale",     "hovers",   "slippery",
                                        "sticky",  "sieve",    "random", "forgetful", "unhinged", "rowless",
-                                       "flipped", "meddling", "polite", "lingers",   "late"};
+                                       "flipped", "meddling", "polite", "lingers",   "late",     "twists"};
 
 class WrongEngine final : public Engine {
  public:
@@ -77,6 +77,7 @@ class WrongEngine final : public Engine {
       if (left_.count(s.id)) m = given->second;
       const Vec3 change = m.velocity - given->second.velocity;
       if (fault_ == "leaks" && change.norm() > 0.0) m.velocity *= 1.0 - 1e-6;
+      if (fault_ == "twists" && change.norm() > 0.0) m.angular_momentum *= 1.0 + 1e-6;
       if (fault_ == "bouncy") m.velocity += 1.2 * change;
       if (fault_ == "forgetful") m.velocity.x() += 1e-9 * static_cast<double>(advanced_ % 7);
       if (fault_ == "random")
