@@ -13,7 +13,7 @@ from .build import build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError, how_it_ended
 from .experiments import EXPERIMENTS, Table, run_experiments
 
-VALIDATIONS = ("shells", "cracks", "coupling")
+VALIDATIONS = ("shells", "cracks", "coupling", "engines")
 
 
 def _program(name: str) -> Path:
@@ -24,7 +24,8 @@ def _program(name: str) -> Path:
     return path
 
 
-def _run(command: list[str]) -> int:
+def run_program(command: list[str]) -> int:
+    """Exit status of a program of the build. Raises CommandError where it dies."""
     status = subprocess.run(command, check=False).returncode
     if status < 0:
         raise CommandError(f"{Path(command[0]).name} {how_it_ended(status)}", PEER_LOST)
@@ -32,12 +33,18 @@ def _run(command: list[str]) -> int:
 
 
 def validate(what: str, case: str | None, report: Path | None, plots: Path | None,
-             pictures: Path | None = None) -> int:
+             pictures: Path | None = None, rigid: str | None = None) -> int:
     """Runs the validation cases of `what`; exit status 1 where a case fails."""
     if what not in VALIDATIONS:
         raise CommandError(f"nothing called '{what}' to validate; there is {', '.join(VALIDATIONS)}", BAD_INPUT)
+    if rigid and what != "engines":
+        raise CommandError(f"--rigid {rigid}: only 'validate engines' takes it", BAD_INPUT)
     if report is not None:
         _can_write(report)
+    if what == "engines":
+        if plots is not None or pictures is not None:
+            raise CommandError("validate engines: draws nothing; leave --plots and --pictures out", BAD_INPUT)
+        return _engines(case, report, rigid)
     if pictures is not None:
         _make_folder(pictures)
     runs = EXPERIMENTS.get(what, ())
@@ -48,7 +55,7 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
         with tempfile.TemporaryDirectory() as folder:
             numbers = Path(folder) / "validation.json"
             command = [str(_program("sunder-validate")), what, "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
-            status = _run(command + (["--case", case] if case else []))
+            status = run_program(command + (["--case", case] if case else []))
             if not numbers.is_file():
                 if status == BAD_INPUT and case:
                     print(f"and, by whole runs: {' '.join(e.name for e in runs)}", file=sys.stderr)
@@ -73,6 +80,17 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     return status
 
 
+def _engines(case: str | None, report: Path | None, rigid: str | None) -> int:
+    from . import conformance
+    suite = _program("sunder-conformance")
+    status, found = conformance.run_suites(suite, ensure_built(all_targets=True), case, rigid)
+    if found:
+        print(conformance.table(found))
+    if report is not None and found:
+        _write(report, json.dumps({"engines": found}, indent=1) + "\n")
+    return status
+
+
 def _without_nan(value: object) -> object:
     """JSON knows no NaN: null, as the programs write it."""
     if isinstance(value, dict):
@@ -90,7 +108,7 @@ def bench(pattern: str | None, report: Path | None) -> int:
     if report is not None:
         _can_write(report)
         command += ["--json", str(report)]
-    return _run(command)
+    return run_program(command)
 
 
 def _can_write(path: Path) -> None:

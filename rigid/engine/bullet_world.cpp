@@ -10,7 +10,7 @@ extern btScalar gContactBreakingThreshold;
 namespace sunder::rigid {
 namespace {
 
-/// Contacts are kept and foreseen up to this gap; less stacks worse, more keeps stale points.
+/// Contacts of bodies at rest are kept up to this gap; less stacks worse, more keeps stale points.
 constexpr double kContactGap_m = 2e-3;
 /// Meeting slower than this is no impact and does not bounce: resting closes with g H per window.
 constexpr double kImpactSpeed_m_s = 0.05;
@@ -45,13 +45,33 @@ void act_at_one_point(btManifoldPoint& point) {
   point.m_positionWorldOnA = point.m_positionWorldOnB = 0.5 * (point.m_positionWorldOnA + point.m_positionWorldOnB);
 }
 
+/// How far off contacts of two bodies are found: as far as they can come in the window, or a fast shard is first seen
+/// when most of it is behind a thin plate, and pushed out there. A plane looks ahead by itself, from point to point.
+double foreseen(const btCollisionObject& a, const btCollisionObject& b, double h) {
+  const auto is_plane = [](const btCollisionObject& o) {
+    return o.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
+  };
+  const double gap = kLengthScale * kContactGap_m;
+  if (is_plane(a) || is_plane(b)) return gap;
+  const btVector3 apart = btRigidBody::upcast(&a)->getLinearVelocity() - btRigidBody::upcast(&b)->getLinearVelocity();
+  return gap + h * apart.length();
+}
+
+/// Bullet gives what it makes here, manifolds of compounds' parts too, the distance that its global has.
+void find_all(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& how) {
+  const auto object = [](const btBroadphaseProxy* proxy) -> const btCollisionObject& {
+    return *static_cast<const btCollisionObject*>(proxy->m_clientObject);
+  };
+  gContactBreakingThreshold = foreseen(object(pair.m_pProxy0), object(pair.m_pProxy1), how.m_timeStep);
+  btCollisionDispatcher::defaultNearCallback(pair, dispatcher, how);
+}
+
 /// Contacts of the listed bodies only.
 void find_listed(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& how) {
   const auto listed = [](const btBroadphaseProxy* proxy) {
     return BodyTag::listed(*static_cast<const btCollisionObject*>(proxy->m_clientObject));
   };
-  if (listed(pair.m_pProxy0) || listed(pair.m_pProxy1))
-    btCollisionDispatcher::defaultNearCallback(pair, dispatcher, how);
+  if (listed(pair.m_pProxy0) || listed(pair.m_pProxy1)) find_all(pair, dispatcher, how);
 }
 
 }  // namespace
@@ -68,7 +88,21 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
   void find(double h) {
     getDispatchInfo().m_timeStep = h;
     getDispatchInfo().m_stepCount = 0;
+    for (int i = 0; i < m_dispatcher1->getNumManifolds(); ++i) {
+      btPersistentManifold& manifold = *m_dispatcher1->getManifoldByIndexInternal(i);
+      manifold.setContactBreakingThreshold(foreseen(*manifold.getBody0(), *manifold.getBody1(), h));
+    }
     performDiscreteCollisionDetection();
+    gContactBreakingThreshold = kLengthScale * kContactGap_m;
+  }
+  void updateAabbs() override {
+    const double h = getDispatchInfo().m_timeStep;
+    for (int i = 0; i < m_collisionObjects.size(); ++i) {
+      btCollisionObject& object = *m_collisionObjects[i];
+      const btRigidBody* body = btRigidBody::upcast(&object);
+      gContactBreakingThreshold = kLengthScale * kContactGap_m + h * body->getLinearVelocity().length();
+      updateSingleAabb(&object);
+    }
   }
   void detect(double h) {
     find(h);
@@ -93,6 +127,7 @@ BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&c
     dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
   ground_.setUserIndex(0);  // no body's id
+  dispatcher_.setNearCallback(find_all);
   if (use == Use::kLook) {
     dispatcher_.setNearCallback(find_listed);
     // Bullet's own for two spheres finds them only once they overlap.

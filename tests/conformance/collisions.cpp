@@ -1,9 +1,9 @@
 // Collisions between free bodies: momentum kept, energy never gained, restitution as the law says.
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <utility>
 
+#include "tests/conformance/shift.h"
 #include "tests/conformance/suite.h"
 
 namespace sunder::conformance {
@@ -12,14 +12,8 @@ namespace {
 using namespace link::capability;
 
 // An engine applies each impulse to both bodies at one point: the sum closes to the round-off of some dozens of
-// additions, however far its solver has converged.
+// additions, however far its solver has converged. Of angular momentum, shift.h says how much can be known so exactly.
 constexpr double kMomentumTolerance = 1e-12;
-// Angular momentum about a fixed point, likewise, where the two impulses of a contact act at one point: see Shift for
-// the part of it that can be known exactly. The whole of it also has what moved poses take. A contact that is found
-// late has an overlap of no more than the surfaces close in a window; taking that back moves the bodies by so much
-// against one another, and the relative momentum p has that as its arm. To it comes what a body at rest may be off
-// (resting.cpp).
-constexpr double kOverlap_m = 1e-4;
 // Impulses that take no more than the contact has leave round-off; 1e-9 of the kinetic energy is a thousand times that.
 constexpr double kGainTolerance = 1e-9;
 // A contact with restitution 1 ends on the speed that it met with. Two to four points solved by iteration leave some
@@ -55,69 +49,29 @@ Meeting compounds(double friction) {
           moving(turned(at(angle_iron(2), {0, 0.02, 0.02}), {0.1, -0.9, 0}), {-0.5, 0, 0}, {1, 0, 1}), friction, 0.0};
 }
 
-// What a window did to the angular momentum of two bodies, from what can be seen: changes dv of velocity, dL of spin
-// and dx of position against the handbacks. A window (rigid/README.md) has impulses J at the start, which also move the
-// bodies, and K at its end, which do not, and moves poses by s. With J and K at one point each the change is the sum of
-// s x (p - K), p = m v after the window. Only s - H K/m = dx - H dv is seen, not K, so the sum of (dx - H dv) x p
-// leaves out d x K, d being the way of the first body past the second one in the window. That is at right angles to d:
-// along d the two sums are equal, whatever the engine did at which end of the window.
-struct Shift {
-  Vec3 change = Vec3::Zero();  // of angular momentum
-  Vec3 moved = Vec3::Zero();   // the part that moved poses explain
-  double apart = 0.0;          // how far poses were moved against one another [m]
-  double rest = 0.0;           // of change - moved, along d
-};
-
-Shift shift(const Play& play, const std::map<BodyId, BodyMotion>& before, const Vec3& about, double window_s) {
-  Shift out;
-  Vec3 way = Vec3::Zero(), apart = Vec3::Zero();
-  double sign = 1.0;
-  for (const link::Motion& given : play.handbacks()) {
-    const RigidBody& b = play.body(given.id);
-    const BodyMotion &now = b.motion, &hb = given.motion;
-    const Vec3 moved = (now.position - hb.position) - window_s * (now.velocity - hb.velocity);
-    out.change += b.mass * ((now.position - about).cross(now.velocity) - (hb.position - about).cross(hb.velocity)) +
-                  (now.angular_momentum - hb.angular_momentum);
-    out.moved += moved.cross(b.mass * now.velocity);
-    way += sign * (now.position - before.at(given.id).position), apart += sign * moved;
-    sign = -1.0;
-  }
-  out.apart = apart.norm();
-  out.rest = way.norm() > 0.0 ? std::abs((out.change - out.moved).dot(way.normalized())) : 0.0;
-  return out;
-}
-
 // Half the diagonal of what is meant to meet is no farther from its centre than this.
 constexpr double kReach_m = 0.1;
 
 void meet(Suite& s, const Meeting& m) {
   Play play(s.target, {{{m.first, m.second}, law(m.friction, m.restitution), {}}, Vec3::Zero(), kWindow_s});
-  const Vec3 centre = play.centre_of_mass(), linear = play.momentum(), angular = play.angular_momentum(centre);
+  const Vec3 linear = play.momentum();
   const double start = play.kinetic_energy();
   const double reduced = m.first.mass * m.second.mass / (m.first.mass + m.second.mass);
   const double relative = reduced * (m.first.motion.velocity - m.second.motion.velocity).norm();
   const double arm = (m.first.motion.position - m.second.motion.position).norm();
-  const double spin = m.first.angular_velocity().norm() + m.second.angular_velocity().norm();
-  const double closing = (m.first.motion.velocity - m.second.motion.velocity).norm() + kReach_m * spin;
-  const double allowed = (kWindow_s * closing + kOverlap_m) / arm;
-  double gain = 0.0, rest = 0.0, apart = 0.0;
-  Vec3 moved = Vec3::Zero();
+  ShiftRows angular(play, kWindow_s, kReach_m);
+  double gain = 0.0;
   for (int i = 0; i < 300; ++i) {
-    const std::map<BodyId, BodyMotion> before{{1, play.body(1).motion}, {2, play.body(2).motion}};
+    angular.before(play);
     play.window();
-    const Shift now = shift(play, before, centre, kWindow_s);
-    moved += now.moved, apart += now.apart, rest += now.rest;
+    angular.after(play);
     gain = std::max(gain, (play.kinetic_energy() - play.handback_energy()) / start);  // flight has its own error
   }
   const Vec3 change = m.first.mass * (play.body(1).motion.velocity - m.first.motion.velocity);
   const double met = change.norm() / relative;
   s.report.check_error("met", met, kMet, std::max(0.0, kMet - met), 0.0, "momentum passed on, of the relative one");
   s.report.check("linear", (play.momentum() - linear).norm() / relative, 0.0, s.exact(kMomentumTolerance));
-  s.report.check(
-      "angular", (play.angular_momentum(centre) - angular).norm() / (relative * arm), 0.0, allowed,
-      fmt::format("{:.1e} of it by poses moved, {:.2g} mm in all", moved.norm() / (relative * arm), 1e3 * apart));
-  s.report.check("angular_rest", rest / (relative * arm), 0.0, s.exact(kMomentumTolerance),
-                 "what moved poses do not explain, along the way past one another");
+  angular.judge(play, s.report, relative * arm, s.exact(kMomentumTolerance));
   if (m.restitution < 1.0)
     s.report.check("gain", gain, 0.0, s.exact(kGainTolerance), "largest gain of a window, of the kinetic energy");
   else

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <sstream>
 
 #include <fmt/format.h>
 
@@ -16,6 +17,8 @@ const char* word(Verdict verdict) {
       return "pass";
     case Verdict::kFail:
       return "fail";
+    case Verdict::kKnown:
+      return "known";
     case Verdict::kSkipped:
       return "skipped";
     default:
@@ -45,12 +48,8 @@ std::string list(const std::vector<std::string>& words) {
   return "[" + out + "]";
 }
 
-}  // namespace
-
-void Report::begin(const std::string& name, const std::vector<std::string>& needs) { case_ = name, needs_ = needs; }
-
-void Report::add(Row row) {
-  const bool judged = row.verdict == Verdict::kPass || row.verdict == Verdict::kFail;
+void print(const Row& row) {
+  const bool judged = row.verdict != Verdict::kSkipped && row.verdict != Verdict::kReported;
   const std::string numbers =
       row.verdict == Verdict::kReported ? fmt::format("{:>13.6g} {:>13} {:>10} {:>9}", row.computed, "", "", "")
       : judged && row.tolerance >= 0.0
@@ -58,6 +57,51 @@ void Report::add(Row row) {
           : fmt::format("{:>13} {:>13} {:>10} {:>9}", "", "", "", "");
   fmt::print("{:<38} {}  {:<8} {}\n", row.name, numbers, word(row.verdict), row.note);
   std::fflush(stdout);
+}
+
+}  // namespace
+
+void Report::expect(const std::string& path) {
+  std::ifstream in(path);
+  if (!in) throw Error(Exit::kBadInput, "bad_file", "--expect " + path + ": cannot be read");
+  list_ = path;
+  std::string line;
+  for (int number = 1; std::getline(in, line); ++number) {
+    std::istringstream words(line.substr(0, line.find('#')));
+    std::string name, why;
+    if (!(words >> name)) continue;
+    std::getline(words >> std::ws, why);
+    if (why.empty())
+      throw Error(Exit::kBadInput, "bad_file", fmt::format("{}:{}: '{}': say why it fails", path, number, name));
+    if (!known_.emplace(name, why).second)
+      throw Error(Exit::kBadInput, "bad_file", fmt::format("{}:{}: '{}' comes twice", path, number, name));
+  }
+}
+
+void Report::check_list(const std::string& case_name) {
+  for (const auto& [name, why] : known_) {
+    if (name.substr(0, name.find('.')) != case_name) continue;
+    const auto judged = [&name = name](const Row& r) {
+      return r.name == name && (r.verdict == Verdict::kKnown || r.verdict == Verdict::kFail);
+    };
+    if (std::any_of(rows_.begin(), rows_.end(), judged)) continue;
+    rows_.push_back({name, {}, NAN, NAN, NAN, -1.0, Verdict::kFail, "is in " + list_ + " and was not judged"});
+    print(rows_.back());
+  }
+}
+
+void Report::begin(const std::string& name, const std::vector<std::string>& needs) { case_ = name, needs_ = needs; }
+
+void Report::add(Row row) {
+  const auto known = known_.find(row.name);
+  if (known != known_.end() && row.verdict == Verdict::kFail) {
+    row.verdict = Verdict::kKnown;
+    row.note += (row.note.empty() ? "known: " : "; known: ") + known->second;
+  } else if (known != known_.end() && row.verdict == Verdict::kPass) {
+    row.verdict = Verdict::kFail;
+    row.note += (row.note.empty() ? "" : "; ") + ("passes: take it out of " + list_);
+  }
+  print(row);
   rows_.push_back(std::move(row));
 }
 

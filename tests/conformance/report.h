@@ -1,5 +1,6 @@
 #pragma once
 // What a suite found: a row for each number that was held against what is known.
+#include <map>
 #include <string>
 #include <vector>
 
@@ -7,7 +8,8 @@
 
 namespace sunder::conformance {
 
-enum class Verdict { kPass, kFail, kSkipped, kReported };
+/// kKnown: fails, as the list of known failures says it does.
+enum class Verdict { kPass, kFail, kKnown, kSkipped, kReported };
 
 struct Row {
   std::string name;                // CASE or CASE.WHAT
@@ -19,6 +21,12 @@ struct Row {
 
 class Report {
  public:
+  /// Reads what is known to fail: a line holds the name of a row and why it fails, `#` begins a comment. A row of the
+  /// list is known where it fails, and fails where it passes: a list that is out of date is found out. Throws Error
+  /// (bad_file).
+  void expect(const std::string& path);
+  /// Rows of the list that belong to the case, which has run, and were not judged, fail.
+  void check_list(const std::string& case_name);
   /// Rows from here on belong to a case.
   void begin(const std::string& name, const std::vector<std::string>& needs);
   /// A row whose error is the distance from the reference, relative where that is not zero. NaN fails.
@@ -40,6 +48,8 @@ class Report {
   void add(Row row);
   std::string case_;
   std::vector<std::string> needs_;
+  std::string list_;                          // the file
+  std::map<std::string, std::string> known_;  // rows: why
   std::vector<Row> rows_;
 };
 

@@ -115,12 +115,6 @@ def _after_hash(cell: Cell) -> Ending:  # the engine repeats what it was told, t
     return Ending(PEER_LOST, ("bad_message",), PEER_LOST, "peer_failed")
 
 
-def _after_duplicate(cell: Cell) -> Ending:
-    if cell.side == SHELL and cell.phase == BIRTHS:  # a body that the engine cannot hold is bad input, as any other
-        return Ending(PEER_LOST, ("bad_message",), PEER_LOST, "bad_message")
-    return _after_bad_message(cell)
-
-
 def _after_replay(cell: Cell) -> Ending:
     if cell.phase == BYE:  # nobody is there to hear it a second time
         return Ending(DONE, (), DONE, run=("done",))
@@ -194,7 +188,7 @@ FAULTS = {fault.name: fault for fault in (
           elsewhere="only Hello has a hash"),
     Fault("nan", "NaN in a field", _after_bad_message, phases=(LOAD, *WINDOWS), message=_nan,
           elsewhere="no numbers that could be NaN"),
-    Fault("duplicate", "an id twice", _after_duplicate, phases=(LOAD, *WINDOWS), message=_duplicate,
+    Fault("duplicate", "an id twice", _after_bad_message, phases=(LOAD, *WINDOWS), message=_duplicate,
           elsewhere="no ids"),
     Fault("replay", "the message twice", _after_replay, raw=_replay),
     Fault("old tick", "the tick before", _after_bad_message, phases=WINDOWS, message=_old_tick,
