@@ -116,6 +116,32 @@ TEST(Conformance, SkipsByWhatIsNotDeclaredAndSaysWhich) {
   EXPECT_NE(flight.notes["joint_ball"].find("'joints'"), std::string::npos) << flight.notes["joint_ball"];
 }
 
+TEST(Conformance, HoldsAnEngineToTheListOfItsKnownFailures) {
+  const std::string list = testing::TempDir() + "/conformance_known.txt";
+  const auto with_list = [&](const std::string& lines, const std::string& fault) {
+    std::ofstream(list) << lines;
+    return with_fault("bullet", fault, fmt::format("collision_spheres --expect '{}'", list));
+  };
+  const std::string gain = "# a comment\n\ncollision_spheres.gain it is bouncy\n";
+  Outcome known = with_list(gain, "bouncy");
+  EXPECT_EQ(known.verdicts["collision_spheres.gain"], "known") << known.said;
+  EXPECT_NE(known.notes["collision_spheres.gain"].find("it is bouncy"), std::string::npos) << known.said;
+  EXPECT_EQ(known.status, 0) << known.said;
+  Outcome passes = with_list(gain, "none");
+  EXPECT_EQ(passes.status, 1) << passes.said;
+  EXPECT_EQ(passes.verdicts["collision_spheres.gain"], "fail") << passes.said;
+  Outcome other = with_list("collision_spheres.met because\n", "leaks");
+  EXPECT_EQ(other.status, 1) << other.said;
+  EXPECT_EQ(other.verdicts["collision_spheres.linear"], "fail") << other.said;
+  EXPECT_EQ(with_list("collision_spheres.nonsense because\n", "none").status, 1);      // a row that there is not
+  EXPECT_EQ(with_list("collision_boxes_elastic.energy because\n", "none").status, 0);  // a case that did not run
+  EXPECT_EQ(with_list("collision_spheres.gain\n", "none").status, 2);                  // why?
+  EXPECT_EQ(with_list(gain + gain, "none").status, 2);
+  std::filesystem::remove(list);
+  EXPECT_EQ(suite(fmt::format("--engine '{}' --expect '{}'", WRONG_ENGINE, list)).status, 2);
+  EXPECT_EQ(suite(fmt::format("--engine '{}' --leave-out nonsense", WRONG_ENGINE)).status, 2);
+}
+
 TEST(Conformance, RefusesWhatItCannotDo) {
   EXPECT_EQ(suite("").status, 2);
   EXPECT_EQ(suite("--engine a --endpoint b").status, 2);

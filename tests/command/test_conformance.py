@@ -1,0 +1,132 @@
+"""`validate engines`: which suite is called for which engine, what becomes of its rows, and Jolt where it cannot be had."""
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import os
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from . import REPOSITORY
+from sunder_tools import build, command, conformance, engines, errors
+
+SUITE = """#!/usr/bin/python3
+import json, sys
+options = sys.argv[1:]
+engine = options[-1] if "--engine-arg" not in options else [b for a, b in zip(options, options[1:]) if a == "--engine-arg"][-1]
+with open({log!r}, "a") as log:
+    print(*options, file=log)
+if "nonsense" in options:
+    sys.exit(2)
+rows, status = json.load(open({rows!r}))[engine]
+if rows is not None:
+    json.dump({{"engine": engine, "version": "1", "capabilities": [], "cases": rows}},
+              open(options[options.index("--json") + 1], "w"))
+sys.exit(status)
+"""
+
+
+def row(name: str, verdict: str, error: float | None = 0.0, note: str = "") -> dict[str, object]:
+    return {"name": name, "needs": [], "computed": 1.0, "reference": 1.0, "error": error, "tolerance": 1e-3,
+            "verdict": verdict, "note": note}
+
+
+GOOD = [row("fall.height", "pass"), row("fall.speed", "pass"), row("stack", "skipped", None), row("cost.one", "reported")]
+KNOWN = [row("fall.height", "known", 0.02, "it sinks; known: by 20 mm"), row("stack.drift", "pass")]
+BAD = [row("fall.height", "fail", 0.5), row("fall.speed", "fail", None, "no reply")]
+
+
+class Suites(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        for name in ("shell/sunder-shell", "rigid/sunder-rigid", "tests/sunder-conformance"):
+            path = self.folder / "build" / name
+            path.parent.mkdir(parents=True)
+            path.write_text(SUITE.format(log=str(self.folder / "log"), rows=str(self.folder / "rows"))
+                            if "conformance" in name else "#!/bin/sh\necho alpha beta\n")
+            path.chmod(0o755)
+        self.said, self.told = io.StringIO(), io.StringIO()
+        jolt = mock.patch.object(engines, "JOLT_PROGRAM", self.folder / "none")
+        for context in (mock.patch.dict(os.environ, {build.BUILD_DIR_VARIABLE: str(self.folder / "build")}), jolt,
+                        mock.patch.object(conformance, "KNOWN", self.folder),
+                        contextlib.redirect_stdout(self.told), contextlib.redirect_stderr(self.said)):
+            context.__enter__()
+            self.addCleanup(context.__exit__, None, None, None)
+
+    def validate(self, outcomes: dict[str, tuple[list[dict[str, object]] | None, int]], *arguments: str) -> int:
+        (self.folder / "rows").write_text(json.dumps(outcomes))
+        return command.main(["validate", "engines", *arguments])
+
+    def test_each_engine_is_a_column_and_its_list_is_handed_on(self) -> None:
+        (self.folder / "beta.txt").write_text("fall.height by 20 mm\n")
+        report = self.folder / "table.json"
+        status = self.validate({"alpha": (GOOD, 0), "beta": (KNOWN, 0)}, "--case", "fall", "--json", str(report))
+        self.assertEqual(status, 0, self.said.getvalue())
+        alpha, beta = (self.folder / "log").read_text().splitlines()
+        self.assertNotIn("--expect", alpha)
+        self.assertIn(f"--expect {self.folder / 'beta.txt'} --case fall", beta)
+        lines = self.told.getvalue().splitlines()
+        self.assertIn(["case", "alpha", "beta"], [line.split() for line in lines])
+        self.assertIn(["fall", "pass", "known", "height", "2.0e-02"], [line.split() for line in lines])
+        self.assertIn(["stack", "skipped", "pass"], [line.split() for line in lines])
+        self.assertIn("known beta: fall.height 0.02 (allowed 0.001): it sinks; known: by 20 mm", lines)
+        self.assertEqual(json.loads(report.read_text())["engines"]["beta"]["cases"], KNOWN)
+
+    def test_a_row_that_fails_is_the_status(self) -> None:
+        self.assertEqual(self.validate({"alpha": (GOOD, 0), "beta": (BAD, 1)}), 1)
+        self.assertIn("FAIL  beta: fall.speed: no reply", self.told.getvalue())
+        self.assertEqual(self.validate({"alpha": (None, 3), "beta": (GOOD, 0)}), 1)  # nobody spoke
+        self.assertIn("alpha: the suite found no engine", self.told.getvalue())
+
+    def test_one_engine_alone(self) -> None:
+        self.assertEqual(self.validate({"beta": (GOOD, 0)}, "--rigid", "beta"), 0)
+        self.assertEqual(len((self.folder / "log").read_text().splitlines()), 1)
+        for rigid, says in (("inprocess:alpha", "over the wire"), ("./nothing", "not an executable")):
+            self.assertEqual(self.validate({}, "--rigid", rigid), 2)
+            self.assertIn(says, self.said.getvalue())
+
+    def test_what_cannot_be_is_refused(self) -> None:
+        self.assertEqual(self.validate({}, "--case", "nonsense"), 2)
+        self.assertEqual(len((self.folder / "log").read_text().splitlines()), 1)  # the next engine is not asked
+        self.assertEqual(self.validate({}, "--plots", str(self.folder / "plots.png")), 2)
+        self.assertEqual(command.main(["validate", "shells", "--rigid", "alpha"]), 2)
+        self.assertIn("only 'validate engines'", self.said.getvalue())
+
+    def test_jolt_is_left_out_with_the_reason_where_it_cannot_be_had(self) -> None:
+        program = self.folder / "jolt"
+        program.write_text("")
+        with mock.patch.object(engines, "JOLT_PROGRAM", program), \
+                mock.patch("sunder_tools.node.ensure_node", side_effect=errors.CommandError("no network")):
+            self.assertEqual(self.validate({"alpha": (GOOD, 0), "beta": (GOOD, 0)}), 0)
+        self.assertIn("jolt: left out: no network", self.told.getvalue())
+
+
+class Testing(unittest.TestCase):
+    def test_goes_on_without_a_registry_and_says_so(self) -> None:
+        said = io.StringIO()
+        with mock.patch("sunder_tools.node.ensure_node", side_effect=errors.CommandError("no network")) as ensure, \
+                mock.patch.object(command, "ensure_built"), contextlib.redirect_stderr(said), \
+                mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ):
+            os.environ.pop(build.BUILD_DIR_VARIABLE, None)
+            run.return_value.returncode = 0
+            self.assertEqual(command.main(["test", "-R", "vtp"]), 0)
+            self.assertEqual(run.call_count, 1)
+            self.assertIn("no network\nsunder: so the tests of the Jolt engine are skipped", said.getvalue())
+            os.environ[build.BUILD_DIR_VARIABLE] = str(REPOSITORY)
+            self.assertEqual(command.main(["test"]), 0)
+            self.assertEqual(ensure.call_count, 1)
+
+
+class KnownFailures(unittest.TestCase):
+    def test_are_lists_of_engines_that_there_are(self) -> None:
+        lists = sorted(path.stem for path in (REPOSITORY / "tests" / "conformance" / "known").glob("*"))
+        self.assertEqual(lists, ["bullet", "freeflight", "jolt", "ode"])
+
+
+if __name__ == "__main__":
+    unittest.main()
