@@ -59,7 +59,7 @@ class WrongEngine final : public Engine {
 
   void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) override {
     if (fault_ == "stale") before_ = inner_->states();
-    inner_->advance(window_s, handbacks, solved);
+    inner_->advance(window_s, handbacks, fault_ == "meddling" ? std::vector<BodyId>{} : solved);
     handbacks_.clear();
     for (const Motion& m : handbacks) handbacks_[m.id] = m.motion;
     // An honest engine leaves what is solved at its handback.
