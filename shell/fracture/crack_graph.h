@@ -64,6 +64,18 @@ class CrackGraph {
         for (const int e : bins_[static_cast<std::size_t>(j) * nx_ + i])
           if (!callback(e)) return;
   }
+  /// The same for edges of the box from `low` to `high` that are not older than edge `first`; the youngest of a bin
+  /// comes first.
+  template <class F>
+  void near_since(const Vec2& low, const Vec2& high, int first, F&& callback) const {
+    const int i0 = bin(low.x() - low_.x(), nx_), i1 = bin(high.x() - low_.x(), nx_);
+    const int j0 = bin(low.y() - low_.y(), ny_), j1 = bin(high.y() - low_.y(), ny_);
+    for (int j = j0; j <= j1; ++j)
+      for (int i = i0; i <= i1; ++i) {
+        const std::vector<int>& edges = bins_[static_cast<std::size_t>(j) * nx_ + i];
+        for (std::size_t k = edges.size(); k-- > 0 && edges[k] >= first;) callback(edges[k]);
+      }
+  }
   /// Distance from p to edge e; `foot` is the nearest point.
   double distance(const Vec2& p, int e, Vec2& foot) const;
 

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
+
+#include "shell/fracture/conditioning.h"
 
 namespace sunder::shell {
 namespace {
@@ -52,12 +55,17 @@ Eigen::Matrix<double, B, B> matrix_of(const Monomials& m) {
   return a;
 }
 
+constexpr double kAnyCondition = std::numeric_limits<double>::infinity();  // it is known to be good enough
+
 // Pivots are no less than the least eigenvalue, diagonal entries no more than the largest: a lower bound of the
 // condition, which spares most supports of one-sided points the eigenvalues.
 template <class Factors, class Matrix>
-bool beyond(const Factors& inverse, const Matrix& a, double limit) {
+bool well_conditioned(const Factors& inverse, const Matrix& a, double limit) {
   const double least = inverse.vectorD().minCoeff();
-  return !(least > 0.0) || a.diagonal().maxCoeff() > limit * least;
+  if (!(least > 0.0) || a.diagonal().maxCoeff() > limit * least) return false;
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
+  const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(a.rows() - 1);
+  return low > 0.0 && high <= limit * low;
 }
 // The basis is centred on the point and scaled by the support d; derivatives are those of the full
 // expression N_k = gamma(p)^T p_k W(p - p_k), gamma = A^-1 p. Returns false where cond(A) > limit.
@@ -78,10 +86,7 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
   }
   const Matrix a = matrix_of<B>(sum);
   const Eigen::LDLT<Matrix> inverse(a);
-  if (beyond(inverse, a, limit)) return false;
-  Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
-  const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(B - 1);
-  if (!(low > 0.0) || high > limit * low) return false;
+  if (limit < kAnyCondition && !well_conditioned(inverse, a, limit)) return false;
   thread_local std::vector<std::array<double, 6>> w;
   w.resize(n);
   Monomials sums[5];
@@ -120,46 +125,61 @@ bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, 
   return true;
 }
 
+// In the order in which they are tried. A narrow strip is better conditioned in the smaller one of the last two.
+constexpr int kSmallSteps = 11, kTried = 16;  // the last three are none
+static_assert(kSmallestSupport + (kSmallSteps - 1) * kSupportStep == kLargeSupport && kTried % kChoices == 0);
+constexpr std::array<SupportChoice, kTried> kSupports = [] {
+  std::array<SupportChoice, kTried> all;
+  for (int k = 0; k < kTried; ++k) all[k] = {1.0, 0.0};
+  for (int k = 0; k < kSmallSteps; ++k) all[k] = {kSmallestSupport + k * kSupportStep, kGoodCondition};
+  all[kSmallSteps] = {kLargestSupport, kLastCondition}, all[kSmallSteps + 1] = {kLargeSupport, kLastCondition};
+  return all;
+}();
+
+bool nearer(const Candidate& a, const Candidate& b) {
+  return a.distance != b.distance ? a.distance < b.distance : a.control_point < b.control_point;
+}
+
 }  // namespace
 
-MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v,
-                   int skip_edge) {
-  std::vector<Candidate> seen;
-  const int reach = static_cast<int>(std::ceil(kLargestSupport)) + 1;
-  for (int j = std::max(0, span_v + 1 - reach); j <= std::min(grid.rows - 1, span_v + 1 + reach); ++j)
-    for (int i = std::max(0, span_u + 1 - reach); i <= std::min(grid.columns - 1, span_u + 1 + reach); ++i) {
-      const int k = j * grid.columns + i;
-      const Vec2& q = (*grid.parameter)[k];
-      const Vec2 offset((q.x() - p.x()) / grid.spacing_u, (q.y() - p.y()) / grid.spacing_v);
-      const double distance = std::max(std::abs(offset.x()), std::abs(offset.y()));
-      if (distance < kLargestSupport && cracks.visible(p, q, skip_edge)) seen.push_back({distance, k, offset});
-    }
-  std::sort(seen.begin(), seen.end(), [](const Candidate& a, const Candidate& b) {
-    return a.distance != b.distance ? a.distance < b.distance : a.control_point < b.control_point;
+MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v) {
+  Sight sight(grid, p, span_u, span_v);
+  sight.update(grid, cracks, static_cast<int>(cracks.edges().size()));
+  return mls_point(grid, sight);
+}
+
+MlsPoint mls_point(const ControlGrid& grid, const Sight& sight) {
+  thread_local std::vector<Candidate> seen, taken;
+  thread_local std::vector<Vec2> offsets;
+  seen.clear(), offsets.clear();
+  sight.each(grid, [&](int k) {
+    const Vec2 offset = grid.offset(sight.point(), k);
+    seen.push_back({std::max(std::abs(offset.x()), std::abs(offset.y())), k, offset});
+    offsets.push_back(offset);
   });
-  const auto within = [&](double d) {
-    int n = 0;
-    while (n < static_cast<int>(seen.size()) && seen[n].distance < d) ++n;
-    return n;
+  const auto take = [&](double d) {  // those within the support, nearest first
+    taken.clear();
+    for (const Candidate& c : seen)
+      if (c.distance < d) taken.push_back(c);
+    std::sort(taken.begin(), taken.end(), nearer);
+    return static_cast<int>(taken.size());
   };
   MlsPoint point;
-  for (double d = kSmallestSupport; d <= kLargeSupport + 1e-9; d += kSupportStep) {
-    const int n = within(d);
-    if (n >= 9 && shape_functions<6>(seen, n, d, grid.spacing_u, grid.spacing_v, kGoodCondition, point.functions)) {
-      point.basis = MlsBasis::kQuadratic;
-      return point;
-    }
-  }
-  for (const double d : {kLargestSupport, kLargeSupport}) {  // a narrow strip is better conditioned in the smaller one
-    const int n = within(d);
-    if (n >= 9 && shape_functions<6>(seen, n, d, grid.spacing_u, grid.spacing_v, kLastCondition, point.functions)) {
+  for (int first = 0; first < kTried; first += kChoices) {
+    const auto good = conditioned(offsets, &kSupports[first]);
+    for (int k = 0; k < kChoices; ++k) {
+      if (good[k] == Conditioned::kNo) continue;
+      const auto& [d, limit] = kSupports[first + k];
+      if (!shape_functions<6>(taken, take(d), d, grid.spacing_u, grid.spacing_v,
+                              good[k] == Conditioned::kYes ? kAnyCondition : limit, point.functions))
+        continue;
       point.basis = MlsBasis::kQuadratic;
       return point;
     }
   }
   for (double d = kSmallestSupport; d <= kLargeSupport + 1e-9; d += 2.0 * kSupportStep) {
-    const int n = within(d);
-    if (n >= 4 && shape_functions<3>(seen, n, d, grid.spacing_u, grid.spacing_v, kLinearCondition, point.functions)) {
+    const int n = take(d);
+    if (n >= 4 && shape_functions<3>(taken, n, d, grid.spacing_u, grid.spacing_v, kLinearCondition, point.functions)) {
       point.basis = MlsBasis::kLinear;
       return point;
     }

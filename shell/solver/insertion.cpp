@@ -37,12 +37,24 @@ GatheredPoint present_point(const ShellModel& m, const ShellState& s, int block,
   return g;
 }
 
-// The same point with the functions that the present cracks leave it.
-GatheredPoint renewed(const ShellModel& m, const ShellState& s, const GatheredPoint& old) {
+// What the Gauss point sees past the first `end` edges, none of which is on trial any more.
+Sight& present_sight(const ShellModel& m, ShellState& s, int block, int lane, int end) {
+  const RowTables& t = m.tables;
+  int& index = s.sight_of[static_cast<std::size_t>(block) * t.lanes + lane];
+  if (index < 0) {
+    index = static_cast<int>(s.sights.size());
+    s.sights.emplace_back(control_grid(m), gauss_point(m.patch, t, block, lane).parameter, lane,
+                          block / (t.gauss * t.gauss));
+  }
+  s.sights[index].update(control_grid(m), s.cracks, end);
+  return s.sights[index];
+}
+
+// The same point with the functions that cracks leave it.
+GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoint& old) {
   const RowTables& t = m.tables;
   GatheredPoint g = old;
-  const Vec2 p = gauss_point(m.patch, t, g.block, g.lane).parameter;
-  const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, g.lane, g.block / (t.gauss * t.gauss));
+  const MlsPoint mls = mls_point(control_grid(m), sight);
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
@@ -68,28 +80,35 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
   const RowTables& t = m.tables;
   const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
   const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
+  const Vec2 edge_low = e.long_a.cwiseMin(e.long_b), edge_high = e.long_a.cwiseMax(e.long_b);
   std::vector<std::pair<int, int>> touched;
   for (int f = m.patch.knots_v.span_of(low.y()); f <= m.patch.knots_v.span_of(high.y()); ++f)
-    for (int lane = m.patch.knots_u.span_of(low.x()); lane <= m.patch.knots_u.span_of(high.x()); ++lane)
+    for (int lane = m.patch.knots_u.span_of(low.x()); lane <= m.patch.knots_u.span_of(high.x()); ++lane) {
+      // an element lies among its control points, and those in this box
+      const Vec2 &first = m.parameter[f * t.columns + lane],
+                 &last = m.parameter[(f + t.degree) * t.columns + lane + t.degree];
+      const bool beside = (first.array() <= edge_high.array()).all() && (last.array() >= edge_low.array()).all();
       for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
         const int block = f * t.gauss * t.gauss + sub;
+        const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+        if (point < 0 && !beside) continue;
         const GaussPoint g = gauss_point(m.patch, t, block, lane);
         if (g.weight == 0.0) continue;
-        const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
         bool hit = false;
-        const auto cut = [&](int control_point) {
-          return segments_meet(g.parameter, m.parameter[control_point], e.long_a, e.long_b);
+        const auto cut = [&](const Vec2& control_point) {
+          return segments_meet(g.parameter, control_point, e.long_a, e.long_b);
         };
         // what was linear for want of a better basis may see another set of control points now
         if (point >= 0 && s.points[point].kind == PointKind::kLinear) hit = true;
         if (point < 0)
           for (int k = 0; k < t.support() * t.support() && !hit; ++k)
-            hit = cut((f + k / t.support()) * t.columns + lane + k % t.support());
+            hit = cut(m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()]);
         else
           for (const GatheredFunction& n : s.points[point].functions)
-            if ((hit = cut(t.control_point(n.slot)))) break;
+            if ((hit = cut(m.of_slot[n.slot]))) break;
         if (hit) touched.push_back({block, lane});
       }
+    }
   return touched;
 }
 
@@ -120,6 +139,23 @@ void watch_point(const ShellModel& m, ShellState& s, int block, int lane) {
 
 namespace {
 
+// Interlocks that hold within the largest support of the edges from `first` on, in rising order.
+std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int first) {
+  // their functions are those of points just beside the middle of an edge
+  const Vec2 pad = 1.01 * kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+  std::vector<int> found;
+  for (int k = first; k < static_cast<int>(s.cracks.edges().size()); ++k) {
+    const CrackEdge& e = s.cracks.edges()[k];
+    s.cracks.near_since(e.long_a.cwiseMin(e.long_b) - pad, e.long_a.cwiseMax(e.long_b) + pad, 0, [&](int other) {
+      const int lock = s.interlock_of[other];
+      if (lock >= 0 && s.interlocks[lock].holds) found.push_back(lock);
+    });
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
 // The edges from `first` on have just been added to the graph: what they touch gets new functions. False, and nothing
 // has changed, where they must release energy and do not.
 bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool interlock, bool must_release) {
@@ -142,8 +178,11 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     PointDamage fresh;
     if (s.brittleness > 0.0) fresh.strength = s.strength[static_cast<std::size_t>(block) * t.lanes + lane];
     const PointDamage* damage = s.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.damage[point] : &fresh;
-    const double held = point_energy(t, old, s.x, damage, s.brittleness, s.heals), full = point_energy(t, old, s.x);
-    GatheredPoint g = renewed(m, s, old);
+    const double full = point_energy(t, old, s.x),
+                 held = damage ? point_energy(t, old, s.x, damage, s.brittleness, s.heals) : full;
+    Sight sight = present_sight(m, s, block, lane, first);
+    sight.update(control_grid(m), s.cracks, end);
+    GatheredPoint g = renewed(m, sight, old);
     double left = point_energy(t, g, s.x);
     const double most =
         damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * g.area
@@ -174,16 +213,15 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.points[point] = std::move(g);
   }
-  for (Interlock& lock : s.interlocks) {
-    if (!lock.holds) continue;
+  for (const int index : interlocks_near(m, s, first)) {
+    Interlock& lock = s.interlocks[index];
     const CrackEdge& own = s.cracks.edges()[lock.edge];
     const Vec2 middle = 0.5 * (own.a + own.b);
     bool hit = false;
     for (int k = first; k < end; ++k)
       for (const auto* side : {&lock.plus, &lock.minus})
         for (const GatheredFunction& n : *side)
-          hit = hit || segments_meet(middle, m.parameter[t.control_point(n.slot)], s.cracks.edges()[k].long_a,
-                                     s.cracks.edges()[k].long_b);
+          hit = hit || segments_meet(middle, m.of_slot[n.slot], s.cracks.edges()[k].long_a, s.cracks.edges()[k].long_b);
     if (hit) refasten(m, s, lock);
   }
   (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);

@@ -24,7 +24,8 @@ double ShellModel::response_time() const {
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
   ShellModel m{
-      name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0, 0, {}};
+      name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0, 0,
+      {}};
   Elasticity e = elasticity(material.youngs_modulus, material.poisson_ratio);
   e.model = material.stress_model;
   e.least_log_area = find_least_log_area(e);
@@ -56,7 +57,11 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
     for (const auto& slots : driven.slots)
       for (const int slot : slots) ++axes[slot];
   for (int i = 0; i < t.plane; ++i) m.held[i] = axes[i] >= 3;
-  for (int i = 0; i < m.control_points(); ++i) m.parameter.push_back(m.patch.greville(i));
+  m.of_slot.assign(t.plane, Vec2::Zero());
+  for (int i = 0; i < m.control_points(); ++i) {
+    m.parameter.push_back(m.patch.greville(i));
+    m.of_slot[t.slot(i)] = m.parameter.back();
+  }
   std::vector<GatheredFunction> functions;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {

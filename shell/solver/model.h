@@ -38,6 +38,7 @@ struct ShellModel {
   Constraints constraints;
   std::vector<PreparedLoad> loads;
   std::vector<Vec2> parameter;    // Greville point of each control point
+  std::vector<Vec2> of_slot;      // the same by slots; padding: zero
   double longest_element = 0.0;   // along u or v, at rest [m]
   double largest_mobility = 0.0;  // inverse mass of a point of the surface, at most [1/kg]
   double spacing = 0.0;           // mean length of an element [m]

@@ -20,12 +20,27 @@ struct Overstressed {
   int block, lane;
 };
 
+// Whether any of a row's points may be: sqrt(a^2 + b^2) <= |a| + |b| spares the root, and the rest runs in packs.
+bool may_be_over(const double* stress, const double* strength, int points, int lanes) {
+  constexpr double kRoundOff = 1e-12;
+  int over = 0;
+  for (int e = 0; e < points; ++e)
+    for (int face = 0; face < 2; ++face) {
+      const double *s11 = stress + 3 * face * lanes, *s22 = s11 + lanes, *s12 = s22 + lanes;
+      over += 0.5 * (s11[e] + s22[e]) + 0.5 * std::abs(s11[e] - s22[e]) + std::abs(s12[e]) >
+              (1.0 - kRoundOff) * strength[e];
+    }
+  return over > 0;
+}
+
 std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s) {
   const RowTables& t = m.tables;
   std::vector<Overstressed> over;
   for (int q = 0; q < t.blocks(); ++q) {
     const double* stress = &s.surface_stress[t.at(q, 6, 0, 0)];
     const double* strength = &s.strength[static_cast<std::size_t>(q) * t.lanes];
+    std::fill_n(s.c.begin() + static_cast<std::ptrdiff_t>(q) * t.lanes, t.spans_u, 0.0f);
+    if (!may_be_over(stress, strength, t.spans_u, t.lanes)) continue;
     for (int e = 0; e < t.spans_u; ++e) {
       double high = 0.0;
       for (int face = 0; face < 2; ++face) {
@@ -34,8 +49,8 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
         high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::sqrt(half * half + f[2 * t.lanes] * f[2 * t.lanes]));
       }
       const std::size_t g = static_cast<std::size_t>(q) * t.lanes + e;
-      s.c[g] = high > strength[e] ? 1.0f : 0.0f;
       if (high <= strength[e]) continue;
+      s.c[g] = 1.0f;
       const int point = s.point_of[g];
       if (s.c_his[g] < 1.0f) s.c_his[g] = 1.0f;
       if (point >= 0 && s.points[point].kind != PointKind::kQuadratic) continue;

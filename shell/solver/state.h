@@ -80,6 +80,8 @@ struct ShellState {
   double brittleness = 0.0;            // H of eq. 9; 0: cracks are not driven by damage
   bool heals = true;                   // damage follows the present stress, else it stays at its maximum
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
+  std::vector<Sight> sights;  // of Gauss points that were near a new edge
+  std::vector<int> sight_of;  // [block][lane]: index into sights, -1: none
   std::vector<Tip> tips;
   std::vector<Interlock> interlocks;
   std::vector<int> interlock_of;  // of each crack edge, -1: none

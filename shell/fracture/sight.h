@@ -1,0 +1,57 @@
+#pragma once
+// Which control points around a point no crack hides from it. Cracks only grow, so what is hidden stays hidden, and
+// only edges that are new since the last look are tested.
+#include <array>
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "shell/fracture/crack_graph.h"
+
+namespace sunder::shell {
+
+/// Control points of a patch by their parameter points.
+struct ControlGrid {
+  int columns = 0, rows = 0;
+  const std::vector<Vec2>* parameter = nullptr;
+  double spacing_u = 0.0, spacing_v = 0.0;  // mean spacing [m]
+
+  /// From p, in spacings.
+  Vec2 offset(const Vec2& p, int control_point) const {
+    const Vec2& q = (*parameter)[control_point];
+    return {(q.x() - p.x()) / spacing_u, (q.y() - p.y()) / spacing_v};
+  }
+};
+
+/// The largest support of shape functions [spacings]: of points that see one side only. Where a cut runs just short of
+/// a row of control points, the fifth row that they see is 4.7 spacings off, and with weight on four alone the rows
+/// beside the cut are too stiff for their mass.
+constexpr double kLargestSupport = 5.5;
+
+class Sight {
+ public:
+  Sight() = default;
+  /// Of all control points within the largest support of `p`, which lies in span_u, span_v: no edge hides any yet.
+  Sight(const ControlGrid& grid, const Vec2& p, int span_u, int span_v);
+  /// Takes in what the first `end` edges of the graph hide. None that it has taken in may be taken back.
+  void update(const ControlGrid& grid, const CrackGraph& cracks, int end);
+  const Vec2& point() const { return p_; }
+  /// Calls back each control point that is seen, in rising order.
+  template <class F>
+  void each(const ControlGrid& grid, F&& callback) const {
+    for (int j = 0; j < kAcross; ++j)
+      for (unsigned left = rows_[j]; left; left &= left - 1)
+        callback((row_ + j) * grid.columns + column_ + std::countr_zero(left));
+  }
+
+ private:
+  void hide(const ControlGrid& grid, const CrackEdge& edge);
+
+  static constexpr int kReach = 7, kAcross = 2 * kReach + 1;  // one more than the support, rounded up
+  Vec2 p_ = Vec2::Zero();
+  int column_ = 0, row_ = 0;                   // of the first control point that has a bit; may be negative
+  int known_ = 0;                              // edges
+  std::array<std::uint16_t, kAcross> rows_{};  // a bit for each control point
+};
+
+}  // namespace sunder::shell
