@@ -15,7 +15,7 @@ struct MlsFunction {
 enum class MlsBasis { kQuadratic, kLinear, kNone };
 struct MlsPoint {
   MlsBasis basis = MlsBasis::kNone;
-  std::vector<MlsFunction> functions;
+  std::vector<MlsFunction> functions;  // nearest control point first, distance the larger of the two coordinates'
 };
 
 /// Supports in units of the spacing; conditioning decides which one is taken (shell/README.md "Shape functions beside a

@@ -45,6 +45,7 @@ void Run::start() {
   // a thread for less than this costs more in waiting than it brings; results are the same for any number
   if (!setup_.shells.empty())
     options_.threads = std::min(options_.threads, 1 + setup_.shells[0].tables.gauss_points() / kPointsPerThread);
+  setup_.rules.threads = options_.threads;
   if (!options_.trace.empty()) options_.heard = [this](const link::TimedReply& reply) { trace_.heard(reply); };
   rigid_ = options_.connect(options_);
   check_engine();

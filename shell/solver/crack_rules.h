@@ -23,6 +23,7 @@ struct CrackRules {
   int nucleations_per_step = 2;
   InterlockLaw faces;  // of fresh cracks
   bool interlock = true;
+  int threads = 1;  // that evaluate what an edge would do; results are the same for any number
 };
 
 /// `tip_radius` 0: the default.

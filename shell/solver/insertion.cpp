@@ -37,17 +37,13 @@ GatheredPoint present_point(const ShellModel& m, const ShellState& s, int block,
   return g;
 }
 
-// What the Gauss point sees past the first `end` edges, none of which is on trial any more.
-Sight& present_sight(const ShellModel& m, ShellState& s, int block, int lane, int end) {
+int sight_of(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
   int& index = s.sight_of[static_cast<std::size_t>(block) * t.lanes + lane];
-  if (index < 0) {
-    index = static_cast<int>(s.sights.size());
-    s.sights.emplace_back(control_grid(m), gauss_point(m.patch, t, block, lane).parameter, lane,
-                          block / (t.gauss * t.gauss));
-  }
-  s.sights[index].update(control_grid(m), s.cracks, end);
-  return s.sights[index];
+  if (index >= 0) return index;
+  s.sights.emplace_back(control_grid(m), gauss_point(m.patch, t, block, lane).parameter, lane,
+                        block / (t.gauss * t.gauss));
+  return index = static_cast<int>(s.sights.size()) - 1;
 }
 
 // The same point with the functions that cracks leave it.
@@ -75,6 +71,16 @@ void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
   s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
 }
 
+// The point at p uses no control point as far off as the box. Of MLS functions the last is that of the furthest.
+bool out_of_reach(const ShellModel& m, const GatheredPoint& g, const Vec2& p, const Vec2& low, const Vec2& high) {
+  if (g.kind == PointKind::kLinear || g.functions.empty() || g.functions.size() <= m.patch.functions())
+    return g.kind == PointKind::kDead;
+  const Vec2 last = (m.of_slot[g.functions.back().slot] - p).cwiseAbs();
+  const double reach = std::max(last.x() / m.spacing_u, last.y() / m.spacing_v) * (1.0 + 1e-9);
+  const Vec2 gap = (low - p).cwiseMax(p - high);
+  return gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v;
+}
+
 // Gauss points that look across an edge.
 std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const ShellState& s, const CrackEdge& e) {
   const RowTables& t = m.tables;
@@ -93,7 +99,8 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
         const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
         if (point < 0 && !beside) continue;
         const GaussPoint g = gauss_point(m.patch, t, block, lane);
-        if (g.weight == 0.0) continue;
+        if (g.weight == 0.0 || (point >= 0 && out_of_reach(m, s.points[point], g.parameter, edge_low, edge_high)))
+          continue;
         bool hit = false;
         const auto cut = [&](const Vec2& control_point) {
           return segments_meet(g.parameter, control_point, e.long_a, e.long_b);
@@ -139,6 +146,51 @@ void watch_point(const ShellModel& m, ShellState& s, int block, int lane) {
 
 namespace {
 
+// A Gauss point that new edges touch.
+struct Renewal {
+  int block, lane, sight;
+  GatheredPoint point;
+  PointDamage damage;
+  double before = 0.0, after = 0.0;  // elastic energy [J]
+};
+
+// What becomes of it. Changes nothing of the state but the point's own sight, which the edges from `first` on, on
+// trial, do not enter yet.
+void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
+  const RowTables& t = m.tables;
+  const std::size_t gauss = static_cast<std::size_t>(r.block) * t.lanes + r.lane;
+  const GatheredPoint old = present_point(m, s, r.block, r.lane);
+  const int point = s.point_of[gauss];
+  PointDamage fresh;
+  if (s.brittleness > 0.0) fresh.strength = s.strength[gauss];
+  const PointDamage* damage = s.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.damage[point] : &fresh;
+  const double full = point_energy(t, old, s.x),
+               held = damage ? point_energy(t, old, s.x, damage, s.brittleness, s.heals) : full;
+  s.sights[r.sight].update(control_grid(m), s.cracks, first);
+  Sight sight = s.sights[r.sight];
+  sight.update(control_grid(m), s.cracks, end);
+  GatheredPoint g = renewed(m, sight, old);
+  double left = point_energy(t, g, s.x);
+  const double most =
+      damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * g.area
+             : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * g.area;
+  if (left > most) {
+    // between torn faces one-sided functions see distances that are no strain: such a point is rubble
+    g.kind = PointKind::kDead, g.functions.clear();
+    left = 0.0;
+  }
+  PointDamage d = damage ? *damage : fresh;
+  d.fresh = true, d.spared = 0.0;
+  if (damage && s.heals) {
+    // a damaged point stores the same share of the full energy of what is left
+    d.spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+  } else if (damage) {
+    settle(t, g, s.x, s.brittleness, d);
+  }
+  r.before = held, r.after = left - d.spared;
+  r.point = std::move(g), r.damage = d;
+}
+
 // Interlocks that hold within the largest support of the edges from `first` on, in rising order.
 std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int first) {
   // their functions are those of points just beside the middle of an edge
@@ -158,7 +210,8 @@ std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int f
 
 // The edges from `first` on have just been added to the graph: what they touch gets new functions. False, and nothing
 // has changed, where they must release energy and do not.
-bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool interlock, bool must_release) {
+bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool interlock, bool must_release,
+             int threads) {
   const RowTables& t = m.tables;
   const int end = static_cast<int>(s.cracks.edges().size());
   std::vector<std::pair<int, int>> touched;
@@ -170,45 +223,19 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     std::sort(touched.begin(), touched.end());
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   }
+  std::vector<Renewal> changed;
+  for (const auto& [block, lane] : touched) changed.push_back({block, lane, sight_of(m, s, block, lane), {}, {}});
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
+  for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, changed[k]);
   double before = 0.0, after = 0.0;
-  std::vector<std::pair<GatheredPoint, PointDamage>> changed;
-  for (const auto& [block, lane] : touched) {
-    const GatheredPoint old = present_point(m, s, block, lane);
-    const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
-    PointDamage fresh;
-    if (s.brittleness > 0.0) fresh.strength = s.strength[static_cast<std::size_t>(block) * t.lanes + lane];
-    const PointDamage* damage = s.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.damage[point] : &fresh;
-    const double full = point_energy(t, old, s.x),
-                 held = damage ? point_energy(t, old, s.x, damage, s.brittleness, s.heals) : full;
-    Sight sight = present_sight(m, s, block, lane, first);
-    sight.update(control_grid(m), s.cracks, end);
-    GatheredPoint g = renewed(m, sight, old);
-    double left = point_energy(t, g, s.x);
-    const double most =
-        damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * g.area
-               : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * g.area;
-    if (left > most) {
-      // between torn faces one-sided functions see distances that are no strain: such a point is rubble
-      g.kind = PointKind::kDead, g.functions.clear();
-      left = 0.0;
-    }
-    PointDamage d = damage ? *damage : fresh;
-    d.fresh = true, d.spared = 0.0;
-    if (damage && s.heals) {
-      // a damaged point stores the same share of the full energy of what is left
-      d.spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
-    } else if (damage) {
-      settle(t, g, s.x, s.brittleness, d);
-    }
-    before += held, after += left - d.spared;
-    changed.emplace_back(std::move(g), d);
-  }
+  for (const Renewal& r : changed) before += r.before, after += r.after;
   if (must_release && after > before) return false;
   s.interlock_of.resize(end, -1);
-  for (auto& [g, d] : changed) {
+  for (Renewal& r : changed) {
+    GatheredPoint& g = r.point;
     const int point = gather_point(m, s, g.block, g.lane);
     g.in_rows = false;
-    if (!s.damage.empty()) s.damage[point] = d;
+    if (!s.damage.empty()) s.damage[point] = r.damage;
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.points[point] = std::move(g);
@@ -244,11 +271,12 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
 int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,
                 bool interlock) {
   const int index = s.cracks.add_edge(from, to, crack, time, face);
-  if (index >= 0) take_in(m, s, index, time, interlock, false);
+  if (index >= 0) take_in(m, s, index, time, interlock, false, 1);
   return index;
 }
 
-int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>& edges, double time, bool interlock) {
+int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>& edges, double time, bool interlock,
+                  int threads) {
   const int first = static_cast<int>(s.cracks.edges().size());
   int added = 0;
   bool whole = true;
@@ -256,7 +284,7 @@ int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>
     const int index = s.cracks.add_edge(e.from, s.cracks.add_vertex(e.to), e.crack, time, e.face);
     whole = whole && index >= 0, added += index >= 0;
   }
-  if (whole && take_in(m, s, first, time, interlock, true)) return first;
+  if (whole && take_in(m, s, first, time, interlock, true, threads)) return first;
   for (int k = 0; k < added; ++k) s.cracks.undo_edge();
   for (std::size_t k = 0; k < edges.size(); ++k) s.cracks.undo_vertex();
   return -1;

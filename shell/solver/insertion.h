@@ -20,7 +20,7 @@ struct NewEdge {
 /// have. Returns the first of them; negative where they were refused, or one would have no length, and all is as
 /// before.
 int extend_cracks(const ShellModel& model, ShellState& state, const std::vector<NewEdge>& edges, double time,
-                  bool interlock);
+                  bool interlock, int threads = 1);
 
 /// The Gauss point leaves the row kernel and keeps its functions: those of the patch. Returns its index in
 /// state.points; one that has left before stays what it is.

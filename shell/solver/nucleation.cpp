@@ -77,7 +77,7 @@ bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, c
 int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int from, const Vec2& to, const Tip& kind,
                 double time) {
   Tip tip = kind;
-  tip.edge = extend_cracks(m, s, {{from, to, tip.crack, tip.face}}, time, r.interlock);
+  tip.edge = extend_cracks(m, s, {{from, to, tip.crack, tip.face}}, time, r.interlock, r.threads);
   if (tip.edge < 0) {
     s.cracks.undo_vertex();  // the other end, which is new as well
     return 0;

@@ -90,7 +90,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
       ways.push_back(way_ahead(m, s, r, *tip, d, length));
       edges.push_back({tip->vertex, ways.back().to, tip->crack, tip->face});
     }
-    first = extend_cracks(m, s, edges, time, r.interlock);
+    first = extend_cracks(m, s, edges, time, r.interlock, r.threads);
     if (first >= 0) break;
   }
   if (first < 0) return 0;
