@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "shell/solver/interlock.h"
 
@@ -71,14 +72,15 @@ void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
   s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
 }
 
-// The point at p uses no control point as far off as the box. Of MLS functions the last is that of the furthest.
-bool out_of_reach(const ShellModel& m, const GatheredPoint& g, const Vec2& p, const Vec2& low, const Vec2& high) {
-  if (g.kind == PointKind::kLinear || g.functions.empty() || g.functions.size() <= m.patch.functions())
-    return g.kind == PointKind::kDead;
-  const Vec2 last = (m.of_slot[g.functions.back().slot] - p).cwiseAbs();
-  const double reach = std::max(last.x() / m.spacing_u, last.y() / m.spacing_v) * (1.0 + 1e-9);
-  const Vec2 gap = (low - p).cwiseMax(p - high);
-  return gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v;
+// How far off the control points are that a point at p uses [spacings]; any may matter to a linear one.
+float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
+  if (g.kind == PointKind::kLinear) return std::numeric_limits<float>::infinity();
+  double reach = 0.0;
+  for (const GatheredFunction& f : g.functions) {
+    const Vec2 d = (m.of_slot[f.slot] - p).cwiseAbs();
+    reach = std::max({reach, d.x() / m.spacing_u, d.y() / m.spacing_v});
+  }
+  return static_cast<float>(reach * (1.0 + 1e-6));  // more than the rounding
 }
 
 // Gauss points that look across an edge.
@@ -96,11 +98,14 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
       const bool beside = (first.array() <= edge_high.array()).all() && (last.array() >= edge_low.array()).all();
       for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
         const int block = f * t.gauss * t.gauss + sub;
-        const int point = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
-        if (point < 0 && !beside) continue;
+        const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+        const double reach = s.reach[gauss];
+        if (reach == 0.0 && !beside) continue;
         const GaussPoint g = gauss_point(m.patch, t, block, lane);
-        if (g.weight == 0.0 || (point >= 0 && out_of_reach(m, s.points[point], g.parameter, edge_low, edge_high)))
+        const Vec2 gap = (edge_low - g.parameter).cwiseMax(g.parameter - edge_high);
+        if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
           continue;
+        const int point = s.point_of[gauss];
         bool hit = false;
         const auto cut = [&](const Vec2& control_point) {
           return segments_meet(g.parameter, control_point, e.long_a, e.long_b);
@@ -238,6 +243,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     if (!s.damage.empty()) s.damage[point] = r.damage;
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
+    s.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = reach_of(m, g, s.sights[r.sight].point());
     s.points[point] = std::move(g);
   }
   for (const int index : interlocks_near(m, s, first)) {

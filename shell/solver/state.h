@@ -82,6 +82,9 @@ struct ShellState {
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Sight> sights;  // of Gauss points that were near a new edge
   std::vector<int> sight_of;  // [block][lane]: index into sights, -1: none
+  // [block][lane]: no control point that the functions beside a crack use is further off, the larger of the two
+  // coordinates [spacings]; 0: they are those of the patch
+  std::vector<float> reach;
   std::vector<Tip> tips;
   std::vector<Interlock> interlocks;
   std::vector<int> interlock_of;  // of each crack edge, -1: none
