@@ -2,7 +2,9 @@
 #include <set>
 
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
+#include "shell/fracture/conditioning.h"
 #include "shell/fracture/outline.h"
 #include "shell/mechanics/principal.h"
 #include "shell/solver/handoff.h"
@@ -114,6 +116,88 @@ TEST(Mls, ReproducesQuadraticsAndTheirDerivativesBesideACrack) {
     EXPECT_NEAR(sum[5], 1.0, 1e-11 / (h * h));
   }
   EXPECT_GT(quadratic, 150);
+}
+
+TEST(Sight, KeptWhileCracksGrowSeesWhatIsVisible) {
+  const ShellModel m = sheet();
+  const ControlGrid grid = control_grid(m);
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> uniform(0.0, 0.2);
+  CrackGraph g({0, 0}, {0.2, 0.2}, 2.0 * m.spacing, 1e-2 * m.spacing);
+  std::vector<Sight> kept;
+  for (int i = 0; i < 60; ++i) {
+    const Vec2 p(uniform(random), uniform(random));
+    kept.emplace_back(grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
+  }
+  for (int step = 0; step < 12; ++step) {
+    for (int k = 0; k < 3; ++k) {
+      const Vec2 a(uniform(random), uniform(random)), d(uniform(random) - 0.1, uniform(random) - 0.1);
+      const int from = g.add_vertex(a), to = g.add_vertex(a + 1.5 * m.spacing * d.normalized());
+      g.add_edge(from, to, g.new_crack(), 0.0, 0);
+    }
+    const int end = static_cast<int>(g.edges().size()) - 1;  // the last is only tried
+    for (Sight& sight : kept) {
+      sight.update(grid, g, end);
+      std::set<int> seen, visible;
+      sight.each(grid, [&](int k) { seen.insert(k); });
+      for (int k = 0; k < m.control_points(); ++k)
+        if (grid.offset(sight.point(), k).cwiseAbs().maxCoeff() < kLargestSupport &&
+            g.visible(sight.point(), m.parameter[k], end))
+          visible.insert(k);
+      EXPECT_EQ(seen, visible) << "step " << step;
+    }
+    g.undo_edge();
+  }
+}
+
+TEST(Conditioning, AnswersAsEigenvaluesDo) {
+  const SupportChoice choices[kChoices] = {{2.0, 200.0}, {2.25, 200.0}, {2.5, 200.0},  {3.0, 200.0},
+                                           {3.5, 200.0}, {4.5, 200.0},  {5.5, 2500.0}, {4.5, 2500.0}};
+  const auto window = [](double x) {
+    const double r = std::abs(x);
+    return r <= 0.5 ? 2.0 / 3.0 - 4.0 * r * r + 4.0 * r * r * r : r <= 1.0 ? 4.0 / 3.0 * std::pow(1.0 - r, 3) : 0.0;
+  };
+  std::mt19937_64 random(9);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  int count[3] = {};
+  for (int i = 0; i < 500; ++i) {
+    const Vec2 at(uniform(random), uniform(random)), n = Vec2(uniform(random), uniform(random)).normalized();
+    const double crack = 0.5 * uniform(random), other = 1.0 + 4.0 * std::abs(uniform(random));
+    std::vector<Vec2> offsets;  // of a lattice, between two cracks
+    for (int y = -6; y <= 6; ++y)
+      for (int x = -6; x <= 6; ++x) {
+        const Vec2 q = Vec2(x, y) + 0.5 * at;
+        if (q.cwiseAbs().maxCoeff() < 5.5 && q.dot(n) > crack && q.dot(n) < crack + other) offsets.push_back(q);
+      }
+    const auto answers = conditioned(offsets, choices);
+    for (int k = 0; k < kChoices; ++k) {
+      const auto& [size, limit] = choices[k];
+      Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Zero();
+      int within = 0;
+      for (const Vec2& q : offsets) {
+        const double x = q.x() / size, y = q.y() / size;
+        Eigen::Matrix<double, 6, 1> p;
+        p << 1.0, x, y, x * x, x * y, y * y;
+        a += window(x) * window(y) * p * p.transpose();
+        within += q.cwiseAbs().maxCoeff() < size;
+      }
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> eigen(a, Eigen::EigenvaluesOnly);
+      const double low = eigen.eigenvalues()[0], high = eigen.eigenvalues()[5];
+      ++count[static_cast<int>(answers[k])];
+      switch (answers[k]) {
+        case Conditioned::kYes:
+          EXPECT_TRUE(within >= 9 && high <= limit * low);
+          break;
+        case Conditioned::kNo:
+          EXPECT_TRUE(within < 9 || high > limit * low);
+          break;
+        case Conditioned::kUnsure:
+          EXPECT_NEAR(high / low / limit, 1.0, 0.6);  // 6^(1/4) at the worst
+      }
+    }
+  }
+  for (const int answer : {0, 1}) EXPECT_GT(count[answer], 200);
+  EXPECT_LT(count[2], 100);  // of 4000, the others decided
 }
 
 TEST(Mls, KeepsTheStableStepOfACutSheet) {
