@@ -55,7 +55,8 @@ void Run::choose_exported() {
   // No shell is stiffer at a control point than its stable step allows: 4 m / dt^2. Heavy bodies need no measurement.
   double heaviest = 0.0;
   for (const double mass : state_->mass) heaviest = std::max(heaviest, mass);
-  for (std::size_t i = 0; i < std::min(proxies_.size(), candidates_.of_body.size()); ++i) {
+  // Bodies of the scene only: shards, light and born in contact, leave the shell within a window or two.
+  for (std::size_t i = 0; i < std::min(setup_.bodies.size(), candidates_.of_body.size()); ++i) {
     const RigidBody& b = proxies_[i].body;
     const auto held = held_until_.find(b.id);
     if (b.is_static || candidates_.of_body[i].empty() || held == held_until_.end() || held->second < windows_) continue;

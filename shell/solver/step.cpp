@@ -9,7 +9,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kTile = 8;  // elements a side of a tile, the coarse unit of the search
+constexpr double kFastestRecovery = 0.01;  // of an overlap [m/s]: that of a body that was born in one makes no energy
+constexpr int kTile = 8;                   // elements a side of a tile, the coarse unit of the search
 
 Vec3 position(const ShellState& s, const std::vector<GatheredFunction>& functions) {
   Vec3 x = Vec3::Zero();
@@ -153,7 +154,8 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       Mat3 inverse = body.inverse_mass_at(x);
       for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
       if (inverse.trace() <= 0.0) continue;
-      const Vec3 wanted = (body.recovery * -gap.value / dt) * gap.normal;  // of the relative velocity afterwards
+      const Vec3 wanted = std::min(body.recovery * -gap.value / dt, kFastestRecovery) *
+                          gap.normal;  // of the relative velocity afterwards
       const Vec3 j =
           contact_impulse(gap.normal, before - wanted, inverse, coefficients[b].friction, coefficients[b].restitution);
       if (j.isZero(0.0)) continue;

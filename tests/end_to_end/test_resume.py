@@ -1,0 +1,89 @@
+"""Runs that go on from a checkpoint, and recorded ones that are played back: the real programs."""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
+SUNDER = [str(TOP / "coupler" / "sunder")]
+SCENE = str(TOP / "scenes" / "cut_pane.textproto")
+OFTEN = [part for setting in ("output.checkpoint_interval_s=3e-4", "output.frame_interval_s=1",
+                              "output.shell_frame_interval_s=1") for part in ("--set", setting)]
+
+
+def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*SUNDER, *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True, timeout=200, check=False)
+
+
+def state(folder: Path) -> str:
+    return str(json.loads((folder / "run.json").read_text())["state_hash"])
+
+
+class Resume(unittest.TestCase):
+    def setUp(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.here = Path(self._folder.name)
+
+    def run_to(self, name: str, until: str, *more: str) -> Path:
+        folder = self.here / name
+        done = sunder("run", SCENE, "--out", str(folder), "--until", until, "--quiet", *OFTEN, *more)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return folder
+
+    def test_goes_on_to_the_bit(self) -> None:
+        for engine in ("bullet", "inprocess:ode"):
+            with self.subTest(engine):
+                whole = self.run_to(f"whole_{engine}", "0.004", "--rigid", engine)
+                part = self.run_to(f"part_{engine}", "0.0008", "--rigid", engine)  # between the cut and the freeze
+                self.assertNotEqual(state(part), state(whole))
+                done = sunder("run", "--resume", str(part), "--until", "0.004", "--quiet")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(state(part), state(whole))
+                self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+
+    def test_refuses_what_is_no_checkpoint_of_this_run(self) -> None:
+        part = self.run_to("part", "0.0008")
+        checkpoint = part / "checkpoint" / "state"
+        good = checkpoint.read_bytes()
+        for name, bytes_ in (("empty", b""), ("cut", good[:-100]), ("flipped", good[:5000] + bytes([good[5000] ^ 1]) + good[5001:]),
+                             ("other", b"something else\n" + good)):
+            with self.subTest(name):
+                checkpoint.write_bytes(bytes_)
+                done = sunder("run", "--resume", str(part), "--quiet")
+                self.assertEqual(done.returncode, 2, done.stderr)
+                self.assertIn("bad_checkpoint", done.stderr)
+        checkpoint.write_bytes(good)
+        command = json.loads((part / "command.json").read_text())
+        command["settings"].append("shells[pane].thickness_m=0.005")
+        (part / "command.json").write_text(json.dumps(command))
+        done = sunder("run", "--resume", str(part), "--quiet")
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("other settings", done.stderr)
+        checkpoint.unlink()
+        self.assertIn("holds no checkpoint", sunder("run", "--resume", str(part)).stderr)
+
+    def test_a_recording_plays_to_either_side(self) -> None:
+        folder = self.run_to("recorded", "0.003", "--record", "--trace")
+        for side in ("shell", "rigid"):
+            done = sunder("replay", str(folder), "--side", side)
+            self.assertEqual(done.returncode, 0, done.stderr + done.stdout)
+        events = json.loads((folder / "trace.json").read_text())["traceEvents"]
+        self.assertEqual({event["pid"] for event in events}, {1, 2})
+        self.assertTrue(all(event["dur"] >= 0 for event in events if event["ph"] == "X"))
+        changed = json.loads((folder / "command.json").read_text())
+        changed["settings"].append("gravity.z=-9.8")
+        (folder / "command.json").write_text(json.dumps(changed))
+        done = sunder("replay", str(folder))
+        self.assertEqual(done.returncode, 1)
+        self.assertIn("is not as recorded", done.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()
