@@ -118,7 +118,7 @@ class Consistency(InAFolder):
 
         report = self.folder / "table.json"
         self.said = io.StringIO()
-        nothing = build.Executables(Path("shell"), Path("rigid"))
+        nothing = build.Executables(Path("shell"), Path("rigid"), Path("single"))
         with mock.patch.object(trials, "launch_once", launch), \
                 mock.patch.object(experiments, "ensure_built", lambda: nothing), \
                 contextlib.redirect_stdout(self.said), contextlib.redirect_stderr(self.said):
