@@ -18,7 +18,7 @@ class Proxy {
   // Share of an overlap with the shell that contact takes back in a substep: where rows press the body on after contact
   // has stopped it (link/held_rows.h), it would creep in by a little every time.
   double recovery = 0.0;
-  bool unmoved = false;  // by impulses, which are only counted: the lagged scheme
+  bool unmoved = false;                 // by impulses, which are only counted: the lagged scheme
   Vec3 linear_impulse = Vec3::Zero();   // from the shell in this window [N s]
   Vec3 angular_impulse = Vec3::Zero();  // about the centre of mass [N m s]
   // The ledger's other page: what the shell's control points received, summed where they are.
