@@ -380,8 +380,6 @@ void validate(const LoadedScene& s) {
   for (int i = 0; i < m.bodies_size(); ++i) name(fmt::format("bodies[{}]", i), m.bodies(i).name(), names);
   for (int i = 0; i < m.shells_size(); ++i) shell(s, fmt::format("shells[{}]", i), m.shells(i), materials);
   for (int i = 0; i < m.bodies_size(); ++i) body(s, fmt::format("bodies[{}]", i), m.bodies(i), materials, names);
-  s.check(m.shells_size() <= 1, "shells", "{} shells; one for now: contact between shells is not there yet",
-          m.shells_size());
   for (int i = 0; i < m.contacts_size(); ++i) {
     const auto& c = m.contacts(i);
     const std::string f = fmt::format("contacts[{}]", i);

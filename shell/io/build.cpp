@@ -77,8 +77,8 @@ RigidBody make_body(const scene::LoadedScene& scene, const proto::Body& m, BodyI
 
 void launch(const scene::LoadedScene& scene, const RunSetup& setup, const proto::Body& m, RigidBody& b) {
   Vec3 target = Vec3::Zero(), normal = Vec3::UnitZ();
-  for (const ShellModel& s : setup.shells)
-    if (s.name == m.launch().target()) {
+  for (const ShellSetup& shell : setup.shells)
+    if (const ShellModel& s = shell.model; s.name == m.launch().target()) {
       const Vec2 middle(0.5 * (s.patch.knots_u.begin() + s.patch.knots_u.end()),
                         0.5 * (s.patch.knots_v.begin() + s.patch.knots_v.end()));
       const SurfacePoint q = s.patch.evaluate(middle);
@@ -103,16 +103,18 @@ void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, con
   for (std::size_t i = 0; i < r.bodies.size(); ++i) {
     const auto& body = scene.message.bodies(static_cast<int>(i));
     if (body.name() != c.first() && body.name() != c.second()) continue;
-    const ShellModel& shell = r.shells.front();
+    std::size_t k = 0;
+    while (r.shells[k].model.name != c.first() && r.shells[k].model.name != c.second()) ++k;  // validated: it is there
+    ShellSetup& shell = r.shells[k];
     const double radius = body.sphere().radius_m();
-    const double both = give(scene.message.shells(0).material()) + give(body.material());
-    r.hertz[i] = c.hertz().has_stiffness() ? c.hertz().stiffness() : 4.0 / 3.0 * std::sqrt(radius) / both;
-    const double speed = (r.bodies[i].motion.velocity - r.shell_velocity).norm();
-    const double approach = r.bodies[i].is_static ? 0.0 : hertz_approach(r.bodies[i].mass, r.hertz[i], speed);
+    const double both = give(scene.message.shells(static_cast<int>(k)).material()) + give(body.material());
+    shell.hertz[i] = c.hertz().has_stiffness() ? c.hertz().stiffness() : 4.0 / 3.0 * std::sqrt(radius) / both;
+    const double speed = (r.bodies[i].motion.velocity - shell.velocity).norm();
+    const double approach = r.bodies[i].is_static ? 0.0 : hertz_approach(r.bodies[i].mass, shell.hertz[i], speed);
     scene.check(approach <= kDeepestApproach * radius, field,
                 "lets '{}' sink up to {:.3g} m into shell '{}' at {:.3g} m/s, but the law is for less than a fifth of "
                 "its radius, {:.3g} m; take a higher stiffness or a lower speed, or leave hertz out",
-                body.name(), approach, shell.name, speed, kDeepestApproach * radius);
+                body.name(), approach, shell.model.name, speed, kDeepestApproach * radius);
   }
 }
 
@@ -177,93 +179,29 @@ RunSetup build(const scene::LoadedScene& scene) {
   std::map<std::string, std::uint32_t> groups;
   for (int i = 0; i < m.shells_size(); ++i) {
     const std::string field = fmt::format("shells[{}]", i);
-    r.shells.push_back(build_shell(scene, m.shells(i), field));
-    ShellModel& s = r.shells.back();
+    r.shells.push_back(make_setup(scene, m.shells(i), field));
+    ShellModel& s = r.shells.back().model;
     groups[s.name] = s.contact_group = static_cast<std::uint32_t>(groups.size());
-    r.shell_velocity = scene::to_vec(m.shells(i).velocity());
-    for (int k = 0; k < m.shells(i).cuts_size(); ++k)
-      r.cuts.push_back(make_cut(scene, m.shells(i).cuts(k), s, fmt::format("{}.cuts[{}]", field, k)));
     for (int k = 0; k < m.output().probes_size(); ++k) {
       const auto& p = m.output().probes(k);
-      if (!p.body().empty()) continue;
+      if (p.shell() != s.name) continue;
       const Vec2 at(p.at().u(), p.at().v());
       scene.check(s.patch.contains(at), fmt::format("output.probes[{}].at", k),
                   "({}, {}) lies outside the patch, whose parameters run to ({}, {})", at.x(), at.y(),
                   s.patch.knots_u.end(), s.patch.knots_v.end());
-      r.probes.push_back({p.name(), at});
+      r.probes.push_back({p.name(), i, at});
     }
-    if (m.shells(i).has_equilibrium())
-      r.equilibrium = m.shells(i).equilibrium().has_tolerance() ? m.shells(i).equilibrium().tolerance() : 1e-6;
     for (const PreparedLoad& load : s.loads)
       if (!load.load.in_time.empty()) r.last_change = std::max(r.last_change, load.load.in_time.back().first);
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
-    constexpr Transfer kTransfers[] = {Transfer::kDirect, Transfer::kFlip, Transfer::kApic, Transfer::kPic};
-    r.transfer.kind = kTransfers[m.transfer().kind()];
-    r.transfer.spacing = m.transfer().has_grid_spacing_m() ? m.transfer().grid_spacing_m() : s.spacing;
-    scene.check(r.transfer.kind == Transfer::kDirect ||
-                    (r.transfer.spacing >= 0.1 * s.spacing && r.transfer.spacing <= 100.0 * s.spacing),
-                "transfer.grid_spacing_m",
-                "is {} m, the shell's spacing {:.3g} m; from a tenth to a hundred times that", r.transfer.spacing,
-                s.spacing);
-    const auto mode = m.fracture().mode();
-    r.tips = s.material.strength > 0.0 && mode != proto::Fracture::CUTS && mode != proto::Fracture::DAMAGE;
-    if (mode == proto::Fracture::DAMAGE) {
-      scene.check(s.material.strength > 0.0, "fracture.mode", "DAMAGE needs a strength, which material '{}' has not",
-                  m.shells(i).material());
-      const double width =
-          m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : std::sqrt(3.0) * s.spacing;
-      const double cell = s.spacing / s.tables.gauss;
-      scene.check(width >= cell * (1.0 - 1e-9), "fracture.damage_width_m",
-                  "is {:.3g} m; damage cannot localise in less than a Gauss point's cell, {:.3g} m", width, cell);
-      for (const auto& [given, field] : {std::pair{m.fracture().has_tip_radius_m(), "tip_radius_m"},
-                                         std::pair{m.fracture().has_interlock_strength(), "interlock_strength"},
-                                         std::pair{m.fracture().has_interlock_opening_m(), "interlock_opening_m"},
-                                         std::pair{m.fracture().has_interlock(), "interlock"},
-                                         std::pair{m.fracture().has_branch_ratio(), "branch_ratio"}})
-        scene.check(!given, std::string("fracture.") + field, "is for mode TIPS; leave it out");
-      const ShellMaterial& q = s.material;
-      r.brittleness = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
-      const double widest = 2.0 * q.youngs_modulus * q.fracture_energy / (q.strength * q.strength);
-      scene.check(
-          std::isfinite(widest) && (r.brittleness < 0.0 || r.brittleness > 1e-9), "fracture.mode",
-          "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
-          "not belong together",
-          1.0 / r.brittleness);
-      const double coarse = width / widest;  // times too coarse
-      const auto finer = [&](int elements) { return std::floor(1.001 * coarse * elements) + 1.0; };
-      scene.check(
-          r.brittleness > 0.0, "fracture.mode",
-          "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
-          "below 2 E G_f / strength^2 = {:.3g} m; {}, a fracture_energy above {:.4g} J/m^2, or TIPS",
-          width, widest,
-          m.fracture().has_damage_width_m()
-              ? std::string("take a narrower damage_width_m")
-              : fmt::format("take more elements, {:.0f} x {:.0f} instead of {} x {} (a spacing below {:.3g} m where it "
-                            "is {:.3g} m)",
-                            finer(s.tables.spans_u), finer(s.tables.spans_v), s.tables.spans_u, s.tables.spans_v,
-                            s.spacing / coarse, s.spacing),
-          q.fracture_energy * coarse);
-      if (m.fracture().has_healing()) r.healing = m.fracture().healing();
-      if (m.fracture().has_extract_cracks()) r.extract_cracks = m.fracture().extract_cracks();
-    }
-    if (r.brittleness > 0.0) r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run
-    if (r.tips) {
-      r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
-      scene.check(r.rules.tip_radius >= s.spacing, "fracture.tip_radius_m",
-                  "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.rules.tip_radius,
-                  s.spacing);
-      if (m.fracture().has_interlock_strength()) r.rules.faces.shear_strength = m.fracture().interlock_strength();
-      if (m.fracture().has_interlock_opening_m()) r.rules.faces.opening = m.fracture().interlock_opening_m();
-      if (m.fracture().has_branch_ratio()) r.rules.branch_ratio = m.fracture().branch_ratio();
-      if (m.fracture().has_interlock()) r.rules.interlock = m.fracture().interlock();
-    }
   }
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
     RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);
     if (m.bodies(i).has_launch()) launch(scene, r, m.bodies(i), b);
     groups[b.name] = b.contact_group = static_cast<std::uint32_t>(groups.size());
-    for (const ShellModel& s : r.shells) {
+    for (const ShellSetup& shell : r.shells) {
+      const ShellModel& s = shell.model;
       const Proxy proxy(b);
       double extent = proxy.radius();
       if (const auto* box = std::get_if<BoxShape>(&b.shape)) {
@@ -290,8 +228,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies));
   for (const auto& p : m.output().probes())
     for (int i = 0; i < m.bodies_size(); ++i)
-      if (m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), Vec2::Zero(), i});
-  r.hertz.assign(r.bodies.size(), 0.0);
+      if (m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i});
+  for (ShellSetup& shell : r.shells) shell.hertz.assign(r.bodies.size(), 0.0);
   for (int k = 0; k < m.contacts_size(); ++k)
     if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);
   ContactLaw fallback;

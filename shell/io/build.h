@@ -1,23 +1,14 @@
 #pragma once
 // Scene -> model: shells, bodies, contact coefficients.
+#include <algorithm>
 #include <vector>
 
 #include "coupler/core/body.h"
 #include "coupler/scene/load.h"
-#include "shell/io/cuts.h"
 #include "shell/io/probes.h"
-#include "shell/solver/model.h"
-#include "shell/solver/step.h"
-#include "shell/solver/tips.h"
+#include "shell/io/shell_setup.h"
 
 namespace sunder::shell {
-
-/// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
-/// crack starts there: a crack that is born within a window must not find the step too large.
-constexpr double kCrackedStep = 0.8;
-
-/// Of the stable step, what a scene may ask for: power iteration finds it from above.
-constexpr double kMostOfStable = 0.95;
 
 /// Substeps that a window may take.
 constexpr double kMostSubsteps = 1e6;
@@ -42,25 +33,19 @@ struct RunSetup {
   std::vector<Probe> probes;
   double probe_interval = 0.0;       // [s]
   double checkpoint_interval = 0.0;  // [s]; 0: none
-  double equilibrium = 0.0;          // tolerance of the equilibrium that the shell starts from; 0: starts as it is
-  double brittleness = 0.0;          // H of the damage law; 0: no damage
-  bool healing = true;               // of damage, as the stress falls
-  bool extract_cracks = true;        // where damage is complete
   double last_change = 0.0;          // when the last load or support has stopped changing [s]
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();
-  std::vector<ShellModel> shells;  // none or one
-  Vec3 shell_velocity = Vec3::Zero();
-  std::vector<PrescribedCut> cuts;
-  bool tips = false;  // cracks find their own way
-  CrackRules rules;
+  std::vector<ShellSetup> shells;
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
   std::vector<Joint> joints;
   CouplingRules coupling;
-  TransferRules transfer;
-  std::vector<double> hertz;  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   std::vector<ContactLaw> laws;
+
+  bool can_crack() const {
+    return std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return s.can_crack(); });
+  }
 };
 
 RunSetup build(const scene::LoadedScene& scene);

@@ -10,11 +10,13 @@ namespace sunder::shell {
 
 std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup) {
   std::string out = fmt::format("scene          {}\nbodies         {}\n", setup.name, setup.bodies.size());
-  for (const ShellModel& m : setup.shells) {
+  for (std::size_t shell = 0; shell < setup.shells.size(); ++shell) {
+    const ShellSetup& shell_setup = setup.shells[shell];
+    const ShellModel& m = shell_setup.model;
     ShellState s = make_state(m, Vec3::Zero(), 0);
-    const bool can_crack = setup.tips || setup.brittleness > 0.0 || !setup.cuts.empty();
+    const bool can_crack = shell_setup.can_crack();
     const double step = stable_step(m, s, 120, 1, can_crack);
-    scene.check(std::isfinite(step), "shells[0].supports",
+    scene.check(std::isfinite(step), fmt::format("shells[{}].supports", shell),
                 "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
     for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
       const double travel = setup.safety * step * setup.bodies[i].motion.velocity.norm();
@@ -36,14 +38,14 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
                 "is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
                 setup.time_step, m.name, can_crack ? " with cracks" : "", allowed, 0.99 * most);
     for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
-      if (setup.hertz[i] == 0.0) continue;
-      const double speed = std::max(1e-3, (setup.bodies[i].motion.velocity - setup.shell_velocity).norm());
-      const double own = hertz_step(m, setup.bodies[i], setup.hertz[i], speed, step);
+      if (shell_setup.hertz[i] == 0.0) continue;
+      const double speed = std::max(1e-3, (setup.bodies[i].motion.velocity - shell_setup.velocity).norm());
+      const double own = hertz_step(m, setup.bodies[i], shell_setup.hertz[i], speed, step);
       scene.check(
           setup.window / own <= kMostSubsteps, "contacts",
           "make Hertz contact of '{}' with a stiffness of {:.3g} N/m^1.5, which needs substeps of {:.3g} s, {:.3g} a "
           "window; take a softer one",
-          setup.bodies[i].name, setup.hertz[i], own, setup.window / own);
+          setup.bodies[i].name, shell_setup.hertz[i], own, setup.window / own);
     }
     const double taken = setup.time_step > 0.0 ? setup.time_step : setup.safety * allowed;
     const double a_window = std::ceil(setup.window / taken * (1.0 - 1e-12));
@@ -74,13 +76,14 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
           low = std::min(low, m.strength_factor_at(q, e)), high = std::max(high, m.strength_factor_at(q, e));
       out += fmt::format("strength       {:.3g} to {:.3g} times the material's\n", low, high);
     }
-    if (setup.brittleness > 0.0) {
+    if (shell_setup.brittleness > 0.0) {
       const double width = 2.0 * m.material.youngs_modulus * m.material.fracture_energy /
-                           (m.material.strength * m.material.strength) * setup.brittleness / (1.0 + setup.brittleness);
+                           (m.material.strength * m.material.strength) * shell_setup.brittleness /
+                           (1.0 + shell_setup.brittleness);
       out += fmt::format(
           "fracture       damage over {:.3g} m: complete at {:.2f} times the strain of the strength, and takes {:.3g} "
           "J/m^2\n",
-          width, (1.0 + setup.brittleness) / setup.brittleness, m.material.fracture_energy);
+          width, (1.0 + shell_setup.brittleness) / shell_setup.brittleness, m.material.fracture_energy);
     } else if (m.material.strength > 0.0) {
       const double resolved = 2.0 * m.material.youngs_modulus * m.material.fracture_energy /
                               (std::sqrt(3.0) * m.material.strength * m.material.strength);

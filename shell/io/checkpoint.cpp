@@ -61,9 +61,8 @@ std::string Run::checkpoint_path() const { return options_.out + "/checkpoint/st
 template <class A>
 void Run::archive_members(A& a) {
   archive_all(a, frames_.count_, frames_.index_, frames_.drawn_);
-  archive_all(a, coefficients_, detached_since_, rubble_, random_, tick_, windows_, substeps_, edges_seen_,
-              next_measure_, changed_, first_shard_, next_id_, fragments_, handed_off_, rubble_points_, handed_area_,
-              detached_area_, dt_, initial_step_, smallest_step_, hertz_speed_, last_push_, crack_lengths_);
+  archive_all(a, random_, tick_, windows_, substeps_, first_shard_, next_id_, fragments_, handed_off_, rubble_points_,
+              handed_area_, detached_area_, dt_, last_push_, crack_lengths_);
   archive_all(a, energy_scale_, reference_energy_, engine_loss_, residual_, support_work_, kinetic_, elastic_,
               ledger_linear_, ledger_angular_, mass_error_, momentum_error_, angular_error_, geometry_error_,
               next_frame_, frozen_length_, frozen_kinetic_, frozen_at_, frozen_potential_, frozen_why_, frozen_hash_,
@@ -77,20 +76,26 @@ void Run::archive_members(A& a) {
     proxies_.clear();
     for (RigidBody& b : bodies) proxies_.emplace_back(std::move(b));
   }
-  char has_shell = state_ ? 1 : 0;
-  archive_one(a, has_shell);
-  if constexpr (A::kReading) {
-    state_.reset();
-    if (has_shell != 0 && !setup_.shells.empty())
-      state_ = std::make_unique<ShellState>(make_state(setup_.shells[0], setup_.shell_velocity, setup_.seed));
+  for (ShellPart& part : parts_) {
+    archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure,
+                part.changed, part.initial_step, part.smallest_step, part.hertz_speed, part.detached_area,
+                part.fragments);
+    char solved = part.state ? 1 : 0;
+    archive_one(a, solved);
+    if constexpr (A::kReading) {
+      part.state.reset();
+      if (solved != 0)
+        part.state = std::make_unique<ShellState>(make_state(part.model(), part.setup->velocity, setup_.seed));
+    }
+    if (part.state) archive_one(a, *part.state);
   }
-  if (state_) archive_one(a, *state_);
 }
 
 void Run::save_checkpoint() {
   Stopwatch w(stage_s_["io"]);
   // What is only kept for speed starts anew on both ways on from here.
-  candidates_ = {}, rows_.clear();
+  for (ShellPart& part : parts_) part.candidates = {};
+  rows_.clear();
   next_checkpoint_ = std::max(next_checkpoint_ + setup_.checkpoint_interval, time() + 0.5 * setup_.checkpoint_interval);
   ArchiveWriter a;
   std::string caches = rigid_->save();

@@ -50,36 +50,42 @@ void Run::choose_exported() {
     return;
   }
   if (windows_ % kStiffnessEvery != 0) return;
+  std::vector<double> hardness(proxies_.size(), 0.0);
+  for (ShellPart& part : parts_) add_hardness(part, hardness);
+  for (std::size_t i = 0; i < proxies_.size(); ++i) {
+    hardest_ = std::max(hardest_, hardness[i]);
+    if (hardness[i] > rules.export_above) exported_until_[proxies_[i].body.id] = windows_ + kHeldWindows;
+  }
+}
+
+void Run::add_hardness(ShellPart& part, std::vector<double>& hardness) {
+  const ShellModel& m = part.model();
   std::vector<char> asked(proxies_.size(), 0);
   bool any = false;
   // No shell is stiffer at a control point than its stable step allows: 4 m / dt^2. Heavy bodies need no measurement.
   double heaviest = 0.0;
-  for (const double mass : state_->mass) heaviest = std::max(heaviest, mass);
+  for (const double mass : part.state->mass) heaviest = std::max(heaviest, mass);
   // Bodies of the scene only: shards, light and born in contact, leave the shell within a window or two.
-  for (std::size_t i = 0; i < std::min(setup_.bodies.size(), candidates_.of_body.size()); ++i) {
+  const auto& candidates = part.candidates.of_body;
+  for (std::size_t i = 0; i < std::min(setup_.bodies.size(), candidates.size()); ++i) {
     const RigidBody& b = proxies_[i].body;
     const auto held = held_until_.find(b.id);
-    if (b.is_static || candidates_.of_body[i].empty() || held == held_until_.end() || held->second < windows_) continue;
-    const double points = static_cast<double>(candidates_.of_body[i].size() * setup_.shells[0].patch.functions());
-    const double bound = 4.0 * points * heaviest * std::pow(setup_.window / smallest_step_, 2) / b.mass;
-    asked[i] = bound > rules.export_above, any = any || asked[i];
+    if (b.is_static || candidates[i].empty() || held == held_until_.end() || held->second < windows_) continue;
+    const double points = static_cast<double>(candidates[i].size() * m.patch.functions());
+    const double bound = 4.0 * points * heaviest * std::pow(setup_.window / part.smallest_step, 2) / b.mass;
+    asked[i] = bound > setup_.coupling.export_above, any = any || asked[i];
   }
   if (!any) return;
-  const auto stiffness = contact_stiffness(setup_.shells[0], *state_, proxies_, candidates_, asked, options_.threads);
-  for (std::size_t i = 0; i < proxies_.size(); ++i) {
-    if (!asked[i]) continue;
-    const RigidBody& b = proxies_[i].body;
-    const double hardness = stiffness[i] * setup_.window * setup_.window / b.mass;
-    hardest_ = std::max(hardest_, hardness);
-    if (hardness > rules.export_above) exported_until_[b.id] = windows_ + kHeldWindows;
-  }
+  const auto stiffness = contact_stiffness(m, *part.state, proxies_, part.candidates, asked, options_.threads);
+  for (std::size_t i = 0; i < proxies_.size(); ++i)
+    if (asked[i]) hardness[i] += stiffness[i] * setup_.window * setup_.window / proxies_[i].body.mass;
 }
 
 void Run::open_window(double window) {
   starts_ = motions();
   for (Proxy& p : proxies_) p.unmoved = setup_.coupling.scheme == Scheme::kLagged, p.recovery = 0.0;
   solved_.clear();
-  if (!state_) {  // no substeps: nobody but the engine solves anything
+  if (!solving()) {  // no substeps: nobody but the engine solves anything
     rows_.clear(), exported_until_.clear();
     return;
   }
@@ -162,14 +168,15 @@ std::vector<link::Motion> Run::handbacks(double window, std::size_t count, int s
 
 void Run::iterate_window(int n, double dt) {
   struct Snapshot {
-    ShellState state;
+    std::vector<ShellState> states;
+    std::vector<ContactCandidates> candidates;
     std::vector<Proxy> proxies;
-    ContactCandidates candidates;
     std::uint64_t random;
     std::int64_t substeps;
     double engine_loss;
   };
-  const Snapshot start{*state_, proxies_, candidates_, random_, substeps_, engine_loss_};
+  Snapshot start{{}, {}, proxies_, random_, substeps_, engine_loss_};
+  for (const ShellPart& part : parts_) start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
   const double window = n * dt;
   std::vector<Kick> last;
   double relaxation = kFirstRelaxation;
@@ -206,8 +213,9 @@ void Run::iterate_window(int n, double dt) {
     for (std::size_t k = 0; k < kicks_.size(); ++k)
       kicks_[k].linear += relaxation * residual[k].linear, kicks_[k].angular += relaxation * residual[k].angular;
     last = residual;
-    *state_ = start.state, proxies_ = start.proxies, candidates_ = start.candidates;
-    random_ = start.random, substeps_ = start.substeps, engine_loss_ = start.engine_loss;
+    for (std::size_t p = 0; p < parts_.size(); ++p)
+      *parts_[p].state = start.states[p], parts_[p].candidates = start.candidates[p];
+    proxies_ = start.proxies, random_ = start.random, substeps_ = start.substeps, engine_loss_ = start.engine_loss;
   }
 }
 

@@ -165,6 +165,28 @@ VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   return mesh;
 }
 
+// Adds the mesh of shell number `shell`, with that number as a cell array.
+void append(VtpMesh& all, VtpMesh one, int shell) {
+  const int first = static_cast<int>(all.points.size());
+  const std::size_t cells = one.polygons.size() + one.lines.size();
+  one.cell_data.push_back({"shell", 1, std::vector<double>(cells, shell)});
+  if (first == 0 && all.cell_data.empty()) {
+    all = std::move(one);
+    return;
+  }
+  all.points.insert(all.points.end(), one.points.begin(), one.points.end());
+  for (auto* lists : {&one.polygons, &one.lines})
+    for (std::vector<int>& list : *lists) {
+      for (int& i : list) i += first;
+      (lists == &one.lines ? all.lines : all.polygons).push_back(std::move(list));
+    }
+  const auto join = [](std::vector<VtpArray>& to, const std::vector<VtpArray>& from) {
+    for (std::size_t k = 0; k < to.size(); ++k)
+      to[k].values.insert(to[k].values.end(), from[k].values.begin(), from[k].values.end());
+  };
+  join(all.point_data, one.point_data), join(all.cell_data, one.cell_data);
+}
+
 struct BodyMesh {
   VtpMesh mesh;
   VtpArray body{"body", 1, {}}, kind{"kind", 1, {}};
@@ -255,14 +277,21 @@ FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
   if (error) throw Error(Exit::kBadInput, "bad_output", fmt::format("{}/frames: {}", folder_, error.message()));
 }
 
-void FrameWriter::write(double time, const ShellModel* model, const ShellState* state,
-                        const std::vector<RigidBody>& bodies, BodyId first_shard) {
+void FrameWriter::write(double time, const std::vector<ShellView>& shells, const std::vector<RigidBody>& bodies,
+                        BodyId first_shard) {
   const auto put = [&](int part, const char* kind, const VtpMesh& mesh) {
     const std::string name = fmt::format("frames/{}_{:06d}.vtp", kind, count_);
     write_vtp(folder_ + "/" + name, mesh);
     index_ += fmt::format("<DataSet timestep=\"{:.9g}\" part=\"{}\" file=\"{}\"/>\n", time, part, name);
   };
-  if (model && state) put(0, "shell", shell_mesh(*model, *state)), put(1, "cracks", crack_mesh(*model, *state));
+  if (!shells.empty()) {
+    VtpMesh shell, cracks;
+    for (std::size_t k = 0; k < shells.size(); ++k) {
+      append(shell, shell_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
+      append(cracks, crack_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
+    }
+    put(0, "shell", shell), put(1, "cracks", cracks);
+  }
   BodyMesh out;
   for (const RigidBody& b : bodies) {
     const auto it = drawn_.find(b.id);

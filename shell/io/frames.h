@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "shell/io/probes.h"
 #include "shell/solver/handoff.h"
 
 namespace sunder::shell {
@@ -12,8 +13,8 @@ namespace sunder::shell {
 class FrameWriter {
  public:
   explicit FrameWriter(std::string folder);
-  /// `shell` may be null: then only bodies are written. `shards` start at this body id.
-  void write(double time, const ShellModel* model, const ShellState* state, const std::vector<RigidBody>& bodies,
+  /// Without shells only bodies are written. Shards start at body id `first_shard`.
+  void write(double time, const std::vector<ShellView>& shells, const std::vector<RigidBody>& bodies,
              BodyId first_shard);
   /// From now on the body is drawn as this mesh, not as its convex parts.
   void draw_as(BodyId id, DrawnMesh mesh) { drawn_[id] = std::move(mesh); }

@@ -56,19 +56,21 @@ std::string probe_header(const std::vector<Probe>& probes) {
   return out + ",reaction_x [N],reaction_y [N],reaction_z [N]\n";
 }
 
-std::string probe_row(const std::vector<Probe>& probes, const ShellModel* m, const ShellState* s,
+std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellView>& shells,
                       const std::vector<BodyMotion>& bodies, double time, const Vec3& gravity) {
   std::string out = fmt::format("{:.9g}", time);
   const auto three = [&](const Vec3& v) { out += fmt::format(",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z()); };
   for (const Probe& p : probes)
     if (p.body >= 0)
       three(bodies[p.body].position), three(bodies[p.body].velocity);
-    else if (s)
-      three(displacement(*m, *s, p.at));
+    else if (!shells.empty())
+      three(displacement(*shells[p.shell].model, *shells[p.shell].state, p.at));
     else
       out += ",,,";
-  if (s)
-    three(reaction(*m, *s, gravity));
+  Vec3 sum = Vec3::Zero();
+  for (const ShellView& s : shells) sum += reaction(*s.model, *s.state, gravity);
+  if (!shells.empty())
+    three(sum);
   else
     out += ",,,";
   return out + "\n";

@@ -10,16 +10,23 @@ namespace sunder::shell {
 
 struct Probe {
   std::string name;
-  Vec2 at = Vec2::Zero();  // of a shell: parameters [m]
-  int body = -1;           // of a body: its index
+  int shell = -1;          // index; -1: of a body
+  Vec2 at = Vec2::Zero();  // parameters [m]
+  int body = -1;           // index; -1: of a shell
 };
 
 /// First line of probes.csv: time, displacement of each point and motion of each body, reaction of all supports.
 std::string probe_header(const std::vector<Probe>& probes);
-/// A row; what belongs to the shell stays empty where `state` is null. The reaction [N] is what supports exert on the
-/// shell, with the forces that the state holds: along each axis minus the sum over control points that they hold or
-/// drive.
-std::string probe_row(const std::vector<Probe>& probes, const ShellModel* model, const ShellState* state,
+/// A shell as it stands.
+struct ShellView {
+  const ShellModel* model;
+  const ShellState* state;
+};
+
+/// A row; what belongs to shells stays empty where `shells` is, else they are all of the scene's. The reaction [N] is
+/// what supports exert on the shell, with the forces that the state holds: along each axis minus the sum over control
+/// points that they hold or drive.
+std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellView>& shells,
                       const std::vector<BodyMotion>& bodies, double time, const Vec3& gravity);
 
 /// Displacement [m] of the material point, with the functions of the uncut patch.

@@ -39,9 +39,11 @@ void Run::write_frame() {
   const std::int64_t begin = Trace::now_ns();
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
-  const ShellModel* model = state_ ? &setup_.shells[0] : nullptr;
-  frames_.write(time(), model, state_.get(), bodies, first_shard_);
-  const double interval = state_ ? setup_.shell_frame_interval : setup_.frame_interval;
+  std::vector<ShellView> shells;
+  for (const ShellPart& part : parts_)
+    if (part.state) shells.push_back({&part.model(), part.state.get()});
+  frames_.write(time(), shells, bodies, first_shard_);
+  const double interval = solving() ? setup_.shell_frame_interval : setup_.frame_interval;
   next_frame_ = std::max(next_frame_ + interval, time() + 0.5 * interval);  // a late one does not delay the next
   write_atomically(options_.out + "/series.csv", series_);
   if (!probes_.empty()) write_atomically(options_.out + "/probes.csv", probes_);
@@ -54,22 +56,23 @@ void Run::write_probes() {
   if (setup_.probes.empty() || time() < next_probe_ - 1e-6 * setup_.tick) return;
   const bool bodies =
       std::any_of(setup_.probes.begin(), setup_.probes.end(), [](const Probe& p) { return p.body >= 0; });
-  if (!state_ && !bodies) return;
+  if (!solving() && !bodies) return;
   std::vector<BodyMotion> motions;
   for (const Proxy& p : proxies_) motions.push_back(p.body.motion);
-  probes_ +=
-      probe_row(setup_.probes, state_ ? &setup_.shells[0] : nullptr, state_.get(), motions, time(), setup_.gravity);
+  std::vector<ShellView> shells;
+  for (const ShellPart& part : parts_)
+    if (part.state) shells.push_back({&part.model(), part.state.get()});
+  probes_ += probe_row(setup_.probes, shells, motions, time(), setup_.gravity);
   next_probe_ = std::max(next_probe_ + setup_.probe_interval, time() + 0.5 * setup_.probe_interval);
 }
 
 void Run::write_series_row() {
-  const EnergyBook& b = state_ ? state_->book : book_;
+  const EnergyBook b = book();
   series_ += fmt::format(
       "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{},{:.9g},{:.9g},{:.9g},{"
       ":.9g}\n",
       time(), kinetic_, elastic_, b.fracture, b.injected, b.contact, b.damping, b.handoff, b.frozen, engine_loss_,
-      residual_, state_ ? state_->cracks.total_length() : frozen_length_, fragments_, handed_off_, b.plastic, b.healing,
-      b.transfer, b.external);
+      residual_, crack_length(), fragments_, handed_off_, b.plastic, b.healing, b.transfer, b.external);
 }
 
 void Run::progress() {
@@ -80,14 +83,14 @@ void Run::progress() {
   const double wall = t - wall_start_, done = time();
   // Each phase at its own pace: the shell until it may be frozen at the latest, then bodies alone.
   double left = 0.0;
-  if (state_ && done > 0.0) left = wall / done * (std::min(setup_.end_time, setup_.latest_freeze) - done);
-  if (!state_ && frozen_at_ >= 0.0 && done > frozen_at_)
+  if (solving() && done > 0.0) left = wall / done * (std::min(setup_.end_time, setup_.latest_freeze) - done);
+  if (!solving() && frozen_at_ >= 0.0 && done > frozen_at_)
     left = (t - frozen_wall_) / (done - frozen_at_) * (setup_.end_time - done);
-  const bool bodies_follow = state_ && setup_.latest_freeze < setup_.end_time;
+  const bool bodies_follow = solving() && setup_.latest_freeze < setup_.end_time;
   const char* end = isatty(2) ? "\r" : "\n";
   fmt::print(stderr, "{:.5f} of {:g} s  {:.0f} substeps/s  {} fragments, {} handed off  {} {:.0f} s left{}", done,
              setup_.end_time, static_cast<double>(substeps_) / wall, fragments_, handed_off_,
-             state_ ? "shell: at most" : "bodies:", left,
+             solving() ? "shell: at most" : "bodies:", left,
              bodies_follow ? std::string(", then bodies   ") + end : std::string("   ") + end);
   std::fflush(stderr);
 }
@@ -95,11 +98,12 @@ void Run::progress() {
 std::string Run::state_hash() const {
   Sha256 h;
   h.add(frozen_hash_.data(), frozen_hash_.size());
-  if (state_) {
-    h.add(state_->x), h.add(state_->v);
-    h.add(state_->c_his.data(), state_->c_his.size() * sizeof(float));
-    for (const CrackEdge& e : state_->cracks.edges())
-      h.add(std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
+  for (const ShellPart& part : parts_) {
+    if (!part.state) continue;
+    const ShellState& s = *part.state;
+    h.add(s.x), h.add(s.v);
+    h.add(s.c_his.data(), s.c_his.size() * sizeof(float));
+    for (const CrackEdge& e : s.cracks.edges()) h.add(std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
   }
   for (const Proxy& p : proxies_) {
     const BodyMotion& m = p.body.motion;
@@ -114,8 +118,9 @@ std::string Run::state_hash() const {
 std::string Run::shards_summary() const {
   double whole = 0.0, fastest = 0.0, largest = 0.0;
   BodyId which = 0;
-  for (const ShellModel& m : setup_.shells)
-    for (int i = 0; i < m.control_points(); ++i) whole += m.mass[m.tables.slot(i)] / (m.material.density * m.thickness);
+  for (const ShellSetup& shell : setup_.shells)
+    for (int i = 0; i < shell.model.control_points(); ++i)
+      whole += shell.model.mass[shell.model.tables.slot(i)] / (shell.model.material.density * shell.model.thickness);
   int big = 0;
   for (const ShardRecord& r : shards_) {
     big += r.area >= kCountedShare * whole;
@@ -145,7 +150,7 @@ void Run::write_shards() const {
 }
 
 std::vector<std::string> Run::warnings() const {
-  const EnergyBook& b = state_ ? state_->book : book_;
+  const EnergyBook b = book();
   const auto percent = [&](double energy) { return energy_scale_ > 0.0 ? 100.0 * energy / energy_scale_ : 0.0; };
   std::vector<std::string> out;
   if (!(std::abs(residual_) <= kResidualWarning))
@@ -156,8 +161,7 @@ std::vector<std::string> Run::warnings() const {
     out.push_back(fmt::format("damage that healed has made {:.1f} % of the energy there was", percent(-b.healing)));
   if (percent(-b.handoff) > 100.0 * kResidualWarning)
     out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
-                              percent(-b.handoff),
-                              setup_.transfer.kind != Transfer::kDirect ? ": the grid glues what is cut" : ""));
+                              percent(-b.handoff), has_grid_transfer() ? ": the grid glues what is cut" : ""));
   if (percent(residual_sum_) > 100.0 * kCouplingWarning)
     out.push_back(fmt::format(
         "windows are too long for bodies that the shell pushes and the engine holds: {:.1f} % of the energy "
@@ -173,7 +177,7 @@ std::vector<std::string> Run::warnings() const {
 }
 
 void Run::write_summary(const std::string& status, const Error* error) {
-  const EnergyBook& b = state_ ? state_->book : book_;
+  const EnergyBook b = book();
   std::string j =
       "{\n  \"schema\": 1,\n  \"status\": " + quoted(status) + ",\n  \"scene\": " + quoted(setup_.name) + ",\n";
   j += "  \"scene_hash\": " + quoted(options_.scene_hash) + ",\n";
@@ -187,14 +191,22 @@ void Run::write_summary(const std::string& status, const Error* error) {
     j += fmt::format("  \"engine\": {{\"name\": {}, \"version\": {}}},\n", quoted(rigid_->peer().name),
                      quoted(rigid_->peer().version));
   int patches = 0, points = 0, gauss = 0, layers = 0;
-  for (const ShellModel& m : setup_.shells) {
+  int rubble = rubble_points_;
+  double initial = 0.0, smallest = 0.0, rest = 0.0, now = 0.0;
+  for (const ShellSetup& shell : setup_.shells) {
+    const ShellModel& m = shell.model;
     ++patches, points += m.control_points(), gauss += m.tables.gauss_points();
     layers += m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size());
+  }
+  for (const ShellPart& part : parts_) {
+    initial = initial > 0.0 ? std::min(initial, part.initial_step) : part.initial_step;
+    smallest = smallest > 0.0 ? std::min(smallest, part.smallest_step) : part.smallest_step;
+    if (part.state) rubble += part.state->rubble();
   }
   j += fmt::format(
       "  \"counts\": {{\"patches\": {}, \"control_points\": {}, \"gauss_points\": {}, \"layer_points\": {}, "
       "\"fragments\": {}, \"handed_off\": {}, \"rubble_points\": {}}},\n",
-      patches, points, gauss, layers, fragments_, handed_off_, state_ ? state_->rubble() : rubble_points_);
+      patches, points, gauss, layers, fragments_, handed_off_, rubble);
   std::string stages;
   double total = 0.0;
   for (const auto& [name, seconds] : stage_s_)
@@ -214,8 +226,11 @@ void Run::write_summary(const std::string& status, const Error* error) {
       number(kinetic_), number(elastic_), number(b.fracture), number(b.plastic), number(b.healing), number(b.external),
       number(b.contact), number(b.damping), number(b.transfer), number(b.handoff), number(b.injected), number(b.frozen),
       number(engine_loss_), number(residual_));
-  if (state_ && status != "running") {  // not for every frame: it takes a pass over all points
-    const auto [rest, now] = surface_area(setup_.shells[0], *state_);
+  if (solving() && status != "running") {  // not for every frame: it takes a pass over all points
+    for (const ShellPart& part : parts_) {
+      const auto [before, after] = surface_area(part.model(), *part.state);
+      rest += before, now += after;
+    }
     j += fmt::format("  \"surface\": {{\"rest_m2\": {}, \"now_m2\": {}}},\n", number(rest), number(now));
   }
   j += fmt::format("  \"ledger\": {{\"linear_max\": {}, \"angular_max\": {}}},\n", number(ledger_linear_),
@@ -237,35 +252,38 @@ void Run::write_summary(const std::string& status, const Error* error) {
   for (const std::string& w : warnings()) warned += (warned.empty() ? "" : ", ") + quoted(w);
   j += "  \"warnings\": [" + warned + "],\n";
   j += shards_summary();
-  j += fmt::format("  \"stable_step\": {{\"initial_s\": {}, \"smallest_s\": {}}},\n", number(initial_step_),
-                   number(smallest_step_));
+  j +=
+      fmt::format("  \"stable_step\": {{\"initial_s\": {}, \"smallest_s\": {}}},\n", number(initial), number(smallest));
   std::string models;
   const auto model = [&](const char* name, const char* why, const char* stage) {
     const auto it = stage_s_.find(stage);
     models += fmt::format("{}{{\"name\": {}, \"why\": {}, \"share\": {}}}", models.empty() ? "" : ", ", quoted(name),
                           quoted(why), number(it == stage_s_.end() || total == 0.0 ? 0.0 : it->second / total));
   };
-  if (!setup_.shells.empty()) {
-    const Elasticity& e = setup_.shells[0].tables.elasticity;
-    const char* names[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection", "kirchhoff_love_jgt17",
-                           "kirchhoff_love_ghf18"};
-    model(names[static_cast<int>(e.model)], "the scene has a shell", "internal_force");
-  }
-  if (std::any_of(setup_.hertz.begin(), setup_.hertz.end(), [](double k) { return k > 0.0; }))
-    model("hertz_contact", "a sphere and the shell have a Hertz stiffness", "rigid_contact");
-  if (setup_.transfer.kind != Transfer::kDirect)
-    model("grid_transfer", "the scene sends velocities through a grid", "transfer");
+  const auto any = [&](auto&& test) { return std::any_of(setup_.shells.begin(), setup_.shells.end(), test); };
+  static constexpr const char* kStressModels[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection",
+                                                  "kirchhoff_love_jgt17", "kirchhoff_love_ghf18"};
+  for (int k = 0; k < 4; ++k)
+    if (any([&](const ShellSetup& s) { return static_cast<int>(s.model.tables.elasticity.model) == k; }))
+      model(kStressModels[k], "the scene has a shell", "internal_force");
+  if (any([](const ShellSetup& s) {
+        return std::any_of(s.hertz.begin(), s.hertz.end(), [](double k) { return k > 0.0; });
+      }))
+    model("hertz_contact", "a sphere and a shell have a Hertz stiffness", "rigid_contact");
+  if (has_grid_transfer()) model("grid_transfer", "the scene sends velocities through a grid", "transfer");
   if (!setup_.shells.empty() && !setup_.bodies.empty())
-    model("shell_contact", "bodies can meet the shell", "rigid_contact");
-  if (setup_.tips) model("tip_cracks", "the shell's material has a strength", "crack_update");
-  if (setup_.brittleness > 0.0)
-    model(setup_.healing ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",
+    model("shell_contact", "bodies can meet the shells", "rigid_contact");
+  if (any([](const ShellSetup& s) { return s.tips; }))
+    model("tip_cracks", "a shell's material has a strength", "crack_update");
+  if (any([](const ShellSetup& s) { return s.brittleness > 0.0; }))
+    model(setup_.shells[0].healing ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",
           "crack_update");
-  if (!setup_.shells.empty() && !setup_.shells[0].strength_factor.empty())
-    model("strength_factors", "the shell has strength_regions or a strength_map", "crack_update");
-  if (!setup_.shells.empty() && setup_.shells[0].material.yield_stress > 0.0)
-    model("j2_plasticity", "the shell's material has a yield stress", "internal_force");
-  if (!setup_.cuts.empty()) model("prescribed_cuts", "the shell has cuts", "crack_update");
+  if (any([](const ShellSetup& s) { return !s.model.strength_factor.empty(); }))
+    model("strength_factors", "a shell has strength_regions or a strength_map", "crack_update");
+  if (any([](const ShellSetup& s) { return s.model.material.yield_stress > 0.0; }))
+    model("j2_plasticity", "a shell's material has a yield stress", "internal_force");
+  if (any([](const ShellSetup& s) { return !s.cuts.empty(); }))
+    model("prescribed_cuts", "a shell has cuts", "crack_update");
   if (!setup_.bodies.empty() || handed_off_ > 0) model("rigid_engine", "there are rigid bodies", "coupling");
   j += "  \"models\": [" + models + "],\n  \"state_hash\": " + quoted(state_hash()) + "\n}\n";
   write_shards();

@@ -15,10 +15,13 @@ constexpr int kRigidSubsteps = 4;  // of free flight in a window without a shell
 }  // namespace
 
 bool Run::impact_ahead() const {
-  Eigen::AlignedBox3d box;
-  const ShellModel& m = setup_.shells[0];
-  for (int i = 0; i < m.control_points(); ++i)
-    if (!state_->gone[m.tables.slot(i)]) box.extend(state_->position(m.tables.slot(i)));
+  return std::any_of(parts_.begin(), parts_.end(), [this](const ShellPart& part) { return impact_ahead(part); });
+}
+
+bool Run::impact_ahead(const ShellPart& part) const {
+  const ShellModel& m = part.model();
+  const ShellState& s = *part.state;
+  const Eigen::AlignedBox3d box = part.box();
   for (std::size_t i = 0; i < setup_.bodies.size() && !box.isEmpty(); ++i) {
     const BodyMotion& b = proxies_[i].body.motion;
     if (proxies_[i].body.is_static) continue;
@@ -26,8 +29,7 @@ bool Run::impact_ahead() const {
     if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) {  // there: does it move beside the shell?
       const double reach = pad.x() + m.spacing + setup_.quiet_time * b.velocity.norm();
       for (int k = 0; k < m.control_points() && b.velocity.norm() > 0.0; ++k)
-        if (!state_->gone[m.tables.slot(k)] &&
-            (state_->position(m.tables.slot(k)) - b.position).squaredNorm() <= reach * reach)
+        if (!s.gone[m.tables.slot(k)] && (s.position(m.tables.slot(k)) - b.position).squaredNorm() <= reach * reach)
           return true;
       continue;
     }
@@ -46,10 +48,11 @@ bool Run::impact_ahead() const {
 
 std::string Run::cracking_has_ended() {
   if (setup_.latest_freeze < setup_.end_time && time() >= setup_.latest_freeze * (1.0 - 1e-9)) return "latest_freeze_s";
-  if (state_->last_crack_time < 0.0 || time() < setup_.last_change + setup_.quiet_time) return "";
-  for (const char done : state_->cut_done)
-    if (!done) return "";
-  const double length = state_->cracks.total_length(), since = time() - setup_.quiet_time * (1.0 + 1e-9);
+  if (crack_length() == 0.0 || time() < setup_.last_change + setup_.quiet_time) return "";
+  for (const ShellPart& part : parts_)
+    for (const char done : part.state->cut_done)
+      if (!done) return "";
+  const double length = crack_length(), since = time() - setup_.quiet_time * (1.0 + 1e-9);
   crack_lengths_.emplace_back(time(), length);
   while (crack_lengths_.size() > 1 && crack_lengths_[1].first <= since) crack_lengths_.pop_front();
   const auto& [then, before] = crack_lengths_.front();
@@ -60,28 +63,30 @@ std::string Run::cracking_has_ended() {
 }
 
 void Run::freeze_shell(const std::string& why) {
-  const ShellModel& m = setup_.shells[0];
   std::vector<RigidBody> births = take_off(true);
   const double before = total_energy(dt_);
-  frozen_kinetic_ = kinetic_energy(m, *state_, dt_);
-  frozen_length_ = state_->cracks.total_length();
-  std::vector<Piece> pieces;
-  const Triangulation t = partition(m, *state_, pieces);
-  for (int i = 0; i < m.tables.plane; ++i)
-    if (state_->inverse_mass[i] > 0.0) frozen_potential_ -= state_->mass[i] * setup_.gravity.dot(state_->position(i));
-  const Handoff frozen = freeze(m, *state_, t, pieces, next_id_++);
-  const RigidBody& remains = frozen.body;
-  const auto& shape = std::get<ConvexShape>(remains.shape);
-  if (!shape.parts.empty()) {
-    births.push_back(remains);
-    frames_.draw_as(remains.id, frozen.drawn);
-    proxies_.emplace_back(remains);
+  frozen_kinetic_ = 0.0, frozen_length_ = crack_length();
+  for (ShellPart& part : parts_) {
+    const ShellModel& m = part.model();
+    ShellState& s = *part.state;
+    frozen_kinetic_ += kinetic_energy(m, s, dt_);
+    std::vector<Piece> pieces;
+    const Triangulation t = partition(m, s, pieces);
+    frozen_potential_ += potential_energy(m, s, setup_.gravity);
+    const Handoff frozen = freeze(m, s, t, pieces, next_id_++);
+    const RigidBody& remains = frozen.body;
+    if (!std::get<ConvexShape>(remains.shape).parts.empty()) {
+      births.push_back(remains);
+      frames_.draw_as(remains.id, frozen.drawn);
+      proxies_.emplace_back(remains);
+    }
+    rubble_points_ += s.rubble();
   }
-  book_ = state_->book, rubble_points_ = state_->rubble();
+  book_ = book();
   frozen_hash_ = state_hash();
   frozen_at_ = time(), frozen_why_ = why;
   frozen_wall_ = wall_clock();
-  state_.reset();  // and with it whatever was exported
+  for (ShellPart& part : parts_) part.state.reset();  // and with it whatever was exported
   book_.frozen += before - total_energy(dt_);
   open_window(window_ticks_ * setup_.tick);
   fly(window_ticks_ * setup_.tick, proxies_.size() - births.size());  // newborn bodies do not move in this window
@@ -91,8 +96,8 @@ void Run::freeze_shell(const std::string& why) {
 std::int64_t Run::settle_ticks() const {
   const auto most = static_cast<std::int64_t>(std::llround(setup_.settle_window / setup_.tick));
   if (setup_.shells.empty() || most <= 1) return most;
-  double thickness = setup_.shells[0].thickness;
-  for (const ShellModel& m : setup_.shells) thickness = std::min(thickness, m.thickness);
+  double thickness = setup_.shells[0].model.thickness;
+  for (const ShellSetup& s : setup_.shells) thickness = std::min(thickness, s.model.thickness);
   const double travel = kSettleTravel * thickness;
   double longest = setup_.settle_window;
   for (std::size_t i = 0; i < proxies_.size(); ++i) {

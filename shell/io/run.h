@@ -13,6 +13,7 @@
 #include "coupler/link/rigid_link.h"
 #include "shell/io/build.h"
 #include "shell/io/frames.h"
+#include "shell/io/part.h"
 #include "shell/io/trace.h"
 #include "shell/solver/step.h"
 
@@ -70,15 +71,25 @@ class Run {
 
  private:
   void start();
-  void find_equilibrium();
+  void start_shells();
+  void find_equilibrium(ShellPart& part);
   void shell_window();
-  double with_hertz(double step);  // the stable step where contact stiffens what has `step` by itself
+  bool solving() const { return !parts_.empty() && parts_.front().state; }  // shells are not frozen yet
+  ContactCoefficients against(const ShellModel& shell, const RigidBody& body) const;
+  bool has_grid_transfer() const {
+    return std::any_of(setup_.shells.begin(), setup_.shells.end(),
+                       [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
+  }
+  EnergyBook book() const;      // of all shells
+  double crack_length() const;  // [m]
   void rigid_window();
   void fly(double window, std::size_t count);  // the first `count` bodies fall freely
   void look_around();                          // at the peer and the progress, by the clock
   void close_books(double energy);             // present and booked energy together [J]
   [[noreturn]] void unstable(double energy) const;
-  bool impact_ahead() const;  // a body of the scene flies towards the shell
+  bool impact_ahead() const;  // a body of the scene flies towards a shell
+  bool impact_ahead(const ShellPart& part) const;
+  void take_off(ShellPart& part, bool all, std::vector<RigidBody>& births);
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   std::int64_t settle_ticks() const;  // length of the next window without a shell
   std::string checkpoint_path() const;
@@ -91,12 +102,14 @@ class Run {
     if (!options_.trace.empty()) trace_.add(name, begin_ns, Trace::now_ns(), windows_);
   }
   void substep(double dt);
+  void crack(ShellPart& part, int k, int n, double dt);  // after substep k of n
   void take_substeps(int n, double dt);
   std::int64_t end_tick() const { return std::llround(setup_.end_time / setup_.tick); }
   // coupling.cpp
   std::vector<link::Motion> motions() const;
   void open_window(double window);
   void choose_exported();
+  void add_hardness(ShellPart& part, std::vector<double>& hardness);  // k H^2 / M of each proxy [-]
   void iterate_window(int n, double dt);
   void share_kick(double share);
   /// What the engine is told of the first `count` bodies; `substeps` over which kicks were spread.
@@ -106,7 +119,6 @@ class Run {
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
   void check_ledger();
   void check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states);
-  bool can_crack() const { return setup_.tips || setup_.brittleness > 0.0 || !setup_.cuts.empty(); }
   /// Why the shell may be frozen now; empty: it may not.
   std::string cracking_has_ended();
   void freeze_shell(const std::string& why);
@@ -133,24 +145,15 @@ class Run {
   FrameWriter frames_;
   Trace trace_;
   std::unique_ptr<link::RigidLink> rigid_;
-  std::unique_ptr<ShellState> state_;  // none once frozen
-  std::vector<Proxy> proxies_;         // moving and static bodies of the scene and shards, by id
-  std::vector<ContactCoefficients> coefficients_;
-  ContactCandidates candidates_;
-  std::map<int, std::int64_t> detached_since_;  // lowest control point of a piece -> tick
-  std::vector<Vec2> rubble_;                    // centres of pieces without control points that have left
+  std::vector<ShellPart> parts_;
+  std::vector<Proxy> proxies_;  // moving and static bodies of the scene and shards, by id
   const std::atomic<bool>* interrupted_ = nullptr;
   std::uint64_t random_ = 0;
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;
-  std::size_t edges_seen_ = 0;     // crack edges that the stable step knows
-  std::int64_t next_measure_ = 0;  // window from which the stable step may be measured again
-  std::vector<Vec2> changed_;      // where shape functions or masses have changed since it was last measured
   BodyId first_shard_ = 1, next_id_ = 1;
   int fragments_ = 0, handed_off_ = 0, rubble_points_ = 0;
   double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;
-  double initial_step_ = 0.0, smallest_step_ = 0.0;
-  double hertz_speed_ = 0.0;  // fastest that a sphere with Hertz contact and the shell have met [m/s]
-  double last_push_ = -1.0;   // when a moving body of the scene last touched the shell [s]
+  double last_push_ = -1.0;                              // when a moving body of the scene last touched the shell [s]
   std::deque<std::pair<double, double>> crack_lengths_;  // time [s], total length [m], over the quiet time
   double energy_scale_ = 0.0, reference_energy_ = 0.0, engine_loss_ = 0.0, residual_ = 0.0, support_work_ = 0.0;
   double kinetic_ = 0.0, elastic_ = 0.0;
@@ -162,7 +165,7 @@ class Run {
   double frozen_at_ = -1.0, frozen_potential_ = 0.0, frozen_wall_ = 0.0;  // [s], [J] of what stays where it is
   std::string frozen_why_, frozen_hash_;                                  // hash of the shell as it was frozen
   std::vector<ShardRecord> shards_;
-  EnergyBook book_;  // of the shell, kept when it is frozen
+  EnergyBook book_;  // of the shells, kept when they are frozen
   std::map<std::string, double> stage_s_;
   double growing_s_ = 0.0, growing_update_s_ = 0.0;  // of windows in which cracks grew: all, and crack_update
   std::string series_, probes_;

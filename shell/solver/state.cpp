@@ -110,6 +110,13 @@ double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
   return sum;
 }
 
+double potential_energy(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
+  double sum = 0.0;
+  for (int i = 0; i < m.tables.plane; ++i)
+    if (s.inverse_mass[i] > 0.0) sum -= s.mass[i] * gravity.dot(s.position(i));
+  return sum;
+}
+
 double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
                    const std::vector<Vec2>& around) {
   const std::size_t plane = m.tables.plane, size = 3 * plane;

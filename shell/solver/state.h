@@ -58,6 +58,11 @@ struct EnergyBook {
   double lost() const {
     return fracture - injected + contact + handoff - external + healing + plastic + transfer + damping + frozen;
   }
+  EnergyBook& operator+=(const EnergyBook& o) {
+    fracture += o.fracture, injected += o.injected, contact += o.contact, handoff += o.handoff, external += o.external;
+    healing += o.healing, plastic += o.plastic, damping += o.damping, transfer += o.transfer, frozen += o.frozen;
+    return *this;
+  }
 };
 
 struct ShellState {
@@ -130,6 +135,9 @@ double compute_forces(const ShellModel& model, ShellState& state, bool energy, d
 /// any stable step; (v- + v+)^2 / 8 is not: at 0.8 of the stable step it gives the stiffest mode 1.6 times
 /// its elastic energy too much.
 double kinetic_energy(const ShellModel& model, const ShellState& state, double dt);
+
+/// In the field of gravity [J], of what moves.
+double potential_energy(const ShellModel& model, const ShellState& state, const Vec3& gravity);
 
 /// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by power
 /// iteration, which approaches from above. It starts from noise on the control points that lie within

@@ -118,7 +118,7 @@ TEST(Cut, ThatMeetsItselfIsRefusedWithBothSegmentsAndThePlace) {
 
 TEST(Cut, TakesSettingsAndKeepsItsTime) {
   const std::string text = scene("cuts { time_s: 0.25 circle { center { u: 0.25 v: 0.25 } radius_m: 0.1 } }");
-  const auto cut = built(text, {"shells[pane].cuts[0].circle.radius_m=0.2"}).cuts[0];
+  const auto cut = built(text, {"shells[pane].cuts[0].circle.radius_m=0.2"}).shells[0].cuts[0];
   EXPECT_EQ(cut.time, 0.25);
   EXPECT_EQ(cut.points.front(), cut.points.back());
   for (const Vec2& p : cut.points) EXPECT_NEAR((p - Vec2(0.25, 0.25)).norm(), 0.2, 1e-12);
@@ -130,7 +130,7 @@ TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
                              "strength_regions { disc { center { u: 0.25 v: 0.25 } radius_m: 0.1 } factor: 2 }",
                              kStrong),
                        {"shells[pane].strength_regions[0].factor=0.5"});
-  const auto& m = s.shells[0];
+  const auto& m = s.shells[0].model;
   const auto state = sunder::shell::make_state(m, sunder::Vec3::Zero(), 1);
   int seen[4] = {};
   for (int q = 0; q < m.tables.blocks(); ++q)
@@ -142,7 +142,7 @@ TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
       ++seen[box + 2 * disc];
     }
   for (const int n : seen) EXPECT_GT(n, 0);
-  EXPECT_TRUE(built(scene("", kStrong)).shells[0].strength_factor.empty());
+  EXPECT_TRUE(built(scene("", kStrong)).shells[0].model.strength_factor.empty());
 }
 
 TEST(StrengthRegions, AreRefusedWhereTheySayNothingSound) {
@@ -171,7 +171,7 @@ TEST(StrengthMap, IsStretchedOverTheDomainLinearBetweenPixels) {
        {std::string("P2\n# made by hand\n2 2 200\n0 100\n200 100\n"), std::string("P5 2 2 200\n\x00\x64\xc8\x64", 15),
         std::string("P5 2 2 2000\n\x00\x00\x03\xe8\x07\xd0\x03\xe8", 20)}) {
     const MapFile map(content);
-    const auto m = built(scene(map.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0];
+    const auto m = built(scene(map.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
     for (int q = 0; q < m.tables.blocks(); ++q)
       for (int e = 0; e < m.tables.spans_u; ++e) {
         const Vec2 p = gauss_point(m.patch, m.tables, q, e).parameter / 0.5;
@@ -242,11 +242,11 @@ TEST(Healing, IsForDamageOnly) {
   for (const char* mode : {"TIPS", "CUTS", "MODE_UNSPECIFIED"})
     expect_refusal(scene("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)), "fracture.healing",
                    {"only mode DAMAGE", "leave it out"});
-  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).healing);
-  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).healing);
-  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"}).healing);
-  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n")).extract_cracks);
-  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).extract_cracks);
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).shells[0].healing);
+  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].healing);
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"}).shells[0].healing);
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n")).shells[0].extract_cracks);
+  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].extract_cracks);
   expect_refusal(scene("", tough, "fracture { mode: TIPS extract_cracks: false }\n"), "fracture.extract_cracks",
                  {"is for mode DAMAGE"});
 }

@@ -253,9 +253,9 @@ TEST(Degree, OfPlatesAndSectorsIsThree) {
     std::ofstream(path) << replaced("plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }", patch);
     const auto setup = sunder::shell::build(
         sunder::scene::load(path, {"bodies[ball].sphere.radius_m=0.05", "bodies[ball].pose.position.z=9"}));
-    EXPECT_EQ(setup.shells[0].tables.degree, 3) << patch;
-    EXPECT_EQ(setup.shells[0].tables.gauss, 3) << patch;
-    EXPECT_EQ(setup.shells[0].control_points(), 19 * 19) << patch;
+    EXPECT_EQ(setup.shells[0].model.tables.degree, 3) << patch;
+    EXPECT_EQ(setup.shells[0].model.tables.gauss, 3) << patch;
+    EXPECT_EQ(setup.shells[0].model.control_points(), 19 * 19) << patch;
     std::remove(path.c_str());
   }
 }

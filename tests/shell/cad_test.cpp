@@ -55,7 +55,7 @@ shells {
   material: "glass"
   thickness_m: 0.0001
   cad { )" << cad << " }\n}\n";
-    return build(scene::load(file("scene.textproto"), {})).shells[0].patch;
+    return build(scene::load(file("scene.textproto"), {})).shells[0].model.patch;
   }
   std::string refusal(const std::string& cad) const {
     try {

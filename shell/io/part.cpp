@@ -1,0 +1,71 @@
+#include "shell/io/part.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shell/solver/hertz.h"
+#include "shell/solver/insertion.h"
+#include "shell/solver/tips.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr int kMeasureEvery = 4;  // windows: what cracks leave of the stable step is a little more than is taken of it
+constexpr int kStrainedWindows = 8;   // between two measurements of the stable step where there is damage
+constexpr int kLaterIterations = 16;  // of the stable step
+
+}  // namespace
+
+Eigen::AlignedBox3d ShellPart::box() const {
+  Eigen::AlignedBox3d box;
+  const ShellModel& m = model();
+  for (int k = 0; k < m.control_points(); ++k)
+    if (!state->gone[m.tables.slot(k)]) box.extend(state->position(m.tables.slot(k)));
+  return box;
+}
+
+double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
+                             double window) {
+  if (std::none_of(setup->hertz.begin(), setup->hertz.end(), [](double k) { return k > 0.0; })) return step;
+  const ShellModel& m = model();
+  double shell_speed = 0.0;
+  for (int k = 0; k < m.control_points(); ++k)
+    if (!state->gone[m.tables.slot(k)]) shell_speed = std::max(shell_speed, state->velocity(m.tables.slot(k)).norm());
+  const Eigen::AlignedBox3d space = box();
+  for (std::size_t i = 0; i < bodies; ++i) {
+    if (setup->hertz[i] == 0.0 || space.isEmpty()) continue;
+    const Proxy& p = proxies[i];
+    const double speed = p.body.motion.velocity.norm() + gravity.norm() * window + shell_speed;
+    if (space.exteriorDistance(p.body.motion.position) > p.radius() + m.thickness + 2.0 * speed * window) continue;
+    // contact stores it, and gives it back; in powers of two: every change of the step costs leapfrog some energy
+    if (speed > hertz_speed) hertz_speed = std::exp2(std::ceil(std::log2(speed)));
+    step = hertz_step(m, p.body, setup->hertz[i], hertz_speed, step);
+  }
+  return step;
+}
+
+void ShellPart::cut(double now, double until) {
+  for (std::size_t i = 0; i < setup->cuts.size(); ++i)
+    if (!state->cut_done[i] && setup->cuts[i].time <= until) {
+      const int before = static_cast<int>(state->cracks.edges().size());
+      insert_polyline(model(), *state, setup->cuts[i].points, now);
+      if (setup->tips) start_at_ends(model(), *state, before, static_cast<int>(state->cracks.edges().size()));
+      state->cut_done[i] = 1;
+    }
+}
+
+void ShellPart::measure_step(std::int64_t window, int threads) {
+  const ShellModel& m = model();
+  const auto& edges = state->cracks.edges();
+  for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
+  if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)  // what is damaged may be strained far
+    for (const GatheredPoint& g : state->points)
+      changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
+  if (changed.empty() || window < next_measure) return;
+  smallest_step =
+      std::min(smallest_step, stable_step(m, *state, kLaterIterations, threads, setup->can_crack(), changed));
+  changed.clear();
+  next_measure = window + kMeasureEvery;
+}
+
+}  // namespace sunder::shell

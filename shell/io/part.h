@@ -1,0 +1,44 @@
+#pragma once
+// A shell as a run solves it: its state, what it may touch, and what the run knows of its pieces.
+#include <map>
+#include <memory>
+#include <vector>
+
+#include "shell/io/shell_setup.h"
+#include "shell/solver/step.h"
+
+namespace sunder::shell {
+
+struct ShellPart {
+  explicit ShellPart(const ShellSetup& setup) : setup(&setup) {}
+
+  const ShellSetup* setup;
+  std::unique_ptr<ShellState> state;              // none before the start and once frozen
+  std::vector<ContactCoefficients> coefficients;  // against each proxy, by index
+  ContactCandidates candidates;
+  std::map<int, std::int64_t> detached_since;  // lowest control point of a piece -> tick
+  std::vector<Vec2> rubble;                    // centres of pieces without control points that have left
+  std::size_t edges_seen = 0;                  // crack edges that the stable step knows
+  std::int64_t next_measure = 0;               // window from which the stable step may be measured again
+  std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
+  double initial_step = 0.0, smallest_step = 0.0;  // stable ones [s]
+  double hertz_speed = 0.0;    // fastest that a sphere with Hertz contact and the shell have met [m/s]
+  double detached_area = 0.0;  // [m^2]
+  int fragments = 0;
+
+  const ShellModel& model() const { return setup->model; }
+  /// The stable step that cracks to come will leave.
+  double step() const {
+    return setup->can_crack() ? std::min(smallest_step, kCrackedStep * initial_step) : smallest_step;
+  }
+  /// `step` shortened where spheres with a Hertz stiffness are about to be met, within `window` seconds.
+  double with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
+                    double window);
+  /// Makes the cuts that are due before `until`, at time `now` [s].
+  void cut(double now, double until);
+  /// Measures the stable step again where cracks have changed something; `window` counts windows.
+  void measure_step(std::int64_t window, int threads);
+  Eigen::AlignedBox3d box() const;  // of the control points that have not left
+};
+
+}  // namespace sunder::shell

@@ -1,0 +1,98 @@
+#include "shell/io/shell_setup.h"
+
+#include <cmath>
+
+#include "shell/io/build_shell.h"
+
+namespace sunder::shell {
+namespace {
+
+void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
+  const proto::Scene& m = scene.message;
+  const ShellModel& s = r.model;
+  const double width = m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : std::sqrt(3.0) * s.spacing;
+  const double cell = s.spacing / s.tables.gauss;
+  scene.check(width >= cell * (1.0 - 1e-9), "fracture.damage_width_m",
+              "is {:.3g} m; damage cannot localise in less than a Gauss point's cell, {:.3g} m", width, cell);
+  for (const auto& [given, field] : {std::pair{m.fracture().has_tip_radius_m(), "tip_radius_m"},
+                                     std::pair{m.fracture().has_interlock_strength(), "interlock_strength"},
+                                     std::pair{m.fracture().has_interlock_opening_m(), "interlock_opening_m"},
+                                     std::pair{m.fracture().has_interlock(), "interlock"},
+                                     std::pair{m.fracture().has_branch_ratio(), "branch_ratio"}})
+    scene.check(!given, std::string("fracture.") + field, "is for mode TIPS; leave it out");
+  const ShellMaterial& q = s.material;
+  r.brittleness = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
+  const double widest = 2.0 * q.youngs_modulus * q.fracture_energy / (q.strength * q.strength);
+  scene.check(std::isfinite(widest) && (r.brittleness < 0.0 || r.brittleness > 1e-9), "fracture.mode",
+              "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
+              "not belong together",
+              1.0 / r.brittleness);
+  const double coarse = width / widest;  // times too coarse
+  const auto finer = [&](int elements) { return std::floor(1.001 * coarse * elements) + 1.0; };
+  scene.check(
+      r.brittleness > 0.0, "fracture.mode",
+      "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
+      "below 2 E G_f / strength^2 = {:.3g} m; {}, a fracture_energy above {:.4g} J/m^2, or TIPS",
+      width, widest,
+      m.fracture().has_damage_width_m()
+          ? std::string("take a narrower damage_width_m")
+          : fmt::format("take more elements, {:.0f} x {:.0f} instead of {} x {} (a spacing below {:.3g} m where it "
+                        "is {:.3g} m)",
+                        finer(s.tables.spans_u), finer(s.tables.spans_v), s.tables.spans_u, s.tables.spans_v,
+                        s.spacing / coarse, s.spacing),
+      q.fracture_energy * coarse);
+  if (m.fracture().has_extract_cracks()) r.extract_cracks = m.fracture().extract_cracks();
+  r.rules = make_crack_rules(s, 0.0);  // for the speed at which ends run
+}
+
+void set_tips(const scene::LoadedScene& scene, ShellSetup& r) {
+  const proto::Scene& m = scene.message;
+  const ShellModel& s = r.model;
+  r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
+  scene.check(r.rules.tip_radius >= s.spacing, "fracture.tip_radius_m",
+              "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.rules.tip_radius, s.spacing);
+  if (m.fracture().has_interlock_strength()) r.rules.faces.shear_strength = m.fracture().interlock_strength();
+  if (m.fracture().has_interlock_opening_m()) r.rules.faces.opening = m.fracture().interlock_opening_m();
+  if (m.fracture().has_branch_ratio()) r.rules.branch_ratio = m.fracture().branch_ratio();
+  if (m.fracture().has_interlock()) r.rules.interlock = m.fracture().interlock();
+}
+
+void set_transfer(const scene::LoadedScene& scene, ShellSetup& r) {
+  const proto::GridTransfer& m = scene.message.transfer();
+  const ShellModel& s = r.model;
+  constexpr Transfer kTransfers[] = {Transfer::kDirect, Transfer::kFlip, Transfer::kApic, Transfer::kPic};
+  r.transfer.kind = kTransfers[m.kind()];
+  r.transfer.spacing = m.has_grid_spacing_m() ? m.grid_spacing_m() : s.spacing;
+  scene.check(r.transfer.kind == Transfer::kDirect ||
+                  (r.transfer.spacing >= 0.1 * s.spacing && r.transfer.spacing <= 100.0 * s.spacing),
+              "transfer.grid_spacing_m", "is {} m, the shell's spacing {:.3g} m; from a tenth to a hundred times that",
+              r.transfer.spacing, s.spacing);
+}
+
+}  // namespace
+
+ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field) {
+  const proto::Scene& m = scene.message;
+  ShellSetup r{build_shell(scene, shell, field)};
+  r.velocity = scene::to_vec(shell.velocity());
+  for (int k = 0; k < shell.cuts_size(); ++k)
+    r.cuts.push_back(make_cut(scene, shell.cuts(k), r.model, fmt::format("{}.cuts[{}]", field, k)));
+  if (shell.has_equilibrium())
+    r.equilibrium = shell.equilibrium().has_tolerance() ? shell.equilibrium().tolerance() : 1e-6;
+  set_transfer(scene, r);
+  const bool breaks = r.model.material.strength > 0.0;
+  const auto mode = m.fracture().mode();
+  if (mode == proto::Fracture::DAMAGE) {
+    scene.check(std::any_of(m.materials().begin(), m.materials().end(),
+                            [](const proto::Material& q) { return q.has_strength(); }),
+                "fracture.mode", "DAMAGE needs a strength, which material '{}' has not", shell.material());
+    if (m.fracture().has_healing()) r.healing = m.fracture().healing();
+    if (breaks) set_damage(scene, r);
+  } else if (mode != proto::Fracture::CUTS && breaks) {
+    r.tips = true;
+    set_tips(scene, r);
+  }
+  return r;
+}
+
+}  // namespace sunder::shell

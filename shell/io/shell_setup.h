@@ -1,0 +1,40 @@
+#pragma once
+// A shell of a scene with all that decides how it moves and breaks.
+#include <algorithm>
+#include <vector>
+
+#include "shell/io/cuts.h"
+#include "shell/solver/crack_rules.h"
+#include "shell/solver/step.h"
+
+namespace sunder::shell {
+
+/// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
+/// crack starts there: a crack that is born within a window must not find the step too large.
+constexpr double kCrackedStep = 0.8;
+
+/// Of the stable step, what a scene may ask for: power iteration finds it from above.
+constexpr double kMostOfStable = 0.95;
+
+/// A shell of the scene, and how it breaks.
+struct ShellSetup {
+  ShellModel model;
+  Vec3 velocity = Vec3::Zero();  // at the start
+  std::vector<PrescribedCut> cuts{};
+  double equilibrium = 0.0;    // tolerance of the equilibrium that it starts from; 0: starts as it is
+  bool tips = false;           // cracks find their own way
+  double brittleness = 0.0;    // H of the damage law; 0: no damage
+  bool healing = true;         // of damage, as the stress falls
+  bool extract_cracks = true;  // where damage is complete
+  CrackRules rules{};
+  TransferRules transfer{};
+  std::vector<double> hertz{};  // stiffness of each body against it [N/m^1.5]; 0: impulses
+
+  bool can_crack() const { return tips || brittleness > 0.0 || !cuts.empty(); }
+};
+
+/// `field` is that of the shell; stiffnesses of Hertz contacts are left to the caller. Throws Error with the field that
+/// is wrong.
+ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
+
+}  // namespace sunder::shell
