@@ -1,4 +1,4 @@
-// Joints between bodies, and how windows are shared.
+// What holds bodies and shells together, and how windows are shared.
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -35,12 +35,33 @@ void joint(const LoadedScene& s, const std::string& field, const proto::BodyJoin
   s.check(!j.has_axis() || to_vec(j.axis()).norm() > 1e-9, field + ".axis", "has no direction");
 }
 
+void seams(const LoadedScene& s) {
+  const proto::Seams& m = s.message.seams();
+  s.check(!m.has_tolerance_m() || (m.tolerance_m() > 0.0 && m.tolerance_m() <= 1.0), "seams.tolerance_m",
+          "is {} m; above 0, at most 1", m.tolerance_m());
+  std::set<std::pair<std::string, std::string>> pairs;
+  for (int i = 0; i < m.rules_size(); ++i) {
+    const proto::SeamRule& r = m.rules(i);
+    const std::string f = fmt::format("seams.rules[{}]", i);
+    for (const auto& [name, field] : {std::pair{r.first(), ".first"}, std::pair{r.second(), ".second"}})
+      s.check(std::any_of(s.message.shells().begin(), s.message.shells().end(),
+                          [&](const proto::Shell& shell) { return shell.name() == name; }),
+              f + field, "'{}' is no shell of this scene", name);
+    s.check(r.first() != r.second(), f + ".second", "is '{}' as well; a seam is between two shells", r.second());
+    s.check(proto::SeamRule::Kind_IsValid(r.kind()), f + ".kind", "is {}; CLAMPED, HINGE or OPEN",
+            static_cast<int>(r.kind()));
+    s.check(pairs.insert(std::minmax(r.first(), r.second())).second, f, "says again how '{}' and '{}' hang together",
+            r.first(), r.second());
+  }
+}
+
 }  // namespace
 
 void validate_coupling(const LoadedScene& s) {
   const proto::Scene& m = s.message;
   std::set<std::string> names;
   for (int i = 0; i < m.joints_size(); ++i) joint(s, fmt::format("joints[{}]", i), m.joints(i), names);
+  seams(s);
   const proto::Coupling& c = m.coupling();
   s.check(proto::Coupling::Scheme_IsValid(c.scheme()), "coupling.scheme",
           "is {}; PROXY, EXPORTED, ITERATED, STAGGERED or LAGGED", static_cast<int>(c.scheme()));

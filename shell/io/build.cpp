@@ -14,6 +14,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kSeamTolerance = 1e-6;  // of the largest shell
+
 // Mass, centre and inertia of a hull, by tetrahedra over its faces from the mean point.
 void hull_properties(const scene::Hull& hull, double density, RigidBody& b) {
   const std::vector<Vec3>& points = hull.corners;
@@ -153,6 +155,36 @@ CouplingRules make_coupling(const proto::Scene& m) {
   return r;
 }
 
+Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
+  const proto::Seams& m = scene.message.seams();
+  std::vector<const Patch*> patches;
+  std::vector<std::string> names;
+  double largest = 0.0;
+  for (std::size_t i = 0; i < r.shells.size(); ++i) {
+    const ShellSetup& s = r.shells[i];
+    patches.push_back(&s.model.patch), names.push_back(s.model.name);
+    Eigen::AlignedBox3d box;
+    for (const Vec3& x : s.model.patch.control_points) box.extend(x);
+    largest = std::max(largest, box.diagonal().norm());
+    scene.check(s.equilibrium == 0.0, fmt::format("shells[{}].equilibrium", i),
+                "is for a shell by itself, and seams are given; leave one of them out");
+    scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
+  }
+  std::vector<std::vector<Join>> join(patches.size(), std::vector<Join>(patches.size(), Join::kClamped));
+  for (const proto::SeamRule& rule : m.rules()) {
+    const auto find = [&](const std::string& name) {
+      return std::find(names.begin(), names.end(), name) - names.begin();
+    };
+    const auto i = find(rule.first()), k = find(rule.second());
+    join[i][k] = join[k][i] = static_cast<Join>(rule.kind());
+  }
+  try {
+    return find_stitches(patches, names, m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest, join);
+  } catch (const Error& e) {
+    scene.fail("seams", e.what());
+  }
+}
+
 }  // namespace
 
 RunSetup build(const scene::LoadedScene& scene) {
@@ -195,6 +227,7 @@ RunSetup build(const scene::LoadedScene& scene) {
       if (!load.load.in_time.empty()) r.last_change = std::max(r.last_change, load.load.in_time.back().first);
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
   }
+  if (m.has_seams()) r.stitches = make_stitches(scene, r);
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
     RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);

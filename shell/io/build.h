@@ -5,6 +5,7 @@
 
 #include "coupler/core/body.h"
 #include "coupler/scene/load.h"
+#include "shell/geometry/seams.h"
 #include "shell/io/probes.h"
 #include "shell/io/shell_setup.h"
 
@@ -37,6 +38,7 @@ struct RunSetup {
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellSetup> shells;
+  Stitches stitches;  // between them
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
   std::vector<Joint> joints;

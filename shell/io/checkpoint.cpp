@@ -76,10 +76,10 @@ void Run::archive_members(A& a) {
     proxies_.clear();
     for (RigidBody& b : bodies) proxies_.emplace_back(std::move(b));
   }
+  archive_one(a, stitching_);
   for (ShellPart& part : parts_) {
     archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure,
-                part.changed, part.initial_step, part.smallest_step, part.hertz_speed, part.detached_area,
-                part.fragments);
+                part.changed, part.initial_step, part.smallest_step, part.hertz_speed);
     char solved = part.state ? 1 : 0;
     archive_one(a, solved);
     if constexpr (A::kReading) {

@@ -170,12 +170,13 @@ void Run::iterate_window(int n, double dt) {
   struct Snapshot {
     std::vector<ShellState> states;
     std::vector<ContactCandidates> candidates;
+    Stitching stitching;
     std::vector<Proxy> proxies;
     std::uint64_t random;
     std::int64_t substeps;
     double engine_loss;
   };
-  Snapshot start{{}, {}, proxies_, random_, substeps_, engine_loss_};
+  Snapshot start{{}, {}, stitching_, proxies_, random_, substeps_, engine_loss_};
   for (const ShellPart& part : parts_) start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
   const double window = n * dt;
   std::vector<Kick> last;
@@ -215,7 +216,8 @@ void Run::iterate_window(int n, double dt) {
     last = residual;
     for (std::size_t p = 0; p < parts_.size(); ++p)
       *parts_[p].state = start.states[p], parts_[p].candidates = start.candidates[p];
-    proxies_ = start.proxies, random_ = start.random, substeps_ = start.substeps, engine_loss_ = start.engine_loss;
+    stitching_ = start.stitching, proxies_ = start.proxies, random_ = start.random, substeps_ = start.substeps,
+    engine_loss_ = start.engine_loss;
   }
 }
 

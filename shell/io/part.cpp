@@ -24,6 +24,26 @@ Eigen::AlignedBox3d ShellPart::box() const {
   return box;
 }
 
+void ShellPart::mark_rubble(PartPieces& now) const {
+  const Triangulation& t = now.triangulation;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    const auto& c = t.triangles[i];
+    for (const Vec2& r : rubble)
+      if (orientation(t.vertices[c[0]], t.vertices[c[1]], r) >= 0 &&
+          orientation(t.vertices[c[1]], t.vertices[c[2]], r) >= 0 &&
+          orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0 && now.pieces[t.piece[i]].control_points.empty())
+        now.pieces[t.piece[i]].gone = true;
+  }
+}
+
+void ShellPart::add_rubble(const Triangulation& t, int piece) {
+  for (std::size_t k = 0; k < t.triangles.size(); ++k)
+    if (t.piece[k] == piece) {
+      const auto& c = t.triangles[k];
+      rubble.push_back((t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0);
+    }
+}
+
 double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
                              double window) {
   if (std::none_of(setup->hertz.begin(), setup->hertz.end(), [](double k) { return k > 0.0; })) return step;

@@ -5,9 +5,18 @@
 #include <vector>
 
 #include "shell/io/shell_setup.h"
+#include "shell/solver/handoff.h"
 #include "shell/solver/step.h"
 
 namespace sunder::shell {
+
+/// What a shell has come apart into.
+struct PartPieces {
+  bool whole = true;  // uncracked: one piece, and no triangulation
+  Triangulation triangulation;
+  std::vector<Piece> pieces;  // `held` and `interlocked` of all that hangs together with them
+  std::vector<int> group;     // of each: pieces of all shells with the same number hang together
+};
 
 struct ShellPart {
   explicit ShellPart(const ShellSetup& setup) : setup(&setup) {}
@@ -22,9 +31,7 @@ struct ShellPart {
   std::int64_t next_measure = 0;               // window from which the stable step may be measured again
   std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
   double initial_step = 0.0, smallest_step = 0.0;  // stable ones [s]
-  double hertz_speed = 0.0;    // fastest that a sphere with Hertz contact and the shell have met [m/s]
-  double detached_area = 0.0;  // [m^2]
-  int fragments = 0;
+  double hertz_speed = 0.0;  // fastest that a sphere with Hertz contact and the shell have met [m/s]
 
   const ShellModel& model() const { return setup->model; }
   /// The stable step that cracks to come will leave.
@@ -38,6 +45,9 @@ struct ShellPart {
   void cut(double now, double until);
   /// Measures the stable step again where cracks have changed something; `window` counts windows.
   void measure_step(std::int64_t window, int threads);
+  /// Pieces without control points that have left are gone.
+  void mark_rubble(PartPieces& now) const;
+  void add_rubble(const Triangulation& t, int piece);
   Eigen::AlignedBox3d box() const;  // of the control points that have not left
 };
 

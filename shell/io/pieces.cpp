@@ -26,77 +26,145 @@ void Run::check_handoff(const Totals& before, const Totals& after, const RigidBo
       std::max(angular_error_, relative((after.angular + l - before.angular).norm(), before.angular_scale));
 }
 
-std::vector<RigidBody> Run::take_off(bool all) {
-  std::vector<RigidBody> births;
-  fragments_ = 0, detached_area_ = 0.0;
-  for (ShellPart& part : parts_) {
-    take_off(part, all, births);
-    fragments_ += part.fragments, detached_area_ += part.detached_area;
+std::vector<PartPieces> Run::pieces_now(bool all) {
+  std::vector<PartPieces> out(parts_.size());
+  std::vector<int> first, parent;
+  for (std::size_t k = 0; k < parts_.size(); ++k) {
+    ShellPart& part = parts_[k];
+    const ShellModel& m = part.model();
+    PartPieces& p = out[k];
+    p.whole = part.state->cracks.edges().empty() && !all;
+    if (p.whole) {
+      p.pieces.resize(1);
+      p.pieces[0].held = !m.constraints.anchors.empty();
+    } else {
+      p.triangulation = partition(m, *part.state, p.pieces);
+      part.mark_rubble(p);
+    }
+    first.push_back(static_cast<int>(parent.size()));
+    for (std::size_t i = 0; i < p.pieces.size(); ++i) parent.push_back(static_cast<int>(parent.size()));
   }
-  return births;
+  const auto root = [&](int i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  const auto piece_of = [&](int shell, int slot) {
+    const int own =
+        out[shell].whole ? 0 : out[shell].triangulation.owner[parts_[shell].model().tables.control_point(slot)];
+    return own < 0 ? -1 : first[shell] + own;
+  };
+  stitching_.each_link([&](int shell, int slot, int other, int other_slot) {
+    const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
+    if (a < 0 || b < 0) return;
+    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
+    parent[high] = low;
+  });
+  std::vector<char> held(parent.size(), 0), interlocked(parent.size(), 0);
+  for (const bool gather : {true, false})
+    for (std::size_t k = 0; k < parts_.size(); ++k)
+      for (std::size_t i = 0; i < out[k].pieces.size(); ++i) {
+        Piece& p = out[k].pieces[i];
+        const int r = root(first[k] + static_cast<int>(i));
+        if (gather) {
+          held[r] |= p.held, interlocked[r] |= p.interlocked;
+          continue;
+        }
+        p.held = held[r] != 0, p.interlocked = interlocked[r] != 0;
+        out[k].group.push_back(r);
+      }
+  return out;
 }
 
-void Run::take_off(ShellPart& part, bool all, std::vector<RigidBody>& births) {
-  const ShellModel& m = part.model();
-  ShellState& s = *part.state;
-  part.fragments = std::max(part.fragments, 1);
-  if (s.cracks.edges().empty() && !all) return;
+std::vector<RigidBody> Run::take_off(bool all) {
+  std::vector<RigidBody> births;
+  if (!all && std::all_of(parts_.begin(), parts_.end(),
+                          [](const ShellPart& part) { return part.state->cracks.edges().empty(); }))
+    return births;
   Stopwatch w(stage_s_["crack_update"]);
-  if (all) release_interlocks(m, s, {}, true);
-  std::vector<Piece> pieces;
-  const Triangulation t = partition(m, s, pieces);
-  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
-    const auto& c = t.triangles[i];
-    for (const Vec2& r : part.rubble)
-      if (orientation(t.vertices[c[0]], t.vertices[c[1]], r) >= 0 &&
-          orientation(t.vertices[c[1]], t.vertices[c[2]], r) >= 0 &&
-          orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0 && pieces[t.piece[i]].control_points.empty())
-        pieces[t.piece[i]].gone = true;
-  }
-  part.fragments = t.pieces;
+  for (ShellPart& part : parts_)
+    if (all) release_interlocks(part.model(), *part.state, {}, true);
+  std::vector<PartPieces> now = pieces_now(all);
+  std::map<int, Group> groups;
+  for (std::size_t k = 0; k < now.size(); ++k)
+    for (std::size_t i = 0; i < now[k].pieces.size(); ++i) {
+      Group& g = groups[now[k].group[i]];
+      const Piece& p = now[k].pieces[i];
+      g.members.push_back({k, i});
+      g.bends = g.bends || (!p.control_points.empty() && p.area > kSmallPiece * std::pow(parts_[k].model().spacing, 2));
+      g.empty = g.empty && p.control_points.empty() && !now[k].whole;
+      g.torn = g.torn || now[k].pieces.size() > 1;
+    }
+  fragments_ = static_cast<int>(groups.size());
   double before = 0.0;
   bool any = false;
   // those without control points first: they take their mass and velocity from what is beside them
-  std::vector<std::size_t> order;
   for (const bool empty : {true, false})
-    for (std::size_t i = 0; i < pieces.size(); ++i)
-      if (pieces[i].control_points.empty() == empty) order.push_back(i);
-  for (const std::size_t i : order) {
-    Piece& p = pieces[i];
-    if (p.held || p.gone || p.interlocked) continue;
-    if (t.pieces == 1 && !all) continue;  // nothing has separated: a free shell stays a shell
-    if (!all && !p.control_points.empty() && p.area > kSmallPiece * m.spacing * m.spacing) {
-      const auto [since, fresh] = part.detached_since.try_emplace(p.control_points[0], tick_);
-      if (static_cast<double>(tick_ - since->second) * setup_.tick < kSettleTime) continue;
+    for (const auto& [root, g] : groups) {
+      const auto [k, i] = g.members.front();
+      const Piece& p = now[k].pieces[i];
+      if (g.empty != empty || p.held || p.gone || p.interlocked) continue;
+      if (!g.torn && !all) continue;  // nothing has separated: a free shell stays a shell
+      if (!all && !empty && g.bends) {
+        const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
+        const auto [since, fresh] = parts_[k].detached_since.try_emplace(lowest, tick_);
+        if (static_cast<double>(tick_ - since->second) * setup_.tick < kSettleTime) continue;
+      }
+      if (!any) before = total_energy(dt_), any = true;
+      births.push_back(leave(now, g));
     }
-    if (!any) before = total_energy(dt_), any = true;
-    if (p.control_points.empty())
-      for (std::size_t k = 0; k < t.triangles.size(); ++k)
-        if (t.piece[k] == p.number) {
-          const auto& c = t.triangles[k];
-          part.rubble.push_back((t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0);
-        }
-    const Totals shell_before = totals(m, s);
-    Handoff h = hand_off(m, s, t, p, next_id_++, dt_);
-    check_handoff(shell_before, totals(m, s), h.body);
-    const double mass = m.material.density * m.thickness * h.area;
-    geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
-    handed_area_ += h.area, ++handed_off_;
-    shards_.push_back({h.body.id, time() + window_ticks_ * setup_.tick, h.area, h.body.mass,
-                       h.body.motion.velocity.norm(),
-                       static_cast<int>(std::get<ConvexShape>(h.body.shape).parts.size())});
-    for (const int slot : h.donors) part.changed.push_back(m.parameter[m.tables.control_point(slot)]);
-    p.gone = true;
-    frames_.draw_as(h.body.id, std::move(h.drawn));
-    births.push_back(h.body);
-    proxies_.emplace_back(h.body);
-    for (ShellPart& other : parts_)
-      other.coefficients.push_back(against(other.model(), h.body)), other.candidates.age = 0;
+  detached_area_ = 0.0;
+  for (const PartPieces& part : now)
+    for (const Piece& p : part.pieces)
+      if (!p.held) detached_area_ += p.area;
+  if (any) parts_.front().state->book.handoff += before - total_energy(dt_);
+  return births;
+}
+
+RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group) {
+  const std::vector<ShellRef> shells = refs();
+  const auto all_totals = [&] {
+    Totals sum;
+    for (const ShellRef& r : shells) sum += totals(*r.model, *r.state);
+    return sum;
+  };
+  const Totals shells_before = all_totals();
+  for (const auto& [k, i] : group.members) {
+    if (!now[k].whole) continue;
+    now[k].triangulation = partition(*shells[k].model, *shells[k].state, now[k].pieces);
+    now[k].whole = false;
   }
-  part.detached_area = 0.0;
-  for (const Piece& p : pieces)
-    if (!p.held) part.detached_area += p.area;
-  if (any) s.book.handoff += before - total_energy(dt_);
+  const auto leaves = [&](int shell, int slot) {
+    if (now[shell].whole) return false;
+    const int own = now[shell].triangulation.owner[shells[shell].model->tables.control_point(slot)];
+    return std::any_of(group.members.begin(), group.members.end(), [&](const auto& member) {
+      return static_cast<int>(member.first) == shell && static_cast<int>(member.second) == own;
+    });
+  };
+  if (stitching_.release(shells, leaves)) total_energy(dt_);  // forces of what now moves by itself
+  std::vector<Handoff> parts;
+  double mass = 0.0;
+  for (const auto& [k, i] : group.members) {
+    const ShellModel& m = *shells[k].model;
+    Piece& p = now[k].pieces[i];
+    if (p.control_points.empty()) parts_[k].add_rubble(now[k].triangulation, p.number);
+    parts.push_back(hand_off(m, *shells[k].state, now[k].triangulation, p, next_id_, dt_));
+    mass += m.material.density * m.thickness * parts.back().area;
+    for (const int slot : parts.back().donors) parts_[k].changed.push_back(m.parameter[m.tables.control_point(slot)]);
+    p.gone = true;
+  }
+  Handoff h = parts.size() == 1 ? std::move(parts[0]) : joined(parts);
+  ++next_id_;
+  check_handoff(shells_before, all_totals(), h.body);
+  geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
+  handed_area_ += h.area, ++handed_off_;
+  shards_.push_back({h.body.id, time() + window_ticks_ * setup_.tick, h.area, h.body.mass,
+                     h.body.motion.velocity.norm(),
+                     static_cast<int>(std::get<ConvexShape>(h.body.shape).parts.size())});
+  frames_.draw_as(h.body.id, std::move(h.drawn));
+  proxies_.emplace_back(h.body);
+  for (ShellPart& other : parts_)
+    other.coefficients.push_back(against(other.model(), h.body)), other.candidates.age = 0;
+  return h.body;
 }
 
 }  // namespace sunder::shell

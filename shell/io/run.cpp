@@ -11,6 +11,7 @@
 #include "shell/solver/insertion.h"
 #include "shell/solver/interlock.h"
 #include "shell/solver/relaxation.h"
+#include "shell/solver/seam_cracks.h"
 #include "shell/solver/tips.h"
 
 namespace sunder::shell {
@@ -53,6 +54,10 @@ void Run::start() {
       parts_.back().coefficients.back().hertz = s.hertz[parts_.back().coefficients.size() - 1];
     }
   }
+  std::vector<const ShellModel*> models;
+  for (const ShellPart& part : parts_) models.push_back(&part.model());
+  stitching_ = Stitching(setup_.stitches, models);
+  for (const ShellSetup& s : setup_.shells) tips_.push_back(s.tips ? 1 : 0);
   if (options_.resume) {
     load_checkpoint();
     write_summary("running", nullptr);
@@ -113,6 +118,23 @@ void Run::start_shells() {
     refresh_candidates(m, s, proxies_, part.coefficients, setup_.safety * stable, part.candidates);
     part.candidates.age = 0;
   }
+  if (stitching_.empty()) return;
+  // Shells that give their neighbours mass and stiffness are together at least as stable as the least stable of them
+  // is alone; mostly more, as edges that are joined are no free ones.
+  stitching_.tie(refs());
+  std::vector<char> free;
+  for (const ShellPart& part : parts_) free.push_back(part.setup->can_crack());
+  const double together = stable_step(refs(), stitching_, kFirstIterations, options_.threads, free);
+  for (ShellPart& part : parts_) {
+    const double own = part.setup->can_crack() ? part.initial_step : 0.0;
+    part.initial_step = part.smallest_step = std::max(own, together);
+  }
+}
+
+std::vector<ShellRef> Run::refs() {
+  std::vector<ShellRef> out;
+  for (ShellPart& part : parts_) out.push_back({&part.model(), part.state.get()});
+  return out;
 }
 
 ContactCoefficients Run::against(const ShellModel& shell, const RigidBody& body) const {
@@ -188,12 +210,17 @@ double Run::total_energy(double dt) {
   double sum = bodies_energy() + frozen_potential_;
   kinetic_ = elastic_ = 0.0;
   for (const Proxy& p : proxies_) kinetic_ += p.body.kinetic_energy();
+  if (!solving()) return sum;
   for (const ShellPart& part : parts_) {
-    if (!part.state) continue;
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
     elastic_ += compute_forces(m, s, true, 0.0, options_.threads) +
                 hertz_energy(m, s, proxies_, part.coefficients, part.candidates, dt);
+  }
+  elastic_ += stitching_.share_forces(refs());
+  for (const ShellPart& part : parts_) {
+    const ShellModel& m = part.model();
+    ShellState& s = *part.state;
     const double kinetic = kinetic_energy(m, s, dt);
     kinetic_ += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
   }
@@ -210,6 +237,7 @@ void Run::substep(double dt) {
                                         : 0.0;
       compute_forces(setup.model, *part.state, false, share, options_.threads);
     }
+    if (!stitching_.empty()) stitching_.share_forces(refs());
   }
   {
     Stopwatch w(stage_s_["kick_drift"]);
@@ -219,6 +247,7 @@ void Run::substep(double dt) {
   }
   {
     Stopwatch w(stage_s_["rigid_contact"]);
+    if (!stitching_.empty()) stitching_.mark(refs());
     for (ShellPart& part : parts_) {
       ContactCandidates& candidates = part.candidates;
       if (candidates.age++ % kContactRefresh == 0) {
@@ -227,6 +256,7 @@ void Run::substep(double dt) {
       }
       contact(part.model(), *part.state, proxies_, part.coefficients, candidates, dt);
     }
+    if (!stitching_.empty()) stitching_.share_impulses(refs());
     engine_loss_ += rows_.solve(dt);
   }
   for (ShellPart& part : parts_) {
@@ -269,6 +299,10 @@ void Run::take_substeps(int n, double dt) {
         throw;
       }
     for (ShellPart& part : parts_) crack(part, k, n, dt);
+    if (!stitching_.empty() && setup_.can_crack()) {
+      Stopwatch w(stage_s_["crack_update"]);
+      carry_on(setup_.stitches.seams, refs(), tips_, stitching_, time() + (k + 1) * dt);
+    }
     look_around();
     if (*interrupted_ && wall_clock() - window_start_wall_ > kPatience)
       throw Error(Exit::kInterrupted, "interrupted", "interrupted within a window, which would have taken long");

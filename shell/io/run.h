@@ -16,6 +16,7 @@
 #include "shell/io/part.h"
 #include "shell/io/trace.h"
 #include "shell/solver/step.h"
+#include "shell/solver/stitching.h"
 
 namespace sunder::shell {
 
@@ -74,6 +75,7 @@ class Run {
   void start_shells();
   void find_equilibrium(ShellPart& part);
   void shell_window();
+  std::vector<ShellRef> refs();
   bool solving() const { return !parts_.empty() && parts_.front().state; }  // shells are not frozen yet
   ContactCoefficients against(const ShellModel& shell, const RigidBody& body) const;
   bool has_grid_transfer() const {
@@ -89,7 +91,15 @@ class Run {
   [[noreturn]] void unstable(double energy) const;
   bool impact_ahead() const;  // a body of the scene flies towards a shell
   bool impact_ahead(const ShellPart& part) const;
-  void take_off(ShellPart& part, bool all, std::vector<RigidBody>& births);
+  /// Pieces, by shell and index, that hang together.
+  struct Group {
+    std::vector<std::pair<std::size_t, std::size_t>> members;
+    bool empty = true;   // no control point
+    bool bends = false;  // is large
+    bool torn = false;   // of a shell that is not whole
+  };
+  std::vector<PartPieces> pieces_now(bool all);
+  RigidBody leave(std::vector<PartPieces>& now, const Group& group);
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   std::int64_t settle_ticks() const;  // length of the next window without a shell
   std::string checkpoint_path() const;
@@ -146,6 +156,8 @@ class Run {
   Trace trace_;
   std::unique_ptr<link::RigidLink> rigid_;
   std::vector<ShellPart> parts_;
+  Stitching stitching_;         // of them
+  std::vector<char> tips_;      // which of them crack at tips
   std::vector<Proxy> proxies_;  // moving and static bodies of the scene and shards, by id
   const std::atomic<bool>* interrupted_ = nullptr;
   std::uint64_t random_ = 0;

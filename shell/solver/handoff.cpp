@@ -383,6 +383,48 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   return out;
 }
 
+Handoff joined(const std::vector<Handoff>& parts) {
+  Handoff out;
+  RigidBody& b = out.body;
+  b = parts.front().body;
+  b.mass = 0.0;
+  Vec3 first = Vec3::Zero(), momentum = Vec3::Zero();
+  for (const Handoff& h : parts) {
+    b.mass += h.body.mass, out.area += h.area, out.mass_moved += h.mass_moved;
+    first += h.body.mass * h.body.motion.position, momentum += h.body.mass * h.body.motion.velocity;
+  }
+  b.motion.position = first / b.mass, b.motion.velocity = momentum / b.mass;
+  b.motion.angular_momentum.setZero();
+  Mat3 inertia = Mat3::Zero();
+  for (const Handoff& h : parts) {
+    const Vec3 arm = h.body.motion.position - b.motion.position;
+    const Mat3 turn = h.body.motion.orientation.toRotationMatrix();
+    inertia += turn * h.body.principal_inertia.asDiagonal() * turn.transpose() +
+               h.body.mass * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+    b.motion.angular_momentum += h.body.motion.angular_momentum + arm.cross(h.body.mass * h.body.motion.velocity);
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  Mat3 frame = axes.eigenvectors();
+  if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);
+  b.principal_inertia = axes.eigenvalues();
+  b.motion.orientation = Quat(frame).normalized();
+  ConvexShape shape;
+  for (const Handoff& h : parts) {
+    const Quat turn = b.motion.orientation.conjugate() * h.body.motion.orientation;
+    const Vec3 arm = b.motion.orientation.conjugate() * (h.body.motion.position - b.motion.position);
+    for (const auto& part : std::get<ConvexShape>(h.body.shape).parts) {
+      auto& corners = shape.parts.emplace_back();
+      for (const Vec3& p : part) corners.push_back(arm + turn * p);
+    }
+    const int before = static_cast<int>(out.drawn.points.size());
+    for (const Vec3& p : h.drawn.points) out.drawn.points.push_back(arm + turn * p);
+    for (const auto& c : h.drawn.triangles)
+      out.drawn.triangles.push_back({before + c[0], before + c[1], before + c[2]});
+  }
+  b.shape = std::move(shape);
+  return out;
+}
+
 Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const std::vector<Piece>& pieces,
                BodyId id) {
   Handoff out;

@@ -31,6 +31,11 @@ struct DrawnMesh {
 struct Totals {
   double mass = 0.0, momentum_scale = 0.0, angular_scale = 0.0;
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
+  Totals& operator+=(const Totals& o) {
+    mass += o.mass, momentum_scale += o.momentum_scale, angular_scale += o.angular_scale;
+    momentum += o.momentum, angular += o.angular;
+    return *this;
+  }
 };
 Totals totals(const ShellModel& model, const ShellState& state);
 
@@ -49,6 +54,9 @@ struct Handoff {
 /// The piece's control points and Gauss points leave the shell; the caller books the energy that is lost.
 Handoff hand_off(const ShellModel& model, ShellState& state, const Triangulation& t, const Piece& piece, BodyId id,
                  double dt);
+
+/// Pieces of several shells that leave as one body: masses, momenta and angular momenta are added, where each stands.
+Handoff joined(const std::vector<Handoff>& parts);
 
 /// What a support holds as one static body, at its rest shape where it stands; the shell is then empty.
 Handoff freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,

@@ -26,6 +26,7 @@ struct Tip {
   // while `pending` grew, weighted by speed: weight, turn [rad], drive
   double weight = 0.0, turn = 0.0, ratio = 0.0;
   bool alive = true;
+  bool crossed = false;  // dead, and asked whether it goes on beyond a seam
 };
 
 /// The two faces of a fresh crack bear on one another at the middle of an edge (solver/interlock.h).

@@ -11,18 +11,6 @@ namespace {
 
 constexpr double kInPlane = 1e-9;  // of the patch's size
 
-// Control points of an edge, `depth` rows in.
-std::vector<int> row_of(const Patch& p, int edge, int depth) {
-  std::vector<int> out;
-  const int columns = p.columns(), rows = p.rows();
-  for (int k = 0; k < (edge < kVMin ? rows : columns); ++k)
-    out.push_back(edge == kUMin   ? k * columns + depth
-                  : edge == kUMax ? k * columns + columns - 1 - depth
-                  : edge == kVMin ? depth * columns + k
-                                  : (rows - 1 - depth) * columns + k);
-  return out;
-}
-
 }  // namespace
 
 Vec3 Constraints::Driven::displacement(double time) const {
@@ -59,9 +47,9 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   Constraints c;
   for (const Support& s : supports) {
     std::vector<int> points, slopes;
-    for (const int edge : {kUMin, kUMax, kVMin, kVMax}) {
+    for (const int edge : kEdges) {
       if (!(s.edges & edge)) continue;
-      const std::vector<int> first = row_of(p, edge, 0), second = row_of(p, edge, 1);
+      const std::vector<int> first = edge_row(p, edge, 0), second = edge_row(p, edge, 1);
       if (s.symmetry >= 0) {
         for (const int i : first)
           require(std::abs(p.control_points[i][s.symmetry] - p.control_points[first[0]][s.symmetry]) <= kInPlane * size,

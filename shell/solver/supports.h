@@ -3,12 +3,11 @@
 #include <array>
 #include <vector>
 
-#include "shell/geometry/patch.h"
+#include "shell/geometry/edges.h"
 
 namespace sunder::shell {
 
-/// Edges and corners of a patch as bits.
-enum EdgeBit { kUMin = 1, kUMax = 2, kVMin = 4, kVMax = 8 };
+/// Corners of a patch as bits.
 enum CornerBit { kUMinVMin = 1, kUMaxVMin = 2, kUMinVMax = 4, kUMaxVMax = 8 };
 
 struct ParameterBox {

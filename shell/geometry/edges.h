@@ -1,0 +1,32 @@
+#pragma once
+// The edges of a patch, as bits.
+#include <vector>
+
+#include "shell/geometry/patch.h"
+
+namespace sunder::shell {
+
+enum EdgeBit { kUMin = 1, kUMax = 2, kVMin = 4, kVMax = 8 };
+constexpr int kEdges[] = {kUMin, kUMax, kVMin, kVMax};
+
+/// Control points along an edge, `depth` rows in; by growing v or u.
+inline std::vector<int> edge_row(const Patch& p, int edge, int depth) {
+  std::vector<int> out;
+  const int columns = p.columns(), rows = p.rows();
+  for (int k = 0; k < (edge < kVMin ? rows : columns); ++k)
+    out.push_back(edge == kUMin   ? k * columns + depth
+                  : edge == kUMax ? k * columns + columns - 1 - depth
+                  : edge == kVMin ? depth * columns + k
+                                  : (rows - 1 - depth) * columns + k);
+  return out;
+}
+
+/// The parameter point at share `t` of an edge, by growing v or u.
+inline Vec2 edge_point(const Patch& p, int edge, double t) {
+  const KnotVector& k = edge < kVMin ? p.knots_v : p.knots_u;
+  const double along = t >= 1.0 ? k.end() : k.begin() + t * (k.end() - k.begin());
+  if (edge < kVMin) return {edge == kUMin ? p.knots_u.begin() : p.knots_u.end(), along};
+  return {along, edge == kVMin ? p.knots_v.begin() : p.knots_v.end()};
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,342 @@
+#include "shell/geometry/seams.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <set>
+
+#include <Eigen/Dense>
+
+#include "coupler/core/error.h"
+#include "shell/geometry/edges.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr int kSamples = 16;          // along an edge, where the courses of two are compared
+constexpr double kNear = 0.2;         // of the shorter edge's mean spacing: what is no further apart nearly meets
+constexpr double kStraight = 1e-6;    // of the rows' distance, that a smooth seam's row may lie off their line
+constexpr double kLeastShare = 0.02;  // of either row in a smooth seam's
+constexpr double kSameKnot = 1e-9;    // of the edge's domain
+constexpr double kNoWeight = 1e-13;
+
+using Terms = std::vector<std::pair<PatchPoint, double>>;
+
+// One edge of a patch as a rational curve of parameter 0 to 1.
+struct EdgeCurve {
+  int patch = 0, edge = 0, degree = 2;
+  std::vector<double> knots;     // 0 to 1
+  std::vector<int> row, second;  // control points on it, and the row beside it
+  std::vector<Vec3> samples;
+};
+
+EdgeCurve edge_curve(const Patch& p, int patch, int edge, bool reversed) {
+  EdgeCurve c;
+  c.patch = patch, c.edge = edge, c.degree = p.degree();
+  const KnotVector& k = edge <= kUMax ? p.knots_v : p.knots_u;
+  for (const double knot : k.knots()) c.knots.push_back((knot - k.begin()) / (k.end() - k.begin()));
+  c.row = edge_row(p, edge, 0), c.second = edge_row(p, edge, 1);
+  for (int i = 0; i <= kSamples; ++i) c.samples.push_back(p.evaluate(edge_point(p, edge, double(i) / kSamples)).x);
+  if (reversed) {
+    std::reverse(c.row.begin(), c.row.end()), std::reverse(c.second.begin(), c.second.end());
+    std::reverse(c.samples.begin(), c.samples.end()), std::reverse(c.knots.begin(), c.knots.end());
+    for (double& knot : c.knots) knot = 1.0 - knot;
+  }
+  return c;
+}
+
+double spacing(const EdgeCurve& c) {
+  double length = 0.0;
+  for (int i = 0; i < kSamples; ++i) length += (c.samples[i + 1] - c.samples[i]).norm();
+  return length / static_cast<double>(c.row.size() - c.degree);
+}
+
+// Knots of `all` that `some` has not, with multiplicity.
+std::vector<double> missing(const std::vector<double>& some, const std::vector<double>& all) {
+  std::vector<double> out;
+  std::size_t k = 0;
+  for (const double knot : all) {
+    while (k < some.size() && some[k] < knot - kSameKnot) ++k;
+    if (k < some.size() && std::abs(some[k] - knot) <= kSameKnot)
+      ++k;
+    else
+      out.push_back(knot);
+  }
+  return out;
+}
+
+// The matrix that inserts knots into a curve's control points (Boehm, one knot after the other).
+Eigen::MatrixXd insertion(std::vector<double> knots, int degree, int points, const std::vector<double>& added) {
+  Eigen::MatrixXd t = Eigen::MatrixXd::Identity(points, points);
+  for (const double knot : added) {
+    int k = degree;
+    while (k + 1 < static_cast<int>(knots.size()) - degree - 1 && knots[k + 1] <= knot) ++k;
+    Eigen::MatrixXd out(t.rows() + 1, points);
+    for (int i = 0; i < out.rows(); ++i) {
+      if (i <= k - degree)
+        out.row(i) = t.row(i);
+      else if (i > k)
+        out.row(i) = t.row(i - 1);
+      else {
+        const double a = (knot - knots[i]) / (knots[i + degree] - knots[i]);
+        out.row(i) = (1.0 - a) * t.row(i - 1) + a * t.row(i);
+      }
+    }
+    t = std::move(out);
+    knots.insert(knots.begin() + k + 1, knot);
+  }
+  return t;
+}
+
+Terms normalised(Terms terms) {
+  double sum = 0.0;
+  terms.erase(std::remove_if(terms.begin(), terms.end(), [](const auto& t) { return std::abs(t.second) < kNoWeight; }),
+              terms.end());
+  for (const auto& [point, weight] : terms) sum += weight;
+  for (auto& [point, weight] : terms) weight /= sum;
+  return terms;
+}
+
+Vec3 mean(const std::vector<const Patch*>& patches, const Terms& terms) {
+  Vec3 x = Vec3::Zero();
+  for (const auto& [p, weight] : terms) x += weight * patches[p.patch]->control_points[p.point];
+  return x;
+}
+
+// Collects dependences and resolves them: what a point depends on depends on nothing itself.
+class Resolver {
+ public:
+  void depend(const PatchPoint& point, const Terms& on) {
+    std::map<PatchPoint, double> terms = expanded(on);
+    if (of_.count(point)) {  // a corner, which several seams tie
+      const std::map<PatchPoint, double> known = expanded({{point, 1.0}});
+      if (terms == known || terms.empty()) return;
+      if (terms.size() == 1 && !known.count(terms.begin()->first))
+        of_[terms.begin()->first] = known;
+      else if (known.size() == 1 && !terms.count(known.begin()->first))
+        of_[known.begin()->first] = terms;
+      return;  // both are means: of the same rows, if the seams agree
+    }
+    const auto self = terms.find(point);
+    if (self != terms.end()) {
+      const double rest = 1.0 - self->second;
+      if (std::abs(rest) < 1e-9) return;
+      terms.erase(self);
+      for (auto& [other, weight] : terms) weight /= rest;
+    }
+    of_[point] = terms;
+  }
+
+  std::vector<Dependence> all() const {
+    std::vector<Dependence> out;
+    for (const auto& [point, terms] : of_) {
+      const auto resolved = expanded({terms.begin(), terms.end()});
+      out.push_back({point, normalised({resolved.begin(), resolved.end()})});
+    }
+    return out;
+  }
+
+ private:
+  std::map<PatchPoint, double> expanded(const Terms& terms, int depth = 0) const {
+    ensure(depth < 64, "seams tie control points in a circle");
+    std::map<PatchPoint, double> out;
+    for (const auto& [point, weight] : terms) {
+      const auto it = of_.find(point);
+      if (it == of_.end()) {
+        out[point] += weight;
+        continue;
+      }
+      for (const auto& [other, w] : expanded({it->second.begin(), it->second.end()}, depth + 1))
+        out[other] += weight * w;
+    }
+    return out;
+  }
+  std::map<PatchPoint, std::map<PatchPoint, double>> of_;
+};
+
+double gap(const EdgeCurve& a, const EdgeCurve& b, Vec3& where) {
+  double most = 0.0;
+  where = a.samples.front();
+  for (int i = 0; i <= kSamples; ++i) {
+    const double d = (a.samples[i] - b.samples[i]).norm();
+    if (d > most) most = d, where = a.samples[i];
+  }
+  return most;
+}
+
+// Angle between the surfaces at share t of the edge, and whether their normals are on the same side.
+double kink(const Patch& p, const EdgeCurve& a, const Patch& q, const EdgeCurve& b, bool reversed, double t,
+            bool& opposite) {
+  const auto frame = [](const Patch& patch, int edge, double at, Vec3& inward, Vec3& normal) {
+    const SurfacePoint x = patch.evaluate(edge_point(patch, edge, at));
+    normal = x.u.cross(x.v).normalized();
+    const Vec3 along = edge <= kUMax ? x.v : x.u;
+    inward = edge <= kUMax ? x.u : x.v;
+    if (edge == kUMax || edge == kVMax) inward = -inward;
+    inward -= inward.dot(along) / along.squaredNorm() * along;
+    inward.normalize();
+  };
+  Vec3 in_p, normal_p, in_q, normal_q;
+  frame(p, a.edge, t, in_p, normal_p), frame(q, b.edge, reversed ? 1.0 - t : t, in_q, normal_q);
+  const double angle = std::numbers::pi - std::acos(std::clamp(in_p.dot(in_q), -1.0, 1.0));
+  opposite = angle < 0.5 * std::numbers::pi && normal_p.dot(normal_q) < 0.0;
+  return angle;
+}
+
+class Search {
+ public:
+  Search(const std::vector<const Patch*>& patches, const std::vector<std::string>& names, double tolerance)
+      : patches_(patches), names_(names), tolerance_(tolerance) {}
+
+  Stitches run(const std::vector<std::vector<Join>>& join) {
+    const int n = static_cast<int>(patches_.size());
+    for (int i = 0; i < n; ++i)
+      for (const int edge : kEdges) edges_.push_back(edge_curve(*patches_[i], i, edge, false));
+    for (std::size_t a = 0; a < edges_.size(); ++a)
+      for (std::size_t b = a + 1; b < edges_.size(); ++b)
+        if (edges_[a].patch != edges_[b].patch && join[edges_[a].patch][edges_[b].patch] != Join::kOpen)
+          compare(edges_[a], edges_[b], join[edges_[a].patch][edges_[b].patch]);
+    Stitches out;
+    out.seams = std::move(seams_), out.points = resolver_.all();
+    return out;
+  }
+
+ private:
+  std::string name(const EdgeCurve& c) const {
+    constexpr const char* kNames[] = {"U_MIN", "U_MAX", "V_MIN", "V_MAX"};
+    return fmt::format("edge {} of shell '{}'",
+                       kNames[std::find(std::begin(kEdges), std::end(kEdges), c.edge) - kEdges], names_[c.patch]);
+  }
+
+  void compare(const EdgeCurve& a, const EdgeCurve& b, Join join) {
+    const double near = kNear * std::min(spacing(a), spacing(b));
+    const auto ends = [&](bool reversed) {
+      return std::max((a.samples.front() - (reversed ? b.samples.back() : b.samples.front())).norm(),
+                      (a.samples.back() - (reversed ? b.samples.front() : b.samples.back())).norm());
+    };
+    const bool reversed = ends(true) < ends(false);
+    if (ends(reversed) > near) return part_of(a, b);
+    const EdgeCurve other = edge_curve(*patches_[b.patch], b.patch, b.edge, reversed);
+    Vec3 where;
+    const double apart = gap(a, other, where);
+    if (apart > near && ends(reversed) > tolerance_) return;  // two edges that only end beside one another
+    require(apart <= tolerance_,
+            "{} and {} nearly meet: they are up to {:.3g} m apart, at ({:.6g}, {:.6g}, {:.6g}); move them together, or "
+            "give seams.tolerance_m, or a rule that leaves them OPEN",
+            name(a), name(b), apart, where.x(), where.y(), where.z());
+    require(a.degree == other.degree, "{} and {} meet, but their degrees are {} and {}; take the same", name(a),
+            name(b), a.degree, other.degree);
+    // the side with fewer control points leads
+    if (other.row.size() < a.row.size())
+      stitch(edge_curve(*patches_[b.patch], b.patch, b.edge, false),
+             edge_curve(*patches_[a.patch], a.patch, a.edge, reversed), reversed, join);
+    else
+      stitch(a, other, reversed, join);
+  }
+
+  // Edges that meet over a part of their length are refused: that would be a T-junction.
+  void part_of(const EdgeCurve& a, const EdgeCurve& b) const {
+    for (const auto& [one, other] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
+      int on = 0;
+      Vec3 where = Vec3::Zero();
+      for (int i = 0; i <= kSamples; ++i)
+        for (int k = 0; k < kSamples; ++k) {
+          const Vec3 d = other->samples[k + 1] - other->samples[k], r = one->samples[i] - other->samples[k];
+          const double t = std::clamp(r.dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+          if ((r - t * d).norm() <= tolerance_ && (i == 0 || i == kSamples || on > 0)) {
+            ++on, where = one->samples[i];
+            break;
+          }
+        }
+      require(
+          on < 3,
+          "{} and {} meet over a part of their length, at ({:.6g}, {:.6g}, {:.6g}): divide the longer one where the "
+          "other ends, or give a rule that leaves them OPEN",
+          name(a), name(b), where.x(), where.y(), where.z());
+    }
+  }
+
+  void stitch(const EdgeCurve& lead, const EdgeCurve& follow, bool reversed, Join join) {
+    const Patch &m = *patches_[lead.patch], &s = *patches_[follow.patch];
+    const Eigen::MatrixXd tm =
+        insertion(lead.knots, lead.degree, static_cast<int>(lead.row.size()), missing(lead.knots, follow.knots));
+    const Eigen::MatrixXd ts =
+        insertion(follow.knots, follow.degree, static_cast<int>(follow.row.size()), missing(follow.knots, lead.knots));
+    const bool same = tm.rows() == tm.cols() && ts.rows() == ts.cols();
+    const Eigen::MatrixXd a = same ? Eigen::MatrixXd(tm) : Eigen::MatrixXd(ts.colPivHouseholderQr().solve(tm));
+    const Eigen::MatrixXd back =
+        same ? Eigen::MatrixXd(tm) : Eigen::MatrixXd((a.transpose() * a).ldlt().solve(a.transpose()));
+    const auto count_m = static_cast<int>(lead.row.size()), count_s = static_cast<int>(follow.row.size());
+    Seam seam;
+    seam.first = lead.patch, seam.second = follow.patch, seam.first_edge = lead.edge, seam.second_edge = follow.edge;
+    seam.reversed = reversed, seam.join = join;
+    for (int i = 0; i < kSamples; ++i) seam.length += (lead.samples[i + 1] - lead.samples[i]).norm();
+    std::vector<Terms> other(count_m);  // the follower's second row, as the leader would have it
+    for (int j = 0; j < count_m; ++j) {
+      for (int i = 0; i < count_s; ++i)
+        other[j].push_back({{follow.patch, follow.second[i]}, back(j, i) * s.weights[follow.second[i]]});
+      other[j] = normalised(std::move(other[j]));
+    }
+    std::vector<double> share(count_m);  // of the leader's second row in the seam's
+    seam.smooth = join == Join::kClamped;
+    for (int j = 0; j < count_m; ++j) {
+      const Vec3 x = m.control_points[lead.row[j]], from = m.control_points[lead.second[j]],
+                 to = mean(patches_, other[j]), d = to - from;
+      const double t = d.squaredNorm() > 0.0 ? (x - from).dot(d) / d.squaredNorm() : 0.0;
+      share[j] = 1.0 - t;
+      seam.smooth = seam.smooth && t > kLeastShare && t < 1.0 - kLeastShare &&
+                    (x - from - t * d).norm() <= std::max(kStraight * d.norm(), tolerance_);
+    }
+    bool opposite = false;
+    for (int i = 0; i <= kSamples; ++i) {
+      bool here = false;
+      seam.angle = std::max(seam.angle, kink(m, lead, s, follow, reversed, double(i) / kSamples, here));
+      opposite = opposite || here;
+    }
+    require(
+        !opposite,
+        "{} and {} meet, but their normals u x v are on opposite sides; turn one of the patches over (reverse its u "
+        "or v)",
+        name(lead), name(follow));
+    for (int j = 0; j < count_m && seam.smooth; ++j) {
+      Terms terms{{{lead.patch, lead.second[j]}, share[j]}};
+      for (const auto& [p, weight] : other[j]) terms.push_back({p, (1.0 - share[j]) * weight});
+      resolver_.depend({lead.patch, lead.row[j]}, terms);
+    }
+    for (int i = 0; i < count_s; ++i) {
+      Terms terms;
+      for (int j = 0; j < count_m; ++j) terms.push_back({{lead.patch, lead.row[j]}, a(i, j) * m.weights[lead.row[j]]});
+      terms = normalised(std::move(terms));
+      const Vec3 x = s.control_points[follow.row[i]];
+      const double off = (mean(patches_, terms) - x).norm();
+      require(off <= 10.0 * tolerance_,
+              "{} and {} meet, but their knots let the one not follow the other: {:.3g} m off at ({:.6g}, {:.6g}, "
+              "{:.6g}); give both the same course along the edge",
+              name(lead), name(follow), off, x.x(), x.y(), x.z());
+      resolver_.depend({follow.patch, follow.row[i]}, terms);
+    }
+    if (join == Join::kClamped && !seam.smooth)
+      for (int j = 0; j < count_m; ++j) {
+        const double width = (lead.knots[j + lead.degree + 1] - lead.knots[j]) / (lead.degree + 1) * seam.length;
+        seam.crease.push_back({{lead.patch, lead.second[j]}, other[j], {lead.patch, lead.row[j]}, width});
+      }
+    seams_.push_back(std::move(seam));
+  }
+
+  const std::vector<const Patch*>& patches_;
+  const std::vector<std::string>& names_;
+  double tolerance_;
+  std::vector<EdgeCurve> edges_;
+  std::vector<Seam> seams_;
+  Resolver resolver_;
+};
+
+}  // namespace
+
+Stitches find_stitches(const std::vector<const Patch*>& patches, const std::vector<std::string>& names,
+                       double tolerance, const std::vector<std::vector<Join>>& join) {
+  return Search(patches, names, tolerance).run(join);
+}
+
+}  // namespace sunder::shell

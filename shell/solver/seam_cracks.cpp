@@ -1,0 +1,89 @@
+#include "shell/solver/seam_cracks.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shell/solver/insertion.h"
+#include "shell/solver/tips.h"
+
+namespace sunder::shell {
+namespace {
+
+// Where a crack's last edge leaves the domain.
+struct Exit {
+  int edge = 0;
+  double share = 0.0;  // of the edge's parameters
+  Vec2 at, direction;
+};
+
+bool exit_of(const ShellModel& m, const CrackEdge& last, const Tip& tip, Exit& out) {
+  const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()), high(m.patch.knots_u.end(), m.patch.knots_v.end());
+  const Vec2 from = tip.vertex == last.to ? last.a : last.b, d = tip.p - from;
+  if (!m.patch.contains(from) || m.patch.contains(tip.p)) return false;
+  double nearest = 2.0;
+  for (int axis = 0; axis < 2; ++axis)
+    for (const bool far : {false, true}) {
+      const double border = far ? high[axis] : low[axis];
+      if (far ? tip.p[axis] <= border : tip.p[axis] >= border) continue;
+      const double t = (border - from[axis]) / d[axis];
+      if (t >= nearest) continue;
+      nearest = t;
+      out.edge = axis == 0 ? (far ? kUMax : kUMin) : (far ? kVMax : kVMin);
+      out.at = from + t * d;
+      out.at[axis] = border;
+      out.share = (out.at[1 - axis] - low[1 - axis]) / (high[1 - axis] - low[1 - axis]);
+    }
+  out.direction = d.normalized();
+  return nearest <= 1.0 && out.share > 0.0 && out.share < 1.0;
+}
+
+// Unit vectors of the surface at rest at a point of an edge: along it, and into the patch.
+void frame(int edge, const SurfacePoint& x, Vec3& along, Vec3& inward) {
+  along = (edge < kVMin ? x.v : x.u).normalized();
+  inward = edge < kVMin ? x.u : x.v;
+  if (edge == kUMax || edge == kVMax) inward = -inward;
+  inward = (inward - inward.dot(along) * along).normalized();
+}
+
+}  // namespace
+
+int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, const std::vector<char>& can_crack,
+             Stitching& stitching, double time) {
+  int count = 0;
+  for (int k = 0; k < static_cast<int>(shells.size()); ++k) {
+    const ShellModel& m = *shells[k].model;
+    for (std::size_t i = 0; i < shells[k].state->tips.size(); ++i) {
+      Tip& tip = shells[k].state->tips[i];
+      if (tip.alive || tip.crossed || tip.edge < 0) continue;
+      tip.crossed = true;
+      Exit exit;
+      if (!exit_of(m, shells[k].state->cracks.edges()[tip.edge], tip, exit)) continue;
+      for (std::size_t q = 0; q < seams.size(); ++q) {
+        const Seam& seam = seams[q];
+        const bool first = seam.first == k && seam.first_edge == exit.edge;
+        if (!first && !(seam.second == k && seam.second_edge == exit.edge)) continue;
+        stitching.part(shells, seam, first ? exit.share : seam.reversed ? 1.0 - exit.share : exit.share);
+        const int other = first ? seam.second : seam.first, edge = first ? seam.second_edge : seam.first_edge;
+        if (!can_crack[other]) continue;
+        const ShellModel& n = *shells[other].model;
+        const Vec2 at = edge_point(n.patch, edge, seam.reversed ? 1.0 - exit.share : exit.share);
+        const SurfacePoint here = m.patch.evaluate(exit.at), there = n.patch.evaluate(at);
+        Vec3 along, inward, along_there, inward_there;
+        frame(exit.edge, here, along, inward), frame(edge, there, along_there, inward_there);
+        const Vec3 d = (exit.direction.x() * here.u + exit.direction.y() * here.v).normalized();
+        const Vec3 on = d.dot(along) * along - d.dot(inward) * inward_there;  // the same angle to the seam
+        Eigen::Matrix<double, 3, 2> tangents;
+        tangents << there.u, there.v;
+        const Vec2 way = (tangents.transpose() * tangents).ldlt().solve(tangents.transpose() * on).normalized();
+        ShellState& s = *shells[other].state;
+        const int before = static_cast<int>(s.cracks.edges().size());
+        insert_polyline(n, s, {at, at + n.spacing * way}, time);
+        start_at_ends(n, s, before, static_cast<int>(s.cracks.edges().size()));
+        ++count;
+      }
+    }
+  }
+  return count;
+}
+
+}  // namespace sunder::shell

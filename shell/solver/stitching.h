@@ -1,0 +1,105 @@
+#pragma once
+// Shells that hang together along seams: control points that follow others, and creases that keep their angle.
+#include <cmath>
+#include <vector>
+
+#include "coupler/core/archive.h"
+#include "shell/geometry/seams.h"
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+/// A shell of several, model and state.
+struct ShellRef {
+  const ShellModel* model;
+  ShellState* state;
+};
+
+class Stitching {
+ public:
+  Stitching() = default;
+  /// Patches of `stitches` are the models of `shells`, in their order.
+  Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells);
+
+  bool empty() const { return ties_.empty(); }
+  /// Control points that follow give their mass to those that they follow; at the start, after make_state.
+  void tie(const std::vector<ShellRef>& shells);
+  /// After compute_forces of all shells: adds what creases do, then hands the forces of control points that follow to
+  /// those that they follow, and leaves them what makes them accelerate alike. Returns the creases' energy [J].
+  double share_forces(const std::vector<ShellRef>& shells);
+  /// After kick, before contact: what velocities are without impulses.
+  void mark(const std::vector<ShellRef>& shells);
+  /// After contact: impulses on control points that follow act on those that they follow. What that changes in the
+  /// work of contact is booked.
+  void share_impulses(const std::vector<ShellRef>& shells);
+
+  /// Velocities of control points that follow, from those that they follow.
+  void follow(const std::vector<ShellRef>& shells) const;
+  /// Calls back (shell, slot, shell, slot) for each pair that still hangs together.
+  template <class F>
+  void each_link(F&& callback) const {
+    for (const Tie& t : ties_)
+      for (std::size_t k = 0; t.holds && k < t.on.size(); ++k)
+        if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
+  }
+  /// Control points that `leaves(shell, slot)` go free again, and so do those that follow them; each takes its mass
+  /// back with its velocity, which keeps momentum and loses some kinetic energy. Returns whether any was let go.
+  template <class F>
+  bool release(const std::vector<ShellRef>& shells, F&& leaves) {
+    bool any = false;
+    for (Tie& t : ties_) {
+      bool out = leaves(t.shell, t.slot);
+      for (const Master& m : t.on) out = out || leaves(m.shell, m.slot);
+      if (t.holds && out) let_go(shells, t), any = true;
+    }
+    for (Brace& b : braces_) {
+      bool out = leaves(b.shell, b.slot);
+      for (const Master& m : b.other) out = out || leaves(m.shell, m.slot);
+      if (out) b.holds = false;
+    }
+    return any;
+  }
+
+  /// Where a crack crosses a seam, at share `t` of its first edge: control points that follow others beyond it are let
+  /// go.
+  void part(const std::vector<ShellRef>& shells, const Seam& seam, double t);
+
+  template <class A>
+  friend void archive(A& a, Stitching& s) {
+    for (Tie& t : s.ties_) archive_one(a, t.holds);
+    for (Brace& b : s.braces_) archive_one(a, b.holds);
+  }
+
+ private:
+  static constexpr double kLooseWeight = 1e-3;
+  struct Master {
+    int shell, slot;
+    double weight;
+    Vec3 before = Vec3::Zero();  // velocity without impulses
+  };
+  struct Tie {
+    int shell, slot;
+    std::vector<Master> on;
+    bool holds = true;
+    Vec3 before = Vec3::Zero();  // velocity without impulses
+  };
+  /// A spring between two control points beside a crease, or their means.
+  struct Brace {
+    int shell, slot;
+    std::vector<Master> other;
+    double stiffness = 0.0, length = 0.0;  // [N/m], [m] at rest
+    bool holds = true;
+  };
+  void let_go(const std::vector<ShellRef>& shells, Tie& tie);
+  static void refresh(const std::vector<ShellRef>& shells, const Tie& tie);
+
+  std::vector<Tie> ties_;
+  std::vector<Brace> braces_;
+};
+
+/// Largest stable step [s] of shells that hang together, as stable_step() for one; each is taken as free of its
+/// supports where `as_if_free`.
+double stable_step(const std::vector<ShellRef>& shells, Stitching& stitching, int iterations, int threads,
+                   const std::vector<char>& as_if_free);
+
+}  // namespace sunder::shell
