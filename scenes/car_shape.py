@@ -16,10 +16,10 @@ import numpy as np
 
 # Spans of the coarse net along the five chains of opposite edges; all patches that a chain runs through share its knots.
 SPANS = {
-    "across": 16,  # bumper, bonnet, both screens, roof, tail: from side to side
+    "across": 14,  # bumper, bonnet, both screens, roof, tail: from side to side
     "height": 6,   # bumper, wings, sides, tail: upwards
     "bonnet": 10,  # bonnet and wings: rearwards
-    "screen": 7,   # windscreen, rear window, greenhouses: upwards
+    "screen": 6,   # windscreen, rear window, greenhouses: upwards
     "roof": 20,    # roof, greenhouses, sides: rearwards
 }
 GRID_M = 1e-5  # control points are rounded to it, which keeps the text short and averages of two exact
@@ -32,19 +32,20 @@ MIDDLE = TAIL + SPANS["across"] // 2
 SHOULDER = [
     (0, 0.335, 0.695, 0.665), (2.5, 0.60, 0.725, 0.755), (5, 0.875, 0.745, 0.825), (WING, 1.42, 0.765, 0.915),
     (15, 2.03, 0.785, 0.940), (20, 2.65, 0.790, 0.960), (25, 3.27, 0.765, 0.985), (28, 3.62, 0.730, 1.000),
-    (TAIL, 3.80, 0.680, 1.010), (32, 3.90, 0.540, 1.018), (35, 3.965, 0.270, 1.025), (MIDDLE, 3.98, 0.0, 1.027)]
+    (TAIL, 3.80, 0.680, 1.010), (31.7, 3.90, 0.540, 1.018), (34.4, 3.965, 0.270, 1.025), (MIDDLE, 3.98, 0.0, 1.027)]
 # Lower edge: the same, wheel arches apart.
 SILL = [
-    (0, 0.350, 0.760, 0.225), (1, 0.440, 0.785, 0.225), (8, 1.180, 0.800, 0.225), (WING, 1.400, 0.800, 0.225),
-    (20.5, 2.990, 0.800, 0.225), (28.5, 3.740, 0.790, 0.240), (TAIL, 3.920, 0.760, 0.250),
-    (32, 4.080, 0.660, 0.260), (34, 4.140, 0.430, 0.270), (MIDDLE, 4.165, 0.0, 0.280)]
-ARCHES = ((1.0, 8.0), (20.5, 28.5))  # t from and to
-ARCH_HEIGHT_M = 0.385                # above the sill
+    (0, 0.350, 0.760, 0.225), (0.5, 0.430, 0.785, 0.225), (8.7, 1.190, 0.800, 0.225), (WING, 1.390, 0.800, 0.225),
+    (19.5, 2.950, 0.800, 0.225), (29, 3.710, 0.790, 0.240), (TAIL, 3.900, 0.760, 0.250),
+    (31.75, 4.080, 0.660, 0.260), (33.5, 4.140, 0.430, 0.270), (MIDDLE, 4.165, 0.0, 0.280)]
+ARCHES = ((0.5, 8.7), (19.5, 29.0))  # t from and to
+ARCH_HEIGHT_M = 0.38                 # above the sill
+ARCH_ROUNDNESS = 0.45                # of x along the arch: 1 is an ellipse, whose ends are upright, 0 a sine
 ARCH_FLARE_M = 0.015
 # How far the band swells between its edges [m] at t, and the power of the height that moves the swelling up: to a
 # boot lid's edge at the tail.
 SWELL = [(0, 0.045, 1.0), (1, 0.045, 1.0), (4.5, 0.025, 1.0), (8, 0.05, 1.0), (WING, 0.065, 1.0), (18, 0.075, 1.0),
-         (24.5, 0.055, 1.2), (TAIL, 0.075, 1.6), (34, 0.120, 2.4), (MIDDLE, 0.130, 2.5)]
+         (24.5, 0.055, 1.2), (TAIL, 0.075, 1.6), (33.5, 0.120, 2.4), (MIDDLE, 0.130, 2.5)]
 
 # Half curves across, from the right to the middle: x, distance from the middle, z [m]. Their first point is a corner.
 BUMPER_TOP = [(0.19, 0.46, 0.700), (0.11, 0.22, 0.722), (0.09, 0.0, 0.728)]
@@ -143,8 +144,9 @@ def _foot(t: np.ndarray) -> np.ndarray:
         share = np.clip((t - start) / (end - start), 0.0, 1.0)
         x0, x1 = (np.interp(v, table[:, 0], table[:, 1]) for v in (start, end))
         inside = (t > start) & (t < end)
-        out[inside, 0] = (0.5 * (x0 + x1) - 0.5 * (x1 - x0) * np.cos(np.pi * share))[inside]
-        out[:, 2] += ARCH_HEIGHT_M * np.sin(np.pi * share) ** 0.9
+        across = share + ARCH_ROUNDNESS * (0.5 - 0.5 * np.cos(np.pi * share) - share)
+        out[inside, 0] = (x0 + (x1 - x0) * across)[inside]
+        out[:, 2] += ARCH_HEIGHT_M * np.sin(np.pi * share)
         out[:, 1] += ARCH_FLARE_M * np.sin(np.pi * share)
     return out
 
@@ -162,10 +164,13 @@ def _band() -> np.ndarray:
     out /= np.linalg.norm(out, axis=1, keepdims=True)
     table = np.asarray(SWELL, float)
     swell, power = (np.interp(t, table[:, 0], table[:, k]) for k in (1, 2))
-    net = []
-    for h in greville(SPANS["height"]) / SPANS["height"]:
-        net.append(foot + h * (top - foot) + (4.0 * h ** power * (1.0 - h ** power) * swell)[:, None] * out)
-    half = rounded(mirrored(np.stack(net)))
+    h = np.linspace(0.0, 1.0, 200)[:, None]
+    dense = foot + h[..., None] * (top - foot) + (4.0 * h ** power * (1.0 - h ** power) * swell)[..., None] * out
+    length = np.linalg.norm(np.diff(dense, axis=0), axis=2).cumsum(axis=0)
+    length = np.vstack([np.zeros(len(t)), length]) / length[-1]
+    wanted = greville(SPANS["height"]) / SPANS["height"]  # of the length upwards, so that elements are even
+    net = np.stack([[np.interp(wanted, length[:, i], dense[:, i, k]) for k in range(3)] for i in range(len(t))])
+    half = rounded(mirrored(np.moveaxis(net, 2, 0)))
     return np.concatenate([half, mirrored(half[:, ::-1])], axis=1)
 
 
