@@ -3,10 +3,10 @@
 x runs from the nose to the tail, y to the car's left, z up from the ground [m]; the car is symmetric about y = 0.
 Control points are the curves taken at Greville abscissae: that follows them closely, without wiggles.
 
-The lower body is one band, smooth from the front of one wing round the tail to the other, and cut where wings, sides and
-tail meet; the bumper closes it with a crease at either end. Bonnet, screens, roof and the greenhouses on both sides hang
-between its upper edge and a few curves more. Where three patches meet all three seams have to be creases: two edges that
-ran on smoothly would give the third patch a corner of 180 degrees.
+The lower body is one band, smooth from the front of one wing round the tail to the other, and cut where wings, sides
+and tail meet; the bumper closes it with a crease at either end. Bonnet, screens, roof and the greenhouses on both sides
+hang between its upper edge and a few curves more. Where three patches meet all three seams have to be creases: two
+edges that ran on smoothly would give the third patch a corner of 180 degrees.
 """
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Spans of the coarse net along the five chains of opposite edges; all patches that a chain runs through share its knots.
+# Spans of the coarse net along the five chains of opposite edges; patches that a chain runs through share its knots.
 SPANS = {
     "across": 14,  # bumper, bonnet, both screens, roof, tail: from side to side
     "height": 6,   # bumper, wings, sides, tail: upwards

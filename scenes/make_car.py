@@ -3,8 +3,8 @@
 
     scenes/make_car.py [--spacing METRES] [--step FILE] [SCENE...]
 
-In each SCENE the lines between `# begin car` and `# end car` are replaced. Prints the patches, the seams between them and
-the sizes of elements at the spacing; exits with status 1, nothing written, where the car is not in order.
+In each SCENE the lines between `# begin car` and `# end car` are replaced. Prints the patches, the seams between them
+and the sizes of elements at the spacing; exits with status 1, nothing written, where the car is not in order.
 """
 from __future__ import annotations
 
@@ -26,8 +26,8 @@ SIDES = ("u_min", "u_max", "v_min", "v_max")
 # Points that have the body around them: from the engine to the boot.
 SKELETON = (np.array([0.8, 0.0, 0.45]), np.array([3.5, 0.0, 0.6]))
 
-# Material, thickness [m] and layers (0: the default, of what stays elastic until it breaks) of each patch; left and right
-# are alike. What yields takes most of the time: few layers where little is expected to.
+# Material, thickness [m] and layers (0: the default, of what stays elastic until it breaks) of each patch; left and
+# right are alike. What yields takes most of the time: few layers where little is expected to.
 SHELLS = {
     "front_bumper": ("bumper_plastic", 0.008, 0),
     "bonnet": ("sheet_metal", 0.008, 5),
@@ -136,10 +136,10 @@ def find_seams(patches: list[Patch], counts: dict[str, int]) -> list[Seam]:
                         for knots, side in ((knots_one, first_side), (knots_other, second_side)))
                 mean = (b * one.beside(first_side) + c * other.beside(second_side)[back]) / (b + c)
                 smoothness = float(np.abs(p - mean).max())
-            turn = (_normals_along(patches[first], first_side) * _normals_along(patches[second], second_side)[back]).sum(1)
-            angle = np.degrees(np.arccos(np.clip(turn, -1.0, 1.0)))
-            seams.append(Seam(patches[first], first_side, patches[second], second_side, back.step == -1, gap, smoothness,
-                              (float(angle.min()), float(angle.max()))))
+            normals = _normals_along(patches[first], first_side), _normals_along(patches[second], second_side)[back]
+            angle = np.degrees(np.arccos(np.clip((normals[0] * normals[1]).sum(axis=1), -1.0, 1.0)))
+            seams.append(Seam(patches[first], first_side, patches[second], second_side, back.step == -1, gap,
+                              smoothness, (float(angle.min()), float(angle.max()))))
     return seams
 
 
@@ -205,10 +205,10 @@ def report(patches: list[Patch], seams: list[Seam], counts: dict[str, int]) -> s
         low, high, mean, worst, angle = sizes(patch, counts)
         u, v = mean_lengths(patch)
         total += mu * mv
-        out.append(f"{patch.name:18} {mu:3} x {mv:3}  {1e3 * low:5.1f} to {1e3 * high:5.1f}      {mean:4.2f}, {worst:4.2f}"
-                   f"          {angle:5.1f}         {u:.3f}, {v:.3f}")
+        out.append(f"{patch.name:18} {mu:3} x {mv:3}  {1e3 * low:5.1f} to {1e3 * high:5.1f}      "
+                   f"{mean:4.2f}, {worst:4.2f}          {angle:5.1f}         {u:.3f}, {v:.3f}")
     out += [f"{total} elements, {4 * total} Gauss points (2 x 2)", "",
-            f"{'seam':47} kind     turns [degrees]  gap [m]  off the mean of its neighbours [m]"]
+            f"{'seam':60} kind   turns [degrees]  gap [m]  off the mean of its neighbours [m]"]
     for s in seams:
         name = f"{s.first.name} {s.first_side} - {s.second.name} {s.second_side}{' (reversed)' if s.reversed else ''}"
         out.append(f"{name:60} {'smooth' if s.smooth else 'crease'} {s.angle_deg[0]:5.1f} to {s.angle_deg[1]:5.1f}"
@@ -254,7 +254,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE")
     parser.add_argument("--spacing", type=float, default=SPACING_M, metavar="METRES",
-                        help="mean size of elements; %(default)s, 0.1 for the coarse net itself, 0.019 for 170,000 Gauss points")
+                        help="mean size of elements; %(default)s by default, 0.1 for the coarse net itself, "
+                             "0.019 for 170,000 Gauss points")
     parser.add_argument("--step", type=Path, metavar="FILE", help="the patches as faces of a STEP file, in this order")
     arguments = parser.parse_args()
     if not 0.002 <= arguments.spacing <= 1.0:
