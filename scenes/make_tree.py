@@ -3,8 +3,8 @@
 
     scenes/make_tree.py [SCENE...]
 
-In each SCENE the lines between `# begin tree` and `# end tree` are replaced. The tree falls about a hinge at its foot and
-starts leaning, as fast as it would be if it had stood almost upright and at rest before.
+In each SCENE the lines between `# begin tree` and `# end tree` are replaced. The tree falls about a hinge at its foot
+and starts leaning, as fast as it would be if it had stood almost upright and at rest before.
 """
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def quaternion(r: np.ndarray) -> np.ndarray:
 
 
 def off_text(piece: Piece) -> str:
-    """An OFF file; z up with the tree's foot in the origin. Faces for viewers: the solver takes the hull of the corners."""
+    """An OFF file; z up, the tree's foot in the origin. Faces are for viewers: the solver takes the corners' hull."""
     n = CORNERS
     corners = [" ".join(number(c) for c in p) for p in piece.corners()]
     faces = [f"{n} {' '.join(str(i) for i in reversed(range(n)))}", f"{n} {' '.join(str(n + i) for i in range(n))}"]

@@ -54,7 +54,8 @@ class _Topology:
             add = self._entities.add
             count, knots = _knots(len(points) - 2)
             poles = ",".join(self._entities.point(p) for p in points)
-            spline = add(f"B_SPLINE_CURVE_WITH_KNOTS('',2,({poles}),.UNSPECIFIED.,.F.,.F.,{count},{knots},.UNSPECIFIED.)")
+            spline = add(f"B_SPLINE_CURVE_WITH_KNOTS('',2,({poles}),.UNSPECIFIED.,.F.,.F.,"
+                         f"{count},{knots},.UNSPECIFIED.)")
             edge = add(f"EDGE_CURVE('',{self.vertex(points[0])},{self.vertex(points[-1])},{spline},.T.)")
             self._edges[key] = edge, True
             self._edges[key[::-1]] = edge, False
@@ -70,8 +71,8 @@ def write_step(file: Path, patches: list[Patch]) -> None:
     for patch in patches:
         (nu, ku), (nv, kv) = _knots(SPANS[patch.chain_u]), _knots(SPANS[patch.chain_v])
         columns = [f"({','.join(data.point(p) for p in patch.net[:, i])})" for i in range(patch.net.shape[1])]
-        surface = data.add(f"B_SPLINE_SURFACE_WITH_KNOTS('{patch.name}',2,2,({','.join(columns)}),.UNSPECIFIED.,.F.,.F.,"
-                           f".F.,{nu},{nv},{ku},{kv},.UNSPECIFIED.)")
+        surface = data.add(f"B_SPLINE_SURFACE_WITH_KNOTS('{patch.name}',2,2,({','.join(columns)}),.UNSPECIFIED.,"
+                           f".F.,.F.,.F.,{nu},{nv},{ku},{kv},.UNSPECIFIED.)")
         border = [topology.oriented_edge(edge) for edge in
                   (patch.edge("v_min"), patch.edge("u_max"), patch.edge("v_max")[::-1], patch.edge("u_min")[::-1])]
         loop = data.add(f"EDGE_LOOP('',({','.join(border)}))")
