@@ -1,6 +1,6 @@
 """The body of a car as 12 quadratic B-spline patches, from hand-made curves.
 
-x runs from the nose to the tail, y to the car's left, z up from the ground [m]; the car is symmetric about y = 0.
+x runs from the nose to the tail, y to the car's right, z up from the ground [m]; the car is symmetric about y = 0.
 Control points are the curves taken at Greville abscissae: that follows them closely, without wiggles.
 
 The lower body is one band, smooth from the front of one wing round the tail to the other, and cut where wings, sides
@@ -24,11 +24,11 @@ SPANS = {
 }
 GRID_M = 1e-5  # control points are rounded to it, which keeps the text short and averages of two exact
 
-# Where the band is cut: t counts its spans from the right wing's front edge.
+# Where the band is cut: t counts its spans from the left wing's front edge.
 WING, TAIL = SPANS["bonnet"], SPANS["bonnet"] + SPANS["roof"]
 MIDDLE = TAIL + SPANS["across"] // 2
 
-# Upper edge of the band's right half: t, then x, distance from the middle, z [m].
+# Upper edge of the band's left half: t, then x, distance from the middle, z [m].
 SHOULDER = [
     (0, 0.335, 0.695, 0.665), (2.5, 0.60, 0.725, 0.755), (5, 0.875, 0.745, 0.825), (WING, 1.42, 0.765, 0.915),
     (15, 2.03, 0.785, 0.940), (20, 2.65, 0.790, 0.960), (25, 3.27, 0.765, 0.985), (28, 3.62, 0.730, 1.000),
@@ -47,13 +47,13 @@ ARCH_FLARE_M = 0.015
 SWELL = [(0, 0.045, 1.0), (1, 0.045, 1.0), (4.5, 0.025, 1.0), (8, 0.05, 1.0), (WING, 0.065, 1.0), (18, 0.075, 1.0),
          (24.5, 0.055, 1.2), (TAIL, 0.075, 1.6), (33.5, 0.120, 2.4), (MIDDLE, 0.130, 2.5)]
 
-# Half curves across, from the right to the middle: x, distance from the middle, z [m]. Their first point is a corner.
+# Half curves across, from the left to the middle: x, distance from the middle, z [m]. Their first point is a corner.
 BUMPER_TOP = [(0.19, 0.46, 0.700), (0.11, 0.22, 0.722), (0.09, 0.0, 0.728)]
 BUMPER_FOOT = [(0.17, 0.52, 0.205), (0.09, 0.26, 0.198), (0.07, 0.0, 0.195)]
 COWL = [(1.325, 0.52, 0.945), (1.25, 0.26, 0.965), (1.225, 0.0, 0.970)]
 ROOF_FRONT = [(1.985, 0.560, 1.315), (1.935, 0.40, 1.360), (1.905, 0.20, 1.385), (1.895, 0.0, 1.392)]
 ROOF_REAR = [(3.380, 0.540, 1.325), (3.440, 0.38, 1.367), (3.475, 0.19, 1.386), (3.485, 0.0, 1.392)]
-# Between corners, on the right.
+# Between corners, on the left.
 WINDSCREEN_PILLAR = [(1.705, 0.690, 1.130)]
 REAR_PILLAR = [(3.605, 0.635, 1.180)]
 ROOF_EDGE = [(2.33, 0.590, 1.352), (2.70, 0.595, 1.361), (3.06, 0.580, 1.353)]
@@ -95,11 +95,11 @@ def cubic_through(at: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.
     """The natural cubic spline through values (n, 3) at `at` (n,), taken at `wanted` (m,): (m, 3)."""
     step, rise = np.diff(at), np.diff(values, axis=0)
     n = len(at)
-    matrix, right = np.eye(n), np.zeros((n, values.shape[1]))
+    matrix, rates = np.eye(n), np.zeros((n, values.shape[1]))
     for i in range(1, n - 1):
         matrix[i, i - 1:i + 2] = step[i - 1], 2.0 * (step[i - 1] + step[i]), step[i]
-        right[i] = 6.0 * (rise[i] / step[i] - rise[i - 1] / step[i - 1])
-    second = np.linalg.solve(matrix, right)
+        rates[i] = 6.0 * (rise[i] / step[i] - rise[i - 1] / step[i - 1])
+    second = np.linalg.solve(matrix, rates)
     k = np.clip(np.searchsorted(at, wanted, side="right") - 1, 0, n - 2)
     h, a, b = step[k][:, None], (at[k + 1] - wanted)[:, None], (wanted - at[k])[:, None]
     return ((second[k] * a ** 3 + second[k + 1] * b ** 3) / (6.0 * h) + (values[k] / h - second[k] * h / 6.0) * a
@@ -123,21 +123,21 @@ def mirrored(points: np.ndarray) -> np.ndarray:
     return np.asarray(points, float) * np.array([1.0, -1.0, 1.0])
 
 
-def right(points: list) -> np.ndarray:
-    """Hand-made points with distances from the middle to points on the right."""
+def left(points: list) -> np.ndarray:
+    """Hand-made points with distances from the middle to points on the left."""
     return mirrored(np.asarray(points, float))
 
 
 def across(half: list, corner: np.ndarray | None = None) -> np.ndarray:
-    """Control points of a symmetric curve from the right to the left; `corner` comes before `half`."""
-    start = right(half) if corner is None else np.vstack([corner, right(half)])
+    """Control points of a symmetric curve from the left to the right; `corner` comes before `half`."""
+    start = left(half) if corner is None else np.vstack([corner, left(half)])
     out = curve(np.vstack([start, mirrored(start[-2::-1])]), SPANS["across"])
     out[len(out) // 2:] = mirrored(out[:len(out) // 2][::-1])
     return out
 
 
 def _foot(t: np.ndarray) -> np.ndarray:
-    """The lower edge of the band's right half at t, (n, 3), distances from the middle positive."""
+    """The lower edge of the band's left half at t, (n, 3), distances from the middle positive."""
     table = np.asarray(SILL, float)
     out = np.stack([np.interp(t, table[:, 0], table[:, k]) for k in (1, 2, 3)], axis=1)
     for start, end in ARCHES:
@@ -152,7 +152,7 @@ def _foot(t: np.ndarray) -> np.ndarray:
 
 
 def _band() -> np.ndarray:
-    """Control net (height + 2, spans + 2, 3) of the lower body from the right wing round the tail to the left one."""
+    """Control net (height + 2, spans + 2, 3) of the lower body from the left wing round the tail to the right one."""
     spans = 2 * MIDDLE
     t = greville(spans)[:spans // 2 + 1]
     table = np.asarray(SHOULDER, float)
@@ -216,25 +216,25 @@ def _symmetric(net: np.ndarray, axis: int) -> np.ndarray:
 
 def car() -> list[Patch]:
     """The 12 patches. Of the lower body u runs round the car, counter-clockwise from above, and v upwards; of panels
-    that lie across u runs rearwards and v to the left."""
+    that lie across u runs rearwards and v to the right."""
     wing, side, tail, _, _ = _pieces(_band(), [WING, TAIL, 2 * MIDDLE - TAIL, 2 * MIDDLE - WING])
     tail = _symmetric(tail, 1)
     nose_corner, cowl_corner, tail_corner = wing[-1, 0], wing[-1, -1], side[-1, -1]
     top, foot = across(BUMPER_TOP, nose_corner), across(BUMPER_FOOT, wing[0, 0])
     cowl = across(COWL, cowl_corner)
     roof_front, roof_rear = across(ROOF_FRONT), across(ROOF_REAR)
-    pillar = curve([cowl_corner, *right(WINDSCREEN_PILLAR), roof_front[0]], SPANS["screen"])
-    rear_pillar = curve([roof_rear[0], *right(REAR_PILLAR), tail_corner], SPANS["screen"])
-    roof_edge = curve([roof_front[0], *right(ROOF_EDGE), roof_rear[0]], SPANS["roof"])
+    pillar = curve([cowl_corner, *left(WINDSCREEN_PILLAR), roof_front[0]], SPANS["screen"])
+    rear_pillar = curve([roof_rear[0], *left(REAR_PILLAR), tail_corner], SPANS["screen"])
+    roof_edge = curve([roof_front[0], *left(ROOF_EDGE), roof_rear[0]], SPANS["roof"])
 
     def lying(name: str, chain: str, front: np.ndarray, rear: np.ndarray, edge: np.ndarray) -> Patch:
         net = _panel(edge, mirrored(edge), front, rear, SWELL_OF[name])
         return Patch(name, chain, "across", _symmetric(net, 0))
 
     bumper = _panel(foot[::-1], top[::-1], mirrored(wing[:, 0]), wing[:, 0], SWELL_OF["front_bumper"])
-    right_wing = Patch("right_wing", "bonnet", "height", wing)
-    right_side = Patch("right_side", "roof", "height", side)
-    right_greenhouse = Patch("right_greenhouse", "roof", "screen", _panel(
+    left_wing = Patch("left_wing", "bonnet", "height", wing)
+    left_side = Patch("left_side", "roof", "height", side)
+    left_greenhouse = Patch("left_greenhouse", "roof", "screen", _panel(
         side[-1], roof_edge, pillar, rear_pillar[::-1], SWELL_OF["greenhouse"]))
     return [
         Patch("front_bumper", "across", "height", _symmetric(bumper, 1)),
@@ -243,7 +243,7 @@ def car() -> list[Patch]:
         lying("roof", "roof", roof_front, roof_rear, roof_edge),
         lying("rear_window", "screen", roof_rear, tail[-1], rear_pillar),
         Patch("tailgate", "across", "height", tail),
-        right_wing, _mirrored_patch(right_wing, "left_wing"),
-        right_side, _mirrored_patch(right_side, "left_side"),
-        right_greenhouse, _mirrored_patch(right_greenhouse, "left_greenhouse"),
+        left_wing, _mirrored_patch(left_wing, "right_wing"),
+        left_side, _mirrored_patch(left_side, "right_side"),
+        left_greenhouse, _mirrored_patch(left_greenhouse, "right_greenhouse"),
     ]

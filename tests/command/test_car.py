@@ -79,6 +79,13 @@ class Car(unittest.TestCase):
         self.assertAlmostEqual(points[:, 2].max(), 1.45, delta=0.05)
         self.assertGreater(points[:, 2].min(), 0.15)  # clear of the ground, on which wheels would stand
 
+    def test_left_is_left_of_who_drives_forwards(self) -> None:
+        names = {patch.name: patch.net.reshape(-1, 3).mean(axis=0) for patch in car()}
+        forwards = names["front_bumper"] - names["tailgate"]
+        for part in ("wing", "side", "greenhouse"):
+            to_the_left = names[f"left_{part}"] - names[f"right_{part}"]
+            self.assertGreater(np.cross([0.0, 0.0, 1.0], forwards) @ to_the_left, 0.0)
+
     def test_a_missing_patch_is_noticed(self) -> None:
         self.assertIn("11 patches", faults(car()[1:]))
 
@@ -101,7 +108,7 @@ class Car(unittest.TestCase):
         def bent(net):
             net[:, -2] += [0.0, 1e-4, 0.0]
             return net
-        self.assertIn("is it meant to be smooth", faults(changed("right_wing", bent)))
+        self.assertIn("is it meant to be smooth", faults(changed("left_wing", bent)))
 
     def test_sides_that_are_no_mirror_images_are_noticed(self) -> None:
         def swollen(net):
