@@ -74,15 +74,21 @@ void sector(const Scene& s, const std::string& f, const Sector& c) {
   pose(s, f + ".pose", c.pose());
 }
 
-void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
-  s.check(!c.path().empty(), f + ".path", "is missing; name a STEP or IGES file beside the scene");
-  s.check(c.face() >= 0, f + ".face", "is {}; faces are counted from 0", c.face());
-  if (c.has_scale()) positive(s, f + ".scale", true, c.scale(), "-");
-  const int u = c.has_elements_u() ? c.elements_u() : 1, v = c.has_elements_v() ? c.elements_v() : 1;
+// Elements that a patch of its own spans is asked to have at least.
+template <class Message>
+void refinement(const Scene& s, const std::string& f, const Message& m) {
+  const int u = m.has_elements_u() ? m.elements_u() : 1, v = m.has_elements_v() ? m.elements_v() : 1;
   for (const auto& [name, n] : {std::pair{"elements_u", u}, std::pair{"elements_v", v}})
     s.check(n >= 1 && n <= kMaxElements, f + "." + name, "is {}; 1 to {} elements along a side", n, kMaxElements);
   s.check(double(u) * v <= kMaxControlPoints, f, "has {} elements; at most {} in all", double(u) * v,
           kMaxControlPoints);
+}
+
+void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
+  s.check(!c.path().empty(), f + ".path", "is missing; name a STEP or IGES file beside the scene");
+  s.check(c.face() >= 0, f + ".face", "is {}; faces are counted from 0", c.face());
+  if (c.has_scale()) positive(s, f + ".scale", true, c.scale(), "-");
+  refinement(s, f, c);
   pose(s, f + ".pose", c.pose());
 }
 
@@ -277,6 +283,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
     sector(s, f + ".cone", c);
   }
   if (shell.has_cad()) cad_face(s, f + ".cad", shell.cad());
+  if (shell.has_nurbs()) refinement(s, f + ".nurbs", shell.nurbs());
   for (int i = 0; i < shell.supports_size(); ++i) support(s, fmt::format("{}.supports[{}]", f, i), shell.supports(i));
   for (int i = 0; i < shell.loads_size(); ++i) load(s, fmt::format("{}.loads[{}]", f, i), shell.loads(i));
   if (shell.equilibrium().has_tolerance())

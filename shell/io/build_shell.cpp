@@ -80,7 +80,8 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
     validate(patch, "nurbs");
     return 0;
   });
-  return patch;
+  if (!n.has_elements_u() && !n.has_elements_v()) return patch;
+  return refined_at_least(patch, n.has_elements_u() ? n.elements_u() : 1, n.has_elements_v() ? n.elements_v() : 1);
 }
 
 Vec2 to_parameter(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }

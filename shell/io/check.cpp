@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cmath>
+#include <limits>
 
 #include "shell/contact/proxy.h"
 #include "shell/solver/hertz.h"
@@ -10,6 +11,7 @@ namespace sunder::shell {
 
 std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup) {
   std::string out = fmt::format("scene          {}\nbodies         {}\n", setup.name, setup.bodies.size());
+  double smallest = std::numeric_limits<double>::infinity();
   for (std::size_t shell = 0; shell < setup.shells.size(); ++shell) {
     const ShellSetup& shell_setup = setup.shells[shell];
     const ShellModel& m = shell_setup.model;
@@ -25,11 +27,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
                   "slow it down, or lower time_step_safety",
                   setup.bodies[i].name, travel, m.name);
     }
-    const double least = setup.time_step > 0.0 ? setup.time_step * (1.0 - 1e-9) : step;
-    scene.check(setup.tick >= least,
-                setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
-                "is {} s, shorter than {} of shell '{}', {:.3g} s; make it a multiple of that", setup.tick,
-                setup.time_step > 0.0 ? "time_step_s" : "the stable step", m.name, least);
+    smallest = std::min(smallest, step);
     const int layers = m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size());
     const double shell_time = std::min(setup.latest_freeze, setup.end_time);
     const double allowed = step * (can_crack ? kCrackedStep : 1.0);
@@ -98,6 +96,11 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
                            (2.0 * m.material.youngs_modulus));
     }
   }
+  const double least = setup.time_step > 0.0 ? setup.time_step * (1.0 - 1e-9) : smallest;
+  scene.check(setup.shells.empty() || setup.tick >= least,
+              setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
+              "is {} s, shorter than {}, {:.3g} s; make it a multiple of that", setup.tick,
+              setup.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", least);
   return out;
 }
 

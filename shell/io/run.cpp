@@ -111,13 +111,15 @@ void Run::start_shells() {
     require(setup_.time_step <= most,
             "time_step_s is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
             setup_.time_step, m.name, cracks ? " with cracks" : "", most / kMostOfStable, 0.99 * most);
-    const double step = setup_.time_step > 0.0 ? setup_.time_step * (1.0 - 1e-9) : stable;
-    require(setup_.tick >= step, "{} is {} s, shorter than {}, {:.3g} s; make it a multiple",
-            setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
-            setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step);
     refresh_candidates(m, s, proxies_, part.coefficients, setup_.safety * stable, part.candidates);
     part.candidates.age = 0;
   }
+  double stable = std::numeric_limits<double>::infinity();
+  for (const ShellPart& part : parts_) stable = std::min(stable, part.initial_step);
+  const double step = setup_.time_step > 0.0 ? setup_.time_step * (1.0 - 1e-9) : stable;
+  require(parts_.empty() || setup_.tick >= step, "{} is {} s, shorter than {}, {:.3g} s; make it a multiple",
+          setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
+          setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step);
   if (stitching_.empty()) return;
   // Shells that give their neighbours mass and stiffness are together at least as stable as the least stable of them
   // is alone; mostly more, as edges that are joined are no free ones.
