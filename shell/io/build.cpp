@@ -265,6 +265,10 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (ShellSetup& shell : r.shells) shell.hertz.assign(r.bodies.size(), 0.0);
   for (int k = 0; k < m.contacts_size(); ++k)
     if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);
+  r.shells_meet = r.shells.size() > 1;
+  for (const auto& c : m.contacts())  // a shell by itself, where the scene says what it does to itself
+    r.shells_meet = r.shells_meet || (!c.first().empty() && c.first() == c.second() && !r.shells.empty() &&
+                                      c.first() == r.shells[0].model.name);
   ContactLaw fallback;
   for (const auto& c : m.contacts())
     if (c.first().empty()) {

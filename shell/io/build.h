@@ -38,7 +38,8 @@ struct RunSetup {
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellSetup> shells;
-  Stitches stitches;  // between them
+  Stitches stitches;         // between them
+  bool shells_meet = false;  // contact between them, or of one with itself
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
   std::vector<Joint> joints;

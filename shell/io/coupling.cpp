@@ -182,6 +182,7 @@ void Run::iterate_window(int n, double dt) {
   std::vector<Kick> last;
   double relaxation = kFirstRelaxation;
   for (int pass = 0;; ++pass) {
+    if (shell_contact_) shell_contact_->forget();
     take_substeps(n, dt);
     answered_ = handbacks(window, proxies_.size(), n);
     agreed_ = rigid_->window({tick_, window_ticks_, window, answered_, {}, {}, pass > 0});

@@ -76,6 +76,18 @@ std::vector<std::array<int, 3>> fans(const Triangulation& t) {
   return fan;
 }
 
+// Most Gauss points of the element bear nothing any more: its control points fly where they will.
+bool is_rubble(const ShellModel& m, const ShellState& s, const Vec2& p) {
+  const RowTables& t = m.tables;
+  const int lane = m.patch.knots_u.span_of(p.x()), f = m.patch.knots_v.span_of(p.y()), points = t.gauss * t.gauss;
+  int dead = 0;
+  for (int sub = 0; sub < points; ++sub) {
+    const int point = s.point_of[static_cast<std::size_t>(f * points + sub) * t.lanes + lane];
+    dead += point >= 0 && s.points[point].kind == PointKind::kDead;
+  }
+  return 2 * dead > points;
+}
+
 VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
@@ -113,6 +125,7 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
     if (pieces[t.piece[i]].gone || pieces[t.piece[i]].control_points.empty()) continue;
     const auto& c = t.triangles[i];
     const Vec2 centre = (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
+    if (is_rubble(m, s, centre)) continue;
     std::vector<int> polygon;
     for (int k = 0; k < 3; ++k) {
       const auto [it, fresh] = shared.try_emplace(fan[i][k], 0);

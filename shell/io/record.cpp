@@ -273,6 +273,8 @@ void Run::write_summary(const std::string& status, const Error* error) {
   if (has_grid_transfer()) model("grid_transfer", "the scene sends velocities through a grid", "transfer");
   if (!setup_.shells.empty() && !setup_.bodies.empty())
     model("shell_contact", "bodies can meet the shells", "rigid_contact");
+  if (setup_.shells_meet) model("contact_between_shells", "shells can meet", "shell_contact");
+  if (!setup_.stitches.seams.empty()) model("seams", "shells hang together", "internal_force");
   if (any([](const ShellSetup& s) { return s.tips; }))
     model("tip_cracks", "a shell's material has a strength", "crack_update");
   if (any([](const ShellSetup& s) { return s.brittleness > 0.0; }))

@@ -58,6 +58,16 @@ void Run::start() {
   for (const ShellPart& part : parts_) models.push_back(&part.model());
   stitching_ = Stitching(setup_.stitches, models);
   for (const ShellSetup& s : setup_.shells) tips_.push_back(s.tips ? 1 : 0);
+  if (setup_.shells_meet) {
+    std::vector<std::vector<SurfaceLaw>> laws(models.size(), std::vector<SurfaceLaw>(models.size()));
+    for (std::size_t i = 0; i < models.size(); ++i)
+      for (std::size_t k = 0; k < models.size(); ++k)
+        for (const ContactLaw& law : setup_.laws)
+          if (std::minmax(law.first_group, law.second_group) ==
+              std::minmax(models[i]->contact_group, models[k]->contact_group))
+            laws[i][k] = {law.friction, law.restitution};
+    shell_contact_ = std::make_unique<ShellContact>(models, setup_.stitches.seams, std::move(laws));
+  }
   if (options_.resume) {
     load_checkpoint();
     write_summary("running", nullptr);
@@ -258,9 +268,13 @@ void Run::substep(double dt) {
       }
       contact(part.model(), *part.state, proxies_, part.coefficients, candidates, dt);
     }
-    if (!stitching_.empty()) stitching_.share_impulses(refs());
     engine_loss_ += rows_.solve(dt);
   }
+  if (shell_contact_) {
+    Stopwatch w(stage_s_["shell_contact"]);
+    shell_contact_->act(refs(), dt);
+  }
+  if (!stitching_.empty()) stitching_.share_impulses(refs());
   for (ShellPart& part : parts_) {
     const TransferRules& transfer = part.setup->transfer;
     if (transfer.kind != Transfer::kDirect) {

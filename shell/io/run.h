@@ -15,8 +15,8 @@
 #include "shell/io/frames.h"
 #include "shell/io/part.h"
 #include "shell/io/trace.h"
+#include "shell/solver/shell_contact.h"
 #include "shell/solver/step.h"
-#include "shell/solver/stitching.h"
 
 namespace sunder::shell {
 
@@ -156,9 +156,10 @@ class Run {
   Trace trace_;
   std::unique_ptr<link::RigidLink> rigid_;
   std::vector<ShellPart> parts_;
-  Stitching stitching_;         // of them
-  std::vector<char> tips_;      // which of them crack at tips
-  std::vector<Proxy> proxies_;  // moving and static bodies of the scene and shards, by id
+  Stitching stitching_;                          // of them
+  std::unique_ptr<ShellContact> shell_contact_;  // between them; null: they cannot meet
+  std::vector<char> tips_;                       // which of them crack at tips
+  std::vector<Proxy> proxies_;                   // moving and static bodies of the scene and shards, by id
   const std::atomic<bool>* interrupted_ = nullptr;
   std::uint64_t random_ = 0;
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;

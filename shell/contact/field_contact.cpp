@@ -1,0 +1,112 @@
+#include "shell/contact/field_contact.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep
+constexpr double kFastestRecovery = 0.5;  // [m/s]
+
+}  // namespace
+
+int FieldContact::field_at(int node, const SurfaceSample& p) {
+  const double near = one_surface() * one_surface();
+  int last = -1;
+  for (int f = head_[node]; f >= 0; last = f, f = fields_[f].next) {
+    const Field& field = fields_[f];
+    if (together_[field.shell][p.shell] != 0 && (field.rest - p.rest).squaredNorm() <= near) return f;
+  }
+  const int f = static_cast<int>(fields_.size());
+  fields_.emplace_back();
+  fields_.back().shell = p.shell, fields_.back().rest = p.rest;
+  (last < 0 ? head_[node] : fields_[last].next) = f;
+  return f;
+}
+
+int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
+  grid_.clear();
+  fields_.clear(), pairs_.clear();
+  corners_.resize(8 * samples.size()), node_of_.resize(corners_.size());
+  // which nodes each sample sees
+  for (std::size_t p = 0; p < samples.size(); ++p) {
+    const Vec3 at = samples[p].x / spacing_;
+    const int i = static_cast<int>(std::floor(at.x())), j = static_cast<int>(std::floor(at.y())),
+              k = static_cast<int>(std::floor(at.z()));
+    const Vec3 f(at.x() - i, at.y() - j, at.z() - k);
+    for (int c = 0; c < 8; ++c) {
+      const int a = i + (c & 1), b = j + (c >> 1 & 1), d = k + (c >> 2);
+      const int block = grid_.block({SparseGrid::block_of(a), SparseGrid::block_of(b), SparseGrid::block_of(d)});
+      node_of_[8 * p + c] = block * SparseGrid::kBlock + SparseGrid::place_of(a, b, d);
+      corners_[8 * p + c].weight =
+          (c & 1 ? f.x() : 1.0 - f.x()) * (c >> 1 & 1 ? f.y() : 1.0 - f.y()) * (c >> 2 ? f.z() : 1.0 - f.z());
+    }
+  }
+  head_.assign(grid_.nodes(), -1);
+  for (std::size_t p = 0; p < samples.size(); ++p)
+    for (int c = 0; c < 8; ++c) {
+      Corner& corner = corners_[8 * p + c];
+      corner.field = field_at(node_of_[8 * p + c], samples[p]);
+      Field& f = fields_[corner.field];
+      const double m = corner.weight * samples[p].mass;
+      f.mass += m, f.thickness = std::max(f.thickness, samples[p].thickness);
+      f.momentum += m * samples[p].v, f.moment += m * samples[p].x;
+      // sides of a surface that folds agree by the first one
+      f.normal += corner.weight * (f.normal.dot(samples[p].normal) < 0.0 ? -1.0 : 1.0) * samples[p].normal;
+    }
+  first_pair_.assign(fields_.size(), -1);
+  for (int node = 0; node < static_cast<int>(head_.size()); ++node)
+    for (int a = head_[node]; a >= 0; a = fields_[a].next)
+      for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
+        if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0) continue;
+        // what fills more of the node's surroundings is the plane
+        const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
+        Pair pair{node, first ? a : b, first ? b : a, fields_[first ? a : b].normal};
+        if (pair.normal.squaredNorm() == 0.0) continue;
+        pair.normal.normalize();
+        const Vec3 apart = fields_[pair.other].moment / fields_[pair.other].mass -
+                           fields_[pair.plane].moment / fields_[pair.plane].mass;
+        if (pair.normal.dot(apart) < 0.0) pair.normal = -pair.normal;
+        pair.next = first_pair_[pair.other], first_pair_[pair.other] = static_cast<int>(pairs_.size());
+        pairs_.push_back(pair);
+      }
+  for (std::size_t p = 0; p < samples.size(); ++p) {
+    samples[p].impulse.setZero();
+    for (int c = 0; c < 8; ++c)
+      for (int q = first_pair_[corners_[8 * p + c].field]; q >= 0; q = pairs_[q].next) {
+        Pair& pair = pairs_[q];
+        const Field& plane = fields_[pair.plane];
+        const double between = 0.5 * (plane.thickness + samples[p].thickness);
+        pair.gap = std::min(pair.gap, pair.normal.dot(samples[p].x - plane.moment / plane.mass) - between);
+      }
+  }
+  int touching = 0;
+  for (const Pair& pair : pairs_) {
+    if (pair.gap >= 0.0) continue;
+    Field &a = fields_[pair.plane], &b = fields_[pair.other];
+    const Vec3 n = pair.normal;
+    const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
+    const double wanted = std::min(kRecovery * -pair.gap / dt, kFastestRecovery), approach = rel.dot(n);
+    if (approach >= wanted) continue;
+    ++touching;
+    const SurfaceLaw& law = laws_[a.shell][b.shell];
+    const double reduced = a.mass * b.mass / (a.mass + b.mass);
+    const double normal = reduced * (std::max(wanted, -law.restitution * approach) - approach);
+    const Vec3 slide = rel - approach * n;
+    const double most = reduced * slide.norm();  // would stop it
+    const double friction = std::min(law.friction * normal, most);
+    Vec3 j = normal * n;
+    if (most > 0.0) j -= friction / slide.norm() * slide;
+    b.change += j / b.mass, a.change -= j / a.mass;
+  }
+  if (touching == 0) return 0;
+  for (std::size_t p = 0; p < samples.size(); ++p)
+    for (int c = 0; c < 8; ++c) {
+      const Corner& corner = corners_[8 * p + c];
+      samples[p].impulse += corner.weight * samples[p].mass * fields_[corner.field].change;
+    }
+  return touching;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,70 @@
+#pragma once
+// Contact between surfaces on a background grid: a velocity field for each surface that comes near a node (the paper's
+// section 4; Bardenhagen et al. 2000 with the normal of Nairn 2013), a gap test against thickness.
+#include <vector>
+
+#include "coupler/core/vec.h"
+#include "shell/grid/sparse_grid.h"
+
+namespace sunder::shell {
+
+/// A point of a surface.
+struct SurfaceSample {
+  Vec3 x, v, normal, rest;             // [m], [m/s], unit, place at rest [m]
+  double mass = 0.0, thickness = 0.0;  // [kg], [m]
+  int shell = 0;
+  Vec3 impulse = Vec3::Zero();  // found [N s]
+};
+
+/// What surfaces of shells do to one another.
+struct SurfaceLaw {
+  double friction = 0.5, restitution = 0.0;
+};
+
+class FieldContact {
+ public:
+  /// `together[i][k]`: shells i and k hang together, so that what is near at rest is one surface; `laws[i][k]`.
+  FieldContact(double spacing, std::vector<std::vector<char>> together, std::vector<std::vector<SurfaceLaw>> laws)
+      : spacing_(spacing), together_(std::move(together)), laws_(std::move(laws)) {}
+
+  double spacing() const { return spacing_; }
+  /// Surfaces that hang together and are no further apart at rest are one [m].
+  double one_surface() const { return kOneSurface * spacing_; }
+  /// Impulses of surfaces that touch and approach, or overlap, into `impulse`; they sum to zero. `dt`: of the substep
+  /// [s]. Returns the number of places in contact.
+  int solve(std::vector<SurfaceSample>& samples, double dt);
+
+ private:
+  static constexpr double kOneSurface = 4.0;  // grid spacings, a little more than the support of a node
+  struct Field {
+    int shell = 0, next = -1;
+    Vec3 rest;  // of its first sample
+    double mass = 0.0, thickness = 0.0;
+    Vec3 momentum = Vec3::Zero(), moment = Vec3::Zero(), normal = Vec3::Zero();  // sums
+    Vec3 change = Vec3::Zero();                                                  // of its velocity
+  };
+  struct Pair {
+    int node, plane, other;  // fields
+    Vec3 normal;             // from the plane to the other
+    double gap = 1e300;      // nearest sample of the other [m]
+    int next = -1;
+  };
+  struct Corner {
+    int field;
+    double weight;
+  };
+  int field_at(int node, const SurfaceSample& sample);
+
+  double spacing_;
+  std::vector<std::vector<char>> together_;
+  std::vector<std::vector<SurfaceLaw>> laws_;
+  SparseGrid grid_;
+  std::vector<int> head_;  // first field of each node
+  std::vector<Field> fields_;
+  std::vector<Corner> corners_;  // eight of each sample
+  std::vector<int> node_of_;     // of each corner
+  std::vector<Pair> pairs_;
+  std::vector<int> first_pair_;  // of each field, in which it is the other
+};
+
+}  // namespace sunder::shell

@@ -1,0 +1,46 @@
+#pragma once
+// Shells that touch one another, or themselves: finds what may meet, and hands it to the grid
+// (contact/field_contact.h).
+#include <Eigen/Geometry>
+
+#include "shell/contact/field_contact.h"
+#include "shell/solver/stitching.h"
+
+namespace sunder::shell {
+
+class ShellContact {
+ public:
+  /// `laws[i][k]` between shells i and k.
+  ShellContact(const std::vector<const ShellModel*>& shells, const std::vector<Seam>& seams,
+               std::vector<std::vector<SurfaceLaw>> laws);
+
+  /// Impulses on control points, after the kick of `dt` [s]; their work is booked. What may meet is looked up every
+  /// kContactRefresh substeps; where that is nothing, this costs nothing else. Returns the places in contact.
+  int act(const std::vector<ShellRef>& shells, double dt);
+  /// What may meet is looked up anew in the next substep.
+  void forget() { age_ = 0; }
+  int candidates() const { return static_cast<int>(samples_.size()); }
+
+ private:
+  struct Tile {
+    int shell, u, v;  // of its first element
+    Eigen::AlignedBox3d rest;
+    Eigen::AlignedBox3d now;
+    std::vector<Vec3> rest_normals, normals;  // of its elements' corners
+    bool candidate = false;
+  };
+  void refresh(const std::vector<ShellRef>& shells, double dt);
+  bool may_meet(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const;
+  void add_samples(const ShellRef& shell, const Tile& tile);
+
+  std::vector<std::vector<char>> together_;
+  FieldContact fields_;
+  std::vector<Tile> tiles_;
+  std::vector<SurfaceSample> samples_;
+  std::vector<std::vector<std::pair<int, double>>> functions_;  // slots and values of each sample
+  std::vector<std::vector<Vec3>> impulses_;                     // scratch: [shell][slot]
+  std::vector<std::vector<int>> touched_;                       // scratch: slots of each shell
+  int age_ = 0;
+};
+
+}  // namespace sunder::shell
