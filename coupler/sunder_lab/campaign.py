@@ -32,7 +32,7 @@ class Planned:
 @dataclass
 class Settings:
     """How a series is run; nothing of it changes a result. `jobs` 0: as many as there are processors for."""
-    out: Path
+    out: Path | str
     jobs: int = 0
     executor: str = "local"
     threads: int = 1
@@ -45,7 +45,7 @@ class Settings:
         if self.executor == "local":
             return Local(self.jobs or default_jobs(self.threads))
         if self.executor == "slurm":
-            return Slurm(self.out.resolve(), self.threads, self.jobs, self.sbatch)
+            return Slurm(Path(self.out).resolve(), self.threads, self.jobs, self.sbatch)
         raise CommandError(f"--executor {self.executor}: there are local and slurm")
 
 
@@ -56,7 +56,7 @@ class Campaign:
         """Raises CommandError where the folder is somebody else's or another series is running in it."""
         if settings.keep not in KEEP:
             raise CommandError(f"keep '{settings.keep}': there are {', '.join(KEEP)}")
-        self.settings, self.executor, self.folder = settings, settings.make(), settings.out
+        self.settings, self.executor, self.folder = settings, settings.make(), Path(settings.out)
         try:
             if self.folder.is_dir() and any(self.folder.iterdir()) and not (self.folder / MARK).is_file():
                 raise CommandError(f"--out {self.folder}: holds other files and no series; give a new or an empty folder")
@@ -85,7 +85,7 @@ class Campaign:
         """Runs what is not done; what failed earlier is tried once more."""
         places = {self.place(p.member): p for p in planned}
         todo = [place for place in places if not is_done(place)]
-        self._say(f"{len(places)} runs, {len(places) - len(todo)} of them done already")
+        self.say(f"{len(places)} runs, {len(places) - len(todo)} of them done already")
         if not todo:
             return
         ensure_built()
@@ -98,7 +98,7 @@ class Campaign:
             count += 1
             found = outcome(place)
             words = ", ".join(f"{k} {v}" for k, v in places[place].columns.items())
-            self._say(f"[{count}/{len(todo)}] {found.get('status', 'unknown')} {words}"
+            self.say(f"[{count}/{len(todo)}] {found.get('status', 'unknown')} {words}"
                       + (f": {found['error']}" if found.get("error") else ""))
 
         self.executor.run(todo, ended)
@@ -124,7 +124,7 @@ class Campaign:
             times.append({"member": place.name, **{k: found.get(k) for k in ("wall_s", "host", "program")}})
         programs = {t["program"] for t in times if t["program"]}
         if len(programs) > 1:
-            self._say(f"runs of {len(programs)} different builds of the solver are in this table, see times.csv; a new "
+            self.say(f"runs of {len(programs)} different builds of the solver are in this table, see times.csv; a new "
                       "--out runs all anew", always=True)
         return Table(rows), Table(times)
 
@@ -134,6 +134,7 @@ class Campaign:
         times.write_csv(self.folder / "times.csv")
         write_sqlite(self.folder / "results.sqlite", {"results": results, "times": times})
 
-    def _say(self, words: str, always: bool = False) -> None:
+    def say(self, words: str, always: bool = False) -> None:
+        """Progress, on stderr."""
         if always or not self.settings.quiet:
             print(f"sunder: {words}", file=sys.stderr, flush=True)

@@ -22,7 +22,7 @@ COUPLER = Path(__file__).resolve().parents[1]
 PYTHON = "/usr/bin/python3"  # the one that has Debian's packages
 LOOK_S = 0.05                # between two looks at local processes
 SLURM_LOOK_S = 1.0           # at the queue; it is asked seldom, as others ask it too
-PATIENCE_S = 10.0            # for outcomes of an array that has ended, on a file system that is slow to show them
+PATIENCE_S = 5.0             # for outcomes of an array that has ended, on a file system that is slow to show them
 MOST_TASKS = 1000            # of one array: Slurm's MaxArraySize is 1001 unless it is set
 JOB_FILE = "slurm.json"
 

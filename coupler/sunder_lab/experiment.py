@@ -4,6 +4,7 @@ from __future__ import annotations
 import itertools
 import random
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence, Union
 
 from sunder_tools.errors import CommandError
@@ -54,7 +55,7 @@ class Plot:
     def panel(self, table: Table) -> Panel:
         """Raises CommandError where a column is missing."""
         lines = []
-        for key in dict.fromkeys(row[self.by] for row in table) if self.by else [None]:
+        for key in dict.fromkeys(table[self.by].tolist()) if self.by else [None]:
             part = table.where(**{self.by: key}) if self.by else table
             means = [m for m in part.means(self.y, [self.x]) if m.count]
             dots = [(x, y) for x, y in zip(part[self.x], part[self.y])] if any(m.count > 1 for m in means) else []
@@ -137,17 +138,27 @@ class Experiment:
         by = random.Random(f"{path} {seed} {repeat}").uniform(-1.0, 1.0) * self.scatter[path]
         scene[path] = float(scene[path]) + by
 
-    def run(self, settings: Settings) -> Table:
-        """Runs what has not been run, and writes results.csv, results.sqlite, times.csv and plots.png."""
+    def run(self, settings: Settings | Path | str) -> Table:
+        """Runs what has not been run, and writes results.csv, results.sqlite, times.csv and plots.png into a folder."""
         planned = self.plan()
+        settings = settings if isinstance(settings, Settings) else Settings(settings)
         with Campaign(settings) as campaign:
             campaign.run(planned)
             results, times = campaign.table(planned, self._measured)
             campaign.write(results, times)
-            done = Table(row for row in results if row["status"] == "done")
-            if self.plots and len(done):
-                write_panels([plot.panel(done) for plot in self.plots], campaign.folder / "plots.png")
+            self._draw(Table(row for row in results if row["status"] == "done"), campaign)
         return results
+
+    def _draw(self, done: Table, campaign: Campaign) -> None:
+        """plots.png; a plot of a column that is not there costs no result."""
+        panels = []
+        for plot in self.plots if len(done) else ():
+            try:
+                panels.append(plot.panel(done))
+            except CommandError as error:
+                campaign.say(f"plot of {plot.y} over {plot.x}: {error}", always=True)
+        if panels:
+            write_panels(panels, campaign.folder / "plots.png")
 
     def _measured(self, results: Any) -> dict[str, Any]:
         out: dict[str, Any] = {}

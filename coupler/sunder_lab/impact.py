@@ -12,9 +12,10 @@ from sunder_tools.errors import CommandError
 from .results import Results
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], of a scene that says nothing
+NO_PUSH = 0.01         # of the largest force: contact has ended
 AT_REST = 1e-9         # of the first speed: round-off of the nine digits in probes.csv
-NO_PUSH = 1e-3         # of the largest force: contact has ended
-QUIET_SHARE = 0.05     # of the record that must be without contact at its end
+LAST_SHARE = 0.1       # of the record, at its end, in which a body that is through
+STILL_SLOWED = 0.02    # loses less than this part of its speed: splinters may touch it still
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,13 @@ class Motion:
         if len(time) < 2:
             raise CommandError(f"probe of '{self.name}': no two rows {over_s} s apart")
         return 0.5 * (time[1:] + time[:-1]), np.diff(impulse, axis=0) / np.diff(time)[:, None]
+
+    @property
+    def contact_until(self) -> float:
+        """End of the last interval [s] in which the body was pushed by more than a hundredth of the largest force: where
+        that is the end of the run, what is said of its end is not final."""
+        size = np.linalg.norm(self.force()[1], axis=1)
+        return float(self.time[1 + int(np.flatnonzero(size > NO_PUSH * size.max())[-1])]) if size.max() > 0.0 else 0.0
 
     @property
     def direction(self) -> np.ndarray:
@@ -127,7 +135,7 @@ def perforated(results: Results, body: str | None = None) -> bool | None:
     """Whether the body went through the shell; None: not decided when the run ended.
 
     Through is: its centre beyond the plane of the shell by its radius and half the thickness, along the direction in
-    which it came, still moving on, and pushed by nothing any more. Held up is: stopped or on its way back. Meant for
+    which it came, still moving on, and hardly slowed any more. Held up is: stopped or on its way back. Meant for
     a plate that is held at its border; raises CommandError for another shell.
     """
     scene = results.scene.message
@@ -146,10 +154,9 @@ def perforated(results: Results, body: str | None = None) -> bool | None:
     if one.residual_velocity <= AT_REST * speed:
         return False
     reach = struck.sphere.radius_m + 0.5 * plate.thickness_m
-    time, force = one.force()
-    size = np.linalg.norm(force, axis=1)
-    pushed = size[time >= time[-1] - QUIET_SHARE * (time[-1] - time[0])].max() > NO_PUSH * size.max()
-    return True if beyond > reach and not pushed else None
+    before = int(np.searchsorted(one.time, one.time[-1] - LAST_SHARE * (one.time[-1] - one.time[0])))
+    lost = float(one.velocity[min(before, len(one.time) - 2)] @ one.direction) - one.residual_velocity
+    return True if beyond > reach and lost < STILL_SLOWED * one.residual_velocity else None
 
 
 def impact(body: str | None = None, mass: float | None = None) -> Any:
@@ -160,7 +167,7 @@ def impact(body: str | None = None, mass: float | None = None) -> Any:
         _, force = one.force()
         return {"residual_velocity_m_per_s": one.residual_velocity,
                 "impulse_N_s": float(np.linalg.norm(one.impulse[-1])),
-                "peak_force_N": float(np.linalg.norm(force, axis=1).max()),
+                "peak_force_N": float(np.linalg.norm(force, axis=1).max()), "contact_until_s": one.contact_until,
                 **{f"energy_{name}_J": value for name, value in energy.items()},
                 "crack_length_m": float(results.series["cracks"][-1])}
     return measure

@@ -161,7 +161,10 @@ class Scene:
         out = Path(out)
         with tempfile.TemporaryDirectory(prefix="sunder-scene-") as folder:
             job = Job(self.save(folder), engine, threads=str(threads) if threads else None)
-            status = run_scene(job, out, quiet, pictures=False)
+            try:
+                status = run_scene(job, out, quiet, pictures=False)
+            except CommandError as error:  # the folder is of no use to the user, it is gone
+                raise CommandError(str(error).replace(f"{folder}/", ""), error.status) from None
         if (out / "run.json").is_file():  # so that it can go on, or be run again, by the folder alone
             replace(job, scene=self.save(out)).write(out)
         if status != DONE:

@@ -25,15 +25,16 @@ def sweep(file: Path, settings: Settings) -> int:
         series.plan()  # what is wrong with any of them is said before the first runs
     status = DONE
     for series in found:
-        here = settings if len(found) == 1 else replace(settings, out=settings.out / series.name)
+        out = Path(settings.out) if len(found) == 1 else Path(settings.out) / series.name
+        here = replace(settings, out=out)
         done = series.run(here)
         if isinstance(done, Table):
             status = max(status, _tell_table(series, done))
         else:
             status = max(status, _tell_v50(series, done))
-        print(f"table            {here.out / 'results.csv'}, {here.out / 'results.sqlite'}")
-        if (here.out / "plots.png").is_file():
-            print(f"plots            {here.out / 'plots.png'}")
+        print(f"table            {out / 'results.csv'}, {out / 'results.sqlite'}")
+        if (out / "plots.png").is_file():
+            print(f"plots            {out / 'plots.png'}")
     return status
 
 

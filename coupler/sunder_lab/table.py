@@ -61,7 +61,8 @@ class Table:
         """Column `of` over rows that agree in the columns `by`, in the order in which these come. What is not a number
         is left out: members that failed."""
         by = list(by)
-        self[of]  # known before anything is summed
+        for name in (of, *by):
+            self[name]  # raises where it is not there
         groups: dict[tuple[Cell, ...], list[float]] = {}
         for row in self.rows:
             values = groups.setdefault(tuple(row[name] for name in by), [])

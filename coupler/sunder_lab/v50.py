@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Callable, Sequence
 
 import numpy as np
@@ -103,8 +104,9 @@ class V50:
             raise ValueError("neither through nor held up when the run ended: lengthen end_time_s")
         return {"perforated": through, **impact(self.body)(results)}
 
-    def run(self, settings: Settings) -> Ballistic:
+    def run(self, settings: Settings | Path | str) -> Ballistic:
         """Runs until every pane is decided; writes results.csv, results.sqlite, times.csv, v50.json, plots.png."""
+        settings = settings if isinstance(settings, Settings) else Settings(settings)
         ranges = {seed: [self.low, self.high] for seed in self.seeds}
         planned = self.plan()
         lost: set[int] = set()

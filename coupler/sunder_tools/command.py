@@ -13,6 +13,7 @@ from typing import NoReturn
 
 from .build import BUILD_DIR_VARIABLE, REPOSITORY, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
+from .install import SLURM_PACKAGES, ensure_installed
 
 COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz",
             "sweep")
@@ -203,12 +204,14 @@ def _check(scene: Path, settings: list[str]) -> int:
 
 
 def _get_packages() -> None:
-    """Of the Jolt engine. They come from a registry: where it cannot be reached its tests are skipped, no more."""
+    """Of the Jolt engine and of Slurm, which only tests need: where they cannot be had those are skipped, no more."""
     from .node import ensure_node
-    try:
-        ensure_node(REPOSITORY / "build" / "install.log")
-    except (CommandError, OSError) as error:
-        print(f"sunder: {error}\nsunder: so the tests of the Jolt engine are skipped", file=sys.stderr, flush=True)
+    log = REPOSITORY / "build" / "install.log"
+    for what, install in (("the Jolt engine", ensure_node), ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES))):
+        try:
+            install(log)
+        except (CommandError, OSError) as error:
+            print(f"sunder: {error}\nsunder: so the tests of {what} are skipped", file=sys.stderr, flush=True)
 
 
 def _test(arguments: list[str]) -> int:

@@ -9,7 +9,8 @@ from PIL import Image, ImageDraw
 
 from .lettering import TEXT, draw_text
 
-WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 460, 90, 60, 40
+WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 480, 90, 60, 60
+LEGEND, ROW = 190, 18  # width, and height of a line's name
 GRID, PAPER = (222, 224, 226), (250, 250, 249)
 # Told apart by people who see colours otherwise, too (Okabe and Ito 2008).
 COLOURS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233), (230, 159, 0))
@@ -49,7 +50,10 @@ class Panel:
 def _ticks(low: float, high: float, logarithmic: bool) -> list[float]:
     if logarithmic:
         first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-        ticks = [base * 10.0**e for e in range(first, last + 1) for base in ((1, 2, 5) if last - first <= 2 else (1,))]
+        for bases in ((1,), (1, 2, 5), range(1, 10)):  # as few as leave three
+            ticks = [base * 10.0**e for e in range(first, last + 1) for base in bases]
+            if sum(low <= t <= high for t in ticks) >= 3:
+                break
     else:
         step = 10.0 ** math.floor(math.log10(max(high - low, 1e-300) / 2.0))
         ticks = [step * k for k in range(math.floor(low / step), math.ceil(high / step) + 1)]
@@ -65,8 +69,9 @@ def draw_panel(panel: Panel) -> Image.Image:
     image = Image.new("RGB", (WIDTH, HEIGHT), PAPER)
     draw = ImageDraw.Draw(image)
     log = panel.logarithmic
+    above = max(ABOVE, 12 + ROW * len(panel.lines)) if len(panel.lines) > 1 else ABOVE  # names stand over the axes
     points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots] if _good(p, log)]
-    draw_text(image, (LEFT, 10), panel.name, 18)
+    draw_text(image, (10, 8), panel.name, 18)
     if len(points) < 2:
         return image
     bars = [(x, y + sign * h) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half) for sign in (-1, 1)]
@@ -85,7 +90,7 @@ def draw_panel(panel: Panel) -> Image.Image:
     def place(x: float, y: float) -> tuple[float, float]:
         (x0, x1), (y0, y1) = spans
         return (LEFT + (scale(x) - scale(x0)) / (scale(x1) - scale(x0)) * (WIDTH - LEFT - 30),
-                HEIGHT - BELOW - (scale(y) - scale(y0)) / (scale(y1) - scale(y0)) * (HEIGHT - BELOW - ABOVE))
+                HEIGHT - BELOW - (scale(y) - scale(y0)) / (scale(y1) - scale(y0)) * (HEIGHT - BELOW - above))
 
     for x in _ticks(*spans[0], log):
         at = place(x, spans[1][0])
@@ -96,7 +101,7 @@ def draw_panel(panel: Panel) -> Image.Image:
         draw.line([at, place(spans[0][1], y)], fill=GRID)
         draw_text(image, (10, round(at[1]) - 8), f"{y:.3g}", 14)
     draw_text(image, (WIDTH // 2, HEIGHT - 28), panel.x_label, 15)
-    draw_text(image, (WIDTH - 260, 12), panel.y_label, 15)
+    draw_text(image, (10, 34), panel.y_label, 15)
     for k, line in enumerate(panel.lines):
         colour = COLOURS[k % len(COLOURS)]
         pale = tuple((c + 2 * p) // 3 for c, p in zip(colour, PAPER))
@@ -113,9 +118,9 @@ def draw_panel(panel: Panel) -> Image.Image:
         for x, y in places:
             draw.ellipse([x - 4, y - 4, x + 4, y + 4], fill=colour, outline=TEXT)
         if len(panel.lines) > 1:
-            y = ABOVE + 8 + 20 * k
-            draw.rectangle([LEFT + 10, y + 4, LEFT + 24, y + 10], fill=colour)
-            draw_text(image, (LEFT + 30, y), line.name, 14)
+            y = 6 + ROW * k
+            draw.rectangle([WIDTH - LEGEND, y + 6, WIDTH - LEGEND + 14, y + 11], fill=colour)
+            draw_text(image, (WIDTH - LEGEND + 20, y), line.name, 14)
     return image
 
 
