@@ -49,6 +49,11 @@ class Settings:
         raise CommandError(f"--executor {self.executor}: there are local and slurm")
 
 
+def member(out: Path | str, name: str) -> Results:
+    """The run behind a row of a table: `name` is its column `member`. Raises CommandError where there is none."""
+    return Results(Path(out) / MEMBERS / name / RUN_FOLDER)
+
+
 class Campaign:
     """Context manager: holds the folder for this process alone, runs members in it, and makes tables of them."""
 

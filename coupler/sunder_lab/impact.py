@@ -118,7 +118,7 @@ def energy_taken(results: Results, body: str | None = None, mass: float | None =
     `lost` by the body; `motion` of all else (shell, shards, other bodies, and the body's own spin), `elastic` stored,
     `fracture`, `plastic`, `contact` (inelastic impacts and friction), `damping`, `frozen` and `handoff` (vibration that
     frozen panes and rigid shards do not have), `engine` (contacts of the engine), `other` (healing, transfer); and
-    `missing`: what all of these leave open, less the work of loads, supports and gravity on other bodies.
+    `missing`: what all of these leave open, which is the residual of the books and the work of gravity on shell and others.
     """
     one, energy = motion(results, body, mass), results.energy
     out = {"lost": one.energy_lost,

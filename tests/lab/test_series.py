@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import csv
 import os
+import shutil
 import signal
 import sqlite3
 import subprocess
@@ -10,9 +11,15 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from typing import Callable
+
+import numpy as np
 
 from . import REPOSITORY, sweeps
 import sunder
+from sunder_lab.sweep import series_of
+
+from .made_up import write_run
 
 ACRYLIC = sunder.SCENES / "acrylic.textproto"
 
@@ -49,10 +56,12 @@ class Sweeps(unittest.TestCase):
                             ("\n\nx = (\n", "bad.py:3: SyntaxError"),
                             ("import sunder\nsunder.Scene.load('none.textproto')\n", "none.textproto: cannot be read")):
             (self.here / "bad.py").write_text(text)
-            status, _, err = sweeps.sweep(str(self.here / "bad.py"), "--out", str(self.out))
-            self.assertEqual(status, 2)
-            self.assertIn(words, err)
-        self.assertIn("no such file", sweeps.sweep(str(self.here / "none.py"))[2])
+            with self.assertRaises(sunder.Error) as raised:
+                series_of(self.here / "bad.py")
+            self.assertIn(words, str(raised.exception))
+        status, _, err = sweeps.sweep(str(self.here / "none.py"))
+        self.assertEqual(status, 2)
+        self.assertIn("no such file", err)
 
     def test_a_failed_member_is_a_row_and_the_rest_goes_on(self) -> None:
         # 2 mm thick, the plate would hold the pellet from the start on; a measure of one's own may fail, too
@@ -81,24 +90,26 @@ class Sweeps(unittest.TestCase):
                          [rows[2]["member"], rows[3]["member"]])
 
     def test_killed_half_way_it_goes_on_and_ends_the_same(self) -> None:
-        file = sweeps.write_file(self.here / "some.py", [50, 60, 70])
+        file = sweeps.write_file(self.here / "some.py", [60, 80])
         self.assertEqual(sweeps.sweep(str(file), "--out", str(self.here / "whole"))[0], 0)
         process = sweeps.start(str(file), "--out", str(self.out), "--jobs", "2")
-        done = sweeps.kill_half_way(process, self.out, 2)
-        self.assertLess(len(done), 6)
+        done = sweeps.kill_half_way(process, self.out, 1)
+        self.assertLess(len(done), 4)
         self.assertFalse((self.out / "results.csv").exists())
         self.assert_nothing_runs()
         self.assertTrue(set(done.items()) <= set(sweeps.outcomes(self.out).items()))
         status, _, err = sweeps.sweep(str(file), "--out", str(self.out))
         self.assertEqual(status, 0, err)
-        self.assertIn(f"6 runs, {len(done)} of them done already", err)
+        self.assertIn(f"4 runs, {len(done)} of them done already", err)
         self.assertTrue(set(done.items()) <= set(sweeps.outcomes(self.out).items()), "a member that was done ran again")
         self.assertEqual((self.out / "results.csv").read_bytes(), (self.here / "whole" / "results.csv").read_bytes())
-        self.assertEqual(len({row["crack_length_m"] for row in self.results()}), 6)  # seeds and speeds differ, in cracks
+        force = sunder.motion(sunder.member(self.out, self.results()[0]["member"])).force()[1]
+        self.assertEqual(float(self.results()[0]["peak_force_N"]), float(np.linalg.norm(force, axis=1).max()))
+        self.assertEqual(len({row["energy_fracture_J"] for row in self.results()}), 4)  # seeds and speeds differ, in cracks
         self.assertTrue((self.out / "plots.png").is_file())
         # another speed is two more members of the same folder
-        status, _, err = sweeps.sweep(str(sweeps.write_file(file, [50, 60, 70, 80])), "--out", str(self.out))
-        self.assertIn("8 runs, 6 of them done already", err)
+        status, _, err = sweeps.sweep(str(sweeps.write_file(file, [60, 80, 5])), "--out", str(self.out))
+        self.assertIn("6 runs, 4 of them done already", err)
 
     def assert_nothing_runs(self) -> None:
         """No process has the folder in its arguments, soon."""
@@ -176,6 +187,22 @@ class Plans(unittest.TestCase):
         self.assertEqual(len({identity(2e-6), identity(1e-6), identity(2e-6, "ode")}), 3)
 
 
+class Pretended(sunder.Settings):
+    """Settings by which nothing is run: every member has a made-up run and an outcome at once."""
+    rounds: list[int] = []
+
+    def make(self) -> "Pretended":
+        return self
+
+    def run(self, folders: list[Path], ended: Callable[[Path], None]) -> None:
+        self.rounds.append(len(folders))
+        for folder in folders:
+            write_run(folder / "run")
+            shutil.copy(folder / "scene.textproto", folder / "run")
+            (folder / "outcome.json").write_text('{"status": "done"}')
+            ended(folder)
+
+
 class Ballistics(unittest.TestCase):
     def test_bisection_finds_each_pane_s_limit(self) -> None:
         """Panes whose limit is known: `through` says so of the speed in the scene. One never breaks, one always does,
@@ -187,18 +214,22 @@ class Ballistics(unittest.TestCase):
             return None if limit is None else -results.scene["bodies[pellet].twist.linear.z"] > limit
 
         with tempfile.TemporaryDirectory() as folder:
+            settings = Pretended(Path(folder) / "out", quiet=True)
+            settings.rounds = []
             found = sunder.V50("limit", coarse(), {"bodies[pellet].twist.linear.z": lambda v: -v}, 20.0, 40.0, list(limits),
-                               tolerance=5.0, through=through).run(
-                sunder.Settings(Path(folder) / "out", jobs=2, quiet=True))
+                               tolerance=0.7, through=through).run(settings)
             self.assertEqual(len(found.limits), 5)
             for value, limit in zip(found.limits, (23.0, 34.0, 28.5)):
                 self.assertLessEqual(abs(value - limit), found.resolution)
             self.assertEqual(found.limits[3:], [float("inf"), 0.0])
-            self.assertEqual(found.resolution, 2.5)
+            self.assertEqual(found.resolution, 0.3125)  # 20 m/s halved five times, and once more
             self.assertEqual(found.v50, found.limits[2])  # the middle one of five
             self.assertEqual((found.low, found.high), (0.0, float("inf")))  # five panes bound nothing with 95 %
-            # two ends each, and two rounds more for the three that are bisected
-            self.assertEqual(len(list((Path(folder) / "out" / "members").iterdir())), 6 * 2 + 3 * 2)
+            self.assertEqual(settings.rounds, [12, 3, 3, 3, 3, 3])  # both ends of six, then those that are bisected
+            with (Path(folder) / "out" / "results.csv").open(newline="") as source:
+                rows = list(csv.DictReader(source))
+            self.assertEqual([row["status"] for row in rows].count("not measured"), 2)
+            self.assertIn("lengthen end_time_s", next(row["error"] for row in rows if row["error"]))
 
     def test_a_range_that_makes_no_sense_is_refused(self) -> None:
         for low, high, seeds, words in ((30, 20, [1], "must rise"), (10, 20, [], "seeds"), (10, 20, [1, 1], "seeds")):
