@@ -20,8 +20,9 @@ def aim(scene: sunder.Scene, angle_deg: float) -> None:
 
 
 plate = sunder.Scene.load(sunder.SCENES / "acrylic.textproto").set({
-    "shells[plate].plate.elements_x": 48, "shells[plate].plate.elements_y": 48, "end_time_s": 6e-4,
-    "output.frame_interval_s": 6e-4, "fracture.latest_freeze_s": 6e-4})
+    "shells[plate].plate.size_x_m": 0.04, "shells[plate].plate.size_y_m": 0.04,
+    "shells[plate].plate.elements_x": 36, "shells[plate].plate.elements_y": 36,
+    "end_time_s": 1e-3, "output.frame_interval_s": 1e-3, "fracture.latest_freeze_s": 1e-3})
 plate.find("shells[plate]").supports.add(edges=["ALL"], kind="CLAMPED")
 
 experiment = sunder.Experiment(

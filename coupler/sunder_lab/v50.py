@@ -69,8 +69,9 @@ class V50:
     side, so that a round keeps as many processes busy as there are panes.
 
     `speed` says what of the scene takes a speed, as a `Parameter` does. That a pane which is perforated is so at every
-    higher speed is taken for granted; the table has all runs. A run that ends before it is decided is an error of that
-    pane, which is left out and told: lengthen end_time_s.
+    higher speed is taken for granted; the table has all runs. Near its limit a body may hang in the hole: a run that ends
+    before it is decided (`through` gives None) is run again twice as long, `longer` times at most. A pane that is not
+    decided then, or has a run that failed, is left out and told.
     """
     name: str
     scene: Scene
@@ -80,6 +81,7 @@ class V50:
     seeds: Sequence[int]
     tolerance: float = 1.0  # [m/s]
     through: Callable[[Results], bool | None] = field(default=perforated)
+    longer: int = 3
     body: str | None = None
     engine: str = "bullet"
 
@@ -92,17 +94,15 @@ class V50:
             raise CommandError(f"{self.name}: seeds must be there, each once")
         return [self._planned(seed, speed) for seed in self.seeds for speed in (self.low, self.high)]
 
-    def _planned(self, seed: int, speed: float) -> Planned:
+    def _planned(self, seed: int, speed: float, doubled: int = 0) -> Planned:
         scene = self.scene.copy()
+        scene["end_time_s"] = float(scene["end_time_s"]) * 2 ** doubled
         Parameter([speed], self.speed).apply(scene, speed)
         scene[SEED_PATH] = seed
-        return Planned({"seed": seed, "speed_m_per_s": speed}, Member(scene, self.engine))
+        return Planned({"seed": seed, "speed_m_per_s": speed, "doubled": doubled}, Member(scene, self.engine))
 
     def _measured(self, results: Results) -> dict[str, object]:
-        through = self.through(results)
-        if through is None:
-            raise ValueError("neither through nor held up when the run ended: lengthen end_time_s")
-        return {"perforated": through, **impact(self.body)(results)}
+        return {"perforated": self.through(results), **impact(self.body)(results)}
 
     def run(self, settings: Settings | Path | str) -> Ballistic:
         """Runs until every pane is decided; writes results.csv, results.sqlite, times.csv, v50.json, plots.png."""
@@ -114,16 +114,20 @@ class V50:
             fresh = planned
             while fresh:
                 campaign.run(fresh)
+                again = []
                 for row in campaign.table(fresh, self._measured)[0]:
                     seed, speed = row["seed"], row["speed_m_per_s"]
-                    if row["status"] != "done":
+                    if row["status"] != "done" or (row["perforated"] is None and row["doubled"] >= self.longer):
                         lost.add(seed)
+                    elif row["perforated"] is None:
+                        again.append(self._planned(seed, speed, row["doubled"] + 1))
                     elif row["perforated"]:
                         ranges[seed][1] = min(ranges[seed][1], speed) if speed > self.low else self.low
                     else:
                         ranges[seed][0] = max(ranges[seed][0], speed) if speed < self.high else self.high
-                fresh = [self._planned(seed, 0.5 * (a + b)) for seed, (a, b) in ranges.items()
-                         if seed not in lost and b - a > self.tolerance]
+                waiting = {p.columns["seed"] for p in again}
+                fresh = again + [self._planned(seed, 0.5 * (a + b)) for seed, (a, b) in ranges.items()
+                                 if seed not in lost | waiting and b - a > self.tolerance]
                 planned = planned + fresh
             results, times = campaign.table(planned, self._measured)
             campaign.write(results, times)
