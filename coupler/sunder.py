@@ -13,5 +13,5 @@ from sunder_lab.v50 import V50, Ballistic
 from sunder_tools.errors import CommandError as Error
 
 __all__ = ["SCENES", "V50", "BadSetting", "Ballistic", "Columns", "Error", "Experiment", "Mean", "Motion", "Parameter",
-           "Pieces", "Plot", "Results", "Scene", "Settings", "Table", "energy_taken", "fragments", "impact", "member", "motion",
-           "perforated", "pieces", "radial_cracks"]
+           "Pieces", "Plot", "Results", "Scene", "Settings", "Table", "energy_taken", "fragments", "impact", "member",
+           "motion", "perforated", "pieces", "radial_cracks"]

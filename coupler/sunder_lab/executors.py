@@ -171,7 +171,8 @@ def _queued(job: str) -> bool:
         # The controller may be restarting: its silence is not the end of a job.
         print(f"sunder: squeue: {done.stderr.strip()}", file=sys.stderr, flush=True)
         return True
-    over = {"COMPLETED", "CANCELLED", "FAILED", "TIMEOUT", "NODE_FAIL", "PREEMPTED", "BOOT_FAIL", "DEADLINE", "OUT_OF_MEMORY"}
+    over = {"COMPLETED", "CANCELLED", "FAILED", "TIMEOUT", "NODE_FAIL", "PREEMPTED", "BOOT_FAIL", "DEADLINE",
+            "OUT_OF_MEMORY"}
     return any(state not in over for state in done.stdout.split())
 
 

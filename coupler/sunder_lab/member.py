@@ -36,20 +36,19 @@ PR_SET_PDEATHSIG = 1  # <sys/prctl.h>
 
 @dataclass(frozen=True)
 class Member:
-    """What identifies a run: scene, engine, and the number of the repeat. Threads and what is kept do not."""
+    """What identifies a run: its scene and its engine. Threads and what is kept do not."""
     scene: Scene
     engine: str = "bullet"
-    repeat: int = 0
 
     def identity(self) -> str:
         """16 hexadecimal digits; results are the same to the bit for the same."""
-        text = json.dumps([self.scene.identity(), self.engine, self.repeat])
+        text = json.dumps([self.scene.identity(), self.engine])
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def prepare(self, folder: Path, threads: int, keep: str) -> None:
         """Writes what the process needs; nothing that a run there has left is touched."""
         self.scene.save(folder)
-        write_atomically(folder / MEMBER_FILE, {"engine": self.engine, "repeat": self.repeat, "threads": threads, "keep": keep})
+        write_atomically(folder / MEMBER_FILE, {"engine": self.engine, "threads": threads, "keep": keep})
 
 
 def write_atomically(path: Path, value: Any) -> None:

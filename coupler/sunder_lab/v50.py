@@ -148,12 +148,15 @@ class V50:
 
     def _plot(self, results: Table, found: Ballistic, campaign: Campaign) -> None:
         done = Table(row for row in results if row["status"] == "done")
-        share = sorted(v for v in found.limits if math.isfinite(v))
+        at_once = sum(v == 0.0 for v in found.limits)  # below the range
+        share = sorted(v for v in found.limits if math.isfinite(v) and v > 0.0)
         n = len(found.limits)
-        steps = [(v, (k + d) / n) for k, v in enumerate(share) for d in (0, 1)]
+        first = at_once / n
+        steps = [(v, (k + at_once + d) / n) for k, v in enumerate(share) for d in (0, 1)]
         write_panels([
             Panel(f"{self.name}: share of panes perforated", "speed [m/s]", "share",
-                  [Line("share", [self.low, *(v for v, _ in steps), self.high], [0.0, *(s for _, s in steps), len(share) / n])]),
+                  [Line("share", [self.low, *(v for v, _ in steps), self.high],
+                        [first, *(s for _, s in steps), (len(share) + at_once) / n])]),
             Panel("residual velocity", "speed [m/s]", "residual [m/s]", [
                 Line("", [], [], dots=list(zip(done["speed_m_per_s"], done["residual_velocity_m_per_s"])))])],
             campaign.folder / "plots.png")
