@@ -13,8 +13,10 @@ from typing import NoReturn
 
 from .build import BUILD_DIR_VARIABLE, REPOSITORY, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
+from .install import SLURM_PACKAGES, ensure_installed
 
-COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz")
+COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz",
+            "sweep")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -153,6 +155,25 @@ def make_parser() -> argparse.ArgumentParser:
     fuzz.add_argument("--target", metavar="NAME", help="session, replies, bullet, scene, pgm or mesh only")
     fuzz.add_argument("--runs", metavar="N", type=_count, default=None, help="inputs for each (default: 100000)")
 
+    sweep = commands.add_parser(
+        "sweep", formatter_class=raw, allow_abbrev=False, help="run the experiments that a Python file defines",
+        description="Runs every combination of parameters and seeds that is not done yet, and writes results.csv,\n"
+                    "results.sqlite, times.csv and plots.png. Stopped or killed, it goes on with the same command.\n"
+                    "A run that fails is a row with its error, and exit status 1; the others are run.",
+        epilog="example:\n  sunder sweep coupler/experiments/radial_cracks.py\n\n" + EPILOG)
+    sweep.add_argument("file", metavar="FILE", type=Path, help="Python file with a sunder.Experiment or sunder.V50")
+    sweep.add_argument("--out", metavar="DIR", type=Path, help="folder of the series (default: sweeps/<name of FILE>)")
+    sweep.add_argument("--jobs", metavar="N", type=_count, help="runs at a time (default: processors / threads; of an\n"
+                                                                "array: as many as Slurm has room for)")
+    sweep.add_argument("--executor", choices=("local", "slurm"), default="local",
+                       help="processes of this machine, or a Slurm job array; DIR is then on a disk that all nodes share")
+    sweep.add_argument("--sbatch", metavar="OPTION", action="append", default=[],
+                       help="for sbatch, e.g. --sbatch=--partition=long; repeatable")
+    sweep.add_argument("--threads", metavar="N", type=_count, default=1, help="of each run (default: 1)")
+    sweep.add_argument("--keep", choices=("last", "all", "none"), default="last",
+                       help="frames that stay: first and last with crack lines of all times (default), all, or none")
+    sweep.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
+
     test = commands.add_parser(
         "test", formatter_class=raw, help="build everything and run the tests", usage="sunder test [CTEST_ARGUMENT ...]",
         description="What follows goes to ctest, e.g. sunder test -R vtp", epilog=EPILOG, add_help=False)
@@ -183,12 +204,14 @@ def _check(scene: Path, settings: list[str]) -> int:
 
 
 def _get_packages() -> None:
-    """Of the Jolt engine. They come from a registry: where it cannot be reached its tests are skipped, no more."""
+    """Of the Jolt engine and of Slurm, which only tests need: where they cannot be had those are skipped, no more."""
     from .node import ensure_node
-    try:
-        ensure_node(REPOSITORY / "build" / "install.log")
-    except (CommandError, OSError) as error:
-        print(f"sunder: {error}\nsunder: so the tests of the Jolt engine are skipped", file=sys.stderr, flush=True)
+    log = REPOSITORY / "build" / "install.log"
+    for what, install in (("the Jolt engine", ensure_node), ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES))):
+        try:
+            install(log)
+        except (CommandError, OSError) as error:
+            print(f"sunder: {error}\nsunder: so the tests of {what} are skipped", file=sys.stderr, flush=True)
 
 
 def _test(arguments: list[str]) -> int:
@@ -223,6 +246,11 @@ def _dispatch(arguments: list[str]) -> int:
             return measure.bench(options.pattern, options.report)
         return measure.validate(options.what, options.case, options.report, options.plots,
                                 options.pictures, options.rigid)
+    if options.command == "sweep":
+        ensure_built()  # and installed: what follows needs protobuf and numpy
+        from sunder_lab import sweep
+        return sweep.sweep(options.file, sweep.settings_of(options.file, options.out, options.jobs, options.executor,
+                                                           options.threads, options.keep, options.sbatch, options.quiet))
     if options.command == "fuzz":
         from . import fuzz
         return fuzz.fuzz(options.target, options.runs or fuzz.DEFAULT_RUNS)

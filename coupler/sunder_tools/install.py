@@ -17,6 +17,7 @@ PACKAGES = (
     "libfmt-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
     "python3-protobuf",
 )
+SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
 

@@ -2,15 +2,18 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from PIL import Image, ImageDraw
 
 from .lettering import TEXT, draw_text
 
-WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 460, 90, 60, 40
-LINE, GRID, PAPER = (32, 104, 160), (222, 224, 226), (250, 250, 249)
+WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 480, 90, 60, 60
+LEGEND, ROW = 190, 18  # width, and height of a line's name
+GRID, PAPER = (222, 224, 226), (250, 250, 249)
+# Told apart by people who see colours otherwise, too (Okabe and Ito 2008).
+COLOURS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233), (230, 159, 0))
 
 
 @dataclass(frozen=True)
@@ -24,30 +27,61 @@ class Curve:
     logarithmic: bool = True
 
 
+@dataclass(frozen=True)
+class Line:
+    """Points joined by a line, each with half the length of a bar where `half` has one; `dots` are not joined."""
+    name: str
+    x: list[float]
+    y: list[float]
+    half: list[float] = field(default_factory=list)
+    dots: list[tuple[float, float]] = field(default_factory=list)
+
+
+@dataclass(frozen=True)
+class Panel:
+    """Lines over one pair of axes; named in a legend where there are several."""
+    name: str
+    x_label: str
+    y_label: str
+    lines: list[Line]
+    logarithmic: bool = False
+
+
 def _ticks(low: float, high: float, logarithmic: bool) -> list[float]:
     if logarithmic:
         first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-        ticks = [base * 10.0**e for e in range(first, last + 1) for base in ((1, 2, 5) if last - first <= 2 else (1,))]
+        for bases in ((1,), (1, 2, 5), range(1, 10)):  # as few as leave three
+            ticks = [base * 10.0**e for e in range(first, last + 1) for base in bases]
+            if sum(low <= t <= high for t in ticks) >= 3:
+                break
     else:
         step = 10.0 ** math.floor(math.log10(max(high - low, 1e-300) / 2.0))
         ticks = [step * k for k in range(math.floor(low / step), math.ceil(high / step) + 1)]
     return [t for t in ticks if low <= t * (1 + 1e-9) and t <= high * (1 + 1e-9)]
 
 
-def _panel(curve: Curve) -> Image.Image:
+def _good(values: tuple[float | None, ...], logarithmic: bool) -> bool:
+    return all(v is not None and math.isfinite(v) and (not logarithmic or v > 0.0) for v in values)
+
+
+def draw_panel(panel: Panel) -> Image.Image:
+    """One pair of axes; without two points in all, its name only."""
     image = Image.new("RGB", (WIDTH, HEIGHT), PAPER)
     draw = ImageDraw.Draw(image)
-    points = [(x, y) for x, y in zip(curve.x, curve.y)
-              if x is not None and y is not None and math.isfinite(x) and math.isfinite(y) and (not curve.logarithmic or (x > 0.0 and y > 0.0))]
-    draw_text(image, (LEFT, 10), curve.name, 18)
+    log = panel.logarithmic
+    above = max(ABOVE, 12 + ROW * len(panel.lines)) if len(panel.lines) > 1 else ABOVE  # names stand over the axes
+    points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots] if _good(p, log)]
+    draw_text(image, (10, 8), panel.name, 18)
     if len(points) < 2:
         return image
-    scale = math.log10 if curve.logarithmic else float
+    bars = [(x, y + sign * h) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half) for sign in (-1, 1)]
+    points += [p for p in bars if _good(p, log)]
+    scale = math.log10 if log else float
     spans = []
     for axis in (0, 1):
         values = [p[axis] for p in points]
         low, high = min(values), max(values)
-        if curve.logarithmic:
+        if log:
             low, high = low / 1.3, high * 1.3
         elif low == high:
             low, high = low - 1.0, high + 1.0
@@ -56,30 +90,50 @@ def _panel(curve: Curve) -> Image.Image:
     def place(x: float, y: float) -> tuple[float, float]:
         (x0, x1), (y0, y1) = spans
         return (LEFT + (scale(x) - scale(x0)) / (scale(x1) - scale(x0)) * (WIDTH - LEFT - 30),
-                HEIGHT - BELOW - (scale(y) - scale(y0)) / (scale(y1) - scale(y0)) * (HEIGHT - BELOW - ABOVE))
+                HEIGHT - BELOW - (scale(y) - scale(y0)) / (scale(y1) - scale(y0)) * (HEIGHT - BELOW - above))
 
-    for x in _ticks(*spans[0], curve.logarithmic):
+    for x in _ticks(*spans[0], log):
         at = place(x, spans[1][0])
         draw.line([at, place(x, spans[1][1])], fill=GRID)
         draw_text(image, (round(at[0]) - 12, HEIGHT - BELOW + 6), f"{x:g}", 14)
-    for y in _ticks(*spans[1], curve.logarithmic):
+    for y in _ticks(*spans[1], log):
         at = place(spans[0][0], y)
         draw.line([at, place(spans[0][1], y)], fill=GRID)
         draw_text(image, (10, round(at[1]) - 8), f"{y:.3g}", 14)
-    draw_text(image, (WIDTH // 2, HEIGHT - 28), curve.x_label, 15)
-    draw_text(image, (WIDTH - 260, ABOVE - 8), curve.y_label, 15)
-    places = [place(*p) for p in points]
-    draw.line(places, fill=LINE, width=3)
-    for x, y in places:
-        draw.ellipse([x - 4, y - 4, x + 4, y + 4], fill=LINE, outline=TEXT)
+    draw_text(image, (WIDTH // 2, HEIGHT - 28), panel.x_label, 15)
+    draw_text(image, (10, 34), panel.y_label, 15)
+    for k, line in enumerate(panel.lines):
+        colour = COLOURS[k % len(COLOURS)]
+        pale = tuple((c + 2 * p) // 3 for c, p in zip(colour, PAPER))
+        for x, y in (place(*p) for p in line.dots if _good(p, log)):
+            draw.ellipse([x - 3, y - 3, x + 3, y + 3], fill=pale)
+        for x, y, h in zip(line.x, line.y, line.half):
+            if _good((x, y, h), False) and _good((x, y - h), log):
+                (x0, low), (_, high) = place(x, y - h), place(x, y + h)
+                draw.line([(x0, low), (x0, high)], fill=colour, width=2)
+                for end in (low, high):
+                    draw.line([(x0 - 5, end), (x0 + 5, end)], fill=colour, width=2)
+        places = [place(*p) for p in zip(line.x, line.y) if _good(p, log)]
+        draw.line(places, fill=colour, width=3)
+        for x, y in places:
+            draw.ellipse([x - 4, y - 4, x + 4, y + 4], fill=colour, outline=TEXT)
+        if len(panel.lines) > 1:
+            y = 6 + ROW * k
+            draw.rectangle([WIDTH - LEGEND, y + 6, WIDTH - LEGEND + 14, y + 11], fill=colour)
+            draw_text(image, (WIDTH - LEGEND + 20, y), line.name, 14)
     return image
 
 
-def write_plots(curves: list[Curve], path: Path) -> None:
-    """All curves on one sheet, two a row. Raises OSError."""
-    columns = min(2, len(curves))
-    rows = -(-len(curves) // columns)
+def write_panels(panels: list[Panel], path: Path) -> None:
+    """All panels on one sheet, two a row. Raises OSError."""
+    columns = min(2, len(panels))
+    rows = -(-len(panels) // columns)
     sheet = Image.new("RGB", (WIDTH * columns, HEIGHT * rows), PAPER)
-    for i, curve in enumerate(curves):
-        sheet.paste(_panel(curve), (WIDTH * (i % columns), HEIGHT * (i // columns)))
+    for i, panel in enumerate(panels):
+        sheet.paste(draw_panel(panel), (WIDTH * (i % columns), HEIGHT * (i // columns)))
     sheet.save(path)
+
+
+def write_plots(curves: list[Curve], path: Path) -> None:
+    """A panel for each curve. Raises OSError."""
+    write_panels([Panel(c.name, c.x_label, c.y_label, [Line(c.name, c.x, c.y)], c.logarithmic) for c in curves], path)

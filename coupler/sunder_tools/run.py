@@ -62,8 +62,8 @@ class Job:
             raise CommandError(f"{path}: does not say what was run ({error}); name the folder of a run") from None
 
 
-def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = None) -> int:
-    """Runs a scene from check to pictures; returns the exit status. Raises CommandError."""
+def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = None, pictures: bool = True) -> int:
+    """Runs a scene from check to pictures, where these are wanted; returns the exit status. Raises CommandError."""
     if out is not None:
         refuse_foreign(out)
     executables = ensure_built()
@@ -97,7 +97,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
             print(f"sunder: {message}", file=sys.stderr, flush=True)
         if keep and not (resume and status == BAD_INPUT):
             _settle_run_json(folder.path, status, message, ending)
-            _finish(folder, quiet)
+            _finish(folder, quiet, pictures)
         if status != DONE and (folder.path / "checkpoint" / "state").is_file() and not quiet:
             print(f"sunder: goes on from its last checkpoint with: sunder run --resume {folder.path}", file=sys.stderr)
         return status
@@ -234,10 +234,10 @@ def _settle_run_json(folder: Path, status: int, message: str, ending: Ending) ->
         print(f"sunder: cannot update {folder}/run.json: {error.strerror}", file=sys.stderr)
 
 
-def _finish(folder: RunFolder, quiet: bool) -> None:
+def _finish(folder: RunFolder, quiet: bool, pictures: bool) -> None:
     """Pictures and summary. A picture that fails never changes the outcome of the run."""
     sheet: Path | None = None
-    if folder.has_frames():
+    if pictures and folder.has_frames():
         try:
             if not quiet:
                 print("sunder: drawing the pictures", file=sys.stderr, flush=True)

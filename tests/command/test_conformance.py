@@ -110,6 +110,7 @@ class Testing(unittest.TestCase):
     def test_goes_on_without_a_registry_and_says_so(self) -> None:
         said = io.StringIO()
         with mock.patch("sunder_tools.node.ensure_node", side_effect=errors.CommandError("no network")) as ensure, \
+                mock.patch.object(command, "ensure_installed", side_effect=errors.CommandError("no rights")) as install, \
                 mock.patch.object(command, "ensure_built"), contextlib.redirect_stderr(said), \
                 mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ):
             os.environ.pop(build.BUILD_DIR_VARIABLE, None)
@@ -117,9 +118,10 @@ class Testing(unittest.TestCase):
             self.assertEqual(command.main(["test", "-R", "vtp"]), 0)
             self.assertEqual(run.call_count, 1)
             self.assertIn("no network\nsunder: so the tests of the Jolt engine are skipped", said.getvalue())
+            self.assertIn("no rights\nsunder: so the tests of Slurm are skipped", said.getvalue())
             os.environ[build.BUILD_DIR_VARIABLE] = str(REPOSITORY)
             self.assertEqual(command.main(["test"]), 0)
-            self.assertEqual(ensure.call_count, 1)
+            self.assertEqual((ensure.call_count, install.call_count), (1, 1))
 
 
 class KnownFailures(unittest.TestCase):

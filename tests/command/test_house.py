@@ -60,6 +60,13 @@ class House(unittest.TestCase):
             if any(name.startswith("ode/") for name in includes(path)):
                 self.assertEqual(path.name, "ode_solver.cpp", f"{path} names the engine")
 
+    def test_python_goes_one_way(self) -> None:
+        """The package of the command does not know that of experiments, but for the one line that starts a sweep."""
+        users = [p.name for p in (TOP / "coupler" / "sunder_tools").glob("*.py") if "sunder_lab" in p.read_text()]
+        self.assertEqual(users, ["command.py"])
+        for path in (TOP / "coupler" / "experiments").glob("*.py"):  # what users copy
+            self.assertNotRegex(path.read_text(), r"sunder_(lab|tools)")
+
     def test_no_file_is_long(self) -> None:
         long = [f"{p.relative_to(TOP)}: {n}" for room in ("shell", "rigid", "coupler", "tests")
                 for p in (TOP / room).rglob("*") if p.suffix in (".h", ".cpp", ".py", ".mjs")

@@ -1,0 +1,17 @@
+"""What scripts import: scenes as messages, runs as arrays, series of runs. `coupler/README.md` has an example of each.
+
+    PYTHONPATH=coupler python3 my_script.py
+"""
+from sunder_lab.campaign import Settings, member
+from sunder_lab.experiment import Experiment, Parameter, Plot
+from sunder_lab.impact import Motion, energy_taken, impact, motion, perforated
+from sunder_lab.pieces import Pieces, fragments, pieces, radial_cracks
+from sunder_lab.results import Columns, Results
+from sunder_lab.scene import SCENES, BadSetting, Scene
+from sunder_lab.table import Mean, Table
+from sunder_lab.v50 import V50, Ballistic
+from sunder_tools.errors import CommandError as Error
+
+__all__ = ["SCENES", "V50", "BadSetting", "Ballistic", "Columns", "Error", "Experiment", "Mean", "Motion", "Parameter",
+           "Pieces", "Plot", "Results", "Scene", "Settings", "Table", "energy_taken", "fragments", "impact", "member",
+           "motion", "perforated", "pieces", "radial_cracks"]

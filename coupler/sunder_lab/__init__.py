@@ -1,0 +1,1 @@
+"""Experiments with Sunder: scenes as messages, runs as arrays, series of runs. Users write `import sunder`."""

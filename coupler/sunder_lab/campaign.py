@@ -1,0 +1,145 @@
+"""A folder of members: which there are, which are done, what they gave. What experiments and bisections stand on."""
+from __future__ import annotations
+
+import fcntl
+import os
+import sys
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Callable
+
+from sunder_tools.build import ensure_built
+from sunder_tools.errors import CommandError
+
+from .executors import Executor, Local, Slurm, default_jobs
+from .member import KEEP, RUN_FOLDER, Member, is_done, outcome
+from .results import Results
+from .table import Cell, Table, write_sqlite
+
+MARK = "sunder-series"  # a file that says what the folder is
+MEMBERS = "members"
+
+Measure = Callable[[Results], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Planned:
+    """A row to be: its own columns, and the member that gives the others."""
+    columns: dict[str, Cell]
+    member: Member
+
+
+@dataclass
+class Settings:
+    """How a series is run; nothing of it changes a result. `jobs` 0: as many as there are processors for."""
+    out: Path | str
+    jobs: int = 0
+    executor: str = "local"
+    threads: int = 1
+    keep: str = "last"
+    sbatch: list[str] = field(default_factory=list)
+    quiet: bool = False
+
+    def make(self) -> Executor:
+        """Raises CommandError for an executor that there is not."""
+        if self.executor == "local":
+            return Local(self.jobs or default_jobs(self.threads))
+        if self.executor == "slurm":
+            return Slurm(Path(self.out).resolve(), self.threads, self.jobs, self.sbatch)
+        raise CommandError(f"--executor {self.executor}: there are local and slurm")
+
+
+def member(out: Path | str, name: str) -> Results:
+    """The run behind a row of a table: `name` is its column `member`. Raises CommandError where there is none."""
+    return Results(Path(out) / MEMBERS / name / RUN_FOLDER)
+
+
+class Campaign:
+    """Context manager: holds the folder for this process alone, runs members in it, and makes tables of them."""
+
+    def __init__(self, settings: Settings) -> None:
+        """Raises CommandError where the folder is somebody else's or another series is running in it."""
+        if settings.keep not in KEEP:
+            raise CommandError(f"keep '{settings.keep}': there are {', '.join(KEEP)}")
+        self.settings, self.executor, self.folder = settings, settings.make(), Path(settings.out)
+        try:
+            if self.folder.is_dir() and any(self.folder.iterdir()) and not (self.folder / MARK).is_file():
+                raise CommandError(f"--out {self.folder}: holds other files and no series; give a new or an empty folder")
+            (self.folder / MEMBERS).mkdir(parents=True, exist_ok=True)
+            (self.folder / MARK).touch()
+        except OSError as error:
+            raise CommandError(f"--out {self.folder}: cannot be written: {error.strerror}") from None
+        self._handle = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(self._handle)
+            raise CommandError(f"--out {self.folder}: another series is running there") from None
+
+    def __enter__(self) -> "Campaign":
+        return self
+
+    def __exit__(self, *exception: object) -> None:
+        os.close(self._handle)
+
+    def place(self, member: Member) -> Path:
+        """Its folder."""
+        return (self.folder / MEMBERS / member.identity()).resolve()
+
+    def run(self, planned: list[Planned]) -> None:
+        """Runs what is not done; what failed earlier is tried once more."""
+        places = {self.place(p.member): p for p in planned}
+        todo = [place for place in places if not is_done(place)]
+        self.say(f"{len(places)} runs, {len(places) - len(todo)} of them done already")
+        if not todo:
+            return
+        ensure_built()
+        for place in todo:
+            places[place].member.prepare(place, self.settings.threads, self.settings.keep)
+        count = 0
+
+        def ended(place: Path) -> None:
+            nonlocal count
+            count += 1
+            found = outcome(place)
+            words = ", ".join(f"{k} {v}" for k, v in places[place].columns.items())
+            self.say(f"[{count}/{len(todo)}] {found.get('status', 'unknown')} {words}"
+                      + (f": {found['error']}" if found.get("error") else ""))
+
+        self.executor.run(todo, ended)
+
+    def table(self, planned: list[Planned], measure: Measure) -> tuple[Table, Table]:
+        """Results, and apart from them what is never the same twice: times, hosts, builds.
+
+        A member that failed has its error in `error`, and so has one that could not be measured.
+        """
+        rows, times = [], []
+        for p in planned:
+            place = self.place(p.member)
+            found = outcome(place)
+            row = {"member": place.name, **p.columns, "status": found.get("status", "not run"),
+                   "error": found.get("error") or None}
+            if row["status"] == "done":
+                try:
+                    row.update(measure(Results(place / RUN_FOLDER)))
+                except Exception as error:  # noqa: BLE001: the measure is the user's; the other rows stand
+                    row["status"], row["error"] = "not measured", f"{type(error).__name__}: {error}".replace(
+                        f"{place}/", "")
+            rows.append(row)
+            times.append({"member": place.name, **{k: found.get(k) for k in ("wall_s", "host", "program")}})
+        programs = {t["program"] for t in times if t["program"]}
+        if len(programs) > 1:
+            self.say(f"runs of {len(programs)} different builds of the solver are in this table, see times.csv; a new "
+                      "--out runs all anew", always=True)
+        return Table(rows), Table(times)
+
+    def write(self, results: Table, times: Table) -> None:
+        """results.csv, times.csv, and results.sqlite with both."""
+        results.write_csv(self.folder / "results.csv")
+        times.write_csv(self.folder / "times.csv")
+        write_sqlite(self.folder / "results.sqlite", {"results": results, "times": times})
+
+    def say(self, words: str, always: bool = False) -> None:
+        """Progress, on stderr."""
+        if always or not self.settings.quiet:
+            print(f"sunder: {words}", file=sys.stderr, flush=True)

@@ -1,0 +1,198 @@
+"""Who runs the members of a series: processes of this machine, or a Slurm job array."""
+from __future__ import annotations
+
+import os
+import re
+import shlex
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Callable, Protocol
+
+from sunder_tools.build import BUILD_DIR_VARIABLE, build_dir
+from sunder_tools.errors import CommandError, Interrupted
+from sunder_tools.logged import tail
+
+from .member import DIE_WITH_PARENT, LOG_FILE, OUTCOME_FILE, is_done, outcome, read_json, write_atomically
+
+COUPLER = Path(__file__).resolve().parents[1]
+PYTHON = "/usr/bin/python3"  # the one that has Debian's packages
+LOOK_S = 0.05                # between two looks at local processes
+SLURM_LOOK_S = 1.0           # at the queue; it is asked seldom, as others ask it too
+PATIENCE_S = 5.0             # for outcomes of an array that has ended, on a file system that is slow to show them
+MOST_TASKS = 1000            # of one array: Slurm's MaxArraySize is 1001 unless it is set
+JOB_FILE = "slurm.json"
+
+Ended = Callable[[Path], None]
+
+
+class Executor(Protocol):
+    """Runs members."""
+
+    def run(self, folders: list[Path], ended: Ended) -> None:
+        """Runs those that have been prepared; calls `ended` with each as it ends, in whatever order."""
+
+
+def default_jobs(threads: int) -> int:
+    """As many as there are processors for."""
+    return max(1, len(os.sched_getaffinity(0)) // max(1, threads))
+
+
+def _environment() -> dict[str, str]:
+    """Members find this checkout's package, and take what has been built: they neither install nor build."""
+    return {**os.environ, BUILD_DIR_VARIABLE: str(build_dir()), "PYTHONPATH": str(COUPLER),
+            "PYTHONPYCACHEPREFIX": str(COUPLER.parent / "build" / "pycache")}
+
+
+@dataclass
+class Local:
+    """At most `jobs` processes at a time. Those that run end with this one, be it killed."""
+    jobs: int = 1
+
+    def run(self, folders: list[Path], ended: Ended) -> None:
+        waiting, running = list(folders), {}
+        try:
+            while waiting or running:
+                while waiting and len(running) < self.jobs:
+                    folder = waiting.pop(0)
+                    running[self._start(folder)] = folder
+                time.sleep(LOOK_S)
+                for process in [p for p in running if p.poll() is not None]:
+                    folder = running.pop(process)
+                    _without_word(folder, f"the process ended with status {process.returncode}")
+                    ended(folder)
+        except (Interrupted, KeyboardInterrupt):
+            for process in running:
+                process.send_signal(signal.SIGINT)  # ends after its window
+            raise
+        finally:
+            for process in running:
+                try:
+                    process.wait(timeout=10.0)
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
+
+    @staticmethod
+    def _start(folder: Path) -> "subprocess.Popen[bytes]":
+        with (folder / LOG_FILE).open("wb") as log:
+            # In a session of its own: Ctrl-C reaches it through this process, once.
+            return subprocess.Popen([PYTHON, "-m", "sunder_lab.member", DIE_WITH_PARENT, str(os.getpid()), str(folder)],
+                                    cwd=COUPLER, env=_environment(), stdin=subprocess.DEVNULL, stdout=log, stderr=log,
+                                    start_new_session=True)
+
+
+@dataclass
+class Slurm:
+    """A job array in the folder's file system, which all nodes must share. `jobs`: tasks at a time, 0: as Slurm likes.
+
+    `options` go to sbatch (`--partition=long`); so do SBATCH_... variables of the environment. A series that was killed
+    leaves its array to Slurm, and waits for it when it goes on.
+    """
+    folder: Path
+    threads: int = 1
+    jobs: int = 0
+    options: list[str] = field(default_factory=list)
+
+    def run(self, folders: list[Path], ended: Ended) -> None:
+        note = self.folder / JOB_FILE
+        left = read_json(note).get("job")
+        if left:
+            print(f"sunder: Slurm job {left} of an earlier start is waited for", file=sys.stderr, flush=True)
+            self._wait(str(left), [], ended)
+        todo = [folder for folder in folders if not is_done(folder)]
+        for folder in folders:
+            if folder not in todo:
+                ended(folder)
+        for first in range(0, len(todo), MOST_TASKS):
+            part = todo[first:first + MOST_TASKS]
+            for folder in part:
+                (folder / OUTCOME_FILE).unlink(missing_ok=True)
+            job = self._submit(part)
+            write_atomically(note, {"job": job})
+            try:
+                self._wait(job, part, ended)
+            except (Interrupted, KeyboardInterrupt):
+                _slurm(["scancel", job])
+                note.unlink(missing_ok=True)
+                raise
+        note.unlink(missing_ok=True)
+
+    def _submit(self, folders: list[Path]) -> str:
+        """Number of the array that runs them."""
+        listed, script = self.folder / "slurm.list", self.folder / "slurm.sh"
+        listed.write_text("".join(f"{folder}\n" for folder in folders))
+        environment = _environment()
+        exports = "\n".join(f"export {name}={shlex.quote(environment[name])}"
+                            for name in (BUILD_DIR_VARIABLE, "PYTHONPATH", "PYTHONPYCACHEPREFIX"))
+        script.write_text(
+            f'#!/bin/sh\n{exports}\nfolder=$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" {shlex.quote(str(listed))})\n'
+            f'cd {shlex.quote(str(COUPLER))} && exec {PYTHON} -m sunder_lab.member "$folder" >"$folder/{LOG_FILE}" 2>&1\n')
+        limit = f"%{self.jobs}" if self.jobs else ""
+        words = _slurm(["sbatch", "--parsable", f"--array=0-{len(folders) - 1}{limit}", f"--cpus-per-task={self.threads}",
+                        "--job-name=sunder", f"--chdir={self.folder}", "--output=slurm.out", "--open-mode=append",
+                        *self.options, str(script)])
+        return words.strip().split(";")[0]
+
+    def _wait(self, job: str, folders: list[Path], ended: Ended) -> None:
+        """Until the queue has no task of `job` left, and each member its outcome."""
+        open_ = list(folders)
+
+        def look() -> None:
+            for folder in [f for f in open_ if outcome(f)]:
+                open_.remove(folder)
+                ended(folder)
+
+        while True:
+            queued = _queued(job)
+            look()
+            if not queued:
+                break
+            time.sleep(SLURM_LOOK_S)
+        end = time.monotonic() + PATIENCE_S
+        while open_ and time.monotonic() < end:
+            time.sleep(LOOK_S)
+            look()
+        for folder in open_:
+            _without_word(folder, f"Slurm's task of job {job} ended without an outcome; see slurm.out")
+            ended(folder)
+
+
+def _queued(job: str) -> bool:
+    """Whether Slurm has tasks of this job that wait or run. It forgets old jobs, which then are none."""
+    done = subprocess.run(["squeue", "--noheader", f"--jobs={job}", "--states=all", "--format=%T"], text=True,
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+    if done.returncode != 0:
+        if re.search(r"Invalid job id", done.stderr):
+            return False
+        # The controller may be restarting: its silence is not the end of a job.
+        print(f"sunder: squeue: {done.stderr.strip()}", file=sys.stderr, flush=True)
+        return True
+    over = {"COMPLETED", "CANCELLED", "FAILED", "TIMEOUT", "NODE_FAIL", "PREEMPTED", "BOOT_FAIL", "DEADLINE",
+            "OUT_OF_MEMORY"}
+    return any(state not in over for state in done.stdout.split())
+
+
+def _slurm(command: list[str]) -> str:
+    """What a Slurm command prints. Raises CommandError with its words."""
+    try:
+        done = subprocess.run(command, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, check=False)
+    except FileNotFoundError:
+        raise CommandError(f"{command[0]} not found: there is no Slurm here; leave --executor slurm out") from None
+    if done.returncode != 0:
+        raise CommandError(f"{command[0]}: {done.stderr.strip() or f'ended with status {done.returncode}'}")
+    return done.stdout
+
+
+def _without_word(folder: Path, why: str) -> None:
+    """Gives a member an outcome whose process ended without one: killed, out of memory, or unable to start."""
+    if outcome(folder):
+        return
+    log = folder / LOG_FILE
+    words = tail(log, 3).strip() if log.is_file() else ""
+    write_atomically(folder / "outcome.json", {"status": "failed", "exit": None, "error": f"{words}\n{why}".strip(),
+                                               "wall_s": None, "host": "", "program": ""})

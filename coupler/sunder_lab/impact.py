@@ -1,0 +1,173 @@
+"""What an impact does: force, impulse and velocity of the body that struck, the energy that it lost and to what."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sunder_tools.errors import CommandError
+
+from .results import Results
+
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], of a scene that says nothing
+NO_PUSH = 0.01         # of the largest force: contact has ended
+AT_REST = 1e-9         # of the first speed: round-off of the nine digits in probes.csv
+LAST_SHARE = 0.1       # of the record, at its end, in which a body that is through
+STILL_SLOWED = 0.02    # loses less than this part of its speed: splinters may touch it still
+
+
+@dataclass(frozen=True)
+class Motion:
+    """A body over time, from its probe. `time` (n,) [s]; `position`, `velocity`, `impulse` (n, 3) [m], [m/s], [N s]."""
+    name: str
+    mass: float            # [kg]
+    gravity: np.ndarray    # (3,) [m/s^2]
+    time: np.ndarray
+    position: np.ndarray
+    velocity: np.ndarray
+
+    @property
+    def impulse(self) -> np.ndarray:
+        """(n, 3) [N s] that everything but gravity has given to the body since the start."""
+        fallen = self.gravity * (self.time - self.time[0])[:, None]
+        return self.mass * (self.velocity - self.velocity[0] - fallen)
+
+    def force(self, over_s: float | None = None) -> tuple[np.ndarray, np.ndarray]:
+        """Middles of intervals (k,) [s], and the mean force in each (k, 3) [N], without gravity.
+
+        The intervals are those of the probe, or of at least `over_s`. The mean over an interval is exact, being the
+        impulse in it over its length; what happens within is not seen: for the peak of a stiff contact shorten
+        output.probe_interval_s, and window_s, which is the shortest of it.
+        """
+        keep = [0]
+        for k in range(1, len(self.time)):
+            if over_s is None or self.time[k] - self.time[keep[-1]] >= over_s * (1.0 - 1e-9):
+                keep.append(k)
+        time, impulse = self.time[keep], self.impulse[keep]
+        if len(time) < 2:
+            raise CommandError(f"probe of '{self.name}': no two rows {over_s} s apart")
+        return 0.5 * (time[1:] + time[:-1]), np.diff(impulse, axis=0) / np.diff(time)[:, None]
+
+    @property
+    def contact_until(self) -> float:
+        """End of the last interval [s] in which the body was pushed by more than a hundredth of the largest force: where
+        that is the end of the run, what is said of its end is not final."""
+        size = np.linalg.norm(self.force()[1], axis=1)
+        return float(self.time[1 + int(np.flatnonzero(size > NO_PUSH * size.max())[-1])]) if size.max() > 0.0 else 0.0
+
+    @property
+    def direction(self) -> np.ndarray:
+        """(3,) unit vector along which the body came; zero where it stood still."""
+        speed = float(np.linalg.norm(self.velocity[0]))
+        return self.velocity[0] / speed if speed > 0.0 else np.zeros(3)
+
+    @property
+    def residual_velocity(self) -> float:
+        """At the end, along the direction in which it came [m/s]; negative where it bounced."""
+        return float(self.velocity[-1] @ self.direction)
+
+    @property
+    def energy_lost(self) -> float:
+        """Kinetic energy of translation, less what gravity has given [J]; spin is not in probes.csv."""
+        fallen = float(self.gravity @ (self.position[-1] - self.position[0]))
+        return self.mass * (0.5 * float((self.velocity[0] ** 2).sum() - (self.velocity[-1] ** 2).sum()) + fallen)
+
+
+def motion(results: Results, body: str | None = None, mass: float | None = None) -> Motion:
+    """The body's motion; `body` may be left out where one body has a probe, `mass` [kg] but for meshes.
+
+    Raises CommandError where the scene has no such body, no probe of it, or does not say its mass.
+    """
+    scene = results.scene.message
+    probed = {probe.body: probe.name for probe in scene.output.probes if probe.body}
+    if body is None:
+        if len(probed) != 1:
+            raise CommandError(f"{results.folder}: name the body; there are probes of: {', '.join(probed) or 'none'}")
+        body, = probed
+    found = [b for b in scene.bodies if b.name == body]
+    if not found:
+        raise CommandError(f"no body '{body}'; there are: {', '.join(b.name for b in scene.bodies)}")
+    if body not in probed:
+        raise CommandError(f"the scene has no probe of '{body}'; add output {{ probes {{ name: \"{body}\" body: "
+                           f"\"{body}\" }} }}")
+    columns = results.probes
+    gravity = scene.gravity if scene.HasField("gravity") else None
+    return Motion(body, mass if mass is not None else mass_of(scene, found[0]),
+                  np.array([gravity.x, gravity.y, gravity.z] if gravity is not None else STANDARD_GRAVITY),
+                  columns["time"], columns.vector(probed[body]), columns.vector(probed[body], "_vx _vy _vz"))
+
+
+def mass_of(scene: Any, body: Any) -> float:
+    """[kg] of a sphere or a box. Raises CommandError for what else there is."""
+    density = next((m.density for m in scene.materials if m.name == body.material), 0.0)
+    shape = body.WhichOneof("shape")
+    if density > 0.0 and shape == "sphere":
+        return float(density * 4.0 / 3.0 * math.pi * body.sphere.radius_m ** 3)
+    if density > 0.0 and shape == "box":
+        size = body.box.size_m
+        return float(density * size.x * size.y * size.z)
+    raise CommandError(f"body '{body.name}': its mass is not known from shape '{shape}' and material "
+                       f"'{body.material}'; give mass=")
+
+
+def energy_taken(results: Results, body: str | None = None, mass: float | None = None) -> dict[str, float]:
+    """What the body lost and where it is at the end [J].
+
+    `lost` by the body; `motion` of all else (shell, shards, other bodies, and the body's own spin), `elastic` stored,
+    `fracture`, `plastic`, `contact` (inelastic impacts and friction), `damping`, `frozen` and `handoff` (vibration that
+    frozen panes and rigid shards do not have), `engine` (contacts of the engine), `other` (healing, transfer); and
+    `missing`: what all of these leave open, which is the residual of the books and the work of gravity on shell and others.
+    """
+    one, energy = motion(results, body, mass), results.energy
+    out = {"lost": one.energy_lost,
+           "motion": energy["kinetic"] - 0.5 * one.mass * float((one.velocity[-1] ** 2).sum()),
+           "elastic": energy["elastic"], "fracture": energy["dissipated_fracture"],
+           "plastic": energy["dissipated_plastic"], "contact": energy["contact"], "damping": energy["damping"],
+           "frozen": energy["frozen"], "handoff": energy["handoff_lost"], "engine": energy["engine"],
+           "other": energy["healing"] + energy["transfer"] - energy["crack_injected"]}
+    out["missing"] = out["lost"] + energy["external_work"] - sum(v for k, v in out.items() if k != "lost")
+    return out
+
+
+def perforated(results: Results, body: str | None = None) -> bool | None:
+    """Whether the body went through the shell; None: not decided when the run ended.
+
+    Through is: its centre beyond the plane of the shell by its radius and half the thickness, along the direction in
+    which it came, still moving on, and hardly slowed any more. Held up is: stopped or on its way back. Meant for
+    a plate that is held at its border; raises CommandError for another shell.
+    """
+    scene = results.scene.message
+    if len(scene.shells) != 1 or scene.shells[0].WhichOneof("patch") != "plate" or not scene.shells[0].supports:
+        raise CommandError("perforation is defined for one plate with supports: a free one flies off with what struck it")
+    one = motion(results, body)
+    struck = next(b for b in scene.bodies if b.name == one.name)
+    if struck.WhichOneof("shape") != "sphere":
+        raise CommandError(f"perforation is defined for spheres; '{one.name}' is none")
+    plate = scene.shells[0]
+    centre = plate.plate.pose.position
+    beyond = float((one.position[-1] - [centre.x, centre.y, centre.z]) @ one.direction)
+    speed = float(np.linalg.norm(one.velocity[0]))
+    if speed == 0.0:
+        raise CommandError(f"body '{one.name}' stands still at the start")
+    if one.residual_velocity <= AT_REST * speed:
+        return False
+    reach = struck.sphere.radius_m + 0.5 * plate.thickness_m
+    before = int(np.searchsorted(one.time, one.time[-1] - LAST_SHARE * (one.time[-1] - one.time[0])))
+    lost = float(one.velocity[min(before, len(one.time) - 2)] @ one.direction) - one.residual_velocity
+    return True if beyond > reach and lost < STILL_SLOWED * one.residual_velocity else None
+
+
+def impact(body: str | None = None, mass: float | None = None) -> Any:
+    """A measure for experiments: columns of the usual quantities of an impact by `body`."""
+    def measure(results: Results) -> dict[str, float]:
+        one = motion(results, body, mass)
+        energy = energy_taken(results, body, mass)
+        _, force = one.force()
+        return {"residual_velocity_m_per_s": one.residual_velocity,
+                "impulse_N_s": float(np.linalg.norm(one.impulse[-1])),
+                "peak_force_N": float(np.linalg.norm(force, axis=1).max()), "contact_until_s": one.contact_until,
+                **{f"energy_{name}_J": value for name, value in energy.items()},
+                "crack_length_m": float(results.series["cracks"][-1])}
+    return measure

@@ -1,0 +1,89 @@
+"""What an impact leaves of a shell: pieces and their sizes, radial cracks."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sunder_tools.crack_paths import grown
+from sunder_tools.errors import CommandError
+from sunder_tools.frames import SHELL
+from sunder_tools.meshes import reference_points
+from sunder_tools.patterns import radial_crossings
+from sunder_tools.vtp import PolyData
+
+from .results import Results
+
+SPLINTER = 1e-3  # of the shell's area: what is smaller is no piece, as in run.json
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Areas [m^2] at the end, each sorted, largest first. `whole`: of the shell at rest.
+
+    `off` came off as rigid bodies; `standing` are those that the shell still had, whether held or loose. Where the
+    shell was frozen, what did not come off counts as one.
+    """
+    off: np.ndarray
+    standing: np.ndarray
+    whole: float
+
+    def counted(self, splinter: float = SPLINTER) -> np.ndarray:
+        """All of at least `splinter` times the whole, largest first [m^2]."""
+        both = np.sort(np.concatenate([self.off, self.standing]))[::-1]
+        return both[both >= splinter * self.whole]
+
+    def mean_size(self, splinter: float = SPLINTER) -> float:
+        """Area of the piece in which a point of the shell lies on the mean [m^2]: sum of squares over sum.
+
+        Many splinters do not change it, as they change a mean over pieces.
+        """
+        areas = self.counted(splinter)
+        return float((areas ** 2).sum() / areas.sum())
+
+
+def pieces(results: Results) -> Pieces:
+    """Raises CommandError where the frames that it takes are gone: the first, and the last of a shell that stands."""
+    frames = [frame for frame in results.frames if SHELL in frame.files]
+    if not frames:
+        raise CommandError(f"{results.folder}: no frame of the shell; keep='last' keeps what is needed")
+    first = _areas(frames[0].read(SHELL))
+    off, whole = np.sort(results.shards["area"])[::-1], float(first.sum())
+    time = results.run["time"]
+    if time["frozen_at_s"] is not None:
+        left = whole - float(off.sum())
+        return Pieces(off, np.array([left] if left > 1e-9 * whole else []), whole)
+    if abs(frames[-1].time_s - time["simulated_s"]) > 1e-6 * time["simulated_s"]:
+        raise CommandError(f"{results.folder}: the last frame is of {frames[-1].time_s:g} s, the run ended at "
+                           f"{time['simulated_s']:g} s")
+    return Pieces(off, np.sort(_areas(frames[-1].read(SHELL)))[::-1], whole)
+
+
+def _areas(shell: PolyData | None) -> np.ndarray:
+    """[m^2] at rest, of each fragment in a frame."""
+    assert shell is not None
+    corner = reference_points(shell)[shell.triangles]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    number = np.unique(shell.of_triangles("fragment", 0), return_inverse=True)[1]
+    return np.bincount(number, weights=area)
+
+
+def fragments(splinter: float = SPLINTER) -> Any:
+    """A measure for experiments: number and sizes of pieces of at least `splinter` of the shell's area."""
+    def measure(results: Results) -> dict[str, float]:
+        found = pieces(results)
+        areas = found.counted(splinter)
+        return {"pieces": len(areas), "pieces_off": int((found.off >= splinter * found.whole).sum()),
+                "largest_piece_m2": float(areas.max()), "median_piece_m2": float(np.median(areas)),
+                "mean_piece_m2": found.mean_size(splinter)}
+    return measure
+
+
+def radial_cracks(centre: tuple[float, float], radius_m: float) -> Any:
+    """A measure for experiments: cracks that cross a circle in the parameter domain [m], within 45 degrees of the radius."""
+    def measure(results: Results) -> dict[str, float]:
+        graph = results.cracks
+        ends = np.zeros((0, 2, 2)) if graph is None else grown(graph).ends
+        return {"radial_cracks": len(radial_crossings(ends, np.array(centre), radius_m))}
+    return measure

@@ -1,0 +1,122 @@
+"""What a run has left in its folder, as numpy arrays."""
+from __future__ import annotations
+
+import csv
+import re
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Iterator, Mapping
+
+import numpy as np
+
+from sunder_tools.crack_check import Graph, graph_of
+from sunder_tools.errors import CommandError
+from sunder_tools.frames import CRACKS, Frame, list_frames
+from sunder_tools.report import read_run
+
+
+class Columns(Mapping[str, np.ndarray]):
+    """The columns of a CSV file by name without unit, all of one length; `units` has what stood in brackets.
+
+    What is empty in the file is NaN: probes of a shell that is frozen, for example.
+    """
+
+    def __init__(self, path: Path) -> None:
+        """Raises CommandError where the file is not there or not such a table."""
+        self.path = path
+        try:
+            with path.open(newline="") as source:
+                head, *rows = list(csv.reader(source))
+            numbers = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows], float)
+        except (OSError, ValueError) as error:
+            raise CommandError(f"{path}: no such table: {error}") from None
+        numbers = numbers.reshape(len(rows), len(head))
+        split = [re.fullmatch(r"(.*?)(?: \[(.*)\])?", name) for name in head]
+        names = [match[1] if match else "" for match in split]
+        self.units = {name: (match[2] or "-") if match else "-" for name, match in zip(names, split)}
+        self._columns = {name: numbers[:, k] for k, name in enumerate(names)}
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """Raises CommandError that says which columns there are."""
+        if name not in self._columns:
+            raise CommandError(f"{self.path}: no column '{name}'; there are: {', '.join(self._columns)}")
+        return self._columns[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._columns)
+
+    def __len__(self) -> int:
+        return len(self._columns)
+
+    def vector(self, name: str, axes: str = "_x _y _z") -> np.ndarray:
+        """(n, 3) of three columns `name` + each of `axes`."""
+        return np.stack([self[name + axis] for axis in axes.split()], axis=1)
+
+
+class Results:
+    """A run folder. Files are read when they are asked for, once."""
+
+    def __init__(self, folder: Path | str) -> None:
+        """Raises CommandError where the folder holds no run."""
+        self.folder = Path(folder)
+        self.run: dict[str, Any] = read_run(self.folder)
+        if "status" not in self.run:
+            raise CommandError(f"{self.folder}: holds no run.json of a run")
+
+    @property
+    def status(self) -> str:
+        """done, failed, interrupted or running."""
+        return str(self.run["status"])
+
+    @property
+    def energy(self) -> dict[str, float]:
+        """Energies at the end [J], as run.json has them."""
+        return dict(self.run["energy"])
+
+    @cached_property
+    def series(self) -> Columns:
+        """Energies, crack length, fragments: a row a window."""
+        return Columns(self.folder / "series.csv")
+
+    @cached_property
+    def probes(self) -> Columns:
+        """What the scene's output.probes ask for. Raises CommandError where it asks for none."""
+        if not (self.folder / "probes.csv").is_file():
+            raise CommandError(f"{self.folder}: the scene has no output.probes")
+        return Columns(self.folder / "probes.csv")
+
+    @cached_property
+    def shards(self) -> Columns:
+        """Every piece that came off as a rigid body."""
+        return Columns(self.folder / "shards.csv")
+
+    @cached_property
+    def scene(self) -> Any:
+        """The scene that was run, a `Scene`. Raises CommandError where the folder does not say."""
+        from .scene import SCENE_FILE, Scene  # that module needs this one
+        for place in (self.folder / SCENE_FILE, self.folder.parent / SCENE_FILE):
+            if place.is_file():
+                return Scene.load(place)
+        from sunder_tools.run import Job
+        job = Job.read(self.folder)
+        return Scene.load(job.scene).set(dict(setting.split("=", 1) for setting in job.settings))
+
+    @cached_property
+    def frames(self) -> list[Frame]:
+        """Frames that are still there, in order of time; `frame.read(part)` has points, triangles and data as arrays."""
+        return list_frames(self.folder)
+
+    @cached_property
+    def cracks(self) -> Graph | None:
+        """Crack lines at the end: ends (n, 2, 2) in parameters [m], on the sheet at rest (n, 2, 3) [m], crack, birth [s].
+
+        None where there is none. What was cut at time zero counts, its birth is zero.
+        """
+        for frame in reversed(self.frames):
+            if CRACKS in frame.files:
+                graph = graph_of(frame.read(CRACKS), str(frame.files[CRACKS]))
+                return graph if len(graph) else None
+        return None

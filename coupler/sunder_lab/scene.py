@@ -1,0 +1,212 @@
+"""A scene in memory: read from a file, changed by field or by path, written, checked and run."""
+from __future__ import annotations
+
+import hashlib
+import shutil
+import subprocess
+import tempfile
+from dataclasses import replace
+from pathlib import Path
+from typing import Any, Union
+
+from google.protobuf import text_format
+
+from sunder_tools.build import REPOSITORY, ensure_built
+from sunder_tools.errors import DONE, CommandError
+from sunder_tools.report import read_run
+from sunder_tools.run import Job, run_scene
+
+from .results import Results
+from .schema import assets_of, relative_asset, scene_class
+
+SCENES = REPOSITORY / "scenes"  # those that come with the project
+SCENE_FILE = "scene.textproto"
+
+Value = Union[float, int, bool, str]
+
+
+class BadSetting(CommandError, ValueError):
+    """A path that leads nowhere, or a value that its field cannot hold."""
+
+
+class Scene:
+    """A scene, `message` the protobuf message of proto/scene.proto.
+
+    Fields are set in the message, whose types are checked by protobuf (`scene.message.end_time_s = 2e-4`), or by a path
+    as `sunder run --set` takes it (`scene["bodies[ball].twist.linear.z"] = -20`). What makes sense as a whole is checked
+    before a run, by the shell process, as for every scene.
+    """
+
+    def __init__(self, message: Any, folder: Path) -> None:
+        """`folder`: where the files are that the scene names."""
+        self.message = message
+        self.folder = Path(folder)
+
+    @staticmethod
+    def load(path: Path | str) -> "Scene":
+        """Reads a scene file. Raises CommandError with file, line and column where it is no scene."""
+        path = Path(path)
+        try:
+            text = path.read_text()
+        except (OSError, UnicodeDecodeError) as error:
+            raise CommandError(f"{path}: cannot be read: {error}") from None
+        message = scene_class()()
+        try:
+            text_format.Parse(text, message)
+        except text_format.ParseError as error:
+            raise CommandError(f"{path}:{error}") from None
+        return Scene(message, path.parent)
+
+    def copy(self) -> "Scene":
+        """One that can be changed without changing this one."""
+        message = type(self.message)()
+        message.CopyFrom(self.message)
+        return Scene(message, self.folder)
+
+    def find(self, path: str) -> Any:
+        """The message at a path: `scene.find("shells[pane].plate").elements_x = 40`. Raises BadSetting."""
+        at = self.message
+        for step in path.split("."):
+            at = _enter(at, step, path)
+        return at
+
+    def __getitem__(self, path: str) -> Value:
+        """The value of a single field; the default of the schema where it is absent. Raises BadSetting."""
+        at, field = self._field(path)
+        value: Value = getattr(at, field.name)
+        return field.enum_type.values_by_number[value].name if field.enum_type else value
+
+    def __setitem__(self, path: str, value: Value) -> None:
+        """Sets a single field; messages on the way come to be. Raises BadSetting, the scene then stays as it is."""
+        at, field = self._field(path)
+        text = _text(value, field)
+        scratch = type(at)()
+        try:
+            if field.type == field.TYPE_STRING:
+                setattr(scratch, field.name, text)
+            else:
+                text_format.Parse(f"{field.name}: {text}", scratch)
+        except (text_format.ParseError, ValueError, TypeError):
+            scratch = None
+        one_word = field.type == field.TYPE_STRING or len(text.split()) == 1
+        if scratch is None or not one_word or any(f.name != field.name for f, _ in scratch.ListFields()):
+            raise BadSetting(f"{path}={text}: '{text}' is no {_kind(field)}")
+        setattr(at, field.name, getattr(scratch, field.name))
+
+    def set(self, values: dict[str, Value]) -> "Scene":
+        """Sets several paths; returns the scene itself. Raises BadSetting."""
+        for path, value in values.items():
+            self[path] = value
+        return self
+
+    def _field(self, path: str) -> tuple[Any, Any]:
+        """The message that holds the last field of `path`, and that field's descriptor."""
+        *steps, last = path.split(".")
+        at = self.message  # reading a message that is absent does not make it: a refused path changes nothing
+        for step in steps:
+            at = _enter(at, step, path)
+        field = at.DESCRIPTOR.fields_by_name.get(last)
+        if field is None:
+            raise BadSetting(f"{path}: '{last}' is no field of {at.DESCRIPTOR.name}; it has: "
+                             f"{', '.join(f.name for f in at.DESCRIPTOR.fields)}")
+        if field.label == field.LABEL_REPEATED or field.type == field.TYPE_MESSAGE:
+            raise BadSetting(f"{path}: '{last}' is not a single value; set it in the message, scene.find(...)")
+        return at, field
+
+    def text(self) -> str:
+        """The scene as text, the same for the same scene."""
+        return str(text_format.MessageToString(self.message, as_utf8=True))
+
+    def identity(self) -> str:
+        """SHA-256 over the scene and the files that it names: equal where the same would be run."""
+        digest = hashlib.sha256(self.text().encode())
+        for name in assets_of(self.message):
+            digest.update(name.encode() + b"\0")
+            digest.update(hashlib.sha256(relative_asset(name, self.folder).read_bytes()).digest())
+        return digest.hexdigest()
+
+    def save(self, folder: Path | str, name: str = SCENE_FILE) -> Path:
+        """Writes the scene into a folder, with the files that it names beside it; returns its path.
+
+        Raises CommandError where such a file is missing, OSError where the folder cannot be written.
+        """
+        folder = Path(folder)
+        folder.mkdir(parents=True, exist_ok=True)
+        for asset in assets_of(self.message):
+            source, target = relative_asset(asset, self.folder), folder / asset
+            if source != target.resolve():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(source, target)
+        path = folder / name
+        path.write_text(self.text())
+        return path
+
+    def check(self) -> str:
+        """What `sunder check` says of sizes, stable step and minutes. Raises CommandError where the scene is refused."""
+        with tempfile.TemporaryDirectory(prefix="sunder-check-") as folder:
+            path = self.save(folder)
+            done = subprocess.run([str(ensure_built().shell), "--scene", str(path), "--check"], text=True,
+                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
+            if done.returncode != DONE:
+                raise CommandError(done.stderr.replace(f"{folder}/", "").strip() or
+                                   f"the scene is refused with status {done.returncode}")
+            return done.stdout
+
+    def run(self, out: Path | str, engine: str = "bullet", threads: int | None = None, quiet: bool = True) -> Results:
+        """Runs the scene as `sunder run --out OUT` does, without pictures; an earlier run in the folder is replaced.
+
+        The scene is kept in the folder. Only in the main thread of a program, as Ctrl-C is listened for. Raises
+        CommandError with the status of `sunder run` where the run fails.
+        """
+        out = Path(out)
+        with tempfile.TemporaryDirectory(prefix="sunder-scene-") as folder:
+            job = Job(self.save(folder), engine, threads=str(threads) if threads else None)
+            try:
+                status = run_scene(job, out, quiet, pictures=False)
+            except CommandError as error:  # the folder is of no use to the user, it is gone
+                raise CommandError(str(error).replace(f"{folder}/", ""), error.status) from None
+        if (out / "run.json").is_file():  # so that it can go on, or be run again, by the folder alone
+            replace(job, scene=self.save(out)).write(out)
+        if status != DONE:
+            error = read_run(out).get("error") or {}
+            raise CommandError(f"{out}: {error.get('message') or f'ended with status {status}'}", status)
+        return Results(out)
+
+
+def _enter(at: Any, step: str, path: str) -> Any:
+    """The message that a step of a path leads to: a field, or `field[name or number]`."""
+    name, bracket, element = step.partition("[")
+    element = element[:-1] if bracket and element.endswith("]") else ""
+    field = at.DESCRIPTOR.fields_by_name.get(name)
+    if field is None:
+        raise BadSetting(f"{path}: '{name}' is no field of {at.DESCRIPTOR.name}; it has: "
+                         f"{', '.join(f.name for f in at.DESCRIPTOR.fields)}")
+    if field.type != field.TYPE_MESSAGE:
+        raise BadSetting(f"{path}: '{name}' has no fields of its own")
+    value = getattr(at, name)
+    if field.label != field.LABEL_REPEATED:
+        if bracket:
+            raise BadSetting(f"{path}: there is but one '{name}'; leave [{element}] out")
+        return value
+    names = [str(getattr(part, "name", "")) for part in value]
+    for number, part in enumerate(value):
+        if element and element in (names[number], str(number)):
+            return part
+    raise BadSetting(f"{path}: {name}[{element}] is not there; there are: {', '.join(names) or 'none'}")
+
+
+def _text(value: Value, field: Any) -> str:
+    """A value as the text format has it; numpy's numbers count as Python's."""
+    value = value.item() if hasattr(value, "item") else value
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, float) and value.is_integer() and field.cpp_type in (field.CPPTYPE_INT32, field.CPPTYPE_INT64):
+        return str(int(value))  # 40.0 elements, as arithmetic leaves them
+    return repr(value) if isinstance(value, (int, float)) else str(value)
+
+
+def _kind(field: Any) -> str:
+    if field.enum_type:
+        return f"{field.enum_type.name}; it may be {', '.join(v.name for v in field.enum_type.values)}"
+    return {field.CPPTYPE_DOUBLE: "number", field.CPPTYPE_BOOL: "true or false", field.CPPTYPE_STRING: "text"}.get(
+        field.cpp_type, "whole number")

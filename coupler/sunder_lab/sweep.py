@@ -1,0 +1,92 @@
+"""`sunder sweep FILE`: runs the experiments that a Python file defines."""
+from __future__ import annotations
+
+import runpy
+import sys
+import traceback
+from dataclasses import replace
+from pathlib import Path
+from typing import Union
+
+from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError, Interrupted
+
+from .campaign import Settings
+from .experiment import Experiment
+from .table import Table
+from .v50 import V50, Ballistic
+
+Series = Union[Experiment, V50]
+
+
+def sweep(file: Path, settings: Settings) -> int:
+    """Runs every series of `file`; exit status 1 where a member failed, the others having been run."""
+    found = series_of(file)
+    for series in found:
+        series.plan()  # what is wrong with any of them is said before the first runs
+    status = DONE
+    for series in found:
+        out = Path(settings.out) if len(found) == 1 else Path(settings.out) / series.name
+        here = replace(settings, out=out)
+        done = series.run(here)
+        if isinstance(done, Table):
+            status = max(status, _tell_table(series, done))
+        else:
+            status = max(status, _tell_v50(series, done))
+        print(f"table            {out / 'results.csv'}, {out / 'results.sqlite'}")
+        if (out / "plots.png").is_file():
+            print(f"plots            {out / 'plots.png'}")
+    return status
+
+
+def series_of(file: Path) -> list[Series]:
+    """The experiments and bisections among the names that a Python file defines. Raises CommandError."""
+    if not file.is_file():
+        raise CommandError(f"{file}: no such file")
+    sys.path.insert(0, str(file.resolve().parent))  # as for a script: what lies beside it can be imported
+    try:
+        names = runpy.run_path(str(file), run_name="__sweep__")
+    except (CommandError, Interrupted):
+        raise
+    except BaseException as error:  # noqa: BLE001: whatever the file does, SystemExit too
+        where = [f.lineno for f in traceback.extract_tb(error.__traceback__) if f.filename == str(file)]
+        line = getattr(error, "lineno", None) or (where[-1] if where else "?")
+        raise CommandError(f"{file}:{line}: {type(error).__name__}: {error}") from None
+    finally:
+        sys.path.pop(0)
+    found = [value for name, value in names.items() if not name.startswith("_") and isinstance(value, (Experiment, V50))]
+    found = list({id(value): value for value in found}.values())
+    if not found:
+        raise CommandError(f"{file}: defines no sunder.Experiment and no sunder.V50")
+    if len({value.name for value in found}) != len(found):
+        raise CommandError(f"{file}: two series of one name; each has a folder of its own")
+    for value in found:
+        if not value.name or "/" in value.name or value.name.startswith("."):
+            raise CommandError(f"{file}: a series cannot be called '{value.name}': it is a folder's name")
+    return found
+
+
+def _tell_table(series: Series, table: Table) -> int:
+    bad = [row for row in table if row["status"] != "done"]
+    print(f"{series.name:<16} {len(table) - len(bad)} of {len(table)} runs done")
+    for row in bad:
+        columns = ", ".join(f"{k} {row[k]}" for k in table.columns[1:table.columns.index("status")])
+        print(f"{row['status']:<16} {columns}: {row['error']}")
+    return CHECK_FAILED if bad else DONE
+
+
+def _tell_v50(series: Series, found: Ballistic) -> int:
+    assert isinstance(series, V50)
+    print(f"{series.name:<16} V50 {found.v50:.4g} m/s, {found.low:.4g} to {found.high:.4g} with {found.confidence:.1%} "
+          f"confidence, +- {found.resolution:.2g} of bisection, {len(found.limits)} panes")
+    lost = len(series.seeds) - len(found.limits)
+    if lost:
+        print(f"left out         {lost} panes with a run that failed or was not decided; see results.csv")
+    return CHECK_FAILED if lost else DONE
+
+
+def settings_of(file: Path, out: Path | None, jobs: int | None, executor: str, threads: int, keep: str,
+                sbatch: list[str], quiet: bool) -> Settings:
+    """From the command line; the folder is sweeps/NAME unless it is given, so that a second call goes on."""
+    if sbatch and executor != "slurm":
+        raise CommandError("--sbatch: is for --executor slurm", BAD_INPUT)
+    return Settings(out or Path("sweeps") / file.stem, jobs or 0, executor, threads, keep, sbatch, quiet)

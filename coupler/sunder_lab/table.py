@@ -1,0 +1,136 @@
+"""Tables of results: rows as CSV and SQLite, columns as arrays, means over seeds."""
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+import re
+import sqlite3
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Iterable, Iterator
+
+import numpy as np
+
+from sunder_tools.errors import CommandError
+from sunder_tools.patterns import student
+
+Cell = Any  # float, int, str, bool or None
+
+
+@dataclass(frozen=True)
+class Mean:
+    """Of rows that agree in `key`: how many numbers, their mean, standard deviation, and half of the mean's 95 %
+    confidence interval (Student; NaN for one number)."""
+    key: dict[str, Cell]
+    count: int
+    mean: float
+    deviation: float
+    half: float
+
+
+class Table:
+    """Rows of one set of columns, in order; a column that a row lacks is None in it."""
+
+    def __init__(self, rows: Iterable[dict[str, Cell]]) -> None:
+        rows = list(rows)
+        self.columns = list(dict.fromkeys(name for row in rows for name in row))
+        self.rows = [{name: _plain(row.get(name)) for name in self.columns} for row in rows]
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[dict[str, Cell]]:
+        return iter(self.rows)
+
+    def __getitem__(self, name: str) -> np.ndarray:
+        """A column as an array (n,): numbers with NaN for None, else objects. Raises CommandError."""
+        if name not in self.columns:
+            raise CommandError(f"no column '{name}'; there are: {', '.join(self.columns)}")
+        values = [row[name] for row in self.rows]
+        if all(v is None or isinstance(v, (bool, int, float)) for v in values):
+            return np.array([math.nan if v is None else float(v) for v in values])
+        return np.array(values, object)
+
+    def where(self, **wanted: Cell) -> "Table":
+        """The rows that have these values."""
+        return Table([row for row in self.rows if all(row.get(k) == v for k, v in wanted.items())])
+
+    def means(self, of: str, by: Iterable[str]) -> list[Mean]:
+        """Column `of` over rows that agree in the columns `by`, in the order in which these come. What is not a number
+        is left out: members that failed."""
+        by = list(by)
+        for name in (of, *by):
+            self[name]  # raises where it is not there
+        groups: dict[tuple[Cell, ...], list[float]] = {}
+        for row in self.rows:
+            values = groups.setdefault(tuple(row[name] for name in by), [])
+            if isinstance(row[of], (bool, int, float)) and math.isfinite(row[of]):
+                values.append(float(row[of]))
+        return [_mean(dict(zip(by, key)), values) for key, values in groups.items()]
+
+    def csv(self) -> str:
+        """The table as text; numbers with as many digits as they need to be read back to the bit."""
+        out = io.StringIO()
+        writer = csv.writer(out, lineterminator="\n")
+        writer.writerow(self.columns)
+        writer.writerows([_cell(row[name]) for name in self.columns] for row in self.rows)
+        return out.getvalue()
+
+    def write_csv(self, path: Path) -> None:
+        """Replaces the file as a whole."""
+        part = path.with_name(f".{path.name}.{os.getpid()}")
+        part.write_text(self.csv())
+        os.replace(part, path)
+
+
+def write_sqlite(path: Path, tables: dict[str, Table]) -> None:
+    """A database of these tables, replaced as a whole."""
+    part = path.with_name(f".{path.name}.{os.getpid()}")
+    part.unlink(missing_ok=True)
+    base = sqlite3.connect(part)
+    try:
+        for name, table in tables.items():
+            columns = ", ".join(f"{_quoted(c)} {_affinity(table, c)}" for c in table.columns)
+            base.execute(f"create table {_quoted(name)} ({columns})")
+            base.executemany(f"insert into {_quoted(name)} values ({', '.join('?' * len(table.columns))})",
+                             [[row[c] for c in table.columns] for row in table])
+        base.commit()
+    finally:
+        base.close()
+    os.replace(part, path)
+
+
+def _mean(key: dict[str, Cell], values: list[float]) -> Mean:
+    n = len(values)
+    mean = float(np.mean(values)) if n else math.nan
+    deviation = float(np.std(values, ddof=1)) if n > 1 else math.nan
+    return Mean(key, n, mean, deviation, student(0.95, n - 1) * deviation / math.sqrt(n) if n > 1 else math.nan)
+
+
+def _plain(value: Cell) -> Cell:
+    """numpy's numbers as Python's; what SQLite does not know, as text. NaN is None: there is no number."""
+    value = value.item() if hasattr(value, "item") else value
+    if isinstance(value, float) and math.isnan(value):
+        return None
+    return value if value is None or isinstance(value, (bool, int, float, str)) else str(value)
+
+
+def _cell(value: Cell) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return str(int(value))  # as SQLite has it
+    return repr(value) if isinstance(value, float) else re.sub(r"\s+", " ", str(value))
+
+
+def _quoted(name: str) -> str:
+    return '"' + name.replace('"', '""') + '"'
+
+
+def _affinity(table: Table, name: str) -> str:
+    kinds = {type(row[name]) for row in table if row[name] is not None}
+    if kinds <= {int, bool}:
+        return "integer" if kinds else ""
+    return "real" if kinds <= {int, bool, float} else "text"

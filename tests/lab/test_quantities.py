@@ -1,0 +1,174 @@
+"""Quantities of an impact, where they are known exactly; tables, means and the median of ballistic limits."""
+from __future__ import annotations
+
+import csv
+import math
+import sqlite3
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+import sunder
+from sunder_lab.table import write_sqlite
+from sunder_tools.plots import COLOURS, Line, Panel, draw_panel
+from sunder_lab.v50 import judged, median_interval
+
+from .made_up import FALL, FORCE, sunder_mass, write_pieces, write_run
+
+
+class InFolder(unittest.TestCase):
+    def setUp(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.here = Path(self._folder.name)
+
+
+class Motions(InFolder):
+    def test_force_and_impulse_are_those_that_acted(self) -> None:
+        one = sunder.motion(write_run(self.here))
+        self.assertAlmostEqual(one.mass, sunder_mass(), places=15)
+        for over, count in ((None, 20), (3e-4, 6)):  # the last two rows make no whole interval
+            time, force = one.force(over)
+            self.assertEqual(len(time), count)
+            np.testing.assert_allclose(force, np.tile([0.0, 0.0, FORCE], (count, 1)), rtol=1e-9)
+        np.testing.assert_allclose(one.impulse[:, 2], FORCE * one.time, rtol=1e-9, atol=1e-15)
+        self.assertEqual(one.contact_until, one.time[-1])
+        self.assertEqual(sunder.motion(write_run(self.here / "short", until=5)).contact_until, one.time[5])
+
+    def test_energy_lost_is_the_work_of_the_force(self) -> None:
+        one = sunder.motion(write_run(self.here))
+        way = one.position[-1, 2] - one.position[0, 2]
+        self.assertAlmostEqual(one.energy_lost, -FORCE * way, delta=1e-9 * abs(FORCE * way))
+        self.assertAlmostEqual(one.residual_velocity, 40.0 - (FORCE / sunder_mass() - FALL) * 2e-3, places=9)
+
+    def test_energy_is_split_without_a_rest_that_is_hidden(self) -> None:
+        found = sunder.energy_taken(write_run(self.here))
+        self.assertAlmostEqual(found["motion"], 0.5, places=12)
+        self.assertEqual((found["elastic"], found["fracture"], found["contact"]), (1.0, 2.0, 4.0))
+        self.assertAlmostEqual(found["missing"], found["lost"] + 0.25 - 7.5, places=12)
+
+    def test_perforation(self) -> None:
+        through = dict(start=-40.0, force=6.0, until=10)   # slowed for 1 ms, then flies on
+        for name, how, expected in (("through", through, True), ("bounced", dict(start=-5.0), False),
+                                    ("still pushed", dict(start=-40.0, force=5.0), None), ("not there yet", dict(start=-1.0, force=0.0), None)):
+            with self.subTest(name):
+                self.assertIs(sunder.perforated(write_run(self.here / name.replace(" ", "_"), **how)), expected)
+        with self.assertRaisesRegex(sunder.Error, "with supports"):
+            sunder.perforated(write_run(self.here / "free", supports=False))
+
+    def test_what_is_not_there_is_named(self) -> None:
+        results = write_run(self.here)
+        for body, words in (("ball", "no body 'ball'; there are: pellet"),):
+            with self.assertRaisesRegex(sunder.Error, words):
+                sunder.motion(results, body)
+        with self.assertRaisesRegex(sunder.Error, "no column 'depth'; there are: time"):
+            results.probes["depth"]
+        self.assertTrue(math.isnan(results.probes["reaction_x"][-1]))
+        self.assertEqual(results.probes.units["pellet_vz"], "m/s")
+        scene = results.scene.message
+        del scene.output.probes[:]
+        with self.assertRaisesRegex(sunder.Error, "no probe of 'pellet'; add output"):
+            sunder.motion(results, "pellet")
+        scene.bodies[0].mesh.path = "x.obj"
+        scene.output.probes.add(name="pellet", body="pellet")
+        with self.assertRaisesRegex(sunder.Error, "give mass="):
+            sunder.motion(results)
+        self.assertEqual(sunder.motion(results, mass=2.0).mass, 2.0)
+
+
+class Fragments(InFolder):
+    def test_pieces_off_and_standing(self) -> None:
+        found = sunder.pieces(write_pieces(self.here))
+        np.testing.assert_allclose(found.off, [1.5, 0.5])
+        np.testing.assert_allclose(found.standing, [6.0, 1.0, 1.0], rtol=1e-6)
+        self.assertAlmostEqual(found.whole, 10.0, places=5)
+        np.testing.assert_allclose(found.counted(0.1), [6.0, 1.5, 1.0, 1.0], rtol=1e-6)
+        self.assertAlmostEqual(found.mean_size(), (36 + 2.25 + 2 + 0.25) / 10, places=5)
+
+    def test_what_a_frozen_shell_keeps_is_one(self) -> None:
+        np.testing.assert_allclose(sunder.pieces(write_pieces(self.here, frozen=True)).standing, [8.0], rtol=1e-6)
+
+    def test_a_missing_last_frame_is_told(self) -> None:
+        results = write_pieces(self.here)
+        (self.here / "frames/shell_1.vtp").unlink()
+        with self.assertRaisesRegex(sunder.Error, "last frame is of 0 s"):
+            sunder.pieces(results)
+
+
+class Tables(InFolder):
+    TABLE = sunder.Table([{"speed": 10, "x": 1.0}, {"speed": 10, "x": 3.0, "ok": True}, {"speed": 20, "x": 0.1 + 0.2},
+                          {"speed": 20, "error": "a,\n\"b\""}])
+
+    def test_csv_and_sqlite_hold_the_same_to_the_bit(self) -> None:
+        self.TABLE.write_csv(self.here / "t.csv")
+        write_sqlite(self.here / "t.sqlite", {"t": self.TABLE})
+        with (self.here / "t.csv").open(newline="") as source:
+            rows = list(csv.reader(source))
+        self.assertEqual(rows[0], ["speed", "x", "ok", "error"])
+        base = sqlite3.connect(self.here / "t.sqlite")
+        self.addCleanup(base.close)
+        found = base.execute("select * from t").fetchall()
+        self.assertEqual(found[2], (20, 0.1 + 0.2, None, None))
+        self.assertEqual([float(r[1]) if r[1] else None for r in rows[1:]], [f[1] for f in found])
+        self.assertEqual(rows[4][3], 'a, "b"')
+
+    def test_means_with_their_interval(self) -> None:
+        first, second = self.TABLE.means("x", ["speed"])
+        self.assertEqual((first.key, first.count, first.mean), ({"speed": 10}, 2, 2.0))
+        # Student's t for one degree of freedom is 12.706; the deviation is sqrt(2), over sqrt(2).
+        self.assertAlmostEqual(first.half, 12.706, places=3)
+        self.assertEqual((second.count, second.mean), (1, 0.1 + 0.2))
+        self.assertTrue(math.isnan(second.half))
+        with self.assertRaisesRegex(sunder.Error, "no column 'y'"):
+            self.TABLE.means("y", ["speed"])
+
+
+class Plots(InFolder):
+    def test_a_panel_has_means_intervals_and_every_run(self) -> None:
+        table = sunder.Table([{"speed": v, "thick": t, "x": v * t + d} for v in (1, 2) for t in (1, 3) for d in (-1.0, 1.0)])
+        panel = sunder.Plot("speed", "x", by="thick").panel(table)
+        self.assertEqual([line.name for line in panel.lines], ["thick 1", "thick 3"])
+        self.assertEqual((panel.lines[1].x, panel.lines[1].y), ([1, 2], [3.0, 6.0]))
+        self.assertAlmostEqual(panel.lines[1].half[0], 12.706, places=3)  # as above: t for one degree of freedom
+        self.assertEqual(panel.lines[1].dots, [(1.0, 2.0), (1.0, 4.0), (2.0, 5.0), (2.0, 7.0)])
+        with self.assertRaisesRegex(sunder.Error, "no column 'y'"):
+            sunder.Plot("speed", "y").panel(table)
+
+    def test_every_line_is_drawn_in_its_colour(self) -> None:
+        lines = [Line(str(k), [1.0, 2.0], [k + 1.0, k + 2.0], [0.1, 0.1]) for k in range(3)]
+        for logarithmic in (False, True):
+            image = draw_panel(Panel("name", "x", "y", lines, logarithmic))
+            colours = {colour for _, colour in image.getcolors(1 << 20)}
+            self.assertTrue(set(COLOURS[:3]) <= colours)
+        empty = draw_panel(Panel("name", "x", "y", [Line("", [1.0, float("nan")], [1.0, 2.0])]))
+        self.assertFalse(set(COLOURS) & {colour for _, colour in empty.getcolors(1 << 20)})
+
+
+class Limits(unittest.TestCase):
+    def test_the_interval_of_the_median_is_the_tabled_one(self) -> None:
+        # Tables of the sign test: 6: 1st and 6th, 96.9 %; 9: 2nd and 8th, 96.1 %; 20: 6th and 15th, 95.9 %.
+        for count, k, chance in ((5, 0, 1.0), (6, 1, 0.969), (9, 2, 0.961), (20, 6, 0.959)):
+            found = median_interval(count)
+            self.assertEqual(found[0], k)
+            self.assertAlmostEqual(found[1], chance, places=3)
+
+    def test_the_interval_holds_the_median_as_often_as_it_says(self) -> None:
+        chance = np.random.default_rng(5)
+        draws = [judged(chance.exponential(10.0, 9).tolist(), 0.0) for _ in range(2000)]
+        held = np.mean([d.low <= 10.0 * math.log(2.0) <= d.high for d in draws])
+        self.assertAlmostEqual(held, 0.961, delta=4 * math.sqrt(0.961 * 0.039 / 2000))  # four deviations of a share
+
+    def test_panes_that_never_or_always_break_count(self) -> None:
+        found = judged([math.inf, 30.0, 20.0, math.inf, 10.0], 0.5)
+        self.assertEqual((found.v50, found.low, found.high), (30.0, 0.0, math.inf))
+        self.assertEqual(judged([0.0, 30.0, 40.0, math.inf], 0.5).v50, 35.0)
+        self.assertEqual(judged([math.inf] * 3, 0.5).v50, math.inf)
+        with self.assertRaisesRegex(sunder.Error, "no pane was decided"):
+            judged([], 0.5)
+
+
+if __name__ == "__main__":
+    unittest.main()

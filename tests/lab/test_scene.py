@@ -1,0 +1,139 @@
+"""Scenes as messages: the same paths and the same checks as `sunder run --set`, and the same run."""
+from __future__ import annotations
+
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from . import REPOSITORY
+import sunder
+from sunder_tools.build import build_dir
+
+ACRYLIC = sunder.SCENES / "acrylic.textproto"
+GOOD = ("bodies[pellet].twist.linear.z=-20", "bodies[0].pose.position.x=1e-3", "fracture.seed=7", "window_s=1e-6",
+        "shells[plate].plate.elements_x=30", "fracture.mode=CUTS", "fracture.interlock=false", "gravity.y=-1",
+        "fracture.branch_ratio=1.5", "name=other")
+# refused by both; the last ones make no sense of what they are given
+BAD = ("bodies[ball].twist.linear.z=-20", "bodie[pellet].mass=1", "bodies[pellet].mass=1", "window_s=x", "fracture.mode=TIP",
+       "shells[plate].layers=2.5", "shells[plate].supports=1", "gravity=3", "window_s.x=3", "fracture.interlock=maybe",
+       "bodies.twist.linear.z=1", "shells[plate]=1", "window_s=", "window_s=1 2")
+
+
+class Paths(unittest.TestCase):
+    def test_take_and_refuse_what_the_command_does(self) -> None:
+        for setting in GOOD + BAD:
+            with self.subTest(setting):
+                path, _, value = setting.partition("=")
+                said = subprocess.run([str(build_dir() / "shell" / "sunder-shell"), "--scene", str(ACRYLIC), "--check",
+                                       "--set", setting], capture_output=True, text=True, check=False)
+                scene = sunder.Scene.load(ACRYLIC)
+                before = scene.text()
+                if setting in BAD:
+                    self.assertIn("bad_setting", said.stderr)
+                    with self.assertRaises(sunder.BadSetting):
+                        scene[path] = value
+                    self.assertEqual(scene.text(), before)
+                else:
+                    self.assertEqual(said.returncode, 0, said.stderr)
+                    scene[path] = value
+                    self.assertNotEqual(scene.text(), before)
+                    self.assertEqual(type(scene[path])(value) if not isinstance(scene[path], bool) else value == "true",
+                                     scene[path])
+
+    def test_say_what_there_is(self) -> None:
+        scene = sunder.Scene.load(ACRYLIC)
+        for path, words in (("bodies[ball].pose.position.z", "there are: pellet"), ("window", "it has: name, end_time_s"),
+                            ("fracture.mod", "it has: mode")):
+            with self.assertRaisesRegex(sunder.BadSetting, words):
+                scene[path] = 1
+        with self.assertRaisesRegex(sunder.BadSetting, "TIPS, CUTS, DAMAGE"):
+            scene["fracture.mode"] = "TOPS"
+
+    def test_numbers_are_kept_to_the_bit(self) -> None:
+        import numpy as np
+        scene = sunder.Scene.load(ACRYLIC)
+        for value in (0.1 + 0.2, 1e-300, np.float64(1) / 3, np.float32(0.1)):
+            scene["window_s"] = value
+            self.assertEqual(scene["window_s"], float(value))
+            with tempfile.TemporaryDirectory() as folder:
+                self.assertEqual(sunder.Scene.load(scene.save(folder))["window_s"], float(value))
+        scene["shells[plate].layers"] = 4.0
+        self.assertEqual(scene["shells[plate].layers"], 4)
+
+    def test_typed_fields_refuse_what_does_not_fit(self) -> None:
+        scene = sunder.Scene.load(ACRYLIC)
+        with self.assertRaises(TypeError):
+            scene.message.end_time_s = "long"
+        with self.assertRaises(AttributeError):
+            scene.find("shells[plate].plate").elements = 4
+        scene.find("shells[plate]").supports.add(edges=["ALL"], kind="CLAMPED")
+        self.assertIn("CLAMPED", scene.text())
+        self.assertNotIn("CLAMPED", sunder.Scene.load(ACRYLIC).text())
+
+
+class Files(unittest.TestCase):
+    def setUp(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.here = Path(self._folder.name)
+
+    def test_a_fault_is_told_with_its_place(self) -> None:
+        path = self.here / "wrong.textproto"
+        path.write_text('name: "wrong"\nwindows: 3\n')
+        with self.assertRaisesRegex(sunder.Error, r"wrong\.textproto:2:1 .*windows"):
+            sunder.Scene.load(path)
+        with self.assertRaisesRegex(sunder.Error, "cannot be read"):
+            sunder.Scene.load(self.here / "none.textproto")
+
+    def test_what_a_scene_names_goes_with_it_and_counts(self) -> None:
+        scene = sunder.Scene.load(ACRYLIC)
+        plain = scene.identity()
+        scene.folder = self.here
+        (self.here / "maps").mkdir()
+        (self.here / "maps" / "grey.pgm").write_text("P2 2 2 255 0 1 2 3\n")
+        scene.find("shells[plate].strength_map").path = "maps/grey.pgm"
+        first = scene.identity()
+        saved = sunder.Scene.load(scene.save(self.here / "copy"))
+        self.assertEqual(saved.identity(), first)
+        self.assertTrue((self.here / "copy" / "maps" / "grey.pgm").is_file())
+        (self.here / "maps" / "grey.pgm").write_text("P2 2 2 255 0 1 2 4\n")
+        self.assertEqual(len({plain, first, scene.identity()}), 3)
+        scene.find("shells[plate].strength_map").path = "../outside.pgm"
+        with self.assertRaisesRegex(sunder.Error, "not below that folder"):
+            scene.identity()
+
+    def test_check_refuses_with_field_and_remedy(self) -> None:
+        scene = sunder.Scene.load(ACRYLIC)
+        self.assertIn("stable step", scene.check())
+        scene["shells[plate].thickness_m"] = -1
+        with self.assertRaisesRegex(sunder.Error, "thickness_m: is -1; must be positive"):
+            scene.check()
+
+    def test_runs_as_the_command_does_to_the_bit(self) -> None:
+        settings = {"shells[plate].plate.elements_x": 24, "shells[plate].plate.elements_y": 24, "end_time_s": 3e-5,
+                    "bodies[pellet].twist.linear.z": -50}
+        one = sunder.Scene.load(ACRYLIC).set(settings).run(self.here / "one", threads=1)
+        command = [str(REPOSITORY / "coupler" / "sunder"), "run", str(ACRYLIC), "--out", str(self.here / "two"), "--quiet"]
+        for path, value in settings.items():
+            command += ["--set", f"{path}={value}"]
+        done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        two = json.loads((self.here / "two" / "run.json").read_text())
+        self.assertEqual(one.run["state_hash"], two["state_hash"])
+        again = sunder.Results(self.here / "two")  # its scene by command.json
+        self.assertEqual(again.scene["bodies[pellet].twist.linear.z"], -50)
+        self.assertEqual(sunder.impact()(again), sunder.impact()(one))
+
+    def test_a_run_that_is_refused_raises(self) -> None:
+        scene = sunder.Scene.load(ACRYLIC)
+        scene["bodies[pellet].pose.position.z"] = 0
+        with self.assertRaisesRegex(sunder.Error, "inside shell 'plate'"):
+            scene.run(self.here / "out")
+        self.assertFalse((self.here / "out").exists())
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,263 @@
+"""Whole series with the real programs: what is told beforehand, what fails, what is killed, and where V50 lies."""
+from __future__ import annotations
+
+import csv
+import json
+import os
+import shutil
+import signal
+import sqlite3
+import subprocess
+import tempfile
+import time
+import unittest
+from pathlib import Path
+from typing import Callable
+
+import numpy as np
+
+from . import REPOSITORY, sweeps
+import sunder
+from sunder_lab.sweep import series_of
+
+from .made_up import write_run
+
+ACRYLIC = sunder.SCENES / "acrylic.textproto"
+
+
+def coarse() -> sunder.Scene:
+    return sunder.Scene.load(ACRYLIC).set({
+        "shells[plate].plate.elements_x": 24, "shells[plate].plate.elements_y": 24, "end_time_s": 4e-6})
+
+
+class Sweeps(unittest.TestCase):
+    def setUp(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.here = Path(self._folder.name)
+        self.out = self.here / "out"
+
+    def results(self, out: Path | None = None) -> list[dict[str, str]]:
+        with ((out or self.out) / "results.csv").open(newline="") as source:
+            return list(csv.DictReader(source))
+
+    def test_a_bad_name_is_told_before_anything_runs(self) -> None:
+        file = sweeps.write_file(self.here / "bad.py", [], parameters="""{
+            "shells[plate].thickness": [1e-3], "speed": sunder.Parameter([1, 2], "bodies[ball].twist.linear.z"),
+            "seed": sunder.Parameter([1], "fracture.seed"), "shells[plate].layers": [2, "two"]}""")
+        status, out, err = sweeps.sweep(str(file), "--out", str(self.out))
+        self.assertEqual((status, out), (2, ""))
+        for words in ("'thickness' is no field of Shell", "there are: pellet", "'seed': every table has a column",
+                      "'two' is no whole number"):
+            self.assertIn(words, err)
+        self.assertFalse(self.out.exists())
+
+    def test_what_is_no_sweep_file_is_refused_with_its_line(self) -> None:
+        for text, words in (("x = 1\n", "defines no sunder.Experiment"), ("\nx = 1 / 0\n", "bad.py:2: ZeroDivisionError"),
+                            ("\n\nx = (\n", "bad.py:3: SyntaxError"),
+                            ("import sunder\nsunder.Scene.load('none.textproto')\n", "none.textproto: cannot be read")):
+            (self.here / "bad.py").write_text(text)
+            with self.assertRaises(sunder.Error) as raised:
+                series_of(self.here / "bad.py")
+            self.assertIn(words, str(raised.exception))
+        status, _, err = sweeps.sweep(str(self.here / "none.py"))
+        self.assertEqual(status, 2)
+        self.assertIn("no such file", err)
+
+    def test_a_failed_member_is_a_row_and_the_rest_goes_on(self) -> None:
+        # 2 mm thick, the plate would hold the pellet from the start on; a measure of one's own may fail, too
+        file = sweeps.write_file(self.here / "some.py", [], parameters='{"shells[plate].thickness_m": [2e-3, 1e-3]}')
+        file.write_text(file.read_text().replace("measure=[", "measure=[lambda run: dict(odd=1 / (run.scene['fracture.seed'] - 2)), "))
+        status, out, err = sweeps.sweep(str(file), "--out", str(self.out), "--jobs", "2")
+        self.assertEqual(status, 1, err)
+        rows = self.results()
+        self.assertEqual([row["status"] for row in rows], ["failed", "failed", "done", "not measured"])
+        self.assertIn("inside shell 'plate'; move it away", rows[0]["error"])
+        self.assertNotIn(str(self.here), rows[0]["error"])
+        self.assertIn("ZeroDivisionError", rows[3]["error"])
+        self.assertIn("1 of 4 runs done", out)
+        self.assertIn("move it away", out)
+        self.assertIn("plot of crack_length_m over speed: no column 'speed'", err)
+        self.assertGreater(float(rows[2]["energy_lost_J"]), 0.0)
+        # within what the books of the run miss
+        self.assertLess(abs(float(rows[2]["energy_missing_J"])), 0.02 * float(rows[2]["energy_lost_J"]))
+        base = sqlite3.connect(self.out / "results.sqlite")
+        self.addCleanup(base.close)
+        self.assertEqual(base.execute("select count(*) from results natural join times where wall_s > 0").fetchone(), (4,))
+        # failed ones are tried again, done ones are not
+        before = sweeps.outcomes(self.out)
+        sweeps.sweep(str(file), "--out", str(self.out), "--quiet")
+        self.assertEqual([row["member"] for row in rows if before[row["member"]] == sweeps.outcomes(self.out)[row["member"]]],
+                         [rows[2]["member"], rows[3]["member"]])
+
+    def test_killed_half_way_it_goes_on_and_ends_the_same(self) -> None:
+        file = sweeps.write_file(self.here / "some.py", [60, 80])
+        self.assertEqual(sweeps.sweep(str(file), "--out", str(self.here / "whole"))[0], 0)
+        process = sweeps.start(str(file), "--out", str(self.out), "--jobs", "2")
+        done = sweeps.kill_half_way(process, self.out, 1)
+        self.assertLess(len(done), 4)
+        self.assertFalse((self.out / "results.csv").exists())
+        self.assert_nothing_runs()
+        self.assertTrue(set(done.items()) <= set(sweeps.outcomes(self.out).items()))
+        status, _, err = sweeps.sweep(str(file), "--out", str(self.out))
+        self.assertEqual(status, 0, err)
+        self.assertIn(f"4 runs, {len(done)} of them done already", err)
+        self.assertTrue(set(done.items()) <= set(sweeps.outcomes(self.out).items()), "a member that was done ran again")
+        self.assertEqual((self.out / "results.csv").read_bytes(), (self.here / "whole" / "results.csv").read_bytes())
+        force = sunder.motion(sunder.member(self.out, self.results()[0]["member"])).force()[1]
+        self.assertEqual(float(self.results()[0]["peak_force_N"]), float(np.linalg.norm(force, axis=1).max()))
+        self.assertEqual(len({row["energy_fracture_J"] for row in self.results()}), 4)  # seeds and speeds differ, in cracks
+        self.assertTrue((self.out / "plots.png").is_file())
+        # another speed is two more members of the same folder
+        status, _, err = sweeps.sweep(str(sweeps.write_file(file, [60, 80, 5])), "--out", str(self.out))
+        self.assertIn("6 runs, 4 of them done already", err)
+
+    def assert_nothing_runs(self) -> None:
+        """No process has the folder in its arguments, soon."""
+        end = time.monotonic() + 5.0
+        while True:
+            left = [p for p in Path("/proc").glob("[0-9]*/cmdline") if str(self.out).encode() in _read(p)]
+            if not left:
+                return
+            self.assertLess(time.monotonic(), end, f"left behind: {[_read(p) for p in left]}")
+            time.sleep(0.05)
+
+    def test_interrupted_it_says_so_and_leaves_nothing(self) -> None:
+        file = sweeps.write_file(self.here / "long.py", [30], end="2e-3")
+        process = sweeps.start(str(file), "--out", str(self.out), "--jobs", "2")
+        while not list(self.out.glob("members/*/run/shell.log")):
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        _, err = process.communicate(timeout=30)
+        self.assertEqual(process.returncode, 130, err)
+        self.assert_nothing_runs()
+        self.assertEqual(sweeps.outcomes(self.out), {})
+
+    def test_a_folder_is_for_one_series(self) -> None:
+        file = sweeps.write_file(self.here / "some.py", [30], end="2e-3")
+        (self.here / "mine").mkdir()
+        (self.here / "mine" / "letter.txt").touch()
+        self.assertIn("holds other files", sweeps.sweep(str(file), "--out", str(self.here / "mine"))[2])
+        process = sweeps.start(str(file), "--out", str(self.out))
+        self.addCleanup(process.communicate)
+        self.addCleanup(process.kill)
+        while not list(self.out.glob("members/*")):
+            self.assertIsNone(process.poll())
+            time.sleep(0.05)
+        self.assertIn("another series is running there", sweeps.sweep(str(file), "--out", str(self.out))[2])
+
+    def test_a_script_runs_without_the_command(self) -> None:
+        script = self.here / "script.py"
+        script.write_text("import sunder\n"
+                          f"scene = sunder.Scene.load({str(ACRYLIC)!r})\n"
+                          "scene['end_time_s'] = 4e-6\n"
+                          f"results = scene.run({str(self.out)!r}, threads=1)\n"
+                          "print(sunder.motion(results).force()[1].shape, results.frames[0].read(0).points.shape[1])\n")
+        done = subprocess.run(["/usr/bin/python3", "-B", str(script)], capture_output=True, text=True, check=False,
+                              env={**os.environ, "PYTHONPATH": str(REPOSITORY / "coupler")})
+        self.assertEqual((done.stdout, done.stderr), ("(2, 3) 3\n", ""))
+
+
+def _read(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError:  # it has ended
+        return b""
+
+
+class Shipped(unittest.TestCase):
+    def test_every_experiment_can_be_planned_and_has_its_picture(self) -> None:
+        files = sorted((REPOSITORY / "coupler" / "experiments").glob("*.py"))
+        self.assertEqual(len(files), 4)
+        for file in files:
+            for series in series_of(file):
+                self.assertGreater(len({planned.member.identity() for planned in series.plan()}), 15)
+                self.assertEqual(series.name, file.stem)
+            self.assertTrue(file.with_suffix(".png").is_file())
+
+    def test_the_script_in_the_guide_is_the_one_that_ships(self) -> None:
+        text = (REPOSITORY / "coupler" / "experiments" / "radial_cracks.py").read_text()
+        self.assertIn(f"```python\n{text}```", (REPOSITORY / "README.md").read_text())
+        self.assertLess(len(text.splitlines()), 30)
+
+
+class Plans(unittest.TestCase):
+    def test_scatter_is_within_its_bounds_and_the_same_for_a_seed_and_repeat(self) -> None:
+        path = "bodies[pellet].pose.position.x"
+        one = sunder.Experiment("one", coarse(), {}, seeds=range(8), repeats=3, scatter={path: 1e-3})
+        places = [planned.member.scene[path] for planned in one.plan()]
+        self.assertEqual(len(set(places)), 24)
+        self.assertTrue(all(abs(x) <= 1e-3 for x in places) and max(places) > 5e-4 and min(places) < -5e-4)
+        self.assertEqual(places, [planned.member.scene[path] for planned in one.plan()])
+        self.assertEqual(coarse()[path], 0.0)
+
+    def test_repeats_of_the_same_are_refused(self) -> None:
+        with self.assertRaisesRegex(sunder.Error, "gives the same results to the bit"):
+            sunder.Experiment("one", coarse(), {}, repeats=2).plan()
+
+    def test_a_member_is_its_scene_and_engine(self) -> None:
+        def identity(value: float, engine: str = "bullet") -> str:
+            planned, = sunder.Experiment("one", coarse(), {"window_s": [value]}, engine=engine).plan()
+            return planned.member.identity()
+        self.assertEqual(identity(2e-6), identity(2e-6))
+        self.assertEqual(len({identity(2e-6), identity(1e-6), identity(2e-6, "ode")}), 3)
+
+
+class Pretended(sunder.Settings):
+    """Settings by which nothing is run: every member has a made-up run and an outcome at once."""
+    rounds: list[int] = []
+
+    def make(self) -> "Pretended":
+        return self
+
+    def run(self, folders: list[Path], ended: Callable[[Path], None]) -> None:
+        self.rounds.append(len(folders))
+        for folder in folders:
+            write_run(folder / "run")
+            shutil.copy(folder / "scene.textproto", folder / "run")
+            (folder / "outcome.json").write_text('{"status": "done"}')
+            ended(folder)
+
+
+class Ballistics(unittest.TestCase):
+    def test_bisection_finds_each_pane_s_limit(self) -> None:
+        """Panes whose limit is known: `through` says so of the speed in the scene. One never breaks, one always does,
+        one is never decided, and of one pane both ends take longer."""
+        limits = {1: 23.0, 2: 34.0, 3: 28.5, 4: 1e9, 5: 0.0, 6: None}
+        end = coarse()["end_time_s"]
+
+        def through(results: sunder.Results) -> bool | None:
+            limit, scene = limits[results.scene["fracture.seed"]], results.scene
+            if limit == 23.0 and scene["bodies[pellet].twist.linear.z"] in (-20, -40) and scene["end_time_s"] < 3 * end:
+                return None  # until it has been doubled twice
+            return None if limit is None else -results.scene["bodies[pellet].twist.linear.z"] > limit
+
+        with tempfile.TemporaryDirectory() as folder:
+            settings = Pretended(Path(folder) / "out", quiet=True)
+            settings.rounds = []
+            found = sunder.V50("limit", coarse(), {"bodies[pellet].twist.linear.z": lambda v: -v}, 20.0, 40.0, list(limits),
+                               tolerance=0.7, through=through).run(settings)
+            self.assertEqual(len(found.limits), 5)
+            for value, limit in zip(found.limits, (23.0, 34.0, 28.5)):
+                self.assertLessEqual(abs(value - limit), found.resolution)
+            self.assertEqual(found.limits[3:], [float("inf"), 0.0])
+            self.assertEqual(found.resolution, 0.3125)  # 20 m/s halved five times, and once more
+            self.assertEqual(found.v50, found.limits[2])  # the middle one of five
+            self.assertEqual((found.low, found.high), (0.0, float("inf")))  # five panes bound nothing with 95 %
+            # both ends of six; then two are bisected while both ends of two more are run for longer, once more, and
+            # again for the one that is never decided while the third catches up
+            self.assertEqual(settings.rounds, [12, 2 + 4, 2 + 4, 3 + 2, 3, 3, 1, 1])
+            with (Path(folder) / "out" / "results.csv").open(newline="") as source:
+                rows = list(csv.DictReader(source))
+            self.assertEqual({row["doubled"] for row in rows if not row["perforated"]}, {"0", "1", "2", "3"})
+            self.assertEqual(json.loads((Path(folder) / "out" / "v50.json").read_text())["lost_seeds"], [6])
+
+    def test_a_range_that_makes_no_sense_is_refused(self) -> None:
+        for low, high, seeds, words in ((30, 20, [1], "must rise"), (10, 20, [], "seeds"), (10, 20, [1, 1], "seeds")):
+            with self.assertRaisesRegex(sunder.Error, words):
+                sunder.V50("limit", coarse(), "bodies[pellet].twist.linear.z", low, high, seeds).plan()
+
+
+if __name__ == "__main__":
+    unittest.main()
