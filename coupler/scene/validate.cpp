@@ -223,6 +223,27 @@ std::string patch_name(const proto::Shell& shell) {  // the field that is set
   return shell.GetReflection()->GetOneofFieldDescriptor(shell, patch)->name();
 }
 
+void interlayer(const Scene& s, const std::string& f, const proto::Shell& shell) {
+  const auto& core = shell.interlayer();
+  const proto::Material* found = nullptr;
+  for (const auto& m : s.message.materials()) {
+    if (m.name() == core.material()) found = &m;
+    s.check(m.name() != shell.material() || !m.has_yield_stress(), f + ".interlayer",
+            "is for glass, and material '{}' yields; leave one of them out", m.name());
+  }
+  s.check(found, f + ".interlayer.material", "'{}' is no material of this scene", core.material());
+  s.check(found->has_youngs_modulus() && found->has_poisson_ratio() && found->has_density(), f + ".interlayer.material",
+          "'{}' needs density, youngs_modulus and poisson_ratio", core.material());
+  s.check(!found->has_strength() && !found->has_yield_stress(), f + ".interlayer.material",
+          "'{}' has a strength or a yield_stress, and an interlayer is elastic; name a material without",
+          core.material());
+  positive(s, f + ".interlayer.thickness_m", core.has_thickness_m(), core.thickness_m(), "m");
+  s.check(core.thickness_m() < shell.thickness_m(), f + ".interlayer.thickness_m", "is {} m, and the whole shell {} m",
+          core.thickness_m(), shell.thickness_m());
+  s.check(shell.bending() == proto::Shell::LAYERED && !shell.has_surface_compression(), f + ".interlayer",
+          "goes neither with bending LINEAR nor with surface_compression; leave one of them out");
+}
+
 void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {
   s.check(materials.count(shell.material()), f + ".material", "'{}' is no material of this scene", shell.material());
   for (const auto& m : s.message.materials())
@@ -238,6 +259,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
           static_cast<int>(shell.bending()));
   s.check(shell.bending() == proto::Shell::LAYERED || !shell.has_layers(), f + ".layers",
           "are given, but bending LINEAR has none; leave one of them out");
+  if (shell.has_interlayer()) interlayer(s, f, shell);
   if (shell.has_surface_compression()) {
     positive(s, f + ".surface_compression", true, shell.surface_compression(), "Pa");
     s.check(shell.layers() >= 3, f + ".surface_compression",

@@ -141,6 +141,10 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.yield_stress = mat.yield_stress(), material.hardening_modulus = mat.hardening_modulus();
   scene.check(material.yield_stress == 0.0 || s.cuts_size() == 0, field + ".cuts",
               "are given, but material '{}' yields, and what yields cannot be cut yet", s.material());
+  if (s.has_interlayer()) {
+    const auto& core = *find_material(scene.message, s.interlayer().material());
+    material.interlayer = {s.interlayer().thickness_m(), core.density(), core.youngs_modulus(), core.poisson_ratio()};
+  }
   constexpr StressModel kModels[] = {StressModel::kPlaneStress, StressModel::kPaperProjection, StressModel::kJgt17,
                                      StressModel::kGhf18};
   material.stress_model = kModels[s.stress_model()];

@@ -103,11 +103,12 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   };
   std::vector<char> near(t.vertices.size(), 0);
   for (std::size_t i = 0; i < near.size(); ++i)
-    s.cracks.near(t.vertices[i], t.vertices[i], 2.0 * m.spacing, [&](int e) {
-      Vec2 foot;
-      if (s.cracks.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
-      return !near[i];
-    });
+    if (!m.laminated())  // an interlayer goes on as the patch does
+      s.cracks.near(t.vertices[i], t.vertices[i], 2.0 * m.spacing, [&](int e) {
+        Vec2 foot;
+        if (s.cracks.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
+        return !near[i];
+      });
   // A vertex on a crack stands once for each fan of triangles that hang together around it.
   const std::vector<std::array<int, 3>> fan = fans(t);
   std::map<int, Vec2> fan_sum;  // of centres, and how many: the fan's own side of its vertex
@@ -125,7 +126,7 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
     if (pieces[t.piece[i]].gone || pieces[t.piece[i]].control_points.empty()) continue;
     const auto& c = t.triangles[i];
     const Vec2 centre = (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
-    if (is_rubble(m, s, centre)) continue;
+    if (!m.laminated() && is_rubble(m, s, centre)) continue;
     std::vector<int> polygon;
     for (int k = 0; k < 3; ++k) {
       const auto [it, fresh] = shared.try_emplace(fan[i][k], 0);

@@ -53,6 +53,9 @@ std::vector<PartPieces> Run::pieces_now(bool all) {
         out[shell].whole ? 0 : out[shell].triangulation.owner[parts_[shell].model().tables.control_point(slot)];
     return own < 0 ? -1 : first[shell] + own;
   };
+  for (std::size_t k = 0; k < parts_.size(); ++k)  // an interlayer holds what has cracked together
+    for (std::size_t i = 1; i < out[k].pieces.size() && parts_[k].model().laminated(); ++i)
+      parent[first[k] + static_cast<int>(i)] = first[k];
   stitching_.each_link([&](int shell, int slot, int other, int other_slot) {
     const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
     if (a < 0 || b < 0) return;
@@ -92,7 +95,8 @@ std::vector<RigidBody> Run::take_off(bool all) {
       g.members.push_back({k, i});
       g.bends = g.bends || (!p.control_points.empty() && p.area > kSmallPiece * std::pow(parts_[k].model().spacing, 2));
       g.empty = g.empty && p.control_points.empty() && !now[k].whole;
-      g.torn = g.torn || now[k].pieces.size() > 1;
+      g.torn = g.torn || std::any_of(now[k].group.begin(), now[k].group.end(),
+                                     [&, own = now[k].group[i]](int other) { return other != own; });
     }
   fragments_ = static_cast<int>(groups.size());
   double before = 0.0;

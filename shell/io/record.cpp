@@ -284,6 +284,8 @@ void Run::write_summary(const std::string& status, const Error* error) {
     model("strength_factors", "a shell has strength_regions or a strength_map", "crack_update");
   if (any([](const ShellSetup& s) { return s.model.material.yield_stress > 0.0; }))
     model("j2_plasticity", "a shell's material has a yield stress", "internal_force");
+  if (any([](const ShellSetup& s) { return s.model.laminated(); }))
+    model("interlayer", "a shell has an interlayer", "internal_force");
   if (any([](const ShellSetup& s) { return !s.cuts.empty(); }))
     model("prescribed_cuts", "a shell has cuts", "crack_update");
   if (!setup_.bodies.empty() || handed_off_ > 0) model("rigid_engine", "there are rigid bodies", "coupling");

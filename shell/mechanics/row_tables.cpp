@@ -17,6 +17,18 @@ Layers gauss_layers(int count, double thickness) {
   return layers;
 }
 
+Layers plies(int count, double thickness, double inner) {
+  const double ply = 0.5 * (thickness - inner), middle = 0.5 * (inner + ply);
+  const Layers one = gauss_layers(count, ply);
+  Layers layers;
+  for (const double side : {-1.0, 1.0})
+    for (int l = 0; l < count; ++l) {
+      layers.zeta.push_back(side * middle + one.zeta[l]);
+      layers.weight.push_back(one.weight[l]);
+    }
+  return layers;
+}
+
 Layers linear_bending(double thickness) {
   Layers layers;
   layers.zeta = {0.0}, layers.weight = {thickness};

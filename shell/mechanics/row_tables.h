@@ -17,6 +17,8 @@ struct Layers {
   double bending = 0.0;
 };
 Layers gauss_layers(int count, double thickness);
+/// Two plies on either side of a core of `inner` [m], `count` layers in each.
+Layers plies(int count, double thickness, double inner);
 /// One layer in the middle, bending by Hooke's law.
 Layers linear_bending(double thickness);
 /// Stress at rest as in tempered glass: a parabola of zeta, `surface_compression` [Pa] at both faces and half as much

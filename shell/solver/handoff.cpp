@@ -211,6 +211,8 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     for (int e = 0; e < t.spans_u; ++e) {
       double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];
       if (area > 0.0 && own[beside(q / (t.gauss * t.gauss), e)]) area = 0.0;
+      if (m.laminated() && own[beside(q / (t.gauss * t.gauss), e)])
+        s.interlayer.metric[t.at(q, kMetricFields, kArea, e)] = 0.0;
       const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
       if (area == 0.0 && (point < 0 || s.points[point].kind == PointKind::kDead))
         for (int k = 0; k < 6; ++k) s.surface_stress[t.at(q, 6, k, e)] = 0.0;

@@ -7,6 +7,10 @@
 
 namespace sunder::shell {
 
+namespace {
+constexpr int kCoreLayers = 2;  // of an interlayer
+}
+
 double ShellModel::wave_speed() const {
   return std::sqrt(material.youngs_modulus / (1.0 - material.poisson_ratio * material.poisson_ratio) /
                    material.density);
@@ -23,15 +27,23 @@ double ShellModel::response_time() const {
 
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
-  ShellModel m{
-      name, with_parameters_as_lengths(patch), thickness, material, 0, {}, {}, {}, {}, {}, {}, {}, {}, 0, 0, 0, 0, 0,
-      {}};
+  ShellModel m{name, with_parameters_as_lengths(patch), thickness, material};
+  const Interlayer& core = material.interlayer;
+  m.material.density += (core.density - material.density) * core.thickness / thickness;
   Elasticity e = elasticity(material.youngs_modulus, material.poisson_ratio);
   e.model = material.stress_model;
   e.least_log_area = find_least_log_area(e);
-  Layers rule = material.linear_bending ? linear_bending(thickness) : gauss_layers(layers, thickness);
+  Layers rule = material.linear_bending ? linear_bending(thickness)
+                : m.laminated()         ? plies(layers, thickness, core.thickness)
+                                        : gauss_layers(layers, thickness);
   if (material.surface_compression > 0.0) prestress(rule, thickness, material.surface_compression, e);
   m.tables = make_row_tables(m.patch, gauss, rule, e, "shell '" + name + "'");
+  if (m.laminated()) {
+    Elasticity soft = elasticity(core.youngs_modulus, core.poisson_ratio);
+    soft.model = material.stress_model, soft.least_log_area = find_least_log_area(soft);
+    m.interlayer =
+        make_row_tables(m.patch, gauss, gauss_layers(kCoreLayers, core.thickness), soft, "shell '" + name + "'");
+  }
   const RowTables& t = m.tables;
   m.mass.assign(t.plane, 0.0);
   // m_I = integral of rho tau N_I: the row sum of the consistent mass, positive for B-splines
@@ -41,7 +53,7 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       if (area == 0.0) continue;
       const ShapeFunctions s = m.patch.shape_functions(gauss_point(m.patch, t, q, e).parameter);
       for (int k = 0; k < s.count(); ++k)
-        m.mass[s.row(k) * t.stride + s.column(k)] += material.density * thickness * area * s.value[k];
+        m.mass[s.row(k) * t.stride + s.column(k)] += m.material.density * thickness * area * s.value[k];
     }
   m.rest.assign(3 * static_cast<std::size_t>(t.plane), 0.0);
   for (int i = 0; i < m.control_points(); ++i)

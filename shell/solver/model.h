@@ -10,6 +10,12 @@
 
 namespace sunder::shell {
 
+/// The core of laminated glass: it bears beside the plies, and does not crack.
+struct Interlayer {
+  double thickness = 0.0;                                           // [m]; 0: there is none
+  double density = 0.0, youngs_modulus = 0.0, poisson_ratio = 0.0;  // [kg/m^3], [Pa], [-]
+};
+
 struct ShellMaterial {
   double density = 0.0, youngs_modulus = 0.0, poisson_ratio = 0.0;  // [kg/m^3], [Pa], [-]
   double strength = 0.0;                                            // [Pa]; 0: does not break
@@ -23,6 +29,7 @@ struct ShellMaterial {
   double hardening_modulus = 0.0;    // [Pa]
   bool linear_bending = false;       // by Hooke's law, without layers
   double surface_compression = 0.0;  // of the stress at rest [Pa] (`prestress`)
+  Interlayer interlayer{};
 };
 
 struct ShellModel {
@@ -31,24 +38,28 @@ struct ShellModel {
   double thickness = 0.0;
   ShellMaterial material;
   std::uint32_t contact_group = 0;
-  RowTables tables;
-  std::vector<double> mass;  // lumped, of each slot [kg]; padding 0
-  std::vector<double> rest;  // positions at rest, [3][plane]
-  std::vector<char> held;    // slot is held by a support, along all axes
-  Constraints constraints;
-  std::vector<PreparedLoad> loads;
-  std::vector<Vec2> parameter;    // Greville point of each control point
-  std::vector<Vec2> of_slot;      // the same by slots; padding: zero
+  RowTables tables{};
+  // Of the interlayer, whose functions are those of the uncut patch whatever cracks; without points where there is
+  // none.
+  RowTables interlayer{};
+  std::vector<double> mass{};  // lumped, of each slot [kg]; padding 0
+  std::vector<double> rest{};  // positions at rest, [3][plane]
+  std::vector<char> held{};    // slot is held by a support, along all axes
+  Constraints constraints{};
+  std::vector<PreparedLoad> loads{};
+  std::vector<Vec2> parameter{};  // Greville point of each control point
+  std::vector<Vec2> of_slot{};    // the same by slots; padding: zero
   double longest_element = 0.0;   // along u or v, at rest [m]
   double largest_mobility = 0.0;  // inverse mass of a point of the surface, at most [1/kg]
   double spacing = 0.0;           // mean length of an element [m]
   double spacing_u = 0.0, spacing_v = 0.0;
   // Of the material's strength, [block][lane]; empty: 1 everywhere. The fracture energy goes with its square.
-  std::vector<float> strength_factor;
+  std::vector<float> strength_factor{};
 
   double strength_factor_at(int block, int lane) const {
     return strength_factor.empty() ? 1.0 : strength_factor[static_cast<std::size_t>(block) * tables.lanes + lane];
   }
+  bool laminated() const { return material.interlayer.thickness > 0.0; }
   int control_points() const { return tables.columns * tables.rows; }
   double wave_speed() const;      // of compression in the plane [m/s]
   double rayleigh_speed() const;  // [m/s]
@@ -57,6 +68,7 @@ struct ShellModel {
   double response_time() const;
 };
 
+/// `layers` of each ply where there is an interlayer. The model's density is then the mean over the thickness.
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads = {});
 

@@ -64,7 +64,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   s.c.assign(gauss, 0.0f), s.c_his.assign(gauss, 0.0f);
   if (m.material.yield_stress > 0.0) s.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
   s.point_of.assign(gauss, -1), s.sight_of.assign(gauss, -1), s.reach.assign(gauss, 0.0f);
-  s.tables = t;
+  s.tables = t, s.interlayer = m.interlayer;
   s.cracks = CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()},
                         {m.patch.knots_u.end(), m.patch.knots_v.end()}, 2.0 * m.spacing, kLengthening * m.spacing);
   assign_strength(m, s, seed);
@@ -89,6 +89,11 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
                           s.brittleness > 0.0 ? &law : nullptr);
   s.book.healing -= law.healed, s.book.fracture += law.dissipated;
+  if (m.laminated()) {
+    s.interlayer_force.resize(s.force.size());
+    sum += row_forces(s.interlayer, s.x, energy, {}, threads, s.row_scratch, s.interlayer_force);
+    for (std::size_t i = 0; i < s.force.size(); ++i) s.force[i] += s.interlayer_force[i];
+  }
   s.interlock_energy = interlock_forces(m, s);
   if (!m.loads.empty()) {
     s.external.assign(s.force.size(), 0.0);

@@ -79,6 +79,7 @@ struct ShellState {
   std::vector<float> c, c_his;         // [block][lane]
   std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: none do
   RowTables tables;                    // as the model's, areas of gathered points taken out
+  RowTables interlayer;                // as the model's, areas of what has left taken out
   std::vector<GatheredPoint> points;   // Gauss points that a crack has touched, or that damage may weaken
   std::vector<int> point_of;           // [block][lane]: index into points, -1: none
   std::vector<PointDamage> damage;     // of each of these points where damage drives the cracks, else empty
@@ -105,6 +106,7 @@ struct ShellState {
   TransferBuffers transfer_buffers;
   RowScratch row_scratch;
   std::vector<double> point_scratch;
+  std::vector<double> interlayer_force;
   double interlock_energy = 0.0;
 
   /// Gauss points of standing pieces that bear nothing any more.
