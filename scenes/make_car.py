@@ -240,6 +240,7 @@ def shell_text(patch: Patch, counts: dict[str, int]) -> list[str]:
     out = [f"# {NOTES[kind]}"] if kind in NOTES else []
     out += ["shells {", f'  name: "{patch.name}"', f'  material: "{material}"', f"  thickness_m: {thickness}"]
     out += [f"  layers: {layers}"] if layers else []
+    out += ['  interlayer { material: "window_film" thickness_m: 0.002 }'] if kind == "windscreen" else []
     out += ["  nurbs {"]
     for name, chain in (("u", patch.chain_u), ("v", patch.chain_v)):
         out.append(f"    knots_{name}: [{', '.join(number(k) for k in open_knots(SPANS[chain]))}]")

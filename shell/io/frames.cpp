@@ -161,20 +161,26 @@ Vec2 held_back(const ShellModel& m, Vec2 p, const Vec2& other) {
 VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   VtpMesh mesh;
   VtpArray crack{"crack", 1, {}}, time{"time", 1, {}};
+  // Lines lie on the surface at rest: their displacement is zero, so that they can be laid over any frame. On an
+  // interlayer they go with it: it is one surface, which no piece leaves.
+  VtpArray displacement{"displacement", 3, {}};
   VtpArray parameter{"parameter", 3, {}};  // of the graph itself, beyond the border too; third component 0
   for (const CrackEdge& e : s.cracks.edges()) {
     std::vector<int> line;
     for (const bool first : {true, false}) {
       const Vec2& p = first ? e.a : e.b;
-      mesh.points.push_back(m.patch.evaluate(held_back(m, p, first ? e.b : e.a)).x);
+      const Vec2 drawn = held_back(m, p, first ? e.b : e.a);
+      const Vec3 rest = m.patch.evaluate(drawn).x;
+      const Vec3 u = m.laminated() ? Vec3(evaluate(m, s, drawn, false).x - rest) : Vec3(Vec3::Zero());
+      mesh.points.push_back(rest + u);
+      displacement.values.insert(displacement.values.end(), {u.x(), u.y(), u.z()});
       parameter.values.insert(parameter.values.end(), {p.x(), p.y(), 0.0});
       line.push_back(static_cast<int>(mesh.points.size()) - 1);
     }
     mesh.lines.push_back(line);
     crack.values.push_back(e.crack), time.values.push_back(e.time);
   }
-  // Lines lie on the surface at rest: their displacement is zero, so that they can be laid over any frame.
-  mesh.point_data = {{"displacement", 3, std::vector<double>(3 * mesh.points.size(), 0.0)}, parameter};
+  mesh.point_data = {displacement, parameter};
   mesh.cell_data = {crack, time};
   return mesh;
 }

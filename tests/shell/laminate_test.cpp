@@ -1,0 +1,82 @@
+// Laminated glass: plies on an interlayer that goes on where they crack.
+#include <gtest/gtest.h>
+
+#include "shell/io/probes.h"
+#include "shell/solver/relaxation.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+constexpr double kThickness = 0.006, kCore = 0.0015;
+
+ShellMaterial laminated() {
+  ShellMaterial m = glass();
+  m.poisson_ratio = 0.0;
+  m.interlayer = {kCore, 1100.0, 5e9, 0.0};
+  return m;
+}
+
+Patch strip_patch() { return plate(0.3, 0.06, 30, 6, Vec3(0.15, 0.03, 0), Quat::Identity()); }
+
+}  // namespace
+
+TEST(Laminate, BendsAsBondedPliesDo) {
+  Support clamp;
+  clamp.edges = kUMin;
+  Load moment;
+  moment.kind = Load::Kind::kEdgeMoment, moment.edges = kUMax, moment.size = 1.0;
+  const ShellMaterial material = laminated();
+  const ShellModel m = make_shell("strip", strip_patch(), kThickness, material, 2, 2, {clamp}, {moment});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  RelaxationRules rules;
+  rules.tolerance = 1e-9;
+  ASSERT_TRUE(relax(m, s, rules).converged);
+  const double core = std::pow(kCore, 3) / 12.0, all = std::pow(kThickness, 3) / 12.0;
+  const double stiffness = material.youngs_modulus * (all - core) + material.interlayer.youngs_modulus * core;
+  const double expected = moment.size * 0.3 * 0.3 / (2.0 * stiffness);
+  // the clamped edge takes half a spacing's curvature: 1/30 of the length, squared
+  EXPECT_NEAR(std::abs(displacement(m, s, {0.3, 0.03}).z()), expected, 2e-3 * expected);
+}
+
+TEST(Laminate, WeighsWhatPliesAndInterlayerWeigh) {
+  const ShellModel m = make_shell("strip", strip_patch(), kThickness, laminated(), 2, 2, {});
+  double mass = 0.0;
+  for (const double part : m.mass) mass += part;
+  EXPECT_NEAR(mass, 0.3 * 0.06 * (2500.0 * (kThickness - kCore) + 1100.0 * kCore), 1e-12);
+}
+
+TEST(Laminate, ForcesAreTheGradientBesideACut) {
+  const ShellModel m = make_shell("patch", rational_patch(), 0.02, laminated(), 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  insert_polyline(m, s, {{0.1, 0.2}, {0.8, 0.7}}, 0.0);
+  disturb(s, m, 1e-3);
+  expect_gradient(m, s);
+  const Balance b = balance(m, s);
+  EXPECT_LT(b.force.norm(), 1e-12 * b.scale);
+}
+
+TEST(Laminate, HalvesThatPartFeelTheInterlayerAlone) {
+  const ShellMaterial material = laminated();
+  const ShellModel m = make_shell("strip", strip_patch(), kThickness, material, 2, 2, {});
+  ShellMaterial soft = material;
+  soft.interlayer = {};
+  soft.youngs_modulus = material.interlayer.youngs_modulus;
+  const ShellModel core = make_shell("core", strip_patch(), kCore, soft, 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 0), alone = make_state(core, Vec3::Zero(), 0);
+  const double cut = 0.1523;  // on no knot
+  insert_polyline(m, s, {{cut, 0.0}, {cut, 0.06}}, 0.0);
+  EXPECT_LT(compute_forces(m, s, true, 0.0, 1), 1e-20);
+  const Vec3 apart(1e-4, 2e-5, 3e-4);
+  for (int i = 0; i < m.control_points(); ++i)
+    for (int d = 0; d < 3; ++d)
+      if (m.parameter[i].x() > cut) {
+        const std::size_t k = d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i);
+        s.x[k] += apart[d], alone.x[k] += apart[d];
+      }
+  const double energy = compute_forces(m, s, true, 0.0, 1), expected = compute_forces(core, alone, true, 0.0, 1);
+  ASSERT_GT(expected, 0.0);
+  EXPECT_NEAR(energy, expected, 1e-9 * expected);  // glass that only moves has none, to the round-off of its stiffness
+}
