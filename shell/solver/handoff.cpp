@@ -76,16 +76,18 @@ Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
 // Rotation and translation of rest positions that fit the present ones best (mass-weighted).
 void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& slots, Mat3& rotation, Vec3& from,
               Vec3& to) {
+  // one that follows others at a seam has given them its mass
+  const auto weight = [&](int slot) { return s.mass[slot] > 0.0 ? s.mass[slot] : m.mass[slot]; };
   double mass = 0.0;
   from = to = Vec3::Zero();
   for (const int slot : slots) {
-    mass += s.mass[slot];
-    from += s.mass[slot] * s.at(m.rest, slot), to += s.mass[slot] * s.position(slot);
+    mass += weight(slot);
+    from += weight(slot) * s.at(m.rest, slot), to += weight(slot) * s.position(slot);
   }
   from /= mass, to /= mass;
   Mat3 covariance = Mat3::Zero();
   for (const int slot : slots)
-    covariance += s.mass[slot] * (s.position(slot) - to) * (s.at(m.rest, slot) - from).transpose();
+    covariance += weight(slot) * (s.position(slot) - to) * (s.at(m.rest, slot) - from).transpose();
   const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   rotation = Mat3::Identity();
   // fewer than three points, or points in a line, fix no rotation
@@ -438,6 +440,8 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
     if (!p.gone && p.held) {
       std::vector<int> slots;
       for (const int i : p.control_points) slots.push_back(m.tables.slot(i));
+      for (int i = 0; i < m.control_points() && p.control_points.empty(); ++i)  // a splinter on an interlayer
+        if (!s.gone[m.tables.slot(i)]) slots.push_back(m.tables.slot(i));
       Mat3 rotation;
       Vec3 from, to;
       fit_pose(m, s, slots, rotation, from, to);  // where it stands: a hinged pane may have swung
