@@ -40,8 +40,12 @@ Run::Run(RunSetup setup, RunOptions options)
 void Run::start() {
   // a thread for less than this costs more in waiting than it brings; results are the same for any number
   int points = 0;
-  for (const ShellSetup& s : setup_.shells) points = std::max(points, s.model.tables.gauss_points());
+  for (const ShellSetup& s : setup_.shells) points += s.model.tables.gauss_points();
   if (points > 0) options_.threads = std::min(options_.threads, 1 + points / kPointsPerThread);
+  if (setup_.shells.size() > 1) {
+    at_once_ = std::min(options_.threads, static_cast<int>(setup_.shells.size()));
+    options_.threads = 1;
+  }
   for (ShellSetup& s : setup_.shells) s.rules.threads = options_.threads;
   if (!options_.trace.empty()) options_.heard = [this](const link::TimedReply& reply) { trace_.heard(reply); };
   rigid_ = options_.connect(options_);
@@ -242,13 +246,14 @@ double Run::total_energy(double dt) {
 void Run::substep(double dt) {
   {
     Stopwatch w(stage_s_["internal_force"]);
-    for (ShellPart& part : parts_) {
+    side_by_side([&](std::size_t k) {
+      ShellPart& part = parts_[k];
       const ShellSetup& setup = *part.setup;
       const double share = setup.brittleness > 0.0 || !part.state->plastic.empty() ? 1.0
                            : setup.tips ? std::min(1.0, dt / setup.model.response_time())
                                         : 0.0;
       compute_forces(setup.model, *part.state, false, share, options_.threads);
-    }
+    });
     if (!stitching_.empty()) stitching_.share_forces(refs());
   }
   {

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <map>
 #include <set>
@@ -76,6 +77,22 @@ class Run {
   void find_equilibrium(ShellPart& part);
   void shell_window();
   std::vector<ShellRef> refs();
+  /// Calls f with the number of each shell, of several at once.
+  template <class F>
+  void side_by_side(F&& f) {
+    std::vector<std::exception_ptr> errors(parts_.size());
+    const auto one = [&](std::size_t k) noexcept {
+      try {
+        f(k);
+      } catch (...) {
+        errors[k] = std::current_exception();
+      }
+    };
+#pragma omp parallel for schedule(dynamic, 1) num_threads(at_once_) if (at_once_ > 1)
+    for (std::size_t k = 0; k < parts_.size(); ++k) one(k);
+    for (const std::exception_ptr& e : errors)
+      if (e) std::rethrow_exception(e);
+  }
   bool solving() const { return !parts_.empty() && parts_.front().state; }  // shells are not frozen yet
   ContactCoefficients against(const ShellModel& shell, const RigidBody& body) const;
   bool has_grid_transfer() const {
@@ -158,6 +175,7 @@ class Run {
   std::vector<ShellPart> parts_;
   Stitching stitching_;                          // of them
   std::unique_ptr<ShellContact> shell_contact_;  // between them; null: they cannot meet
+  int at_once_ = 1;                              // shells that are solved at the same time; each then by one thread
   std::vector<char> tips_;                       // which of them crack at tips
   std::vector<Proxy> proxies_;                   // moving and static bodies of the scene and shards, by id
   const std::atomic<bool>* interrupted_ = nullptr;
