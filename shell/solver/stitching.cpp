@@ -3,17 +3,19 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <random>
 
 namespace sunder::shell {
 namespace {
 
-// Of the bending stiffness of an element of the width: a crease then gives way a little more than the shell beside it.
-constexpr double kBraceStiffness = 30.0;
-constexpr double kMostOfStable = 0.05;  // of the stiffness that a control point's stable step bears, 4 m / dt^2
-constexpr double kAcross = 0.02;        // weight that binds over a crack
+constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here on keep the distance of the rows beside
+                                                  // them, flatter ones how far the seam is off the line between these
+constexpr double kFlat = 1e-3;     // of the rows' distance: a seam no further off is a smooth one
+constexpr int kSweeps = 12;        // over creases that share control points
+constexpr double kMet = 1e-13;     // of a length: round-off
 constexpr double kLeastMass = 0.25;     // of its own, that a control point keeps when another is let go
-constexpr double kFlat = 0.03;          // of the rows' distance: a crease as flat as this has no arm to be braced by
 
 void add(std::vector<double>& a, int slot, const Vec3& value) {
   const std::size_t plane = a.size() / 3;
@@ -31,39 +33,72 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
   for (const Dependence& d : stitches.points) {
     Tie t;
     t.shell = d.point.patch, t.slot = slot(d.point);
-    if (shells[t.shell]->held[t.slot]) continue;  // a support holds it anyway
     for (const auto& [p, weight] : d.on) t.on.push_back({p.patch, slot(p), weight});
     ties_.push_back(std::move(t));
   }
+  hold_both_sides(shells);
+  std::map<std::pair<int, int>, const Tie*> tie_of;
+  for (const Tie& t : ties_) tie_of[{t.shell, t.slot}] = &t;
   for (const Seam& seam : stitches.seams)
     for (const CreasePoint& c : seam.crease) {
-      const ShellModel &one = *shells[seam.first], &two = *shells[seam.second];
       const auto rest = [&](const PatchPoint& p) { return shells[p.patch]->patch.control_points[p.point]; };
       Vec3 b = Vec3::Zero();
-      Brace brace;
-      brace.shell = c.first.patch, brace.slot = slot(c.first);
-      double mass = one.mass[brace.slot];
-      for (const auto& [p, weight] : c.second) {
-        brace.other.push_back({p.patch, slot(p), weight});
-        b += weight * rest(p);
-        mass = std::min(mass, shells[p.patch]->mass[slot(p)]);
-      }
+      for (const auto& [p, weight] : c.second) b += weight * rest(p);
       const Vec3 a = rest(c.first), edge = rest(c.on_seam), chord = b - a;
-      brace.length = chord.norm();
-      const double h = 0.5 * ((a - edge).norm() + (b - edge).norm());
-      // the arm of the spring about the crease
-      const double arm = (a - edge).cross(chord).norm() / std::max(brace.length, 1e-300);
-      if (!(arm > kFlat * h)) continue;
-      const auto bending = [](const ShellModel& m) {
-        const ShellMaterial& q = m.material;
-        return q.youngs_modulus * std::pow(m.thickness, 3) / (12.0 * (1.0 - q.poisson_ratio * q.poisson_ratio));
-      };
-      const double wanted = kBraceStiffness * std::min(bending(one), bending(two)) * c.width / (h * arm * arm);
-      // of membranes, which set the step: about 4 c^2 / h^2 times the mass
-      const double speed = std::max(one.wave_speed(), two.wave_speed()) / std::min(one.spacing, two.spacing);
-      brace.stiffness = std::min(wanted, kMostOfStable * 4.0 * mass * speed * speed);
-      braces_.push_back(std::move(brace));
+      const double bend =
+          std::numbers::pi - std::acos(std::clamp((a - edge).normalized().dot((b - edge).normalized()), -1.0, 1.0));
+      const double share = std::clamp((edge - a).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
+      const bool sharp = bend >= kSharp;
+      Brace brace;
+      const auto end = [&](const PatchPoint& p, double weight) { brace.ends.push_back({p.patch, slot(p), weight}); };
+      end(c.first, sharp ? -1.0 : share - 1.0);
+      for (const auto& [p, weight] : c.second) end(p, sharp ? weight : -share * weight);
+      if (!sharp) end(c.on_seam, 1.0);
+      std::map<std::pair<int, int>, double> terms;
+      for (const Term& t : brace.ends) {
+        const auto it = tie_of.find({t.shell, t.slot});
+        if (it == tie_of.end())
+          terms[{t.shell, t.slot}] += t.weight;
+        else
+          for (const Master& m : it->second->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
+      }
+      Vec3 sum = Vec3::Zero();
+      for (const auto& [at, weight] : terms) {
+        if (std::abs(weight) <= kLooseWeight) continue;
+        brace.terms.push_back({at.first, at.second, weight});
+        const std::vector<double>& x = shells[at.first]->rest;
+        for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
+      }
+      brace.length = sum.norm();
+      if (brace.length > kFlat * chord.norm()) braces_.push_back(std::move(brace));
     }
+  edges_seen_.assign(shells.size(), 0);
+}
+
+// A support may hold a seam, or its end, on one side only: what meets it there is held by it too.
+void Stitching::hold_both_sides(const std::vector<const ShellModel*>& shells) {
+  const auto held = [&](const Term& t) { return shells[t.shell]->held[t.slot] != 0; };
+  std::vector<Tie> free;
+  for (Tie& t : ties_)
+    if (!held({t.shell, t.slot, 1.0})) free.push_back(t);
+  for (const Tie& h : ties_) {
+    if (!held({h.shell, h.slot, 1.0}) || std::all_of(h.on.begin(), h.on.end(), held)) continue;
+    const Master self{{h.shell, h.slot, 1.0}};
+    const auto same = [&](const Tie& t) {
+      return std::equal(t.on.begin(), t.on.end(), h.on.begin(), h.on.end(), [](const Master& a, const Master& b) {
+        return a.shell == b.shell && a.slot == b.slot && std::abs(a.weight - b.weight) < kLooseWeight;
+      });
+    };
+    for (Tie& t : free)
+      if (same(t)) t.on = {self};
+    if (h.on.size() > 1) continue;  // the rows beside a smooth seam stay free
+    const Master lead = h.on[0];
+    for (Tie& t : free)
+      for (Master& m : t.on)
+        if (m.shell == lead.shell && m.slot == lead.slot) m.shell = h.shell, m.slot = h.slot;
+    free.push_back({lead.shell, lead.slot, {self}});
+  }
+  ties_ = std::move(free);
 }
 
 void Stitching::tie(const std::vector<ShellRef>& shells) {
@@ -95,19 +130,7 @@ void Stitching::refresh(const std::vector<ShellRef>& shells, const Tie& t) {
   shells[t.shell].state->inverse_mass[t.slot] = inverse;
 }
 
-double Stitching::share_forces(const std::vector<ShellRef>& shells) {
-  double energy = 0.0;
-  for (const Brace& b : braces_) {
-    if (!b.holds) continue;
-    Vec3 to = Vec3::Zero();
-    for (const Master& m : b.other) to += m.weight * shells[m.shell].state->position(m.slot);
-    const Vec3 chord = to - shells[b.shell].state->position(b.slot);
-    const double length = chord.norm(), longer = length - b.length;
-    const Vec3 pull = b.stiffness * longer / std::max(length, 1e-300) * chord;
-    energy += 0.5 * b.stiffness * longer * longer;
-    add(shells[b.shell].state->force, b.slot, pull);
-    for (const Master& m : b.other) add(shells[m.shell].state->force, m.slot, -m.weight * pull);
-  }
+void Stitching::share_forces(const std::vector<ShellRef>& shells) {
   for (const Tie& t : ties_) {
     if (!t.holds) continue;
     const ShellState& own = *shells[t.shell].state;
@@ -126,7 +149,34 @@ double Stitching::share_forces(const std::vector<ShellRef>& shells) {
     const double inverse = own.inverse_mass[t.slot];
     put(own.force, t.slot, inverse > 0.0 ? Vec3(acceleration / inverse) : Vec3(Vec3::Zero()));
   }
-  return energy;
+}
+
+void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
+  bool met = braces_.empty();
+  for (int sweep = 0; sweep < kSweeps && !met; ++sweep) {
+    met = true;
+    for (const Brace& b : braces_) {
+      if (!b.holds) continue;
+      Vec3 now = Vec3::Zero(), change = Vec3::Zero();
+      double mobility = 0.0;
+      for (const Term& t : b.terms) {
+        const ShellState& s = *shells[t.shell].state;
+        now += t.weight * s.position(t.slot), change += t.weight * s.velocity(t.slot);
+        mobility += t.weight * t.weight * s.inverse_mass[t.slot];
+      }
+      const Vec3 next = now + dt * change, line = now.stableNormalized();
+      if (std::abs(next.norm() - b.length) <= kMet * b.length || mobility == 0.0) continue;
+      met = false;
+      // |next + dt mobility j line| = length, the nearer answer; what is too far aside comes as near as it can
+      const double along = next.dot(line), room = along * along - next.squaredNorm() + b.length * b.length;
+      const double j = (std::sqrt(std::max(0.0, room)) - along) / (dt * mobility);
+      for (const Term& t : b.terms) {
+        ShellState& s = *shells[t.shell].state;
+        s.add_velocity(t.slot, t.weight * s.inverse_mass[t.slot] * j * line);
+      }
+    }
+  }
+  follow(shells);
 }
 
 void Stitching::mark(const std::vector<ShellRef>& shells) {
@@ -163,30 +213,31 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
 
 void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
   // which side of the crack; 0: of neither patch
-  const auto side = [&](int shell, int slot) {
-    if (shell != seam.first && shell != seam.second) return 0;
-    const int edge = shell == seam.first ? seam.first_edge : seam.second_edge, axis = edge < kVMin ? 1 : 0;
-    const KnotVector& k = axis == 1 ? shells[shell].model->patch.knots_v : shells[shell].model->patch.knots_u;
-    double share = (shells[shell].model->of_slot[slot][axis] - k.begin()) / (k.end() - k.begin());
-    if (shell == seam.second && seam.reversed) share = 1.0 - share;
-    return share < t ? -1 : 1;
+  const auto side = [&](const Term& m) {
+    if (m.shell != seam.first && m.shell != seam.second) return 0;
+    const int edge = m.shell == seam.first ? seam.first_edge : seam.second_edge, axis = edge < kVMin ? 1 : 0;
+    const ShellModel& model = *shells[m.shell].model;
+    const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
+    const Vec2 at = model.of_slot[m.slot];
+    const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
+    const double share = m.shell == seam.second && seam.reversed ? 1.0 - own : own;
+    // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
+    const bool clear = shells[m.shell].state->cracks.visible(at, edge_point(model.patch, edge, own));
+    return (share < t) == clear ? -1 : 1;
+  };
+  const auto across = [&](const Term& a, const auto& others) {
+    const int own = side(a);
+    return std::any_of(others.begin(), others.end(), [&](const Term& m) {
+      return std::abs(m.weight) > kLooseWeight && own * side(m) < 0;
+    });
   };
   for (Tie& tie : ties_) {
-    if (!tie.holds) continue;
-    const int own = side(tie.shell, tie.slot);
-    const bool across = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {
-      return std::abs(m.weight) > kAcross && own * side(m.shell, m.slot) < 0;
-    });
     const bool of_seam = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {
       return (m.shell == seam.first || m.shell == seam.second) && m.shell != tie.shell;
     });
-    if (across && of_seam) let_go(shells, tie);
+    if (tie.holds && of_seam && across({tie.shell, tie.slot, 1.0}, tie.on)) let_go(shells, tie);
   }
-  for (Brace& b : braces_) {
-    const int own = side(b.shell, b.slot);
-    for (const Master& m : b.other)
-      if (std::abs(m.weight) > kAcross && own * side(m.shell, m.slot) < 0) b.holds = false;
-  }
+  for (Brace& b : braces_) b.holds = b.holds && !across(b.ends[0], b.ends);
 }
 
 void Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
@@ -206,6 +257,8 @@ void Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   own.mass[t.slot] = mass, own.inverse_mass[t.slot] = mass > 0.0 ? 1.0 / mass : 0.0;
   if (mass > 0.0) put(own.v, t.slot, momentum / mass);
   t.holds = false;
+  for (Brace& b : braces_)
+    for (const Term& end : b.ends) b.holds = b.holds && (end.shell != t.shell || end.slot != t.slot);
 }
 
 double stable_step(const std::vector<ShellRef>& shells, Stitching& stitching, int iterations, int threads,
