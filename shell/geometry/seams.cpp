@@ -131,11 +131,21 @@ Vec3 mean(const std::vector<const Patch*>& patches, const Terms& terms) {
 // Collects dependences and resolves them: what a point depends on depends on nothing itself.
 class Resolver {
  public:
+  explicit Resolver(const std::function<bool(const PatchPoint&)>& held) : held_(held) {}
+
   void depend(const PatchPoint& point, const Terms& on) {
+    if (held(point)) {
+      if (on.size() == 1 && !held(on[0].first)) of_[on[0].first] = {{point, 1.0}};
+      return;
+    }
     std::map<PatchPoint, double> terms = expanded(on);
     if (of_.count(point)) {  // a corner, which several seams tie
       const std::map<PatchPoint, double> known = expanded({{point, 1.0}});
-      if (terms == known || terms.empty()) return;
+      if (terms == known || terms.empty() || (known.size() == 1 && held(known.begin()->first))) return;
+      if (terms.size() == 1 && held(terms.begin()->first)) {
+        of_[point] = terms;
+        return;
+      }
       if (terms.size() == 1 && !known.count(terms.begin()->first))
         of_[terms.begin()->first] = known;
       else if (known.size() == 1 && !terms.count(known.begin()->first))
@@ -176,6 +186,8 @@ class Resolver {
     }
     return out;
   }
+  bool held(const PatchPoint& p) const { return held_ && held_(p); }
+  const std::function<bool(const PatchPoint&)>& held_;
   std::map<PatchPoint, std::map<PatchPoint, double>> of_;
 };
 
@@ -210,8 +222,9 @@ double kink(const Patch& p, const EdgeCurve& a, const Patch& q, const EdgeCurve&
 
 class Search {
  public:
-  Search(const std::vector<const Patch*>& patches, const std::vector<std::string>& names, double tolerance)
-      : patches_(patches), names_(names), tolerance_(tolerance) {}
+  Search(const std::vector<const Patch*>& patches, const std::vector<std::string>& names, double tolerance,
+         const std::function<bool(const PatchPoint&)>& held)
+      : patches_(patches), names_(names), tolerance_(tolerance), resolver_(held) {}
 
   Stitches run(const std::vector<std::vector<Join>>& join) {
     const int n = static_cast<int>(patches_.size());
@@ -369,8 +382,9 @@ class Search {
 }  // namespace
 
 Stitches find_stitches(const std::vector<const Patch*>& patches, const std::vector<std::string>& names,
-                       double tolerance, const std::vector<std::vector<Join>>& join) {
-  return Search(patches, names, tolerance).run(join);
+                       double tolerance, const std::vector<std::vector<Join>>& join,
+                       const std::function<bool(const PatchPoint&)>& held) {
+  return Search(patches, names, tolerance, held).run(join);
 }
 
 }  // namespace sunder::shell

@@ -85,7 +85,10 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
         ShellState& s = *shells[other].state;
         const int before = static_cast<int>(s.cracks.edges().size());
         insert_polyline(n, s, {at, at + n.spacing * way}, time);
+        const std::size_t first = s.tips.size();
         start_at_ends(n, s, before, static_cast<int>(s.cracks.edges().size()));
+        // it has run on at once, and waits as long as that would have taken it
+        for (std::size_t t = first; t < s.tips.size(); ++t) s.tips[t].pending = -n.spacing - (tip.p - exit.at).norm();
         ++count;
       });
     }

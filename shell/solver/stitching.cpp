@@ -7,12 +7,17 @@
 #include <numbers>
 #include <random>
 
+#include <Eigen/Eigenvalues>
+
+#include "coupler/core/error.h"
+
 namespace sunder::shell {
 namespace {
 
 constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here on keep the distance of the rows beside
                                                   // them, flatter ones how far the seam is off the line between these
 constexpr double kFlat = 1e-3;     // of the rows' distance: a seam no further off is a smooth one
+constexpr double kOnALine = 1e-9;   // of the largest moment of inertia, that points on a line have about it
 constexpr int kSweeps = 12;        // over creases that share control points
 constexpr double kMet = 1e-13;     // of a length: round-off
 constexpr double kLeastMass = 0.25;     // of its own, that a control point keeps when another is let go
@@ -33,10 +38,24 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
   for (const Dependence& d : stitches.points) {
     Tie t;
     t.shell = d.point.patch, t.slot = slot(d.point);
-    for (const auto& [p, weight] : d.on) t.on.push_back({p.patch, slot(p), weight});
+    if (shells[t.shell]->held[t.slot]) continue;
+    double positive = 0.0;
+    for (const auto& [p, weight] : d.on) positive += std::max(0.0, weight);
+    for (const auto& [p, weight] : d.on)
+      t.on.push_back({{p.patch, slot(p), weight}, std::max(0.0, weight) / positive});
     ties_.push_back(std::move(t));
   }
-  hold_both_sides(shells);
+  for (const Seam& seam : stitches.seams) {
+    const auto any_held = [&](int shell, int edge) {
+      const ShellModel& m = *shells[shell];
+      const std::vector<int> row = edge_row(m.patch, edge, 0);
+      return std::any_of(row.begin() + 1, row.end() - 1, [&](int i) { return m.held[m.tables.slot(i)] != 0; });
+    };
+    const bool first = any_held(seam.first, seam.first_edge), second = any_held(seam.second, seam.second_edge);
+    require(first == second,
+            "a support of shell '{}' holds its seam with shell '{}', which does not; give both of them the support",
+            shells[first ? seam.first : seam.second]->name, shells[first ? seam.second : seam.first]->name);
+  }
   std::map<std::pair<int, int>, const Tie*> tie_of;
   for (const Tie& t : ties_) tie_of[{t.shell, t.slot}] = &t;
   for (const Seam& seam : stitches.seams)
@@ -75,38 +94,12 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
   edges_seen_.assign(shells.size(), 0);
 }
 
-// A support may hold a seam, or its end, on one side only: what meets it there is held by it too.
-void Stitching::hold_both_sides(const std::vector<const ShellModel*>& shells) {
-  const auto held = [&](const Term& t) { return shells[t.shell]->held[t.slot] != 0; };
-  std::vector<Tie> free;
-  for (Tie& t : ties_)
-    if (!held({t.shell, t.slot, 1.0})) free.push_back(t);
-  for (const Tie& h : ties_) {
-    if (!held({h.shell, h.slot, 1.0}) || std::all_of(h.on.begin(), h.on.end(), held)) continue;
-    const Master self{{h.shell, h.slot, 1.0}};
-    const auto same = [&](const Tie& t) {
-      return std::equal(t.on.begin(), t.on.end(), h.on.begin(), h.on.end(), [](const Master& a, const Master& b) {
-        return a.shell == b.shell && a.slot == b.slot && std::abs(a.weight - b.weight) < kLooseWeight;
-      });
-    };
-    for (Tie& t : free)
-      if (same(t)) t.on = {self};
-    if (h.on.size() > 1) continue;  // the rows beside a smooth seam stay free
-    const Master lead = h.on[0];
-    for (Tie& t : free)
-      for (Master& m : t.on)
-        if (m.shell == lead.shell && m.slot == lead.slot) m.shell = h.shell, m.slot = h.slot;
-    free.push_back({lead.shell, lead.slot, {self}});
-  }
-  ties_ = std::move(free);
-}
-
 void Stitching::tie(const std::vector<ShellRef>& shells) {
   for (const Tie& t : ties_) {
     double& mass = shells[t.shell].state->mass[t.slot];
     for (const Master& m : t.on) {
       ShellState& s = *shells[m.shell].state;
-      s.mass[m.slot] += m.weight * mass;
+      s.mass[m.slot] += m.share * mass;
       if (s.inverse_mass[m.slot] > 0.0) s.inverse_mass[m.slot] = 1.0 / s.mass[m.slot];
     }
     mass = 0.0;
@@ -235,30 +228,71 @@ void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, doub
     const bool of_seam = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {
       return (m.shell == seam.first || m.shell == seam.second) && m.shell != tie.shell;
     });
-    if (tie.holds && of_seam && across({tie.shell, tie.slot, 1.0}, tie.on)) let_go(shells, tie);
+    if (tie.holds && of_seam && across({tie.shell, tie.slot, 1.0}, tie.on))
+      shells[tie.shell].state->book.fracture += let_go(shells, tie);
   }
   for (Brace& b : braces_) b.holds = b.holds && !across(b.ends[0], b.ends);
 }
 
-void Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
+double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   const ShellModel& model = *shells[t.shell].model;
-  double mass = 0.0;
-  Vec3 momentum = Vec3::Zero();
+  ShellState& own = *shells[t.shell].state;
+  const Vec3 place = own.position(t.slot);
+  double mass = 0.0, lost = 0.0;
+  Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving mass has taken away
   for (const Master& m : t.on) {
     ShellState& s = *shells[m.shell].state;
     // pieces that have left beside it may have taken some of what was shared
     const double least = kLeastMass * shells[m.shell].model->mass[m.slot];
-    const double part = std::min(m.weight * model.mass[t.slot], std::max(0.0, s.mass[m.slot] - least));
-    mass += part, momentum += part * s.velocity(m.slot);
+    const double part = std::min(m.share * model.mass[t.slot], std::max(0.0, s.mass[m.slot] - least));
+    const Vec3 v = s.velocity(m.slot);
+    mass += part, momentum += part * v, lost += 0.5 * part * v.squaredNorm();
+    turning += part * (s.position(m.slot) - place).cross(v);
     s.mass[m.slot] -= part;
     if (s.inverse_mass[m.slot] > 0.0) s.inverse_mass[m.slot] = 1.0 / s.mass[m.slot];
   }
-  ShellState& own = *shells[t.shell].state;
   own.mass[t.slot] = mass, own.inverse_mass[t.slot] = mass > 0.0 ? 1.0 / mass : 0.0;
-  if (mass > 0.0) put(own.v, t.slot, momentum / mass);
+  if (mass > 0.0) put(own.v, t.slot, momentum / mass), lost -= 0.5 * momentum.squaredNorm() / mass;
   t.holds = false;
   for (Brace& b : braces_)
     for (const Term& end : b.ends) b.holds = b.holds && (end.shell != t.shell || end.slot != t.slot);
+  return lost - turn(shells, t, turning);
+}
+
+// All that moves of a control point and those that it followed gets a common spin, which has angular momentum
+// `turning` and no momentum. Returns the kinetic energy that this adds.
+double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const Vec3& turning) {
+  std::vector<Term> all{{t.shell, t.slot, 1.0}};
+  all.insert(all.end(), t.on.begin(), t.on.end());
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const Term& m) { return !(shells[m.shell].state->inverse_mass[m.slot] > 0.0); }),
+            all.end());
+  double mass = 0.0, added = 0.0;
+  Vec3 centre = Vec3::Zero();
+  for (const Term& m : all) {
+    const ShellState& s = *shells[m.shell].state;
+    mass += s.mass[m.slot], centre += s.mass[m.slot] * s.position(m.slot);
+  }
+  if (all.size() < 2) return 0.0;
+  centre /= mass;
+  Mat3 inertia = Mat3::Zero();
+  for (const Term& m : all) {
+    const ShellState& s = *shells[m.shell].state;
+    const Vec3 arm = s.position(m.slot) - centre;
+    inertia += s.mass[m.slot] * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  Vec3 spin = Vec3::Zero();  // none about the line that all of them lie on
+  for (int d = 0; d < 3; ++d)
+    if (axes.eigenvalues()[d] > kOnALine * axes.eigenvalues()[2])
+      spin += axes.eigenvectors().col(d).dot(turning) / axes.eigenvalues()[d] * axes.eigenvectors().col(d);
+  for (const Term& m : all) {
+    ShellState& s = *shells[m.shell].state;
+    const Vec3 change = spin.cross(s.position(m.slot) - centre);
+    added += s.mass[m.slot] * change.dot(s.velocity(m.slot) + 0.5 * change);
+    s.add_velocity(m.slot, change);
+  }
+  return added;
 }
 
 double stable_step(const std::vector<ShellRef>& shells, Stitching& stitching, int iterations, int threads,

@@ -19,7 +19,8 @@ struct ShellRef {
 class Stitching {
  public:
   Stitching() = default;
-  /// Patches of `stitches` are the models of `shells`, in their order.
+  /// Patches of `stitches` are the models of `shells`, in their order. Throws Error where a support holds a seam along
+  /// one shell only.
   Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells);
 
   bool empty() const { return ties_.empty(); }
@@ -47,7 +48,7 @@ class Stitching {
         if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
   }
   /// Control points that `leaves(shell, slot)` go free again, and so do those that follow them; each takes its mass
-  /// back with its velocity, which keeps momentum and loses some kinetic energy. Returns whether any was let go.
+  /// back with its velocity, which keeps momentum and angular momentum and loses some kinetic energy. Returns whether any was let go.
   template <class F>
   bool release(const std::vector<ShellRef>& shells, F&& leaves) {
     bool any = false;
@@ -83,6 +84,7 @@ class Stitching {
     double weight;
   };
   struct Master : Term {
+    double share = 0.0;  // of the mass of what follows; none where the weight is negative, or masses could vanish
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
   struct Tie {
@@ -98,8 +100,9 @@ class Stitching {
     double length = 0.0;      // at rest [m]
     bool holds = true;
   };
-  void let_go(const std::vector<ShellRef>& shells, Tie& tie);
-  void hold_both_sides(const std::vector<const ShellModel*>& shells);
+  /// Returns the kinetic energy that is lost [J].
+  double let_go(const std::vector<ShellRef>& shells, Tie& tie);
+  static double turn(const std::vector<ShellRef>& shells, const Tie& tie, const Vec3& turning);
   static void refresh(const std::vector<ShellRef>& shells, const Tie& tie);
 
   std::vector<Tie> ties_;

@@ -148,7 +148,7 @@ TEST(Seams, OfCylindersAreSmoothAndOfPlatesAtAnAngleCreases) {
     double width = 0.0;
     for (const CreasePoint& c : s.seams[0].crease) width += c.width;
     EXPECT_NEAR(width, 1.0, 1e-12);
-    expect_sound(bent, s, -1e-12);
+    expect_sound(bent, s, -1.5);
   }
 }
 
@@ -165,8 +165,8 @@ TEST(Seams, FourPatchesAtACornerAgreeOnIt) {
       if (is_at(patches, d.point, Vec3(1, 1, 0))) corner.push_back(d.on);
     ASSERT_EQ(corner.size(), 4u);  // all follow the control points within
     for (const auto& on : corner) {
-      EXPECT_EQ(on.size(), 4u);
-      for (std::size_t k = 0; k < on.size() && k < corner[0].size(); ++k) {
+      ASSERT_EQ(on.size(), matching ? 4u : corner[0].size());
+      for (std::size_t k = 0; k < on.size(); ++k) {
         EXPECT_EQ(on[k].first, corner[0][k].first);
         EXPECT_NEAR(on[k].second, corner[0][k].second, 1e-12);
       }
@@ -287,6 +287,7 @@ TEST(Stitching, LettingGoKeepsMassMomentumAndAngularMomentum) {
   const auto after = s.sums();
   EXPECT_NEAR(after.mass, before.mass, 1e-14 * before.mass);
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-14 * before.momentum_scale);
+  EXPECT_LT((after.angular - before.angular).norm(), 1e-14 * before.angular_scale);
   int links = 0;
   s.stitching.each_link([&](int a, int, int b, int) { links += a == 1 || b == 1; });
   EXPECT_EQ(links, 0);
@@ -330,35 +331,50 @@ TEST(Stitching, CreasesKeepTheirAngleAndMakeNoMomentum) {
   }
 }
 
-TEST(Stitching, WhatASupportHoldsOnOneSideOfASeamIsHeldOnTheOther) {
+TEST(Stitching, WhatASupportHoldsAtTheEndOfASeamIsHeldInBothShells) {
   Support hold;
-  hold.clamped = false;
+  hold.clamped = false, hold.edges = kVMin;
   for (const bool second : {false, true})
-    for (const int edge : {kVMin, second ? kUMin : kUMax}) {  // across the seam, and along it
-      hold.edges = edge;
-      Stitched s({model(flat(0, 1, 0, 1, 4, 4), "a", second ? std::vector<Support>{} : std::vector<Support>{hold}),
-                  model(flat(1, 2, 0, 1, 4, 6), "b", second ? std::vector<Support>{hold} : std::vector<Support>{})});
-      for (std::size_t k = 0; k < 2; ++k)
-        for (int i = 0; i < s.models[k].control_points(); ++i) {
-          const int slot = s.models[k].tables.slot(i);
-          if (!s.models[k].held[slot]) s.states[k].add_velocity(slot, Vec3(0.3, 0.2, 1.0));
-        }
-      s.stitching.follow(s.refs());
-      const double dt = 0.5 * s.stable();
-      for (int k = 0; k < 500; ++k) s.forces(), s.advance(dt);
-      double apart = 0.0, moved = 0.0;
-      for (int k = 0; k <= 20; ++k) apart = std::max(apart, (s.at(0, {1.0, k / 20.0}) - s.at(1, {0.0, k / 20.0})).norm());
-      for (int k = 0; k < 2; ++k) moved = std::max(moved, (s.at(k, {0.5, 0.9}) - s.models[k].patch.evaluate({0.5, 0.9}).x).norm());
-      EXPECT_GT(moved, 1e-4);
-      EXPECT_LT(apart, 0.02 * moved) << "second " << second << " edge " << edge;
-    }
+    for (const int finer : {4, 8})  // knots of the one or of both: both sides are the same curve then
+      for (const Join join : {Join::kClamped, Join::kHinge}) {
+        Stitched s({model(flat(0, 1, 0, 1, 4, 4), "a", second ? std::vector<Support>{} : std::vector<Support>{hold}),
+                    model(flat(1, 2, 0, 1, 4, finer), "b", second ? std::vector<Support>{hold} : std::vector<Support>{})},
+                   join);
+        for (int k = 0; k < 2; ++k)
+          for (int i = 0; i < s.models[k].control_points(); ++i) {
+            const int slot = s.models[k].tables.slot(i);
+            if (!s.models[k].held[slot]) s.states[k].add_velocity(slot, Vec3(0.3, 0.2, 1.0));
+          }
+        s.stitching.follow(s.refs());
+        const double dt = 0.5 * s.stable();
+        for (int k = 0; k < 500; ++k) s.forces(), s.advance(dt);
+        double apart = 0.0;
+        for (int k = 0; k <= 20; ++k)
+          apart = std::max(apart, (s.at(0, {1.0, k / 20.0}) - s.at(1, {0.0, k / 20.0})).norm());
+        EXPECT_GT((s.at(1, {0.5, 0.9}) - Vec3(1.5, 0.9, 0.0)).norm(), 1e-4) << second << finer << int(join);
+        EXPECT_LT(apart, 1e-13) << "second " << second << " elements " << finer;
+        EXPECT_LT((s.at(0, {1.0, 0.0}) - Vec3(1.0, 0.0, 0.0)).norm(), 1e-13);
+      }
+}
+
+TEST(Stitching, ASupportAlongASeamOfOneShellOnlyIsRefused) {
+  Support hold;
+  hold.edges = kUMax;
+  try {
+    Stitched s({model(flat(0, 1, 0, 1, 4, 4), "a", {hold}), model(flat(1, 2, 0, 1, 4, 6), "b")});
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("a support of shell 'a' holds its seam with shell 'b'"), std::string::npos);
+  }
 }
 
 TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
   for (const bool matching : {true, false}) {
     Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, matching ? 12 : 17))});
+    // the crack crosses at 0.52: what is four elements off stays tied
+    const auto far = [&](int shell, int slot) { return std::abs(s.models[shell].of_slot[slot].y() - 0.52) > 4.0 / 12.0; };
     int before = 0, after = 0, across = 0;
-    s.stitching.each_link([&](int, int, int, int) { ++before; });
+    s.stitching.each_link([&](int a, int i, int, int) { before += far(a, i); });
     insert_polyline(s.models[0], s.states[0], {{0.0, 0.31}, {1.0, 0.52}}, 0.0);
     insert_polyline(s.models[1], s.states[1], {{0.0, 0.52}, {1.0, 0.73}}, 0.0);
     carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
@@ -366,8 +382,9 @@ TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
       const Vec2 g = s.models[shell].of_slot[slot];
       return g.y() > (shell == 0 ? 0.31 : 0.52) + 0.21 * g.x();
     };
-    s.stitching.each_link([&](int a, int i, int b, int j) { ++after, across += above(a, i) != above(b, j); });
+    s.stitching.each_link([&](int a, int i, int b, int j) { after += far(a, i), across += above(a, i) != above(b, j); });
     EXPECT_EQ(across, 0);
-    EXPECT_GT(after, before - 40) << before;  // of a few control points
+    EXPECT_GT(before, 10);
+    EXPECT_EQ(after, before);
   }
 }

@@ -134,15 +134,15 @@ Divided divide(const Surface& whole, const Division& d) {
       const bool here = share.minCoeff() >= 0.0 && share.maxCoeff() < 1.0;
       for (int t = 0; t < times; ++t) share = Vec2(share.y(), 1.0 - share.x());
       p = turned(p, times);
-      if (here) {
-        shell = static_cast<int>(models.size());
-        at = Vec2(p.knots_u.begin() + share.x() * (p.knots_u.end() - p.knots_u.begin()),
-                  p.knots_v.begin() + share.y() * (p.knots_v.end() - p.knots_v.begin()));
-      }
       Load pressure;
       pressure.kind = Load::Kind::kPressure, pressure.size = 1000.0;
       models.push_back(make_shell(place_name(i, j), p, kThickness, steel(), 2, 2,
                                   hold.edges ? std::vector<Support>{hold} : std::vector<Support>{}, {pressure}));
+      if (here) {
+        shell = static_cast<int>(models.size()) - 1;
+        const Patch& own = models.back().patch;
+        at = share.cwiseProduct(Vec2(own.knots_u.end(), own.knots_v.end()));
+      }
     }
   return {Stitched(std::move(models)), shell, at, finest_u, finest_v};
 }
