@@ -15,8 +15,9 @@ namespace sunder::shell {
 inline Patch turned(const Patch& p) {
   std::vector<double> back;
   const std::vector<double>& knots = p.knots_u.knots();
+  const double low = knots.front(), high = knots.back(), round_off = 1e-12 * (high - low);
   for (auto k = knots.rbegin(); k != knots.rend(); ++k)
-    back.push_back(*k == knots.back() ? knots.front() : knots.front() + (knots.back() - *k));
+    back.push_back(high - *k < round_off ? low : *k - low < round_off ? high : low + (high - *k));
   Patch q{p.knots_v, KnotVector(back, p.degree(), "turned"), {}, {}};
   for (int j = 0; j < q.rows(); ++j)
     for (int i = 0; i < q.columns(); ++i) {
