@@ -15,9 +15,12 @@ namespace sunder::shell {
 namespace {
 
 constexpr int kSamples = 16;          // along an edge, where the courses of two are compared
+constexpr double kSagitta = 0.2;       // of a chord between two samples, that a bent edge may rise above it
+constexpr int kSections = 48;          // halvings, nearly, of where the nearest point of an edge may be
 constexpr double kNear = 0.2;         // of the shorter edge's mean spacing: what is no further apart nearly meets
 constexpr double kStraight = 1e-6;    // of the rows' distance, that a smooth seam's row may lie off their line
 constexpr double kLeastShare = 0.02;  // of either row in a smooth seam's
+constexpr double kAskew = 0.1;         // cosine of normals that are neither on the same side nor on opposite ones
 constexpr double kSameKnot = 1e-9;    // of the edge's domain
 constexpr double kNoWeight = 1e-13;
 
@@ -27,7 +30,7 @@ using Terms = std::vector<std::pair<PatchPoint, double>>;
 struct EdgeCurve {
   int patch = 0, edge = 0, degree = 2;
   std::vector<double> knots;     // 0 to 1
-  std::vector<int> row, second;  // control points on it, and the row beside it
+  std::vector<int> row, second;  // control points on it, and the row beside it; by growing parameter
   std::vector<Vec3> samples;
 };
 
@@ -35,13 +38,16 @@ EdgeCurve edge_curve(const Patch& p, int patch, int edge, bool reversed) {
   EdgeCurve c;
   c.patch = patch, c.edge = edge, c.degree = p.degree();
   const KnotVector& k = edge <= kUMax ? p.knots_v : p.knots_u;
-  for (const double knot : k.knots()) c.knots.push_back((knot - k.begin()) / (k.end() - k.begin()));
+  for (const double knot : k.knots()) {
+    const double share = (knot - k.begin()) / (k.end() - k.begin()), last = c.knots.empty() ? 0.0 : c.knots.back();
+    c.knots.push_back(share - last <= kSameKnot ? last : share >= 1.0 - kSameKnot ? 1.0 : share);
+  }
   c.row = edge_row(p, edge, 0), c.second = edge_row(p, edge, 1);
   for (int i = 0; i <= kSamples; ++i) c.samples.push_back(p.evaluate(edge_point(p, edge, double(i) / kSamples)).x);
   if (reversed) {
     std::reverse(c.row.begin(), c.row.end()), std::reverse(c.second.begin(), c.second.end());
     std::reverse(c.samples.begin(), c.samples.end()), std::reverse(c.knots.begin(), c.knots.end());
-    for (double& knot : c.knots) knot = 1.0 - knot;
+    for (double& knot : c.knots) knot = 1.0 - knot;  // 0 and 1 become one another exactly
   }
   return c;
 }
@@ -52,41 +58,59 @@ double spacing(const EdgeCurve& c) {
   return length / static_cast<double>(c.row.size() - c.degree);
 }
 
-// Knots of `all` that `some` has not, with multiplicity.
-std::vector<double> missing(const std::vector<double>& some, const std::vector<double>& all) {
-  std::vector<double> out;
-  std::size_t k = 0;
-  for (const double knot : all) {
-    while (k < some.size() && some[k] < knot - kSameKnot) ++k;
-    if (k < some.size() && std::abs(some[k] - knot) <= kSameKnot)
-      ++k;
-    else
-      out.push_back(knot);
-  }
-  return out;
+// Mean of the products of `count` of `p` knots (2 or 3), measured from `begin` in units of `size`.
+double mean_product(const double* knots, int p, std::size_t count, double begin, double size) {
+  double sums[kHighestDegree + 1] = {1.0};  // elementary symmetric ones
+  for (int k = 0; k < p; ++k)
+    for (int c = k + 1; c > 0; --c) sums[c] += sums[c - 1] * (knots[k] - begin) / size;
+  constexpr double kChoose[2][4] = {{1, 2, 1, 0}, {1, 3, 3, 1}};
+  return sums[count] / kChoose[p - 2][count];
 }
 
-// The matrix that inserts knots into a curve's control points (Boehm, one knot after the other).
-Eigen::MatrixXd insertion(std::vector<double> knots, int degree, int points, const std::vector<double>& added) {
-  Eigen::MatrixXd t = Eigen::MatrixXd::Identity(points, points);
-  for (const double knot : added) {
-    int k = degree;
-    while (k + 1 < static_cast<int>(knots.size()) - degree - 1 && knots[k + 1] <= knot) ++k;
-    Eigen::MatrixXd out(t.rows() + 1, points);
-    for (int i = 0; i < out.rows(); ++i) {
-      if (i <= k - degree)
-        out.row(i) = t.row(i);
-      else if (i > k)
-        out.row(i) = t.row(i - 1);
-      else {
-        const double a = (knot - knots[i]) / (knots[i + degree] - knots[i]);
-        out.row(i) = (1.0 - a) * t.row(i - 1) + a * t.row(i);
+// A curve of degree 2 or 3 in the control points of `from`, as the one with the knots of `to` has it: control point i of
+// `to` is the blossom, at its inner knots, of the polynomial through degree + 1 points of a span in the middle of its
+// support. That is knot insertion, virtual and exact, where `to` has all knots of `from`; elsewhere it still gives
+// polynomials back. Ends follow ends alone and the rest what is beside it, which least squares over the whole edge
+// would not: a piece that leaves far away must not let go of anything here.
+Eigen::MatrixXd followed(const EdgeCurve& from, const EdgeCurve& to) {
+  const KnotVector knots(from.knots, from.degree, "seam");
+  const int p = to.degree, columns = static_cast<int>(from.row.size()), rows = static_cast<int>(to.row.size());
+  if (std::equal(from.knots.begin(), from.knots.end(), to.knots.begin(), to.knots.end(),
+                 [](double a, double b) { return std::abs(a - b) <= kSameKnot; }))
+    return Eigen::MatrixXd::Identity(rows, columns);
+  Eigen::MatrixXd out = Eigen::MatrixXd::Zero(rows, columns);
+  const auto add_value = [&](int row, double at, double weight) {
+    const int span = knots.span_of(at);
+    const Basis b = knots.basis(span, at);
+    for (int k = 0; k <= p; ++k) out(row, span + k) += weight * b.value[k];
+  };
+  for (int i = 0; i < rows; ++i) {
+    const double* inner = &to.knots[i + 1];  // p knots
+    const double length = inner[p - 1] - inner[0];
+    if (length <= kSameKnot) {
+      add_value(i, inner[0], 1.0);
+      continue;
+    }
+    for (int span = 0; span + 1 < p; ++span) {
+      const double begin = inner[span], size = inner[span + 1] - begin;
+      if (size <= kSameKnot) continue;
+      for (int k = 0; k <= p; ++k) {
+        // coefficients of the Lagrange polynomial of point k, its variable t from 0 to 1 over the span
+        std::vector<double> polynomial{1.0};
+        for (int other = 0; other <= p; ++other) {
+          if (other == k) continue;
+          const double root = double(other) / p, scale = double(k) / p - root;
+          polynomial.push_back(0.0);
+          for (std::size_t c = polynomial.size(); c-- > 0;)
+            polynomial[c] = ((c > 0 ? polynomial[c - 1] : 0.0) - root * polynomial[c]) / scale;
+        }
+        double weight = 0.0;  // its blossom: t^c becomes the mean of all products of c knots
+        for (std::size_t c = 0; c < polynomial.size(); ++c) weight += polynomial[c] * mean_product(inner, p, c, begin, size);
+        add_value(i, k == p ? inner[span + 1] : begin + size * k / p, weight * size / length);
       }
     }
-    t = std::move(out);
-    knots.insert(knots.begin() + k + 1, knot);
   }
-  return t;
+  return out;
 }
 
 Terms normalised(Terms terms) {
@@ -107,11 +131,21 @@ Vec3 mean(const std::vector<const Patch*>& patches, const Terms& terms) {
 // Collects dependences and resolves them: what a point depends on depends on nothing itself.
 class Resolver {
  public:
+  explicit Resolver(const std::function<bool(const PatchPoint&)>& held) : held_(held) {}
+
   void depend(const PatchPoint& point, const Terms& on) {
+    if (held(point)) {
+      if (on.size() == 1 && !held(on[0].first)) of_[on[0].first] = {{point, 1.0}};
+      return;
+    }
     std::map<PatchPoint, double> terms = expanded(on);
     if (of_.count(point)) {  // a corner, which several seams tie
       const std::map<PatchPoint, double> known = expanded({{point, 1.0}});
-      if (terms == known || terms.empty()) return;
+      if (terms == known || terms.empty() || (known.size() == 1 && held(known.begin()->first))) return;
+      if (terms.size() == 1 && held(terms.begin()->first)) {
+        of_[point] = terms;
+        return;
+      }
       if (terms.size() == 1 && !known.count(terms.begin()->first))
         of_[terms.begin()->first] = known;
       else if (known.size() == 1 && !terms.count(known.begin()->first))
@@ -152,6 +186,8 @@ class Resolver {
     }
     return out;
   }
+  bool held(const PatchPoint& p) const { return held_ && held_(p); }
+  const std::function<bool(const PatchPoint&)>& held_;
   std::map<PatchPoint, std::map<PatchPoint, double>> of_;
 };
 
@@ -180,19 +216,25 @@ double kink(const Patch& p, const EdgeCurve& a, const Patch& q, const EdgeCurve&
   Vec3 in_p, normal_p, in_q, normal_q;
   frame(p, a.edge, t, in_p, normal_p), frame(q, b.edge, reversed ? 1.0 - t : t, in_q, normal_q);
   const double angle = std::numbers::pi - std::acos(std::clamp(in_p.dot(in_q), -1.0, 1.0));
-  opposite = angle < 0.5 * std::numbers::pi && normal_p.dot(normal_q) < 0.0;
+  opposite = angle < 0.5 * std::numbers::pi && normal_p.dot(normal_q) < -kAskew;
   return angle;
 }
 
 class Search {
  public:
-  Search(const std::vector<const Patch*>& patches, const std::vector<std::string>& names, double tolerance)
-      : patches_(patches), names_(names), tolerance_(tolerance) {}
+  Search(const std::vector<const Patch*>& patches, const std::vector<std::string>& names, double tolerance,
+         const std::function<bool(const PatchPoint&)>& held)
+      : patches_(patches), names_(names), tolerance_(tolerance), resolver_(held) {}
 
   Stitches run(const std::vector<std::vector<Join>>& join) {
     const int n = static_cast<int>(patches_.size());
     for (int i = 0; i < n; ++i)
       for (const int edge : kEdges) edges_.push_back(edge_curve(*patches_[i], i, edge, false));
+    const auto pole = [&](const EdgeCurve& c) {
+      return std::all_of(c.samples.begin(), c.samples.end(),
+                         [&](const Vec3& x) { return (x - c.samples[0]).norm() <= tolerance_; });
+    };
+    edges_.erase(std::remove_if(edges_.begin(), edges_.end(), pole), edges_.end());  // its ends are other edges' too
     for (std::size_t a = 0; a < edges_.size(); ++a)
       for (std::size_t b = a + 1; b < edges_.size(); ++b)
         if (edges_[a].patch != edges_[b].patch && join[edges_[a].patch][edges_[b].patch] != Join::kOpen)
@@ -235,6 +277,17 @@ class Search {
       stitch(a, other, reversed, join);
   }
 
+  // Distance of x to the edge between samples k - 1 and k + 2, where it has one minimum.
+  double distance(const Vec3& x, const EdgeCurve& c, int k) const {
+    const auto off = [&](double t) { return (patches_[c.patch]->evaluate(edge_point(*patches_[c.patch], c.edge, t)).x - x).norm(); };
+    double low = std::max(0.0, (k - 1.0) / kSamples), high = std::min(1.0, (k + 2.0) / kSamples);
+    for (int it = 0; it < kSections; ++it) {
+      const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+      (off(a) < off(b) ? high : low) = off(a) < off(b) ? b : a;
+    }
+    return off(0.5 * (low + high));
+  }
+
   // Edges that meet over a part of their length are refused: that would be a T-junction.
   void part_of(const EdgeCurve& a, const EdgeCurve& b) const {
     for (const auto& [one, other] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
@@ -244,7 +297,8 @@ class Search {
         for (int k = 0; k < kSamples; ++k) {
           const Vec3 d = other->samples[k + 1] - other->samples[k], r = one->samples[i] - other->samples[k];
           const double t = std::clamp(r.dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
-          if ((r - t * d).norm() <= tolerance_ && (i == 0 || i == kSamples || on > 0)) {
+          if ((r - t * d).norm() > kSagitta * d.norm() + tolerance_) continue;
+          if (distance(one->samples[i], *other, k) <= tolerance_ && (i == 0 || i == kSamples || on > 0)) {
             ++on, where = one->samples[i];
             break;
           }
@@ -259,14 +313,7 @@ class Search {
 
   void stitch(const EdgeCurve& lead, const EdgeCurve& follow, bool reversed, Join join) {
     const Patch &m = *patches_[lead.patch], &s = *patches_[follow.patch];
-    const Eigen::MatrixXd tm =
-        insertion(lead.knots, lead.degree, static_cast<int>(lead.row.size()), missing(lead.knots, follow.knots));
-    const Eigen::MatrixXd ts =
-        insertion(follow.knots, follow.degree, static_cast<int>(follow.row.size()), missing(follow.knots, lead.knots));
-    const bool same = tm.rows() == tm.cols() && ts.rows() == ts.cols();
-    const Eigen::MatrixXd a = same ? Eigen::MatrixXd(tm) : Eigen::MatrixXd(ts.colPivHouseholderQr().solve(tm));
-    const Eigen::MatrixXd back =
-        same ? Eigen::MatrixXd(tm) : Eigen::MatrixXd((a.transpose() * a).ldlt().solve(a.transpose()));
+    const Eigen::MatrixXd a = followed(lead, follow), back = followed(follow, lead);
     const auto count_m = static_cast<int>(lead.row.size()), count_s = static_cast<int>(follow.row.size());
     Seam seam;
     seam.first = lead.patch, seam.second = follow.patch, seam.first_edge = lead.edge, seam.second_edge = follow.edge;
@@ -335,8 +382,9 @@ class Search {
 }  // namespace
 
 Stitches find_stitches(const std::vector<const Patch*>& patches, const std::vector<std::string>& names,
-                       double tolerance, const std::vector<std::vector<Join>>& join) {
-  return Search(patches, names, tolerance).run(join);
+                       double tolerance, const std::vector<std::vector<Join>>& join,
+                       const std::function<bool(const PatchPoint&)>& held) {
+  return Search(patches, names, tolerance, held).run(join);
 }
 
 }  // namespace sunder::shell

@@ -10,6 +10,7 @@
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
 #include "shell/solver/hertz.h"
+#include "shell/solver/stitching.h"
 
 namespace sunder::shell {
 namespace {
@@ -159,10 +160,11 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
   const proto::Seams& m = scene.message.seams();
   std::vector<const Patch*> patches;
   std::vector<std::string> names;
+  std::vector<const ShellModel*> models;
   double largest = 0.0;
   for (std::size_t i = 0; i < r.shells.size(); ++i) {
     const ShellSetup& s = r.shells[i];
-    patches.push_back(&s.model.patch), names.push_back(s.model.name);
+    patches.push_back(&s.model.patch), names.push_back(s.model.name), models.push_back(&s.model);
     Eigen::AlignedBox3d box;
     for (const Vec3& x : s.model.patch.control_points) box.extend(x);
     largest = std::max(largest, box.diagonal().norm());
@@ -179,7 +181,12 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
     join[i][k] = join[k][i] = static_cast<Join>(rule.kind());
   }
   try {
-    return find_stitches(patches, names, m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest, join);
+    const double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
+    const Stitches found = find_stitches(patches, names, tolerance, join, [&](const PatchPoint& p) {
+      return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0;
+    });
+    Stitching(found, models);  // throws where supports do not go with it
+    return found;
   } catch (const Error& e) {
     scene.fail("seams", e.what());
   }

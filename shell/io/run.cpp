@@ -233,7 +233,7 @@ double Run::total_energy(double dt) {
     elastic_ += compute_forces(m, s, true, 0.0, options_.threads) +
                 hertz_energy(m, s, proxies_, part.coefficients, part.candidates, dt);
   }
-  elastic_ += stitching_.share_forces(refs());
+  stitching_.share_forces(refs());
   for (const ShellPart& part : parts_) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
@@ -279,7 +279,7 @@ void Run::substep(double dt) {
     Stopwatch w(stage_s_["shell_contact"]);
     shell_contact_->act(refs(), dt);
   }
-  if (!stitching_.empty()) stitching_.share_impulses(refs());
+  if (!stitching_.empty()) stitching_.share_impulses(refs()), stitching_.keep_angles(refs(), dt);
   for (ShellPart& part : parts_) {
     const TransferRules& transfer = part.setup->transfer;
     if (transfer.kind != Transfer::kDirect) {
@@ -288,9 +288,10 @@ void Run::substep(double dt) {
     }
     Stopwatch w(stage_s_["kick_drift"]);
     if (transfer.kind == Transfer::kDirect) constrain(part.model(), *part.state, dt);
-    drift(part.model(), *part.state, dt);
   }
   Stopwatch w(stage_s_["kick_drift"]);
+  if (!stitching_.empty()) stitching_.follow(refs());  // where supports have held or moved those that are followed
+  for (ShellPart& part : parts_) drift(part.model(), *part.state, dt);
   for (Proxy& p : proxies_)
     if (!p.body.is_static) p.body.drift(dt);
 }

@@ -9,22 +9,22 @@
 namespace sunder::shell {
 namespace {
 
-// Where a crack's last edge leaves the domain.
+// Where a crack's edge leaves the domain.
 struct Exit {
   int edge = 0;
   double share = 0.0;  // of the edge's parameters
   Vec2 at, direction;
 };
 
-bool exit_of(const ShellModel& m, const CrackEdge& last, const Tip& tip, Exit& out) {
+bool exit_of(const ShellModel& m, const Vec2& from, const Vec2& to, Exit& out) {
   const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()), high(m.patch.knots_u.end(), m.patch.knots_v.end());
-  const Vec2 from = tip.vertex == last.to ? last.a : last.b, d = tip.p - from;
-  if (!m.patch.contains(from) || m.patch.contains(tip.p)) return false;
+  const Vec2 d = to - from;
+  if (!m.patch.contains(from) || m.patch.contains(to)) return false;
   double nearest = 2.0;
   for (int axis = 0; axis < 2; ++axis)
     for (const bool far : {false, true}) {
       const double border = far ? high[axis] : low[axis];
-      if (far ? tip.p[axis] <= border : tip.p[axis] >= border) continue;
+      if (far ? to[axis] <= border : to[axis] >= border) continue;
       const double t = (border - from[axis]) / d[axis];
       if (t >= nearest) continue;
       nearest = t;
@@ -35,6 +35,16 @@ bool exit_of(const ShellModel& m, const CrackEdge& last, const Tip& tip, Exit& o
     }
   out.direction = d.normalized();
   return nearest <= 1.0 && out.share > 0.0 && out.share < 1.0;
+}
+
+// Calls back with each seam that is crossed there, which shell is beyond it, and the share of its first edge.
+template <class F>
+void each_seam(const std::vector<Seam>& seams, int shell, const Exit& exit, F&& callback) {
+  for (const Seam& seam : seams) {
+    const bool first = seam.first == shell && seam.first_edge == exit.edge;
+    if (!first && !(seam.second == shell && seam.second_edge == exit.edge)) continue;
+    callback(seam, first ? seam.second : seam.first, first || !seam.reversed ? exit.share : 1.0 - exit.share);
+  }
 }
 
 // Unit vectors of the surface at rest at a point of an edge: along it, and into the patch.
@@ -56,16 +66,13 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
       Tip& tip = shells[k].state->tips[i];
       if (tip.alive || tip.crossed || tip.edge < 0) continue;
       tip.crossed = true;
+      const CrackEdge& last = shells[k].state->cracks.edges()[tip.edge];
       Exit exit;
-      if (!exit_of(m, shells[k].state->cracks.edges()[tip.edge], tip, exit)) continue;
-      for (std::size_t q = 0; q < seams.size(); ++q) {
-        const Seam& seam = seams[q];
-        const bool first = seam.first == k && seam.first_edge == exit.edge;
-        if (!first && !(seam.second == k && seam.second_edge == exit.edge)) continue;
-        stitching.part(shells, seam, first ? exit.share : seam.reversed ? 1.0 - exit.share : exit.share);
-        const int other = first ? seam.second : seam.first, edge = first ? seam.second_edge : seam.first_edge;
-        if (!can_crack[other]) continue;
+      if (!exit_of(m, tip.vertex == last.to ? last.a : last.b, tip.p, exit)) continue;
+      each_seam(seams, k, exit, [&](const Seam& seam, int other, double) {
+        if (!can_crack[other]) return;
         const ShellModel& n = *shells[other].model;
+        const int edge = other == seam.second ? seam.second_edge : seam.first_edge;
         const Vec2 at = edge_point(n.patch, edge, seam.reversed ? 1.0 - exit.share : exit.share);
         const SurfacePoint here = m.patch.evaluate(exit.at), there = n.patch.evaluate(at);
         Vec3 along, inward, along_there, inward_there;
@@ -78,10 +85,25 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
         ShellState& s = *shells[other].state;
         const int before = static_cast<int>(s.cracks.edges().size());
         insert_polyline(n, s, {at, at + n.spacing * way}, time);
+        const std::size_t first = s.tips.size();
         start_at_ends(n, s, before, static_cast<int>(s.cracks.edges().size()));
+        // it has run on at once, and waits as long as that would have taken it
+        for (std::size_t t = first; t < s.tips.size(); ++t) s.tips[t].pending = -n.spacing - (tip.p - exit.at).norm();
         ++count;
-      }
+      });
     }
+  }
+  // cracks of any origin part what the seam ties across them, those that have just gone on too
+  for (int k = 0; k < static_cast<int>(shells.size()); ++k) {
+    const auto& edges = shells[k].state->cracks.edges();
+    std::int64_t& seen = stitching.edges_seen()[k];
+    for (; seen < static_cast<std::int64_t>(edges.size()); ++seen)
+      for (const bool back : {true, false}) {
+        const CrackEdge& e = edges[seen];
+        Exit exit;
+        if (!exit_of(*shells[k].model, back ? e.b : e.a, back ? e.a : e.b, exit)) continue;
+        each_seam(seams, k, exit, [&](const Seam& seam, int, double share) { stitching.part(shells, seam, share); });
+      }
   }
   return count;
 }

@@ -3,17 +3,24 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <numbers>
 #include <random>
+
+#include <Eigen/Eigenvalues>
+
+#include "coupler/core/error.h"
 
 namespace sunder::shell {
 namespace {
 
-// Of the bending stiffness of an element of the width: a crease then gives way a little more than the shell beside it.
-constexpr double kBraceStiffness = 30.0;
-constexpr double kMostOfStable = 0.05;  // of the stiffness that a control point's stable step bears, 4 m / dt^2
-constexpr double kAcross = 0.02;        // weight that binds over a crack
+constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here on keep the distance of the rows beside
+                                                  // them, flatter ones how far the seam is off the line between these
+constexpr double kFlat = 1e-3;     // of the rows' distance: a seam no further off is a smooth one
+constexpr double kOnALine = 1e-9;   // of the largest moment of inertia, that points on a line have about it
+constexpr int kSweeps = 12;        // over creases that share control points
+constexpr double kMet = 1e-13;     // of a length: round-off
 constexpr double kLeastMass = 0.25;     // of its own, that a control point keeps when another is let go
-constexpr double kFlat = 0.03;          // of the rows' distance: a crease as flat as this has no arm to be braced by
 
 void add(std::vector<double>& a, int slot, const Vec3& value) {
   const std::size_t plane = a.size() / 3;
@@ -31,39 +38,60 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
   for (const Dependence& d : stitches.points) {
     Tie t;
     t.shell = d.point.patch, t.slot = slot(d.point);
-    if (shells[t.shell]->held[t.slot]) continue;  // a support holds it anyway
-    for (const auto& [p, weight] : d.on) t.on.push_back({p.patch, slot(p), weight});
+    if (shells[t.shell]->held[t.slot]) continue;
+    double positive = 0.0;
+    for (const auto& [p, weight] : d.on) positive += std::max(0.0, weight);
+    for (const auto& [p, weight] : d.on)
+      t.on.push_back({{p.patch, slot(p), weight}, std::max(0.0, weight) / positive});
     ties_.push_back(std::move(t));
   }
+  for (const Seam& seam : stitches.seams) {
+    const auto any_held = [&](int shell, int edge) {
+      const ShellModel& m = *shells[shell];
+      const std::vector<int> row = edge_row(m.patch, edge, 0);
+      return std::any_of(row.begin() + 1, row.end() - 1, [&](int i) { return m.held[m.tables.slot(i)] != 0; });
+    };
+    const bool first = any_held(seam.first, seam.first_edge), second = any_held(seam.second, seam.second_edge);
+    require(first == second,
+            "a support of shell '{}' holds its seam with shell '{}', which does not; give both of them the support",
+            shells[first ? seam.first : seam.second]->name, shells[first ? seam.second : seam.first]->name);
+  }
+  std::map<std::pair<int, int>, const Tie*> tie_of;
+  for (const Tie& t : ties_) tie_of[{t.shell, t.slot}] = &t;
   for (const Seam& seam : stitches.seams)
     for (const CreasePoint& c : seam.crease) {
-      const ShellModel &one = *shells[seam.first], &two = *shells[seam.second];
       const auto rest = [&](const PatchPoint& p) { return shells[p.patch]->patch.control_points[p.point]; };
       Vec3 b = Vec3::Zero();
-      Brace brace;
-      brace.shell = c.first.patch, brace.slot = slot(c.first);
-      double mass = one.mass[brace.slot];
-      for (const auto& [p, weight] : c.second) {
-        brace.other.push_back({p.patch, slot(p), weight});
-        b += weight * rest(p);
-        mass = std::min(mass, shells[p.patch]->mass[slot(p)]);
-      }
+      for (const auto& [p, weight] : c.second) b += weight * rest(p);
       const Vec3 a = rest(c.first), edge = rest(c.on_seam), chord = b - a;
-      brace.length = chord.norm();
-      const double h = 0.5 * ((a - edge).norm() + (b - edge).norm());
-      // the arm of the spring about the crease
-      const double arm = (a - edge).cross(chord).norm() / std::max(brace.length, 1e-300);
-      if (!(arm > kFlat * h)) continue;
-      const auto bending = [](const ShellModel& m) {
-        const ShellMaterial& q = m.material;
-        return q.youngs_modulus * std::pow(m.thickness, 3) / (12.0 * (1.0 - q.poisson_ratio * q.poisson_ratio));
-      };
-      const double wanted = kBraceStiffness * std::min(bending(one), bending(two)) * c.width / (h * arm * arm);
-      // of membranes, which set the step: about 4 c^2 / h^2 times the mass
-      const double speed = std::max(one.wave_speed(), two.wave_speed()) / std::min(one.spacing, two.spacing);
-      brace.stiffness = std::min(wanted, kMostOfStable * 4.0 * mass * speed * speed);
-      braces_.push_back(std::move(brace));
+      const double bend =
+          std::numbers::pi - std::acos(std::clamp((a - edge).normalized().dot((b - edge).normalized()), -1.0, 1.0));
+      const double share = std::clamp((edge - a).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
+      const bool sharp = bend >= kSharp;
+      Brace brace;
+      const auto end = [&](const PatchPoint& p, double weight) { brace.ends.push_back({p.patch, slot(p), weight}); };
+      end(c.first, sharp ? -1.0 : share - 1.0);
+      for (const auto& [p, weight] : c.second) end(p, sharp ? weight : -share * weight);
+      if (!sharp) end(c.on_seam, 1.0);
+      std::map<std::pair<int, int>, double> terms;
+      for (const Term& t : brace.ends) {
+        const auto it = tie_of.find({t.shell, t.slot});
+        if (it == tie_of.end())
+          terms[{t.shell, t.slot}] += t.weight;
+        else
+          for (const Master& m : it->second->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
+      }
+      Vec3 sum = Vec3::Zero();
+      for (const auto& [at, weight] : terms) {
+        if (std::abs(weight) <= kLooseWeight) continue;
+        brace.terms.push_back({at.first, at.second, weight});
+        const std::vector<double>& x = shells[at.first]->rest;
+        for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
+      }
+      brace.length = sum.norm();
+      if (brace.length > kFlat * chord.norm()) braces_.push_back(std::move(brace));
     }
+  edges_seen_.assign(shells.size(), 0);
 }
 
 void Stitching::tie(const std::vector<ShellRef>& shells) {
@@ -71,7 +99,7 @@ void Stitching::tie(const std::vector<ShellRef>& shells) {
     double& mass = shells[t.shell].state->mass[t.slot];
     for (const Master& m : t.on) {
       ShellState& s = *shells[m.shell].state;
-      s.mass[m.slot] += m.weight * mass;
+      s.mass[m.slot] += m.share * mass;
       if (s.inverse_mass[m.slot] > 0.0) s.inverse_mass[m.slot] = 1.0 / s.mass[m.slot];
     }
     mass = 0.0;
@@ -95,19 +123,7 @@ void Stitching::refresh(const std::vector<ShellRef>& shells, const Tie& t) {
   shells[t.shell].state->inverse_mass[t.slot] = inverse;
 }
 
-double Stitching::share_forces(const std::vector<ShellRef>& shells) {
-  double energy = 0.0;
-  for (const Brace& b : braces_) {
-    if (!b.holds) continue;
-    Vec3 to = Vec3::Zero();
-    for (const Master& m : b.other) to += m.weight * shells[m.shell].state->position(m.slot);
-    const Vec3 chord = to - shells[b.shell].state->position(b.slot);
-    const double length = chord.norm(), longer = length - b.length;
-    const Vec3 pull = b.stiffness * longer / std::max(length, 1e-300) * chord;
-    energy += 0.5 * b.stiffness * longer * longer;
-    add(shells[b.shell].state->force, b.slot, pull);
-    for (const Master& m : b.other) add(shells[m.shell].state->force, m.slot, -m.weight * pull);
-  }
+void Stitching::share_forces(const std::vector<ShellRef>& shells) {
   for (const Tie& t : ties_) {
     if (!t.holds) continue;
     const ShellState& own = *shells[t.shell].state;
@@ -126,7 +142,34 @@ double Stitching::share_forces(const std::vector<ShellRef>& shells) {
     const double inverse = own.inverse_mass[t.slot];
     put(own.force, t.slot, inverse > 0.0 ? Vec3(acceleration / inverse) : Vec3(Vec3::Zero()));
   }
-  return energy;
+}
+
+void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
+  bool met = braces_.empty();
+  for (int sweep = 0; sweep < kSweeps && !met; ++sweep) {
+    met = true;
+    for (const Brace& b : braces_) {
+      if (!b.holds) continue;
+      Vec3 now = Vec3::Zero(), change = Vec3::Zero();
+      double mobility = 0.0;
+      for (const Term& t : b.terms) {
+        const ShellState& s = *shells[t.shell].state;
+        now += t.weight * s.position(t.slot), change += t.weight * s.velocity(t.slot);
+        mobility += t.weight * t.weight * s.inverse_mass[t.slot];
+      }
+      const Vec3 next = now + dt * change, line = now.stableNormalized();
+      if (std::abs(next.norm() - b.length) <= kMet * b.length || mobility == 0.0) continue;
+      met = false;
+      // |next + dt mobility j line| = length, the nearer answer; what is too far aside comes as near as it can
+      const double along = next.dot(line), room = along * along - next.squaredNorm() + b.length * b.length;
+      const double j = (std::sqrt(std::max(0.0, room)) - along) / (dt * mobility);
+      for (const Term& t : b.terms) {
+        ShellState& s = *shells[t.shell].state;
+        s.add_velocity(t.slot, t.weight * s.inverse_mass[t.slot] * j * line);
+      }
+    }
+  }
+  follow(shells);
 }
 
 void Stitching::mark(const std::vector<ShellRef>& shells) {
@@ -163,49 +206,93 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
 
 void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
   // which side of the crack; 0: of neither patch
-  const auto side = [&](int shell, int slot) {
-    if (shell != seam.first && shell != seam.second) return 0;
-    const int edge = shell == seam.first ? seam.first_edge : seam.second_edge, axis = edge < kVMin ? 1 : 0;
-    const KnotVector& k = axis == 1 ? shells[shell].model->patch.knots_v : shells[shell].model->patch.knots_u;
-    double share = (shells[shell].model->of_slot[slot][axis] - k.begin()) / (k.end() - k.begin());
-    if (shell == seam.second && seam.reversed) share = 1.0 - share;
-    return share < t ? -1 : 1;
+  const auto side = [&](const Term& m) {
+    if (m.shell != seam.first && m.shell != seam.second) return 0;
+    const int edge = m.shell == seam.first ? seam.first_edge : seam.second_edge, axis = edge < kVMin ? 1 : 0;
+    const ShellModel& model = *shells[m.shell].model;
+    const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
+    const Vec2 at = model.of_slot[m.slot];
+    const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
+    const double share = m.shell == seam.second && seam.reversed ? 1.0 - own : own;
+    // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
+    const bool clear = shells[m.shell].state->cracks.visible(at, edge_point(model.patch, edge, own));
+    return (share < t) == clear ? -1 : 1;
+  };
+  const auto across = [&](const Term& a, const auto& others) {
+    const int own = side(a);
+    return std::any_of(others.begin(), others.end(), [&](const Term& m) {
+      return std::abs(m.weight) > kLooseWeight && own * side(m) < 0;
+    });
   };
   for (Tie& tie : ties_) {
-    if (!tie.holds) continue;
-    const int own = side(tie.shell, tie.slot);
-    const bool across = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {
-      return std::abs(m.weight) > kAcross && own * side(m.shell, m.slot) < 0;
-    });
     const bool of_seam = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {
       return (m.shell == seam.first || m.shell == seam.second) && m.shell != tie.shell;
     });
-    if (across && of_seam) let_go(shells, tie);
+    if (tie.holds && of_seam && across({tie.shell, tie.slot, 1.0}, tie.on))
+      shells[tie.shell].state->book.fracture += let_go(shells, tie);
   }
-  for (Brace& b : braces_) {
-    const int own = side(b.shell, b.slot);
-    for (const Master& m : b.other)
-      if (std::abs(m.weight) > kAcross && own * side(m.shell, m.slot) < 0) b.holds = false;
-  }
+  for (Brace& b : braces_) b.holds = b.holds && !across(b.ends[0], b.ends);
 }
 
-void Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
+double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   const ShellModel& model = *shells[t.shell].model;
-  double mass = 0.0;
-  Vec3 momentum = Vec3::Zero();
+  ShellState& own = *shells[t.shell].state;
+  const Vec3 place = own.position(t.slot);
+  double mass = 0.0, lost = 0.0;
+  Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving mass has taken away
   for (const Master& m : t.on) {
     ShellState& s = *shells[m.shell].state;
     // pieces that have left beside it may have taken some of what was shared
     const double least = kLeastMass * shells[m.shell].model->mass[m.slot];
-    const double part = std::min(m.weight * model.mass[t.slot], std::max(0.0, s.mass[m.slot] - least));
-    mass += part, momentum += part * s.velocity(m.slot);
+    const double part = std::min(m.share * model.mass[t.slot], std::max(0.0, s.mass[m.slot] - least));
+    const Vec3 v = s.velocity(m.slot);
+    mass += part, momentum += part * v, lost += 0.5 * part * v.squaredNorm();
+    turning += part * (s.position(m.slot) - place).cross(v);
     s.mass[m.slot] -= part;
     if (s.inverse_mass[m.slot] > 0.0) s.inverse_mass[m.slot] = 1.0 / s.mass[m.slot];
   }
-  ShellState& own = *shells[t.shell].state;
   own.mass[t.slot] = mass, own.inverse_mass[t.slot] = mass > 0.0 ? 1.0 / mass : 0.0;
-  if (mass > 0.0) put(own.v, t.slot, momentum / mass);
+  if (mass > 0.0) put(own.v, t.slot, momentum / mass), lost -= 0.5 * momentum.squaredNorm() / mass;
   t.holds = false;
+  for (Brace& b : braces_)
+    for (const Term& end : b.ends) b.holds = b.holds && (end.shell != t.shell || end.slot != t.slot);
+  return lost - turn(shells, t, turning);
+}
+
+// All that moves of a control point and those that it followed gets a common spin, which has angular momentum
+// `turning` and no momentum. Returns the kinetic energy that this adds.
+double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const Vec3& turning) {
+  std::vector<Term> all{{t.shell, t.slot, 1.0}};
+  all.insert(all.end(), t.on.begin(), t.on.end());
+  all.erase(std::remove_if(all.begin(), all.end(),
+                           [&](const Term& m) { return !(shells[m.shell].state->inverse_mass[m.slot] > 0.0); }),
+            all.end());
+  double mass = 0.0, added = 0.0;
+  Vec3 centre = Vec3::Zero();
+  for (const Term& m : all) {
+    const ShellState& s = *shells[m.shell].state;
+    mass += s.mass[m.slot], centre += s.mass[m.slot] * s.position(m.slot);
+  }
+  if (all.size() < 2) return 0.0;
+  centre /= mass;
+  Mat3 inertia = Mat3::Zero();
+  for (const Term& m : all) {
+    const ShellState& s = *shells[m.shell].state;
+    const Vec3 arm = s.position(m.slot) - centre;
+    inertia += s.mass[m.slot] * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+  }
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  Vec3 spin = Vec3::Zero();  // none about the line that all of them lie on
+  for (int d = 0; d < 3; ++d)
+    if (axes.eigenvalues()[d] > kOnALine * axes.eigenvalues()[2])
+      spin += axes.eigenvectors().col(d).dot(turning) / axes.eigenvalues()[d] * axes.eigenvectors().col(d);
+  for (const Term& m : all) {
+    ShellState& s = *shells[m.shell].state;
+    const Vec3 change = spin.cross(s.position(m.slot) - centre);
+    added += s.mass[m.slot] * change.dot(s.velocity(m.slot) + 0.5 * change);
+    s.add_velocity(m.slot, change);
+  }
+  return added;
 }
 
 double stable_step(const std::vector<ShellRef>& shells, Stitching& stitching, int iterations, int threads,

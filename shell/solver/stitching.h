@@ -1,6 +1,7 @@
 #pragma once
 // Shells that hang together along seams: control points that follow others, and creases that keep their angle.
 #include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "coupler/core/archive.h"
@@ -18,20 +19,24 @@ struct ShellRef {
 class Stitching {
  public:
   Stitching() = default;
-  /// Patches of `stitches` are the models of `shells`, in their order.
+  /// Patches of `stitches` are the models of `shells`, in their order. Throws Error where a support holds a seam along
+  /// one shell only.
   Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells);
 
   bool empty() const { return ties_.empty(); }
   /// Control points that follow give their mass to those that they follow; at the start, after make_state.
   void tie(const std::vector<ShellRef>& shells);
-  /// After compute_forces of all shells: adds what creases do, then hands the forces of control points that follow to
-  /// those that they follow, and leaves them what makes them accelerate alike. Returns the creases' energy [J].
-  double share_forces(const std::vector<ShellRef>& shells);
+  /// After compute_forces of all shells: hands the forces of control points that follow to those that they follow, and
+  /// leaves them what makes them accelerate alike.
+  void share_forces(const std::vector<ShellRef>& shells);
   /// After kick, before contact: what velocities are without impulses.
   void mark(const std::vector<ShellRef>& shells);
   /// After contact: impulses on control points that follow act on those that they follow. What that changes in the
   /// work of contact is booked.
   void share_impulses(const std::vector<ShellRef>& shells);
+  /// After that, before drift: impulses that let creases have their angle after a drift of `dt`. They act along lines
+  /// between the control points that they move (SHAKE), so that momentum and angular momentum stay, and do no work.
+  void keep_angles(const std::vector<ShellRef>& shells, double dt);
 
   /// Velocities of control points that follow, from those that they follow.
   void follow(const std::vector<ShellRef>& shells) const;
@@ -43,7 +48,7 @@ class Stitching {
         if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
   }
   /// Control points that `leaves(shell, slot)` go free again, and so do those that follow them; each takes its mass
-  /// back with its velocity, which keeps momentum and loses some kinetic energy. Returns whether any was let go.
+  /// back with its velocity, which keeps momentum and angular momentum and loses some kinetic energy. Returns whether any was let go.
   template <class F>
   bool release(const std::vector<ShellRef>& shells, F&& leaves) {
     bool any = false;
@@ -53,13 +58,14 @@ class Stitching {
       if (t.holds && out) let_go(shells, t), any = true;
     }
     for (Brace& b : braces_) {
-      bool out = leaves(b.shell, b.slot);
-      for (const Master& m : b.other) out = out || leaves(m.shell, m.slot);
-      if (out) b.holds = false;
+      for (const Term& m : b.ends) b.holds = b.holds && !leaves(m.shell, m.slot);
+      for (const Term& m : b.terms) b.holds = b.holds && !leaves(m.shell, m.slot);
     }
     return any;
   }
 
+  /// Crack edges of a shell that have been asked whether they leave it over a seam.
+  std::vector<std::int64_t>& edges_seen() { return edges_seen_; }
   /// Where a crack crosses a seam, at share `t` of its first edge: control points that follow others beyond it are let
   /// go.
   void part(const std::vector<ShellRef>& shells, const Seam& seam, double t);
@@ -68,13 +74,17 @@ class Stitching {
   friend void archive(A& a, Stitching& s) {
     for (Tie& t : s.ties_) archive_one(a, t.holds);
     for (Brace& b : s.braces_) archive_one(a, b.holds);
+    archive_one(a, s.edges_seen_);
   }
 
  private:
-  static constexpr double kLooseWeight = 1e-3;
-  struct Master {
+  static constexpr double kLooseWeight = 1e-9;  // round-off
+  struct Term {
     int shell, slot;
     double weight;
+  };
+  struct Master : Term {
+    double share = 0.0;  // of the mass of what follows; none where the weight is negative, or masses could vanish
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
   struct Tie {
@@ -83,18 +93,21 @@ class Stitching {
     bool holds = true;
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
-  /// A spring between two control points beside a crease, or their means.
+  /// Keeps the length of a weighted sum of control points beside a crease (weights sum to 0), which is its angle.
   struct Brace {
-    int shell, slot;
-    std::vector<Master> other;
-    double stiffness = 0.0, length = 0.0;  // [N/m], [m] at rest
+    std::vector<Term> ends;   // as the geometry has it
+    std::vector<Term> terms;  // what moves them
+    double length = 0.0;      // at rest [m]
     bool holds = true;
   };
-  void let_go(const std::vector<ShellRef>& shells, Tie& tie);
+  /// Returns the kinetic energy that is lost [J].
+  double let_go(const std::vector<ShellRef>& shells, Tie& tie);
+  static double turn(const std::vector<ShellRef>& shells, const Tie& tie, const Vec3& turning);
   static void refresh(const std::vector<ShellRef>& shells, const Tie& tie);
 
   std::vector<Tie> ties_;
   std::vector<Brace> braces_;
+  std::vector<std::int64_t> edges_seen_;
 };
 
 /// Largest stable step [s] of shells that hang together, as stable_step() for one; each is taken as free of its

@@ -57,7 +57,7 @@ class Measuring(unittest.TestCase):
     def test_what_cannot_be_validated_or_written_is_refused(self) -> None:
         self.validator(0)
         self.assertEqual(command.main(["validate", "cheese"]), 2)
-        self.assertIn("there is shells, cracks", self.said.getvalue())
+        self.assertIn("there is shells, seams, cracks", self.said.getvalue())
         self.assertEqual(command.main(["validate", "shells", "--json", str(self.folder / "no" / "table.json")]), 2)
         self.assertEqual(command.main(["validate", "shells", "--plots", str(self.folder / "plots.cheese")]), 2)
         self.assertEqual(command.main(["bench", "--json", str(self.folder / "no" / "bench.json")]), 2)

@@ -1,0 +1,67 @@
+// Seams of a scene: what is refused, with field and remedy.
+#include "tests/coupler/small_scene.h"
+
+namespace {
+
+using namespace small_scene;
+
+// Two plates side by side, more fields of the second one, and seams.
+std::string scene(const std::string& seams, const std::string& shell = "", double x = 0.5) {
+  std::string text = replaced("bodies {", "# bodies: none\nbodies {");
+  text.resize(text.find("# bodies"));
+  return text + fmt::format(R"(shells {{
+  name: "wing"
+  material: "glass"
+  thickness_m: 0.004
+  plate {{ size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 pose {{ position {{ x: {} }} }} }}
+  {}
+}}
+{}
+)",
+                            x, shell, seams);
+}
+
+void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says) {
+  const sunder::Error e = refusal(text);
+  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << e.what();
+  EXPECT_EQ(e.field, field) << e.what();
+  for (const std::string& part : says) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+}
+
+}  // namespace
+
+TEST(SceneSeams, AreAcceptedWithEveryRule) {
+  for (const char* rules : {"", "rules { first: \"pane\" second: \"wing\" kind: HINGE }",
+                            "tolerance_m: 1e-5 rules { first: \"wing\" second: \"pane\" kind: OPEN }"}) {
+    const sunder::Error e = refusal(scene(fmt::format("seams {{ {} }}", rules)));
+    EXPECT_EQ(e.kind, "accepted") << e.what();
+  }
+}
+
+TEST(SceneSeams, OfShellsThatAreNotThereAreRefused) {
+  expect_refusal(scene("seams { rules { first: \"pane\" second: \"wnig\" kind: HINGE } }"), "seams.rules[0].second",
+                 {"'wnig' is no shell of this scene"});
+  expect_refusal(scene("seams { rules { first: \"pane\" second: \"pane\" kind: HINGE } }"), "seams.rules[0].second",
+                 {"a seam is between two shells"});
+  expect_refusal(scene("seams { rules { first: \"pane\" second: \"wing\" } rules { first: \"wing\" second: \"pane\" } }"),
+                 "seams.rules[1]", {"says again"});
+}
+
+TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
+  for (const char* value : {"0", "-1e-6", "2", "nan"})
+    expect_refusal(scene(fmt::format("seams {{ tolerance_m: {} }}", value)), "seams.tolerance_m",
+                   {"above 0, at most 1"});
+}
+
+TEST(SceneSeams, WithWhatIsForOneShellAreRefused) {
+  expect_refusal(scene("seams {}", "equilibrium {} supports { edges: ALL kind: CLAMPED }"), "shells[1].equilibrium",
+                 {"leave one of them out"});
+  expect_refusal(scene("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams"});
+}
+
+TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
+  expect_refusal(scene("seams {}", "", 0.502), "seams", {"nearly meet", "0.002 m apart", "seams.tolerance_m"});
+  EXPECT_EQ(refusal(scene("", "", 0.502)).kind, "accepted");
+  expect_refusal(scene("seams {}", "supports { edges: U_MIN kind: CLAMPED }"), "seams",
+                 {"a support of shell 'wing' holds its seam with shell 'pane'", "give both of them"});
+}
