@@ -13,7 +13,7 @@ namespace sunder::link {
 constexpr std::uint32_t kProtocol = 2;
 constexpr double kQuaternionTolerance = 1e-9;  // off unit length: round-off of a window, no more
 constexpr double kNormalTolerance = 1e-6;      // single precision is good enough for a direction
-constexpr int kMaxBodies = 100000, kMaxParts = 4096, kMaxCorners = 4096;
+constexpr int kMaxBodies = 100000, kMaxParts = 65536, kMaxCorners = 4096;
 constexpr int kMaxJoints = 100000, kMaxRows = 1000000, kMaxLaws = 1000000;
 constexpr std::size_t kMaxHash = 256, kMaxWord = 255;  // bytes
 constexpr std::size_t kMaxReport = 4096;               // bytes of what the other side says of its failure

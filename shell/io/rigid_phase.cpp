@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "shell/io/run.h"
+#include "shell/solver/remains.h"
 
 namespace sunder::shell {
 namespace {

@@ -73,30 +73,6 @@ Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
   return g;
 }
 
-// Rotation and translation of rest positions that fit the present ones best (mass-weighted).
-void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& slots, Mat3& rotation, Vec3& from,
-              Vec3& to) {
-  // one that follows others at a seam has given them its mass
-  const auto weight = [&](int slot) { return s.mass[slot] > 0.0 ? s.mass[slot] : m.mass[slot]; };
-  double mass = 0.0;
-  from = to = Vec3::Zero();
-  for (const int slot : slots) {
-    mass += weight(slot);
-    from += weight(slot) * s.at(m.rest, slot), to += weight(slot) * s.position(slot);
-  }
-  from /= mass, to /= mass;
-  Mat3 covariance = Mat3::Zero();
-  for (const int slot : slots)
-    covariance += weight(slot) * (s.position(slot) - to) * (s.at(m.rest, slot) - from).transpose();
-  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  rotation = Mat3::Identity();
-  // fewer than three points, or points in a line, fix no rotation
-  if (svd.singularValues()[1] < 1e-6 * svd.singularValues()[0]) return;
-  Mat3 sign = Mat3::Identity();
-  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
-  rotation = svd.matrixU() * sign * svd.matrixV().transpose();
-}
-
 // Control points that stay, nearest to the piece's centre first.
 std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Triangulation& t, const Piece& piece) {
   std::vector<Vec2> border;
@@ -117,38 +93,6 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
   std::vector<int> slots;
   for (const auto& f : found) slots.push_back(f.second);
   return slots;
-}
-
-// Thickens a piece at its rest shape: convex parts to collide and a mesh to draw.
-void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
-             ConvexShape& shape, DrawnMesh& drawn) {
-  const Outline outline = outline_of(t, piece);
-  const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
-    const SurfacePoint q = m.patch.evaluate(p);
-    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
-    low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
-  };
-  for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
-    auto& corners = shape.parts.emplace_back();
-    for (const Vec2& p : polygon) {
-      corners.emplace_back(), corners.emplace_back();
-      faces(p, corners[corners.size() - 2], corners.back());
-    }
-  }
-  const int first = static_cast<int>(drawn.points.size());
-  for (const Vec2& p : outline.vertices) {
-    drawn.points.emplace_back(), drawn.points.emplace_back();
-    faces(p, drawn.points[drawn.points.size() - 2], drawn.points.back());
-  }
-  const auto low = [&](int v) { return first + 2 * v; };
-  for (const auto& c : outline.triangles) {
-    drawn.triangles.push_back({low(c[0]) + 1, low(c[1]) + 1, low(c[2]) + 1});
-    drawn.triangles.push_back({low(c[0]), low(c[2]), low(c[1])});
-  }
-  for (const auto& [a, b] : outline.border) {
-    drawn.triangles.push_back({low(a), low(b), low(b) + 1});
-    drawn.triangles.push_back({low(a), low(b) + 1, low(a) + 1});
-  }
 }
 
 // A rigid piece that got all momentum of its sources can move faster than any of them: a sliver weighs less than
@@ -186,7 +130,62 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
   momentum -= p, angular -= share * angular;
 }
 
-// The piece's points leave: nothing reads or moves them any more.
+}  // namespace
+
+void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& slots, Mat3& rotation, Vec3& from,
+              Vec3& to) {
+  // one that follows others at a seam has given them its mass
+  const auto weight = [&](int slot) { return s.mass[slot] > 0.0 ? s.mass[slot] : m.mass[slot]; };
+  double mass = 0.0;
+  from = to = Vec3::Zero();
+  for (const int slot : slots) {
+    mass += weight(slot);
+    from += weight(slot) * s.at(m.rest, slot), to += weight(slot) * s.position(slot);
+  }
+  from /= mass, to /= mass;
+  Mat3 covariance = Mat3::Zero();
+  for (const int slot : slots)
+    covariance += weight(slot) * (s.position(slot) - to) * (s.at(m.rest, slot) - from).transpose();
+  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  rotation = Mat3::Identity();
+  // fewer than three points, or points in a line, fix no rotation
+  if (svd.singularValues()[1] < 1e-6 * svd.singularValues()[0]) return;
+  Mat3 sign = Mat3::Identity();
+  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  rotation = svd.matrixU() * sign * svd.matrixV().transpose();
+}
+
+void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
+             ConvexShape& shape, DrawnMesh& drawn) {
+  const Outline outline = outline_of(t, piece);
+  const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
+    const SurfacePoint q = m.patch.evaluate(p);
+    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
+    low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
+  };
+  for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
+    auto& corners = shape.parts.emplace_back();
+    for (const Vec2& p : polygon) {
+      corners.emplace_back(), corners.emplace_back();
+      faces(p, corners[corners.size() - 2], corners.back());
+    }
+  }
+  const int first = static_cast<int>(drawn.points.size());
+  for (const Vec2& p : outline.vertices) {
+    drawn.points.emplace_back(), drawn.points.emplace_back();
+    faces(p, drawn.points[drawn.points.size() - 2], drawn.points.back());
+  }
+  const auto low = [&](int v) { return first + 2 * v; };
+  for (const auto& c : outline.triangles) {
+    drawn.triangles.push_back({low(c[0]) + 1, low(c[1]) + 1, low(c[2]) + 1});
+    drawn.triangles.push_back({low(c[0]), low(c[2]), low(c[1])});
+  }
+  for (const auto& [a, b] : outline.border) {
+    drawn.triangles.push_back({low(a), low(b), low(b) + 1});
+    drawn.triangles.push_back({low(a), low(b) + 1, low(a) + 1});
+  }
+}
+
 void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
@@ -228,8 +227,6 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
       if (own[beside(m.patch.knots_v.span_of(tip.p.y()), m.patch.knots_u.span_of(tip.p.x()))]) tip.alive = false;
     }
 }
-
-}  // namespace
 
 Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Piece>& pieces) {
   std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
@@ -426,31 +423,6 @@ Handoff joined(const std::vector<Handoff>& parts) {
       out.drawn.triangles.push_back({before + c[0], before + c[1], before + c[2]});
   }
   b.shape = std::move(shape);
-  return out;
-}
-
-Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const std::vector<Piece>& pieces,
-               BodyId id) {
-  Handoff out;
-  RigidBody& b = out.body;
-  b.id = id, b.name = m.name + "_remains", b.is_static = true;
-  b.contact_group = m.contact_group;
-  ConvexShape shape;
-  for (const Piece& p : pieces)
-    if (!p.gone && p.held) {
-      std::vector<int> slots;
-      for (const int i : p.control_points) slots.push_back(m.tables.slot(i));
-      for (int i = 0; i < m.control_points() && p.control_points.empty(); ++i)  // a splinter on an interlayer
-        if (!s.gone[m.tables.slot(i)]) slots.push_back(m.tables.slot(i));
-      Mat3 rotation;
-      Vec3 from, to;
-      fit_pose(m, s, slots, rotation, from, to);  // where it stands: a hinged pane may have swung
-      thicken(m, t, p.number, from - rotation.transpose() * to, rotation, shape, out.drawn);
-      out.area += p.area;
-    }
-  b.shape = std::move(shape);
-  for (const Piece& p : pieces)
-    if (!p.gone) remove_piece(m, s, p);
   return out;
 }
 

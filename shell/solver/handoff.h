@@ -58,8 +58,13 @@ Handoff hand_off(const ShellModel& model, ShellState& state, const Triangulation
 /// Pieces of several shells that leave as one body: masses, momenta and angular momenta are added, where each stands.
 Handoff joined(const std::vector<Handoff>& parts);
 
-/// What a support holds as one static body, at its rest shape where it stands; the shell is then empty.
-Handoff freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,
-               BodyId id);
+/// Rotation and translation of rest positions that fit the present ones best (mass-weighted).
+void fit_pose(const ShellModel& model, const ShellState& state, const std::vector<int>& slots, Mat3& rotation,
+              Vec3& from, Vec3& to);
+/// Thickens a piece at its rest shape, turned by `to_body` about `centre`: convex parts to collide and a mesh to draw.
+void thicken(const ShellModel& model, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
+             ConvexShape& shape, DrawnMesh& drawn);
+/// The piece's points leave: nothing reads or moves them any more.
+void remove_piece(const ShellModel& model, ShellState& state, const Piece& piece);
 
 }  // namespace sunder::shell
