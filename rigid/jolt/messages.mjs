@@ -6,7 +6,7 @@ export const kProtocol = 2;
 export const kMaxHash = 256; // [bytes]
 export const kMaxMessage = 256 * 2 ** 20; // [bytes]
 const kQuaternionTolerance = 1e-9; // off unit length: round-off of a window, no more
-const kMaxBodies = 100000, kMaxParts = 4096, kMaxCorners = 4096, kMaxJoints = 100000, kMaxLaws = 1000000;
+const kMaxBodies = 100000, kMaxParts = 65536, kMaxCorners = 4096, kMaxJoints = 100000, kMaxLaws = 1000000;
 const kMaxWord = 255; // [bytes]
 const kJointKinds = [null, 'BALL', 'HINGE', 'SLIDER', 'FIXED'];
 
