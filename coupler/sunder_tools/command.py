@@ -13,10 +13,10 @@ from typing import NoReturn
 
 from .build import BUILD_DIR_VARIABLE, REPOSITORY, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
-from .install import SLURM_PACKAGES, ensure_installed
+from .install import BROWSER_PACKAGES, SLURM_PACKAGES, ensure_installed
 
 COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz",
-            "sweep")
+            "sweep", "view")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -53,6 +53,12 @@ def _threads(text: str) -> str:
 
 def _count(text: str) -> int:
     return int(_threads(text))
+
+
+def _port(text: str) -> int:
+    if not text.isascii() or not text.isdigit() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a port, 0 to 65535")
+    return int(text)
 
 
 class _Parser(argparse.ArgumentParser):
@@ -174,6 +180,14 @@ def make_parser() -> argparse.ArgumentParser:
                        help="frames that stay: first and last with crack lines of all times (default), all, or none")
     sweep.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
+    view = commands.add_parser(
+        "view", formatter_class=raw, allow_abbrev=False, help="play a run in the browser",
+        description="Serves a page to this machine only, until Ctrl-C; a run that is still under way grows on it.",
+        epilog=EPILOG)
+    view.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
+    view.add_argument("--port", metavar="PORT", type=_port, default=0, help="of 127.0.0.1 (default: a free one)")
+    view.add_argument("--no-browser", action="store_true", help="say the address and open nothing")
+
     test = commands.add_parser(
         "test", formatter_class=raw, help="build everything and run the tests", usage="sunder test [CTEST_ARGUMENT ...]",
         description="What follows goes to ctest, e.g. sunder test -R vtp", epilog=EPILOG, add_help=False)
@@ -204,10 +218,17 @@ def _check(scene: Path, settings: list[str]) -> int:
 
 
 def _get_packages() -> None:
-    """Of the Jolt engine and of Slurm, which only tests need: where they cannot be had those are skipped, no more."""
+    """Of the Jolt engine, Slurm and a browser, which only tests need: where they cannot be had those are skipped, no more."""
     from .node import ensure_node
+    from .view import ensure_page
+
+    def ensure_viewer(log: Path) -> None:
+        ensure_installed(log, BROWSER_PACKAGES)
+        ensure_page()
+
     log = REPOSITORY / "build" / "install.log"
-    for what, install in (("the Jolt engine", ensure_node), ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES))):
+    for what, install in (("the Jolt engine", ensure_node), ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES)),
+                          ("the viewer", ensure_viewer)):
         try:
             install(log)
         except (CommandError, OSError) as error:
@@ -251,6 +272,9 @@ def _dispatch(arguments: list[str]) -> int:
         from sunder_lab import sweep
         return sweep.sweep(options.file, sweep.settings_of(options.file, options.out, options.jobs, options.executor,
                                                            options.threads, options.keep, options.sbatch, options.quiet))
+    if options.command == "view":
+        from .view import view
+        return view(options.folder, options.port, not options.no_browser)
     if options.command == "fuzz":
         from . import fuzz
         return fuzz.fuzz(options.target, options.runs or fuzz.DEFAULT_RUNS)

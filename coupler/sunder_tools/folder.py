@@ -168,3 +168,12 @@ def _probe(path: Path) -> None:
             os.fsync(sink.fileno())
     finally:
         probe.unlink(missing_ok=True)
+
+
+def existing_run(path: Path, command: str) -> None:
+    """Raises CommandError unless `path` is the folder of a run; frames may still be to come."""
+    if not path.is_dir():
+        raise CommandError(f"{command}: {path}: no such folder; name the folder of a run")
+    if not _is_run(path) and not (path / "frames.pvd").is_file():
+        raise CommandError(f"{command}: {path}: holds neither run.json nor frames.pvd; name the folder of a run, the one "
+                           "that 'sunder run' says at its end")

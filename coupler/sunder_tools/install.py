@@ -18,6 +18,7 @@ PACKAGES = (
     "python3-protobuf",
 )
 SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own
+BROWSER_PACKAGES = ("chromium",)  # for a test only, of the viewer's page
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
 

@@ -1,4 +1,7 @@
-"""Node.js and the packages that the Jolt engine (rigid/jolt) runs with: `python3 -m sunder_tools.node` gets them."""
+"""Node.js and the packages that the Jolt engine (rigid/jolt) runs with: `python3 -m sunder_tools.node` gets them.
+
+The viewer's page (coupler/viewer) has its three.js the same way, and needs no Node.js.
+"""
 from __future__ import annotations
 
 import base64
@@ -39,12 +42,12 @@ def ensure_node(log: Path, sources: Path = REPOSITORY / "rigid" / "jolt",
     ensure_packages(log, sources, folder)
 
 
-def ensure_packages(log: Path, sources: Path, folder: Path) -> None:
+def ensure_packages(log: Path, sources: Path, folder: Path, whose: str = "the Jolt engine") -> None:
     """The packages alone. They are all there or, after a failure, as they were before."""
     wanted = (sources / LOCK_FILE).read_bytes()
     if _is_there(folder, wanted):
         return
-    print("sunder: getting the packages of the Jolt engine", file=sys.stderr, flush=True)
+    print(f"sunder: getting the packages of {whose}", file=sys.stderr, flush=True)
     start = time.monotonic()
     fresh: Path | None = None
     try:

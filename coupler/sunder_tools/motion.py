@@ -1,0 +1,47 @@
+"""How fast the points of a frame move: as the shell writes it, and from frame to frame for rigid bodies."""
+from __future__ import annotations
+
+import numpy as np
+
+from .frames import BODIES, Frame
+from .vtp import PolyData
+
+
+def shell_velocity(mesh: PolyData) -> np.ndarray:
+    """(n, 3) [m/s], zero where an older frame does not say."""
+    velocity = mesh.point_data.get("velocity")
+    return np.zeros_like(mesh.points) if velocity is None or velocity.ndim != 2 else velocity.astype(float)
+
+
+def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
+    """(n, 3) [m/s] of the points of bodies in frame k; (0, 3) where it has none. Raises VtpError, OSError.
+
+    Frames have no velocity of bodies: it is the mean over the interval since the frame before, or up to the next for
+    one that is new; zero where a body is in neither. Spin of more than half a turn in an interval is not seen.
+    """
+    here = frames[k].read(BODIES)
+    if here is None:
+        return np.zeros((0, 3))
+    velocity = np.zeros_like(here.points)
+    missing = _by_body(here)
+    for other in (k - 1, k + 1):
+        if not missing or not 0 <= other < len(frames):
+            continue
+        there = frames[other].read(BODIES)
+        for body, points in _by_body(there).items() if there is not None else ():
+            mine = missing.get(body)
+            if mine is not None and len(mine) == len(points):  # rigid: the same corners in the same order
+                assert there is not None
+                velocity[mine] = (there.points[points] - here.points[mine]) / (frames[other].time_s - frames[k].time_s)
+                del missing[body]
+    return velocity
+
+
+def _by_body(mesh: PolyData) -> dict[int, np.ndarray]:
+    """Points of each body in ascending order."""
+    body = mesh.of_triangles("body", 0).astype(np.int64)
+    owner = np.full(len(mesh.points), -1, np.int64)
+    owner[mesh.triangles.ravel()] = np.repeat(body, 3)
+    order = np.argsort(owner, kind="stable")
+    ids, starts = np.unique(owner[order], return_index=True)
+    return {int(i): points for i, points in zip(ids, np.split(order, starts[1:])) if i >= 0}

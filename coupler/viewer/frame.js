@@ -1,0 +1,45 @@
+// Frames as coupler/sunder_tools/playback.py packs them, decoded, and a store that keeps the last ones.
+
+const KINDS = { f4: Float32Array, i4: Int32Array, u4: Uint32Array };
+const STORED_BYTES = 300e6;
+
+/** {time_s, origin, arrays: {name: typed array}} of a buffer; throws where it is cut short. */
+export function decode(buffer) {
+  const length = new DataView(buffer).getUint32(0, true);
+  const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+  const arrays = {};
+  for (const [name, [kind, offset, count]] of Object.entries(header.arrays))
+    arrays[name] = new KINDS[kind](buffer, 4 + length + offset, count);
+  return { time_s: header.time_s, origin: header.origin, arrays, bytes: buffer.byteLength };
+}
+
+export class FrameStore {
+  #kept = new Map(); // key: promise of a frame, the one used longest ago first
+  #bytes = 0;
+
+  /** Promise of frame k in this version; asked for once however often it is wanted. */
+  get(k, version) {
+    const key = `${k} ${version}`;
+    let promise = this.#kept.get(key);
+    if (promise) this.#kept.delete(key);
+    else {
+      promise = this.#fetch(k, version);
+      promise.catch(() => this.#kept.delete(key)); // it may be there the next time
+    }
+    this.#kept.set(key, promise);
+    return promise;
+  }
+
+  async #fetch(k, version) {
+    const answer = await fetch(`frame/${k}?${encodeURIComponent(version)}`);
+    if (!answer.ok) throw new Error(`frame ${k}: ${await answer.text()}`);
+    const frame = decode(await answer.arrayBuffer());
+    this.#bytes += frame.bytes;
+    for (const [key, promise] of this.#kept) {
+      if (this.#bytes <= STORED_BYTES || this.#kept.size <= 4) break;
+      this.#kept.delete(key);
+      promise.then((old) => { this.#bytes -= old.bytes; }, () => {});
+    }
+    return frame;
+  }
+}

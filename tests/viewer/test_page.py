@@ -1,0 +1,202 @@
+"""The page of `sunder view` in Chromium with software WebGL: it draws every triangle, plays, grows, and stays at home."""
+from __future__ import annotations
+
+import http.server
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "coupler"))
+from sunder_tools.frames import BODIES, SHELL, list_frames  # noqa: E402
+from sunder_tools.view import THREE, Server  # noqa: E402
+from tests.command.synthetic import SyntheticRun  # noqa: E402
+from tests.viewer.browser import Browser, find_browser  # noqa: E402
+
+COUNT, AT_FIRST = 15, 12  # frames in all, and those that are there when the page is opened
+CANVAS = (slice(40, 560), slice(0, 840))  # of the screen, without the head and the controls
+
+
+class Page(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls) -> None:
+        program = find_browser()
+        if program is None:
+            raise unittest.SkipTest("no chromium; as root: apt-get install chromium")
+        if not (THREE / "build" / "three.module.js").is_file():
+            raise unittest.SkipTest("no three.js; 'sunder view' or 'sunder test' installs it")
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.folder = Path(temporary.name)
+        cls.run_ = SyntheticRun(cls.folder, elements=10, fragments=12, count=COUNT)
+        for k in range(AT_FIRST):
+            cls.run_.write(k)
+        cls.run_.write_run_json("running", AT_FIRST - 1)
+        cls.write_series(AT_FIRST)
+        cls.server = Server(cls.folder)
+        thread = threading.Thread(target=cls.server.serve_forever, args=(0.05,))
+        thread.start()
+        cls.addClassCleanup(cls.server.server_close)
+        cls.addClassCleanup(thread.join)
+        cls.addClassCleanup(cls.server.shutdown)
+        cls.browser = Browser(program)
+        cls.addClassCleanup(cls.browser.close)
+
+    @classmethod
+    def write_series(cls, frames: int) -> None:
+        rows = [f"{cls.run_.time_s(k)!r},{100.0 - k},{0.5 * k}" for k in range(frames)]
+        (cls.folder / "series.csv").write_text("time [s],kinetic [J],cracks [m]\n" + "\n".join(rows) + "\n")
+        rows = [f"{cls.run_.time_s(k)!r},0,0,{-20.0 + k}" for k in range(frames)]
+        (cls.folder / "probes.csv").write_text(
+            "time [s],ball_vx [m/s],ball_vy [m/s],ball_vz [m/s]\n" + "\n".join(rows) + "\n")
+
+    def setUp(self) -> None:
+        self.browser.requests.clear()
+        self.browser.said.clear()
+        self.browser.open(self.server.url)
+        self.shown(0)
+        self.drawn(0)
+
+    def shown(self, k: int) -> None:
+        self.browser.wait("document.body.dataset.frame", lambda frame: frame == str(k))
+
+    def drawn(self, k: int) -> None:
+        """Every triangle of the frame is handed to the graphics."""
+        frame = list_frames(self.folder)[k]
+        wanted = sum(len(mesh.triangles) for part in (SHELL, BODIES) if (mesh := frame.read(part)) is not None)
+        self.assertGreater(wanted, 200)
+        self.browser.wait("document.body.dataset.triangles", lambda triangles: triangles == str(wanted))
+
+    def slide(self, k: int) -> None:
+        self.browser.evaluate(f"(() => {{ const s = document.getElementById('slider'); s.value = {k}; "
+                              "s.dispatchEvent(new Event('input')); })()")
+        self.shown(k)
+
+    def choose(self, control: str, value: str) -> None:
+        key = "checked" if value in ("true", "false") else "value"
+        text = value if key == "checked" else f"'{value}'"
+        self.browser.evaluate(f"(() => {{ const c = document.getElementById('{control}'); c.{key} = {text}; "
+                              "c.dispatchEvent(new Event('change')); })()")
+        # two frames of the screen: drawing is put off to the next one
+        self.browser.evaluate("new Promise(go => requestAnimationFrame(() => requestAnimationFrame(go)))")
+
+    def picture(self) -> np.ndarray:
+        return self.browser.picture()[CANVAS].astype(int)
+
+    def differs(self, one: np.ndarray, other: np.ndarray) -> int:
+        """Pixels that are plainly different."""
+        return int((np.abs(one - other).max(axis=2) > 12).sum())
+
+    def test_draws_and_the_slider_moves_it(self) -> None:
+        first = self.picture()
+        background = first[-1, -1]
+        covered = (np.abs(first - background).max(axis=2) > 25).mean()
+        self.assertGreater(covered, 0.1, "the shell and the floor fill a good part of the picture")
+        self.assertEqual(self.browser.evaluate("document.getElementById('time').textContent"), f"0 s  (1/{AT_FIRST})")
+        self.slide(AT_FIRST - 2)
+        self.drawn(AT_FIRST - 2)
+        self.assertGreater(self.differs(first, self.picture()), 3000)
+        time_ms = self.run_.time_s(AT_FIRST - 2) * 1e3
+        self.assertEqual(self.browser.evaluate("document.getElementById('time').textContent"),
+                         f"{float(f'{time_ms:.4g}'):g} ms  ({AT_FIRST - 1}/{AT_FIRST})")
+        self.slide(0)
+        self.drawn(0)
+        self.assertLess(self.differs(first, self.picture()), 50, "the same frame is the same picture")
+        self.assertEqual(self.browser.said, [])
+
+    def test_colours_and_switches_change_the_picture(self) -> None:
+        self.slide(7)
+        self.drawn(7)
+        pictures = {"part": self.picture()}
+        for by in ("damage", "fragment", "speed"):
+            self.choose("colour", by)
+            pictures[by] = self.picture()
+        names = list(pictures)
+        for k, one in enumerate(names):
+            for other in names[k + 1:]:
+                self.assertGreater(self.differs(pictures[one], pictures[other]), 1000, f"{one} and {other} look alike")
+        self.choose("lines", "false")
+        self.assertGreater(self.differs(pictures["speed"], self.picture()), 200, "crack lines")
+        shell = len(list_frames(self.folder)[7].read(SHELL).triangles)
+        self.choose("bodies", "false")
+        self.choose("static", "false")
+        self.assertEqual(self.browser.evaluate("document.body.dataset.triangles"), str(shell))
+        before = self.picture()
+        self.choose("mesh", "true")
+        self.assertGreater(self.differs(before, self.picture()), 1000)
+
+    def test_plots_stand_beside_it(self) -> None:
+        titles = self.browser.wait("[...document.querySelectorAll('.plot h2')].map(h => h.textContent)")
+        self.assertEqual(titles, ["energies [J]", "crack length [m]", "impulse per mass [m/s]", "probes: velocity [m/s]"])
+        inked = "[...document.querySelectorAll('.plot canvas')].map(c => c.getContext('2d').getImageData(0, 0, c.width, "\
+                "c.height).data.filter((v, i) => i % 4 === 3 && v > 0).length)"
+        self.assertGreater(min(self.browser.evaluate(inked)), 300)
+        plot = "(() => { const c = document.querySelector('.plot canvas'); const r = c.getBoundingClientRect(); "\
+               "c.dispatchEvent(new PointerEvent('pointerdown', {clientX: r.right - 8, clientY: r.top + 40})); })()"
+        self.browser.evaluate(plot)
+        self.shown(AT_FIRST - 1)  # a click into a plot goes there
+
+    def test_plays_to_the_end_and_fetches_nothing_from_elsewhere(self) -> None:
+        hits: list[str] = []
+
+        class Elsewhere(http.server.BaseHTTPRequestHandler):
+            def do_GET(self) -> None:  # noqa: N802: the base class's name
+                hits.append(self.path)
+                self.send_response(200)
+                self.send_header("Access-Control-Allow-Origin", "*")
+                self.end_headers()
+
+            def log_message(self, *_: object) -> None:
+                pass
+
+        self.choose("rate", "50")
+        self.browser.evaluate("document.getElementById('play').click()")
+        self.shown(AT_FIRST - 1)
+        self.drawn(AT_FIRST - 1)
+        self.assertGreater(len(self.browser.requests), AT_FIRST)
+        foreign = [url for url in self.browser.requests if not url.startswith((self.server.url, "data:", "blob:"))]
+        self.assertEqual(foreign, [])
+        with http.server.ThreadingHTTPServer(("127.0.0.1", 0), Elsewhere) as elsewhere:
+            thread = threading.Thread(target=elsewhere.serve_forever, args=(0.05,))
+            thread.start()
+            try:  # and the browser would not let it
+                said = self.browser.evaluate(f"fetch('http://127.0.0.1:{elsewhere.server_port}/').then(() => 'came', "
+                                             "() => 'refused')")
+            finally:
+                elsewhere.shutdown()
+                thread.join()
+        self.assertEqual((said, hits), ("refused", []))
+
+    def test_a_broken_frame_is_told_and_the_others_go_on(self) -> None:
+        path = self.folder / "frames" / "shell_000004.vtp"
+        whole = path.read_bytes()
+        path.write_bytes(whole[:-200])
+        try:
+            self.browser.open(self.server.url)
+            self.shown(0)
+            self.browser.evaluate("(() => { const s = document.getElementById('slider'); s.value = 4; "
+                                  "s.dispatchEvent(new Event('input')); })()")
+            self.browser.wait("document.getElementById('message').textContent", lambda text: "shell_000004.vtp" in text)
+            self.slide(5)
+            self.browser.wait("document.getElementById('message').textContent === ''")
+        finally:
+            path.write_bytes(whole)
+
+    def test_zz_a_run_under_way_grows(self) -> None:
+        """Last by its name: it ends the run that the others look at."""
+        self.slide(AT_FIRST - 1)
+        for k in range(AT_FIRST, COUNT):
+            self.run_.write(k)
+        self.write_series(COUNT)
+        self.run_.write_run_json("done", COUNT - 1)
+        self.shown(COUNT - 1)  # who looks at the newest frame keeps looking at the newest
+        self.drawn(COUNT - 1)
+        self.assertEqual(self.browser.evaluate("document.getElementById('slider').max"), str(COUNT - 1))
+        self.assertEqual(self.browser.evaluate("document.getElementById('status').textContent"), "done")
+
+
+if __name__ == "__main__":
+    unittest.main()
