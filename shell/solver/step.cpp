@@ -154,8 +154,10 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       Mat3 inverse = body.inverse_mass_at(x);
       for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
       if (inverse.trace() <= 0.0) continue;
-      const Vec3 wanted = std::min(body.recovery * -gap.value / dt, kFastestRecovery) *
-                          gap.normal;  // of the relative velocity afterwards
+      // What bounces leaves the overlap by itself: a push on top would give energy, most of all to slow ones.
+      const double recovered = std::min(body.recovery * -gap.value / dt, kFastestRecovery);
+      const double bounce = -coefficients[b].restitution * gap.normal.dot(before);
+      const Vec3 wanted = bounce >= recovered ? Vec3::Zero() : Vec3(recovered * gap.normal);  // of the velocity afterwards
       const Vec3 j =
           contact_impulse(gap.normal, before - wanted, inverse, coefficients[b].friction, coefficients[b].restitution);
       if (j.isZero(0.0)) continue;
@@ -165,6 +167,17 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
   return touching;
 }
 
+double external_power(const ShellModel& m, const ShellState& s) {
+  const std::size_t plane = m.tables.plane;
+  double power = 0.0;
+  const std::vector<double>& moving = s.moving.empty() ? s.v : s.moving;  // loads work on what moves their points
+  for (std::size_t i = 0; i < s.external.size(); ++i) power += s.external[i] * moving[i];
+  for (const auto& driven : m.constraints.driven)
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d]) power -= s.force[d * plane + slot] * s.v[d * plane + slot];
+  return power;
+}
+
 namespace {
 
 // Half a step's work of loads and of supports that move, at the velocities as they stand: before the kick and after
@@ -172,17 +185,13 @@ namespace {
 // driven along some axes and counted with the shell's, -1 takes it away: between both the support has changed it.
 void book_external_work(const ShellModel& m, ShellState& s, double dt, double inertia) {
   const std::size_t plane = m.tables.plane;
-  double power = 0.0;
-  const std::vector<double>& moving = s.moving.empty() ? s.v : s.moving;  // loads work on what moves their points
-  for (std::size_t i = 0; i < s.external.size(); ++i) power += s.external[i] * moving[i];
   for (const auto& driven : m.constraints.driven)
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d]) {
         const double v = s.v[d * plane + slot];
-        power -= s.force[d * plane + slot] * v;
         if (s.inverse_mass[slot] > 0.0) s.book.external += inertia * 0.5 * s.mass[slot] * v * v;
       }
-  s.book.external += 0.5 * dt * power;
+  s.book.external += 0.5 * dt * external_power(m, s);
 }
 
 // Half a step's work that forces do on what moves otherwise than its velocity says.

@@ -61,6 +61,8 @@ struct TransferRules {
 /// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is
 /// beta (f - last f) / dt = -beta K v. The work of damping is booked.
 void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt);
+/// What loads and supports that move do now [W]. The work is booked by halves, before and after each kick.
+double external_power(const ShellModel& model, const ShellState& state);
 /// Velocities through the background grid, and of what supports hold: after contact, in place of `constrain`, where
 /// `kick` was told to keep those before it. What that loses of the energy is booked.
 void through_grid(const ShellModel& model, ShellState& state, const TransferRules& rules, double dt, int threads);
