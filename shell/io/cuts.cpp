@@ -35,6 +35,24 @@ Vec2 inside(const scene::LoadedScene& scene, const std::string& field, const Dom
   return d.nearest(p);
 }
 
+bool encloses(const std::vector<Vec2>& ring, const Vec2& p) {
+  bool inside = false;
+  for (std::size_t k = 0; k + 1 < ring.size(); ++k) {
+    const Vec2 &a = ring[k], &b = ring[k + 1];
+    if ((a.y() > p.y()) != (b.y() > p.y()) && p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x()))
+      inside = !inside;
+  }
+  return inside;
+}
+
+// A piece is the Gauss points within it: what has none would leave a crack and nothing that comes off.
+bool encloses_a_point(const ShellModel& m, const std::vector<Vec2>& ring) {
+  for (int q = 0; q < m.tables.blocks(); ++q)
+    for (int e = 0; e < m.tables.spans_u; ++e)
+      if (encloses(ring, gauss_point(m.patch, m.tables, q, e).parameter)) return true;
+  return false;
+}
+
 constexpr const char* kItself =
     "a cut neither crosses nor touches itself, but for a last point that is exactly the first and closes it; give two "
     "cuts";
@@ -109,7 +127,12 @@ PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, con
     return {sampled(scene, spline_curve(points, c.has_degree() ? c.degree() : 3, c.closed()), d, field + ".curve"),
             m.time_s()};
   }
-  return {polyline(scene, m, d, field), m.time_s()};
+  std::vector<Vec2> points = polyline(scene, m, d, field);
+  scene.check(points.front() != points.back() || encloses_a_point(model, points), field,
+              "goes round no Gauss point of the shell, whose spacing is {:.3g} m: nothing would come off; take a larger "
+              "one, or more elements",
+              d.spacing);
+  return {std::move(points), m.time_s()};
 }
 
 }  // namespace sunder::shell
