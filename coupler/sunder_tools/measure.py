@@ -13,7 +13,7 @@ from .build import build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError, how_it_ended
 from .experiments import EXPERIMENTS, Table, run_experiments
 
-VALIDATIONS = ("shells", "seams", "cracks", "contact", "coupling", "engines")
+VALIDATIONS = ("shells", "seams", "cracks", "contact", "coupling", "engines", "extremes")
 
 
 def _program(name: str) -> Path:
@@ -33,14 +33,20 @@ def run_program(command: list[str]) -> int:
 
 
 def validate(what: str, case: str | None, report: Path | None, plots: Path | None,
-             pictures: Path | None = None, rigid: str | None = None) -> int:
+             pictures: Path | None = None, rigid: str | None = None, full: bool = False) -> int:
     """Runs the validation cases of `what`; exit status 1 where a case fails."""
     if what not in VALIDATIONS:
         raise CommandError(f"nothing called '{what}' to validate; there is {', '.join(VALIDATIONS)}", BAD_INPUT)
     if rigid and what != "engines":
         raise CommandError(f"--rigid {rigid}: only 'validate engines' takes it", BAD_INPUT)
+    if full and what != "extremes":
+        raise CommandError("--full: only 'validate extremes' takes it", BAD_INPUT)
     if report is not None:
         _can_write(report)
+    if what == "extremes":
+        if plots is not None or pictures is not None:
+            raise CommandError("validate extremes: draws nothing; leave --plots and --pictures out", BAD_INPUT)
+        return _extremes(case, report, full)
     if what == "engines":
         if plots is not None or pictures is not None:
             raise CommandError("validate engines: draws nothing; leave --plots and --pictures out", BAD_INPUT)
@@ -89,6 +95,14 @@ def _engines(case: str | None, report: Path | None, rigid: str | None) -> int:
     if report is not None and found:
         _write(report, json.dumps({"engines": found}, indent=1) + "\n")
     return status
+
+
+def _extremes(case: str | None, report: Path | None, full: bool) -> int:
+    from .extremes import validate_extremes
+    cases, good = validate_extremes(case, full, ensure_built(all_targets=True))
+    if report is not None:
+        _write(report, json.dumps(_without_nan({"cases": cases}), indent=1) + "\n")
+    return DONE if good else CHECK_FAILED
 
 
 def _without_nan(value: object) -> object:

@@ -1,0 +1,47 @@
+"""The quick rows of `validate extremes`, and that the table cannot pass what it should not."""
+from __future__ import annotations
+
+import contextlib
+import io
+import sys
+import unittest
+from dataclasses import replace
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "coupler"))
+from sunder_tools import extremes  # noqa: E402
+from sunder_tools.build import ensure_built  # noqa: E402
+from sunder_tools.extreme_bodies import BODIES  # noqa: E402
+from sunder_tools.extreme_cracks import CRACKS  # noqa: E402
+from sunder_tools.extreme_shells import SHELLS  # noqa: E402
+
+QUICK = ("thickness_1mm", "youngs_modulus_1e02", "youngs_modulus_1e12", "poisson_minus_0.5", "poisson_0.4999", "span_1um",
+         "span_1km", "elements_1", "at_rest", "speed_1km_per_s", "safety_1.0", "refused", "mass", "rebound", "fragments_1")
+
+
+class Extremes(unittest.TestCase):
+    def rows(self, rows: list[extremes.Row]) -> tuple[list[dict[str, object]], bool]:
+        with contextlib.redirect_stdout(io.StringIO()):
+            return extremes.run_rows(rows, ensure_built())
+
+    def test_quick_rows_hold(self) -> None:
+        rows = [row for name in QUICK for row in extremes.choose([*SHELLS, *BODIES, *CRACKS], name, False)]
+        cases, good = self.rows(rows)
+        self.assertTrue(good, [case for case in cases if not case["pass"]])
+
+    def test_what_is_not_as_expected_fails(self) -> None:
+        rows = {row.name: row for row in SHELLS}
+        runs, refused = rows["elements_1"], rows["refused_layers_1"]
+        for row in (replace(runs, expected=extremes.Refused("window_s", "window_s:")),
+                    replace(runs, expected=extremes.Stopped("unstable", "")),
+                    replace(runs, expected=extremes.Stable(-1.0)),
+                    replace(refused, expected=extremes.Stable(1.0)),
+                    replace(refused, expected=extremes.Refused("shells[0].layers", "thickness_m:")),
+                    replace(rows["substeps_1e6"], limit_s=0.2),
+                    replace(runs, check=lambda found, runner: [extremes.Quantity("way", float("nan"), 1.0, 1.0)])):
+            cases, good = self.rows([row])
+            self.assertFalse(good, cases)
+
+
+if __name__ == "__main__":
+    unittest.main()
