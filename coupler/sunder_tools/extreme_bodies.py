@@ -13,7 +13,7 @@ AT = 0.21132486540518713  # of an element: a Gauss point, so that the ball touch
 
 
 def struck(ratio: float, speed: float, *parts: str, restitution: float | None = None, elements: int = 8,
-           way: float = 2e-3, edges: str = "", **fields: object) -> str:
+           way: float = 2e-3, edges: str = "", sideways: float = 0.0, **fields: object) -> str:
     """A ball of `ratio` times the mass of a free sheet of 1 m and 10 mm flies onto it from 0.1 mm; ends when it has
     flown, or would have flown, `way` [m]."""
     radius, at = 0.8 / elements, AT / elements
@@ -23,7 +23,7 @@ def struck(ratio: float, speed: float, *parts: str, restitution: float | None = 
     contact = [] if restitution is None else [f"contacts {{\nrestitution: {restitution!r}\n}}"]
     return scene(end, window, material(**GLASS), material("steel", density=density),
                  sheet(1.0, 0.01, elements, *([edges] if edges else [])),
-                 ball(radius, (at, at, radius + 0.005 + 1e-4), (0.0, 0.0, -speed)), *contact, *parts, probes=["ball"],
+                 ball(radius, (at, at, radius + 0.005 + 1e-4), (sideways, 0.0, -speed)), *contact, *parts, probes=["ball"],
                  **fields)
 
 
@@ -42,13 +42,14 @@ def untouched(found: Outcome, runner: Runner) -> list[Quantity]:
 
 
 def with_friction(value: str) -> str:
-    return struck(0.01, 1.0, f"contacts {{\nfriction: {value}\n}}").replace("x: 0.0 y: 0.0 z: -1.0", "x: 1.0 z: -1.0")
+    return struck(0.01, 1.0, f"contacts {{\nfriction: {value}\n}}", sideways=1.0)
 
 
 def slid(found: Outcome, runner: Runner) -> list[Quantity]:
-    """Without friction nothing takes the speed along the sheet but its slope, of second order in what it has bent."""
+    """Without friction nothing takes the speed along the sheet but its slope where it has bent, some 2 mrad: a
+    coefficient of 0.01 would take 1e-2."""
     del runner
-    return [Quantity("speed along", found.probes["ball_vx"][-1], found.probes["ball_vx"][0], 1e-4)]
+    return [Quantity("speed along", found.probes["ball_vx"][-1], found.probes["ball_vx"][0], 5e-3)]
 
 
 BODIES: list[Row] = [

@@ -18,7 +18,7 @@ MAY = {
     "shell/grid": {"coupler/core"},
     "shell/mechanics": {"coupler/core", "shell/geometry"},
     "shell/fracture": {"coupler/core", "shell/geometry"},
-    "shell/contact": {"coupler/core", "shell/geometry"},
+    "shell/contact": {"coupler/core", "shell/geometry", "shell/grid"},
     "shell/solver": {"coupler/core", "shell/geometry", "shell/grid", "shell/mechanics", "shell/fracture",
                      "shell/contact"},
     "shell/io": {"coupler/core", "coupler/scene", "coupler/link", "shell/geometry", "shell/mechanics", "shell/fracture",
