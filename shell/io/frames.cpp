@@ -88,6 +88,20 @@ bool is_rubble(const ShellModel& m, const ShellState& s, const Vec2& p) {
   return 2 * dead > points;
 }
 
+// One of the polygon's sides is much longer than at rest.
+bool is_stretched(const VtpMesh& mesh, const VtpArray& displacement, const std::vector<int>& polygon) {
+  constexpr double kFar = 1.5;
+  const auto rest = [&](int i) -> Vec3 {
+    const double* u = &displacement.values[3 * static_cast<std::size_t>(i)];
+    return mesh.points[i] - Vec3(u[0], u[1], u[2]);
+  };
+  for (std::size_t k = 0; k < polygon.size(); ++k) {
+    const int a = polygon[k], b = polygon[(k + 1) % polygon.size()];
+    if ((mesh.points[a] - mesh.points[b]).norm() > kFar * (rest(a) - rest(b)).norm()) return true;
+  }
+  return false;
+}
+
 VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
@@ -126,7 +140,6 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
     if (pieces[t.piece[i]].gone || pieces[t.piece[i]].control_points.empty()) continue;
     const auto& c = t.triangles[i];
     const Vec2 centre = (t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0;
-    if (!m.laminated() && is_rubble(m, s, centre)) continue;
     std::vector<int> polygon;
     for (int k = 0; k < 3; ++k) {
       const auto [it, fresh] = shared.try_emplace(fan[i][k], 0);
@@ -137,6 +150,7 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
       }
       polygon.push_back(it->second);
     }
+    if (!m.laminated() && is_rubble(m, s, centre) && is_stretched(mesh, displacement, polygon)) continue;
     mesh.polygons.push_back(polygon);
     const int lane = m.patch.knots_u.span_of(centre.x()), f = m.patch.knots_v.span_of(centre.y());
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
