@@ -16,7 +16,7 @@ from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, Comma
 from .install import BROWSER_PACKAGES, SLURM_PACKAGES, ensure_installed
 
 COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz",
-            "sweep", "view")
+            "sweep", "view", "render", "export")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -59,6 +59,33 @@ def _port(text: str) -> int:
     if not text.isascii() or not text.isdigit() or int(text) > 65535:
         raise argparse.ArgumentTypeError(f"'{text}' is not a port, 0 to 65535")
     return int(text)
+
+
+def _size(text: str) -> tuple[int, int]:
+    width, _, height = text.partition("x")
+    numbers = [int(n) if n.isascii() and n.isdigit() and len(n) < 6 else 0 for n in (width, height)]
+    if not all(32 <= n <= 7680 for n in numbers):
+        raise argparse.ArgumentTypeError(f"'{text}' is no size, e.g. 1280x720; each of 32 to 7680 pixels")
+    return numbers[0], numbers[1]
+
+
+def _view(text: str) -> tuple[float, float]:
+    from .render import VIEWS, parse_view
+    try:
+        return parse_view(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"'{text}' is no view: {', '.join(VIEWS)}, or AZIMUTH,ELEVATION in degrees "
+                                         "(elevation of -89 to 89)") from None
+
+
+def _positive(text: str) -> float:
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 1e-3 <= value <= 1e3:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of 0.001 to 1000")
+    return value
 
 
 class _Parser(argparse.ArgumentParser):
@@ -189,11 +216,48 @@ def make_parser() -> argparse.ArgumentParser:
     view.add_argument("--port", metavar="PORT", type=_port, default=0, help="of 127.0.0.1 (default: a free one)")
     view.add_argument("--no-browser", action="store_true", help="say the address and open nothing")
 
+    _add_pictures(commands)
+
     test = commands.add_parser(
         "test", formatter_class=raw, help="build everything and run the tests", usage="sunder test [CTEST_ARGUMENT ...]",
         description="What follows goes to ctest, e.g. sunder test -R vtp", epilog=EPILOG, add_help=False)
     test.add_argument("ctest", nargs=argparse.REMAINDER)
     return parser
+
+
+def _add_pictures(commands: argparse._SubParsersAction) -> None:
+    raw = argparse.RawDescriptionHelpFormatter
+    render = commands.add_parser(
+        "render", formatter_class=raw, allow_abbrev=False, help="stills or a film of a run",
+        description="Six stills, or those of --frames, into DIR/stills; with --film DIR/film.mp4, where ffmpeg cannot be\n"
+                    "installed an animated GIF.",
+        epilog="example:\n  sunder render runs/car --film --view 200,15 --colour speed\n\n" + EPILOG)
+    render.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
+    render.add_argument("--film", action="store_true", help="a film of all frames, or of those of --frames")
+    render.add_argument("--sheet", action="store_true", help="contact_sheet.png again, and nothing else")
+    render.add_argument("--frames", metavar="LIST", help="all, or numbers such as 0,5,10-20,last")
+    render.add_argument("--out", metavar="PATH", type=Path, help="folder of the stills; file of the film, .mp4, .webm, .gif or\n"
+                                                                 ".png (animated)")
+    render.add_argument("--size", metavar="WxH", type=_size, default=(1280, 720), help="pixels (default: 1280x720)")
+    render.add_argument("--view", metavar="VIEW", type=_view, help="where the eye is: front, back, left, right, top, or\n"
+                        "AZIMUTH,ELEVATION in degrees, from +x (default: oblique, on the side that is hit)")
+    render.add_argument("--zoom", metavar="F", type=_positive, default=1.0, help="times as near (default: 1)")
+    render.add_argument("--close", action="store_true", help="the shell fills the picture, not all that happens")
+    render.add_argument("--colour", choices=("part", "damage", "fragment", "speed"), default="part",
+                        help="what the shell is coloured by (default: part)")
+    render.add_argument("--no-caption", action="store_true", help="no time in the corner")
+    render.add_argument("--rate", metavar="FPS", type=_positive, help="frames a second of the film (default: it lasts six\n"
+                                                                      "seconds, within 4 to 30)")
+    render.add_argument("--jobs", metavar="N", type=_count, default=os.cpu_count() or 1,
+                        help="processes (default: as many as processors)")
+    export = commands.add_parser(
+        "export", formatter_class=raw, allow_abbrev=False, help="a sequence of meshes for Blender and Houdini",
+        description="A file a frame into DIR/export: PLY with velocity per vertex and fragment, damage, part, body and\n"
+                    "kind per face, or binary glTF; and frame_times.csv.", epilog=EPILOG)
+    export.add_argument("folder", metavar="DIR", type=Path, help="folder of a run")
+    export.add_argument("--format", choices=("ply", "gltf"), default="ply", help="default: ply")
+    export.add_argument("--frames", metavar="LIST", help="numbers such as 0,5,10-20,last (default: all)")
+    export.add_argument("--out", metavar="DIR", type=Path, help="another folder")
 
 
 def _suggestion(command: str) -> str:
@@ -247,6 +311,15 @@ def _test(arguments: list[str]) -> int:
     return DONE if status == 0 else CHECK_FAILED
 
 
+def _render(options: argparse.Namespace) -> int:
+    from .look import Look
+    from .render import Shot, render
+    if options.sheet and (options.film or options.frames or options.out):
+        raise CommandError("--sheet goes with none of --film, --frames and --out", BAD_INPUT)
+    shot = Shot(options.size, options.view, options.zoom, options.close, not options.no_caption, Look(options.colour))
+    return render(options.folder, options.out, options.film, options.sheet, options.frames, shot, options.rate, options.jobs)
+
+
 def _dispatch(arguments: list[str]) -> int:
     parser = make_parser()
     if not arguments:
@@ -276,6 +349,11 @@ def _dispatch(arguments: list[str]) -> int:
     if options.command == "view":
         from .view import view
         return view(options.folder, options.port, not options.no_browser)
+    if options.command == "render":
+        return _render(options)
+    if options.command == "export":
+        from .export import export
+        return export(options.folder, options.format, options.out, options.frames)
     if options.command == "fuzz":
         from . import fuzz
         return fuzz.fuzz(options.target, options.runs or fuzz.DEFAULT_RUNS)

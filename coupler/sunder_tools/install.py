@@ -19,6 +19,7 @@ PACKAGES = (
 )
 SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own
 BROWSER_PACKAGES = ("chromium",)  # for a test only, of the viewer's page
+FILM_PACKAGES = ("ffmpeg",)  # for `sunder render --film`
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
 

@@ -6,14 +6,18 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, STATIC, Frame
+from .look import Look, parts_of_bodies
+from .motion import shell_velocity
+from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
 from .vtp import PolyData
 
 WELD_M = 1e-6            # points closer than this are one when lines are looked for
 SHARP_COSINE = 0.8       # edges between faces that turn by more than 37 degrees are drawn
 LONGEST_STATIC_M = 0.12  # static triangles are divided to this, so that none reaches behind the eye
-GLASS = np.array([0.56, 0.79, 0.79])
 STEEL = np.array([0.58, 0.60, 0.63])
 FLOOR = np.array([0.87, 0.87, 0.86])
+DEBRIS = np.array([0.66, 0.69, 0.71])  # shards of one of several shells, not known which
+PALE = np.array([0.90, 0.92, 0.92])    # the largest fragment
 
 
 @dataclass
@@ -24,6 +28,8 @@ class Surface:
     colours: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))         # per triangle, 0..1
     round_centre: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))    # per triangle [m]
     is_floor: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))       # per triangle
+    throws: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))         # per triangle: a shadow on the floor
+    smooth: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # per point: unit normal, NaN where flat
 
     def normals(self) -> np.ndarray:
         """Unit normals per triangle; zero for a degenerate one."""
@@ -35,7 +41,7 @@ class Surface:
 
 @dataclass
 class Scene:
-    """A frame ready to be drawn."""
+    """A frame ready to be drawn. What one sees through is `glass`, the rest `solid`."""
     glass: Surface
     solid: Surface
     cracks: np.ndarray      # (k, 2, 3) ends of crack and fragment lines [m]
@@ -43,14 +49,7 @@ class Scene:
     shards: np.ndarray      # (n, 3) corners of shards [m]
     moving: np.ndarray      # (n, 3) corners of the scene's own moving bodies [m]
     floor_z: float | None   # height of the lowest level static face [m]; None: there is none
-
-
-def varied(ids: np.ndarray, base: np.ndarray, amount: float) -> np.ndarray:
-    """`base` made lighter or darker by up to `amount`, always the same for the same id; id 0 is `base`."""
-    golden = np.modf(np.asarray(ids, float) * 0.6180339887498949)[0]
-    tone = np.where(np.asarray(ids) == 0, 0.0, 2.0 * golden - 1.0)
-    tint = np.stack([tone, 0.6 * tone, 0.4 * tone], axis=1)
-    return np.clip(base * (1.0 + amount * tint), 0.0, 1.0)
+    glass_opacity: float = 0.70  # of glass that one looks straight on
 
 
 def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
@@ -133,24 +132,71 @@ def _join(parts: list[Surface]) -> Surface:
     return Surface(np.concatenate([p.points for p in parts]),
                    np.concatenate([p.triangles + shift for p, shift in zip(parts, shifts)]),
                    np.concatenate([p.colours for p in parts]), np.concatenate([p.round_centre for p in parts]),
-                   np.concatenate([p.is_floor for p in parts]))
+                   np.concatenate([p.is_floor for p in parts]), np.concatenate([p.throws for p in parts]),
+                   np.concatenate([p.smooth for p in parts]))
 
 
-def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray) -> Surface:
-    return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), np.zeros(len(triangles), bool))
+def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, throws: bool = True) -> Surface:
+    return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), np.zeros(len(triangles), bool),
+                   np.full(len(triangles), throws), np.full_like(points, np.nan))
 
 
-def load_scene(frame: Frame) -> Scene:
-    """Reads a frame's files. Raises VtpError, OSError."""
+def _smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """A unit normal per point, of the triangles around it by area. Sides of a crack have points of their own."""
+    corner = points[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    sums = np.stack([np.bincount(triangles.ravel(), np.repeat(normal[:, axis], 3), len(points)) for axis in range(3)], 1)
+    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
+
+
+def _shell_colours(shell: PolyData, look: Look, part: np.ndarray, several: bool) -> np.ndarray:
+    fragment = shell.of_triangles("fragment", 0)
+    ids, inverse, counts = np.unique(fragment, return_inverse=True, return_counts=True)
+    largest = (np.arange(len(ids)) == counts.argmax())[inverse]
+    if look.by == "fragment":
+        return np.where(largest[:, None], PALE, pastel(fragment))
+    if look.by == "damage":
+        damage = shell.of_triangles("damage", 0.0)
+        return ramp(damage.max(axis=1) if damage.ndim == 2 else damage)
+    if look.by == "speed":
+        speed = np.linalg.norm(shell_velocity(shell), axis=1)[shell.triangles].mean(axis=1)
+        return ramp(speed / look.fastest)
+    base = part_colours(part, look.glass) if several else GLASS
+    return varied(np.where(largest, 0, fragment + 1), base, 0.10)  # the largest keeps the base colour
+
+
+def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.ndarray, several: bool,
+                    speed: np.ndarray) -> np.ndarray:
+    if look.by == "fragment":
+        return np.where(frozen[:, None], PALE, pastel(body))
+    if look.by == "damage":
+        return ramp(np.zeros(len(body)))  # frames do not say for what has come off
+    if look.by == "speed":
+        return ramp(speed / look.fastest)
+    base = np.where((part >= 0)[:, None], part_colours(np.maximum(part, 0), look.glass), DEBRIS) if several else GLASS
+    return varied(np.where(frozen, 0, body + 1), base, 0.14)
+
+
+def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = None) -> Scene:
+    """Reads a frame's files. `velocity` (n, 3) [m/s] of the points of bodies, for a look by speed. Raises VtpError, OSError.
+
+    A lone shell is glass, as are its shards. Of several each has a colour, and is opaque unless its material is glass.
+    """
     glass, solid, cracks, outlines = [Surface()], [Surface()], [np.zeros((0, 2, 3))], [np.zeros((0, 2, 3))]
     shards = moving = np.zeros((0, 3))
     floor_z: float | None = None
     shell = frame.read(SHELL)
+    several = len(look.glass) > 1
     if shell is not None and len(shell.triangles):
-        fragment = shell.of_triangles("fragment", 0)
-        counts = np.unique(fragment, return_counts=True)
-        ids = np.where(fragment == counts[0][counts[1].argmax()], 0, fragment + 1)  # the largest keeps the base colour
-        glass.append(_surface(shell.points, shell.triangles, varied(ids, GLASS, 0.10)))
+        part = shell.of_triangles("shell", 0).astype(np.int64)
+        several = several or part.max() > 0
+        colours = _shell_colours(shell, look, part, several)
+        smooth = _smooth_normals(shell.points, shell.triangles)
+        clear = is_glass(part, look.glass) if several else np.ones(len(part), bool)
+        for where, surfaces in ((clear, glass), (~clear, solid)):
+            if where.any():
+                surfaces.append(_surface(shell.points, shell.triangles[where], colours[where]))
+                surfaces[-1].smooth = smooth
         cracks.append(shell.points[fragment_edges(shell)])
     lines = frame.read(CRACKS)
     if lines is not None:
@@ -158,30 +204,37 @@ def load_scene(frame: Frame) -> Scene:
     bodies = frame.read(BODIES)
     if bodies is not None and len(bodies.triangles):
         kind, body = bodies.of_triangles("kind", MOVING), bodies.of_triangles("body", 0)
+        speed = np.linalg.norm(velocity, axis=1)[bodies.triangles].mean(axis=1) if velocity is not None else 0.0 * body
         broken = (kind == SHARD) | (kind == FROZEN)
         if broken.any():
-            part = _surface(bodies.points, bodies.triangles[broken],
-                            varied(np.where(kind == FROZEN, 0, body + 1)[broken], GLASS, 0.14))
-            glass.append(part)
+            mine = bodies.triangles[broken]
+            part = parts_of_bodies(body[broken], look.part_of)
+            colours = _broken_colours(body[broken], (kind == FROZEN)[broken], look, part, several, speed[broken])
+            clear = is_glass(np.maximum(part, 0), look.glass) & (part >= 0) if several else np.ones(len(part), bool)
+            for where, surfaces in ((clear, glass), (~clear, solid)):
+                if where.any():
+                    surfaces.append(_surface(bodies.points, mine[where], colours[where]))
             owner = np.zeros(len(bodies.points), np.int64)
             owner[bodies.triangles.ravel()] = np.repeat(body, 3)
-            found = edges(part.triangles, weld(bodies.points, owner), body[broken], part.normals())
-            outlines.append(bodies.points[found])
+            normals = _surface(bodies.points, mine, colours).normals()
+            outlines.append(bodies.points[edges(mine, weld(bodies.points, owner), body[broken], normals)])
         shards = bodies.points[np.unique(bodies.triangles[kind == SHARD])]
         own = kind == MOVING
         moving = bodies.points[np.unique(bodies.triangles[own])]
         if own.any():
-            part = _surface(bodies.points, bodies.triangles[own], varied(body[own] * 0, STEEL, 0.0))
-            part.round_centre = _ball_centres(bodies.points, part.triangles, body[own])
-            solid.append(part)
+            steel = ramp(speed[own] / look.fastest) if look.by == "speed" else varied(body[own] * 0, STEEL, 0.0)
+            ours = _surface(bodies.points, bodies.triangles[own], steel)
+            ours.round_centre = _ball_centres(bodies.points, ours.triangles, body[own])
+            solid.append(ours)
         fixed = kind == STATIC
         if fixed.any():
             points, triangles, _ = _divided(bodies.points, bodies.triangles[fixed])
-            part = _surface(points, triangles, np.broadcast_to(FLOOR, (len(triangles), 3)))
-            level = np.abs(part.normals()[:, 2]) > 0.999
+            ours = _surface(points, triangles, np.broadcast_to(FLOOR, (len(triangles), 3)), throws=False)
+            level = np.abs(ours.normals()[:, 2]) > 0.999
             if level.any():
                 height = points[triangles][:, :, 2].mean(axis=1)
-                part.is_floor = level & (height < height[level].min() + 1e-4)
+                ours.is_floor = level & (height < height[level].min() + 1e-4)
                 floor_z = float(height[level].min())
-            solid.append(part)
-    return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z)
+            solid.append(ours)
+    return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z,
+                 0.40 if several else 0.70)  # windows are for looking in, a pane is what there is to see

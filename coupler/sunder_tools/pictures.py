@@ -10,6 +10,7 @@ from PIL import Image, ImageDraw
 from .flat import crack_pattern, side_view
 from .frames import SHELL, Frame, choose_frames, list_frames
 from .lettering import TEXT, draw_text
+from .look import Look
 from .meshes import Scene, load_scene
 from .raster import perspective_camera
 from .report import read_run
@@ -36,12 +37,14 @@ def write_contact_sheet(folder: Path) -> Path:
         raise VtpError(f"{folder}/frames.pvd: no frame to draw")
     sheet = Image.new("RGB", SHEET, PAPER)
     chosen = choose_frames(frames, COLUMNS * ROWS)
-    scenes = [load_scene(frame) for frame in chosen]
-    close, wide = _boxes(frames[0], scenes)
+    look = Look.of(folder)
+    scenes = [load_scene(frame, look) for frame in chosen]
+    close, wide = boxes(frames[0], scenes)
+    direction = towards_what_is_hit(scenes[0], *close)
     for k, (frame, scene) in enumerate(zip(chosen, scenes)):
         low, high = close if _within(scene.shards, *close) else wide
         size = (PANEL[0] * SAMPLES, PANEL[1] * SAMPLES)
-        view = _image(draw_scene(scene, perspective_camera(low, high, np.array(DIRECTION), *size), *size))
+        view = _image(draw_scene(scene, perspective_camera(low, high, direction, *size), *size))
         _caption(view, time_text(frame.time_s))
         row, column = divmod(k, COLUMNS)
         sheet.paste(view, (GAP + column * (PANEL[0] + GAP), HEAD + row * (PANEL[1] + GAP)))
@@ -80,7 +83,15 @@ def _title(folder: Path) -> str:
     return "     ".join(words)
 
 
-def _boxes(first: Frame, scenes: list[Scene]) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
+def towards_what_is_hit(scene: Scene, low: np.ndarray, high: np.ndarray) -> np.ndarray:
+    """The usual direction of sight, from the other side where what hits the shell comes from behind it."""
+    direction = np.array(DIRECTION)
+    if len(scene.moving) and scene.moving[:, 0].mean() < 0.5 * (low[0] + high[0]) - 0.25 * (high - low).max():
+        direction[0] *= -1.0
+    return direction
+
+
+def boxes(first: Frame, scenes: list[Scene]) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
     """Two boxes [m] to frame: the pane with what hits it, and all that happens down to the floor."""
     shell = first.read(SHELL)
     core = [shell.points] if shell is not None and len(shell.points) else [

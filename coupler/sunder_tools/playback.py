@@ -1,7 +1,6 @@
 """What the viewer's page gets of a run: which frames there are, each as one binary buffer, and the curves beside them."""
 from __future__ import annotations
 
-import csv
 import json
 import struct
 from collections import OrderedDict
@@ -11,7 +10,9 @@ from typing import Any
 
 import numpy as np
 
+from .columns import read_columns, thin
 from .frames import BODIES, CRACKS, SHELL, Frame, list_frames
+from .look import origins
 from .meshes import edges, fragment_edges, weld
 from .motion import body_velocity, shell_velocity
 from .palette import PARTS
@@ -19,7 +20,6 @@ from .report import read_run
 from .scene_text import Words, scene_words
 from .vtp import PolyData
 
-MOST_POINTS = 2000       # of a curve; peaks are kept when there are more
 CACHED_BYTES = 200 << 20
 NOTHING = np.zeros((0, 3))
 
@@ -44,7 +44,7 @@ class Playback:
                 "frames": [{"time_s": f.time_s, "version": _version(f)} for f in frames],
                 "shells": [{"name": n, "material": m, "glass": g}
                            for n, m, g in zip(words.shells, words.materials, words.glass)],
-                "palette": PARTS.tolist(), "bodies": words.bodies, "error": run.get("error"), "counts": run.get("counts", {})}
+                "palette": PARTS.tolist(), "part_of": origins(self.folder, words), "bodies": words.bodies, "error": run.get("error"), "counts": run.get("counts", {})}
 
     def frame(self, k: int) -> bytes | None:
         """pack_frame() of frame k; None if there is none. Raises VtpError, OSError."""
@@ -81,37 +81,6 @@ def _version(frame: Frame) -> str:
     """Changes with the frame's files."""
     stats = [path.stat() for _, path in sorted(frame.files.items())]
     return "-".join(f"{s.st_mtime_ns:x}.{s.st_size:x}" for s in stats)
-
-
-def read_columns(path: Path) -> dict[str, np.ndarray]:
-    """Columns of a CSV with a line of names; whole rows only: the last may be half written. {} if there is no file."""
-    try:
-        with path.open(newline="") as source:
-            rows = list(csv.reader(line for line in source if line.endswith("\n")))
-    except OSError:
-        return {}
-    if not rows:
-        return {}
-    good = []
-    for row in rows[1:]:
-        try:
-            good.append([float(x) for x in row])
-        except ValueError:
-            continue
-        if len(row) != len(rows[0]):
-            good.pop()
-    values = np.array(good, float).reshape(-1, len(rows[0]))
-    return {name: values[:, k] for k, name in enumerate(rows[0])}
-
-
-def thin(time: np.ndarray, values: np.ndarray, most: int = MOST_POINTS) -> tuple[np.ndarray, np.ndarray]:
-    """At most about `most` of the points, among them lowest and highest of every stretch, first and last."""
-    if len(time) <= most:
-        return time, values
-    parts = np.array_split(np.arange(len(time)), most // 2)
-    safe = np.where(np.isfinite(values), values, 0.0)
-    kept = np.unique([0, len(time) - 1, *(int(p[0]) + int(f(safe[p])) for p in parts for f in (np.argmin, np.argmax))])
-    return time[kept], values[kept]
 
 
 def _plot(title: str, unit: str, columns: dict[str, np.ndarray], names: list[str]) -> dict[str, Any]:

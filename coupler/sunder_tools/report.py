@@ -73,5 +73,5 @@ def summary(folder: Path, sheet: Path | None) -> str:
     if sheet is not None:
         lines.append(f"pictures         {sheet}")
     if (folder / "frames.pvd").exists():
-        lines.append(f"frames           {folder / 'frames.pvd'} (open in ParaView)")
+        lines.append(f"frames           {folder / 'frames.pvd'} (ParaView; or: sunder view {folder})")
     return "\n".join(lines)

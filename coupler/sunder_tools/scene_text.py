@@ -98,6 +98,7 @@ class Words:
     shells: tuple[str, ...] = ()          # by number
     materials: tuple[str, ...] = ()       # of each shell
     glass: tuple[bool, ...] = ()          # of each shell: its material is called glass
+    breaks: tuple[bool, ...] = ()         # of each shell: its material has a strength
     surface_density: tuple[float, ...] = ()  # of each shell [kg/m^2]; NaN where not given
     bodies: tuple[str, ...] = ()          # of the scene, in order
     probes: tuple[tuple[str, str], ...] = ()  # (probe, body) where a body moves under a probe
@@ -143,7 +144,8 @@ def words_of(scene: Message, settings: list[str]) -> Words:
     if any(s.startswith("gravity") for s in settings):
         masses = []  # the impulse of weight would be a wrong one
     return Words(tuple(str(_one(s, "name", default="")) for s in shells), tuple(of),
-                 tuple("glass" in m.lower() for m in of), tuple(density),
+                 tuple("glass" in m.lower() for m in of),
+                 tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density),
                  tuple(str(_one(b, "name", default="")) for b in bodies), tuple(probes), tuple(masses), gravity)
 
 

@@ -31,8 +31,7 @@ class _Shadows:
         solid = scene.solid
         dark = self._mask(scene.glass, scene.glass.triangles, floor_z) * 0.26
         if len(solid.triangles):
-            own = ~np.isnan(solid.round_centre[:, 0]) | (solid.colours[:, 0] < 0.7)  # not the static bodies
-            dark = np.maximum(dark, self._mask(solid, solid.triangles[own], floor_z) * 0.5)
+            dark = np.maximum(dark, self._mask(solid, solid.triangles[solid.throws], floor_z) * 0.5)
         image = Image.fromarray((dark * 255).astype(np.uint8)).filter(ImageFilter.GaussianBlur(1.0))
         self._dark = np.asarray(image, float).ravel() / 255.0
 
@@ -59,6 +58,8 @@ def _shade(surface: Surface, index: np.ndarray, world: np.ndarray, eye: np.ndarr
     if round_.any():
         out = world[round_] - centre[round_]
         normal[round_] = out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
+    bent = _bent_normals(surface, index, world)
+    normal = np.where(np.isfinite(bent), bent, normal)
     facing = (normal * eye).sum(axis=1)
     normal = np.where(facing[:, None] < 0.0, -normal, normal)
     lambert = np.maximum(normal @ LIGHT, 0.0)[:, None]
@@ -70,6 +71,19 @@ def _shade(surface: Surface, index: np.ndarray, world: np.ndarray, eye: np.ndarr
     if glass:
         return base * (0.66 + 0.40 * lambert) + 0.22 * highlight ** 24 + 0.10 * rim
     return base * (0.50 + 0.58 * lambert) + 0.45 * highlight ** 40 + 0.12 * rim
+
+
+def _bent_normals(surface: Surface, index: np.ndarray, world: np.ndarray) -> np.ndarray:
+    """Normals between those of the corners, at points of the triangles; NaN where the surface is flat."""
+    corners = surface.triangles[index]
+    a, b, c = (surface.points[corners[:, k]] for k in range(3))
+    face = np.cross(b - a, c - a)
+    square = np.maximum((face ** 2).sum(axis=1), 1e-300)
+    weights = [np.clip((np.cross(q - p, world - p) * face).sum(axis=1) / square, 0.0, 1.0)[:, None]
+               for p, q in ((b, c), (c, a), (a, b))]  # opposite each corner
+    bent = sum(w * surface.smooth[corners[:, k]] for k, w in enumerate(weights))
+    length = np.linalg.norm(bent, axis=1, keepdims=True)
+    return np.divide(bent, length, out=np.full_like(bent, np.nan), where=length > 1e-6)
 
 
 def _floor(colours: np.ndarray, points: np.ndarray, pixel_m: np.ndarray, shadows: _Shadows) -> np.ndarray:
@@ -103,7 +117,7 @@ def draw_scene(scene: Scene, camera: Camera, width: int, height: int, line_px: i
         eye = camera.towards_eye(world)
         colours = _shade(scene.glass, index[hit], world, eye, glass=True)
         slant = 1.0 - np.abs((scene.glass.normals()[index[hit]] * eye).sum(axis=1))
-        opacity = (0.70 + 0.25 * slant ** 2)[:, None]
+        opacity = (scene.glass_opacity + 0.25 * slant ** 2)[:, None]
         picture[hit] += opacity * (colours - picture[hit])
     front = np.maximum(depth, glass_depth)
     _draw_lines(picture, scene.outlines, camera, front, width, height, line_px, 0.50)

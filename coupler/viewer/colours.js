@@ -1,11 +1,12 @@
 // What each triangle or corner is coloured by. Colours are [r, g, b], 0..1, as on the screen.
 
 export const GLASS = [0.56, 0.79, 0.79];
+export const DEBRIS = [0.66, 0.69, 0.71]; // shards of one of several shells, not known which
 const STEEL = [0.58, 0.60, 0.63];
 const FLOOR = [0.87, 0.87, 0.86];
 const SHARD = 1, STATIC = 2, FROZEN = 3; // `kind` of a triangle of bodies
 
-// light grey over yellow and red to dark: reads in grey as well
+// light grey over yellow and red to dark: reads in grey as well; coupler/sunder_tools/palette.py has the same
 const STOPS = [[0.88, 0.90, 0.91], [0.95, 0.80, 0.47], [0.89, 0.49, 0.27], [0.69, 0.19, 0.25], [0.29, 0.06, 0.20]];
 
 export function ramp(share) {
@@ -60,6 +61,6 @@ export function bodyColour(frame, by, top, look) {
     const broken = kind[t] === SHARD || kind[t] === FROZEN;
     if (!broken) return STEEL;
     if (by === "fragment") return kind[t] === FROZEN ? [0.90, 0.92, 0.92] : pastel(body[t]);
-    return varied(kind[t] === FROZEN ? 0 : body[t] + 1, look.shardColour(), 0.14);
+    return varied(kind[t] === FROZEN ? 0 : body[t] + 1, look.shardColour(body[t]), 0.14);
   };
 }

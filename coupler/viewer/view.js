@@ -1,5 +1,5 @@
 // The page: asks the server for state, frames and curves, and plays them.
-import { GLASS, highest, ramp } from "./colours.js";
+import { DEBRIS, GLASS, highest, ramp } from "./colours.js";
 import { FrameStore } from "./frame.js";
 import { Plots, short } from "./plots.js";
 import { Picture } from "./scene.js";
@@ -13,7 +13,7 @@ const $ = (id) => document.getElementById(id);
 const store = new FrameStore();
 const plots = new Plots($("plots"), (k) => { pause(); go(k); });
 let picture = null;
-let state = { frames: [], shells: [], palette: [], status: "" };
+let state = { frames: [], shells: [], palette: [], part_of: {}, status: "" };
 let shown = -1, wanted = 0, timer = null, busy = false, current = null;
 const tops = {}; // by colour: highest value so far
 
@@ -22,7 +22,10 @@ const look = {
   partColour: (n) => (look.isGlass(n) || !look.several() ? GLASS : state.palette[n % state.palette.length]),
   isGlass: (n) => state.shells[n]?.glass ?? state.shells.length === 0,
   several: () => state.shells.length > 1 || new Set(current?.arrays["shell.part"] ?? []).size > 1,
-  shardColour: () => (look.several() ? [0.72, 0.76, 0.78] : GLASS),
+  shardColour: (body) => {
+    const part = state.part_of[body]; // not known of every shard
+    return !look.several() ? GLASS : part === undefined ? DEBRIS : look.partColour(part);
+  },
   get glassOpacity() { return look.several() ? 0.45 : 0.75; },
 };
 
