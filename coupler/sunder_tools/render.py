@@ -16,7 +16,7 @@ from typing import Callable, Iterator, Sequence
 import numpy as np
 from PIL import Image
 
-from .build import REPOSITORY
+from .build import BUILD_DIR_VARIABLE, REPOSITORY
 from .errors import DONE, CommandError
 from .folder import existing_run
 from .frames import BODIES, SHELL, Frame, choose_frames, list_frames
@@ -192,6 +192,7 @@ def _enter(stage: _Stage) -> None:
     global _stage
     _stage = stage
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the first process ends the others
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # by this
 
 
 def _draw(k: int) -> np.ndarray:
@@ -234,6 +235,8 @@ def _film_file(target: Path, given: bool, size: tuple[int, int]) -> Path:
     if shutil.which("ffmpeg"):
         return target
     try:
+        if os.environ.get(BUILD_DIR_VARIABLE):
+            raise CommandError(f"there is no ffmpeg, and {BUILD_DIR_VARIABLE} is set: nothing is installed then")
         (REPOSITORY / "build").mkdir(exist_ok=True)
         ensure_installed(REPOSITORY / "build" / "install.log", FILM_PACKAGES)
         return target

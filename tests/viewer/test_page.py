@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import http.server
+import os
 import sys
 import tempfile
 import threading
@@ -10,8 +11,11 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "coupler"))
+REPOSITORY = Path(__file__).resolve().parents[2]
+sys.path.insert(0, str(REPOSITORY / "coupler"))
+from sunder_tools.build import BUILD_DIR_VARIABLE, ensure_built  # noqa: E402
 from sunder_tools.frames import BODIES, SHELL, list_frames  # noqa: E402
+from sunder_tools.run import launch_once  # noqa: E402
 from sunder_tools.view import THREE, Server  # noqa: E402
 from tests.command.synthetic import SyntheticRun  # noqa: E402
 from tests.viewer.browser import Browser, find_browser  # noqa: E402
@@ -20,7 +24,12 @@ COUNT, AT_FIRST = 15, 12  # frames in all, and those that are there when the pag
 CANVAS = (slice(40, 560), slice(0, 840))  # of the screen, without the head and the controls
 
 
-class Page(unittest.TestCase):
+class InABrowser(unittest.TestCase):
+    """Serves `folder` to `browser`."""
+    folder: Path
+    server: Server
+    browser: Browser
+
     @classmethod
     def setUpClass(cls) -> None:
         program = find_browser()
@@ -31,11 +40,7 @@ class Page(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
         cls.folder = Path(temporary.name)
-        cls.run_ = SyntheticRun(cls.folder, elements=10, fragments=12, count=COUNT)
-        for k in range(AT_FIRST):
-            cls.run_.write(k)
-        cls.run_.write_run_json("running", AT_FIRST - 1)
-        cls.write_series(AT_FIRST)
+        cls.make_run()
         cls.server = Server(cls.folder)
         thread = threading.Thread(target=cls.server.serve_forever, args=(0.05,))
         thread.start()
@@ -46,12 +51,9 @@ class Page(unittest.TestCase):
         cls.addClassCleanup(cls.browser.close)
 
     @classmethod
-    def write_series(cls, frames: int) -> None:
-        rows = [f"{cls.run_.time_s(k)!r},{100.0 - k},{0.5 * k}" for k in range(frames)]
-        (cls.folder / "series.csv").write_text("time [s],kinetic [J],cracks [m]\n" + "\n".join(rows) + "\n")
-        rows = [f"{cls.run_.time_s(k)!r},0,0,{-20.0 + k}" for k in range(frames)]
-        (cls.folder / "probes.csv").write_text(
-            "time [s],ball_vx [m/s],ball_vy [m/s],ball_vz [m/s]\n" + "\n".join(rows) + "\n")
+    def make_run(cls) -> None:
+        """Fills the folder."""
+        raise NotImplementedError
 
     def setUp(self) -> None:
         self.browser.requests.clear()
@@ -74,6 +76,45 @@ class Page(unittest.TestCase):
         self.browser.evaluate(f"(() => {{ const s = document.getElementById('slider'); s.value = {k}; "
                               "s.dispatchEvent(new Event('input')); })()")
         self.shown(k)
+
+
+class RecordedRun(InABrowser):
+    """A short run of the real programs, of SUNDER_BUILD_DIR: a pane that a cut parts."""
+
+    @classmethod
+    def make_run(cls) -> None:
+        if not os.environ.get(BUILD_DIR_VARIABLE):
+            raise unittest.SkipTest(f"{BUILD_DIR_VARIABLE} is not set; ctest sets it")
+        launch_once(ensure_built(), REPOSITORY / "scenes" / "cut_pane.textproto", cls.folder, ["end_time_s=3e-3"])
+
+    def test_is_shown_to_its_end(self) -> None:
+        frames = list_frames(self.folder)
+        self.assertGreater(len(frames), 4)
+        self.assertEqual(self.browser.evaluate("document.getElementById('legend').textContent"), "pane")
+        first = self.browser.picture()[CANVAS].astype(int)
+        self.slide(len(frames) - 1)
+        self.drawn(len(frames) - 1)
+        self.assertGreater((np.abs(self.browser.picture()[CANVAS] - first).max(axis=2) > 12).sum(), 100)
+        self.assertIn("energies [J]", self.browser.wait("[...document.querySelectorAll('.plot h2')].map(h => h.textContent)"))
+        self.assertEqual(self.browser.said, [])
+
+
+class Page(InABrowser):
+    @classmethod
+    def make_run(cls) -> None:
+        cls.run_ = SyntheticRun(cls.folder, elements=10, fragments=12, count=COUNT)
+        for k in range(AT_FIRST):
+            cls.run_.write(k)
+        cls.run_.write_run_json("running", AT_FIRST - 1)
+        cls.write_series(AT_FIRST)
+
+    @classmethod
+    def write_series(cls, frames: int) -> None:
+        rows = [f"{cls.run_.time_s(k)!r},{100.0 - k},{0.5 * k}" for k in range(frames)]
+        (cls.folder / "series.csv").write_text("time [s],kinetic [J],cracks [m]\n" + "\n".join(rows) + "\n")
+        rows = [f"{cls.run_.time_s(k)!r},0,0,{-20.0 + k}" for k in range(frames)]
+        (cls.folder / "probes.csv").write_text(
+            "time [s],ball_vx [m/s],ball_vy [m/s],ball_vz [m/s]\n" + "\n".join(rows) + "\n")
 
     def choose(self, control: str, value: str) -> None:
         key = "checked" if value in ("true", "false") else "value"
