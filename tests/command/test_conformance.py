@@ -121,7 +121,7 @@ class Testing(unittest.TestCase):
             self.assertIn("no rights\nsunder: so the tests of Slurm are skipped", said.getvalue())
             os.environ[build.BUILD_DIR_VARIABLE] = str(REPOSITORY)
             self.assertEqual(command.main(["test"]), 0)
-            self.assertEqual((ensure.call_count, install.call_count), (1, 1))
+            self.assertEqual((ensure.call_count, install.call_count), (1, 2))  # Slurm and a browser are asked for alone
 
 
 class KnownFailures(unittest.TestCase):
