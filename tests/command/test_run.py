@@ -165,6 +165,8 @@ class RunCommand(unittest.TestCase):
         self.assertEqual(status, 2)
         self.assertIn("another run is writing there", err)
         self.assertIsNone(first.poll())
+        first.send_signal(signal.SIGINT)  # and waited for, or it writes into a folder that is being removed
+        first.communicate(timeout=60)
 
     def test_foreign_folder_is_refused_and_own_is_replaced(self) -> None:
         out = self.here / "out"
