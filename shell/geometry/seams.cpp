@@ -15,12 +15,12 @@ namespace sunder::shell {
 namespace {
 
 constexpr int kSamples = 16;          // along an edge, where the courses of two are compared
-constexpr double kSagitta = 0.2;       // of a chord between two samples, that a bent edge may rise above it
-constexpr int kSections = 48;          // halvings, nearly, of where the nearest point of an edge may be
+constexpr double kSagitta = 0.2;      // of a chord between two samples, that a bent edge may rise above it
+constexpr int kSections = 48;         // halvings, nearly, of where the nearest point of an edge may be
 constexpr double kNear = 0.2;         // of the shorter edge's mean spacing: what is no further apart nearly meets
 constexpr double kStraight = 1e-6;    // of the rows' distance, that a smooth seam's row may lie off their line
 constexpr double kLeastShare = 0.02;  // of either row in a smooth seam's
-constexpr double kAskew = 0.1;         // cosine of normals that are neither on the same side nor on opposite ones
+constexpr double kAskew = 0.1;        // cosine of normals that are neither on the same side nor on opposite ones
 constexpr double kSameKnot = 1e-9;    // of the edge's domain
 constexpr double kNoWeight = 1e-13;
 
@@ -67,9 +67,9 @@ double mean_product(const double* knots, int p, std::size_t count, double begin,
   return sums[count] / kChoose[p - 2][count];
 }
 
-// A curve of degree 2 or 3 in the control points of `from`, as the one with the knots of `to` has it: control point i of
-// `to` is the blossom, at its inner knots, of the polynomial through degree + 1 points of a span in the middle of its
-// support. That is knot insertion, virtual and exact, where `to` has all knots of `from`; elsewhere it still gives
+// A curve of degree 2 or 3 in the control points of `from`, as the one with the knots of `to` has it: control point i
+// of `to` is the blossom, at its inner knots, of the polynomial through degree + 1 points of a span in the middle of
+// its support. That is knot insertion, virtual and exact, where `to` has all knots of `from`; elsewhere it still gives
 // polynomials back. Ends follow ends alone and the rest what is beside it, which least squares over the whole edge
 // would not: a piece that leaves far away must not let go of anything here.
 Eigen::MatrixXd followed(const EdgeCurve& from, const EdgeCurve& to) {
@@ -105,7 +105,8 @@ Eigen::MatrixXd followed(const EdgeCurve& from, const EdgeCurve& to) {
             polynomial[c] = ((c > 0 ? polynomial[c - 1] : 0.0) - root * polynomial[c]) / scale;
         }
         double weight = 0.0;  // its blossom: t^c becomes the mean of all products of c knots
-        for (std::size_t c = 0; c < polynomial.size(); ++c) weight += polynomial[c] * mean_product(inner, p, c, begin, size);
+        for (std::size_t c = 0; c < polynomial.size(); ++c)
+          weight += polynomial[c] * mean_product(inner, p, c, begin, size);
         add_value(i, k == p ? inner[span + 1] : begin + size * k / p, weight * size / length);
       }
     }
@@ -279,7 +280,9 @@ class Search {
 
   // Distance of x to the edge between samples k - 1 and k + 2, where it has one minimum.
   double distance(const Vec3& x, const EdgeCurve& c, int k) const {
-    const auto off = [&](double t) { return (patches_[c.patch]->evaluate(edge_point(*patches_[c.patch], c.edge, t)).x - x).norm(); };
+    const auto off = [&](double t) {
+      return (patches_[c.patch]->evaluate(edge_point(*patches_[c.patch], c.edge, t)).x - x).norm();
+    };
     double low = std::max(0.0, (k - 1.0) / kSamples), high = std::min(1.0, (k + 2.0) / kSamples);
     for (int it = 0; it < kSections; ++it) {
       const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;

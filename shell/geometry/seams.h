@@ -53,9 +53,9 @@ struct Stitches {
 
 /// Finds edges that meet within `tolerance` [m] and ties their control points by virtual uncommon knot insertion (Coox
 /// et al. 2017): on the edge those of the finer side follow the coarser, exactly where they have all its knots and
-/// by local interpolation elsewhere. Where the seam is smooth its row is the mean of the rows beside it instead. `join[i][k]` says how
-/// patches i and k hang together. What is `held` anyway follows nothing; at an end of a seam, what meets it follows it.
-/// Throws Error where edges nearly meet, meet over a part of their length, or where the
+/// by local interpolation elsewhere. Where the seam is smooth its row is the mean of the rows beside it instead.
+/// `join[i][k]` says how patches i and k hang together. What is `held` anyway follows nothing; at an end of a seam,
+/// what meets it follows it. Throws Error where edges nearly meet, meet over a part of their length, or where the
 /// normals of a smooth seam are opposite.
 Stitches find_stitches(const std::vector<const Patch*>& patches, const std::vector<std::string>& names,
                        double tolerance, const std::vector<std::vector<Join>>& join,

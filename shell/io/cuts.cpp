@@ -128,10 +128,11 @@ PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, con
             m.time_s()};
   }
   std::vector<Vec2> points = polyline(scene, m, d, field);
-  scene.check(points.front() != points.back() || encloses_a_point(model, points), field,
-              "goes round no Gauss point of the shell, whose spacing is {:.3g} m: nothing would come off; take a larger "
-              "one, or more elements",
-              d.spacing);
+  scene.check(
+      points.front() != points.back() || encloses_a_point(model, points), field,
+      "goes round no Gauss point of the shell, whose spacing is {:.3g} m: nothing would come off; take a larger "
+      "one, or more elements",
+      d.spacing);
   return {std::move(points), m.time_s()};
 }
 

@@ -157,7 +157,8 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       // What bounces leaves the overlap by itself: a push on top would give energy, most of all to slow ones.
       const double recovered = std::min(body.recovery * -gap.value / dt, kFastestRecovery);
       const double bounce = -coefficients[b].restitution * gap.normal.dot(before);
-      const Vec3 wanted = bounce >= recovered ? Vec3::Zero() : Vec3(recovered * gap.normal);  // of the velocity afterwards
+      const Vec3 wanted =
+          bounce >= recovered ? Vec3::Zero() : Vec3(recovered * gap.normal);  // of the velocity afterwards
       const Vec3 j =
           contact_impulse(gap.normal, before - wanted, inverse, coefficients[b].friction, coefficients[b].restitution);
       if (j.isZero(0.0)) continue;

@@ -15,12 +15,12 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here on keep the distance of the rows beside
-                                                  // them, flatter ones how far the seam is off the line between these
-constexpr double kFlat = 1e-3;     // of the rows' distance: a seam no further off is a smooth one
-constexpr double kOnALine = 1e-9;   // of the largest moment of inertia, that points on a line have about it
-constexpr int kSweeps = 12;        // over creases that share control points
-constexpr double kMet = 1e-13;     // of a length: round-off
-constexpr double kLeastMass = 0.25;     // of its own, that a control point keeps when another is let go
+                                                   // them, flatter ones how far the seam is off the line between these
+constexpr double kFlat = 1e-3;                     // of the rows' distance: a seam no further off is a smooth one
+constexpr double kOnALine = 1e-9;    // of the largest moment of inertia, that points on a line have about it
+constexpr int kSweeps = 12;          // over creases that share control points
+constexpr double kMet = 1e-13;       // of a length: round-off
+constexpr double kLeastMass = 0.25;  // of its own, that a control point keeps when another is let go
 
 void add(std::vector<double>& a, int slot, const Vec3& value) {
   const std::size_t plane = a.size() / 3;
@@ -41,8 +41,7 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
     if (shells[t.shell]->held[t.slot]) continue;
     double positive = 0.0;
     for (const auto& [p, weight] : d.on) positive += std::max(0.0, weight);
-    for (const auto& [p, weight] : d.on)
-      t.on.push_back({{p.patch, slot(p), weight}, std::max(0.0, weight) / positive});
+    for (const auto& [p, weight] : d.on) t.on.push_back({{p.patch, slot(p), weight}, std::max(0.0, weight) / positive});
     ties_.push_back(std::move(t));
   }
   for (const Seam& seam : stitches.seams) {
@@ -220,9 +219,8 @@ void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, doub
   };
   const auto across = [&](const Term& a, const auto& others) {
     const int own = side(a);
-    return std::any_of(others.begin(), others.end(), [&](const Term& m) {
-      return std::abs(m.weight) > kLooseWeight && own * side(m) < 0;
-    });
+    return std::any_of(others.begin(), others.end(),
+                       [&](const Term& m) { return std::abs(m.weight) > kLooseWeight && own * side(m) < 0; });
   };
   for (Tie& tie : ties_) {
     const bool of_seam = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {

@@ -48,7 +48,8 @@ class Stitching {
         if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
   }
   /// Control points that `leaves(shell, slot)` go free again, and so do those that follow them; each takes its mass
-  /// back with its velocity, which keeps momentum and angular momentum and loses some kinetic energy. Returns whether any was let go.
+  /// back with its velocity, which keeps momentum and angular momentum and loses some kinetic energy. Returns whether
+  /// any was let go.
   template <class F>
   bool release(const std::vector<ShellRef>& shells, F&& leaves) {
     bool any = false;

@@ -43,8 +43,9 @@ TEST(SceneSeams, OfShellsThatAreNotThereAreRefused) {
                  {"'wnig' is no shell of this scene"});
   expect_refusal(scene("seams { rules { first: \"pane\" second: \"pane\" kind: HINGE } }"), "seams.rules[0].second",
                  {"a seam is between two shells"});
-  expect_refusal(scene("seams { rules { first: \"pane\" second: \"wing\" } rules { first: \"wing\" second: \"pane\" } }"),
-                 "seams.rules[1]", {"says again"});
+  expect_refusal(
+      scene("seams { rules { first: \"pane\" second: \"wing\" } rules { first: \"wing\" second: \"pane\" } }"),
+      "seams.rules[1]", {"says again"});
 }
 
 TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {

@@ -121,7 +121,8 @@ TEST(Seams, FinerSideIsTheCoarserOneWithKnotsInserted) {
       moved[1][d.point.point] = x;
     }
     for (int k = 0; k <= 50; ++k) {
-      const Vec3 a = patches[0].evaluate({1.0, k / 50.0}, moved[0]).x, b = patches[1].evaluate({0.0, k / 50.0}, moved[1]).x;
+      const Vec3 a = patches[0].evaluate({1.0, k / 50.0}, moved[0]).x,
+                 b = patches[1].evaluate({0.0, k / 50.0}, moved[1]).x;
       EXPECT_LT((a - b).norm(), 1e-13);
     }
   }
@@ -213,7 +214,8 @@ TEST(Seams, OverAPartOfAnEdgeAreRefused) {
 
 TEST(Seams, WithNormalsOnOppositeSidesAreRefused) {
   const Quat over(Eigen::AngleAxisd(std::numbers::pi, Vec3::UnitX()));
-  const std::string what = refusal({flat(0, 1, -0.5, 0.5, 4, 4), placed(flat(1, 2, -0.5, 0.5, 4, 4), Vec3::Zero(), over)});
+  const std::string what =
+      refusal({flat(0, 1, -0.5, 0.5, 4, 4), placed(flat(1, 2, -0.5, 0.5, 4, 4), Vec3::Zero(), over)});
   EXPECT_NE(what.find("normals u x v are on opposite sides"), std::string::npos) << what;
   EXPECT_NE(what.find("turn one of the patches over"), std::string::npos) << what;
 }
@@ -337,9 +339,10 @@ TEST(Stitching, WhatASupportHoldsAtTheEndOfASeamIsHeldInBothShells) {
   for (const bool second : {false, true})
     for (const int finer : {4, 8})  // knots of the one or of both: both sides are the same curve then
       for (const Join join : {Join::kClamped, Join::kHinge}) {
-        Stitched s({model(flat(0, 1, 0, 1, 4, 4), "a", second ? std::vector<Support>{} : std::vector<Support>{hold}),
-                    model(flat(1, 2, 0, 1, 4, finer), "b", second ? std::vector<Support>{hold} : std::vector<Support>{})},
-                   join);
+        Stitched s(
+            {model(flat(0, 1, 0, 1, 4, 4), "a", second ? std::vector<Support>{} : std::vector<Support>{hold}),
+             model(flat(1, 2, 0, 1, 4, finer), "b", second ? std::vector<Support>{hold} : std::vector<Support>{})},
+            join);
         for (int k = 0; k < 2; ++k)
           for (int i = 0; i < s.models[k].control_points(); ++i) {
             const int slot = s.models[k].tables.slot(i);
@@ -372,7 +375,9 @@ TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
   for (const bool matching : {true, false}) {
     Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, matching ? 12 : 17))});
     // the crack crosses at 0.52: what is four elements off stays tied
-    const auto far = [&](int shell, int slot) { return std::abs(s.models[shell].of_slot[slot].y() - 0.52) > 4.0 / 12.0; };
+    const auto far = [&](int shell, int slot) {
+      return std::abs(s.models[shell].of_slot[slot].y() - 0.52) > 4.0 / 12.0;
+    };
     int before = 0, after = 0, across = 0;
     s.stitching.each_link([&](int a, int i, int, int) { before += far(a, i); });
     insert_polyline(s.models[0], s.states[0], {{0.0, 0.31}, {1.0, 0.52}}, 0.0);
@@ -382,7 +387,8 @@ TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
       const Vec2 g = s.models[shell].of_slot[slot];
       return g.y() > (shell == 0 ? 0.31 : 0.52) + 0.21 * g.x();
     };
-    s.stitching.each_link([&](int a, int i, int b, int j) { after += far(a, i), across += above(a, i) != above(b, j); });
+    s.stitching.each_link(
+        [&](int a, int i, int b, int j) { after += far(a, i), across += above(a, i) != above(b, j); });
     EXPECT_EQ(across, 0);
     EXPECT_GT(before, 10);
     EXPECT_EQ(after, before);

@@ -43,8 +43,9 @@ struct Stitched {
     std::vector<std::string> names;
     std::vector<const ShellModel*> pointers;
     for (const ShellModel& m : models) patches.push_back(&m.patch), names.push_back(m.name), pointers.push_back(&m);
-    stitches = find_stitches(patches, names, tolerance, {models.size(), std::vector<Join>(models.size(), join)},
-                             [&](const PatchPoint& p) { return models[p.patch].held[models[p.patch].tables.slot(p.point)] != 0; });
+    stitches = find_stitches(
+        patches, names, tolerance, {models.size(), std::vector<Join>(models.size(), join)},
+        [&](const PatchPoint& p) { return models[p.patch].held[models[p.patch].tables.slot(p.point)] != 0; });
     stitching = Stitching(stitches, pointers);
     for (const ShellModel& m : models) states.push_back(make_state(m, Vec3::Zero(), 0));
     stitching.tie(refs());

@@ -12,8 +12,8 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kStep = 1e-6;    // of the smallest spacing: differences err by its square, and by round-off over it
-constexpr int kIterations = 40;   // of a subspace twice as large as wanted: each lessens the error fourfold at least
+constexpr double kStep = 1e-6;   // of the smallest spacing: differences err by its square, and by round-off over it
+constexpr int kIterations = 40;  // of a subspace twice as large as wanted: each lessens the error fourfold at least
 
 struct Freedom {
   int shell, slot, axis;
@@ -106,8 +106,8 @@ Linear linear_response(Stitched& s, int modes) {
   Eigen::VectorXd omega2;
   for (int it = 0; it < kIterations && modes > 0; ++it) {
     const Eigen::MatrixXd y = factors.solve(mass.asDiagonal() * x);
-    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> ritz(
-        y.transpose() * (stiffness * y), y.transpose() * (mass.asDiagonal() * y));
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> ritz(y.transpose() * (stiffness * y),
+                                                                         y.transpose() * (mass.asDiagonal() * y));
     x = y * ritz.eigenvectors(), omega2 = ritz.eigenvalues();
   }
   for (int k = 0; k < modes; ++k) out.frequencies.push_back(std::sqrt(omega2[k]));

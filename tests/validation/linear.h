@@ -10,8 +10,8 @@ namespace sunder::validation {
 using Displacement = std::vector<std::vector<double>>;
 
 struct Linear {
-  Displacement under_load;           // of the models' own loads
-  std::vector<double> frequencies;   // [rad/s], rising
+  Displacement under_load;          // of the models' own loads
+  std::vector<double> frequencies;  // [rad/s], rising
 };
 
 /// `modes` lowest frequencies, and the answer to the loads. Throws Error where supports leave it free to move.

@@ -3,8 +3,8 @@
 #include <functional>
 #include <numbers>
 
-#include <Eigen/Dense>
 #include <fmt/format.h>
+#include <Eigen/Dense>
 
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
@@ -119,7 +119,8 @@ Divided divide(const Surface& whole, const Division& d) {
       const auto [more_u, more_v] = d.finer(i, j);
       const int nu = whole.elements_u / d.columns + more_u, nv = whole.elements_v / d.rows + more_v;
       finest_u = std::min(finest_u, 1.0 / (nu * d.columns)), finest_v = std::min(finest_v, 1.0 / (nv * d.rows));
-      Patch p = whole.piece(double(i) / d.columns, (i + 1.0) / d.columns, double(j) / d.rows, (j + 1.0) / d.rows, nu, nv);
+      Patch p =
+          whole.piece(double(i) / d.columns, (i + 1.0) / d.columns, double(j) / d.rows, (j + 1.0) / d.rows, nu, nv);
       const int times = d.turn ? (i + 2 * j + 1) % 4 : 0;
       // the border of the whole is held, wherever the turns have brought it
       int border[4] = {i == 0 ? kUMin : 0, j == 0 ? kVMin : 0, i + 1 == d.columns ? kUMax : 0,
@@ -175,11 +176,21 @@ void surface_case(Report& r, const Surface& whole) {
   const auto differ = [](int most) {
     return [most](int i, int j) { return std::pair{(i + 2 * j) % (most + 1), (2 * i + j + 1) % (most + 1)}; };
   };
-  const std::vector<Division> divisions{
-      {"2", 2, 1}, {"2_other_knots", 2, 1, [](int i, int) { return std::pair{0, 5 * i}; }},
-      {"4", 2, 2}, {"4_turned", 2, 2, [](int, int) { return std::pair{0, 0}; }, true},
-      {"4_other_knots", 2, 2, differ(3)}, {"4_turned_other_knots", 2, 2, differ(3), true},
-      {"12", 4, 3}, {"12_other_knots", 4, 3, differ(2)}};
+  const std::vector<Division> divisions{{"2", 2, 1},
+                                        {"2_other_knots", 2, 1,
+                                         [](int i, int) {
+                                           return std::pair{0, 5 * i};
+                                         }},
+                                        {"4", 2, 2},
+                                        {"4_turned", 2, 2,
+                                         [](int, int) {
+                                           return std::pair{0, 0};
+                                         },
+                                         true},
+                                        {"4_other_knots", 2, 2, differ(3)},
+                                        {"4_turned_other_knots", 2, 2, differ(3), true},
+                                        {"12", 4, 3},
+                                        {"12_other_knots", 4, 3, differ(2)}};
   Divided single = divide(whole, {"1", 1, 1});
   const Linear exact = linear_response(single.shells, kModes);
   const double u_single = probe(single, exact.under_load), step_single = single.shells.stable();
@@ -214,12 +225,12 @@ void surface_case(Report& r, const Surface& whole) {
     for (std::size_t k = 0; k < moved.size(); ++k) off[k] = moved[k] - swing_single[k];
     r.add(name + "_swing", largest(off) / largest(swing_single), 0.0, 0.005, seconds_now() - middle);
   }
-  r.lines.push_back(fmt::format("{}: {} x {} elements, displacement {:.4e} m, frequencies {:.1f} {:.1f} {:.1f} {:.1f} "
-                                "Hz, stable step {:.3e} s; swing: largest difference over {} substeps",
-                                whole.name, whole.elements_u, whole.elements_v, u_single,
-                                exact.frequencies[0] / (2 * kPi), exact.frequencies[1] / (2 * kPi),
-                                exact.frequencies[2] / (2 * kPi), exact.frequencies[3] / (2 * kPi), step_single,
-                                steps));
+  r.lines.push_back(
+      fmt::format("{}: {} x {} elements, displacement {:.4e} m, frequencies {:.1f} {:.1f} {:.1f} {:.1f} "
+                  "Hz, stable step {:.3e} s; swing: largest difference over {} substeps",
+                  whole.name, whole.elements_u, whole.elements_v, u_single, exact.frequencies[0] / (2 * kPi),
+                  exact.frequencies[1] / (2 * kPi), exact.frequencies[2] / (2 * kPi), exact.frequencies[3] / (2 * kPi),
+                  step_single, steps));
 }
 
 // A strip of width kWidth from a to b in the plane across y, `elements` long; its normal by the turn.
@@ -271,7 +282,9 @@ void frame_case(Report& r, int) {
   };
   // [rad/s] of the lowest mode, by its static deflection under its own mass: close enough to damp by
   const double area_mass = 7800.0 * kThickness * kWidth;
-  const auto lowest = [&](double deflection) { return std::sqrt(kForce / deflection / (0.5 * area_mass * (kHeight + kArm))); };
+  const auto lowest = [&](double deflection) {
+    return std::sqrt(kForce / deflection / (0.5 * area_mass * (kHeight + kArm)));
+  };
   const Vec3 base(0, 0, 0), corner(0, 0, kHeight), tip(kArm, 0, kHeight), far(kArm, 0, 0);
   for (const int n : {8, 16, 32})
     for (const bool other_knots : {false, true}) {
@@ -279,8 +292,8 @@ void frame_case(Report& r, int) {
       const double exact = -kForce * (std::pow(kArm, 3) / 3.0 + kArm * kArm * kHeight) / bending;
       const double omega = lowest(-exact);
       std::deque<ShellModel> models;
-      models.push_back(make_shell("column", strip(base, corner, n, 3), kThickness, damped(omega), 2, 2,
-                                  {edge_support(kUMin)}));
+      models.push_back(
+          make_shell("column", strip(base, corner, n, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
       models.push_back(make_shell("arm", strip(corner, tip, n, other_knots ? 4 : 3), kThickness, damped(omega), 2, 2,
                                   {}, {end_load(kUMax, {0, 0, -kForce})}));
       Stitched s(std::move(models));
@@ -300,15 +313,15 @@ void frame_case(Report& r, int) {
     const double exact = join == Join::kHinge ? all / 6.0 : all / 12.0 * (3.0 * k + 2.0) / (6.0 * k + 1.0);
     const double omega = lowest(exact);
     std::deque<ShellModel> models;
-    models.push_back(make_shell("left", strip(base, corner, 12, 3), kThickness, damped(omega), 2, 2,
-                                {edge_support(kUMin)}));
+    models.push_back(
+        make_shell("left", strip(base, corner, 12, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
     models.push_back(make_shell("beam", strip(corner, tip, 16, 3), kThickness, damped(omega), 2, 2, {},
                                 {end_load(kUMin, {kForce, 0, 0})}));
-    models.push_back(make_shell("right", strip(tip, far, 12, 3), kThickness, damped(omega), 2, 2,
-                                {edge_support(kUMax)}));
+    models.push_back(
+        make_shell("right", strip(tip, far, 12, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMax)}));
     Stitched s(std::move(models), join);
-    r.add(join == Join::kHinge ? "portal_hinged" : "portal_clamped",
-          settled(s, 1, kUMin, 2.0 * kPi / omega).x(), exact, 0.01, seconds_now() - start);
+    r.add(join == Join::kHinge ? "portal_hinged" : "portal_clamped", settled(s, 1, kUMin, 2.0 * kPi / omega).x(), exact,
+          0.01, seconds_now() - start);
   }
 }
 
@@ -401,11 +414,12 @@ void motion_case(Report& r, int) {
 }  // namespace
 
 std::vector<Case> seam_cases() {
-  return {{"plate", "a supported plate of 2, 4 and 12 patches, turned, knots that do not match",
-           [](Report& r, int) { surface_case(r, flat_surface()); }},
-          {"cylinder", "120 degrees of a cylinder, the same", [](Report& r, int) { surface_case(r, curved_surface()); }},
-          {"frames", "creases of 90 degrees against beam frames, clamped and hinged", frame_case},
-          {"motion", "a tube and a box, turned, and flying free for 20,000 substeps", motion_case}};
+  return {
+      {"plate", "a supported plate of 2, 4 and 12 patches, turned, knots that do not match",
+       [](Report& r, int) { surface_case(r, flat_surface()); }},
+      {"cylinder", "120 degrees of a cylinder, the same", [](Report& r, int) { surface_case(r, curved_surface()); }},
+      {"frames", "creases of 90 degrees against beam frames, clamped and hinged", frame_case},
+      {"motion", "a tube and a box, turned, and flying free for 20,000 substeps", motion_case}};
 }
 
 }  // namespace sunder::validation
