@@ -3,6 +3,7 @@
 #include <random>
 #include <set>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
@@ -23,7 +24,7 @@ Patch flat(double x0, double x1, double y0, double y1, int nx, int ny, int degre
 Stitches stitches(const std::vector<Patch>& patches, Join join = Join::kClamped, double tolerance = 1e-6) {
   std::vector<const Patch*> all;
   std::vector<std::string> names;
-  for (const Patch& p : patches) all.push_back(&p), names.push_back("p" + std::to_string(names.size()));
+  for (const Patch& p : patches) all.push_back(&p), names.push_back(fmt::format("p{}", names.size()));
   return find_stitches(all, names, tolerance, {patches.size(), std::vector<Join>(patches.size(), join)});
 }
 
