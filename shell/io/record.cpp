@@ -69,7 +69,7 @@ void Run::write_probes() {
 void Run::write_series_row() {
   const EnergyBook b = book();
   series_ += fmt::format(
-      "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.6g},{},{},{:.9g},{:.9g},{:.9g},{"
+      "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{"
       ":.9g}\n",
       time(), kinetic_, elastic_, b.fracture, b.injected, b.contact, b.damping, b.handoff, b.frozen, engine_loss_,
       residual_, crack_length(), fragments_, handed_off_, b.plastic, b.healing, b.transfer, b.external);
