@@ -9,7 +9,8 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kSmallPiece = 30.0;  // spacings squared: too small to bend, leaves at once
-constexpr double kSettleTime = 5e-5;  // a larger piece stays so long, its cracks may still branch [s]
+constexpr double kSettle = 40.0;      // a larger piece stays while a wave passes so many spacings: its cracks may
+                                      // still branch
 
 double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
 
@@ -93,7 +94,9 @@ std::vector<RigidBody> Run::take_off(bool all) {
       Group& g = groups[now[k].group[i]];
       const Piece& p = now[k].pieces[i];
       g.members.push_back({k, i});
-      g.bends = g.bends || (!p.control_points.empty() && p.area > kSmallPiece * std::pow(parts_[k].model().spacing, 2));
+      // a shell without cracks has no pieces to measure, and is none that is too small
+      g.bends = g.bends || now[k].whole ||
+                (!p.control_points.empty() && p.area > kSmallPiece * std::pow(parts_[k].model().spacing, 2));
       g.empty = g.empty && p.control_points.empty() && !now[k].whole;
       g.torn = g.torn || std::any_of(now[k].group.begin(), now[k].group.end(),
                                      [&, own = now[k].group[i]](int other) { return other != own; });
@@ -111,7 +114,8 @@ std::vector<RigidBody> Run::take_off(bool all) {
       if (!all && !empty && g.bends) {
         const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
         const auto [since, fresh] = parts_[k].detached_since.try_emplace(lowest, tick_);
-        if (static_cast<double>(tick_ - since->second) * setup_.tick < kSettleTime) continue;
+        const ShellModel& m = parts_[k].model();
+        if (static_cast<double>(tick_ - since->second) * setup_.tick < kSettle * m.spacing / m.wave_speed()) continue;
       }
       if (!any) before = total_energy(dt_), any = true;
       births.push_back(leave(now, g));

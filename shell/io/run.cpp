@@ -13,6 +13,7 @@
 #include "shell/solver/interlock.h"
 #include "shell/solver/relaxation.h"
 #include "shell/solver/seam_cracks.h"
+#include "shell/solver/stable_step.h"
 #include "shell/solver/tips.h"
 
 namespace sunder::shell {
@@ -145,22 +146,19 @@ void Run::start_shells() {
           setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
           setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step);
   if (stitching_.empty()) return;
-  // Shells that give their neighbours mass and stiffness are together at least as stable as the least stable of them
-  // is alone; mostly more, as edges that are joined are no free ones.
   stitching_.tie(refs());
-  std::vector<char> free;
-  for (const ShellPart& part : parts_) free.push_back(part.setup->can_crack());
-  const double together = stable_step(refs(), stitching_, kFirstIterations, options_.threads, free);
-  for (ShellPart& part : parts_) {
-    const double own = part.setup->can_crack() ? part.initial_step : 0.0;
-    part.initial_step = part.smallest_step = std::max(own, together);
-  }
+  std::vector<char> can_crack;
+  std::vector<double> alone;
+  for (const ShellPart& part : parts_) can_crack.push_back(part.setup->can_crack()), alone.push_back(part.initial_step);
+  const std::vector<double> joined =
+      joined_steps(refs(), stitching_, alone, can_crack, kFirstIterations, options_.threads);
+  for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].initial_step = parts_[k].smallest_step = joined[k];
 }
 
-std::vector<ShellRef> Run::refs() {
-  std::vector<ShellRef> out;
-  for (ShellPart& part : parts_) out.push_back({&part.model(), part.state.get()});
-  return out;
+const std::vector<ShellRef>& Run::refs() {
+  refs_.clear();
+  for (ShellPart& part : parts_) refs_.push_back({&part.model(), part.state.get()});
+  return refs_;
 }
 
 ContactCoefficients Run::against(const ShellModel& shell, const RigidBody& body) const {

@@ -76,21 +76,25 @@ class Run {
   void start_shells();
   void find_equilibrium(ShellPart& part);
   void shell_window();
-  std::vector<ShellRef> refs();
+  const std::vector<ShellRef>& refs();  // until the next call
   /// Calls f with the number of each shell, of several at once.
   template <class F>
   void side_by_side(F&& f) {
-    std::vector<std::exception_ptr> errors(parts_.size());
+    if (at_once_ == 1) {
+      for (std::size_t k = 0; k < parts_.size(); ++k) f(k);
+      return;
+    }
+    errors_.assign(parts_.size(), nullptr);
     const auto one = [&](std::size_t k) noexcept {
       try {
         f(k);
       } catch (...) {
-        errors[k] = std::current_exception();
+        errors_[k] = std::current_exception();
       }
     };
-#pragma omp parallel for schedule(dynamic, 1) num_threads(at_once_) if (at_once_ > 1)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(at_once_)
     for (std::size_t k = 0; k < parts_.size(); ++k) one(k);
-    for (const std::exception_ptr& e : errors)
+    for (const std::exception_ptr& e : errors_)
       if (e) std::rethrow_exception(e);
   }
   bool solving() const { return !parts_.empty() && parts_.front().state; }  // shells are not frozen yet
@@ -173,6 +177,8 @@ class Run {
   Trace trace_;
   std::unique_ptr<link::RigidLink> rigid_;
   std::vector<ShellPart> parts_;
+  std::vector<ShellRef> refs_;               // scratch of refs()
+  std::vector<std::exception_ptr> errors_;   // scratch of side_by_side()
   Stitching stitching_;                          // of them
   std::unique_ptr<ShellContact> shell_contact_;  // between them; null: they cannot meet
   int at_once_ = 1;                              // shells that are solved at the same time; each then by one thread

@@ -103,7 +103,7 @@ void ShellContact::refresh(const std::vector<ShellRef>& shells, double dt) {
       if (may_meet(shells, one, two, kFastest * kContactRefresh * dt * (speed[one.shell] + speed[two.shell])))
         one.candidate = two.candidate = true;
     }
-  samples_.clear(), functions_.clear();
+  samples_.clear(), functions_.clear(), first_.assign(1, 0);
   for (const Tile& tile : tiles_)
     if (tile.candidate) add_samples(shells[tile.shell], tile);
 }
@@ -112,7 +112,6 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
   const ShellModel& m = *shell.model;
   const ShellState& s = *shell.state;
   const RowTables& t = m.tables;
-  std::vector<GatheredFunction> values;
   const int points = t.gauss * t.gauss;
   for (int f = tile.v; f < std::min(t.spans_v, tile.v + kTile); ++f)
     for (int lane = tile.u; lane < std::min(t.spans_u, tile.u + kTile); ++lane)
@@ -120,8 +119,8 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
         const int block = f * points + sub;
         const double area = m.tables.metric[t.at(block, kMetricFields, kArea, lane)];
         if (area == 0.0) continue;
-        sample_functions(m, s, block, lane, values);
-        if (values.empty() || s.gone[values[0].slot]) continue;
+        sample_functions(m, s, block, lane, gathered_);
+        if (gathered_.empty() || s.gone[gathered_[0].slot]) continue;
         const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
         Vec3 u = Vec3::Zero(), v = Vec3::Zero();
         for (int k = 0; k < n.count(); ++k) {
@@ -133,12 +132,11 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
         if (!q.normal.allFinite()) continue;
         q.mass = m.material.density * m.thickness * area, q.thickness = m.thickness, q.shell = tile.shell;
         q.rest = Vec3::Zero();
-        auto& list = functions_.emplace_back();
-        for (const GatheredFunction& g : values) {
-          list.emplace_back(g.slot, g.n[0]);
+        for (const GatheredFunction& g : gathered_) {
+          functions_.emplace_back(g.slot, g.n[0]);
           q.rest += g.n[0] * s.at(m.rest, g.slot);
         }
-        samples_.push_back(q);
+        samples_.push_back(q), first_.push_back(functions_.size());
       }
 }
 
@@ -149,18 +147,18 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt) {
     SurfaceSample& q = samples_[p];
     const ShellState& s = *shells[q.shell].state;
     q.x = q.v = Vec3::Zero();
-    for (const auto& [slot, n] : functions_[p]) q.x += n * s.position(slot), q.v += n * s.velocity(slot);
+    each_function(p, [&](int slot, double n) { q.x += n * s.position(slot), q.v += n * s.velocity(slot); });
   }
   const int touching = fields_.solve(samples_, dt);
   if (touching == 0) return 0;
   for (std::size_t p = 0; p < samples_.size(); ++p) {
     const SurfaceSample& q = samples_[p];
     if (q.impulse.isZero(0.0)) continue;
-    for (const auto& [slot, n] : functions_[p]) {
+    each_function(p, [&](int slot, double n) {
       Vec3& sum = impulses_[q.shell][slot];
       if (sum.isZero(0.0)) touched_[q.shell].push_back(slot);
       sum += n * q.impulse;
-    }
+    });
   }
   for (std::size_t k = 0; k < shells.size(); ++k) {
     ShellState& s = *shells[k].state;

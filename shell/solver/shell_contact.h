@@ -32,14 +32,21 @@ class ShellContact {
   void refresh(const std::vector<ShellRef>& shells, double dt);
   bool may_meet(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const;
   void add_samples(const ShellRef& shell, const Tile& tile);
+  /// Calls f(slot, value) with each function of a sample.
+  template <class F>
+  void each_function(std::size_t sample, F&& f) const {
+    for (std::size_t i = first_[sample]; i < first_[sample + 1]; ++i) f(functions_[i].first, functions_[i].second);
+  }
 
   std::vector<std::vector<char>> together_;
   FieldContact fields_;
   std::vector<Tile> tiles_;
   std::vector<SurfaceSample> samples_;
-  std::vector<std::vector<std::pair<int, double>>> functions_;  // slots and values of each sample
-  std::vector<std::vector<Vec3>> impulses_;                     // scratch: [shell][slot]
-  std::vector<std::vector<int>> touched_;                       // scratch: slots of each shell
+  std::vector<std::pair<int, double>> functions_;  // slots and values, of all samples
+  std::vector<std::size_t> first_;                 // function of each sample, and their number
+  std::vector<GatheredFunction> gathered_;         // scratch: of a sample
+  std::vector<std::vector<Vec3>> impulses_;        // scratch: [shell][slot]
+  std::vector<std::vector<int>> touched_;          // scratch: slots of each shell
   int age_ = 0;
 };
 

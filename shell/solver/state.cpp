@@ -122,52 +122,6 @@ double potential_energy(const ShellModel& m, const ShellState& s, const Vec3& gr
   return sum;
 }
 
-double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
-                   const std::vector<Vec2>& around) {
-  const std::size_t plane = m.tables.plane, size = 3 * plane;
-  std::vector<char> start(plane, around.empty());
-  const Vec2 reach = kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
-  for (const Vec2& p : around)
-    for (int i = 0; i < m.control_points(); ++i)
-      if (((m.parameter[i] - p).cwiseAbs().array() < reach.array()).all()) start[m.tables.slot(i)] = 1;
-  std::vector<double> mode(size, 0.0);
-  std::mt19937_64 random(1);
-  for (std::size_t i = 0; i < size; ++i)
-    if (start[i % plane]) mode[i] = static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0;
-  std::vector<double> inverse_mass = s.inverse_mass;
-  for (std::size_t i = 0; i < plane && as_if_free; ++i)
-    if (m.held[i] && s.mass[i] > 0.0) inverse_mass[i] = 1.0 / s.mass[i];
-  const std::vector<double> x = s.x;
-  compute_forces(m, s, false, 0.0, threads);
-  const std::vector<double> f0 = s.force;
-  double lambda = 0.0;
-  const double epsilon = 1e-7 * m.spacing * std::sqrt(static_cast<double>(m.control_points()));
-  for (int it = 0; it < iterations; ++it) {
-    double norm = 0.0;
-    for (std::size_t i = 0; i < size; ++i) {
-      if (inverse_mass[i % plane] == 0.0) mode[i] = 0.0;
-      norm += mode[i] * mode[i];
-    }
-    norm = std::sqrt(norm);
-    if (norm == 0.0) break;
-    for (std::size_t i = 0; i < size; ++i) s.x[i] = x[i] + epsilon * (mode[i] /= norm);
-    compute_forces(m, s, false, 0.0, threads);
-    double sum = 0.0;
-    for (std::size_t i = 0; i < size; ++i) {
-      mode[i] = -(s.force[i] - f0[i]) / epsilon * inverse_mass[i % plane];
-      sum += mode[i] * mode[i];
-    }
-    lambda = std::sqrt(sum);
-  }
-  s.x = x;
-  s.force = f0;
-  if (lambda <= 0.0) return std::numeric_limits<double>::infinity();
-  // central differences with damping at the velocities half a step ago
-  const double omega = std::sqrt(lambda);
-  const double damped = 0.5 * (m.material.stiffness_damping * omega + m.material.mass_damping / omega);
-  return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
-}
-
 void sample_functions(const ShellModel& m, const ShellState& s, int block, int lane,
                       std::vector<GatheredFunction>& out) {
   out.clear();

@@ -142,15 +142,6 @@ double kinetic_energy(const ShellModel& model, const ShellState& state, double d
 /// In the field of gravity [J], of what moves.
 double potential_energy(const ShellModel& model, const ShellState& state, const Vec3& gravity);
 
-/// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by power
-/// iteration, which approaches from above. It starts from noise on the control points that lie within
-/// reach of `around` (everywhere where that is empty): a mode that a new crack or a lost mass made is
-/// local, and a vector kept from before would not contain it.
-/// `as_if_free`: supports are left out. A free edge halves the stable step of a clamped plate, and every
-/// crack makes free edges, so a shell that can crack is stepped as if it were free from the start.
-double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, bool as_if_free,
-                   const std::vector<Vec2>& around = {});
-
 /// Value shape functions of a Gauss point as it stands: gathered ones, else the patch's.
 void sample_functions(const ShellModel& model, const ShellState& state, int block, int lane,
                       std::vector<GatheredFunction>& out);

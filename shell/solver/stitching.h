@@ -111,9 +111,4 @@ class Stitching {
   std::vector<std::int64_t> edges_seen_;
 };
 
-/// Largest stable step [s] of shells that hang together, as stable_step() for one; each is taken as free of its
-/// supports where `as_if_free`.
-double stable_step(const std::vector<ShellRef>& shells, Stitching& stitching, int iterations, int threads,
-                   const std::vector<char>& as_if_free);
-
 }  // namespace sunder::shell

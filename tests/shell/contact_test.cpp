@@ -6,6 +6,7 @@
 #include "coupler/core/error.h"
 #include "shell/solver/hertz.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;

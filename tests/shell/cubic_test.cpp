@@ -10,6 +10,7 @@
 #include "shell/solver/handoff.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/relaxation.h"
+#include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "tests/shell/fixtures.h"
 

@@ -7,6 +7,7 @@
 
 #include "shell/grid/kernel.h"
 #include "shell/grid/transfer.h"
+#include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "tests/shell/fixtures.h"
 

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/solver/shell_contact.h"
+#include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "tests/shell/fixtures.h"
 

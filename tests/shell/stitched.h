@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "shell/solver/stitching.h"
 

@@ -5,6 +5,7 @@
 
 #include "shell/solver/handoff.h"
 #include "shell/solver/shell_contact.h"
+#include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "tests/validation/cases.h"
 

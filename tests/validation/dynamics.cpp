@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "shell/geometry/builders.h"
+#include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "tests/validation/cases.h"
 

@@ -1,0 +1,120 @@
+#include "shell/solver/stable_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kProbe = 1e-7;  // of the spacing, that a control point is moved by on average: large against
+                                 // round-off, and small enough that forces are linear in it
+
+double noise(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0; }
+
+/// A shell and what it was before; its velocities hold the mode meanwhile.
+struct Probed {
+  Probed(const ShellRef& shell, bool as_if_free)
+      : model(*shell.model), s(*shell.state), x(s.x), v(s.v), force(s.force), inverse_mass(s.inverse_mass) {
+    for (std::size_t i = 0; i < s.inverse_mass.size(); ++i)
+      if (as_if_free && model.held[i] && s.mass[i] > 0.0) s.inverse_mass[i] = 1.0 / s.mass[i];
+  }
+  void restore() { s.x.swap(x), s.v.swap(v), s.force.swap(force), s.inverse_mass.swap(inverse_mass); }
+
+  const ShellModel& model;
+  ShellState& s;
+  std::vector<double> x, v, force, inverse_mass, at_rest;  // the last: forces at the present positions
+};
+
+/// 2 / sqrt(lambda_max) with the mode's first guess in the velocities.
+template <class Forces>
+double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces) {
+  double epsilon = std::numeric_limits<double>::infinity(), points = 0.0, lambda = 0.0;
+  for (Probed& p : shells) {
+    p.at_rest = p.s.force;
+    epsilon = std::min(epsilon, kProbe * p.model.spacing), points += p.model.control_points();
+  }
+  epsilon *= std::sqrt(points);
+  for (int it = 0; it < iterations; ++it) {
+    double norm = 0.0;
+    for (Probed& p : shells) {
+      const std::size_t plane = p.s.inverse_mass.size();
+      for (std::size_t i = 0; i < p.s.v.size(); ++i) {
+        if (p.s.inverse_mass[i % plane] == 0.0) p.s.v[i] = 0.0;
+        norm += p.s.v[i] * p.s.v[i];
+      }
+    }
+    norm = std::sqrt(norm);
+    if (norm == 0.0) break;
+    for (Probed& p : shells)
+      for (std::size_t i = 0; i < p.x.size(); ++i) p.s.x[i] = p.x[i] + epsilon * (p.s.v[i] / norm);
+    forces();
+    double sum = 0.0;
+    for (Probed& p : shells) {
+      const std::size_t plane = p.s.inverse_mass.size();
+      for (std::size_t i = 0; i < p.s.v.size(); ++i) {
+        p.s.v[i] = -(p.s.force[i] - p.at_rest[i]) / epsilon * p.s.inverse_mass[i % plane];
+        sum += p.s.v[i] * p.s.v[i];
+      }
+    }
+    lambda = std::sqrt(sum);
+  }
+  if (lambda <= 0.0) return std::numeric_limits<double>::infinity();
+  // central differences with damping at the velocities half a step ago
+  const double omega = std::sqrt(lambda);
+  double damped = 0.0;
+  for (const Probed& p : shells)
+    damped = std::max(damped, 0.5 * (p.model.material.stiffness_damping * omega + p.model.material.mass_damping / omega));
+  return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
+}
+
+}  // namespace
+
+double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
+                   const std::vector<Vec2>& around) {
+  const auto forces = [&] { compute_forces(m, s, false, 0.0, threads); };
+  std::vector<Probed> shells{{ShellRef{&m, &s}, as_if_free}};
+  forces();
+  const std::size_t plane = m.tables.plane;
+  std::vector<char> start(plane, around.empty());
+  const Vec2 reach = kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+  for (const Vec2& p : around)
+    for (int i = 0; i < m.control_points(); ++i)
+      if (((m.parameter[i] - p).cwiseAbs().array() < reach.array()).all()) start[m.tables.slot(i)] = 1;
+  std::mt19937_64 random(1);
+  for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] = start[i % plane] ? noise(random) : 0.0;
+  const double step = iterate(shells, iterations, forces);
+  shells[0].force = std::move(shells[0].at_rest);  // callers go on with those of the present positions
+  shells[0].restore();
+  return step;
+}
+
+double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int iterations, int threads,
+                   const std::vector<char>& as_if_free) {
+  const auto forces = [&] {
+    for (const ShellRef& r : refs) compute_forces(*r.model, *r.state, false, 0.0, threads);
+    stitching.share_forces(refs);
+  };
+  std::vector<Probed> shells;
+  for (std::size_t k = 0; k < refs.size(); ++k) shells.emplace_back(refs[k], as_if_free[k] != 0);
+  forces();
+  std::mt19937_64 random(1);
+  for (Probed& p : shells)
+    for (double& v : p.s.v) v = noise(random);
+  stitching.follow(refs);
+  const double step = iterate(shells, iterations, forces);
+  for (Probed& p : shells) p.restore();
+  return step;
+}
+
+std::vector<double> joined_steps(const std::vector<ShellRef>& shells, Stitching& stitching,
+                                 const std::vector<double>& alone, const std::vector<char>& can_crack, int iterations,
+                                 int threads) {
+  const double together = stable_step(shells, stitching, iterations, threads, can_crack);
+  std::vector<double> out;
+  for (std::size_t k = 0; k < shells.size(); ++k) out.push_back(std::max(can_crack[k] ? alone[k] : 0.0, together));
+  return out;
+}
+
+}  // namespace sunder::shell
