@@ -5,7 +5,7 @@ import math
 from typing import Callable, Sequence
 
 from .extreme_scenes import CLAMPED, GLASS, SIMPLE, material, message, scene, sheet, shell
-from .extremes import Outcome, Quantity, Refused, Row, Runner, Stable
+from .extremes import Outcome, Quantity, Refused, Row, Runner, Stable, Stopped
 
 SMOOTH = 1e-5  # of the books without cracks and contact: README
 SUDDEN = 1e-3  # of a swing: what bends by strains of 1e-12 is known to so many digits
@@ -102,6 +102,14 @@ def curved(patch: str, fields: dict[str, object]) -> str:
     return free(shell(message(patch, fields), 0.01, drum), end=2e-3, window=1e-4)
 
 
+def squeezed(poisson: float) -> str:
+    """Held on one edge, the opposite one driven towards it by nine tenths of the length."""
+    driven = "supports {\nedges: U_MAX\nkind: CLAMPED\nmotion { time_s: 0 }\n" \
+             "motion { time_s: 0.01 displacement { x: -0.9 } }\n}"
+    return scene(0.01, 1e-4, material(**{**GLASS, "poisson_ratio": poisson}),
+                 sheet(1.0, 0.01, 8, "supports {\nedges: U_MIN\nkind: CLAMPED\n}", driven))
+
+
 def graded_at_rest(ratio: float) -> str:
     """It starts in equilibrium under a pressure, and stays there."""
     pressure = BENDING * 0.01 * bending(0.01, 70e9, 0.22) / 0.00406235
@@ -157,6 +165,8 @@ SHELLS: list[Row] = [
                                               "elements_u": 8, "elements_v": 8}), Stable(1e-3)),
     Row("tip_of_a_cone", curved("cone", {"bottom_m": 1.0, "top_m": 0.0, "height_m": 1.0, "angle_deg": 90.0,
                                          "elements_u": 8, "elements_v": 8}), Stable(1e-3)),
+    # what has no answer ends with the place, as soon as it has none
+    Row("squeezed_poisson_minus_0.5", squeezed(-0.5), Stopped("compression", "plane stress bears no more below")),
     # steps
     *(Row(f"safety_{s}", swing(time_step_safety=s), Stable(SUDDEN), swung(0.01)) for s in (0.1, 0.95, 1.0)),
     *(refused_sheet(f"safety_{s}".replace("-", "minus_"), "time_step_safety", "time_step_safety:",

@@ -143,6 +143,7 @@ class Row:
     limit_s: float = 60.0     # of wall time, some ten times what it takes: beyond it the row counts as one that hangs
     full: bool = False        # long: with --full, or by name
     processes: int = 1
+    engine: str = "bullet"
     files: dict[str, str] = field(default_factory=dict)  # beside the scene
 
 
@@ -151,16 +152,17 @@ class Runner:
 
     def __init__(self, executables: Executables) -> None:
         self.executables = executables
-        self._known: dict[str, Outcome] = {}
+        self._known: dict[tuple[str, str], Outcome] = {}
 
-    def compare_with(self, scene: str, limit_s: float = 60.0) -> Outcome:
+    def compare_with(self, scene: str, limit_s: float = 60.0, engine: str = "bullet") -> Outcome:
         """A scene whose result another one is held to. Raises CommandError where it does not run."""
-        if scene not in self._known:
-            found = self.run(Row("reference", scene, Stable(1.0), limit_s=limit_s))
+        known = scene, engine
+        if known not in self._known:
+            found = self.run(Row("reference", scene, Stable(1.0), limit_s=limit_s, engine=engine))
             if found.status != DONE:
                 raise CommandError(f"what it is compared with does not run: {_ending(found)}")
-            self._known[scene] = found
-        return self._known[scene]
+            self._known[known] = found
+        return self._known[known]
 
     def run(self, row: Row) -> Outcome:
         with tempfile.TemporaryDirectory(prefix="extreme-sunder-") as name:
@@ -170,9 +172,9 @@ class Runner:
             for path, text in row.files.items():
                 (folder / path).write_text(text)
             if row.processes == 1:
-                command = [str(self.executables.single), "--engine", "bullet"]
+                command = [str(self.executables.single), "--engine", row.engine]
             else:
-                command = [sys.executable, str(REPOSITORY / "coupler" / "sunder"), "run"]
+                command = [sys.executable, str(REPOSITORY / "coupler" / "sunder"), "run", "--rigid", row.engine]
             start = time.monotonic()
             if row.processes == 1:  # `run` does so by itself
                 command += ["--scene", str(scene)]
