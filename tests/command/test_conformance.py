@@ -118,10 +118,13 @@ class Testing(unittest.TestCase):
             self.assertEqual(command.main(["test", "-R", "vtp"]), 0)
             self.assertEqual(run.call_count, 1)
             self.assertIn("no network\nsunder: so the tests of the Jolt engine are skipped", said.getvalue())
-            self.assertIn("no rights\nsunder: so the tests of Slurm are skipped", said.getvalue())
+            for what in ("Slurm", "the viewer"):
+                self.assertIn(f"no rights\nsunder: so the tests of {what} are skipped", said.getvalue())
+            self.assertEqual([call.args[1] for call in install.call_args_list],
+                             [command.SLURM_PACKAGES, command.BROWSER_PACKAGES])
             os.environ[build.BUILD_DIR_VARIABLE] = str(REPOSITORY)
             self.assertEqual(command.main(["test"]), 0)
-            self.assertEqual((ensure.call_count, install.call_count), (1, 2))  # Slurm and a browser are asked for alone
+            self.assertEqual((ensure.call_count, install.call_count), (1, 2))  # no more: nothing is installed then
 
 
 class KnownFailures(unittest.TestCase):
