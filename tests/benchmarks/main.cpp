@@ -13,6 +13,7 @@
 #include <omp.h>
 
 #include "coupler/core/error.h"
+#include "tests/benchmarks/absent.h"
 #include "tests/benchmarks/counting.h"
 #include "tests/benchmarks/two_processes.h"
 // the counting type must be known before the templates that it runs
@@ -252,10 +253,16 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
       middle->layer_points;
 }
 
+std::vector<bench::ProcessBenchmark> benchmarks_of_runs() {
+  std::vector<bench::ProcessBenchmark> all = bench::process_benchmarks();
+  all.push_back(bench::absent_benchmark());
+  return all;
+}
+
 // Every number, and what it should be at most where that is said.
 void print(const std::map<std::string, double>& out) {
   std::map<std::string, bench::Goal> goals;
-  for (const bench::ProcessBenchmark& b : bench::process_benchmarks())
+  for (const bench::ProcessBenchmark& b : benchmarks_of_runs())
     for (const bench::Goal& g : b.goals) goals.emplace(g.key, g);
   for (const auto& [key, value] : out) {
     const auto goal = goals.find(key);
@@ -272,7 +279,7 @@ int run(const std::string& filter, const std::string& json) {
   bool any = false;
   std::string names;
   // before the kernels' threads and memory, which a new process would be made of
-  for (const bench::ProcessBenchmark& b : bench::process_benchmarks()) {
+  for (const bench::ProcessBenchmark& b : benchmarks_of_runs()) {
     names += fmt::format(" {}", b.name);
     if (!chosen(b.name, filter)) continue;
     any = true;
@@ -314,7 +321,7 @@ int main(int argc, char** argv) {
       json = argv[++i];
     else if (option == "--list") {
       for (const char* name : kKernels) fmt::print("{}\n", name);
-      for (const bench::ProcessBenchmark& b : bench::process_benchmarks())
+      for (const bench::ProcessBenchmark& b : benchmarks_of_runs())
         for (const bench::Goal& g : b.goals) fmt::print("{}: {}, goal {:g} {}\n", b.name, g.key, g.at_most, g.unit);
       return 0;
     } else {
