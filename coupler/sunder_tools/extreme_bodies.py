@@ -7,6 +7,7 @@ from typing import Callable, Sequence
 from .extreme_scenes import CLAMPED, GLASS, ball, material, scene, sheet
 from .extremes import Outcome, Quantity, Refused, Row, Runner, Stable
 
+GAP = 1e-4       # [m] between ball and sheet at the start
 HIT = 1e-3       # of the books with contact and without cracks
 RECOVERY = 0.01  # [m/s]: an overlap with a body that the engine holds is taken back so fast at most
 AT = 0.21132486540518713  # of an element: a Gauss point, so that the ball touches at the point nearest to it
@@ -14,16 +15,17 @@ AT = 0.21132486540518713  # of an element: a Gauss point, so that the ball touch
 
 def struck(ratio: float, speed: float, *parts: str, restitution: float | None = None, elements: int = 8,
            way: float = 2e-3, edges: str = "", sideways: float = 0.0, **fields: object) -> str:
-    """A ball of `ratio` times the mass of a free sheet of 1 m and 10 mm flies onto it from 0.1 mm; ends when it has
+    """A ball of `ratio` times the mass of a free sheet of 1 m and 10 mm flies onto it over GAP; ends when it has
     flown, or would have flown, `way` [m]."""
     radius, at = 0.8 / elements, AT / elements
+    lead = GAP * sideways / speed if sideways else 0.0  # over the Gauss point as it touches, or the normal leans
     density = ratio * GLASS["density"] * 0.01 / (4.0 / 3.0 * math.pi * radius ** 3)
     end = way / speed if speed > 0.0 else 1e-3
     window = end / max(1, min(max(20, math.ceil(end / 1e-4)), int(end / 2e-5)))  # no shorter than the stable step
     contact = [] if restitution is None else [f"contacts {{\nrestitution: {restitution!r}\n}}"]
     return scene(end, window, material(**GLASS), material("steel", density=density),
                  sheet(1.0, 0.01, elements, *([edges] if edges else [])),
-                 ball(radius, (at, at, radius + 0.005 + 1e-4), (sideways, 0.0, -speed)), *contact, *parts, probes=["ball"],
+                 ball(radius, (at - lead, at, radius + 0.005 + GAP), (sideways, 0.0, -speed)), *contact, *parts, probes=["ball"],
                  **fields)
 
 
