@@ -53,8 +53,8 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
     s.check(!m.has_youngs_modulus() || m.yield_stress() <= 0.05 * m.youngs_modulus(), f + ".yield_stress",
             "is {:.3g} of youngs_modulus; elastic strains must stay small, at most 0.05",
             m.yield_stress() / m.youngs_modulus());
-    s.check(!m.has_strength(), f + ".yield_stress",
-            "and strength are both given; a shell that yields does not crack yet");
+    s.check(!m.has_strength() || s.message.fracture().mode() != proto::Fracture::DAMAGE, f + ".yield_stress",
+            "and strength are both given with fracture.mode DAMAGE, whose law is elastic; take TIPS, or leave one out");
   }
   s.check(!m.has_hardening_modulus() || m.has_yield_stress(), f + ".hardening_modulus", "needs a yield_stress");
   not_negative(s, f + ".hardening_modulus", m.has_hardening_modulus(), m.hardening_modulus());

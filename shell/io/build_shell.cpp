@@ -139,8 +139,6 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.mass_damping = mat.mass_damping_per_s();
   material.stiffness_damping = mat.stiffness_damping_s();
   material.yield_stress = mat.yield_stress(), material.hardening_modulus = mat.hardening_modulus();
-  scene.check(material.yield_stress == 0.0 || s.cuts_size() == 0, field + ".cuts",
-              "are given, but material '{}' yields, and what yields cannot be cut yet", s.material());
   if (s.has_interlayer()) {
     const auto& core = *find_material(scene.message, s.interlayer().material());
     material.interlayer = {s.interlayer().thickness_m(), core.density(), core.youngs_modulus(), core.poisson_ratio()};

@@ -258,9 +258,10 @@ void Run::substep(double dt) {
     side_by_side([&](std::size_t k) {
       ShellPart& part = parts_[k];
       const ShellSetup& setup = *part.setup;
-      const double share = setup.brittleness > 0.0 || !part.state->plastic.empty() ? 1.0
-                           : setup.tips ? std::min(1.0, dt / setup.model.response_time())
-                                        : 0.0;
+      const double share = setup.brittleness > 0.0 ? 1.0
+                           : setup.tips            ? std::min(1.0, dt / setup.model.response_time())
+                           : part.state->yields()  ? 1.0
+                                                   : 0.0;
       compute_forces(setup.model, *part.state, false, share, options_.threads);
     });
     if (!stitching_.empty()) stitching_.share_forces(refs());

@@ -24,10 +24,9 @@ constexpr int kReturnSteps = 12;  // Newton on the multiplier; convex, from zero
 /// law. The law and the yield condition share their eigentensors, mean and deviator, so the return scales both:
 ///   mean /= 1 + E dg / (3 (1 - nu)),  deviator /= 1 + 2 mu dg,
 ///   sigma P sigma(dg) = mean'^2 / 6 + dev' : dev' = 2/3 yield(strain + dg sqrt(2/3 sigma P sigma))^2,
-/// and the reference metric takes what the elastic strain has lost, in any coordinates. Returns the plastic work, final
-/// stress times plastic strain [J/m^3]; what hardening stores is part of it.
+/// and the reference metric takes what the elastic strain has lost, in any coordinates. Returns where it flowed.
 template <class T>
-inline T return_to_yield(PlasticState<T>& p, const Sym2<T>& c, const Sym2<T>& a, const Yielding& y) {
+inline auto return_to_yield(PlasticState<T>& p, const Sym2<T>& c, const Sym2<T>& a, const Yielding& y) {
   const double nu = y.poisson_ratio, two_mu = y.youngs_modulus / (1.0 + nu), bulk = y.youngs_modulus / (1.0 - nu);
   const Sym2<T> e{0.5 * (c.c11 - a.c11 - p.change.c11), 0.5 * (c.c22 - a.c22 - p.change.c22),
                   0.5 * (c.c12 - a.c12 - p.change.c12)};
@@ -58,11 +57,24 @@ inline T return_to_yield(PlasticState<T>& p, const Sym2<T>& c, const Sym2<T>& a,
   const T q_mean = 1.0 / (1.0 + k_mean * gamma), q_dev = 1.0 / (1.0 + two_mu * gamma);
   const T phi = part_mean * q_mean * q_mean + part_dev * q_dev * q_dev;
   p.strain = p.strain + gamma * square_root(phi * (2.0 / 3.0));
-  const T lost_mean = (1.0 - q_mean) * mean, lost_dev = 1.0 - q_dev;
+  const T lost_mean = (1.0 - q_mean) * mean, lost_dev = 1.0 - q_dev;  // none, to the bit, where it did not flow
   p.change.c11 = p.change.c11 + 2.0 * (lost_mean * c.c11 + lost_dev * d.c11);
   p.change.c22 = p.change.c22 + 2.0 * (lost_mean * c.c22 + lost_dev * d.c22);
   p.change.c12 = p.change.c12 + 2.0 * (lost_mean * c.c12 + lost_dev * d.c12);
-  return 2.0 * bulk * q_mean * mean * lost_mean + two_mu * q_dev * lost_dev * square;
+  return over > 0.0;
+}
+
+/// Work [J/m^3] that the stress `s` at metric `c` does as the plastic metric comes to `a` by `flow`: the elastic energy
+/// depends on C Abar^-1, so it is s : (C Abar^-1 flow) / 2, which is s : flow / 2 for elastic strains that are small
+/// against 1. What hardening stores is part of it.
+template <class T>
+inline T plastic_work(const Sym2<T>& s, const Sym2<T>& c, const Sym2<T>& a, const Sym2<T>& flow) {
+  const T inverse = 1.0 / determinant(a);
+  // Abar^-1 flow, rows by columns
+  const T k11 = (a.c22 * flow.c11 - a.c12 * flow.c12) * inverse, k12 = (a.c22 * flow.c12 - a.c12 * flow.c22) * inverse;
+  const T k21 = (a.c11 * flow.c12 - a.c12 * flow.c11) * inverse, k22 = (a.c11 * flow.c22 - a.c12 * flow.c12) * inverse;
+  return 0.5 * (s.c11 * (c.c11 * k11 + c.c12 * k21) + s.c22 * (c.c12 * k12 + c.c22 * k22) +
+                s.c12 * (c.c11 * k12 + c.c12 * k22 + c.c12 * k11 + c.c22 * k21));
 }
 
 }  // namespace sunder::shell

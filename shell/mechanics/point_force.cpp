@@ -38,21 +38,45 @@ void scatter_point(const GatheredPoint& p, const Pack4* g, double* force4) {
   }
 }
 
-void record_stress(const RowTables& t, const GatheredPoint& p, const double* n, const double* m, double thickness,
-                   SurfaceStress stress) {
+// 11 22 12 of the lower face, then of the upper.
+std::array<double, 6> linear_stress(const double* n, const double* m, double thickness) {
+  std::array<double, 6> six{};
   for (int k = 0; k < 3; ++k) {
     const double mean = n[k] / thickness, bend = 6.0 * m[k] / (thickness * thickness);
-    double& low = (*stress.values)[t.at(p.block, 6, k, p.lane)];
-    double& high = (*stress.values)[t.at(p.block, 6, 3 + k, p.lane)];
-    low += stress.share * (mean - bend - low);
-    high += stress.share * (mean + bend - high);
+    six[k] = mean - bend, six[3 + k] = mean + bend;
   }
+  return six;
+}
+
+void record_stress(const RowTables& t, const GatheredPoint& p, const std::array<double, 6>& now, SurfaceStress stress) {
+  for (int k = 0; k < 6; ++k) {
+    double& mean = (*stress.values)[t.at(p.block, 6, k, p.lane)];
+    mean += stress.share * (now[k] - mean);
+  }
+}
+
+// A field of a layer's plastic state at a point: change 11 22 12, strain.
+double& plastic_field(const RowTables& t, const RowPlasticity& plastic, const GatheredPoint& p, std::size_t layer,
+                      int field) {
+  const int fields = 4 * static_cast<int>(t.layers.zeta.size());
+  return (*plastic.states)[t.at(p.block, fields, 4 * static_cast<int>(layer) + field, p.lane)];
+}
+
+std::array<PlasticState<double>, kMostLayers> plastic_states(const RowTables& t, const RowPlasticity& plastic,
+                                                             const GatheredPoint& p) {
+  std::array<PlasticState<double>, kMostLayers> states;
+  for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
+    const auto field = [&](int k) { return plastic_field(t, plastic, p, l, k); };
+    states[l] = {{field(0), field(1), field(2)}, field(3)};
+  }
+  return states;
 }
 
 // As many points side by side as a pack has lanes; returns their energy where asked for.
 template <bool kEnergy>
 double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
-             SurfaceStress stress, double* force4, PointDamage* const* damaged, const DamageLaw* law, double& booked) {
+             SurfaceStress stress, double* force4, PointDamage* const* damaged, const DamageLaw* law,
+             const RowPlasticity* plastic, double& booked) {
   Pack d[5][3] = {};  // derivative, direction; a lane for each point
   ReferenceMetric<Pack> ref{};
   Pack area{};
@@ -76,7 +100,22 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
   Resultants<Pack> r;
   Pack damage[kMostLayers];
   Resultants<Pack> lost{};
-  if (damaged) {
+  PlasticState<Pack> states[kMostLayers];
+  FaceStress<Pack> faces;
+  Pack worked{};
+  const std::size_t layers = t.layers.zeta.size();
+  if (plastic) {
+    for (std::size_t l = 0; l < layers; ++l)
+      for (int i = 0; i < kLanes; ++i) {
+        const GatheredPoint& p = *points[std::min(i, count - 1)];
+        const auto field = [&](int k) { return plastic_field(t, *plastic, p, l, k); };
+        PlasticState<Pack>& s = states[l];
+        s.change.c11[i] = field(0), s.change.c22[i] = field(1), s.change.c12[i] = field(2), s.strain[i] = field(3);
+      }
+    r = (plastic->advance ? integrate_yielding_layers<Pack, kEnergy, true>
+                          : integrate_yielding_layers<Pack, kEnergy, false>)(f, ref, t.layers, t.elasticity,
+                                                                             plastic->law, states, worked, &faces);
+  } else if (damaged) {
     Pack strength;
     for (int i = 0; i < kLanes; ++i) strength[i] = damaged[std::min(i, count - 1)]->strength;
     if (!law->heals)
@@ -104,7 +143,21 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
       continue;
     }
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];
-    if (stress.values) record_stress(t, *points[i], n, m, thickness, stress);
+    if (stress.values && plastic)
+      record_stress(t, *points[i],
+                    {faces.low.c11[i], faces.low.c22[i], faces.low.c12[i], faces.high.c11[i], faces.high.c22[i],
+                     faces.high.c12[i]},
+                    stress);
+    else if (stress.values)
+      record_stress(t, *points[i], linear_stress(n, m, thickness), stress);
+    if (plastic && plastic->advance) {
+      for (std::size_t l = 0; l < layers; ++l) {
+        const PlasticState<Pack>& s = states[l];
+        const double now[4] = {s.change.c11[i], s.change.c22[i], s.change.c12[i], s.strain[i]};
+        for (int k = 0; k < 4; ++k) plastic_field(t, *plastic, *points[i], l, k) = now[k];
+      }
+      booked += points[i]->area * worked[i];
+    }
     if (damaged) {
       PointDamage& d = *damaged[i];
       const Loss loss = loss_of(f, lost, i);
@@ -126,7 +179,8 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
 }
 
 double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::size_t begin, std::size_t end,
-             const double* x4, bool energy, SurfaceStress stress, double* force4, DamageLaw* law, double& booked) {
+             const double* x4, bool energy, SurfaceStress stress, double* force4, DamageLaw* law,
+             const RowPlasticity* plastic, double& booked) {
   double sum = 0.0, thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
   const GatheredPoint* together[kLanes];
@@ -139,7 +193,7 @@ double chunk(const RowTables& t, const std::vector<GatheredPoint>& points, std::
     }
     if (count < kLanes && (i + 1 < end || count == 0)) continue;
     sum += (energy ? batch<true> : batch<false>)(t, together, count, x4, thickness, stress, force4,
-                                                 law ? damaged : nullptr, law, booked);
+                                                 law ? damaged : nullptr, law, plastic, booked);
     count = 0;
   }
   return sum;
@@ -212,6 +266,34 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
   return std::isfinite(energy) ? energy : 0.0;
 }
 
+double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                    const RowPlasticity& plastic) {
+  if (p.kind == PointKind::kDead) return 0.0;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!bears(f, p.metric, t.layers)) return 0.0;
+  auto states = plastic_states(t, plastic, p);
+  double unused = 0.0;
+  const double energy = p.area * integrate_yielding_layers<double, true, false>(f, p.metric, t.layers, t.elasticity,
+                                                                                plastic.law, states.data(), unused)
+                                     .energy;
+  return std::isfinite(energy) ? energy : 0.0;
+}
+
+void settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const RowPlasticity& plastic) {
+  if (p.kind == PointKind::kDead) return;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!bears(f, p.metric, t.layers)) return;
+  auto states = plastic_states(t, plastic, p);
+  double unused = 0.0;
+  integrate_yielding_layers<double, false, true>(f, p.metric, t.layers, t.elasticity, plastic.law, states.data(),
+                                                 unused);
+  for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
+    const PlasticState<double>& s = states[l];
+    const double now[4] = {s.change.c11, s.change.c22, s.change.c12, s.strain};
+    for (int k = 0; k < 4; ++k) plastic_field(t, plastic, p, l, k) = now[k];
+  }
+}
+
 std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
   std::array<double, 6> six{};
   if (p.kind == PointKind::kDead) return six;
@@ -220,17 +302,14 @@ std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& 
   const Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
   double thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
-  const double n[3] = {r.n.c11, r.n.c22, r.n.c12}, m[3] = {r.m.c11, r.m.c22, r.m.c12};
-  for (int k = 0; k < 3; ++k) {
-    const double bend = p.kind == PointKind::kLinear ? 0.0 : 6.0 * m[k] / (thickness * thickness);
-    six[k] = n[k] / thickness - bend, six[3 + k] = n[k] / thickness + bend;
-  }
-  return six;
+  const double n[3] = {r.n.c11, r.n.c22, r.n.c12}, none[3] = {};
+  const double m[3] = {r.m.c11, r.m.c22, r.m.c12};
+  return linear_stress(n, p.kind == PointKind::kLinear ? none : m, thickness);
 }
 
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
-                        std::vector<double>& force, DamageLaw* damage) {
+                        std::vector<double>& force, DamageLaw* damage, RowPlasticity* plastic) {
   if (points.empty()) return 0.0;
   const std::size_t plane = t.plane, size = kPointLanes * plane;
   scratch.resize((kChunks + 1) * size);
@@ -245,11 +324,12 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
     double* own = scratch.data() + c * size;
     std::fill(own, own + size, 0.0);
     sums[c] = chunk(t, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks, x4, energy, stress, own,
-                    damage, booked[c]);
+                    damage, plastic, booked[c]);
   }
   double sum = 0.0;
   for (int c = 0; c < kChunks; ++c) {
     sum += sums[c];
+    if (plastic) plastic->dissipated += booked[c];
     if (damage) (damage->heals ? damage->healed : damage->dissipated) += booked[c];
     const double* own = scratch.data() + c * size;
     for (int d = 0; d < 3; ++d)

@@ -48,17 +48,23 @@ struct DamageLaw {
 /// heals it is elastic but softer: the energy is the full material's less what weakening spared. A crack
 /// that opens there dissipates what is stored. Where it does not, the energy is what unloading along the secant gives
 /// back, and the rest is dissipated.
+/// Layers that yield go on with the states that they had in the rows; they take no damage.
 /// Deterministic: a fixed number of chunks, summed in order. Stress as in row_forces.
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
-                        std::vector<double>& force, DamageLaw* damage = nullptr);
+                        std::vector<double>& force, DamageLaw* damage = nullptr, RowPlasticity* plastic = nullptr);
 
 /// Elastic energy of one point [J].
 double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
                     const PointDamage* damage = nullptr, double brittleness = 0.0, bool heals = true);
+/// The same of one whose layers yield, whose states stay as they are.
+double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                    const RowPlasticity& plastic);
 /// Without healing: as if the point had come to these positions with the functions that it has now.
 void settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double brittleness,
             PointDamage& damage);
+/// Layers that yield: the same. What flows by that is part of what the change of functions took, and booked there.
+void settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, const RowPlasticity& plastic);
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
 

@@ -171,6 +171,8 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
                                         {load<Pack>(metric + kB11 * lanes + e), load<Pack>(metric + kB22 * lanes + e),
                                          load<Pack>(metric + kB12 * lanes + e)}};
         Forms<Pack> forms = surface_forms(d);
+        // plastic hinges fold more sharply than what is elastic, and stay so
+        if constexpr (kLaw == LayerLaw::kYields) summed = summed & bears(forms, ref, t.layers);
         if (any(~summed)) {  // at rest: else what is not summed sends the whole pack the long way for large strain
           const auto at_rest = [&](const Sym2<Pack>& now, const Sym2<Pack>& rest) {
             return Sym2<Pack>{select(summed, now.c11, rest.c11), select(summed, now.c22, rest.c22),
@@ -178,6 +180,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
           };
           forms.a = at_rest(forms.a, ref.a), forms.b = at_rest(forms.b, ref.b);
         }
+        [[maybe_unused]] FaceStress<Pack> faces;
         const auto resultants = [&] {
           if constexpr (kLaw == LayerLaw::kYields) {
             const RowPlasticity* plastic = memory.plastic;
@@ -194,11 +197,12 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
             };
             each([](const double* m, Pack& v) { v = load<Pack>(m); });
             Pack lost{};
+            FaceStress<Pack>* wanted = kStress ? &faces : nullptr;
             if (!plastic->advance)
               return integrate_yielding_layers<Pack, kEnergy, false>(forms, ref, t.layers, t.elasticity, plastic->law,
-                                                                     states, lost);
+                                                                     states, lost, wanted);
             const Resultants<Pack> r = integrate_yielding_layers<Pack, kEnergy, true>(
-                forms, ref, t.layers, t.elasticity, plastic->law, states, lost);
+                forms, ref, t.layers, t.elasticity, plastic->law, states, lost, wanted);
             each([&](double* m, const Pack& v) { store<Pack>(m, select(summed, v, load<Pack>(m))); });
             lost = select(summed, area * lost, Pack{});
             for (int i = 0; i < kLanes; ++i) booked += lost[i];
@@ -219,12 +223,20 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
         if constexpr (kEnergy) energy += select(summed, area * r.energy, Pack{});
         if constexpr (kStress) {
           double* s = stress.values->data() + t.at(block, 6, 0, e);
-          const Pack n[3] = {r.n.c11, r.n.c22, r.n.c12}, m[3] = {r.m.c11, r.m.c22, r.m.c12};
-          for (int i = 0; i < 3; ++i) {
-            const Pack mean = n[i] * inverse_thickness, bend = m[i] * six_over_square;
-            const Pack low = load<Pack>(s + i * lanes), high = load<Pack>(s + (3 + i) * lanes);
-            store<Pack>(s + i * lanes, select(summed, low + stress.share * (mean - bend - low), low));
-            store<Pack>(s + (3 + i) * lanes, select(summed, high + stress.share * (mean + bend - high), high));
+          if constexpr (kLaw != LayerLaw::kYields) {
+            const auto face = [&](double side) {
+              const auto part = [&](const Pack& n, const Pack& m) {
+                return n * inverse_thickness + side * (m * six_over_square);
+              };
+              return Sym2<Pack>{part(r.n.c11, r.m.c11), part(r.n.c22, r.m.c22), part(r.n.c12, r.m.c12)};
+            };
+            faces = {face(-1.0), face(1.0)};
+          }
+          const Pack now[6] = {faces.low.c11,  faces.low.c22,  faces.low.c12,
+                               faces.high.c11, faces.high.c22, faces.high.c12};
+          for (int i = 0; i < 6; ++i) {
+            const Pack mean = load<Pack>(s + i * lanes);
+            store<Pack>(s + i * lanes, select(summed, mean + stress.share * (now[i] - mean), mean));
           }
         }
         Derivatives<Pack> g = section_forces(d, forms, r, area);

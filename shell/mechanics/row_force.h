@@ -16,14 +16,15 @@ struct RowScratch {
 };
 
 /// Stress of both faces, [block][6][lane]: 11 22 12 at -thickness/2, then at +thickness/2; second
-/// Piola-Kirchhoff stress in the patch's parameters, which are lengths, so Pa for small strain.
+/// Piola-Kirchhoff stress in the patch's parameters, which are lengths, so Pa for small strain; of layers that yield
+/// the true stress.
 struct SurfaceStress {
   std::vector<double>* values = nullptr;  // null: not recorded
   double share = 1.0;                     // new value's share in the running mean
 };
 
-/// Layers that yield: their states, [block][layer][change 11 22 12, strain][lane]. Where `advance` the states move on
-/// and `dissipated` gains the energy [J] that this took.
+/// Layers that yield: their states, [block][layer][change 11 22 12, strain][lane], of gathered points as well. Where
+/// `advance` the states move on and `dissipated` gains the energy [J] that this took.
 struct RowPlasticity {
   Yielding law;
   std::vector<double>* states = nullptr;  // null: nothing yields

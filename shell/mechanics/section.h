@@ -108,13 +108,46 @@ inline Resultants<T> integrate_layers(const Forms<T>& f, const ReferenceMetric<T
   return r;
 }
 
+/// Stress at the lower and the upper face [Pa].
+template <class T>
+struct FaceStress {
+  Sym2<T> low, high;
+};
+
+/// U S U with U^2 = C: Kirchhoff's stress without the rotation, which is the true one where volume stays.
+template <class T>
+inline Sym2<T> unrotated_stress(const Sym2<T>& s, const Sym2<T>& c) {
+  const T root = square_root(determinant(c)), inverse = 1.0 / square_root(c.c11 + c.c22 + 2.0 * root);
+  const T u11 = (c.c11 + root) * inverse, u22 = (c.c22 + root) * inverse, u12 = c.c12 * inverse;
+  const T a11 = u11 * s.c11 + u12 * s.c12, a12 = u11 * s.c12 + u12 * s.c22;  // U S
+  const T a21 = u12 * s.c11 + u22 * s.c12, a22 = u12 * s.c12 + u22 * s.c22;
+  return {a11 * u11 + a12 * u12, a21 * u12 + a22 * u22, a11 * u12 + a12 * u22};
+}
+
+/// Stress at the face, `half` the thickness off the middle, beyond the outermost layer at `z`: by the line through the
+/// next one at `next`, or the layer's own where it `flowed`.
+template <class T, class Mask>
+inline Sym2<T> carried_on(const Sym2<T>& s, const Sym2<T>& beside, const Mask& flowed, double z, double next,
+                          double half) {
+  const double on = ((z < next ? -half : half) - z) / (z - next);
+  const auto part = [&](const T& own, const T& other) { return select(flowed, own, own + on * (own - other)); };
+  return {part(s.c11, beside.c11), part(s.c22, beside.c22), part(s.c12, beside.c12)};
+}
+
 /// The same where layers yield. `plastic` has a state of each layer, which `kAdvance` moves on; `dissipated` then
-/// gains the plastic work per reference area [J/m^2].
+/// gains the plastic work per reference area [J/m^2]. `faces`, where it is asked for, gets the true stress of the
+/// outermost layers (strains may be large), carried on to the face along the line through the next one as long as they
+/// are elastic: what resultants tell is 1.5 times the yield stress in a section that yields all through.
 template <class T, bool kEnergy, bool kAdvance>
 inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
                                                const Elasticity& e, const Yielding& y, PlasticState<T>* plastic,
-                                               T& dissipated) {
+                                               T& dissipated, FaceStress<T>* faces = nullptr) {
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
+  const std::size_t last = layers.zeta.size() - 1;
+  double half = 0.0;
+  for (const double w : layers.weight) half += 0.5 * w;
+  Sym2<T> below{T{}, T{}, T{}};  // stress of the layer before
+  decltype(return_to_yield<T>(*plastic, below, below, y)) flowed_low{};
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
     const Sym2<T> c = at_height(f.a, f.b, z);
@@ -123,13 +156,23 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
     const auto with = [&](const Sym2<T>& change) {
       return Sym2<T>{a.c11 + change.c11, a.c22 + change.c22, a.c12 + change.c12};
     };
-    const T work = return_to_yield<T>(s, c, a, y);
+    const auto flowed = return_to_yield<T>(s, c, a, y);
     const Sym2<T> now = with(s.change);
     const PlaneStress<T> p = plane_stress<T>(c, now, e);
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
     r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
     if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, now, e);
-    if constexpr (kAdvance) dissipated += w * work, plastic[l] = s;
+    if constexpr (kAdvance) {
+      const Sym2<T>& old = plastic[l].change;
+      const Sym2<T> flow{s.change.c11 - old.c11, s.change.c22 - old.c22, s.change.c12 - old.c12};
+      dissipated += w * plastic_work<T>(p.s, c, now, flow), plastic[l] = s;
+    }
+    if (!faces) continue;
+    const Sym2<T> own = unrotated_stress<T>(p.s, c);
+    if (l == 0) faces->low = own, flowed_low = flowed;
+    if (l == 1) faces->low = carried_on<T>(faces->low, own, flowed_low, layers.zeta[0], layers.zeta[1], half);
+    if (l == last) faces->high = carried_on<T>(own, below, flowed, layers.zeta[last], layers.zeta[last - 1], half);
+    below = own;
   }
   return r;
 }

@@ -169,13 +169,15 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
   PointDamage fresh;
   if (s.brittleness > 0.0) fresh.strength = s.strength[gauss];
   const PointDamage* damage = s.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.damage[point] : &fresh;
-  const double full = point_energy(t, old, s.x),
-               held = damage ? point_energy(t, old, s.x, damage, s.brittleness, s.heals) : full;
+  const auto elastic = [&](const GatheredPoint& g) {
+    return s.yields() ? point_energy(t, g, s.x, plasticity_of(m, s)) : point_energy(t, g, s.x);
+  };
+  const double full = elastic(old), held = damage ? point_energy(t, old, s.x, damage, s.brittleness, s.heals) : full;
   s.sights[r.sight].update(control_grid(m), s.cracks, first);
   Sight sight = s.sights[r.sight];
   sight.update(control_grid(m), s.cracks, end);
   GatheredPoint g = renewed(m, sight, old);
-  double left = point_energy(t, g, s.x);
+  double left = elastic(g);
   const double most =
       damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * g.area
              : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * g.area;
@@ -241,6 +243,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     const int point = gather_point(m, s, g.block, g.lane);
     g.in_rows = false;
     if (!s.damage.empty()) s.damage[point] = r.damage;
+    if (s.yields()) settle(t, g, s.x, plasticity_of(m, s));
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = reach_of(m, g, s.sights[r.sight].point());

@@ -5,6 +5,7 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kTorn = 4.0;  // of its length at rest: what is longer is no surface, control points of rubble fly off
 constexpr double kBent = 0.5;  // of the thickness, off a plane: a piece that is more so is taken as it stands
 
 // The surface where it stands, with the functions of the uncut patch.
@@ -50,12 +51,17 @@ Stand stand(const ShellModel& m, const ShellState& s, const Triangulation& t, in
 }
 
 // A prism for each triangle, in the world's coordinates.
-void take_as_it_stands(const Triangulation& t, const Stand& at, ConvexShape& shape, DrawnMesh& drawn) {
+void take_as_it_stands(const Triangulation& t, const Stand& at, double thickness, ConvexShape& shape,
+                       DrawnMesh& drawn) {
   const auto finite = [&](int v) { return at.low[v].allFinite() && at.high[v].allFinite(); };
+  const auto torn = [&](int a, int b) {  // parameters are lengths
+    return (at.low[a] - at.low[b]).norm() > kTorn * (t.vertices[a] - t.vertices[b]).norm() + thickness;
+  };
   std::vector<int> number(t.vertices.size(), -1);
   for (const int i : at.triangles) {
     const auto& c = t.triangles[i];
-    if (!finite(c[0]) || !finite(c[1]) || !finite(c[2])) continue;
+    if (!finite(c[0]) || !finite(c[1]) || !finite(c[2]) || torn(c[0], c[1]) || torn(c[1], c[2]) || torn(c[2], c[0]))
+      continue;
     auto& corners = shape.parts.emplace_back();
     for (const int v : c) {
       corners.push_back(at.low[v]), corners.push_back(at.high[v]);
@@ -93,7 +99,7 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
       out.area += p.area;
       const Stand at = stand(m, s, t, p.number);
       if (at.bent) {
-        take_as_it_stands(t, at, shape, out.drawn);
+        take_as_it_stands(t, at, m.thickness, shape, out.drawn);
         continue;
       }
       Mat3 rotation;

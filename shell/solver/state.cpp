@@ -71,23 +71,27 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   return s;
 }
 
+RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
+  RowPlasticity plastic;
+  plastic.law = {m.material.yield_stress, m.material.hardening_modulus, m.material.youngs_modulus,
+                 m.material.poisson_ratio};
+  plastic.states = &s.plastic;
+  return plastic;
+}
+
 double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
   SurfaceStress stress;
   if (stress_share > 0.0) stress = {&s.surface_stress, stress_share};
   RowPlasticity plastic;
-  if (!s.plastic.empty()) {
-    plastic.law = {m.material.yield_stress, m.material.hardening_modulus, m.material.youngs_modulus,
-                   m.material.poisson_ratio};
-    plastic.states = &s.plastic, plastic.advance = stress_share > 0.0;
-  }
+  if (s.yields()) plastic = plasticity_of(m, s), plastic.advance = stress_share > 0.0;
   RowDamage rows;
   if (!s.watched.empty()) rows = {&s.watched, &s.strength, &s.point_of, &s.damage, s.brittleness, s.heals};
   double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force, &plastic, &rows);
-  s.book.plastic += plastic.dissipated;
   s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
   DamageLaw law{&s.damage, s.brittleness, s.heals};
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
-                          s.brittleness > 0.0 ? &law : nullptr);
+                          s.brittleness > 0.0 ? &law : nullptr, s.yields() ? &plastic : nullptr);
+  s.book.plastic += plastic.dissipated;
   s.book.healing -= law.healed, s.book.fracture += law.dissipated;
   if (m.laminated()) {
     s.interlayer_force.resize(s.force.size());

@@ -114,6 +114,7 @@ struct ShellState {
     return static_cast<int>(std::count_if(
         points.begin(), points.end(), [](const GatheredPoint& g) { return g.kind == PointKind::kDead && !g.left; }));
   }
+  bool yields() const { return !plastic.empty(); }
   Vec3 position(int slot) const { return at(x, slot); }
   Vec3 velocity(int slot) const { return at(v, slot); }
   Vec3 at(const std::vector<double>& a, int slot) const {
@@ -125,6 +126,9 @@ struct ShellState {
     v[slot] += dv.x(), v[plane + slot] += dv.y(), v[2 * plane + slot] += dv.z();
   }
 };
+
+/// States of its layers and their law; only of one that yields.
+RowPlasticity plasticity_of(const ShellModel& model, ShellState& state);
 
 ShellState make_state(const ShellModel& model, const Vec3& velocity, std::uint64_t seed);
 

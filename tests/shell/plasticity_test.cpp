@@ -109,3 +109,81 @@ TEST(Plasticity, BelowYieldNothingDiffersAndNothingIsDissipated) {
   EXPECT_NEAR(ea, eb, 1e-12 * eb);
   EXPECT_EQ(a.book.plastic, 0.0);
 }
+
+namespace {
+
+// Stretched by `e`, and bent about y to the curvature `k`: a deformation that linear and quadratic functions have.
+void deform(const ShellModel& m, ShellState& s, double e, double k) {
+  const std::size_t plane = m.tables.plane;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    const Vec3 x = s.at(m.rest, slot);
+    // blossom of (x - 1/2)^2 at the two knots about a control point: its coefficient of the quadratic B-spline
+    const std::vector<double>& knots = m.patch.knots_u.knots();
+    const int column = i % m.tables.columns;
+    const double square = (knots[column + 1] - 0.5) * (knots[column + 2] - 0.5);
+    s.x[slot] = (1.0 + e) * x.x(), s.x[plane + slot] = x.y(), s.x[2 * plane + slot] = 0.5 * k * square;
+  }
+}
+
+ShellModel wide(double hardening) {
+  ShellMaterial m;
+  m.density = 7800, m.youngs_modulus = kSteel.youngs_modulus, m.poisson_ratio = kSteel.poisson_ratio;
+  m.yield_stress = kSteel.yield_stress, m.hardening_modulus = hardening;
+  return make_shell("wide", plate(1.0, 1.0, 32, 32, Vec3(0.5, 0.5, 0), Quat::Identity()), 0.01, m, 5, 2, {});
+}
+
+}  // namespace
+
+TEST(Plasticity, BesideACrackLayersYieldAsInTheirRows) {
+  // functions beside a crack have the same strain and curvature, so nothing may differ: not the energy, not the plastic
+  // work, not the states, whether the crack came before or after the flow
+  const ShellModel m = wide(kSteel.hardening_modulus);
+  ShellState whole = make_state(m, Vec3::Zero(), 0), before = make_state(m, Vec3::Zero(), 0), after = before;
+  const std::vector<Vec2> cut{{0.31, 0.37}, {0.63, 0.58}};
+  insert_polyline(m, before, cut, 0.0);
+  ASSERT_GT(before.points.size(), 50u);
+  for (const GatheredPoint& p : before.points) ASSERT_EQ(p.kind, PointKind::kQuadratic);
+  const double way[][2] = {{2e-3, 0.5}, {1e-3, 0.1}, {4e-3, -0.8}};  // on, back, and on the other way
+  for (const auto& [e, k] : way) {
+    double energy[3], *now = energy;
+    for (ShellState* s : {&whole, &before, &after}) {
+      deform(m, *s, e, k);
+      *now++ = compute_forces(m, *s, true, 1.0, 2);
+    }
+    EXPECT_NEAR(energy[1] / energy[0], 1.0, 1e-9);
+    EXPECT_NEAR(energy[2] / energy[0], 1.0, 1e-9);
+    if (after.points.empty()) insert_polyline(m, after, cut, 0.0);
+    EXPECT_NEAR(after.book.injected - after.book.fracture, 0.0, 1e-9 * energy[0]);
+  }
+  EXPECT_GT(whole.book.plastic, 0.0);
+  EXPECT_NEAR(before.book.plastic / whole.book.plastic, 1.0, 1e-9);
+  EXPECT_NEAR(after.book.plastic / whole.book.plastic, 1.0, 1e-9);
+  for (std::size_t i = 0; i < whole.plastic.size(); ++i) {
+    ASSERT_NEAR(before.plastic[i], whole.plastic[i], 1e-11);
+    ASSERT_NEAR(after.plastic[i], whole.plastic[i], 1e-11);
+  }
+  for (std::size_t i = 0; i < whole.surface_stress.size(); ++i)
+    ASSERT_NEAR(before.surface_stress[i], whole.surface_stress[i], 1e-6 * kSteel.yield_stress);
+}
+
+TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
+  // resultants would tell 1.5 times as much
+  const ShellModel m = wide(0.0);
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const double first_yield = 2.0 * kSteel.yield_stress / (kSteel.youngs_modulus * 0.01);
+  for (const double times : {0.5, 20.0}) {
+    deform(m, s, 0.0, times * first_yield);
+    compute_forces(m, s, false, 1.0, 1);
+    const int block = m.tables.blocks() / 2, lane = m.tables.spans_u / 2;
+    const auto mises = [&](int face) {
+      const auto at = [&](int k) { return s.surface_stress[m.tables.at(block, 6, 3 * face + k, lane)]; };
+      return std::sqrt(at(0) * at(0) - at(0) * at(1) + at(1) * at(1) + 3.0 * at(2) * at(2));
+    };
+    for (const int face : {0, 1})
+      if (times > 1.0)
+        EXPECT_NEAR(mises(face) / kSteel.yield_stress, 1.0, 0.01);
+      else  // bent in one plane, held in the other
+        EXPECT_NEAR(mises(face) / (times * kSteel.yield_stress), std::sqrt(1.0 - 0.3 + 0.09) / (1.0 - 0.09), 0.01);
+  }
+}
