@@ -16,7 +16,7 @@ from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, Comma
 from .install import BROWSER_PACKAGES, SLURM_PACKAGES, ensure_installed
 
 COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz",
-            "sweep", "view", "render", "export")
+            "sweep", "trade", "view", "render", "export")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -208,6 +208,8 @@ def make_parser() -> argparse.ArgumentParser:
                        help="frames that stay: first and last with crack lines of all times (default), all, or none")
     sweep.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
+    _add_trade(commands)
+
     view = commands.add_parser(
         "view", formatter_class=raw, allow_abbrev=False, help="play a run in the browser",
         description="Serves a page to this machine only, until Ctrl-C; a run that is still under way grows on it.",
@@ -223,6 +225,30 @@ def make_parser() -> argparse.ArgumentParser:
         description="What follows goes to ctest, e.g. sunder test -R vtp", epilog=EPILOG, add_help=False)
     test.add_argument("ctest", nargs=argparse.REMAINDER)
     return parser
+
+
+def _add_trade(commands: argparse._SubParsersAction) -> None:
+    trade = commands.add_parser(
+        "trade", formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+        help="measure what each setting of a scene costs and what error it leaves",
+        description="Runs the scene as it is, a reference as fine as the budget allows, then one setting changed at a time,\n"
+                    "cheapest first, then several together. Writes trade.csv, trade.json, trade.png and results.csv (a row a\n"
+                    "run). Stopped or killed, it goes on with the same command; a larger budget adds to what is there.",
+        epilog="example:\n  sunder trade scenes/intact_pane.textproto --budget 5\n\n" + EPILOG)
+    trade.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)")
+    trade.add_argument("--budget", metavar="MINUTES", type=float, default=10.0,
+                       help="of processor time, all runs of both processes together (default: 10)")
+    trade.add_argument("--out", metavar="DIR", type=Path, help="folder of the trade (default: trades/<name of SCENE>)")
+    trade.add_argument("--json", metavar="FILE", type=Path, dest="report", help="trade.json here as well")
+    trade.add_argument("--vary", metavar="NAMES", default="", help="these settings only, e.g. elements,window")
+    trade.add_argument("--seeds", metavar="N", type=_count, help="runs of each setting (default: 4 where it cracks, else 1)")
+    trade.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[], type=_setting,
+                       help="change a field of the scene first; repeatable")
+    trade.add_argument("--until", metavar="SECONDS", type=_positive_seconds, help="end each run at this simulated time")
+    trade.add_argument("--rigid", metavar="ENGINE", default="bullet", help="as 'run' takes it (default: bullet)")
+    trade.add_argument("--threads", metavar="N", type=_count, default=1, help="of each run (default: 1)")
+    trade.add_argument("--jobs", metavar="N", type=_count, default=1, help="runs at a time (default: 1, least noise)")
+    trade.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
 
 def _add_pictures(commands: argparse._SubParsersAction) -> None:
@@ -346,6 +372,10 @@ def _dispatch(arguments: list[str]) -> int:
         from sunder_lab import sweep
         return sweep.sweep(options.file, sweep.settings_of(options.file, options.out, options.jobs, options.executor,
                                                            options.threads, options.keep, options.sbatch, options.quiet))
+    if options.command == "trade":
+        ensure_built()
+        from sunder_lab.trade import command as trade
+        return trade.trade(options)
     if options.command == "view":
         from .view import view
         return view(options.folder, options.port, not options.no_browser)
