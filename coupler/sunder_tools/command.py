@@ -9,7 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 from types import FrameType
-from typing import NoReturn
+from typing import NoReturn, Sequence
 
 from .build import BUILD_DIR_VARIABLE, REPOSITORY, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
@@ -117,6 +117,8 @@ def make_parser() -> argparse.ArgumentParser:
     for command in (run, check):
         command.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[],
                              type=_setting, help="change a field, e.g. shells[pane].thickness_m=0.003; repeatable")
+        command.add_argument("--fidelity", choices=("draft", "standard", "reference"),
+                             help="a preset of elements and window, chosen from 'sunder trade'; --set goes before it")
     run.add_argument("--out", metavar="DIR", type=Path,
                      help="run folder; an earlier run there is replaced (default: runs/<scene>-<date>-<time>)")
     run.add_argument("--rigid", metavar="ENGINE", default="bullet",
@@ -299,6 +301,27 @@ def _build(cad: bool) -> int:
     return DONE
 
 
+def _with_fidelity(scene: Path, settings: list[str], name: str | None, quiet: bool) -> list[str]:
+    """`settings`, and before them those of a preset; says which."""
+    if name is None:
+        return settings
+    from . import fidelity
+    from .scene_text import SceneTextError, parse_text
+    shell = str(ensure_built().shell)
+
+    def accepted(tried: Sequence[str]) -> bool:
+        command = [shell, "--scene", str(scene), "--check", *(part for s in tried for part in ("--set", s))]
+        return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                              check=False).returncode == DONE
+    try:
+        found = fidelity.taken(name, parse_text(scene.read_text()), settings, accepted)
+    except (OSError, UnicodeDecodeError, SceneTextError):
+        return settings  # no scene: the solver says where
+    if not quiet:
+        print(f"sunder: {found.words()}", file=sys.stderr, flush=True)
+    return [*found.settings, *settings]
+
+
 def _check(scene: Path, settings: list[str]) -> int:
     executables = ensure_built()
     command = [str(executables.shell), "--scene", str(scene), "--check"]
@@ -397,24 +420,25 @@ def _dispatch(arguments: list[str]) -> int:
     if not options.scene.is_file():
         raise CommandError(f"{options.scene}: no such scene file", BAD_INPUT)
     if options.command == "check":
-        return _check(options.scene, options.settings)
+        return _check(options.scene, _with_fidelity(options.scene, options.settings, options.fidelity, False))
     from .run import Job, run_scene  # here: `--help` and `check` do without it
-    job = Job(options.scene, options.rigid, tuple(options.settings), options.until, options.threads, options.keys,
-              options.record, options.trace)
+    settings = _with_fidelity(options.scene, options.settings, options.fidelity, options.quiet)
+    job = Job(options.scene, options.rigid, tuple(settings), options.until, options.threads, options.keys,
+              options.record, options.trace, options.fidelity)
     return run_scene(job, options.out, options.quiet)
 
 
 def _resume(options: argparse.Namespace) -> int:
     from .run import Job, run_scene
     for given, name in ((options.scene, "SCENE"), (options.settings, "--set"), (options.out, "--out"),
-                        (options.record, "--record")):
+                        (options.record, "--record"), (options.fidelity, "--fidelity")):
         if given:
             raise CommandError(f"--resume {options.resume}: goes on with what is there; leave {name} out")
     kept = Job.read(options.resume)
     if not kept.scene.is_file():
         raise CommandError(f"{kept.scene}: no such scene file; the run in {options.resume} was of it")
     job = Job(kept.scene, kept.engine, kept.settings, options.until or kept.until, options.threads or kept.threads,
-              options.keys, trace=options.trace)
+              options.keys, trace=options.trace, fidelity=kept.fidelity)
     return run_scene(job, None, options.quiet, options.resume)
 
 

@@ -38,6 +38,7 @@ class Job:
     keys: Path | None = None
     record: bool = False
     trace: bool = False
+    fidelity: str | None = None  # of which preset some of the settings are
 
     def shell_arguments(self) -> list[str]:
         """Of the fracture process, but --out and the rigid side."""
@@ -50,7 +51,7 @@ class Job:
         """So that the run can go on, or be played back, by the folder alone."""
         (folder / COMMAND_FILE).write_text(json.dumps(
             {"scene": str(self.scene.resolve()), "engine": self.engine, "settings": list(self.settings),
-             "until": self.until, "threads": self.threads}, indent=2) + "\n")
+             "until": self.until, "threads": self.threads, "fidelity": self.fidelity}, indent=2) + "\n")
 
     @staticmethod
     def read(folder: Path) -> "Job":
@@ -59,7 +60,7 @@ class Job:
         try:
             kept = json.loads(path.read_text())
             return Job(Path(kept["scene"]), str(kept["engine"]), tuple(str(s) for s in kept["settings"]),
-                       kept["until"], kept["threads"])
+                       kept["until"], kept["threads"], fidelity=kept.get("fidelity"))
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise CommandError(f"{path}: does not say what was run ({error}); name the folder of a run") from None
 
