@@ -16,7 +16,7 @@ from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, Comma
 from .install import BROWSER_PACKAGES, SLURM_PACKAGES, ensure_installed
 
 COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz",
-            "sweep", "trade", "view", "render", "export")
+            "sweep", "trade", "models", "view", "render", "export")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -212,6 +212,12 @@ def make_parser() -> argparse.ArgumentParser:
 
     _add_trade(commands)
 
+    models = commands.add_parser(
+        "models", formatter_class=raw, allow_abbrev=False, help="list the active models of runs and their share of the time",
+        description="A line a run, from its run.json, and why each model was active. Models of one stage share its time.",
+        epilog=EPILOG)
+    models.add_argument("folders", metavar="DIR", type=Path, nargs="+", help="folders of runs")
+
     view = commands.add_parser(
         "view", formatter_class=raw, allow_abbrev=False, help="play a run in the browser",
         description="Serves a page to this machine only, until Ctrl-C; a run that is still under way grows on it.",
@@ -399,6 +405,10 @@ def _dispatch(arguments: list[str]) -> int:
         ensure_built()
         from sunder_lab.trade import command as trade
         return trade.trade(options)
+    if options.command == "models":
+        from . import models
+        print(models.table(options.folders))
+        return DONE
     if options.command == "view":
         from .view import view
         return view(options.folder, options.port, not options.no_browser)

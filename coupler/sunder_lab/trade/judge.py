@@ -4,7 +4,7 @@ from __future__ import annotations
 import itertools
 import math
 from dataclasses import dataclass, field
-from typing import Mapping, Sequence
+from typing import Iterable, Mapping, Sequence
 
 import numpy as np
 
@@ -102,22 +102,26 @@ def own_errors(reference: Runs, next_finest: Runs) -> dict[str, float]:
     return {name: error for name, error in found.items() if math.isfinite(error)}
 
 
-def front(judged: Sequence[Judged]) -> list[Judged]:
+def front(judged: Sequence[Judged], at_least: Mapping[str, float] | None = None) -> list[Judged]:
     """Those that no other beats in cost without being worse in error, cheapest first. What is within the noise of the
-    reference counts as equally good."""
+    reference counts as equally good. `at_least`: errors by label, below which a setting is not believed."""
+    def height(one: Judged) -> float:
+        return max(one.height, (at_least or {}).get(one.label, 0.0))
+
     out: list[Judged] = []
-    for one in sorted((j for j in judged if j.gaps), key=lambda j: (j.processor_s, j.height)):
-        if not out or one.height < out[-1].height * (1.0 - 1e-9):
+    for one in sorted((j for j in judged if j.gaps), key=lambda j: (j.processor_s, height(j))):
+        if not out or height(one) < height(out[-1]) * (1.0 - 1e-9):
             out.append(one)
     return out
 
 
 def combinations(own: Judged, single: Mapping[str, Judged], knob_of: Mapping[str, str],
-                 exclusive: Sequence[frozenset[str]] = ()) -> list[tuple[str, ...]]:
+                 exclusive: Sequence[frozenset[str]] = (), converging: Iterable[str] | None = None) -> list[tuple[str, ...]]:
     """Labels of single changes that may be worth more together, best guess of a front, cheapest first.
 
     Guessed: costs as factors, squared errors as sums of what each change adds to the scene's own or takes from it. Of one
     knob there is one change at most, and of each set in `exclusive`; changes that neither gain time nor error are left out.
+    A knob that is not `converging` (None: all are) takes nothing from the error: where it seems to, it is by luck.
     """
     if not own.gaps or own.processor_s <= 0.0:
         return []
@@ -125,11 +129,12 @@ def combinations(own: Judged, single: Mapping[str, Judged], knob_of: Mapping[str
 
     def effect(one: Judged) -> tuple[float, float]:
         added = max(one.error, floor) ** 2 - max(own.error, floor) ** 2
-        return one.processor_s / own.processor_s, added
+        lucky = converging is not None and knob_of[one.label] not in converging
+        return one.processor_s / own.processor_s, max(added, 0.0) if lucky else added
 
-    useful = {label: effect(one) for label, one in single.items() if one.gaps and (
-        one.processor_s < (1.0 - WORTH) * own.processor_s or
-        max(one.error, floor) < (1.0 - WORTH) * max(own.error, floor))}
+    gain = ((1.0 - WORTH) ** 2 - 1.0) * max(own.error, floor) ** 2  # of the squared error
+    useful = {label: effect(one) for label, one in single.items() if one.gaps}
+    useful = {label: e for label, e in useful.items() if e[0] < 1.0 - WORTH or e[1] < gain}
     # A change that costs more and errs more than another one of its knob is beaten by it.
     useful = {label: e for label, e in useful.items() if not any(
         o != label and knob_of[o] == knob_of[label] and f[0] <= e[0] and f[1] <= e[1] and f != e

@@ -9,6 +9,8 @@ import math
 from dataclasses import dataclass
 from typing import Any, Callable
 
+from sunder_tools.fidelity import PRESETS, Preset
+
 from ..scene import Scene
 
 ROOT_2 = math.sqrt(2.0)
@@ -22,7 +24,10 @@ MODELS = ("PLANE_STRESS", "PAPER_PROJECTION", "JGT17", "GHF18")
 TRANSFERS = ("DIRECT", "FLIP", "APIC")
 ENGINES = ("bullet", "ode", "freeflight", "inprocess")
 KNOBS = ("elements", "layers", "gauss_points", "bending", "stress_model", "transfer", "time_step_safety", "window",
-         "scheme", "degree", "engine")
+         "scheme", "degree", "engine", "fidelity")
+# These come nearer to the exact answer of the scene's own model. The others replace a law or a scheme: where one of them is
+# nearer to the reference than what it replaces, two errors happen to cancel.
+CONVERGING = ("elements", "layers", "gauss_points", "time_step_safety", "window", "degree", "fidelity")
 # What a user may look for and not find.
 NO_SUCH = {
     "extraction interval": "there is no such setting: what is fully damaged is cut in the substep in which that completes, "
@@ -55,6 +60,11 @@ class Setting:
     def label(self) -> str:
         """'own', or the labels of the changes."""
         return ", ".join(c.label for c in self.changes) or "own"
+
+    @property
+    def converging(self) -> "Setting":
+        """Without the changes that replace a law or a scheme."""
+        return Setting(tuple(c for c in self.changes if c.knob in CONVERGING))
 
     @property
     def guess(self) -> float:
@@ -110,6 +120,7 @@ def changes_of(scene: Scene, engine: str) -> tuple[list[Change], dict[str, str]]
         out += [Change("engine", e, 1.0, lambda scene: None, e) for e in ENGINES if e != engine]
     else:
         left["engine"] = "the scene has no body for an engine to move, and nothing comes off"
+    out += [_preset(name) for name, preset in PRESETS.items() if preset != Preset()]
     return out, {**left, **NO_SUCH}
 
 
@@ -139,6 +150,13 @@ def layers(count: Callable[[int], int], name: str, cost: float) -> Change:
         for shell in _layered(scene):
             shell.layers = min(16, max(2, count(_layers_of(shell))))
     return Change("layers", name, cost, apply)
+
+
+def _preset(name: str) -> Change:
+    """What `sunder run --fidelity` would take."""
+    def apply(scene: Scene) -> None:
+        scene.fidelity(name)
+    return Change("fidelity", name, PRESETS[name].elements ** 3, apply)
 
 
 def finer(scene: Scene, level: int) -> Setting:

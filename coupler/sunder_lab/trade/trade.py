@@ -22,7 +22,7 @@ from ..member import RUN_FOLDER, Member, outcome
 from ..results import Results
 from ..scene import Scene
 from .judge import Judged, combinations, front, gaps, own_errors
-from .knobs import KNOBS, Change, Setting, breaks, changes_of, finer
+from .knobs import CONVERGING, KNOBS, Change, Setting, breaks, changes_of, finer
 from .plan import Budget, reference_level, rounds
 from .quantities import in_short, measured, observed, prepared, shaken
 
@@ -77,6 +77,7 @@ class Trade:
     _runs: dict[str, dict[int, dict[str, np.ndarray]]] = field(default_factory=dict)
     _costs: dict[str, tuple[float, float]] = field(default_factory=dict)
     _errors: dict[str, str] = field(default_factory=dict)
+    _paid: dict[Path, str] = field(default_factory=dict)  # by whose budget a run was made
     _planned: dict[str, list[Planned]] = field(default_factory=dict)
 
     def check(self) -> float:
@@ -137,7 +138,8 @@ class Trade:
             together = self._together(campaign, budget, changes, single, reference, errors, chance, at_once)
             kinds = {**{s.label: "one" for s in single}, **{s.label: "together" for s in together},
                      beside.label: "next finest", own.label: "own", reference.label: "reference"}
-            rows = self._rows(kinds, reference, errors, chance)
+            bare = {s.label: s.converging.label for s in [*single, *together]}
+            rows = self._rows(kinds, bare, reference, errors, chance)
             results, times = campaign.table([p for some in self._planned.values() for p in some], measured)
             campaign.write(results, times)
         return Outcome(self.name or self.scene.message.name, rows, reference.label, beside.label, errors, chance, seeds,
@@ -149,7 +151,8 @@ class Trade:
         of = {c.label: c for c in changes}
         judged = {s.label: self._judged(s.label, reference, errors, chance) for s in single if s.label in self._runs}
         own = self._judged(Setting().label, reference, errors, chance)
-        found = combinations(own, judged, {label: of[label].knob for label in judged}, EXCLUSIVE)
+        judged = {label: j for label, j in judged.items() if of[label].knob != "fidelity"}  # a combination already
+        found = combinations(own, judged, {label: of[label].knob for label in judged}, EXCLUSIVE, CONVERGING)
         out = []
         for labels in found[:MOST_COMBINED]:
             # what they have taken one by one is a better guess than the knobs' own
@@ -160,8 +163,8 @@ class Trade:
 
     @staticmethod
     def _as_fine(change: Change, reference: Setting) -> bool:
-        """Whether one knob is turned as far as in the reference or further: there is nothing to hold it against."""
-        return change.knob == "elements" and change.cost >= max(
+        """Whether elements are as small as in the reference or smaller: there is nothing to hold it against."""
+        return change.knob in ("elements", "fidelity") and change.cost >= max(
             (c.cost for c in reference.changes if c.knob == "elements"), default=1.0) * (1.0 - 1e-9) and change.cost > 1.0
 
     def _run(self, campaign: Campaign, settings: Sequence[Setting], budget: Budget) -> None:
@@ -183,6 +186,8 @@ class Trade:
             found = outcome(place)
             used = read_usage(place / RUN_FOLDER)
             processor.append(used.get("processor_s", 0.0))
+            if place not in self._paid:  # two settings may come to the same run
+                self._paid[place] = label
             wall.append(used.get("wall_s", 0.0))
             if found.get("status") != "done":
                 self._errors[label] = str(found.get("error") or "was not run")
@@ -193,14 +198,17 @@ class Trade:
                 self._errors[label] = str(error).replace(f"{place}/", "")
         self._runs[label] = runs
         self._costs[label] = float(np.mean(processor)), float(np.mean(wall))
-        budget.spent[label] = float(np.sum(processor))
+        budget.spent[label] = float(sum(cost for cost, p in zip(processor, self._planned[label])
+                                        if self._paid[campaign.place(p.member)] == label))
 
     def _judged(self, label: str, reference: Setting, errors: dict[str, float], chance: bool) -> Judged:
         """Without gaps where a run failed or lacks a quantity."""
         found = {} if self._errors.get(label) else gaps(self._runs[label], self._runs[reference.label], errors, chance)
         return Judged(label, *self._costs[label], found)
 
-    def _rows(self, kinds: dict[str, str], reference: Setting, errors: dict[str, float], chance: bool) -> list[Row]:
+    def _rows(self, kinds: dict[str, str], bare: dict[str, str], reference: Setting, errors: dict[str, float],
+              chance: bool) -> list[Row]:
+        """`bare`: of each label, that of the same setting without what replaces a law or a scheme."""
         out = []
         for label, kind in kinds.items():
             if label not in self._runs:
@@ -213,7 +221,9 @@ class Trade:
             missing = sorted(set(errors) - set(names))
             why = self._errors.get(label, "") or ("" if judged.gaps else f"nothing to compare: no {', '.join(missing)}")
             out.append(Row(judged, kind, values, len(runs), why))
-        best = {j.label for j in front([r.judged for r in out if r.kind != "reference"])}
+        heights = {r.judged.label: r.judged.height for r in out if r.judged.gaps}
+        least = {label: heights[other] for label, other in bare.items() if other != label and other in heights}
+        best = {j.label for j in front([r.judged for r in out if r.kind != "reference"], least)}
         return [replace(r, on_front=r.judged.label in best) for r in sorted(out, key=lambda r: r.judged.processor_s)]
 
     def _not_compared(self, errors: dict[str, float]) -> dict[str, str]:
