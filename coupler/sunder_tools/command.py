@@ -118,7 +118,7 @@ def make_parser() -> argparse.ArgumentParser:
         command.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[],
                              type=_setting, help="change a field, e.g. shells[pane].thickness_m=0.003; repeatable")
         command.add_argument("--fidelity", choices=("draft", "standard", "reference"),
-                             help="a preset of elements and window, chosen from 'sunder trade'; --set goes before it")
+                             help="so many elements for the scene's own, chosen from 'sunder trade'; --set goes before it")
     run.add_argument("--out", metavar="DIR", type=Path,
                      help="run folder; an earlier run there is replaced (default: runs/<scene>-<date>-<time>)")
     run.add_argument("--rigid", metavar="ENGINE", default="bullet",

@@ -19,13 +19,12 @@ NEARER = 2.0 ** 0.25  # a coarser scene that is refused is tried again with so m
 
 @dataclass(frozen=True)
 class Preset:
-    """Factors of what the scene has: elements along either side of a shell, and window_s. README, "The trade", has what each
-    costs and how far off it is."""
+    """Factor of the elements that a scene has along either side of a shell. Nothing else was worth its cost in the scenes by
+    which presets were chosen: README, "The trade", has what each costs and how far off it is."""
     elements: float = 1.0
-    window: float = 1.0
 
 
-PRESETS = {"draft": Preset(elements=0.5), "standard": Preset(), "reference": Preset(elements=2.0, window=0.5)}
+PRESETS = {"draft": Preset(0.5), "standard": Preset(), "reference": Preset(2.0)}
 
 
 @dataclass(frozen=True)
@@ -55,7 +54,7 @@ def taken(name: str, scene: Message, given: Sequence[str], accepted: Callable[[S
     while factor < 1.0 and not accepted([*given, *found.settings]):
         factor = min(1.0, factor * NEARER)
         factor = 1.0 if factor > 0.99 else factor
-        found = _values(name, Preset(factor, preset.window), scene, given)
+        found = _values(name, Preset(factor), scene, given)
     return found
 
 
@@ -70,14 +69,6 @@ def _values(name: str, preset: Preset, scene: Message, given: Sequence[str]) -> 
                 if isinstance(own, float) and preset.elements != 1.0:
                     path = f"shells[{called}].{patch}.{count}"
                     wanted.append((path, f"{max(1, round(own * preset.elements))}", f"{own:g}"))
-    window, settle = _last(scene, "window_s"), _last(scene, "settle_window_s")
-    if isinstance(window, float) and preset.window != 1.0 and "window_s" not in users:
-        new = float(f"{window * preset.window:.12g}")
-        wanted.append(("window_s", f"{new:.12g}", f"{window:g}"))
-        if isinstance(settle, float):  # is a whole multiple
-            multiple = f"{max(1, round(settle / new)) * new:.12g}"
-            if float(multiple) != settle:
-                wanted.append(("settle_window_s", multiple, f"{settle:g}"))
     mine = [w for w in wanted if w[0] not in users and float(w[1]) != float(w[2])]
     return Taken(name, tuple(f"{path}={value}" for path, value, _ in mine), tuple(was for _, _, was in mine),
                  tuple(path for path, _, _ in wanted if path in users))

@@ -26,14 +26,12 @@ class Presets(unittest.TestCase):
         return _values("some", preset, parse_text(text), given)
 
     def test_they_are_factors_of_the_scene_s_own(self) -> None:
-        found = self.of(Preset(elements=0.5, window=2.0))
+        found = self.of(Preset(0.5))
         self.assertEqual(found.settings, (
             "shells[pane].plate.elements_x=15", "shells[pane].plate.elements_y=10",  # 10.5 to the even one
-            "shells[roof].cylinder.elements_u=2", "window_s=8e-05", "settle_window_s=0.00016"))
-        self.assertEqual(found.was, ("30", "21", "5", "4e-05", "0.00012"))
+            "shells[roof].cylinder.elements_u=2"))  # one element cannot be halved, and a car has those of its knots
+        self.assertEqual(found.was, ("30", "21", "5"))
         self.assertIn("shells[pane].plate.elements_x=15 (was 30)", found.words())
-        # one element cannot be halved; a window that divides the other one as it is leaves it
-        self.assertNotIn("settle", " ".join(self.of(Preset(window=0.5)).settings))
 
     def test_standard_is_the_scene_as_it_is(self) -> None:
         self.assertEqual(PRESETS["standard"], Preset())
@@ -41,7 +39,7 @@ class Presets(unittest.TestCase):
 
     def test_what_the_user_sets_stays(self) -> None:
         for given in ("shells[pane].plate.elements_x=99", "shells[0].plate.elements_x=99"):
-            found = self.of(Preset(elements=2.0, window=0.5), given=[given, "window_s=1e-5"])
+            found = self.of(Preset(2.0), given=[given, "window_s=1e-5"])
             self.assertEqual(found.settings, ("shells[pane].plate.elements_y=42", "shells[roof].cylinder.elements_u=10",
                                               "shells[roof].cylinder.elements_v=2"))
             self.assertEqual(found.kept, ("shells[pane].plate.elements_x",))
@@ -64,10 +62,8 @@ class Presets(unittest.TestCase):
 
     def test_the_guide_says_the_same(self) -> None:
         guide = (REPOSITORY / "README.md").read_text()
-        rows = dict(re.findall(r"^\| `(draft|standard|reference)` \| elements × ([0-9.]+), window × [0-9.]+ \|", guide, re.M))
-        windows = dict(re.findall(r"^\| `(draft|standard|reference)` \| elements × [0-9.]+, window × ([0-9.]+) \|", guide, re.M))
-        self.assertEqual({n: (float(rows[n]), float(windows[n])) for n in rows},
-                         {n: (p.elements, p.window) for n, p in PRESETS.items()})
+        rows = re.findall(r"^\| `(draft|standard|reference)`: elements × ([0-9.]+) \|", guide, re.M)
+        self.assertEqual({name: float(factor) for name, factor in rows}, {n: p.elements for n, p in PRESETS.items()})
 
 
 class Command(unittest.TestCase):

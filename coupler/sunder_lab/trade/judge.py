@@ -12,7 +12,8 @@ from sunder_tools.patterns import student
 
 Runs = Mapping[int, Mapping[str, np.ndarray]]  # by seed: quantities of each run
 
-WORTH = 0.03       # of the cost or the error: a change that gains less is not tried together with others
+WORTH = 0.03       # of the error: a change that takes less from it is not tried together with others
+WORTH_TIME = 0.1   # of the cost, which is no more certain than that on a machine that does other things besides
 MOST_TOGETHER = 4  # changes in a combination
 
 
@@ -134,7 +135,7 @@ def combinations(own: Judged, single: Mapping[str, Judged], knob_of: Mapping[str
 
     gain = ((1.0 - WORTH) ** 2 - 1.0) * max(own.error, floor) ** 2  # of the squared error
     useful = {label: effect(one) for label, one in single.items() if one.gaps}
-    useful = {label: e for label, e in useful.items() if e[0] < 1.0 - WORTH or e[1] < gain}
+    useful = {label: e for label, e in useful.items() if e[0] < 1.0 - WORTH_TIME or e[1] < gain}
     # A change that costs more and errs more than another one of its knob is beaten by it.
     useful = {label: e for label, e in useful.items() if not any(
         o != label and knob_of[o] == knob_of[label] and f[0] <= e[0] and f[1] <= e[1] and f != e
