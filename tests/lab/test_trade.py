@@ -292,7 +292,7 @@ class Whole(unittest.TestCase):
         self.assertIn("no such scene file", self.trade(scene="none.textproto")[2])
 
     def test_a_scene_that_fails_when_it_runs_is_told(self) -> None:
-        # 5 mm thick, the pane would hold the ball from the start: found by the run, not by the check
+        # 6 mm thick, the pane would hold the ball from the start: found by the run, not by the check
         status, _, err = self.trade(*self.COARSE, "--budget", "0.05", "--set", "shells[pane].thickness_m=0.006")
         self.assertEqual(status, 2)
         self.assertRegex(err, "inside shell 'pane'")
