@@ -298,7 +298,7 @@ class Whole(unittest.TestCase):
         self.assertRegex(err, "inside shell 'pane'")
 
     def test_from_scene_to_front_and_again(self) -> None:
-        arguments = (*self.COARSE, "--jobs", "2", "--budget", "0.1", "--vary", "elements,engine", "--json", str(self.here / "all.json"))
+        arguments = (*self.COARSE, "--jobs", "2", "--budget", "0.06", "--vary", "elements,engine", "--json", str(self.here / "all.json"))
         status, out, err = self.trade(*arguments)
         self.assertEqual(status, 0, err)
         found = json.loads((self.here / "all.json").read_text())
