@@ -126,7 +126,7 @@ class Campaign:
                     row["status"], row["error"] = "not measured", f"{type(error).__name__}: {error}".replace(
                         f"{place}/", "")
             rows.append(row)
-            times.append({"member": place.name, **{k: found.get(k) for k in ("wall_s", "host", "program")}})
+            times.append({"member": place.name, **{k: found.get(k) for k in ("wall_s", "processor_s", "host", "program")}})
         programs = {t["program"] for t in times if t["program"]}
         if len(programs) > 1:
             self.say(f"runs of {len(programs)} different builds of the solver are in this table, see times.csv; a new "

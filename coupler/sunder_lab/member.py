@@ -24,7 +24,7 @@ from sunder_tools.build import ensure_built
 from sunder_tools.errors import BAD_INPUT, DONE, INTERRUPTED, CommandError, Interrupted
 from sunder_tools.frames import BODIES, SHELL, list_frames
 from sunder_tools.report import read_run
-from sunder_tools.run import Job, run_scene
+from sunder_tools.run import Job, read_usage, run_scene
 
 from .scene import SCENE_FILE, Scene
 
@@ -68,7 +68,8 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def outcome(folder: Path) -> dict[str, Any]:
-    """status 'done' or 'failed', error, wall_s, host, program; {} where the member has not ended."""
+    """status 'done' or 'failed', error, wall_s, processor_s of both processes, host, program; {} where the member has not
+    ended."""
     return read_json(folder / OUTCOME_FILE)
 
 
@@ -106,7 +107,8 @@ def run_member(folder: Path) -> int:
             "status": "done" if status == DONE else "failed", "exit": status,
             # A folder's place is no result: the same series elsewhere has the same table.
             "error": error.replace(f"{folder}/", "").replace(f"{folder.resolve()}/", ""),
-            "wall_s": round(time.time() - start, 3), "host": os.uname().nodename, "program": _program()})
+            "wall_s": round(time.time() - start, 3), "processor_s": read_usage(folder / RUN_FOLDER).get("processor_s"),
+            "host": os.uname().nodename, "program": _program()})
         return status
     finally:
         os.close(handle)

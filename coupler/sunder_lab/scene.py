@@ -7,14 +7,16 @@ import subprocess
 import tempfile
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Union
+from typing import Any, Sequence, Union
 
 from google.protobuf import text_format
 
 from sunder_tools.build import REPOSITORY, ensure_built
 from sunder_tools.errors import DONE, CommandError
+from sunder_tools.fidelity import PRESETS, taken
 from sunder_tools.report import read_run
 from sunder_tools.run import Job, run_scene
+from sunder_tools.scene_text import parse_text
 
 from .results import Results
 from .schema import assets_of, relative_asset, scene_class
@@ -99,6 +101,21 @@ class Scene:
             self[path] = value
         return self
 
+    def fidelity(self, name: str) -> "Scene":
+        """Takes the values of a preset as `sunder run --fidelity` does; returns the scene itself. Values of one's own are set
+        afterwards. Raises BadSetting for a preset that there is not."""
+        if name not in PRESETS:
+            raise BadSetting(f"fidelity '{name}': there are {', '.join(PRESETS)}")
+
+        def accepted(settings: Sequence[str]) -> bool:
+            try:
+                self.copy().set(_pairs(settings)).check()
+            except CommandError:
+                return False
+            return True
+
+        return self.set(_pairs(taken(name, parse_text(self.text()), (), accepted).settings))
+
     def _field(self, path: str) -> tuple[Any, Any]:
         """The message that holds the last field of `path`, and that field's descriptor."""
         *steps, last = path.split(".")
@@ -171,6 +188,11 @@ class Scene:
             error = read_run(out).get("error") or {}
             raise CommandError(f"{out}: {error.get('message') or f'ended with status {status}'}", status)
         return Results(out)
+
+
+def _pairs(settings: Sequence[str]) -> dict[str, Value]:
+    """PATH=VALUE as `Scene.set` takes it."""
+    return dict(setting.split("=", 1) for setting in settings)
 
 
 def _enter(at: Any, step: str, path: str) -> Any:

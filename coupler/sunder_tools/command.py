@@ -9,14 +9,14 @@ import subprocess
 import sys
 from pathlib import Path
 from types import FrameType
-from typing import NoReturn
+from typing import NoReturn, Sequence
 
 from .build import BUILD_DIR_VARIABLE, REPOSITORY, build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 from .install import BROWSER_PACKAGES, SLURM_PACKAGES, ensure_installed
 
 COMMANDS = ("run", "check", "build", "test", "validate", "bench", "engines", "serve", "keys", "replay", "fuzz",
-            "sweep", "view", "render", "export")
+            "sweep", "trade", "models", "view", "render", "export")
 EPILOG = f"""\
 exit status:
   0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
@@ -117,6 +117,8 @@ def make_parser() -> argparse.ArgumentParser:
     for command in (run, check):
         command.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[],
                              type=_setting, help="change a field, e.g. shells[pane].thickness_m=0.003; repeatable")
+        command.add_argument("--fidelity", choices=("draft", "standard", "reference"),
+                             help="so many elements for the scene's own, chosen from 'sunder trade'; --set goes before it")
     run.add_argument("--out", metavar="DIR", type=Path,
                      help="run folder; an earlier run there is replaced (default: runs/<scene>-<date>-<time>)")
     run.add_argument("--rigid", metavar="ENGINE", default="bullet",
@@ -208,6 +210,14 @@ def make_parser() -> argparse.ArgumentParser:
                        help="frames that stay: first and last with crack lines of all times (default), all, or none")
     sweep.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
+    _add_trade(commands)
+
+    models = commands.add_parser(
+        "models", formatter_class=raw, allow_abbrev=False, help="list the active models of runs and their share of the time",
+        description="A line a run, from its run.json, and why each model was active. Models of one stage share its time.",
+        epilog=EPILOG)
+    models.add_argument("folders", metavar="DIR", type=Path, nargs="+", help="folders of runs")
+
     view = commands.add_parser(
         "view", formatter_class=raw, allow_abbrev=False, help="play a run in the browser",
         description="Serves a page to this machine only, until Ctrl-C; a run that is still under way grows on it.",
@@ -223,6 +233,30 @@ def make_parser() -> argparse.ArgumentParser:
         description="What follows goes to ctest, e.g. sunder test -R vtp", epilog=EPILOG, add_help=False)
     test.add_argument("ctest", nargs=argparse.REMAINDER)
     return parser
+
+
+def _add_trade(commands: argparse._SubParsersAction) -> None:
+    trade = commands.add_parser(
+        "trade", formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+        help="measure what each setting of a scene costs and what error it leaves",
+        description="Runs the scene as it is, a reference as fine as the budget allows, then one setting changed at a time,\n"
+                    "cheapest first, then several together. Writes trade.csv, trade.json, trade.png and results.csv (a row a\n"
+                    "run). Stopped or killed, it goes on with the same command; a larger budget adds to what is there.",
+        epilog="example:\n  sunder trade scenes/intact_pane.textproto --budget 5\n\n" + EPILOG)
+    trade.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)")
+    trade.add_argument("--budget", metavar="MINUTES", type=float, default=10.0,
+                       help="of processor time, all runs of both processes together (default: 10)")
+    trade.add_argument("--out", metavar="DIR", type=Path, help="folder of the trade (default: trades/<name of SCENE>)")
+    trade.add_argument("--json", metavar="FILE", type=Path, dest="report", help="trade.json here as well")
+    trade.add_argument("--vary", metavar="NAMES", default="", help="these settings only, e.g. elements,window")
+    trade.add_argument("--seeds", metavar="N", type=_count, help="runs of each setting (default: 4 where it cracks, else 1)")
+    trade.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[], type=_setting,
+                       help="change a field of the scene first; repeatable")
+    trade.add_argument("--until", metavar="SECONDS", type=_positive_seconds, help="end each run at this simulated time")
+    trade.add_argument("--rigid", metavar="ENGINE", default="bullet", help="as 'run' takes it (default: bullet)")
+    trade.add_argument("--threads", metavar="N", type=_count, default=1, help="of each run (default: 1)")
+    trade.add_argument("--jobs", metavar="N", type=_count, default=1, help="runs at a time (default: 1, least noise)")
+    trade.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
 
 def _add_pictures(commands: argparse._SubParsersAction) -> None:
@@ -271,6 +305,27 @@ def _build(cad: bool) -> int:
         raise CommandError(f"{BUILD_DIR_VARIABLE} is set: nothing is built then; unset it to build this checkout", BAD_INPUT)
     ensure_built(cad=cad)
     return DONE
+
+
+def _with_fidelity(scene: Path, settings: list[str], name: str | None, quiet: bool) -> list[str]:
+    """`settings`, and before them those of a preset; says which."""
+    if name is None:
+        return settings
+    from . import fidelity
+    from .scene_text import SceneTextError, parse_text
+    shell = str(ensure_built().shell)
+
+    def accepted(tried: Sequence[str]) -> bool:
+        command = [shell, "--scene", str(scene), "--check", *(part for s in tried for part in ("--set", s))]
+        return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+                              check=False).returncode == DONE
+    try:
+        found = fidelity.taken(name, parse_text(scene.read_text()), settings, accepted)
+    except (OSError, UnicodeDecodeError, SceneTextError):
+        return settings  # no scene: the solver says where
+    if not quiet:
+        print(f"sunder: {found.words()}", file=sys.stderr, flush=True)
+    return [*found.settings, *settings]
 
 
 def _check(scene: Path, settings: list[str]) -> int:
@@ -346,6 +401,14 @@ def _dispatch(arguments: list[str]) -> int:
         from sunder_lab import sweep
         return sweep.sweep(options.file, sweep.settings_of(options.file, options.out, options.jobs, options.executor,
                                                            options.threads, options.keep, options.sbatch, options.quiet))
+    if options.command == "trade":
+        ensure_built()
+        from sunder_lab.trade import command as trade
+        return trade.trade(options)
+    if options.command == "models":
+        from . import models
+        print(models.table(options.folders))
+        return DONE
     if options.command == "view":
         from .view import view
         return view(options.folder, options.port, not options.no_browser)
@@ -367,24 +430,25 @@ def _dispatch(arguments: list[str]) -> int:
     if not options.scene.is_file():
         raise CommandError(f"{options.scene}: no such scene file", BAD_INPUT)
     if options.command == "check":
-        return _check(options.scene, options.settings)
+        return _check(options.scene, _with_fidelity(options.scene, options.settings, options.fidelity, False))
     from .run import Job, run_scene  # here: `--help` and `check` do without it
-    job = Job(options.scene, options.rigid, tuple(options.settings), options.until, options.threads, options.keys,
-              options.record, options.trace)
+    settings = _with_fidelity(options.scene, options.settings, options.fidelity, options.quiet)
+    job = Job(options.scene, options.rigid, tuple(settings), options.until, options.threads, options.keys,
+              options.record, options.trace, options.fidelity)
     return run_scene(job, options.out, options.quiet)
 
 
 def _resume(options: argparse.Namespace) -> int:
     from .run import Job, run_scene
     for given, name in ((options.scene, "SCENE"), (options.settings, "--set"), (options.out, "--out"),
-                        (options.record, "--record")):
+                        (options.record, "--record"), (options.fidelity, "--fidelity")):
         if given:
             raise CommandError(f"--resume {options.resume}: goes on with what is there; leave {name} out")
     kept = Job.read(options.resume)
     if not kept.scene.is_file():
         raise CommandError(f"{kept.scene}: no such scene file; the run in {options.resume} was of it")
     job = Job(kept.scene, kept.engine, kept.settings, options.until or kept.until, options.threads or kept.threads,
-              options.keys, trace=options.trace)
+              options.keys, trace=options.trace, fidelity=kept.fidelity)
     return run_scene(job, None, options.quiet, options.resume)
 
 

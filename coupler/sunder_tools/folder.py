@@ -12,7 +12,7 @@ from .errors import CommandError
 
 # What a run writes. Replacing a run removes these and nothing else that somebody put there.
 RUN_FILES = ("run.json", "series.csv", "probes.csv", "shards.csv", "frames.pvd", "frames", "contact_sheet.png", "shell.log",
-             "rigid.log", "command.json", "session.rec", "trace.json", "checkpoint/state", "film.mp4", "film.gif", "stills", "export")
+             "rigid.log", "command.json", "usage.json", "session.rec", "trace.json", "checkpoint/state", "film.mp4", "film.gif", "stills", "export")
 MADE = {"frames": "*.vtp*", "stills": "still_*.png", "export": "frame_*"}  # in the folders among them
 PROBE_BYTES = 1 << 20  # room that has to be there before anything is launched
 

@@ -11,6 +11,8 @@ from .lettering import TEXT, draw_text
 
 WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 480, 90, 60, 60
 LEGEND, ROW = 190, 18  # width, and height of a line's name
+SMALL = 12              # of labels beside points
+STEPS = 40              # along a piece of a line, that labels keep off
 GRID, PAPER = (222, 224, 226), (250, 250, 249)
 # Told apart by people who see colours otherwise, too (Okabe and Ito 2008).
 COLOURS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233), (230, 159, 0))
@@ -29,12 +31,14 @@ class Curve:
 
 @dataclass(frozen=True)
 class Line:
-    """Points joined by a line, each with half the length of a bar where `half` has one; `dots` are not joined."""
+    """Points joined by a line, each with half the length of a bar where `half` has one; `dots` are not joined. `labels`
+    are written beside the points."""
     name: str
     x: list[float]
     y: list[float]
     half: list[float] = field(default_factory=list)
     dots: list[tuple[float, float]] = field(default_factory=list)
+    labels: list[str] = field(default_factory=list)
 
 
 @dataclass(frozen=True)
@@ -72,7 +76,7 @@ def draw_panel(panel: Panel) -> Image.Image:
     above = max(ABOVE, 12 + ROW * len(panel.lines)) if len(panel.lines) > 1 else ABOVE  # names stand over the axes
     points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots] if _good(p, log)]
     draw_text(image, (10, 8), panel.name, 18)
-    if len(points) < 2:
+    if len(set(points)) < 2:
         return image
     bars = [(x, y + sign * h) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half) for sign in (-1, 1)]
     points += [p for p in bars if _good(p, log)]
@@ -121,7 +125,37 @@ def draw_panel(panel: Panel) -> Image.Image:
             y = 6 + ROW * k
             draw.rectangle([WIDTH - LEGEND, y + 6, WIDTH - LEGEND + 14, y + 11], fill=colour)
             draw_text(image, (WIDTH - LEGEND + 20, y), line.name, 14)
+    labels = [(place(x, y), label) for line in panel.lines for x, y, label in zip(line.x, line.y, line.labels)
+              if _good((x, y), log)]
+    if labels:
+        _write_labels(image, labels, [place(*p) for p in points], [
+            [place(*p) for p in zip(line.x, line.y) if _good(p, log)] for line in panel.lines])
     return image
+
+
+Place = tuple[float, float]
+
+
+def _write_labels(image: Image.Image, labels: list[tuple[Place, str]], points: list[Place], lines: list[list[Place]]) -> None:
+    """Each text where there is room nearest to its point, off points and lines, a thin line leading to it [pixels]."""
+    along = [(a[0] + (b[0] - a[0]) * k / STEPS, a[1] + (b[1] - a[1]) * k / STEPS)
+             for line in lines for a, b in zip(line, line[1:]) for k in range(STEPS)]
+    taken = [(x - 4, y - 4, x + 4, y + 4) for x, y in points + along]
+    draw = ImageDraw.Draw(image)
+    for (x, y), text in labels:
+        width = SMALL * 0.56 * len(text)  # about; the font is not known here
+        spots = [(min(max(LEFT, x + dx), WIDTH - 8 - width), y + dy) for far in range(8, HEIGHT, SMALL + 3)
+                 for dy in (-far - SMALL, far) for dx in (8, -8 - width)]
+        spots = [s for s in spots if ABOVE <= s[1] <= HEIGHT - BELOW - SMALL] or [(LEFT, y)]
+        boxes = [(a, b, a + width, b + SMALL) for a, b in spots]
+        box = next((b for b in boxes if not any(_meet(b, t) for t in taken)), boxes[0])
+        taken.append(box)
+        draw.line([(x, y), (min(max(x, box[0]), box[2]), box[3] if box[3] < y else box[1])], fill=TEXT)
+        draw_text(image, (round(box[0]), round(box[1])), text, SMALL)
+
+
+def _meet(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
+    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
 
 
 def write_panels(panels: list[Panel], path: Path) -> None:

@@ -50,6 +50,7 @@ def _number(value: Any, form: str) -> str:
 
 def summary(folder: Path, sheet: Path | None) -> str:
     """Some lines for the end of a run, all of it from run.json."""
+    from . import models  # that module needs this one
     run = read_run(folder)
 
     def get(section: str, key: str) -> Any:
@@ -66,6 +67,9 @@ def summary(folder: Path, sheet: Path | None) -> str:
     lines.append(f"ledger           linear {_number(get('ledger', 'linear_max'), '.1e')}, angular "
                  f"{_number(get('ledger', 'angular_max'), '.1e')} (relative to the impulses exchanged)")
     lines.append(f"energy residual  {_number(get('energy', 'residual_relative'), '.2%')}")
+    active = models.in_words(run)
+    if active:
+        lines.append(f"active models    {active}")
     warnings = run.get("warnings")
     for warning in warnings if isinstance(warnings, list) else []:
         lines.append(f"warning          {warning}")

@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import json
 import os
+import resource
 import signal
 import subprocess
 import sys
@@ -23,6 +24,7 @@ from .tee import Tee
 from .watch import Ending, watch
 
 COMMAND_FILE, RECORD_FILE, TRACE_FILE = "command.json", "session.rec", "trace.json"
+USAGE_FILE = "usage.json"
 
 
 @dataclass(frozen=True)
@@ -36,6 +38,7 @@ class Job:
     keys: Path | None = None
     record: bool = False
     trace: bool = False
+    fidelity: str | None = None  # of which preset some of the settings are
 
     def shell_arguments(self) -> list[str]:
         """Of the fracture process, but --out and the rigid side."""
@@ -48,7 +51,7 @@ class Job:
         """So that the run can go on, or be played back, by the folder alone."""
         (folder / COMMAND_FILE).write_text(json.dumps(
             {"scene": str(self.scene.resolve()), "engine": self.engine, "settings": list(self.settings),
-             "until": self.until, "threads": self.threads}, indent=2) + "\n")
+             "until": self.until, "threads": self.threads, "fidelity": self.fidelity}, indent=2) + "\n")
 
     @staticmethod
     def read(folder: Path) -> "Job":
@@ -57,7 +60,7 @@ class Job:
         try:
             kept = json.loads(path.read_text())
             return Job(Path(kept["scene"]), str(kept["engine"]), tuple(str(s) for s in kept["settings"]),
-                       kept["until"], kept["threads"])
+                       kept["until"], kept["threads"], fidelity=kept.get("fidelity"))
         except (OSError, ValueError, KeyError, TypeError) as error:
             raise CommandError(f"{path}: does not say what was run ({error}); name the folder of a run") from None
 
@@ -157,6 +160,7 @@ def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, fo
             interrupts: list[int]) -> Ending:
     """Starts what is to be started, each in its own session so that Ctrl-C reaches only the launcher, and watches."""
     processes: list[subprocess.Popen[bytes]] = []
+    before, start = _processor_s(), time.monotonic()
     with SocketDir() as socket:
         endpoint = rigid.endpoint or socket.endpoint
         try:
@@ -176,6 +180,7 @@ def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, fo
             tee.started()
             ending = watch(processes[-1], processes[0] if rigid.command else None, interrupts)
             tee.join()
+            _write_usage(folder, _processor_s() - before, time.monotonic() - start)
             return ending
         except OSError as error:
             raise CommandError(f"cannot launch: {error.filename}: {error.strerror}") from None
@@ -184,6 +189,31 @@ def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, fo
                 if process.poll() is None:
                     process.kill()
                     process.wait()
+
+
+def _processor_s() -> float:
+    """Of all children that have ended, those of other threads included [s]."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
+def read_usage(folder: Path) -> dict[str, float]:
+    """`processor_s` of both processes together and `wall_s`, of all starts of the run [s]; {} where it is not known."""
+    try:
+        kept = json.loads((folder / USAGE_FILE).read_text())
+        return {name: float(kept[name]) for name in ("processor_s", "wall_s")}
+    except (OSError, ValueError, KeyError, TypeError):
+        return {}
+
+
+def _write_usage(folder: Path, processor_s: float, wall_s: float) -> None:
+    """Beside run.json, which is the solver's. A run that went on has what all its starts have used."""
+    earlier = read_usage(folder)
+    total = {"processor_s": earlier.get("processor_s", 0.0) + processor_s, "wall_s": earlier.get("wall_s", 0.0) + wall_s}
+    try:
+        (folder / USAGE_FILE).write_text(json.dumps(total) + "\n")
+    except OSError as error:  # of a full disk the solver has spoken already
+        print(f"sunder: {folder / USAGE_FILE}: {error.strerror}", file=sys.stderr)
 
 
 def _verdict(ending: Ending, folder: Path) -> tuple[int, str]:

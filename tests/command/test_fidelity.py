@@ -1,0 +1,113 @@
+"""Presets of fidelity: what they come to for a scene, what they leave alone, and that the guide says the same."""
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Sequence
+
+from . import REPOSITORY
+from .fakes import write_executables
+from sunder_tools.fidelity import PRESETS, Preset, Taken, _values, taken
+from sunder_tools.scene_text import parse_text
+
+PANE = """name: "pane" end_time_s: 1 window_s: 4e-5 settle_window_s: 1.2e-4
+shells { name: "pane" plate { elements_x: 30 elements_y: 21 } }
+shells { name: "roof" cylinder { elements_u: 5 elements_v: 1 } }
+shells { name: "car" nurbs { knots_u: [0, 0, 0, 1, 1, 1] } }"""
+
+
+class Presets(unittest.TestCase):
+    def of(self, preset: Preset, text: str = PANE, given: Sequence[str] = ()) -> Taken:
+        return _values("some", preset, parse_text(text), given)
+
+    def test_they_are_factors_of_the_scene_s_own(self) -> None:
+        found = self.of(Preset(0.5))
+        self.assertEqual(found.settings, (
+            "shells[pane].plate.elements_x=15", "shells[pane].plate.elements_y=10",  # 10.5 to the even one
+            "shells[roof].cylinder.elements_u=2"))  # one element cannot be halved, and a car has those of its knots
+        self.assertEqual(found.was, ("30", "21", "5"))
+        self.assertIn("shells[pane].plate.elements_x=15 (was 30)", found.words())
+
+    def test_standard_is_the_scene_as_it_is(self) -> None:
+        self.assertEqual(PRESETS["standard"], Preset())
+        self.assertEqual(taken("standard", parse_text(PANE), (), lambda _: True).settings, ())
+
+    def test_what_the_user_sets_stays(self) -> None:
+        for given in ("shells[pane].plate.elements_x=99", "shells[0].plate.elements_x=99"):
+            found = self.of(Preset(2.0), given=[given, "window_s=1e-5"])
+            self.assertEqual(found.settings, ("shells[pane].plate.elements_y=42", "shells[roof].cylinder.elements_u=10",
+                                              "shells[roof].cylinder.elements_v=2"))
+            self.assertEqual(found.kept, ("shells[pane].plate.elements_x",))
+            self.assertIn("as you set them: shells[pane].plate.elements_x", found.words())
+
+    def test_a_draft_that_is_refused_is_made_finer_until_it_is_not(self) -> None:
+        asked: list[int] = []
+
+        def accepted(settings: Sequence[str]) -> bool:
+            asked.append(next((int(s.split("=")[1]) for s in settings if "elements_x" in s), 30))
+            return asked[-1] >= 20
+
+        found = taken("draft", parse_text(PANE), (), accepted)
+        self.assertIn(f"shells[pane].plate.elements_x={asked[-1]}", found.settings)
+        self.assertEqual(asked, sorted(asked))
+        self.assertTrue(20 <= asked[-1] < 30)
+        # what is refused even as it is, is left for the run to tell
+        found = taken("draft", parse_text(PANE), (), lambda _: False)
+        self.assertFalse([s for s in found.settings if "elements" in s])
+
+    def test_the_guide_says_the_same(self) -> None:
+        guide = (REPOSITORY / "README.md").read_text()
+        rows = re.findall(r"^\| `(draft|standard|reference)`: elements × ([0-9.]+) \|", guide, re.M)
+        self.assertEqual({name: float(factor) for name, factor in rows}, {n: p.elements for n, p in PRESETS.items()})
+
+
+class Command(unittest.TestCase):
+    def setUp(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.here = Path(self._folder.name)
+        (self.here / "pids").mkdir()
+        write_executables(self.here / "build")
+        self.scene = self.here / "pane.textproto"
+        self.scene.write_text(PANE)
+
+    def sunder(self, *arguments: str) -> tuple[int, str]:
+        done = subprocess.run([REPOSITORY / "coupler" / "sunder", *arguments], cwd=self.here, capture_output=True, text=True,
+                              check=False, timeout=60, env={**os.environ, "SUNDER_BUILD_DIR": str(self.here / "build"),
+                                                            "FAKE_PIDS": str(self.here / "pids")})
+        return done.returncode, done.stderr
+
+    def test_a_run_says_what_it_took_and_keeps_it(self) -> None:
+        status, err = self.sunder("run", str(self.scene), "--fidelity", "draft", "--out", "out", "--set", "window_s=1e-5")
+        self.assertEqual(status, 0, err)
+        self.assertIn("sunder: fidelity draft: shells[pane].plate.elements_x=", err)
+        kept = json.loads((self.here / "out" / "command.json").read_text())
+        self.assertEqual(kept["fidelity"], "draft")
+        self.assertEqual(kept["settings"][-1], "window_s=1e-5")
+        self.assertIn("shells[pane].plate.elements_x=", kept["settings"][0])
+        usage = json.loads((self.here / "out" / "usage.json").read_text())
+        self.assertGreater(usage["processor_s"], 0.0)
+        self.assertGreater(usage["wall_s"], 0.0)
+
+    def test_an_unknown_preset_is_refused(self) -> None:
+        status, err = self.sunder("run", str(self.scene), "--fidelity", "finest")
+        self.assertEqual(status, 2)
+        self.assertIn("'draft', 'standard', 'reference'", err)
+        status, err = self.sunder("run", "--resume", "out", "--fidelity", "draft")
+        self.assertEqual(status, 2)
+        self.assertIn("leave --fidelity out", err)
+
+    def test_a_scene_that_is_none_is_left_to_the_solver(self) -> None:
+        self.scene.write_text("wrong: 1 }\n")
+        status, err = self.sunder("run", str(self.scene), "--fidelity", "draft")
+        self.assertEqual(status, 2, err)
+        self.assertIn("pane.textproto:1:1: wrong", err)
+
+
+if __name__ == "__main__":
+    unittest.main()
