@@ -101,7 +101,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
               setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
               "is {} s, shorter than {}, {:.3g} s; make it a multiple of that", setup.tick,
               setup.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", least);
-  return out;
+  return out + soft_report(scene, setup);
 }
 
 }  // namespace sunder::shell

@@ -1,0 +1,97 @@
+#include "shell/soft/soft_bodies.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Geometry>
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kMargin = 0.85;  // of a stable step that has become shorter: what is squeezed is so further
+
+}  // namespace
+
+SoftBodies::SoftBodies(const std::vector<SoftSetup>& setups, const std::vector<const ShellModel*>& shells,
+                       const std::vector<ContactLaw>& laws) {
+  std::uint32_t groups = 0;
+  for (const ContactLaw& law : laws) groups = std::max({groups, law.first_group + 1, law.second_group + 1});
+  for (const SoftSetup& setup : setups) {
+    models_.push_back(setup.model);
+    states_.push_back(make_soft_state(setup.model, setup.velocity, setup.angular));
+    std::vector<double>& friction = friction_.emplace_back(groups, ContactLaw().friction);
+    for (const ContactLaw& law : laws) {
+      if (law.first_group == setup.model.contact_group) friction[law.second_group] = law.friction;
+      if (law.second_group == setup.model.contact_group) friction[law.first_group] = law.friction;
+    }
+  }
+  std::vector<const SoftModel*> soft;
+  for (const SoftModel& m : models_) soft.push_back(&m);
+  contact_ = SoftContact(soft, shells, friction_);
+  stable_ = stable_now();
+}
+
+int SoftBodies::particles() const {
+  int sum = 0;
+  for (const SoftModel& m : models_) sum += m.particles();
+  return sum;
+}
+
+double SoftBodies::stable_now() const {
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < models_.size(); ++i) least = std::min(least, soft_stable_step(models_[i], states_[i]));
+  return least;
+}
+
+void SoftBodies::step(const Vec3& gravity, double dt, double safety, std::vector<Proxy>& bodies,
+                      const std::vector<ShellRef>& shells, double shell_dt, int threads) {
+  for (double left = dt; left > 0.0;) {
+    if (const double now = stable_now(); now < stable_) stable_ = kMargin * now;
+    const double count = std::ceil(left / (safety * stable_) * (1.0 - 1e-9));
+    const double h = count > 1.0 ? left / count : left;
+    left = count > 1.0 ? left - h : 0.0;
+    std::vector<SoftRef> refs;
+    for (std::size_t i = 0; i < models_.size(); ++i) refs.push_back({&models_[i], &states_[i]});
+    for (const SoftRef& r : refs) to_grid(*r.model, *r.state, gravity, h, threads);
+    for (std::size_t i = 0; i < models_.size(); ++i) press_on_bodies(models_[i], states_[i], bodies, friction_[i], h);
+    contact_.act(refs, shells, h, shell_dt);
+    for (const SoftRef& r : refs) from_grid(*r.model, *r.state, h, threads);
+  }
+}
+
+SoftSums SoftBodies::sums(const Vec3& gravity) const {
+  SoftSums all;
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    const SoftSums s = soft_sums(models_[i], states_[i], gravity);
+    all.centre = all.mass + s.mass > 0.0 ? Vec3((all.mass * all.centre + s.mass * s.centre) / (all.mass + s.mass))
+                                         : Vec3(Vec3::Zero());
+    all.mass += s.mass, all.kinetic += s.kinetic, all.elastic += s.elastic, all.potential += s.potential;
+    all.momentum += s.momentum, all.angular += s.angular;
+    all.momentum_scale += s.momentum_scale, all.angular_scale += s.angular_scale;
+  }
+  return all;
+}
+
+EnergyBook SoftBodies::book() const {
+  EnergyBook sum;
+  for (const SoftState& s : states_) sum += s.book;
+  return sum;
+}
+
+double SoftBodies::stiffness_against(const Proxy& body) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < models_.size(); ++i) {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& x : states_[i].x) box.extend(x);
+    const double reach = body.radius() + 2.0 * models_[i].grid;
+    if (box.squaredExteriorDistance(body.body.motion.position) > reach * reach) continue;
+    // a flat punch as wide as the narrower of both (Boussinesq)
+    const SoftMaterial& m = models_[i].material;
+    const double radius = std::min(body.radius(), 0.5 * box.sizes().maxCoeff());
+    sum += 2.0 * m.youngs_modulus / (1.0 - m.poisson_ratio * m.poisson_ratio) * radius;
+  }
+  return sum;
+}
+
+}  // namespace sunder::shell
