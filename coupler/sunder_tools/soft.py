@@ -8,7 +8,7 @@ from .vtp import PolyData
 
 RUBBER = np.array([[0.78, 0.36, 0.26], [0.30, 0.48, 0.66], [0.42, 0.58, 0.32]])  # of one soft body after the other
 FIRST = 1_000_000  # number of the first soft body where they are counted with the rigid ones
-OVERLAP = 1.2  # of a ball's radius: those of neighbours close the gaps between them
+OVERLAP = 1.5  # of a ball's radius: those of neighbours close the gaps between them
 
 _GOLDEN = 0.5 * (1.0 + 5.0 ** 0.5)
 _CORNERS = np.array([(-1, _GOLDEN, 0), (1, _GOLDEN, 0), (-1, -_GOLDEN, 0), (1, -_GOLDEN, 0), (0, -1, _GOLDEN), (0, 1, _GOLDEN),

@@ -20,7 +20,7 @@ int FieldContact::field_at(int node, const SurfaceSample& p) {
   }
   const int f = static_cast<int>(fields_.size());
   fields_.emplace_back();
-  fields_.back().shell = p.shell, fields_.back().rest = p.rest, fields_.back().turns = p.turns;
+  fields_.back().shell = p.shell, fields_.back().rest = p.rest;
   (last < 0 ? head_[node] : fields_[last].next) = f;
   return f;
 }
@@ -59,8 +59,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
   for (int node = 0; node < static_cast<int>(head_.size()); ++node)
     for (int a = head_[node]; a >= 0; a = fields_[a].next)
       for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
-        if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0 || !laws_[fields_[a].shell][fields_[b].shell].meet)
-          continue;
+        if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0) continue;
         // what fills more of the node's surroundings is the plane
         const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
         Pair pair{node, first ? a : b, first ? b : a, fields_[first ? a : b].normal};
@@ -73,7 +72,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
         pairs_.push_back(pair);
       }
   for (std::size_t p = 0; p < samples.size(); ++p) {
-    samples[p].impulse.setZero(), samples[p].moment.setZero();
+    samples[p].impulse.setZero();
     for (int c = 0; c < 8; ++c)
       for (int q = first_pair_[corners_[8 * p + c].field]; q >= 0; q = pairs_[q].next) {
         Pair& pair = pairs_[q];
@@ -100,20 +99,12 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     Vec3 j = normal * n;
     if (most > 0.0) j -= friction / slide.norm() * slide;
     b.change += j / b.mass, a.change -= j / a.mass;
-    if (!a.turns && !b.turns) continue;
-    // both act at the middle, or where that side is that cannot turn
-    const Vec3 moment = (a.moment / a.mass - b.moment / b.mass).cross(j);
-    if (b.turns) b.turn += (a.turns ? 0.5 : 1.0) * moment;
-    if (a.turns) a.turn += (b.turns ? 0.5 : 1.0) * moment;
   }
   if (touching == 0) return 0;
   for (std::size_t p = 0; p < samples.size(); ++p)
     for (int c = 0; c < 8; ++c) {
       const Corner& corner = corners_[8 * p + c];
-      const Field& field = fields_[corner.field];
-      samples[p].impulse += corner.weight * samples[p].mass * field.change;
-      if (samples[p].turns && field.mass > 0.0)
-        samples[p].moment += (corner.weight * samples[p].mass / field.mass) * field.turn;
+      samples[p].impulse += corner.weight * samples[p].mass * fields_[corner.field].change;
     }
   return touching;
 }

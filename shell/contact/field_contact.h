@@ -13,15 +13,12 @@ struct SurfaceSample {
   Vec3 x, v, normal, rest;             // [m], [m/s], unit, place at rest [m]
   double mass = 0.0, thickness = 0.0;  // [kg], [m]
   int shell = 0;
-  bool turns = false;           // it can take a moment by itself
   Vec3 impulse = Vec3::Zero();  // found [N s]
-  Vec3 moment = Vec3::Zero();   // and about x [N m s], where it turns: both sides then act at one point
 };
 
 /// What surfaces of shells do to one another.
 struct SurfaceLaw {
   double friction = 0.5, restitution = 0.0;
-  bool meet = true;  // false: they pass through one another here
 };
 
 class FieldContact {
@@ -33,8 +30,8 @@ class FieldContact {
   double spacing() const { return spacing_; }
   /// Surfaces that hang together and are no further apart at rest are one [m].
   double one_surface() const { return kOneSurface * spacing_; }
-  /// Impulses of surfaces that touch and approach, or overlap, into `impulse`; they sum to zero, and so do their
-  /// moments where one of two surfaces turns. `dt`: of the substep [s]. Returns the number of places in contact.
+  /// Impulses of surfaces that touch and approach, or overlap, into `impulse`; they sum to zero. `dt`: of the substep
+  /// [s]. Returns the number of places in contact.
   int solve(std::vector<SurfaceSample>& samples, double dt);
 
  private:
@@ -42,11 +39,9 @@ class FieldContact {
   struct Field {
     int shell = 0, next = -1;
     Vec3 rest;  // of its first sample
-    bool turns = false;
     double mass = 0.0, thickness = 0.0;
     Vec3 momentum = Vec3::Zero(), moment = Vec3::Zero(), normal = Vec3::Zero();  // sums
     Vec3 change = Vec3::Zero();                                                  // of its velocity
-    Vec3 turn = Vec3::Zero();                                                    // moment [N m s]
   };
   struct Pair {
     int node, plane, other;  // fields

@@ -76,7 +76,7 @@ void Run::start() {
             laws[i][k] = {law.friction, law.restitution};
     shell_contact_ = std::make_unique<ShellContact>(models, setup_.stitches.seams, std::move(laws));
   }
-  soft_ = SoftBodies(setup_.soft, models, setup_.laws);
+  soft_ = SoftBodies(setup_.soft, models.size(), setup_.laws);
   if (options_.resume) {
     load_checkpoint();
     write_summary("running", nullptr);
@@ -293,10 +293,7 @@ void Run::substep(double dt) {
     }
     engine_loss_ += rows_.solve(dt);
   }
-  if (soft_due_) {
-    Stopwatch w(stage_s_["soft_bodies"]);
-    soft_.step(setup_.gravity, soft_every_ * dt, setup_.safety, proxies_, refs(), dt, options_.threads);
-  }
+  if (!soft_.empty()) soft_contact(dt);
   if (shell_contact_) {
     Stopwatch w(stage_s_["shell_contact"]);
     shell_contact_->act(refs(), dt);
@@ -314,6 +311,7 @@ void Run::substep(double dt) {
   Stopwatch w(stage_s_["kick_drift"]);
   if (!stitching_.empty()) stitching_.follow(refs());  // where supports have held or moved those that are followed
   for (ShellPart& part : parts_) drift(part.model(), *part.state, dt);
+  if (soft_left_ > 0 && --soft_left_ == 0) soft_.finish(options_.threads);
   for (Proxy& p : proxies_)
     if (!p.body.is_static) p.body.drift(dt);
 }
@@ -335,7 +333,7 @@ void Run::crack(ShellPart& part, int k, int n, double dt) {
 void Run::take_substeps(int n, double dt) {
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
-    soft_due_ = !soft_.empty() && k % soft_every_ == 0;
+    soft_most_ = n - k;
     substep(dt);
     if (++substeps_ % kCompressionInterval == 0) try {
         for (const ShellPart& part : parts_) check_compression(part.model(), *part.state);

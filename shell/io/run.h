@@ -134,7 +134,8 @@ class Run {
   void crack(ShellPart& part, int k, int n, double dt);  // after substep k of n
   void take_substeps(int n, double dt);
   // soft_run.cpp
-  double soft_substeps(double needed);  // of a tick: `needed` or more, a whole number for each step of the soft bodies
+  double soft_substeps(double needed) const;  // of a tick, where shells need so many
+  void soft_contact(double dt);
   int soft_particles() const;
   double soft_energy(double strain) const;  // that they store at such a strain [J]
   void add_soft_hardness(std::vector<double>& hardness) const;
@@ -184,11 +185,10 @@ class Run {
   Stitching stitching_;                          // of them
   std::unique_ptr<ShellContact> shell_contact_;  // between them; null: they cannot meet
   SoftBodies soft_;
-  int soft_every_ = 1;          // substeps that are one step of the soft bodies
-  bool soft_due_ = false;       // in this one
-  int at_once_ = 1;             // shells that are solved at the same time; each then by one thread
-  std::vector<char> tips_;      // which of them crack at tips
-  std::vector<Proxy> proxies_;  // moving and static bodies of the scene and shards, by id
+  int soft_left_ = 0, soft_most_ = 0;  // substeps until their step ends, and until the window does
+  int at_once_ = 1;                    // shells that are solved at the same time; each then by one thread
+  std::vector<char> tips_;             // which of them crack at tips
+  std::vector<Proxy> proxies_;         // moving and static bodies of the scene and shards, by id
   const std::atomic<bool>* interrupted_ = nullptr;
   std::uint64_t random_ = 0;
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;

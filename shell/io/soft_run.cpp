@@ -6,13 +6,18 @@
 
 namespace sunder::shell {
 
-double Run::soft_substeps(double needed) {
-  needed = std::max(1.0, needed);
+double Run::soft_substeps(double needed) const {
+  if (!parts_.empty()) return needed;  // soft bodies take steps of several of them, or several in one
   const double steps = std::ceil(setup_.tick / (setup_.safety * soft_.stable_step()) * (1.0 - 1e-9));
-  if (!(steps <= kMostSubsteps)) return steps;  // refused by the caller
-  // Every step of theirs through the grid damps, so they take as few as they can.
-  soft_every_ = static_cast<int>(std::max(1.0, std::floor(needed / steps)));
-  return std::max(steps, soft_every_ * std::ceil(needed / soft_every_));
+  return std::max({1.0, needed, steps});
+}
+
+void Run::soft_contact(double dt) {
+  Stopwatch w(stage_s_["soft_bodies"]);
+  const std::vector<ShellRef> shells = refs();
+  if (soft_left_ == 0)
+    soft_left_ = soft_.begin(setup_.gravity, dt, soft_most_, setup_.safety, proxies_, shells, options_.threads);
+  soft_.touch(shells, dt);
 }
 
 int Run::soft_particles() const {

@@ -13,8 +13,7 @@ constexpr double kMargin = 0.85;  // of a stable step that has become shorter: w
 
 }  // namespace
 
-SoftBodies::SoftBodies(const std::vector<SoftSetup>& setups, const std::vector<const ShellModel*>& shells,
-                       const std::vector<ContactLaw>& laws) {
+SoftBodies::SoftBodies(const std::vector<SoftSetup>& setups, std::size_t shells, const std::vector<ContactLaw>& laws) {
   std::uint32_t groups = 0;
   for (const ContactLaw& law : laws) groups = std::max({groups, law.first_group + 1, law.second_group + 1});
   for (const SoftSetup& setup : setups) {
@@ -26,9 +25,7 @@ SoftBodies::SoftBodies(const std::vector<SoftSetup>& setups, const std::vector<c
       if (law.second_group == setup.model.contact_group) friction[law.first_group] = law.friction;
     }
   }
-  std::vector<const SoftModel*> soft;
-  for (const SoftModel& m : models_) soft.push_back(&m);
-  contact_ = SoftContact(soft, shells, friction_);
+  contact_ = SoftContact(setups.size(), shells, friction_);
   stable_ = stable_now();
 }
 
@@ -44,20 +41,36 @@ double SoftBodies::stable_now() const {
   return least;
 }
 
-void SoftBodies::step(const Vec3& gravity, double dt, double safety, std::vector<Proxy>& bodies,
-                      const std::vector<ShellRef>& shells, double shell_dt, int threads) {
-  for (double left = dt; left > 0.0;) {
-    if (const double now = stable_now(); now < stable_) stable_ = kMargin * now;
-    const double count = std::ceil(left / (safety * stable_) * (1.0 - 1e-9));
-    const double h = count > 1.0 ? left / count : left;
-    left = count > 1.0 ? left - h : 0.0;
-    std::vector<SoftRef> refs;
-    for (std::size_t i = 0; i < models_.size(); ++i) refs.push_back({&models_[i], &states_[i]});
-    for (const SoftRef& r : refs) to_grid(*r.model, *r.state, gravity, h, threads);
-    for (std::size_t i = 0; i < models_.size(); ++i) press_on_bodies(models_[i], states_[i], bodies, friction_[i], h);
-    contact_.act(refs, shells, h, shell_dt);
-    for (const SoftRef& r : refs) from_grid(*r.model, *r.state, h, threads);
+std::vector<SoftRef> SoftBodies::refs() {
+  std::vector<SoftRef> out;
+  for (std::size_t i = 0; i < models_.size(); ++i) out.push_back({&models_[i], &states_[i]});
+  return out;
+}
+
+int SoftBodies::begin(const Vec3& gravity, double dt, int left, double safety, std::vector<Proxy>& bodies,
+                      const std::vector<ShellRef>& shells, int threads) {
+  if (const double now = stable_now(); now < stable_) stable_ = kMargin * now;
+  const double allowed = safety * stable_ * (1.0 + 1e-9);
+  const int steps = std::max(1, static_cast<int>(std::ceil(left / std::max(1.0, std::floor(allowed / dt)))));
+  const int substeps = (left + steps - 1) / steps;
+  const double several = std::max(1.0, std::ceil(substeps * dt / allowed));
+  open_ = substeps * dt / several, elapsed_ = 0.0;
+  for (double k = 1.0; k <= several; ++k) {
+    for (const SoftRef& r : refs()) to_grid(*r.model, *r.state, gravity, open_, threads);
+    for (std::size_t i = 0; i < models_.size(); ++i)
+      press_on_bodies(models_[i], states_[i], bodies, friction_[i], open_);
+    if (k < several) touch(shells, dt), elapsed_ = 0.0, finish(threads);
   }
+  return substeps;
+}
+
+void SoftBodies::touch(const std::vector<ShellRef>& shells, double dt) {
+  contact_.act(refs(), shells, open_, elapsed_, dt);
+  elapsed_ += dt;
+}
+
+void SoftBodies::finish(int threads) {
+  for (const SoftRef& r : refs()) from_grid(*r.model, *r.state, open_, threads);
 }
 
 SoftSums SoftBodies::sums(const Vec3& gravity) const {

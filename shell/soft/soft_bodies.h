@@ -18,9 +18,8 @@ struct SoftSetup {
 class SoftBodies {
  public:
   SoftBodies() = default;
-  /// `laws` between contact groups; those of the shells are theirs.
-  SoftBodies(const std::vector<SoftSetup>& setups, const std::vector<const ShellModel*>& shells,
-             const std::vector<ContactLaw>& laws);
+  /// `laws` between contact groups; `shells`: how many there are.
+  SoftBodies(const std::vector<SoftSetup>& setups, std::size_t shells, const std::vector<ContactLaw>& laws);
 
   bool empty() const { return models_.empty(); }
   const std::vector<SoftModel>& models() const { return models_; }
@@ -31,11 +30,19 @@ class SoftBodies {
   /// Of all of them [s], as far as they have been squeezed: it never grows, as every change of the step costs leapfrog
   /// some energy.
   double stable_step() const { return stable_; }
-  /// All bodies from t to t + dt, in several steps where what they have become is stable for `safety` of that only.
-  /// Shells and rigid bodies stand at t, velocities as kicked (shells by `shell_dt`); they take impulses and do not
-  /// move.
-  void step(const Vec3& gravity, double dt, double safety, std::vector<Proxy>& bodies,
-            const std::vector<ShellRef>& shells, double shell_dt, int threads);
+  /// A step of theirs, over as many of the `left` substeps of `dt` [s] as are stable for `safety` of that: returns how
+  /// many. It begins when shells and rigid bodies stand where they do and are kicked; rigid bodies take their impulses
+  /// now. Where a substep is too long for them, they take several steps in it.
+  int begin(const Vec3& gravity, double dt, int left, double safety, std::vector<Proxy>& bodies,
+            const std::vector<ShellRef>& shells, int threads);
+  /// In each of these substeps: against shells, kicked by `dt`, and one another.
+  void touch(const std::vector<ShellRef>& shells, double dt);
+  /// As the last of these substeps ends.
+  void finish(int threads);
+  /// All of that where nothing else moves meanwhile: one step of `dt` or several.
+  void step(const Vec3& gravity, double dt, double safety, std::vector<Proxy>& bodies) {
+    begin(gravity, dt, 1, safety, bodies, {}, 1), touch({}, dt), finish(1);
+  }
   /// What a shell may touch is looked up anew in the next step.
   void forget() { contact_.forget(); }
   template <class A>
@@ -51,11 +58,13 @@ class SoftBodies {
 
  private:
   double stable_now() const;
+  std::vector<SoftRef> refs();
   std::vector<SoftModel> models_;
   std::vector<SoftState> states_;
   std::vector<std::vector<double>> friction_;  // [soft body][contact group]
   SoftContact contact_;
   double stable_ = 0.0;
+  double open_ = 0.0, elapsed_ = 0.0;  // length of the step that has begun, and how much of it is over [s]
 };
 
 }  // namespace sunder::shell

@@ -79,8 +79,9 @@ TEST(SoftScene, RefusesWhatStartsInsideSomething) {
   second.replace(second.find("\"soft\""), 6, "\"other\"");
   second.replace(second.find("x: 0.3"), 6, "x: 0.38");
   expect_refusal(scene("", "", second), "soft_bodies[1].pose", {"inside soft body 'soft'"});
-  expect_refusal(scene("sphere { radius_m: 0.02 }", "sphere { radius_m: 0.008 }"), "soft_bodies[0].spacing_m",
-                 {"could pass between the particles"});
+  std::string coarse = scene("spacing_m: 0.01", "spacing_m: 0.02");
+  coarse.replace(coarse.find("radius_m: 0.02"), 14, "radius_m: 0.016");
+  expect_refusal(coarse, "soft_bodies[0].spacing_m", {"could pass between the particles"});
 }
 
 TEST(SoftScene, RefusesWhatDoesNotGoWithIt) {

@@ -91,13 +91,12 @@ void bounce(Report& report) {
   for (const double spacing : spacings) {
     const double start = seconds_now();
     SoftBodies soft(
-        {block({0.02, 0.02, 0.5 * length}, {0, 0, 0.5 * length + 0.001}, spacing, rubber(1e6, 0.0), {0, 0, -speed})},
-        {}, laws(0.0));
+        {block({0.02, 0.02, 0.5 * length}, {0, 0, 0.5 * length + 0.001}, spacing, rubber(1e6, 0.0), {0, 0, -speed})}, 0,
+        laws(0.0));
     std::vector<Proxy> bodies = ground();
     const double c = soft.models()[0].material.wave_speed(), dt = 0.8 * soft.stable_step();
     const SoftSums before = soft.sums(Vec3::Zero());
-    for (double t = 0.0; t < 0.001 / speed + 3.0 * length / c; t += dt)
-      soft.step(Vec3::Zero(), dt, 0.8, bodies, {}, dt, 1);
+    for (double t = 0.0; t < 0.001 / speed + 3.0 * length / c; t += dt) soft.step(Vec3::Zero(), dt, 0.8, bodies);
     const SoftSums after = soft.sums(Vec3::Zero());
     const double rebound = after.momentum.z() / -before.momentum.z();
     errors.push_back(1.0 - rebound);
@@ -121,13 +120,13 @@ void drop(Report& report) {
     const double start = seconds_now();
     SoftBodies soft({body(SphereShape{radius}, 4.0 / 3.0 * std::numbers::pi * std::pow(radius, 3),
                           {0, 0, radius + fall}, spacing, rubber(1e6, 0.45))},
-                    {}, laws(0.5));
+                    0, laws(0.5));
     std::vector<Proxy> bodies = ground();
     const double dt = 0.8 * soft.stable_step(), scale = soft.sums(gravity).mass * 9.81 * fall;
     const double first = whole(soft, gravity);
     double highest = 0.0, worst = 0.0;
     for (double t = 0.0; t < 0.32; t += dt) {
-      soft.step(gravity, dt, 0.8, bodies, {}, dt, 1);
+      soft.step(gravity, dt, 0.8, bodies);
       worst = std::max(worst, std::abs(whole(soft, gravity) - first));
       if (t > 0.18) highest = std::max(highest, soft.sums(gravity).centre.z() - radius);
     }
@@ -151,7 +150,7 @@ void sag(Report& report) {
     double last = 0.0;
     const double dt = 0.8 * soft.stable_step();
     for (double t = 0.0; t < 0.6; t += dt) {
-      soft.step(gravity, dt, 0.8, bodies, {}, dt, 1);
+      soft.step(gravity, dt, 0.8, bodies);
       const double now = soft.sums(gravity).kinetic;
       if (now < last) {  // let go of the motion where it is fastest
         for (Vec3& v : soft.states()[0].v) v.setZero();
@@ -173,11 +172,11 @@ void collision(Report& report) {
   SoftSetup low = block({0.04, 0.04, 0.02}, {0, 0, 0}, 0.01, rubber(1e6, 0.3), {0.3, 0, 1}, {0, 3, 0});
   SoftSetup high = block({0.03, 0.03, 0.03}, {0.02, 0.01, 0.052}, 0.0075, rubber(1e6, 0.3), {0, 0, -2}, {5, 0, 0});
   high.model.contact_group = 1;
-  SoftBodies soft({low, high}, {}, laws(0.4));
+  SoftBodies soft({low, high}, 0, laws(0.4));
   std::vector<Proxy> nobody;
   const double dt = 0.8 * soft.stable_step();
   const SoftSums before = soft.sums(Vec3::Zero());
-  for (int k = 0; k < 200; ++k) soft.step(Vec3::Zero(), dt, 0.8, nobody, {}, dt, 1);
+  for (int k = 0; k < 200; ++k) soft.step(Vec3::Zero(), dt, 0.8, nobody);
   const SoftSums after = soft.sums(Vec3::Zero());
   report.add("collision_momentum", (after.momentum - before.momentum).norm() / before.momentum_scale, 0.0, 1e-12,
              seconds_now() - start);
@@ -194,7 +193,7 @@ void spin(Report& report) {
   const double dt = 0.8 * soft.stable_step();
   const SoftSums before = soft.sums(Vec3::Zero());
   int steps = 0;
-  for (double t = 0.0; t < 0.2; t += dt) soft.step(Vec3::Zero(), dt, 0.8, nobody, {}, dt, 1), ++steps;
+  for (double t = 0.0; t < 0.2; t += dt) soft.step(Vec3::Zero(), dt, 0.8, nobody), ++steps;
   const SoftSums after = soft.sums(Vec3::Zero());
   report.add("spin_angular", (after.angular - before.angular).norm() / before.angular_scale, 0.0, 1e-12, 0.0);
   report.add("spin_energy", whole(soft, Vec3::Zero()) / before.kinetic, 1.0, 5e-3, seconds_now() - start);
