@@ -44,7 +44,7 @@ void Run::start() {
   // a thread for less than this costs more in waiting than it brings; results are the same for any number
   int points = 0;
   for (const ShellSetup& s : setup_.shells) points += s.model.tables.gauss_points();
-  points += soft_particles();
+  points = std::max(points, soft_particles());
   if (points > 0) options_.threads = std::min(options_.threads, 1 + points / kPointsPerThread);
   if (setup_.shells.size() > 1) {
     at_once_ = std::min(options_.threads, static_cast<int>(setup_.shells.size()));
