@@ -49,6 +49,8 @@ void apply_setting(proto::Scene& scene, const std::string& setting);
 void validate(const LoadedScene& scene);
 /// Its part about schemes, windows and joints.
 void validate_coupling(const LoadedScene& scene);
+/// Its part about soft bodies.
+void validate_soft(const LoadedScene& scene);
 
 /// The convex hull of the corners of an OFF or OBJ file below the scene's folder.
 struct Hull {

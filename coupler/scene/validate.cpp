@@ -407,6 +407,8 @@ void validate(const LoadedScene& s) {
   }
   for (int i = 0; i < m.shells_size(); ++i) name(fmt::format("shells[{}]", i), m.shells(i).name(), names);
   for (int i = 0; i < m.bodies_size(); ++i) name(fmt::format("bodies[{}]", i), m.bodies(i).name(), names);
+  for (int i = 0; i < m.soft_bodies_size(); ++i)
+    name(fmt::format("soft_bodies[{}]", i), m.soft_bodies(i).name(), names);
   for (int i = 0; i < m.shells_size(); ++i) shell(s, fmt::format("shells[{}]", i), m.shells(i), materials);
   for (int i = 0; i < m.bodies_size(); ++i) body(s, fmt::format("bodies[{}]", i), m.bodies(i), materials, names);
   for (int i = 0; i < m.contacts_size(); ++i) {
@@ -443,6 +445,7 @@ void validate(const LoadedScene& s) {
             "is {}; 0 to 1", c.restitution());
   }
   validate_coupling(s);
+  validate_soft(s);
   const auto& r = m.fracture();
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
   s.check(!r.has_branch_ratio() || (r.branch_ratio() > 1.0 && r.branch_ratio() <= 1e6), "fracture.branch_ratio",
@@ -478,6 +481,7 @@ void validate(const LoadedScene& s) {
     bool known = false;
     if (!p.body().empty()) {
       for (const auto& body : m.bodies()) known = known || body.name() == p.body();
+      for (const auto& body : m.soft_bodies()) known = known || body.name() == p.body();
       s.check(known, f + ".body", "'{}' is no body of this scene", p.body());
       s.check(p.shell().empty() && !p.has_at(), f + ".body",
               "is given, and so is a point of a shell; give one of them");

@@ -23,6 +23,7 @@ from .motion import body_velocity, shell_velocity
 from .palette import GLASS, PARTS
 from .render import put_in_place, frames_of, pick, telling
 from .scene_text import Words, scene_words
+from .soft import with_soft
 
 FORMATS = ("ply", "gltf")
 TIMES = "frame_times.csv"
@@ -44,7 +45,8 @@ class Mesh:
 
 def mesh_of(frames: list[Frame], k: int) -> Mesh:
     """Frame k. Raises VtpError, OSError."""
-    shell, bodies = frames[k].read(SHELL), frames[k].read(BODIES)
+    shell = frames[k].read(SHELL)
+    bodies, moves = with_soft(frames[k], frames[k].read(BODIES), body_velocity(frames, k))
     points, velocity, triangles = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3), int)]
     names = ("fragment", "damage", "part", "body", "kind")
     columns: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in names}
@@ -60,7 +62,7 @@ def mesh_of(frames: list[Frame], k: int) -> Mesh:
     if bodies is not None:
         triangles.append(bodies.triangles + sum(map(len, points)))
         points.append(bodies.points)
-        velocity.append(body_velocity(frames, k))
+        velocity.append(moves)
         body = bodies.of_triangles("body", 0)
         none = np.full(len(body), -1)
         for name, values in zip(names, (body, 0.0 * body, none, body, bodies.of_triangles("kind", 0))):

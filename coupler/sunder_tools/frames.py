@@ -9,7 +9,7 @@ import numpy as np
 
 from .vtp import PolyData, VtpError, read_vtp
 
-SHELL, CRACKS, BODIES = 0, 1, 2                # `part` in frames.pvd
+SHELL, CRACKS, BODIES, SOFT = 0, 1, 2, 3       # `part` in frames.pvd
 MOVING, SHARD, STATIC, FROZEN = 0, 1, 2, 3     # `kind` of a triangle in bodies_*.vtp
 MEASURED_FRAMES = 240                          # at most so many are read to choose the panels
 

@@ -13,7 +13,7 @@ from .build import build_dir, ensure_built
 from .errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError, how_it_ended
 from .experiments import EXPERIMENTS, Table, run_experiments
 
-VALIDATIONS = ("shells", "seams", "cracks", "contact", "coupling", "engines", "extremes")
+VALIDATIONS = ("shells", "seams", "cracks", "contact", "soft", "coupling", "engines", "extremes")
 
 
 def _program(name: str) -> Path:

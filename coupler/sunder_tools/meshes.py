@@ -5,10 +5,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, STATIC, Frame
+from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, SOFT, STATIC, Frame
 from .look import Look, parts_of_bodies
 from .motion import shell_velocity
 from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
+from .soft import balls, colours as soft_colours, speeds
 from .vtp import PolyData
 
 WELD_M = 1e-6            # points closer than this are one when lines are looked for
@@ -46,7 +47,7 @@ class Scene:
     solid: Surface
     cracks: np.ndarray      # (k, 2, 3) ends of crack and fragment lines [m]
     outlines: np.ndarray    # (k, 2, 3) sharp edges of shards and frozen remains [m]
-    shards: np.ndarray      # (n, 3) corners of shards [m]
+    shards: np.ndarray      # (n, 3) corners of shards and soft bodies [m]
     moving: np.ndarray      # (n, 3) corners of the scene's own moving bodies [m]
     floor_z: float | None   # height of the lowest level static face [m]; None: there is none
     glass_opacity: float = 0.70  # of glass that one looks straight on
@@ -236,5 +237,12 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
                 ours.is_floor = level & (height < height[level].min() + 1e-4)
                 floor_z = float(height[level].min())
             solid.append(ours)
+    soft = frame.read(SOFT)
+    if soft is not None and len(soft.points):
+        points, triangles, particle, normals = balls(soft)
+        shown = ramp(speeds(soft)[particle] / look.fastest) if look.by == "speed" else soft_colours(soft, particle)
+        solid.append(_surface(points, triangles, shown))
+        solid[-1].smooth = normals
+        moving, shards = np.concatenate([moving, points]), np.concatenate([shards, points])  # what a picture has to hold
     return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z,
                  0.40 if several else 0.70)  # windows are for looking in, a pane is what there is to see

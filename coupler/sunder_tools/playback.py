@@ -18,6 +18,7 @@ from .motion import body_velocity, shell_velocity
 from .palette import PARTS
 from .report import read_run
 from .scene_text import Words, scene_words
+from .soft import with_soft
 from .vtp import PolyData
 
 CACHED_BYTES = 200 << 20
@@ -134,6 +135,7 @@ def pack_frame(frames: list[Frame], k: int) -> bytes:
     single precision from `origin` [m], so that what is small and far away stays sharp. Raises VtpError, OSError.
     """
     shell, cracks, bodies = (frames[k].read(part) for part in (SHELL, CRACKS, BODIES))
+    bodies, moves = with_soft(frames[k], bodies, body_velocity(frames, k))
     corners = [m.points for m in (shell, bodies) if m is not None and len(m.points)]
     box = np.concatenate(corners) if corners else np.zeros((1, 3))
     origin = 0.5 * (shell.points.min(0) + shell.points.max(0)) if shell is not None and len(shell.points) else box.mean(0)
@@ -150,7 +152,7 @@ def pack_frame(frames: list[Frame], k: int) -> bytes:
     if cracks is not None:
         lines.append(cracks.points[cracks.segments()])
     if bodies is not None:
-        arrays |= _mesh("bodies", bodies, body_velocity(frames, k), origin)
+        arrays |= _mesh("bodies", bodies, moves, origin)
         body = bodies.of_triangles("body", 0)
         arrays["bodies.body"] = body.astype("<i4")
         arrays["bodies.kind"] = bodies.of_triangles("kind", 0).astype("<i4")

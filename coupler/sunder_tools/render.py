@@ -19,7 +19,7 @@ from PIL import Image
 from .build import BUILD_DIR_VARIABLE, REPOSITORY
 from .errors import DONE, CommandError
 from .folder import existing_run
-from .frames import BODIES, SHELL, Frame, choose_frames, list_frames
+from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .install import FILM_PACKAGES, ensure_installed
 from .lettering import draw_text
 from .look import Look
@@ -27,6 +27,7 @@ from .meshes import load_scene
 from .motion import body_velocity, shell_velocity
 from .pictures import SAMPLES, boxes, time_text, towards_what_is_hit, write_contact_sheet
 from .raster import perspective_camera
+from .soft import speeds
 from .views import draw_scene
 from .vtp import VtpError
 
@@ -181,6 +182,8 @@ def _fastest(frames: list[Frame], numbers: Sequence[int]) -> float:
         shell = frames[numbers[k]].read(SHELL)
         speeds = [shell_velocity(shell)] if shell is not None else []
         speeds += [body_velocity(frames, numbers[k])] if BODIES in frames[numbers[k]].files else []
+        soft = frames[numbers[k]].read(SOFT)
+        top = max(top, float(speeds(soft).max(initial=0.0)) if soft is not None else 0.0)
         top = max([top] + [float(np.linalg.norm(v, axis=1).max(initial=0.0)) for v in speeds])
     return top or 1.0
 

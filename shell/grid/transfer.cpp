@@ -2,57 +2,13 @@
 
 #include <cstddef>
 
-#include "shell/grid/kernel.h"
+#include "shell/grid/stencil.h"
 
 namespace sunder::shell {
 namespace {
 
-constexpr int kBlocks = 8;  // that three nodes a direction can touch
-
-// One particle's nodes: weights, places, and how far off they lie, along each axis.
-struct Stencil {
-  Weights along[3];
-  double from[3][kNodes];  // [m]
-  Stencil(const std::vector<double>& x, std::size_t plane, std::size_t i, double spacing) {
-    for (int d = 0; d < 3; ++d) {
-      const double at = x[d * plane + i] / spacing;
-      along[d] = grid_weights(at);
-      for (int k = 0; k < kNodes; ++k) from[d][k] = (along[d].base + k - at) * spacing;
-    }
-  }
-  std::array<int, 3> low() const {
-    return {SparseGrid::block_of(along[0].base), SparseGrid::block_of(along[1].base),
-            SparseGrid::block_of(along[2].base)};
-  }
-  // f(node, weight, offset) of its 27 nodes, `blocks` as `find_blocks` left them
-  template <class F>
-  void each(const int* blocks, F&& f) const {
-    const std::array<int, 3> first = low();
-    for (int a = 0; a < kNodes; ++a)
-      for (int b = 0; b < kNodes; ++b) {
-        const int i = along[0].base + a, j = along[1].base + b;
-        const int* own = blocks + 4 * (SparseGrid::block_of(i) - first[0]) + 2 * (SparseGrid::block_of(j) - first[1]);
-        const double ab = along[0].w[a] * along[1].w[b];
-        for (int c = 0; c < kNodes; ++c) {
-          const int k = along[2].base + c;
-          const int block = own[SparseGrid::block_of(k) - first[2]];
-          const double offset[3] = {from[0][a], from[1][b], from[2][c]};
-          f(static_cast<std::size_t>(block) * SparseGrid::kBlock + SparseGrid::place_of(i, j, k), ab * along[2].w[c],
-            offset);
-        }
-      }
-  }
-};
-
-void find_blocks(SparseGrid& grid, const Stencil& s, int* blocks) {
-  const std::array<int, 3> low = s.low();
-  bool two[3];
-  for (int d = 0; d < 3; ++d) two[d] = SparseGrid::block_of(s.along[d].base + kNodes - 1) > low[d];
-  for (int n = 0; n < kBlocks; ++n) {
-    const std::array<int, 3> step{n >> 2, (n >> 1) & 1, n & 1};
-    const bool there = (!step[0] || two[0]) && (!step[1] || two[1]) && (!step[2] || two[2]);
-    blocks[n] = there ? grid.block({low[0] + step[0], low[1] + step[1], low[2] + step[2]}) : -1;
-  }
+Stencil stencil(const std::vector<double>& x, std::size_t plane, std::size_t i, double spacing) {
+  return Stencil(x[i], x[plane + i], x[2 * plane + i], spacing);
 }
 
 template <Transfer kKind>
@@ -62,7 +18,7 @@ void through(double spacing, std::size_t plane, const std::vector<double>& mass,
   b.grid.clear();
   b.block.resize(kBlocks * plane);
   for (std::size_t i = 0; i < plane; ++i)
-    if (mass[i] > 0.0) find_blocks(b.grid, Stencil(x, plane, i, spacing), &b.block[kBlocks * i]);
+    if (mass[i] > 0.0) find_blocks(b.grid, stencil(x, plane, i, spacing), &b.block[kBlocks * i]);
   b.momentum.assign(b.grid.nodes(), {});
   if constexpr (kKind == Transfer::kFlip) b.gain.assign(b.grid.nodes(), {});
   for (std::size_t i = 0; i < plane; ++i) {  // in order: the sums do not depend on threads
@@ -73,7 +29,7 @@ void through(double spacing, std::size_t plane, const std::vector<double>& mass,
     p[3] = m;
     if constexpr (kKind == Transfer::kApic)
       for (int e = 0; e < 9; ++e) slope[e] = m * affine[e * plane + i];
-    Stencil(x, plane, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
+    stencil(x, plane, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
       if constexpr (kKind == Transfer::kApic)
         for (int d = 0; d < 3; ++d)
           b.momentum[k][d] +=
@@ -95,7 +51,7 @@ void through(double spacing, std::size_t plane, const std::vector<double>& mass,
   for (std::size_t i = 0; i < plane; ++i) {
     if (mass[i] == 0.0) continue;
     double velocity[4] = {}, gain[4] = {}, slope[9] = {};
-    Stencil(x, plane, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
+    stencil(x, plane, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
       for (int d = 0; d < 4; ++d) velocity[d] += w * b.momentum[k][d];
       if constexpr (kKind == Transfer::kFlip)
         for (int d = 0; d < 4; ++d) gain[d] += w * b.gain[k][d];

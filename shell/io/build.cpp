@@ -9,6 +9,7 @@
 
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
+#include "shell/io/build_soft.h"
 #include "shell/solver/hertz.h"
 #include "shell/solver/stitching.h"
 
@@ -264,6 +265,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     }
     r.bodies.push_back(std::move(b));
   }
+  build_soft(
+      scene, [&](const std::string& name) { return groups[name] = static_cast<std::uint32_t>(groups.size()); }, r);
   for (const proto::BodyJoint& j : m.joints())
     r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies));
   for (const auto& p : m.output().probes())

@@ -8,6 +8,7 @@
 #include "shell/geometry/seams.h"
 #include "shell/io/probes.h"
 #include "shell/io/shell_setup.h"
+#include "shell/soft/soft_bodies.h"
 
 namespace sunder::shell {
 
@@ -38,6 +39,7 @@ struct RunSetup {
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellSetup> shells;
+  std::vector<SoftSetup> soft;
   Stitches stitches;         // between them
   bool shells_meet = false;  // contact between them, or of one with itself
   std::uint64_t seed = 0;

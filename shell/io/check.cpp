@@ -102,7 +102,7 @@ double megabytes(const ShellState& s) {
 
 std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup) {
   std::string out = fmt::format("scene          {}\nbodies         {}\n", setup.name, setup.bodies.size());
-  if (setup.shells.empty()) return out;
+  if (setup.shells.empty()) return out + soft_report(scene, setup);
   std::vector<std::unique_ptr<ShellState>> states;
   std::vector<const ShellModel*> models;
   std::vector<ShellRef> refs;
@@ -153,7 +153,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
       "               cracks can make a substep some three times as long; bodies alone come on top\n",
       substeps * cost / 60.0, 1e3 * cost);
   out += fmt::format("memory         about {:.0f} MB\n", memory);
-  return out;
+  return out + soft_report(scene, setup);
 }
 
 }  // namespace sunder::shell

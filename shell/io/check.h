@@ -10,4 +10,7 @@ namespace sunder::shell {
 /// the fracture energy. Throws Error at the scene's place where the window is shorter than the stable step.
 std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup);
 
+/// Its part about soft bodies, their cost measured now.
+std::string soft_report(const scene::LoadedScene& scene, const RunSetup& setup);
+
 }  // namespace sunder::shell

@@ -77,6 +77,7 @@ void Run::archive_members(A& a) {
     for (RigidBody& b : bodies) proxies_.emplace_back(std::move(b));
   }
   archive_one(a, stitching_);
+  soft_.archive_state(a);
   for (ShellPart& part : parts_) {
     archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure,
                 part.changed, part.initial_step, part.smallest_step, part.hertz_speed);
@@ -96,6 +97,7 @@ void Run::save_checkpoint() {
   // What is only kept for speed starts anew on both ways on from here.
   for (ShellPart& part : parts_) part.candidates = {};
   if (shell_contact_) shell_contact_->forget();
+  soft_.forget();
   rows_.clear();
   next_checkpoint_ = std::max(next_checkpoint_ + setup_.checkpoint_interval, time() + 0.5 * setup_.checkpoint_interval);
   ArchiveWriter a;

@@ -52,6 +52,7 @@ void Run::choose_exported() {
   if (windows_ % kStiffnessEvery != 0) return;
   std::vector<double> hardness(proxies_.size(), 0.0);
   for (ShellPart& part : parts_) add_hardness(part, hardness);
+  add_soft_hardness(hardness);
   for (std::size_t i = 0; i < proxies_.size(); ++i) {
     hardest_ = std::max(hardest_, hardness[i]);
     if (hardness[i] > rules.export_above) exported_until_[proxies_[i].body.id] = windows_ + kHeldWindows;

@@ -303,6 +303,36 @@ void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
   }
 }
 
+// Particles as points. `radius`: of a ball with a particle's volume; `surface`: 1 where it carries faces, `normal` the
+// sum of theirs.
+VtpMesh soft_mesh(const SoftBodies& soft) {
+  VtpMesh mesh;
+  VtpArray velocity{"velocity", 3, {}}, volume{"J", 1, {}}, stress{"von_mises", 1, {}}, radius{"radius", 1, {}},
+      surface{"surface", 1, {}}, normal{"normal", 3, {}}, body{"soft_body", 1, {}};
+  for (std::size_t i = 0; i < soft.models().size(); ++i) {
+    const SoftModel& m = soft.models()[i];
+    const SoftState& s = soft.states()[i];
+    const std::size_t first = mesh.points.size();
+    for (std::size_t p = 0; p < s.x.size(); ++p) {
+      const double j = s.f[p].determinant();
+      mesh.verts.push_back(static_cast<int>(mesh.points.size()));
+      mesh.points.push_back(s.x[p]);
+      velocity.values.insert(velocity.values.end(), {s.v[p].x(), s.v[p].y(), s.v[p].z()});
+      volume.values.push_back(j), stress.values.push_back(von_mises(m, s.f[p]));
+      radius.values.push_back(std::cbrt(0.75 / std::numbers::pi * j * m.mass[p] / m.material.density));
+      surface.values.push_back(0.0), body.values.push_back(static_cast<double>(i));
+    }
+    normal.values.resize(3 * mesh.points.size(), 0.0);
+    for (const SoftSurface& f : m.surface) {
+      surface.values[first + f.particle] = 1.0;
+      const Vec3 n = s.surface_normal(f).normalized();  // of an edge: the sum
+      for (int d = 0; d < 3; ++d) normal.values[3 * (first + f.particle) + d] += n[d];
+    }
+  }
+  mesh.point_data = {velocity, volume, stress, radius, surface, normal, body};
+  return mesh;
+}
+
 }  // namespace
 
 FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
@@ -311,8 +341,8 @@ FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
   if (error) throw Error(Exit::kBadInput, "bad_output", fmt::format("{}/frames: {}", folder_, error.message()));
 }
 
-void FrameWriter::write(double time, const std::vector<ShellView>& shells, const std::vector<RigidBody>& bodies,
-                        BodyId first_shard) {
+void FrameWriter::write(double time, const std::vector<ShellView>& shells, const SoftBodies& soft,
+                        const std::vector<RigidBody>& bodies, BodyId first_shard) {
   const auto put = [&](int part, const char* kind, const VtpMesh& mesh) {
     const std::string name = fmt::format("frames/{}_{:06d}.vtp", kind, count_);
     write_vtp(folder_ + "/" + name, mesh);
@@ -336,6 +366,7 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells, const
   }
   out.mesh.cell_data = {out.body, out.kind};
   put(2, "bodies", out.mesh);
+  if (!soft.empty()) put(3, "soft", soft_mesh(soft));
   ++count_;
   write_atomically(folder_ + "/frames.pvd",
                    "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"0.1\" "

@@ -6,6 +6,7 @@
 
 #include "coupler/core/body.h"
 #include "shell/io/probes.h"
+#include "shell/soft/soft_bodies.h"
 #include "shell/solver/handoff.h"
 
 namespace sunder::shell {
@@ -14,8 +15,8 @@ class FrameWriter {
  public:
   explicit FrameWriter(std::string folder);
   /// Without shells only bodies are written. Shards start at body id `first_shard`.
-  void write(double time, const std::vector<ShellView>& shells, const std::vector<RigidBody>& bodies,
-             BodyId first_shard);
+  void write(double time, const std::vector<ShellView>& shells, const SoftBodies& soft,
+             const std::vector<RigidBody>& bodies, BodyId first_shard);
   /// From now on the body is drawn as this mesh, not as its convex parts.
   void draw_as(BodyId id, DrawnMesh mesh) { drawn_[id] = std::move(mesh); }
   int count() const { return count_; }

@@ -57,16 +57,20 @@ std::string probe_header(const std::vector<Probe>& probes) {
 }
 
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellView>& shells,
-                      const std::vector<BodyMotion>& bodies, double time, const Vec3& gravity) {
+                      const std::vector<BodyMotion>& bodies, const std::vector<BodyMotion>& soft, double time,
+                      const Vec3& gravity) {
   std::string out = fmt::format("{:.9g}", time);
   const auto three = [&](const Vec3& v) { out += fmt::format(",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z()); };
-  for (const Probe& p : probes)
-    if (p.body >= 0)
-      three(bodies[p.body].position), three(bodies[p.body].velocity);
-    else if (!shells.empty())
+  for (const Probe& p : probes) {
+    if (p.body >= 0) {
+      const BodyMotion& b = (p.soft ? soft : bodies)[p.body];
+      three(b.position), three(b.velocity);
+    } else if (!shells.empty()) {
       three(displacement(*shells[p.shell].model, *shells[p.shell].state, p.at));
-    else
+    } else {
       out += ",,,";
+    }
+  }
   Vec3 sum = Vec3::Zero();
   for (const ShellView& s : shells) sum += reaction(*s.model, *s.state, gravity);
   if (!shells.empty())

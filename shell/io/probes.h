@@ -13,6 +13,7 @@ struct Probe {
   int shell = -1;          // index; -1: of a body
   Vec2 at = Vec2::Zero();  // parameters [m]
   int body = -1;           // index; -1: of a shell
+  bool soft = false;       // the body is a soft one
 };
 
 /// First line of probes.csv: time, displacement of each point and motion of each body, reaction of all supports.
@@ -27,7 +28,8 @@ struct ShellView {
 /// what supports exert on the shell, with the forces that the state holds: along each axis minus the sum over control
 /// points that they hold or drive.
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellView>& shells,
-                      const std::vector<BodyMotion>& bodies, double time, const Vec3& gravity);
+                      const std::vector<BodyMotion>& bodies, const std::vector<BodyMotion>& soft, double time,
+                      const Vec3& gravity);
 
 /// Displacement [m] of the material point, with the functions of the uncut patch.
 Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);

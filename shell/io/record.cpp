@@ -42,7 +42,7 @@ void Run::write_frame() {
   std::vector<ShellView> shells;
   for (const ShellPart& part : parts_)
     if (part.state) shells.push_back({&part.model(), part.state.get()});
-  frames_.write(time(), shells, bodies, first_shard_);
+  frames_.write(time(), shells, soft_, bodies, first_shard_);
   const double interval = solving() ? setup_.shell_frame_interval : setup_.frame_interval;
   next_frame_ = std::max(next_frame_ + interval, time() + 0.5 * interval);  // a late one does not delay the next
   write_atomically(options_.out + "/series.csv", series_);
@@ -62,7 +62,7 @@ void Run::write_probes() {
   std::vector<ShellView> shells;
   for (const ShellPart& part : parts_)
     if (part.state) shells.push_back({&part.model(), part.state.get()});
-  probes_ += probe_row(setup_.probes, shells, motions, time(), setup_.gravity);
+  probes_ += probe_row(setup_.probes, shells, motions, soft_motions(), time(), setup_.gravity);
   next_probe_ = std::max(next_probe_ + setup_.probe_interval, time() + 0.5 * setup_.probe_interval);
 }
 
@@ -104,6 +104,10 @@ std::string Run::state_hash() const {
     h.add(s.x), h.add(s.v);
     h.add(s.c_his.data(), s.c_his.size() * sizeof(float));
     for (const CrackEdge& e : s.cracks.edges()) h.add(std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
+  }
+  for (const SoftState& s : soft_.states()) {
+    h.add(s.x.data(), s.x.size() * sizeof(Vec3)), h.add(s.v.data(), s.v.size() * sizeof(Vec3));
+    h.add(s.f.data(), s.f.size() * sizeof(Mat3));
   }
   for (const Proxy& p : proxies_) {
     const BodyMotion& m = p.body.motion;
@@ -226,7 +230,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
       number(kinetic_), number(elastic_), number(b.fracture), number(b.plastic), number(b.healing), number(b.external),
       number(b.contact), number(b.damping), number(b.transfer), number(b.handoff), number(b.injected), number(b.frozen),
       number(engine_loss_), number(residual_));
-  if (solving() && status != "running") {  // not for every frame: it takes a pass over all points
+  if (solving() && !parts_.empty() && status != "running") {  // not for every frame: it takes a pass over all points
     for (const ShellPart& part : parts_) {
       const auto [before, after] = surface_area(part.model(), *part.state);
       rest += before, now += after;
@@ -254,6 +258,9 @@ void Run::write_summary(const std::string& status, const Error* error) {
   j += shards_summary();
   j +=
       fmt::format("  \"stable_step\": {{\"initial_s\": {}, \"smallest_s\": {}}},\n", number(initial), number(smallest));
+  if (!soft_.empty())
+    j += fmt::format("  \"soft\": {{\"particles\": {}, \"stable_step_s\": {}}},\n", soft_particles(),
+                     number(soft_.stable_step()));
   std::string models;
   const auto model = [&](const char* name, const char* why, const char* stage) {
     const auto it = stage_s_.find(stage);
@@ -273,6 +280,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
   if (has_grid_transfer()) model("grid_transfer", "the scene sends velocities through a grid", "transfer");
   if (!setup_.shells.empty() && !setup_.bodies.empty())
     model("shell_contact", "bodies can meet the shells", "rigid_contact");
+  if (!soft_.empty()) model("soft_particles", "the scene has a soft body", "soft_bodies");
   if (setup_.shells_meet) model("contact_between_shells", "shells can meet", "shell_contact");
   if (!setup_.stitches.seams.empty()) model("seams", "shells hang together", "internal_force");
   if (any([](const ShellSetup& s) { return s.tips; }))

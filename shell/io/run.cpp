@@ -45,6 +45,7 @@ void Run::start() {
   // a thread for less than this costs more in waiting than it brings; results are the same for any number
   int points = 0;
   for (const ShellSetup& s : setup_.shells) points += s.model.tables.gauss_points();
+  points = std::max(points, soft_particles());
   if (points > 0) options_.threads = std::min(options_.threads, 1 + points / kPointsPerThread);
   if (setup_.shells.size() > 1) {
     at_once_ = std::min(options_.threads, static_cast<int>(setup_.shells.size()));
@@ -76,6 +77,7 @@ void Run::start() {
             laws[i][k] = {law.friction, law.restitution};
     shell_contact_ = std::make_unique<ShellContact>(models, setup_.stitches.seams, std::move(laws));
   }
+  soft_ = SoftBodies(setup_.soft, models.size(), setup_.laws);
   if (options_.resume) {
     load_checkpoint();
     write_summary("running", nullptr);
@@ -94,7 +96,7 @@ void Run::start() {
     const double mass = std::accumulate(part.state->mass.begin(), part.state->mass.end(), 0.0);
     round_off += 0.5 * kRoundOffStrain * kRoundOffStrain * material.youngs_modulus * mass / material.density;
   }
-  energy_scale_ = std::max(energy_scale_, round_off);
+  energy_scale_ = std::max(energy_scale_, round_off + soft_energy(kRoundOffStrain));
   series_ =
       "time [s],kinetic [J],elastic [J],fracture [J],injected [J],contact [J],damping [J],handoff [J],frozen "
       "[J],engine "
@@ -171,6 +173,7 @@ ContactCoefficients Run::against(const ShellModel& shell, const RigidBody& body)
 
 EnergyBook Run::book() const {
   EnergyBook sum = book_;
+  if (!soft_.empty()) sum += soft_.book();
   for (const ShellPart& part : parts_)
     if (part.state) sum += part.state->book;
   return sum;
@@ -235,6 +238,10 @@ double Run::total_energy(double dt) {
   kinetic_ = elastic_ = 0.0;
   for (const Proxy& p : proxies_) kinetic_ += p.body.kinetic_energy();
   if (!solving()) return sum;
+  if (!soft_.empty()) {
+    const SoftSums soft = soft_.sums(setup_.gravity);
+    kinetic_ += soft.kinetic, elastic_ += soft.elastic, sum += soft.kinetic + soft.potential;
+  }
   for (const ShellPart& part : parts_) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
@@ -285,6 +292,7 @@ void Run::substep(double dt) {
     }
     engine_loss_ += rows_.solve(dt);
   }
+  if (!soft_.empty()) soft_contact(dt);
   if (shell_contact_) {
     Stopwatch w(stage_s_["shell_contact"]);
     shell_contact_->act(refs(), dt);
@@ -302,6 +310,7 @@ void Run::substep(double dt) {
   Stopwatch w(stage_s_["kick_drift"]);
   if (!stitching_.empty()) stitching_.follow(refs());  // where supports have held or moved those that are followed
   for (ShellPart& part : parts_) drift(part.model(), *part.state, dt);
+  if (soft_left_ > 0 && --soft_left_ == 0) soft_.finish(options_.threads);
   for (Proxy& p : proxies_)
     if (!p.body.is_static) p.body.drift(dt);
 }
@@ -323,6 +332,7 @@ void Run::crack(ShellPart& part, int k, int n, double dt) {
 void Run::take_substeps(int n, double dt) {
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
+    soft_most_ = n - k;
     substep(dt);
     if (++substeps_ % kCompressionInterval == 0) try {
         for (const ShellPart& part : parts_) check_compression(part.model(), *part.state);
@@ -349,7 +359,8 @@ void Run::shell_window() {
   const double taken = setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
   window_ticks_ = static_cast<int>(std::min<std::int64_t>(window_ticks_, end_tick() - tick_));
   const double window = window_ticks_ * setup_.tick;
-  const double needed = std::ceil(setup_.tick / taken * (1.0 - 1e-12));
+  double needed = std::ceil(setup_.tick / taken * (1.0 - 1e-12));
+  if (!soft_.empty()) needed = soft_substeps(needed);
   if (!(needed * setup_.coupling.ticks <= kMostSubsteps)) {
     Error e(
         Exit::kPhysics, "substeps",
@@ -389,7 +400,7 @@ void Run::shell_window() {
     energy = total_energy(dt);
   }
   const EnergyBook books = book();
-  double least = 0.0;  // a strain of 1e-3 in one element: where all starts at rest
+  double least = soft_energy(1e-3);  // a strain of 1e-3, of shells in one element: where all starts at rest
   for (const ShellSetup& s : setup_.shells)
     least += 5e-7 * s.model.material.youngs_modulus * s.model.thickness * s.model.spacing * s.model.spacing;
   const double most = 100.0 * (energy_scale_ + std::abs(reference_energy_) + std::abs(books.external) + least);

@@ -16,6 +16,7 @@
 #include "shell/io/frames.h"
 #include "shell/io/part.h"
 #include "shell/io/trace.h"
+#include "shell/soft/soft_bodies.h"
 #include "shell/solver/shell_contact.h"
 #include "shell/solver/step.h"
 
@@ -97,7 +98,8 @@ class Run {
     for (const std::exception_ptr& e : errors_)
       if (e) std::rethrow_exception(e);
   }
-  bool solving() const { return !parts_.empty() && parts_.front().state; }  // shells are not frozen yet
+  // Shells are not frozen yet; with soft bodies they never are.
+  bool solving() const { return !soft_.empty() || (!parts_.empty() && parts_.front().state); }
   ContactCoefficients against(const ShellModel& shell, const RigidBody& body) const;
   bool has_grid_transfer() const {
     return std::any_of(setup_.shells.begin(), setup_.shells.end(),
@@ -135,6 +137,13 @@ class Run {
   void substep(double dt);
   void crack(ShellPart& part, int k, int n, double dt);  // after substep k of n
   void take_substeps(int n, double dt);
+  // soft_run.cpp
+  double soft_substeps(double needed) const;  // of a tick, where shells need so many
+  void soft_contact(double dt);
+  int soft_particles() const;
+  double soft_energy(double strain) const;  // that they store at such a strain [J]
+  void add_soft_hardness(std::vector<double>& hardness) const;
+  std::vector<BodyMotion> soft_motions() const;
   std::int64_t end_tick() const { return std::llround(setup_.end_time / setup_.tick); }
   // coupling.cpp
   std::vector<link::Motion> motions() const;
@@ -181,9 +190,11 @@ class Run {
   std::vector<std::exception_ptr> errors_;   // scratch of side_by_side()
   Stitching stitching_;                          // of them
   std::unique_ptr<ShellContact> shell_contact_;  // between them; null: they cannot meet
-  int at_once_ = 1;                              // shells that are solved at the same time; each then by one thread
-  std::vector<char> tips_;                       // which of them crack at tips
-  std::vector<Proxy> proxies_;                   // moving and static bodies of the scene and shards, by id
+  SoftBodies soft_;
+  int soft_left_ = 0, soft_most_ = 0;  // substeps until their step ends, and until the window does
+  int at_once_ = 1;                    // shells that are solved at the same time; each then by one thread
+  std::vector<char> tips_;             // which of them crack at tips
+  std::vector<Proxy> proxies_;         // moving and static bodies of the scene and shards, by id
   const std::atomic<bool>* interrupted_ = nullptr;
   std::uint64_t random_ = 0;
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;

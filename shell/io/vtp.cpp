@@ -47,9 +47,9 @@ void write_vtp(const std::string& path, const VtpMesh& mesh) {
   std::string head = fmt::format(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n"
-      "<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
+      "<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
       "NumberOfPolys=\"{}\">\n",
-      mesh.points.size(), mesh.lines.size(), mesh.polygons.size());
+      mesh.points.size(), mesh.verts.size(), mesh.lines.size(), mesh.polygons.size());
   VtpArray points{"Points", 3, {}};
   for (const Vec3& p : mesh.points) points.values.insert(points.values.end(), {p.x(), p.y(), p.z()});
   head += "<PointData>\n";
@@ -57,6 +57,11 @@ void write_vtp(const std::string& path, const VtpMesh& mesh) {
   head += "</PointData>\n<CellData>\n";
   for (const auto& a : mesh.cell_data) head += data_array(data, a);
   head += "</CellData>\n<Points>\n" + data_array(data, points) + "</Points>\n";
+  if (!mesh.verts.empty()) {
+    std::vector<std::vector<int>> single;
+    for (const int v : mesh.verts) single.push_back({v});
+    head += cells(data, "Verts", single);
+  }
   head += cells(data, "Lines", mesh.lines) + cells(data, "Polys", mesh.polygons);
   head += "</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
   write_atomically(path, head + data.bytes + "\n</AppendedData>\n</VTKFile>\n");

@@ -16,6 +16,7 @@ struct VtpArray {
 struct VtpMesh {
   std::vector<Vec3> points;
   std::vector<std::vector<int>> polygons, lines;
+  std::vector<int> verts{};  // points that are cells, before lines and polygons
   std::vector<VtpArray> point_data, cell_data;
 };
 

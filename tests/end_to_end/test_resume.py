@@ -12,6 +12,7 @@ TOP = Path(__file__).resolve().parents[2]
 BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
 SUNDER = [str(TOP / "coupler" / "sunder")]
 SCENE = str(TOP / "scenes" / "cut_pane.textproto")
+SOFT = str(TOP / "scenes" / "soft_ball.textproto")
 OFTEN = [part for setting in ("output.checkpoint_interval_s=3e-4", "output.frame_interval_s=1",
                               "output.shell_frame_interval_s=1") for part in ("--set", setting)]
 
@@ -31,9 +32,9 @@ class Resume(unittest.TestCase):
         self.addCleanup(self._folder.cleanup)
         self.here = Path(self._folder.name)
 
-    def run_to(self, name: str, until: str, *more: str) -> Path:
+    def run_to(self, name: str, until: str, *more: str, scene: str = SCENE) -> Path:
         folder = self.here / name
-        done = sunder("run", SCENE, "--out", str(folder), "--until", until, "--quiet", *OFTEN, *more)
+        done = sunder("run", scene, "--out", str(folder), "--until", until, "--quiet", *OFTEN, *more)
         self.assertEqual(done.returncode, 0, done.stderr)
         return folder
 
@@ -47,6 +48,14 @@ class Resume(unittest.TestCase):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(state(part), state(whole))
                 self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+
+    def test_soft_bodies_go_on_to_the_bit(self) -> None:
+        whole = self.run_to("whole", "0.012", scene=SOFT)  # the ball is thrown back by the sheet
+        part = self.run_to("part", "0.006", scene=SOFT)  # and pressed into it
+        done = sunder("run", "--resume", str(part), "--until", "0.012", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(state(part), state(whole))
+        self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
 
     def test_refuses_what_is_no_checkpoint_of_this_run(self) -> None:
         part = self.run_to("part", "0.0008")

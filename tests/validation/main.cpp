@@ -73,11 +73,9 @@ void write_json(const std::string& path, const Report& report) {
 int main(int argc, char** argv) {
   std::string only, json;
   int threads = 1;
-  std::map<std::string, std::vector<Case>> all{{"shells", static_cases()},
-                                               {"cracks", crack_cases()},
-                                               {"coupling", coupling_cases()},
-                                               {"contact", contact_cases()},
-                                               {"seams", seam_cases()}};
+  std::map<std::string, std::vector<Case>> all{{"shells", static_cases()},     {"cracks", crack_cases()},
+                                               {"coupling", coupling_cases()}, {"contact", contact_cases()},
+                                               {"soft", soft_cases()},         {"seams", seam_cases()}};
   const std::map<std::string, std::vector<Case>> on_demand{{"coupling", long_coupling_cases()}};
   for (const auto& more : {dynamic_cases(), transfer_cases()})
     all["shells"].insert(all["shells"].end(), more.begin(), more.end());

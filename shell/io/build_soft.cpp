@@ -1,0 +1,112 @@
+#include "shell/io/build_soft.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "shell/contact/proxy.h"
+#include "shell/io/build_shell.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kMostParticles = 4e6;
+constexpr double kTouching = 1e-6;  // of the spacing: what touches at the start is not inside
+
+// Shape about the pose of the message, and its volume [m^3].
+std::pair<Shape, double> shape_of(const scene::LoadedScene& scene, const proto::SoftBody& m, const std::string& field) {
+  if (m.has_sphere()) {
+    const double r = m.sphere().radius_m();
+    return {SphereShape{r}, 4.0 / 3.0 * std::numbers::pi * r * r * r};
+  }
+  if (m.has_box()) {
+    const Vec3 size = scene::to_vec(m.box().size_m());
+    return {BoxShape{0.5 * size}, size.prod()};
+  }
+  const scene::Hull hull = scene::read_mesh(scene, field + ".mesh", m.mesh());
+  double volume = 0.0;
+  const Vec3 origin = hull.corners[0];
+  for (const auto& [i, j, k] : hull.triangles)
+    volume += (hull.corners[i] - origin).dot((hull.corners[j] - origin).cross(hull.corners[k] - origin)) / 6.0;
+  return {ConvexShape{{hull.corners}}, volume};
+}
+
+double smallest_extent(const Shape& shape) {
+  if (const auto* s = std::get_if<SphereShape>(&shape)) return 2.0 * s->radius;
+  if (const auto* s = std::get_if<BoxShape>(&shape)) return 2.0 * s->half_size.minCoeff();
+  Eigen::AlignedBox3d box;
+  if (const auto* s = std::get_if<ConvexShape>(&shape))
+    for (const auto& part : s->parts)
+      for (const Vec3& c : part) box.extend(c);
+  return box.sizes().minCoeff();
+}
+
+// How far the nearest point of the surface is from the solid [m].
+double clearance(const SoftModel& m, const Proxy& solid) {
+  double least = 1e300;
+  for (const SoftSurface& f : m.surface)
+    least = std::min(least, solid.distance(m.rest[f.particle] + f.depth * f.normal).value);
+  return least;
+}
+
+}  // namespace
+
+void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32_t(const std::string&)>& group,
+                RunSetup& r) {
+  std::vector<Proxy> solids;
+  for (int i = 0; i < scene.message.soft_bodies_size(); ++i) {
+    const proto::SoftBody& m = scene.message.soft_bodies(i);
+    const std::string field = fmt::format("soft_bodies[{}]", i);
+    const proto::Material& q = *find_material(scene.message, m.material());
+    const auto [shape, volume] = shape_of(scene, m, field);
+    RigidBody body;
+    body.name = m.name(), body.shape = shape;
+    body.motion.position = scene::to_vec(m.pose().position());
+    body.motion.orientation = scene::to_quat(m.pose());
+    const double cells = soft_cells(shape, m.spacing_m()), extent = smallest_extent(shape);
+    scene.check(cells <= kMostParticles, field + ".spacing_m", "is {} m, which makes {:.3g} particles; at most {:.0g}",
+                m.spacing_m(), cells, kMostParticles);
+    scene.check(m.spacing_m() <= 0.5 * extent * (1.0 + 1e-9), field + ".spacing_m",
+                "is {} m, and '{}' {:.3g} m at its narrowest; at most half of that, a sixth resolves its bending",
+                m.spacing_m(), m.name(), extent);
+    const double grid = m.has_grid_spacing_m() ? m.grid_spacing_m() : 2.0 * m.spacing_m();
+    SoftSetup soft;
+    soft.model = make_soft(m.name(), {q.density(), q.youngs_modulus(), q.poisson_ratio()}, shape, body.motion,
+                           m.spacing_m(), grid, volume);
+    soft.model.contact_group = group(m.name());
+    soft.velocity = scene::to_vec(m.twist().linear()), soft.angular = scene::to_vec(m.twist().angular());
+    const Proxy& solid = solids.emplace_back(body);
+    const double allowed = -kTouching * soft.model.spacing;
+    for (const RigidBody& b : r.bodies) {
+      const Proxy other(b);
+      scene.check(
+          other.radius() >= soft.model.spacing, field + ".spacing_m",
+          "is {} m, and body '{}' {:.3g} m in half: it could pass between the particles; take a smaller spacing",
+          m.spacing_m(), b.name, other.radius());
+      double apart = clearance(soft.model, other);
+      if (std::isfinite(other.radius())) apart = std::min(apart, solid.distance(b.motion.position).value);
+      scene.check(apart >= allowed, field + ".pose", "'{}' starts {:.3g} m inside body '{}'; move it away", m.name(),
+                  -apart, b.name);
+    }
+    for (const ShellSetup& shell : r.shells) {
+      const ShellModel& s = shell.model;
+      double least = 1e300;
+      for (int block = 0; block < s.tables.blocks(); ++block)
+        for (int e = 0; e < s.tables.spans_u; ++e)
+          least = std::min(
+              least, solid.distance(s.patch.evaluate(gauss_point(s.patch, s.tables, block, e).parameter).x).value);
+      scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + ".pose",
+                  "'{}' starts {:.3g} m inside shell '{}'; move it away", m.name(), 0.5 * s.thickness - least, s.name);
+    }
+    for (std::size_t k = 0; k < r.soft.size(); ++k) {
+      const double apart = std::min(clearance(soft.model, solids[k]), clearance(r.soft[k].model, solid));
+      scene.check(apart >= allowed, field + ".pose", "'{}' starts {:.3g} m inside soft body '{}'; move it away",
+                  m.name(), -apart, r.soft[k].model.name);
+    }
+    for (const auto& p : scene.message.output().probes())
+      if (p.body() == m.name()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i, true});
+    r.soft.push_back(std::move(soft));
+  }
+}
+
+}  // namespace sunder::shell

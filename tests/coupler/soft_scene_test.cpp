@@ -1,0 +1,99 @@
+// Soft bodies of a scene: what is refused, with field and remedy.
+#include "tests/coupler/small_scene.h"
+
+namespace {
+
+using namespace small_scene;
+
+const std::string kBall = R"(soft_bodies {
+  name: "soft"
+  material: "rubber"
+  sphere { radius_m: 0.05 }
+  pose { position { x: 0.3 z: 0.1 } }
+  spacing_m: 0.01
+}
+)";
+const std::string kRubber = "materials { name: \"rubber\" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.45 }\n";
+
+std::string scene(const std::string& from = "", const std::string& to = "", const std::string& more = "") {
+  std::string text = kScene + kRubber + kBall + more;
+  if (from.empty()) return text;
+  const std::size_t at = text.rfind(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says) {
+  const sunder::Error e = refusal(text);
+  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << e.what();
+  EXPECT_EQ(e.field, field) << e.what();
+  EXPECT_GT(e.line, 0) << e.what();
+  for (const std::string& part : says) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+}
+
+}  // namespace
+
+TEST(SoftScene, IsAcceptedAndSaysWhatItCosts) {
+  EXPECT_EQ(refusal(scene()).kind, "accepted") << refusal(scene()).what();
+  EXPECT_EQ(refusal(scene("sphere { radius_m: 0.05 }", "box { size_m { x: 0.1 y: 0.05 z: 0.04 } }")).kind, "accepted");
+  const std::string path = own_file("soft_scene_test.textproto");
+  std::ofstream(path) << scene();
+  const auto loaded = sunder::scene::load(path, {});
+  const std::string report = sunder::shell::check_report(loaded, sunder::shell::build(loaded));
+  std::remove(path.c_str());
+  for (const char* part : {"soft body      soft", "particles", "grid spacing   0.02 m", "stable step"})
+    EXPECT_NE(report.find(part), std::string::npos) << report;
+}
+
+TEST(SoftScene, RefusesWhatIsMissingOrOutOfRange) {
+  const std::string f = "soft_bodies[0]";
+  expect_refusal(scene("name: \"soft\"", "name: \"pane\""), f + ".name", {"used twice"});
+  expect_refusal(scene("material: \"rubber\"", "material: \"ruber\""), f + ".material", {"is no material"});
+  expect_refusal(scene("  sphere { radius_m: 0.05 }\n", ""), f, {"give sphere, box or mesh"});
+  expect_refusal(scene("radius_m: 0.05", "radius_m: -1"), f + ".sphere.radius_m", {"must be positive"});
+  expect_refusal(scene("  spacing_m: 0.01\n", ""), f + ".spacing_m", {"is missing"});
+  expect_refusal(scene("spacing_m: 0.01", "spacing_m: nan"), f + ".spacing_m", {"must be positive"});
+  expect_refusal(scene("spacing_m: 0.01", "spacing_m: 0.06"), f + ".spacing_m", {"at most half of that"});
+  expect_refusal(scene("spacing_m: 0.01", "spacing_m: 1e-4"), f + ".spacing_m", {"particles; at most"});
+  expect_refusal(scene("spacing_m: 0.01", "spacing_m: 0.01 grid_spacing_m: 0.005"), f + ".grid_spacing_m",
+                 {"0.5 times spacing_m"});
+  expect_refusal(scene("spacing_m: 0.01", "spacing_m: 0.01 twist { linear { z: inf } }"), f + ".twist.linear",
+                 {"must be finite"});
+}
+
+TEST(SoftScene, RefusesMaterialsThatItDoesNotKnow) {
+  const std::string f = "soft_bodies[0].material";
+  expect_refusal(scene("poisson_ratio: 0.45 }", "}"), f, {"a soft body needs both"});
+  expect_refusal(scene("poisson_ratio: 0.45", "poisson_ratio: -0.2"), f, {"is 0 or more"});
+  expect_refusal(scene("poisson_ratio: 0.45", "poisson_ratio: 0.45 strength: 1e6 fracture_energy: 10"), f,
+                 {"has a strength", "name a material without"});
+  expect_refusal(scene("poisson_ratio: 0.45", "poisson_ratio: 0.45 mass_damping_per_s: 1"), f,
+                 {"has a mass_damping_per_s"});
+}
+
+TEST(SoftScene, RefusesWhatStartsInsideSomething) {
+  const std::string f = "soft_bodies[0].pose";
+  expect_refusal(scene("x: 0.3 z: 0.1", "x: 0.06 z: 0.1"), f, {"inside body 'ball'"});
+  expect_refusal(scene("x: 0.3 z: 0.1", "x: 0.2 z: 0.04"), f, {"inside shell 'pane'"});
+  std::string second = kBall;
+  second.replace(second.find("\"soft\""), 6, "\"other\"");
+  second.replace(second.find("x: 0.3"), 6, "x: 0.38");
+  expect_refusal(scene("", "", second), "soft_bodies[1].pose", {"inside soft body 'soft'"});
+  std::string coarse = scene("spacing_m: 0.01", "spacing_m: 0.02");
+  coarse.replace(coarse.find("radius_m: 0.02"), 14, "radius_m: 0.016");
+  expect_refusal(coarse, "soft_bodies[0].spacing_m", {"could pass between the particles"});
+}
+
+TEST(SoftScene, RefusesWhatDoesNotGoWithIt) {
+  expect_refusal(scene("", "", "contacts { first: \"soft\" second: \"pane\" restitution: 0.5 }\n"),
+                 "contacts[0].restitution", {"bounce by their elasticity"});
+  expect_refusal(scene("", "", "contacts { first: \"soft\" second: \"soft\" friction: 0.5 }\n"), "contacts[0].second",
+                 {"touches itself by its own grid"});
+  expect_refusal(scene("", "", "contacts { first: \"soft\" second: \"ball\" hertz {} }\n"), "contacts[0].hertz",
+                 {"a body that is a sphere"});
+  expect_refusal(scene("", "", "fracture { latest_freeze_s: 0.1 }\n"), "fracture.latest_freeze_s", {"leave it out"});
+  expect_refusal(scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"take PROXY or EXPORTED"});
+  expect_refusal(
+      scene("  sphere { radius_m: 0.02 }\n", "  sphere { radius_m: 0.02 } launch { speed: 1 target: \"soft\" }\n"),
+      "bodies[0].launch.target", {"is a soft body"});
+}
