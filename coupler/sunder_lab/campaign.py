@@ -89,12 +89,12 @@ class Campaign:
     def run(self, planned: list[Planned]) -> None:
         """Runs what is not done; what failed earlier is tried once more."""
         places = {self.place(p.member): p for p in planned}
-        todo = [place for place in places if not is_done(place)]
-        self.say(f"{len(places)} runs, {len(places) - len(todo)} of them done already")
-        if not todo:
+        remaining = [place for place in places if not is_done(place)]
+        self.say(f"{len(places)} runs, {len(places) - len(remaining)} of them done already")
+        if not remaining:
             return
         ensure_built()
-        for place in todo:
+        for place in remaining:
             places[place].member.prepare(place, self.settings.threads, self.settings.keep)
         count = 0
 
@@ -103,10 +103,10 @@ class Campaign:
             count += 1
             found = outcome(place)
             words = ", ".join(f"{k} {v}" for k, v in places[place].columns.items())
-            self.say(f"[{count}/{len(todo)}] {found.get('status', 'unknown')} {words}"
+            self.say(f"[{count}/{len(remaining)}] {found.get('status', 'unknown')} {words}"
                       + (f": {found['error']}" if found.get("error") else ""))
 
-        self.executor.run(todo, ended)
+        self.executor.run(remaining, ended)
 
     def table(self, planned: list[Planned], measure: Measure) -> tuple[Table, Table]:
         """Results, and apart from them what is never the same twice: times, hosts, builds.

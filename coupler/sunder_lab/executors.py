@@ -103,12 +103,12 @@ class Slurm:
         if left:
             print(f"sunder: Slurm job {left} of an earlier start is waited for", file=sys.stderr, flush=True)
             self._wait(str(left), [], ended)
-        todo = [folder for folder in folders if not is_done(folder)]
+        remaining = [folder for folder in folders if not is_done(folder)]
         for folder in folders:
-            if folder not in todo:
+            if folder not in remaining:
                 ended(folder)
-        for first in range(0, len(todo), MOST_TASKS):
-            part = todo[first:first + MOST_TASKS]
+        for first in range(0, len(remaining), MOST_TASKS):
+            part = remaining[first:first + MOST_TASKS]
             for folder in part:
                 (folder / OUTCOME_FILE).unlink(missing_ok=True)
             job = self._submit(part)
