@@ -251,6 +251,12 @@ def shell_text(patch: Patch, counts: dict[str, int]) -> list[str]:
     return [*out, "  }", *_supports(patch), "}"]
 
 
+def seams_text(seams: list[Seam]) -> list[str]:
+    """A rule for each seam, so that a scene that has lost a patch, or moved one, is refused."""
+    pairs = dict.fromkeys((s.first.name, s.second.name) for s in seams)
+    return ["seams {", *(f'  rules {{ first: "{first}" second: "{second}" }}' for first, second in pairs), "}"]
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE")
@@ -270,7 +276,7 @@ def main() -> int:
         print(f"wrong: {line}", file=sys.stderr)
     if wrong:
         return 1
-    lines = [line for patch in patches for line in shell_text(patch, counts)]
+    lines = [line for patch in patches for line in shell_text(patch, counts)] + seams_text(seams)
     for scene in arguments.scenes:
         replace_part(scene, "car", f"made by make_car.py --spacing {arguments.spacing:g}", lines)
     if arguments.step:

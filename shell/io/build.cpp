@@ -157,6 +157,22 @@ CouplingRules make_coupling(const proto::Scene& m) {
   return r;
 }
 
+// A rule that fastens two shells is a promise that they meet.
+void check_rules(const scene::LoadedScene& scene, const Stitches& found, const std::vector<std::string>& names,
+                 double tolerance) {
+  const proto::Seams& m = scene.message.seams();
+  for (int i = 0; i < m.rules_size(); ++i) {
+    const proto::SeamRule& rule = m.rules(i);
+    const bool meet = std::any_of(found.seams.begin(), found.seams.end(), [&](const Seam& s) {
+      return std::minmax(names[s.first], names[s.second]) == std::minmax(rule.first(), rule.second());
+    });
+    scene.check(meet || rule.kind() == proto::SeamRule::OPEN, fmt::format("seams.rules[{}]", i),
+                "fastens '{}' and '{}', which have no whole edge in common to {:.3g} m; move them together, or leave it "
+                "out",
+                rule.first(), rule.second(), tolerance);
+  }
+}
+
 Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
   const proto::Seams& m = scene.message.seams();
   std::vector<const Patch*> patches;
@@ -181,16 +197,18 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
     const auto i = find(rule.first()), k = find(rule.second());
     join[i][k] = join[k][i] = static_cast<Join>(rule.kind());
   }
+  const double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
+  Stitches found;
   try {
-    const double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
-    const Stitches found = find_stitches(patches, names, tolerance, join, [&](const PatchPoint& p) {
+    found = find_stitches(patches, names, tolerance, join, [&](const PatchPoint& p) {
       return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0;
     });
     Stitching(found, models);  // throws where supports do not go with it
-    return found;
   } catch (const Error& e) {
     scene.fail("seams", e.what());
   }
+  check_rules(scene, found, names, tolerance);
+  return found;
 }
 
 }  // namespace

@@ -48,6 +48,13 @@ TEST(SceneSeams, OfShellsThatAreNotThereAreRefused) {
       "seams.rules[1]", {"says again"});
 }
 
+TEST(SceneSeams, ThatAreNotThereAreRefused) {
+  const std::string fastened = "seams { rules { first: \"pane\" second: \"wing\" } }";
+  EXPECT_EQ(refusal(scene(fastened)).kind, "accepted");
+  expect_refusal(scene(fastened, "", 1.5), "seams.rules[0]", {"'pane' and 'wing'", "no whole edge in common"});
+  EXPECT_EQ(refusal(scene("seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }", "", 1.5)).kind, "accepted");
+}
+
 TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
   for (const char* value : {"0", "-1e-6", "2", "nan"})
     expect_refusal(scene(fmt::format("seams {{ tolerance_m: {} }}", value)), "seams.tolerance_m",

@@ -112,6 +112,18 @@ class Files(unittest.TestCase):
         with self.assertRaisesRegex(sunder.Error, "thickness_m: is -1; must be positive"):
             scene.check()
 
+    def test_a_car_that_has_lost_a_patch_or_moved_one_is_refused(self) -> None:
+        car = REPOSITORY / "scenes" / "impactor_small.textproto"
+        lost = sunder.Scene.load(car)
+        del lost.message.shells[[shell.name for shell in lost.message.shells].index("roof")]
+        with self.assertRaisesRegex(sunder.Error, r"seams.rules\[6\].second: 'roof' is no shell of this scene"):
+            lost.check()
+        moved = sunder.Scene.load(car)
+        for point in moved.find("shells[roof]").nurbs.control_points:
+            point.z += 0.2
+        with self.assertRaisesRegex(sunder.Error, r"seams.rules\[6\]: fastens 'windscreen' and 'roof', which have no whole"):
+            moved.check()
+
     def test_runs_as_the_command_does_to_the_bit(self) -> None:
         settings = {"shells[plate].plate.elements_x": 24, "shells[plate].plate.elements_y": 24, "end_time_s": 3e-5,
                     "bodies[pellet].twist.linear.z": -50}
