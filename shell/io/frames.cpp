@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
+#include <limits>
 #include <map>
 #include <numbers>
 
@@ -76,28 +77,30 @@ std::vector<std::array<int, 3>> fans(const Triangulation& t) {
   return fan;
 }
 
-// Most Gauss points of the element bear nothing any more: its control points fly where they will.
-bool is_rubble(const ShellModel& m, const ShellState& s, const Vec2& p) {
+// How much longer than at rest a side of a triangle may be that is still a surface: where most Gauss points of the
+// element bear nothing any more its control points fly where they will; where a crack has touched it some may.
+double most_stretch(const ShellModel& m, const ShellState& s, const Vec2& p) {
+  constexpr double kRubble = 1.5, kTouched = 6.0;
   const RowTables& t = m.tables;
   const int lane = m.patch.knots_u.span_of(p.x()), f = m.patch.knots_v.span_of(p.y()), points = t.gauss * t.gauss;
-  int dead = 0;
+  int dead = 0, touched = 0;
   for (int sub = 0; sub < points; ++sub) {
     const int point = s.point_of[static_cast<std::size_t>(f * points + sub) * t.lanes + lane];
-    dead += point >= 0 && s.points[point].kind == PointKind::kDead;
+    if (point < 0 || s.points[point].in_rows) continue;
+    ++touched, dead += s.points[point].kind == PointKind::kDead;
   }
-  return 2 * dead > points;
+  return 2 * dead > points ? kRubble : touched > 0 ? kTouched : std::numeric_limits<double>::infinity();
 }
 
-// One of the polygon's sides is much longer than at rest.
-bool is_stretched(const VtpMesh& mesh, const VtpArray& displacement, const std::vector<int>& polygon) {
-  constexpr double kFar = 1.5;
+// One of the polygon's sides is longer than `most` times that at rest.
+bool is_stretched(const VtpMesh& mesh, const VtpArray& displacement, const std::vector<int>& polygon, double most) {
   const auto rest = [&](int i) -> Vec3 {
     const double* u = &displacement.values[3 * static_cast<std::size_t>(i)];
     return mesh.points[i] - Vec3(u[0], u[1], u[2]);
   };
   for (std::size_t k = 0; k < polygon.size(); ++k) {
     const int a = polygon[k], b = polygon[(k + 1) % polygon.size()];
-    if ((mesh.points[a] - mesh.points[b]).norm() > kFar * (rest(a) - rest(b)).norm()) return true;
+    if ((mesh.points[a] - mesh.points[b]).norm() > most * (rest(a) - rest(b)).norm()) return true;
   }
   return false;
 }
@@ -150,7 +153,7 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
       }
       polygon.push_back(it->second);
     }
-    if (!m.laminated() && is_rubble(m, s, centre) && is_stretched(mesh, displacement, polygon)) continue;
+    if (!m.laminated() && is_stretched(mesh, displacement, polygon, most_stretch(m, s, centre))) continue;
     mesh.polygons.push_back(polygon);
     const int lane = m.patch.knots_u.span_of(centre.x()), f = m.patch.knots_v.span_of(centre.y());
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
