@@ -147,7 +147,7 @@ void Run::write_shards() const {
     for (const Proxy& p : proxies_)
       if (p.body.id == r.id) {
         const Vec3& x = p.body.motion.position;
-        out += fmt::format("{},{:.9g},{:.9g},{:.9g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{}\n", r.id, r.birth, r.area,
+        out += fmt::format("{},{:.9g},{:.15g},{:.15g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{}\n", r.id, r.birth, r.area,
                            r.mass, r.birth_speed, p.body.motion.velocity.norm(), x.x(), x.y(), x.z(), r.parts);
       }
   write_atomically(options_.out + "/shards.csv", out);

@@ -53,6 +53,7 @@ inline double select(bool mask, double a, double b) { return mask ? a : b; }
 inline Pack4 select(IntPack4 mask, Pack4 a, Pack4 b) { return mask ? a : b; }
 inline Pack8 select(IntPack8 mask, Pack8 a, Pack8 b) { return mask ? a : b; }
 
+inline bool any(bool mask) { return mask; }
 inline bool any(IntPack4 mask) { return (mask[0] | mask[1] | mask[2] | mask[3]) != 0; }
 inline bool any(IntPack8 mask) {
   IntPack4 low, high;

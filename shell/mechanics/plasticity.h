@@ -40,6 +40,7 @@ inline auto return_to_yield(PlasticState<T>& p, const Sym2<T>& c, const Sym2<T>&
   const double k_mean = y.youngs_modulus / (3.0 * (1.0 - nu));
   const T limit0 = y.yield_stress + y.hardening_modulus * p.strain;
   const T over = part_mean + part_dev - (2.0 / 3.0) * limit0 * limit0;
+  if (!any(over > 0.0)) return over > 0.0;  // mostly; the rest would change nothing, at ten times the cost
   T gamma{};
   for (int i = 0; i < kReturnSteps; ++i) {
     const T q_mean = 1.0 / (1.0 + k_mean * gamma), q_dev = 1.0 / (1.0 + two_mu * gamma);

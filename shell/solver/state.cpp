@@ -60,6 +60,8 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
     s.inverse_mass[slot] = 1.0 / m.mass[slot];
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = velocity[d];
   }
+  for (int d = 0; d < 3; ++d)  // what a support holds never had that velocity, nor its energy
+    for (const int slot : m.constraints.held[d]) s.v[d * plane + slot] = 0.0;
   s.surface_stress.assign(gauss * 6, 0.0);
   s.c.assign(gauss, 0.0f), s.c_his.assign(gauss, 0.0f);
   if (m.material.yield_stress > 0.0) s.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
