@@ -78,8 +78,9 @@ void validate_soft(const LoadedScene& s) {
             "'{}' is a soft body; name a shell or a rigid body, or give the twist", m.bodies(i).launch().target());
   s.check(!m.fracture().has_latest_freeze_s(), "fracture.latest_freeze_s",
           "would freeze the shells, which soft bodies go on to touch until end_time_s; leave it out");
-  s.check(m.coupling().scheme() != proto::Coupling::ITERATED, "coupling.scheme",
-          "ITERATED takes windows again, which soft bodies cannot; take PROXY or EXPORTED");
+  s.check(m.coupling().scheme() == proto::Coupling::PROXY || m.coupling().scheme() == proto::Coupling::EXPORTED,
+          "coupling.scheme", "is {}, which soft bodies do not go with; take PROXY or EXPORTED",
+          proto::Coupling::Scheme_Name(m.coupling().scheme()));
 }
 
 }  // namespace sunder::scene

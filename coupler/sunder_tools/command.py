@@ -146,7 +146,7 @@ def make_parser() -> argparse.ArgumentParser:
         "validate", formatter_class=raw, allow_abbrev=False, help="compare with exact and published answers",
         description="A table of case, computed, reference, error, tolerance, seconds; exit status 1 where a case fails.",
         epilog=EPILOG)
-    validate.add_argument("what", metavar="WHAT", help="shells, seams, cracks, contact, soft, coupling or engines")
+    validate.add_argument("what", metavar="WHAT", help="shells, seams, cracks, contact, soft, coupling, engines or extremes")
     validate.add_argument("--case", metavar="NAME", help="this case only")
     validate.add_argument("--full", action="store_true", help="with extremes: the long rows as well")
     validate.add_argument("--rigid", metavar="ENGINE", help="with engines: this one only, as 'run' takes it")

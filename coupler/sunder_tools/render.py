@@ -180,11 +180,11 @@ def _fastest(frames: list[Frame], numbers: Sequence[int]) -> float:
     top = 0.0
     for k in np.unique(np.linspace(0, len(numbers) - 1, SPEED_FRAMES).round().astype(int)):
         shell = frames[numbers[k]].read(SHELL)
-        speeds = [shell_velocity(shell)] if shell is not None else []
-        speeds += [body_velocity(frames, numbers[k])] if BODIES in frames[numbers[k]].files else []
+        found = [shell_velocity(shell)] if shell is not None else []
+        found += [body_velocity(frames, numbers[k])] if BODIES in frames[numbers[k]].files else []
         soft = frames[numbers[k]].read(SOFT)
         top = max(top, float(speeds(soft).max(initial=0.0)) if soft is not None else 0.0)
-        top = max([top] + [float(np.linalg.norm(v, axis=1).max(initial=0.0)) for v in speeds])
+        top = max([top] + [float(np.linalg.norm(v, axis=1).max(initial=0.0)) for v in found])
     return top or 1.0
 
 

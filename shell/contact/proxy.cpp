@@ -72,6 +72,14 @@ Proxy::Proxy(RigidBody b) : body(std::move(b)) {
     }
 }
 
+double Proxy::half_width() const {
+  const auto* box = std::get_if<BoxShape>(&body.shape);
+  if (!box) return radius_;
+  Vec3 half = box->half_size;
+  std::sort(half.begin(), half.end());
+  return half[1];
+}
+
 Proxy::Distance Proxy::distance(const Vec3& world) const {
   const Quat& q = body.motion.orientation;
   if (const auto* s = std::get_if<SphereShape>(&body.shape)) {

@@ -32,6 +32,8 @@ class Proxy {
   };
   Distance distance(const Vec3& world) const;
   double radius() const { return radius_; }  // of a sphere about the centre that holds the body; infinite: half space
+  /// Half of the second of a box's sides, `radius` of other shapes: what is less may pass between samples [m].
+  double half_width() const;
   /// v of the body's material at a world point [m/s].
   Vec3 velocity_at(const Vec3& world) const;
   /// Change of the material's velocity at a world point per impulse there [1/kg].

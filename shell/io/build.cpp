@@ -166,10 +166,11 @@ void check_rules(const scene::LoadedScene& scene, const Stitches& found, const s
     const bool meet = std::any_of(found.seams.begin(), found.seams.end(), [&](const Seam& s) {
       return std::minmax(names[s.first], names[s.second]) == std::minmax(rule.first(), rule.second());
     });
-    scene.check(meet || rule.kind() == proto::SeamRule::OPEN, fmt::format("seams.rules[{}]", i),
-                "fastens '{}' and '{}', which have no whole edge in common to {:.3g} m; move them together, or leave it "
-                "out",
-                rule.first(), rule.second(), tolerance);
+    scene.check(
+        meet || rule.kind() == proto::SeamRule::OPEN, fmt::format("seams.rules[{}]", i),
+        "fastens '{}' and '{}', which have no whole edge in common to {:.3g} m; move them together, or leave it "
+        "out",
+        rule.first(), rule.second(), tolerance);
   }
 }
 
@@ -262,12 +263,7 @@ RunSetup build(const scene::LoadedScene& scene) {
     for (const ShellSetup& shell : r.shells) {
       const ShellModel& s = shell.model;
       const Proxy proxy(b);
-      double extent = proxy.radius();
-      if (const auto* box = std::get_if<BoxShape>(&b.shape)) {
-        Vec3 half = box->half_size;
-        std::sort(half.begin(), half.end());
-        extent = half[1];
-      }
+      const double extent = proxy.half_width();
       scene.check(
           extent >= 0.5 * s.spacing, field,
           "'{}' is {:.3g} m in half, less than half a spacing of shell '{}' ({:.3g} m), whose contact is felt at "

@@ -154,6 +154,9 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
                   (material.yield_stress == 0.0 && scene.message.fracture().mode() != proto::Fracture::DAMAGE),
               field + ".bending", "LINEAR has no layers, which yielding and fracture.mode DAMAGE need; leave it out");
   material.surface_compression = s.surface_compression();
+  scene.check(material.surface_compression == 0.0 || material.yield_stress == 0.0 || material.strength == 0.0,
+              field + ".surface_compression",
+              "is given, and material '{}' yields and has a strength; leave one of the three out", s.material());
   const double in_the_middle = 0.5 * material.surface_compression;
   scene.check(material.yield_stress == 0.0 || material.surface_compression < material.yield_stress,
               field + ".surface_compression", "is {} Pa, but material '{}' yields at {} Pa: take less",

@@ -10,6 +10,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kFastest = 10.0;  // of the speed of its waves: beyond, it crosses cells of its grid in a step
+constexpr double kFurthest = 1e8;  // grid spacings: cells are counted in 32 bits
 constexpr double kMostParticles = 4e6;
 constexpr double kTouching = 1e-6;  // of the spacing: what touches at the start is not inside
 
@@ -75,14 +77,22 @@ void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32
                            m.spacing_m(), grid, volume);
     soft.model.contact_group = group(m.name());
     soft.velocity = scene::to_vec(m.twist().linear()), soft.angular = scene::to_vec(m.twist().angular());
+    const double speed = soft.velocity.norm() + soft.angular.norm() * Proxy(body).radius(),
+                 waves = soft.model.material.wave_speed();
+    scene.check(speed <= kFastest * waves, field + ".twist",
+                "moves '{}' at {:.3g} m/s, {:.3g} times its waves; at most {:g} times", m.name(), speed, speed / waves,
+                kFastest);
+    scene.check(body.motion.position.norm() <= kFurthest * grid, field + ".pose",
+                "puts '{}' {:.3g} m off; at most {:.0g} grid spacings, {:.3g} m", m.name(), body.motion.position.norm(),
+                kFurthest, kFurthest * grid);
     const Proxy& solid = solids.emplace_back(body);
     const double allowed = -kTouching * soft.model.spacing;
     for (const RigidBody& b : r.bodies) {
       const Proxy other(b);
       scene.check(
-          other.radius() >= soft.model.spacing, field + ".spacing_m",
+          other.half_width() >= soft.model.spacing, field + ".spacing_m",
           "is {} m, and body '{}' {:.3g} m in half: it could pass between the particles; take a smaller spacing",
-          m.spacing_m(), b.name, other.radius());
+          m.spacing_m(), b.name, other.half_width());
       double apart = clearance(soft.model, other);
       if (std::isfinite(other.radius())) apart = std::min(apart, solid.distance(b.motion.position).value);
       scene.check(apart >= allowed, field + ".pose", "'{}' starts {:.3g} m inside body '{}'; move it away", m.name(),

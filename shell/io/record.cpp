@@ -107,7 +107,7 @@ std::string Run::state_hash() const {
   }
   for (const SoftState& s : soft_.states()) {
     h.add(s.x.data(), s.x.size() * sizeof(Vec3)), h.add(s.v.data(), s.v.size() * sizeof(Vec3));
-    h.add(s.f.data(), s.f.size() * sizeof(Mat3));
+    h.add(s.f.data(), s.f.size() * sizeof(Mat3)), h.add(s.affine.data(), s.affine.size() * sizeof(Mat3));
   }
   for (const Proxy& p : proxies_) {
     const BodyMotion& m = p.body.motion;

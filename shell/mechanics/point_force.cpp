@@ -279,19 +279,31 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
   return std::isfinite(energy) ? energy : 0.0;
 }
 
-void settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const RowPlasticity& plastic) {
-  if (p.kind == PointKind::kDead) return;
+double settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const RowPlasticity& plastic) {
+  if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
-  if (!bears(f, p.metric, t.layers)) return;
+  if (!bears(f, p.metric, t.layers)) return 0.0;
   auto states = plastic_states(t, plastic, p);
-  double unused = 0.0;
-  integrate_yielding_layers<double, false, true>(f, p.metric, t.layers, t.elasticity, plastic.law, states.data(),
-                                                 unused);
-  for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
+  const std::size_t layers = t.layers.zeta.size();
+  if (p.kind == PointKind::kLinear) {
+    PlasticState<double> mean{{0.0, 0.0, 0.0}, 0.0};
+    double thickness = 0.0;
+    for (const double w : t.layers.weight) thickness += w;
+    for (std::size_t l = 0; l < layers; ++l) {
+      const double share = t.layers.weight[l] / thickness;
+      mean.change.c11 += share * states[l].change.c11, mean.change.c22 += share * states[l].change.c22;
+      mean.change.c12 += share * states[l].change.c12, mean.strain += share * states[l].strain;
+    }
+    std::fill_n(states.begin(), layers, mean);
+  }
+  double work = 0.0;
+  integrate_yielding_layers<double, false, true>(f, p.metric, t.layers, t.elasticity, plastic.law, states.data(), work);
+  for (std::size_t l = 0; l < layers; ++l) {
     const PlasticState<double>& s = states[l];
     const double now[4] = {s.change.c11, s.change.c22, s.change.c12, s.strain};
     for (int k = 0; k < 4; ++k) plastic_field(t, plastic, p, l, k) = now[k];
   }
+  return p.area * work;
 }
 
 std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {

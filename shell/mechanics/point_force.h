@@ -63,8 +63,10 @@ double point_energy(const RowTables& t, const GatheredPoint& point, const std::v
 /// Without healing: as if the point had come to these positions with the functions that it has now.
 void settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double brittleness,
             PointDamage& damage);
-/// Layers that yield: the same. What flows by that is part of what the change of functions took, and booked there.
-void settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, const RowPlasticity& plastic);
+/// Layers that yield: the same; returns the plastic work [J]. A linear point, which has no curvature, goes on with the
+/// mean of its layers.
+double settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+              const RowPlasticity& plastic);
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
 

@@ -134,6 +134,15 @@ inline Sym2<T> carried_on(const Sym2<T>& s, const Sym2<T>& beside, const Mask& f
   return {part(s.c11, beside.c11), part(s.c22, beside.c22), part(s.c12, beside.c12)};
 }
 
+/// Scaled down to von Mises' `limit` where it is beyond: a face yields before the layer below it, and the stress of the
+/// strain energy is some per cent above that of Hooke's law, by which the layers return.
+template <class T>
+inline Sym2<T> within(const Sym2<T>& s, const T& limit) {
+  const T square = s.c11 * s.c11 - s.c11 * s.c22 + s.c22 * s.c22 + 3.0 * s.c12 * s.c12;
+  const T share = select(square > limit * limit, limit / square_root(square), T{} + 1.0);
+  return {share * s.c11, share * s.c22, share * s.c12};
+}
+
 /// The same where layers yield. `plastic` has a state of each layer, which `kAdvance` moves on; `dissipated` then
 /// gains the plastic work per reference area [J/m^2]. `faces`, where it is asked for, gets the true stress of the
 /// outermost layers (strains may be large), carried on to the face along the line through the next one as long as they
@@ -148,6 +157,7 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
   for (const double w : layers.weight) half += 0.5 * w;
   Sym2<T> below{T{}, T{}, T{}};  // stress of the layer before
   decltype(return_to_yield<T>(*plastic, below, below, y)) flowed_low{};
+  T limit_low{};
   for (std::size_t l = 0; l < layers.zeta.size(); ++l) {
     const double z = layers.zeta[l], w = layers.weight[l];
     const Sym2<T> c = at_height(f.a, f.b, z);
@@ -169,9 +179,13 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
     }
     if (!faces) continue;
     const Sym2<T> own = unrotated_stress<T>(p.s, c);
-    if (l == 0) faces->low = own, flowed_low = flowed;
-    if (l == 1) faces->low = carried_on<T>(faces->low, own, flowed_low, layers.zeta[0], layers.zeta[1], half);
-    if (l == last) faces->high = carried_on<T>(own, below, flowed, layers.zeta[last], layers.zeta[last - 1], half);
+    const T limit = y.yield_stress + y.hardening_modulus * s.strain;
+    if (l == 0) faces->low = own, flowed_low = flowed, limit_low = limit;
+    if (l == 1)
+      faces->low =
+          within<T>(carried_on<T>(faces->low, own, flowed_low, layers.zeta[0], layers.zeta[1], half), limit_low);
+    if (l == last)
+      faces->high = within<T>(carried_on<T>(own, below, flowed, layers.zeta[last], layers.zeta[last - 1], half), limit);
     below = own;
   }
   return r;

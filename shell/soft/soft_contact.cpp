@@ -8,6 +8,7 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kFacing = 0.1;            // cosine: faces that look along a shell or away from it do not touch it
 constexpr int kSweeps = 20;                // of Gauss-Seidel, at most
 constexpr double kSettled = 1e-8;          // change of the impulses in a sweep, of their sum, at which it ends
 constexpr double kFastest = 2.0;           // of the present speeds, that surfaces may reach before the next look
@@ -244,7 +245,11 @@ int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRe
       if (!q) continue;
       Press p;
       p.against = q;
-      p.normal = q->normal.dot(outward) > 0.0 ? Vec3(-q->normal) : q->normal;
+      // of a shell: the side that the body is on, which its particle tells and the way that a face looks does not
+      const bool beyond =
+          q->face ? q->normal.dot(outward) > 0.0 : q->normal.dot(s.x[face.particle] + (x - from) - q->x) < 0.0;
+      p.normal = beyond ? Vec3(-q->normal) : q->normal;
+      if (!q->face && p.normal.dot(outward) > -kFacing) continue;
       const double gap = p.normal.dot(x - q->x) - 0.5 * q->thickness;
       const Vec3 meet = q->face ? Vec3(0.5 * (x + q->x)) : q->x;
       p.own = nodes_of(soft[i], i, face, meet);

@@ -232,6 +232,9 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   }
   std::vector<Renewal> changed;
   for (const auto& [block, lane] : touched) changed.push_back({block, lane, sight_of(m, s, block, lane), {}, {}});
+  if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
+    for (const auto& [block, lane] : touched)
+      s.book.plastic += settle(t, present_point(m, s, block, lane), s.x, plasticity_of(m, s));
 #pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
   for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, changed[k]);
   double before = 0.0, after = 0.0;

@@ -59,6 +59,8 @@ TEST(SoftScene, RefusesWhatIsMissingOrOutOfRange) {
                  {"0.5 times spacing_m"});
   expect_refusal(scene("spacing_m: 0.01", "spacing_m: 0.01 twist { linear { z: inf } }"), f + ".twist.linear",
                  {"must be finite"});
+  expect_refusal(scene("spacing_m: 0.01", "spacing_m: 0.01 twist { linear { z: -1e7 } }"), f + ".twist",
+                 {"times its waves; at most 10"});
 }
 
 TEST(SoftScene, RefusesMaterialsThatItDoesNotKnow) {

@@ -76,14 +76,14 @@ TEST(TornSheet, ClosesItsBooksWithoutHealingToo) {
   EXPECT_GT(run.number("counts.fragments"), 1.0);
 }
 
-TEST(DuctileStrip, BreaksOnceWhereItHasHardenedToItsStrength) {
+TEST(DuctileStrip, BreaksWhenItHasHardenedToItsStrength) {
   // 2.7e7 Pa in its weaker middle: a plastic strain of (2.7e7 - 2e7) / 2e8, and 2.7e7 / 2e9 elastic; logarithmic, so it
-  // is 4.97 mm longer then, after 4.97 ms
-  Pair whole("ductile_strip.textproto", {"--until", "0.0046"});
+  // is 4.97 mm longer then, after 4.97 ms; within 3 %, and a crack takes 0.05 ms to cross it
+  Pair whole("ductile_strip.textproto", {"--until", "0.00482"});
   ASSERT_EQ(whole.shell->wait(kPatience), 0) << whole.log("shell");
   EXPECT_EQ(whole.number("energy.dissipated_fracture"), 0.0);
   EXPECT_LT(std::abs(whole.number("energy.residual_relative")), 0.01);  // 7 J flowed, and 2.4 J is the most it stored
-  Pair broken("ductile_strip.textproto", {});
+  Pair broken("ductile_strip.textproto", {"--until", "0.00518"});
   ASSERT_EQ(broken.shell->wait(kPatience), 0) << broken.log("shell");
   EXPECT_EQ(broken.number("counts.fragments"), 2.0);
   // what is stored about the crack at 1.35 % of strain is several times the 0.04 J that its area takes

@@ -126,11 +126,11 @@ void deform(const ShellModel& m, ShellState& s, double e, double k) {
   }
 }
 
-ShellModel wide(double hardening) {
+ShellModel wide(double hardening, int layers = 5) {
   ShellMaterial m;
   m.density = 7800, m.youngs_modulus = kSteel.youngs_modulus, m.poisson_ratio = kSteel.poisson_ratio;
   m.yield_stress = kSteel.yield_stress, m.hardening_modulus = hardening;
-  return make_shell("wide", plate(1.0, 1.0, 32, 32, Vec3(0.5, 0.5, 0), Quat::Identity()), 0.01, m, 5, 2, {});
+  return make_shell("wide", plate(1.0, 1.0, 32, 32, Vec3(0.5, 0.5, 0), Quat::Identity()), 0.01, m, layers, 2, {});
 }
 
 }  // namespace
@@ -169,10 +169,12 @@ TEST(Plasticity, BesideACrackLayersYieldAsInTheirRows) {
 
 TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
   // resultants would tell 1.5 times as much
-  const ShellModel m = wide(0.0);
-  ShellState s = make_state(m, Vec3::Zero(), 0);
   const double first_yield = 2.0 * kSteel.yield_stress / (kSteel.youngs_modulus * 0.01);
-  for (const double times : {0.5, 20.0}) {
+  for (const auto& [layers, times] :
+       {std::pair{5, 0.5}, {5, 20.0}, {5, 1.1}, {2, 1.1}, {2, 1.3}, {2, 1.6}, {2, 20.0}}) {
+    // with two layers they are elastic up to 1.7 times first yield, and their line is not what a face bears
+    const ShellModel m = wide(0.0, layers);
+    ShellState s = make_state(m, Vec3::Zero(), 0);
     deform(m, s, 0.0, times * first_yield);
     compute_forces(m, s, false, 1.0, 1);
     const int block = m.tables.blocks() / 2, lane = m.tables.spans_u / 2;
@@ -182,7 +184,7 @@ TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
     };
     for (const int face : {0, 1})
       if (times > 1.0)
-        EXPECT_NEAR(mises(face) / kSteel.yield_stress, 1.0, 0.01);
+        EXPECT_NEAR(mises(face) / kSteel.yield_stress, 1.0, times > 2.0 || layers == 2 ? 0.01 : 0.1) << layers << times;
       else  // bent in one plane, held in the other
         EXPECT_NEAR(mises(face) / (times * kSteel.yield_stress), std::sqrt(1.0 - 0.3 + 0.09) / (1.0 - 0.09), 0.01);
   }

@@ -324,3 +324,38 @@ TEST(SoftContact, ABallOnASheetKeepsMomentum) {
     EXPECT_LT((after.angular - before.angular).norm(), 1e-11 * before.angular_scale);
   }
 }
+
+// Faces that look along the sheet, or away from it, are no surface below it: a cube and a thin block leave again,
+// whichever way the sheet's normal looks, and contact makes no energy.
+TEST(SoftContact, BlocksLeaveASheetThatTheyHit) {
+  ShellMaterial film;
+  film.density = 1180, film.youngs_modulus = 3e9, film.poisson_ratio = 0.37;
+  Support clamp;
+  clamp.edges = kUMin | kUMax | kVMin | kVMax;
+  const Quat turned(0.0, 1.0, 0.0, 0.0);
+  for (const double height : {0.06, 0.012})
+    for (const bool down : {false, true}) {
+      const ShellModel sheet = make_shell(
+          "sheet", plate(0.3, 0.3, 14, 14, Vec3::Zero(), down ? turned : Quat::Identity()), 0.002, film, 2, 2, {clamp});
+      ShellState s = make_state(sheet, Vec3::Zero(), 0);
+      SoftSetup box = block("block", {0.03, 0.03, 0.5 * height}, at({0, 0, 0.5 * height + 0.0015}), 0.006, {0, 0, -1});
+      box.model.contact_group = 1;
+      SoftBodies soft({box}, 1, laws(2, 0.3));
+      std::vector<Proxy> nobody;
+      const double dt = 0.8 * stable_step(sheet, s, 80, 1, false);
+      const int steps = static_cast<int>(0.03 / dt);
+      const std::vector<ShellRef> shells{{&sheet, &s}};
+      for (int k = 0, open = 0; k < steps; ++k) {
+        compute_forces(sheet, s, false, 0.0, 1);
+        kick(sheet, s, Vec3::Zero(), dt);
+        if (open == 0) open = soft.begin(Vec3::Zero(), dt, steps - k, 0.8, nobody, shells, 1);
+        soft.touch(shells, dt);
+        constrain(sheet, s, dt), drift(sheet, s, dt);
+        if (--open == 0) soft.finish(1);
+      }
+      const SoftSums end = soft.sums(Vec3::Zero());
+      EXPECT_GT(end.momentum.z() / end.mass, 0.05) << height << down;
+      EXPECT_GT(end.centre.z(), 0.5 * height + 0.002) << height << down;
+      EXPECT_GT(soft.states()[0].book.contact, 0.0) << height << down;
+    }
+}

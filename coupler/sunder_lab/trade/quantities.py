@@ -84,6 +84,8 @@ def observed(results: Results) -> dict[str, np.ndarray]:
         at = np.linspace(0.0, float(probes["time"][-1]), SAMPLES + 1)[1:]
         out["deflection"] = np.array([np.interp(at, probes["time"], probes[name + axis])
                                       for name in shells for axis in ("_x", "_y", "_z")]).ravel()
+    rigid = {body.name for body in message.bodies}
+    bodies = [probe for probe in bodies if probe.body in rigid]  # the mass of a soft body is its particles'
     if probes is not None and bodies and moves(results.scene):
         out.update(_of_bodies(message, bodies, probes))
     if cracks > 0.0:
