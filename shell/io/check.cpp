@@ -94,8 +94,8 @@ std::string size_lines(const ShellModel& m, double step) {
 }
 
 double megabytes(const ShellState& s) {
-  return 1e-6 *
-         (2.0 * 8.0 * s.tables.metric.size() + 8.0 * (s.surface_stress.size() + 12.0 * static_cast<double>(s.x.size())));
+  return 1e-6 * (2.0 * 8.0 * s.tables.metric.size() +
+                 8.0 * (s.surface_stress.size() + 12.0 * static_cast<double>(s.x.size())));
 }
 
 }  // namespace

@@ -186,8 +186,8 @@ class Run {
   Trace trace_;
   std::unique_ptr<link::RigidLink> rigid_;
   std::vector<ShellPart> parts_;
-  std::vector<ShellRef> refs_;               // scratch of refs()
-  std::vector<std::exception_ptr> errors_;   // scratch of side_by_side()
+  std::vector<ShellRef> refs_;                   // scratch of refs()
+  std::vector<std::exception_ptr> errors_;       // scratch of side_by_side()
   Stitching stitching_;                          // of them
   std::unique_ptr<ShellContact> shell_contact_;  // between them; null: they cannot meet
   SoftBodies soft_;

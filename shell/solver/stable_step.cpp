@@ -65,7 +65,8 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
   const double omega = std::sqrt(lambda);
   double damped = 0.0;
   for (const Probed& p : shells)
-    damped = std::max(damped, 0.5 * (p.model.material.stiffness_damping * omega + p.model.material.mass_damping / omega));
+    damped =
+        std::max(damped, 0.5 * (p.model.material.stiffness_damping * omega + p.model.material.mass_damping / omega));
   return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
 }
 

@@ -6,7 +6,8 @@
 namespace sunder::bench {
 
 /// Its numbers: `absent_time_ratio` and `absent_memory_ratio` of a run of an elastic sheet over the bare loop on the
-/// same sheet, `absent_allocations_per_substep`; and the same of runs with one idle model each, `absent_but_idle_NAME_...`.
+/// same sheet, `absent_allocations_per_substep`; and the same of runs with one idle model each,
+/// `absent_but_idle_NAME_...`.
 ProcessBenchmark absent_benchmark();
 
 }  // namespace sunder::bench

@@ -52,7 +52,8 @@ TEST(SceneSeams, ThatAreNotThereAreRefused) {
   const std::string fastened = "seams { rules { first: \"pane\" second: \"wing\" } }";
   EXPECT_EQ(refusal(scene(fastened)).kind, "accepted");
   expect_refusal(scene(fastened, "", 1.5), "seams.rules[0]", {"'pane' and 'wing'", "no whole edge in common"});
-  EXPECT_EQ(refusal(scene("seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }", "", 1.5)).kind, "accepted");
+  EXPECT_EQ(refusal(scene("seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }", "", 1.5)).kind,
+            "accepted");
 }
 
 TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
