@@ -19,6 +19,7 @@
 #include "rigid/engine/engine.h"
 #include "shell/io/run.h"
 #include "shell/solver/stable_step.h"
+#include "tests/temporary_folder.h"
 
 namespace {
 std::atomic<std::int64_t> allocations{0};
@@ -60,18 +61,6 @@ const Variant kVariants[] = {
     {"transfer", "", "transfer { kind: FLIP }\n"},
 };
 
-// Its own, and gone with its scope.
-struct Folder {
-  std::string path = (std::filesystem::temp_directory_path() / "sunder-bench-XXXXXX").string();
-  Folder() { require(mkdtemp(path.data()) != nullptr, "{}: no folder can be made there; set TMPDIR", path); }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-};
-
 struct Cost {
   double window_s = 1e300;   // of the fastest window
   double allocations = 0.0;  // of a substep, in the last window
@@ -91,7 +80,7 @@ double held_bytes() {
   return static_cast<double>(m.uordblks) + static_cast<double>(m.hblkhd);
 }
 
-shell::RunSetup setup(const Folder& folder, const Variant& v) {
+shell::RunSetup setup(const TemporaryFolder& folder, const Variant& v) {
   const std::string path = folder.path + "/scene.textproto";
   const std::string joined = std::string(v.name) == "joint" ? kFarBall : "";
   std::ofstream(path) << fmt::format(
@@ -106,7 +95,7 @@ shell::RunSetup setup(const Folder& folder, const Variant& v) {
 }
 
 Cost run_once(const Variant& v) {
-  const Folder folder;
+  const TemporaryFolder folder;
   Cost cost;
   double before = held_bytes();
   shell::RunOptions options;
@@ -136,7 +125,7 @@ Cost run_once(const Variant& v) {
 
 /// The loop of a substep with nothing around it.
 Cost loop_once() {
-  const Folder folder;
+  const TemporaryFolder folder;
   Cost cost;
   const double before = held_bytes();
   const shell::RunSetup scene = setup(folder, kVariants[0]);

@@ -20,6 +20,7 @@
 #include "coupler/core/error.h"
 #include "tests/benchmarks/two_processes.h"
 #include "tests/conformance/process.h"
+#include "tests/temporary_folder.h"
 
 namespace sunder::bench {
 namespace {
@@ -33,18 +34,6 @@ std::string read(const std::string& path) {
   s << std::ifstream(path).rdbuf();
   return s.str();
 }
-
-// Private, and gone with its scope.
-struct Folder {
-  std::string path = (std::filesystem::temp_directory_path() / "sunder-bench-XXXXXX").string();
-  Folder() { require(mkdtemp(path.data()) != nullptr, "{}: no folder can be made there; set TMPDIR", path); }
-  ~Folder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-};
 
 void run_to_end(std::vector<std::string> command, const std::string& log) {
   std::vector<char*> argv;
@@ -91,7 +80,7 @@ double least(const std::vector<RunCost>& runs, double RunCost::*what) {
 }  // namespace
 
 RunCost run_glass(bool two_processes, const std::string& until) {
-  const Folder folder;
+  const TemporaryFolder folder;
   const std::string out = folder.path + "/out";
   std::filesystem::create_directory(out);
   std::unique_ptr<conformance::EngineProcess> engine;

@@ -12,6 +12,8 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include "tests/temporary_folder.h"
+
 namespace {
 
 struct Outcome {
@@ -23,9 +25,8 @@ struct Outcome {
 
 /// Runs the suite with these arguments.
 Outcome suite(const std::string& arguments) {
-  std::string folder = testing::TempDir() + "/conformance_XXXXXX";
-  EXPECT_TRUE(mkdtemp(folder.data()));
-  const std::string json = folder + "/rows.json";
+  const sunder::TemporaryFolder folder;
+  const std::string json = folder.path + "/rows.json";
   FILE* pipe = popen(fmt::format("'{}' {} --json '{}' 2>&1", SUNDER_CONFORMANCE, arguments, json).c_str(), "r");
   Outcome out;
   char buffer[4096];
@@ -34,7 +35,6 @@ Outcome suite(const std::string& arguments) {
   out.status = WIFEXITED(s) ? WEXITSTATUS(s) : -1;
   std::stringstream text;
   text << std::ifstream(json).rdbuf();
-  std::filesystem::remove_all(folder);
   google::protobuf::Struct table;
   if (text.str().empty()) return out;
   EXPECT_TRUE(google::protobuf::util::JsonStringToMessage(text.str(), &table).ok()) << text.str();

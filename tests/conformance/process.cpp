@@ -34,18 +34,15 @@ EngineProcess::EngineProcess(const Target& target) : endpoint_(target.endpoint) 
     usleep(kLastSession_us);
     return;
   }
-  std::string name = (std::filesystem::temp_directory_path() / "sunder-conformance-XXXXXX").string();
-  if (!mkdtemp(name.data()))  // 0700
-    throw Error(Exit::kBadInput, "bad_engine", name + ": no folder can be made there; set TMPDIR");
-  folder_ = name;
-  endpoint_ = "ipc://" + folder_ + "/link";
+  folder_.emplace();
+  endpoint_ = "ipc://" + folder_->path + "/link";
   std::vector<std::string> command = target.command;
   for (const std::string& a : {std::string("--endpoint"), endpoint_, std::string("--die-with-parent")})
     command.push_back(a);
   std::vector<char*> argv;
   for (std::string& a : command) argv.push_back(a.data());
   argv.push_back(nullptr);
-  const std::string log = folder_ + "/log";
+  const std::string log = folder_->path + "/log";
   pid_ = fork();
   if (pid_ < 0) throw Error(Exit::kBadInput, "bad_engine", "no process can be started");
   if (pid_ == 0) {
@@ -55,19 +52,16 @@ EngineProcess::EngineProcess(const Target& target) : endpoint_(target.endpoint) 
     _exit(kCannotExecute);
   }
   const double end = seconds_now() + kBindSeconds;
-  while (!std::filesystem::exists(folder_ + "/link") && !wait(0.0) && seconds_now() < end) usleep(kPoll_us);
+  while (!std::filesystem::exists(folder_->path + "/link") && !wait(0.0) && seconds_now() < end) usleep(kPoll_us);
   if (wait(0.0)) {
-    const std::string words = last_words();
-    std::filesystem::remove_all(folder_);
-    throw Error(Exit::kPeerLost, "bad_engine",
-                fmt::format("{} ends with status {} before there is a session. {}", command[0], *status_, words));
+    throw Error(
+        Exit::kPeerLost, "bad_engine",
+        fmt::format("{} ends with status {} before there is a session. {}", command[0], *status_, last_words()));
   }
 }
 
 EngineProcess::~EngineProcess() {
   if (ours() && !wait(0.0)) kill(pid_, SIGKILL), wait(kKillSeconds);
-  std::error_code ignored;
-  if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
 }
 
 std::optional<int> EngineProcess::wait(double seconds) {
@@ -81,7 +75,8 @@ std::optional<int> EngineProcess::wait(double seconds) {
 }
 
 std::string EngineProcess::last_words() const {
-  std::ifstream in(folder_ + "/log");
+  if (!folder_) return {};
+  std::ifstream in(folder_->path + "/log");
   std::string last;
   for (std::string line; std::getline(in, line);)
     if (!line.empty()) last = line;

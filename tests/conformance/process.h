@@ -6,6 +6,8 @@
 
 #include <sys/types.h>
 
+#include "tests/temporary_folder.h"
+
 namespace sunder::conformance {
 
 struct Target {
@@ -32,7 +34,8 @@ class EngineProcess {
  private:
   pid_t pid_ = -1;
   std::optional<int> status_;
-  std::string folder_, endpoint_;
+  std::optional<TemporaryFolder> folder_;  // of the engine's socket and log; none where it is not ours
+  std::string endpoint_;
 };
 
 double seconds_now();

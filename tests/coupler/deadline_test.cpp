@@ -1,6 +1,7 @@
 // Ten minutes of work on the other side, on a clock of the test's own: a window is waited for, a handshake is not.
 #include <atomic>
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <thread>
 
@@ -13,6 +14,7 @@
 #include "coupler/link/remote.h"
 #include "coupler/link/session.h"
 #include "rigid/engine/free_flight.h"
+#include "tests/temporary_folder.h"
 
 using namespace sunder;
 using namespace sunder::link;
@@ -31,16 +33,15 @@ RigidBody ball() {
 
 // A rigid process in a thread whose clock jumps while it computes the answer to one kind of request.
 struct SlowServer {
-  std::string folder, endpoint;
+  TemporaryFolder folder;
+  std::string endpoint;
   std::atomic<double> clock{0.0};
   std::atomic<int> looks{0};          // of the client at the clock
   std::atomic<bool> given_up{false};  // by the client
   std::thread thread;
 
   explicit SlowServer(proto::Request::KindCase slow) {
-    std::string name = testing::TempDir() + "/deadline_XXXXXX";
-    folder = mkdtemp(name.data());
-    endpoint = "ipc://" + folder + "/socket";
+    endpoint = "ipc://" + folder.path + "/socket";
     thread = std::thread([this, slow] {
       try {
         rigid::FreeFlight engine;
@@ -65,8 +66,7 @@ struct SlowServer {
   ~SlowServer() {
     given_up = true;
     thread.join();
-    std::remove(folder.c_str());  // fails where the socket is still in it
-    EXPECT_NE(access(folder.c_str(), F_OK), 0);
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path));
   }
 
   void wait_for_looks(int more) {

@@ -15,6 +15,7 @@
 #include "coupler/link/remote.h"
 #include "coupler/link/session.h"
 #include "rigid/engine/free_flight.h"
+#include "tests/temporary_folder.h"
 
 using namespace sunder;
 using namespace sunder::link;
@@ -22,13 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-struct Folder {
-  std::string path;
-  Folder() {
-    std::string name = testing::TempDir() + "/keys_XXXXXX";
-    path = mkdtemp(name.data());
-  }
-  ~Folder() { fs::remove_all(path); }
+struct Folder : TemporaryFolder {
   std::string made(const std::string& name) const {
     make_keys(path + "/" + name);
     return path + "/" + name;

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <functional>
 #include <thread>
 
@@ -10,6 +11,7 @@
 #include "coupler/link/remote.h"
 #include "coupler/link/session.h"
 #include "rigid/engine/free_flight.h"
+#include "tests/temporary_folder.h"
 
 using namespace sunder;
 using namespace sunder::link;
@@ -26,13 +28,12 @@ RigidBody ball() {
 
 // Serves one session in a thread; what it threw is its verdict.
 struct Served {
-  std::string folder, endpoint, said;
+  TemporaryFolder folder;
+  std::string endpoint, said;
   rigid::FreeFlight engine;
   std::thread thread;
   Served() {
-    std::string name = testing::TempDir() + "/session_XXXXXX";
-    folder = mkdtemp(name.data());
-    endpoint = "ipc://" + folder + "/socket";
+    endpoint = "ipc://" + folder.path + "/socket";
     thread = std::thread([this] {
       try {
         serve(endpoint, engine);
@@ -43,7 +44,7 @@ struct Served {
   }
   ~Served() {
     if (thread.joinable()) thread.join();
-    EXPECT_EQ(std::remove(folder.c_str()), 0) << "something is left in " << folder;
+    EXPECT_TRUE(std::filesystem::is_empty(folder.path)) << "something is left in " << folder.path;
   }
 };
 
@@ -193,8 +194,8 @@ TEST(EngineHost, DoesNotHandOnWhatIsNotFinite) {
 }
 
 TEST(Channel, LeavesTheSocketOfAnotherThatTookItsPlace) {
-  std::string name = testing::TempDir() + "/channel_XXXXXX";
-  const std::string folder = mkdtemp(name.data()), path = folder + "/socket";
+  const TemporaryFolder folder;
+  const std::string path = folder.path + "/socket";
   {
     const Channel second = [&] {
       const Channel first(Channel::Role::kBind, "ipc://" + path);
@@ -203,7 +204,7 @@ TEST(Channel, LeavesTheSocketOfAnotherThatTookItsPlace) {
     EXPECT_EQ(access(path.c_str(), F_OK), 0);
   }
   EXPECT_NE(access(path.c_str(), F_OK), 0);
-  EXPECT_EQ(std::remove(folder.c_str()), 0);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
 }
 
 TEST(Channel, RefusesToSendWhatTheOtherSideWouldNotTake) {

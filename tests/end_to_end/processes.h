@@ -17,6 +17,8 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include "tests/temporary_folder.h"
+
 namespace sunder::test {
 
 inline double now() {
@@ -78,11 +80,9 @@ class Pair {
   /// `wrapper` is put before the shell's command.
   Pair(const std::string& scene, const std::vector<std::string>& options,
        const std::vector<std::string>& wrapper = {}) {
-    std::string name = testing::TempDir() + "/sunder_XXXXXX";
-    folder_ = mkdtemp(name.data());
-    const std::string endpoint = "ipc://" + folder_ + "/socket";
+    const std::string endpoint = "ipc://" + folder_.path + "/socket";
     rigid = std::make_unique<Process>(std::vector<std::string>{SUNDER_RIGID, "--endpoint", endpoint},
-                                      folder_ + "/rigid.log");
+                                      folder_.path + "/rigid.log");
     std::vector<std::string> command = wrapper;
     for (const std::string& a :
          {std::string(SUNDER_SHELL), std::string("--scene"), SUNDER_SCENES + ("/" + scene), std::string("--out"), out(),
@@ -90,14 +90,11 @@ class Pair {
       command.push_back(a);
     command.insert(command.end(), options.begin(), options.end());
     std::filesystem::create_directory(out());
-    shell = std::make_unique<Process>(command, folder_ + "/shell.log");
+    shell = std::make_unique<Process>(command, folder_.path + "/shell.log");
   }
-  ~Pair() {
-    shell.reset(), rigid.reset();
-    std::filesystem::remove_all(folder_);
-  }
-  std::string out() const { return folder_ + "/out"; }
-  std::string log(const std::string& side) const { return read_file(folder_ + "/" + side + ".log"); }
+  ~Pair() { shell.reset(), rigid.reset(); }
+  std::string out() const { return folder_.path + "/out"; }
+  std::string log(const std::string& side) const { return read_file(folder_.path + "/" + side + ".log"); }
   /// Waits until the shell has written its n-th frame; false after `seconds`.
   bool frame(int n, double seconds) const {
     const std::string path = fmt::format("{}/frames/bodies_{:06d}.vtp", out(), n);
@@ -131,7 +128,7 @@ class Pair {
   std::unique_ptr<Process> rigid, shell;
 
  private:
-  std::string folder_;
+  TemporaryFolder folder_;
 };
 
 }  // namespace sunder::test

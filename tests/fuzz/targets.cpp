@@ -2,13 +2,13 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 
 #include <google/protobuf/stubs/logging.h>
 #include <unistd.h>
 
 #include "coupler/core/error.h"
+#include "tests/temporary_folder.h"
 
 namespace sunder::fuzz {
 
@@ -41,14 +41,7 @@ void refuses_by_name(const std::function<void()>& work) {
 }
 
 std::string file_with(const std::string& name, const std::uint8_t* data, std::size_t size) {
-  static const struct Folder {
-    std::string path = std::filesystem::temp_directory_path() / "sunder_fuzz_XXXXXX";
-    Folder() { demand(mkdtemp(path.data()) != nullptr, "no temporary folder"); }
-    ~Folder() {
-      std::error_code ignored;
-      std::filesystem::remove_all(path, ignored);
-    }
-  } folder;
+  static const TemporaryFolder folder;
   const std::string path = folder.path + "/" + name;
   std::ofstream(path, std::ios::binary).write(reinterpret_cast<const char*>(data), static_cast<std::streamsize>(size));
   return path;

@@ -13,6 +13,7 @@
 #include "coupler/scene/load.h"
 #include "rigid/engine/engine.h"
 #include "shell/io/run.h"
+#include "tests/temporary_folder.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -23,21 +24,6 @@ constexpr int kElements = 8;
 constexpr double kArm = 0.12;   // from the hinge to the ball's centre [m]
 constexpr double kHertz = 1e8;  // elastic contact, so that energy tells [N/m^1.5]
 
-struct TemporaryFolder {
-  std::filesystem::path path;
-  TemporaryFolder() {
-    std::string name = (std::filesystem::temp_directory_path() / "sunder_validate_XXXXXX").string();
-    path = mkdtemp(name.data());
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path, ignored);
-  }
-};
-
-}  // namespace
-
-namespace {
 // Speed of the body, or of the plate [m/s]: with a heavy body less, or the plate's net would be torn apart.
 double thrown(const Coupled& c) { return kSpeed / std::sqrt(std::max(1.0, c.ratio)); }
 }  // namespace
@@ -93,14 +79,14 @@ double coupled_substep() {
 std::string run_text(const std::string& text, const std::string& engine_name, const Watch& watch, WatchedRun* end,
                      const Tamper& tamper) {
   const TemporaryFolder folder;
-  const std::string file = (folder.path / "scene.textproto").string();
+  const std::string file = folder.path + "/scene.textproto";
   std::ofstream(file) << text;
   std::string failure;
   try {
     const auto scene = scene::load(file, {});
     const auto engine = rigid::make_engine(engine_name);
     shell::RunOptions options;
-    options.out = folder.path.string(), options.quiet = true, options.scene_hash = scene.hash;
+    options.out = folder.path, options.quiet = true, options.scene_hash = scene.hash;
     options.connect = [&](const shell::RunOptions&) { return std::make_unique<link::EngineHost>(*engine); };
     options.observe = [&](const shell::Run& run) {
       std::vector<const RigidBody*> bodies;
@@ -116,7 +102,7 @@ std::string run_text(const std::string& text, const std::string& engine_name, co
     failure = e.kind + ": " + e.what();
   }
   if (end) {
-    std::ifstream summary(folder.path / "run.json");
+    std::ifstream summary(folder.path + "/run.json");
     end->summary.assign(std::istreambuf_iterator<char>(summary), {});
   }
   return failure;
