@@ -1,10 +1,10 @@
 #include "shell/io/check.h"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <limits>
 #include <memory>
-#include <numeric>
 
 #include "shell/contact/proxy.h"
 #include "shell/solver/hertz.h"

@@ -29,22 +29,16 @@ SoftBodies::SoftBodies(const std::vector<SoftSetup>& setups, std::size_t shells,
   stable_ = stable_now();
 }
 
-int SoftBodies::particles() const {
-  int sum = 0;
-  for (const SoftModel& m : models_) sum += m.particles();
-  return sum;
-}
-
 double SoftBodies::stable_now() const {
   double least = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < models_.size(); ++i) least = std::min(least, soft_stable_step(models_[i], states_[i]));
   return least;
 }
 
-std::vector<SoftRef> SoftBodies::refs() {
-  std::vector<SoftRef> out;
-  for (std::size_t i = 0; i < models_.size(); ++i) out.push_back({&models_[i], &states_[i]});
-  return out;
+const std::vector<SoftRef>& SoftBodies::refs() {
+  refs_.clear();
+  for (std::size_t i = 0; i < models_.size(); ++i) refs_.push_back({&models_[i], &states_[i]});
+  return refs_;
 }
 
 int SoftBodies::begin(const Vec3& gravity, double dt, int left, double safety, std::vector<Proxy>& bodies,
@@ -58,7 +52,7 @@ int SoftBodies::begin(const Vec3& gravity, double dt, int left, double safety, s
   for (double k = 1.0; k <= several; ++k) {
     for (const SoftRef& r : refs()) to_grid(*r.model, *r.state, gravity, open_, threads);
     for (std::size_t i = 0; i < models_.size(); ++i)
-      press_on_bodies(models_[i], states_[i], bodies, friction_[i], open_);
+      press_on_bodies(models_[i], states_[i], bodies, friction_[i], open_, scratch_);
     if (k < several) touch(shells, dt), elapsed_ = 0.0, finish(threads);
   }
   return substeps;

@@ -25,7 +25,6 @@ class SoftBodies {
   const std::vector<SoftModel>& models() const { return models_; }
   const std::vector<SoftState>& states() const { return states_; }
   std::vector<SoftState>& states() { return states_; }  // for tests that hold them
-  int particles() const;
 
   /// Of all of them [s], as far as they have been squeezed: it never grows, as every change of the step costs leapfrog
   /// some energy.
@@ -58,11 +57,13 @@ class SoftBodies {
 
  private:
   double stable_now() const;
-  std::vector<SoftRef> refs();
+  const std::vector<SoftRef>& refs();  // until the next call
   std::vector<SoftModel> models_;
   std::vector<SoftState> states_;
   std::vector<std::vector<double>> friction_;  // [soft body][contact group]
   SoftContact contact_;
+  std::vector<SoftRef> refs_;  // scratch of refs()
+  PressScratch scratch_;
   double stable_ = 0.0;
   double open_ = 0.0, elapsed_ = 0.0;  // length of the step that has begun, and how much of it is over [s]
 };

@@ -8,14 +8,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kFacing = 0.1;            // cosine: faces that look along a shell or away from it do not touch it
-constexpr int kSweeps = 20;                // of Gauss-Seidel, at most
-constexpr double kSettled = 1e-8;          // change of the impulses in a sweep, of their sum, at which it ends
-constexpr double kFastest = 2.0;           // of the present speeds, that surfaces may reach before the next look
-constexpr double kRecovery = 0.1;          // of an overlap, taken back in a step of the soft bodies
-constexpr double kFastestRecovery = 0.01;  // [m/s]
-constexpr double kWatch = 0.02;            // of a grid spacing: what comes so near may be pushed in by its neighbours
-constexpr double kDeepest = 1.0;           // grid spacings: what lies deeper is on the other side
+constexpr double kFacing = 0.1;   // cosine: faces that look along a shell or away from it do not touch it
+constexpr double kFastest = 2.0;  // of the present speeds, that surfaces may reach before the next look
+constexpr double kDeepest = 1.0;  // grid spacings: what lies deeper is on the other side
 
 constexpr int kSeen = kNodes * kNodes * kNodes;
 
@@ -249,7 +244,7 @@ int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRe
       const bool beyond =
           q->face ? q->normal.dot(outward) > 0.0 : q->normal.dot(s.x[face.particle] + (x - from) - q->x) < 0.0;
       p.normal = beyond ? Vec3(-q->normal) : q->normal;
-      if (!q->face && p.normal.dot(outward) > -kFacing) continue;
+      if (!q->face && p.normal.dot(outward) > -kFacing * outward.norm()) continue;
       const double gap = p.normal.dot(x - q->x) - 0.5 * q->thickness;
       const Vec3 meet = q->face ? Vec3(0.5 * (x + q->x)) : q->x;
       p.own = nodes_of(soft[i], i, face, meet);
@@ -271,28 +266,22 @@ int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRe
         }
         p.friction = friction_[i][shells[q->owner].model->contact_group];
       }
-      p.along = along, p.across = 0.5 * (all - along);
+      p.along = along, p.across = all - along;
       p.before = relative(p, soft, shells);
-      p.wanted = gap > 0.0 ? -gap / ahead : std::min(kRecovery * -gap / dt, kFastestRecovery);
-      if (gap > kWatch * m.grid && p.before.dot(p.normal) > p.wanted) continue;
+      p.wanted = wanted_velocity(gap, ahead, dt, kPressRecovery);
+      if (gap > kPressWatch * m.grid && p.before.dot(p.normal) > p.wanted) continue;
       presses_.push_back(p);
     }
   }
-  for (int sweep = 0; sweep < kSweeps && !presses_.empty(); ++sweep) {
+  for (int sweep = 0; sweep < kPressSweeps && !presses_.empty(); ++sweep) {
     double changed = 0.0, sum = 0.0;
     for (Press& p : presses_) {
       const Vec3 rel = relative(p, soft, shells);
-      const double approach = rel.dot(p.normal), old = p.impulse.dot(p.normal);
-      const double pushed = std::max(0.0, old + (p.wanted - approach) / p.along);
-      Vec3 slide = p.impulse - old * p.normal - (rel - approach * p.normal) / (2.0 * p.across);
-      const double most = p.friction * pushed, size = slide.norm();
-      if (size > most) slide *= most / size;
-      const Vec3 change = pushed * p.normal + slide - p.impulse;
+      const Vec3 change = press(rel, p.normal, p.wanted, p.friction, p.along, p.across, p.impulse);
       if (!change.isZero(0.0)) push(p, change, soft, shells);
-      p.impulse += change;
       changed += change.norm(), sum += p.impulse.norm();
     }
-    if (changed <= kSettled * sum) break;
+    if (changed <= kPressSettled * sum) break;
   }
   int touching = 0;
   for (const Press& p : presses_) {

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "shell/soft/press.h"
 #include "shell/soft/soft_state.h"
 #include "shell/solver/stitching.h"
 

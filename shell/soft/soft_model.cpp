@@ -63,7 +63,6 @@ std::vector<SoftSurface> faces(const Proxy& shape, const Vec3& x, double reach, 
           const Proxy::Distance probe = shape.distance(x + step);
           if (probe.value > 0.0) add(probe.normal, probe.normal.dot(step) - probe.value);
         }
-  for (SoftSurface& f : out) f.share = 1.0 / static_cast<double>(out.size());
   return out;
 }
 

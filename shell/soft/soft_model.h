@@ -23,7 +23,6 @@ struct SoftSurface {
   int particle = 0;
   Vec3 normal = Vec3::Zero();  // outward, at rest
   double depth = 0.0;          // of the particle below it, at rest [m]
-  double share = 1.0;          // of the particle's mass: one over its faces
 };
 
 struct SoftModel {
