@@ -53,6 +53,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
   const RowTables& t = m.tables;
   c.age = 0;
   c.of_body.resize(bodies.size());
+  if (bodies.empty()) return;
   double speed = 0.0;
   for (int i = 0; i < m.control_points(); ++i) speed = std::max(speed, s.velocity(t.slot(i)).squaredNorm());
   speed = std::sqrt(speed);
@@ -64,7 +65,6 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
       for (int j = tv * kTile; j < std::min(t.rows, (tv + 1) * kTile + t.degree); ++j)
         for (int i = tu * kTile; i < std::min(t.columns, (tu + 1) * kTile + t.degree); ++i)
           if (!s.gone[j * t.stride + i]) boxes[tv * tiles_u + tu].extend(s.position(j * t.stride + i));
-  c.places.resize(static_cast<std::size_t>(t.blocks()) * t.lanes);
   if (++c.refresh == 0) c.places.assign(c.places.size(), {}), c.refresh = 1;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
     auto& list = c.of_body[b];
@@ -88,6 +88,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
           low = std::min(low, body.distance(boxes[tile].corner(static_cast<Eigen::AlignedBox3d::CornerType>(k))).value);
         if (low > pad) continue;
       }
+      c.places.resize(static_cast<std::size_t>(t.blocks()) * t.lanes);  // once a body has come near
       const int tu = tile % tiles_u, tv = tile / tiles_u;
       for (int f = tv * kTile; f < std::min(t.spans_v, (tv + 1) * kTile); ++f)
         for (int lane = tu * kTile; lane < std::min(t.spans_u, (tu + 1) * kTile); ++lane)
