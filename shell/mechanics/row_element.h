@@ -236,7 +236,8 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
                                faces.high.c11, faces.high.c22, faces.high.c12};
           for (int i = 0; i < 6; ++i) {
             const Pack mean = load<Pack>(s + i * lanes);
-            store<Pack>(s + i * lanes, select(summed, mean + stress.share * (now[i] - mean), mean));
+            const Pack kept = kLaw == LayerLaw::kYields ? select(area > 0.0, Pack{}, mean) : mean;  // folded: none
+            store<Pack>(s + i * lanes, select(summed, mean + stress.share * (now[i] - mean), kept));
           }
         }
         Derivatives<Pack> g = section_forces(d, forms, r, area);
