@@ -3,6 +3,7 @@
     PYTHONPATH=coupler python3 my_script.py
 """
 from sunder_lab.campaign import Settings, member
+from sunder_lab.dents import Dent, dent, dents
 from sunder_lab.experiment import Experiment, Parameter, Plot
 from sunder_lab.impact import Motion, energy_taken, impact, motion, perforated
 from sunder_lab.pieces import Pieces, fragments, pieces, radial_cracks
@@ -12,6 +13,6 @@ from sunder_lab.table import Mean, Table
 from sunder_lab.v50 import V50, Ballistic
 from sunder_tools.errors import CommandError as Error
 
-__all__ = ["SCENES", "V50", "BadSetting", "Ballistic", "Columns", "Error", "Experiment", "Mean", "Motion", "Parameter",
-           "Pieces", "Plot", "Results", "Scene", "Settings", "Table", "energy_taken", "fragments", "impact", "member",
-           "motion", "perforated", "pieces", "radial_cracks"]
+__all__ = ["BadSetting", "Ballistic", "Columns", "Dent", "Error", "Experiment", "Mean", "Motion", "Parameter",
+           "Pieces", "Plot", "Results", "SCENES", "Scene", "Settings", "Table", "V50", "dent", "dents",
+           "energy_taken", "fragments", "impact", "member", "motion", "perforated", "pieces", "radial_cracks"]

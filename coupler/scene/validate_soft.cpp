@@ -29,9 +29,11 @@ void soft_body(const LoadedScene& s, const std::string& f, const proto::SoftBody
   s.check(found, f + ".material", "'{}' is no material of this scene", b.material());
   s.check(found->has_youngs_modulus() && found->has_poisson_ratio(), f + ".material",
           "'{}' has no youngs_modulus or poisson_ratio; a soft body needs both", b.material());
-  s.check(found->poisson_ratio() >= 0.0, f + ".material",
-          "'{}' has a poisson_ratio of {}; a soft body's is 0 or more, as below this law has no stress for every shape",
-          b.material(), found->poisson_ratio());
+  s.check(
+      found->poisson_ratio() >= 0.0, f + ".material",
+      "'{}' has a poisson_ratio of {}; a soft body's is 0 or more: below, the energy of its law falls without bound "
+      "as it is squeezed",
+      b.material(), found->poisson_ratio());
   for (const auto& [given, name] :
        {std::pair{found->has_strength(), "strength"}, std::pair{found->has_yield_stress(), "yield_stress"},
         std::pair{found->has_mass_damping_per_s(), "mass_damping_per_s"},

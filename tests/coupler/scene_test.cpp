@@ -240,6 +240,22 @@ TEST(Yielding, GoesWithCutsAndNotWithAnotherStressModel) {
               std::string::npos);
 }
 
+TEST(Tempering, GoesWithYieldingOrCrackingAndNotWithBoth) {
+  const auto tempered = [](const std::string& material) {
+    std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + " }");
+    text.insert(text.find("elements_y: 16 }\n") + 17, "  layers: 5\n  surface_compression: 1e7\n");
+    return refusal(text);
+  };
+  EXPECT_EQ(tempered("yield_stress: 1e8").kind, "accepted");
+  const std::string cracks = "strength: 5e7 fracture_energy: 100";
+  EXPECT_EQ(tempered(cracks).kind, "accepted");
+  const sunder::Error e = tempered("yield_stress: 1e8 " + cracks);
+  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << e.what();
+  EXPECT_EQ(e.line, 10) << e.what();
+  EXPECT_EQ(e.field, "shells[0].surface_compression") << e.what();
+  EXPECT_NE(std::string(tempered("yield_stress: 5e6").what()).find("take less"), std::string::npos);
+}
+
 TEST(Scene, IsAcceptedAsItStands) { EXPECT_EQ(refusal(kScene).kind, "accepted"); }
 
 TEST(Degree, OfPlatesAndSectorsIsThree) {

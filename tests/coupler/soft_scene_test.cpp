@@ -84,6 +84,10 @@ TEST(SoftScene, RefusesWhatStartsInsideSomething) {
   std::string coarse = scene("spacing_m: 0.01", "spacing_m: 0.02");
   coarse.replace(coarse.find("radius_m: 0.02"), 14, "radius_m: 0.016");
   expect_refusal(coarse, "soft_bodies[0].spacing_m", {"could pass between the particles"});
+  std::string thin = scene();  // a plate is as thin as its shortest edge
+  thin.replace(thin.find("sphere { radius_m: 0.02 }"), 25, "box { size_m { x: 0.04 y: 0.04 z: 0.018 } }");
+  expect_refusal(thin, "soft_bodies[0].spacing_m", {"could pass between the particles"});
+  expect_refusal(scene("x: 0.3 z: 0.1", "x: 3e6 z: 0.1"), f, {"3e+06 m off", "grid spacings, 2e+06 m"});
 }
 
 TEST(SoftScene, RefusesWhatDoesNotGoWithIt) {
@@ -94,7 +98,9 @@ TEST(SoftScene, RefusesWhatDoesNotGoWithIt) {
   expect_refusal(scene("", "", "contacts { first: \"soft\" second: \"ball\" hertz {} }\n"), "contacts[0].hertz",
                  {"a body that is a sphere"});
   expect_refusal(scene("", "", "fracture { latest_freeze_s: 0.1 }\n"), "fracture.latest_freeze_s", {"leave it out"});
-  expect_refusal(scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"take PROXY or EXPORTED"});
+  for (const char* scheme : {"ITERATED", "STAGGERED", "LAGGED"})
+    expect_refusal(scene("", "", fmt::format("coupling {{ scheme: {} }}\n", scheme)), "coupling.scheme",
+                   {scheme, "take PROXY or EXPORTED"});
   expect_refusal(
       scene("  sphere { radius_m: 0.02 }\n", "  sphere { radius_m: 0.02 } launch { speed: 1 target: \"soft\" }\n"),
       "bodies[0].launch.target", {"is a soft body"});

@@ -61,3 +61,24 @@ def write_pieces(folder: Path, frozen: bool = False) -> sunder.Results:
     (folder / "run.json").write_text(json.dumps({"schema": 1, "status": "done", "time": {
         "simulated_s": 0.002, "frozen_at_s": 0.001 if frozen else None}}))
     return sunder.Results(folder)
+
+
+def write_dents(folder: Path) -> sunder.Results:
+    """Two strips of ten unit squares, the second 5 m higher: one has moved by (0.1, 0, x - 4), the other nowhere."""
+    (folder / "frames").mkdir(parents=True)
+    scene = sunder.Scene.load(sunder.SCENES / "acrylic.textproto")
+    scene.message.shells.add().CopyFrom(scene.message.shells[0])
+    scene.message.shells[0].name, scene.message.shells[1].name = "hit", "whole"
+    scene.save(folder)
+    strip = np.array([[x, y, 0.0] for x in range(11) for y in range(2)])
+    squares = np.arange(10)[:, None] * 2
+    triangles = np.stack([squares + [0, 2, 3], squares + [0, 3, 1]], axis=1).reshape(-1, 3)
+    moved = np.stack([np.full(22, 0.1), np.zeros(22), strip[:, 0] - 4.0], axis=1)
+    write_vtp(folder / "frames/shell_0.vtp", np.concatenate([strip + moved, strip + [0, 0, 5]]),
+              np.concatenate([triangles, triangles + 22]),
+              point_data={"displacement": np.concatenate([moved, np.zeros_like(strip)])},
+              cell_data={"shell": np.repeat([0, 1], 20)})
+    (folder / "frames.pvd").write_text(
+        '<VTKFile><Collection><DataSet timestep="0.5" part="0" file="frames/shell_0.vtp"/></Collection></VTKFile>')
+    (folder / "run.json").write_text(json.dumps({"schema": 1, "status": "done"}))
+    return sunder.Results(folder)

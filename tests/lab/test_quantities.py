@@ -16,7 +16,7 @@ from sunder_lab.table import write_sqlite
 from sunder_tools.plots import COLOURS, Line, Panel, draw_panel
 from sunder_lab.v50 import judged, median_interval
 
-from .made_up import FALL, FORCE, sunder_mass, write_pieces, write_run
+from .made_up import FALL, FORCE, sunder_mass, write_dents, write_pieces, write_run
 
 
 class InFolder(unittest.TestCase):
@@ -96,6 +96,28 @@ class Fragments(InFolder):
         (self.here / "frames/shell_1.vtp").unlink()
         with self.assertRaisesRegex(sunder.Error, "last frame is of 0 s"):
             sunder.pieces(results)
+
+
+class Dents(InFolder):
+    def test_volume_and_depth_of_each_shell(self) -> None:
+        results = write_dents(self.here)
+        found = sunder.dents(results)
+        self.assertEqual(list(found), ["hit", "whole"])
+        hit = found["hit"]
+        # what is linear between vertices, and positions are single precision
+        np.testing.assert_allclose([hit.area, hit.pushed_in, hit.pushed_out, hit.deepest, hit.time],
+                                   [10.0, 8.0, 18.0, math.hypot(6.0, 0.1), 0.5], rtol=1e-6)
+        self.assertEqual([found["whole"].pushed_in, found["whole"].pushed_out, found["whole"].deepest], [0.0, 0.0, 0.0])
+        self.assertEqual(sunder.dent("hit")(results), {"dent_in_m3": hit.pushed_in, "dent_out_m3": hit.pushed_out,
+                                                      "deepest_m": hit.deepest})
+        with self.assertRaisesRegex(sunder.Error, "no shell 'bonnet'; there are: hit, whole"):
+            sunder.dent("bonnet")(results)
+
+    def test_frames_that_are_gone_are_told(self) -> None:
+        results = write_dents(self.here)
+        (self.here / "frames/shell_0.vtp").unlink()
+        with self.assertRaisesRegex(sunder.Error, "no frame of the shell"):
+            sunder.dents(results)
 
 
 class Tables(InFolder):

@@ -1,0 +1,61 @@
+"""What an impact leaves of a shell that yields: how far and how much of it is pushed in."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from sunder_tools.errors import CommandError
+from sunder_tools.frames import SHELL
+from sunder_tools.meshes import reference_points
+
+from .results import Results
+
+
+@dataclass(frozen=True)
+class Dent:
+    """Of one shell, where it still stands in the last frame that shows it: area at rest [m^2]; volumes between where it
+    was and where it is, against its normal and along it [m^3]; largest displacement [m]; time of that frame [s]."""
+    area: float
+    pushed_in: float
+    pushed_out: float
+    deepest: float
+    time: float
+
+
+def dents(results: Results) -> dict[str, Dent]:
+    """Dents of all shells by name. Volumes are those of the normal displacement over the shell at rest.
+
+    Raises CommandError where no frame shows a shell.
+    """
+    frames = [frame for frame in results.frames if SHELL in frame.files]
+    if not frames:
+        raise CommandError(f"{results.folder}: no frame of the shell; keep='last' keeps what is needed")
+    mesh = frames[-1].read(SHELL)
+    assert mesh is not None
+    at_rest = reference_points(mesh)
+    moved = (mesh.points - at_rest)[mesh.triangles]
+    corner = at_rest[mesh.triangles]
+    normal = 0.5 * np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])  # times the area
+    along = (moved.mean(axis=1) * normal).sum(axis=1)
+    area, farthest = np.linalg.norm(normal, axis=1), np.linalg.norm(moved, axis=2).max(axis=1)
+    part = mesh.of_triangles("shell", 0).astype(int)
+    found = {}
+    for number, shell in enumerate(results.scene.message.shells):
+        own = part == number
+        found[shell.name] = Dent(float(area[own].sum()), float(-along[own].clip(max=0.0).sum()),
+                                 float(along[own].clip(min=0.0).sum()), float(farthest[own].max(initial=0.0)),
+                                 frames[-1].time_s)
+    return found
+
+
+def dent(shell: str) -> Any:
+    """A measure for experiments: volume of the dent of a shell, against its normal and along it, and its depth."""
+    def measure(results: Results) -> dict[str, float]:
+        all_of_them = dents(results)
+        if shell not in all_of_them:
+            raise CommandError(f"no shell '{shell}'; there are: {', '.join(all_of_them)}")
+        one = all_of_them[shell]
+        return {"dent_in_m3": one.pushed_in, "dent_out_m3": one.pushed_out, "deepest_m": one.deepest}
+    return measure
