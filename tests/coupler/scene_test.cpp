@@ -251,7 +251,7 @@ TEST(Tempering, GoesWithYieldingOrCrackingAndNotWithBoth) {
   EXPECT_EQ(tempered(cracks).kind, "accepted");
   const sunder::Error e = tempered("yield_stress: 1e8 " + cracks);
   EXPECT_EQ(e.status, sunder::Exit::kBadInput) << e.what();
-  EXPECT_EQ(e.line, 10) << e.what();
+  EXPECT_EQ(e.line, 11) << e.what();
   EXPECT_EQ(e.field, "shells[0].surface_compression") << e.what();
   EXPECT_NE(std::string(tempered("yield_stress: 5e6").what()).find("take less"), std::string::npos);
 }
