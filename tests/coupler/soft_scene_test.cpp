@@ -84,8 +84,8 @@ TEST(SoftScene, RefusesWhatStartsInsideSomething) {
   std::string coarse = scene("spacing_m: 0.01", "spacing_m: 0.02");
   coarse.replace(coarse.find("radius_m: 0.02"), 14, "radius_m: 0.016");
   expect_refusal(coarse, "soft_bodies[0].spacing_m", {"could pass between the particles"});
-  std::string thin = scene();  // a rod, which may come end on
-  thin.replace(thin.find("sphere { radius_m: 0.02 }"), 25, "box { size_m { x: 0.04 y: 0.018 z: 0.018 } }");
+  std::string thin = scene("spacing_m: 0.01", "spacing_m: 0.02");  // a rod, which may come end on
+  thin.replace(thin.find("sphere { radius_m: 0.02 }"), 25, "box { size_m { x: 0.06 y: 0.034 z: 0.034 } }");
   expect_refusal(thin, "soft_bodies[0].spacing_m", {"could pass between the particles"});
   expect_refusal(scene("x: 0.3 z: 0.1", "x: 3e6 z: 0.1"), f, {"3e+06 m off", "grid spacings, 2e+06 m"});
 }
