@@ -3,11 +3,30 @@
 #include <algorithm>
 #include <cmath>
 
+#include <Eigen/Eigenvalues>
+
 namespace sunder::shell {
 namespace {
 
 constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep
 constexpr double kFastestRecovery = 0.5;  // [m/s]
+constexpr double kSlender = 0.05;  // of mass times the square of the distance between: what turns has as much inertia
+
+// Angular velocity that two fields have to be given for `couple`; false where they would have to spin too fast, having
+// no more than the moment of inertia `least` [kg m^2] about an axis of it.
+bool spin_for(const Mat3& inertia, double least, const Vec3& couple, Vec3& spin) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  const Vec3 parts = axes.eigenvectors().transpose() * couple, moments = axes.eigenvalues();
+  Vec3 turn = Vec3::Zero();
+  for (int i = 0; i < 3; ++i) {
+    if (moments[i] > least)
+      turn[i] = parts[i] / moments[i];
+    else if (std::abs(parts[i]) > 1e-14 * couple.norm())
+      return false;
+  }
+  spin = axes.eigenvectors() * turn;
+  return true;
+}
 
 }  // namespace
 
@@ -27,7 +46,7 @@ int FieldContact::field_at(int node, const SurfaceSample& p) {
 
 int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
   grid_.clear();
-  fields_.clear(), pairs_.clear();
+  fields_.clear(), pairs_.clear(), touches_.clear();
   corners_.resize(8 * samples.size()), node_of_.resize(corners_.size());
   // which nodes each sample sees
   for (std::size_t p = 0; p < samples.size(); ++p) {
@@ -65,8 +84,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
         Pair pair{node, first ? a : b, first ? b : a, fields_[first ? a : b].normal};
         if (pair.normal.squaredNorm() == 0.0) continue;
         pair.normal.normalize();
-        const Vec3 apart = fields_[pair.other].moment / fields_[pair.other].mass -
-                           fields_[pair.plane].moment / fields_[pair.plane].mass;
+        const Vec3 apart = fields_[pair.other].centre() - fields_[pair.plane].centre();
         if (pair.normal.dot(apart) < 0.0) pair.normal = -pair.normal;
         pair.next = first_pair_[pair.other], first_pair_[pair.other] = static_cast<int>(pairs_.size());
         pairs_.push_back(pair);
@@ -78,10 +96,9 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
         Pair& pair = pairs_[q];
         const Field& plane = fields_[pair.plane];
         const double between = 0.5 * (plane.thickness + samples[p].thickness);
-        pair.gap = std::min(pair.gap, pair.normal.dot(samples[p].x - plane.moment / plane.mass) - between);
+        pair.gap = std::min(pair.gap, pair.normal.dot(samples[p].x - plane.centre()) - between);
       }
   }
-  int touching = 0;
   for (const Pair& pair : pairs_) {
     if (pair.gap >= 0.0) continue;
     Field &a = fields_[pair.plane], &b = fields_[pair.other];
@@ -89,7 +106,6 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
     const double wanted = std::min(kRecovery * -pair.gap / dt, kFastestRecovery), approach = rel.dot(n);
     if (approach >= wanted) continue;
-    ++touching;
     const SurfaceLaw& law = laws_[a.shell][b.shell];
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
     const double normal = reduced * (std::max(wanted, -law.restitution * approach) - approach);
@@ -99,14 +115,45 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     Vec3 j = normal * n;
     if (most > 0.0) j -= friction / slide.norm() * slide;
     b.change += j / b.mass, a.change -= j / a.mass;
+    a.touches = b.touches = true;
+    touches_.push_back({pair.plane, pair.other, j});
   }
-  if (touching == 0) return 0;
+  if (touches_.empty()) return 0;
+  turn(samples);
   for (std::size_t p = 0; p < samples.size(); ++p)
     for (int c = 0; c < 8; ++c) {
       const Corner& corner = corners_[8 * p + c];
-      samples[p].impulse += corner.weight * samples[p].mass * fields_[corner.field].change;
+      const Field& f = fields_[corner.field];
+      if (f.touches)
+        samples[p].impulse += corner.weight * samples[p].mass * (f.change + f.spin.cross(samples[p].x - f.centre()));
     }
-  return touching;
+  return static_cast<int>(touches_.size());
+}
+
+// What two fields do to one another acts at their centres, which are apart: the couple of both impulses is taken by
+// turning both. Fields that cannot (of one point each, for example) push along the line between them alone.
+void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
+  for (std::size_t p = 0; p < samples.size(); ++p)
+    for (int c = 0; c < 8; ++c) {
+      const Corner& corner = corners_[8 * p + c];
+      Field& f = fields_[corner.field];
+      if (!f.touches) continue;
+      const Vec3 r = samples[p].x - f.centre();
+      f.inertia += corner.weight * samples[p].mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+    }
+  for (const Touch& t : touches_) {
+    Field &a = fields_[t.a], &b = fields_[t.b];
+    const Vec3 apart = b.centre() - a.centre();
+    Vec3 spin;
+    if (spin_for(a.inertia + b.inertia, kSlender * (a.mass + b.mass) * apart.squaredNorm(), -apart.cross(t.impulse),
+                 spin)) {
+      a.spin += spin, b.spin += spin;
+      continue;
+    }
+    const double along = std::max(0.0, apart.dot(t.impulse)) / apart.squaredNorm();
+    const Vec3 back = along * apart - t.impulse;
+    b.change += back / b.mass, a.change -= back / a.mass;
+  }
 }
 
 }  // namespace sunder::shell

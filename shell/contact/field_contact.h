@@ -30,8 +30,8 @@ class FieldContact {
   double spacing() const { return spacing_; }
   /// Surfaces that hang together and are no further apart at rest are one [m].
   double one_surface() const { return kOneSurface * spacing_; }
-  /// Impulses of surfaces that touch and approach, or overlap, into `impulse`; they sum to zero. `dt`: of the substep
-  /// [s]. Returns the number of places in contact.
+  /// Impulses of surfaces that touch and approach, or overlap, into `impulse`; they sum to zero, and so do their
+  /// moments. `dt`: of the substep [s]. Returns the number of places in contact.
   int solve(std::vector<SurfaceSample>& samples, double dt);
 
  private:
@@ -41,7 +41,10 @@ class FieldContact {
     Vec3 rest;  // of its first sample
     double mass = 0.0, thickness = 0.0;
     Vec3 momentum = Vec3::Zero(), moment = Vec3::Zero(), normal = Vec3::Zero();  // sums
-    Vec3 change = Vec3::Zero();                                                  // of its velocity
+    Vec3 change = Vec3::Zero(), spin = Vec3::Zero();                             // of its velocity [m/s], [rad/s]
+    Mat3 inertia = Mat3::Zero();                                                 // about its centre, where it touches
+    bool touches = false;
+    Vec3 centre() const { return moment / mass; }
   };
   struct Pair {
     int node, plane, other;  // fields
@@ -49,11 +52,16 @@ class FieldContact {
     double gap = 1e300;      // nearest sample of the other [m]
     int next = -1;
   };
+  struct Touch {
+    int a, b;      // fields
+    Vec3 impulse;  // on b [N s]
+  };
   struct Corner {
     int field;
     double weight;
   };
   int field_at(int node, const SurfaceSample& sample);
+  void turn(const std::vector<SurfaceSample>& samples);
 
   double spacing_;
   std::vector<std::vector<char>> together_;
@@ -65,6 +73,7 @@ class FieldContact {
   std::vector<int> node_of_;     // of each corner
   std::vector<Pair> pairs_;
   std::vector<int> first_pair_;  // of each field, in which it is the other
+  std::vector<Touch> touches_;
 };
 
 }  // namespace sunder::shell

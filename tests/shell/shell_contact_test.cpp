@@ -24,8 +24,8 @@ ShellModel sheet(double size, int elements, const Vec3& at, double thickness, co
 }
 
 struct Sum {
-  Vec3 momentum = Vec3::Zero();
-  double scale = 0.0, energy = 0.0;  // kg m/s, J with what contact took
+  Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();   // [kg m/s], [kg m^2/s]
+  double scale = 0.0, angular_scale = 0.0, energy = 0.0;  // sums of sizes; J with what contact took
 };
 
 // `steps` substeps of free shells that touch; `look` after each.
@@ -45,7 +45,8 @@ Sum fly(const std::vector<ShellRef>& shells, ShellContact& contact, double dt, i
     for (int i = 0; i < r.model->control_points(); ++i) {
       const int slot = r.model->tables.slot(i);
       const Vec3 p = r.state->mass[slot] * r.state->velocity(slot);
-      sum.momentum += p, sum.scale += p.norm();
+      const Vec3 l = r.state->position(slot).cross(p);
+      sum.momentum += p, sum.scale += p.norm(), sum.angular += l, sum.angular_scale += l.norm();
     }
   }
   return sum;
@@ -69,6 +70,7 @@ TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
   const Sum before = fly(shells, contact, dt, 0, [] {});
   const Sum after = fly(shells, contact, dt, 400, [] {});
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.scale);
+  EXPECT_LT((after.angular - before.angular).norm(), 1e-12 * before.angular_scale);
   const double lost = a.book.contact + b.book.contact;
   EXPECT_GT(lost, 0.1 * before.energy);  // they did meet, inelastically
   EXPECT_NEAR(after.energy, before.energy, 2e-3 * before.energy);

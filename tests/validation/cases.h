@@ -46,6 +46,7 @@ std::vector<Case> soft_cases();
 std::vector<Case> seam_cases();
 std::vector<Case> coupling_cases();
 /// Only where they are asked for by name.
+std::vector<Case> long_contact_cases();
 std::vector<Case> long_coupling_cases();
 
 }  // namespace sunder::validation

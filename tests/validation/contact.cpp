@@ -141,7 +141,7 @@ void collision(Report& report) {
     const std::string name = restitution == 0.0 ? "inelastic" : "elastic";
     report.add("momentum_" + name, (after.momentum - before.momentum).norm() / before.momentum_scale, 0.0, 1e-12,
                seconds_now() - start);
-    report.add("angular_momentum_" + name, (after.angular - before.angular).norm() / before.angular_scale, 0.0, 0.02,
+    report.add("angular_momentum_" + name, (after.angular - before.angular).norm() / before.angular_scale, 0.0, 1e-12,
                0.0);
     report.add("energy_" + name, energy() / stored, 1.0, 2e-3, 0.0);
   }

@@ -1,0 +1,140 @@
+// A sheet crumpled into a ball: does it pass through itself?
+#include <cmath>
+#include <numbers>
+
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Polygon_mesh_processing/self_intersections.h>
+#include <CGAL/Surface_mesh.h>
+#include <fmt/format.h>
+
+#include "shell/solver/handoff.h"
+#include "shell/solver/shell_contact.h"
+#include "shell/solver/stable_step.h"
+#include "shell/solver/step.h"
+#include "tests/validation/cases.h"
+
+namespace sunder::validation {
+namespace {
+
+using namespace sunder::shell;
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
+
+constexpr double kSize = 1.0, kPull = 12.0;  // [m]; towards the origin, its square per distance [rad/s]
+
+// Pairs of triangles between the corners of elements that cross, by exact predicates; what is nearer at rest than
+// `near` [m] is the same fold, which contact does not resolve, and is counted apart.
+struct Crossings {
+  int through = 0, folded = 0;
+};
+Crossings crossings(const ShellModel& m, const ShellState& s, int elements, double near) {
+  Surface surface;
+  std::vector<Vec3> rest;
+  const int across = elements + 1;
+  const auto corner = [&](int i, int j) {
+    return Surface::Vertex_index(static_cast<Surface::size_type>(j * across + i));
+  };
+  for (int j = 0; j < across; ++j)
+    for (int i = 0; i < across; ++i) {
+      Vec3 x = Vec3::Zero(), at = Vec3::Zero();
+      for (const GatheredFunction& f :
+           patch_functions(m.patch, Vec2(kSize * i / elements, kSize * j / elements), m.tables.stride))
+        x += f.n[0] * s.position(f.slot), at += f.n[0] * s.at(m.rest, f.slot);
+      surface.add_vertex({x.x(), x.y(), x.z()}), rest.push_back(at);
+    }
+  std::vector<Vec3> middle;
+  const auto add = [&](Surface::Vertex_index a, Surface::Vertex_index b, Surface::Vertex_index c) {
+    surface.add_face(a, b, c);
+    middle.emplace_back((rest[a] + rest[b] + rest[c]) / 3.0);
+  };
+  for (int j = 0; j < elements; ++j)
+    for (int i = 0; i < elements; ++i) {
+      add(corner(i, j), corner(i + 1, j), corner(i + 1, j + 1));
+      add(corner(i, j), corner(i + 1, j + 1), corner(i, j + 1));
+    }
+  std::vector<std::pair<Surface::Face_index, Surface::Face_index>> found;
+  CGAL::Polygon_mesh_processing::self_intersections(surface, std::back_inserter(found));
+  Crossings out;
+  for (const auto& [a, b] : found) ++((middle[a] - middle[b]).norm() > near ? out.through : out.folded);
+  return out;
+}
+
+// Sum of mass times the square of the distance from the origin [kg m^2].
+double spread(const ShellModel& m, const ShellState& s) {
+  double sum = 0.0;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    sum += s.mass[slot] * s.position(slot).squaredNorm();
+  }
+  return sum;
+}
+
+void crumple(Report& report, int elements, int substeps, int threads, bool meets = true) {
+  const double start = seconds_now(), spacing = kSize / elements;
+  ShellMaterial film;
+  film.density = 1000, film.youngs_modulus = 1e6, film.poisson_ratio = 0.3;
+  const ShellModel m = make_shell("sheet", plate(kSize, kSize, elements, elements, Vec3::Zero(), Quat::Identity()),
+                                  0.4 * spacing, film, 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  for (int i = 0; i < m.control_points(); ++i) {  // waves that have no symmetry
+    const int slot = m.tables.slot(i);
+    const Vec3 x = std::numbers::pi * s.position(slot) / kSize;
+    s.v[2 * m.tables.plane + slot] =
+        0.5 * std::sin(3.0 * x.x() + 2.0 * x.y() + 0.7) + 0.4 * std::cos(2.0 * x.x() - 5.0 * x.y() + 0.2);
+  }
+  ShellContact contact({&m}, {}, {1, std::vector<SurfaceLaw>(1)});
+  const std::vector<ShellRef> shells{{&m, &s}};
+  const double dt = 0.5 * stable_step(m, s, 80, threads, false);
+  const auto energy = [&] {
+    return compute_forces(m, s, true, 0.0, threads) + kinetic_energy(m, s, dt) + s.book.lost() +
+           0.5 * kPull * kPull * spread(m, s);
+  };
+  const double first = energy(), flat = spread(m, s);
+  const Totals before = totals(m, s);
+  int through = 0, folded = 0, looks = 0, touching = 0;
+  std::vector<double> times, sizes;
+  for (int k = 1; k <= substeps; ++k) {
+    compute_forces(m, s, false, 0.0, threads);
+    kick(m, s, Vec3::Zero(), dt);
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = m.tables.slot(i);
+      s.add_velocity(slot, -kPull * kPull * dt * s.position(slot));
+    }
+    if (meets) touching = std::max(touching, contact.act(shells, dt));
+    drift(m, s, dt);
+    if (k % std::max(1, substeps / 100) != 0) continue;
+    const Crossings found = crossings(m, s, elements, 4.0 * spacing);
+    through = std::max(through, found.through), folded = std::max(folded, found.folded), ++looks;
+    times.push_back(k * dt), sizes.push_back(std::sqrt(spread(m, s) / flat));
+  }
+  if (!meets) {  // or nothing would be shown
+    report.add(fmt::format("crumple_{}_without_contact_crosses", elements), through > 0 ? 1.0 : 0.0, 1.0, 0.0,
+               seconds_now() - start);
+    return;
+  }
+  const Totals after = totals(m, s);
+  const std::string name = fmt::format("crumple_{}", elements);
+  report.add(name + "_crossings", through, 0.0, 0.0, seconds_now() - start);
+  report.add(name + "_angular_momentum", (after.angular - before.angular).norm() / before.angular_scale, 0.0, 1e-9,
+             0.0);
+  report.add(name + "_energy", energy() / first, 1.0, 0.01, 0.0);
+  report.lines.push_back(fmt::format(
+      "{0} x {0} elements, {1} substeps of {2:.3g} s: its spread falls to {3:.2f} of the flat sheet's, {4} places "
+      "touch "
+      "at most; {5} looks, {6} pairs of triangles within one fold cross at most",
+      elements, substeps, dt, *std::min_element(sizes.begin(), sizes.end()), touching, looks, folded));
+  report.curves.push_back({name, "time [s]", "root mean square distance from the middle, over that of the flat sheet",
+                           times, sizes, false});
+}
+
+}  // namespace
+
+std::vector<Case> long_contact_cases() {
+  return {
+      {"crumple_small", "a sheet of 40 x 40 elements crumpled for 2e4 substeps: pairs of triangles that have crossed",
+       [](Report& r, int threads) { crumple(r, 40, 2000, threads, false), crumple(r, 40, 20000, threads); }},
+      {"crumple", "a sheet of 100 x 100 elements crumpled for 1e5 substeps: pairs of triangles that have crossed",
+       [](Report& r, int threads) { crumple(r, 100, 100000, threads); }}};
+}
+
+}  // namespace sunder::validation
