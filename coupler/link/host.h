@@ -4,6 +4,7 @@
 #include <set>
 
 #include "coupler/link/rigid_link.h"
+#include "coupler/link/units.h"
 
 namespace sunder::link {
 
@@ -32,7 +33,7 @@ class EngineHost : public RigidLink {
   void match(const std::vector<Motion>& motions, const char* what) const;
   void add(const std::vector<RigidBody>& bodies, const char* what);
 
-  Engine& engine_;
+  InUnits engine_;
   EngineInfo info_;
   bool is_loaded_ = false, keep_windows_ = false, moved_ = false;
   std::int64_t tick_ = 0;

@@ -96,7 +96,7 @@ CRACKS: list[Row] = [
     Row("strength_never", struck_pane(1e15), Stable(1e-3), never_breaks),
     Row("strength_always", struck_pane(1.0), Stable(BROKEN), breaks, limit_s=120.0),
     Row("strength_always_weak", struck_pane(1e6, 1e-3), Stable(BROKEN), breaks, limit_s=120.0),
-    # Bullet's own lengths are absolute (margins, slop); without an engine's contact the shell scales to the last digit
+    # powers of two: all of it scales to the last digit, an engine's own lengths included (coupler/link/units.h)
     *(Row(f"cracks_at_{name}{end}", struck_pane(180e6, scale=scale), Stable(BROKEN), similar(scale, engine), limit_s=120.0,
           engine=engine)
       for name, scale in (("1um", 2.0 ** -18), ("1km", 2.0 ** 12))

@@ -214,6 +214,17 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
 
 }  // namespace
 
+double RunSetup::typical_length() const {
+  Eigen::AlignedBox3d box;
+  for (const ShellSetup& s : shells)
+    for (const Vec3& x : s.model.patch.control_points) box.extend(x);
+  if (!box.isEmpty()) return box.diagonal().norm();
+  double widest = 0.0;
+  for (const RigidBody& b : bodies)
+    if (!b.is_static) widest = std::max(widest, 2.0 * Proxy(b).radius());
+  return widest;
+}
+
 RunSetup build(const scene::LoadedScene& scene) {
   const proto::Scene& m = scene.message;
   RunSetup r;

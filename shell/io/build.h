@@ -48,6 +48,8 @@ struct RunSetup {
   CouplingRules coupling;
   std::vector<ContactLaw> laws;
 
+  /// Diagonal of the box about all shells at rest, or of the largest body that moves where there is none [m].
+  double typical_length() const;
   bool can_crack() const {
     return std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return s.can_crack(); });
   }

@@ -133,7 +133,7 @@ void Run::load_checkpoint() {
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   const bool again = setup_.coupling.scheme == CouplingRules::Scheme::kIterated;
-  rigid_->load({bodies, setup_.laws, setup_.joints, tick_, again});
+  rigid_->load({bodies, setup_.laws, setup_.joints, tick_, again, setup_.typical_length()});
   rigid_->restore(caches);
 }
 

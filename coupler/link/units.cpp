@@ -1,0 +1,88 @@
+#include "coupler/link/units.h"
+
+#include <cmath>
+
+namespace sunder::link {
+namespace {
+
+constexpr double kOurs = 1.0 / 3.0;  // [m], what engines' own lengths suit,
+constexpr double kSuited = 32.0;     // and as many times more or less
+
+double power(double unit, int exponent) { return std::ldexp(1.0, exponent * std::ilogb(unit)); }
+
+Shape scaled(Shape shape, double by) {
+  if (auto* s = std::get_if<SphereShape>(&shape)) s->radius *= by;
+  if (auto* s = std::get_if<BoxShape>(&shape)) s->half_size *= by;
+  if (auto* s = std::get_if<ConvexShape>(&shape))
+    for (auto& part : s->parts)
+      for (Vec3& corner : part) corner *= by;
+  return shape;
+}
+
+}  // namespace
+
+double length_unit(double typical_length) {
+  const double ratio = typical_length / kOurs;
+  if (!(ratio > 0.0) || (ratio <= kSuited && ratio >= 1.0 / kSuited)) return 1.0;
+  return std::exp2(std::round(std::log2(ratio)));
+}
+
+// Lengths and times by one over the unit, masses by its cube: speeds stay, an angular momentum goes by the fourth
+// power.
+BodyMotion InUnits::inward(BodyMotion m) const {
+  m.position *= power(unit_, -1), m.angular_momentum *= power(unit_, -4);
+  return m;
+}
+std::vector<Motion> InUnits::inward(std::vector<Motion> motions) const {
+  for (Motion& m : motions) m.motion = inward(m.motion);
+  return motions;
+}
+
+void InUnits::add(const RigidBody& body) {
+  if (unit_ == 1.0) return inner_.add(body);
+  RigidBody b = body;
+  b.mass *= power(unit_, -3), b.principal_inertia *= power(unit_, -5);
+  b.motion = inward(b.motion), b.shape = scaled(b.shape, power(unit_, -1));
+  try {
+    inner_.add(b);
+  } catch (Error& e) {
+    Error told(e.status, e.kind, fmt::format("{} (in units of {:g} m, {:g} kg)", e.what(), unit_, power(unit_, 3)));
+    told.body = e.body;
+    throw told;
+  }
+}
+
+void InUnits::add_joint(const Joint& joint) {
+  Joint j = joint;
+  j.first_frame.position *= power(unit_, -1), j.second_frame.position *= power(unit_, -1);
+  inner_.add_joint(j);
+}
+
+void InUnits::advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) {
+  if (unit_ == 1.0) return inner_.advance(window_s, handbacks, solved);
+  inner_.advance(window_s * power(unit_, -1), inward(handbacks), solved);
+}
+
+std::vector<State> InUnits::states() const {
+  std::vector<State> states = inner_.states();
+  if (unit_ == 1.0) return states;
+  for (State& s : states) {
+    s.mass *= power(unit_, 3);
+    s.motion.position *= unit_, s.motion.angular_momentum *= power(unit_, 4);
+  }
+  return states;
+}
+
+std::vector<ContactRow> InUnits::rows(double window_s, const std::vector<Motion>& motions,
+                                      const std::vector<BodyId>& bodies) {
+  if (unit_ == 1.0) return inner_.rows(window_s, motions, bodies);
+  std::vector<ContactRow> rows = inner_.rows(window_s * power(unit_, -1), inward(motions), bodies);
+  for (ContactRow& r : rows) r.first_point *= unit_, r.second_point *= unit_, r.allowance *= unit_;
+  return rows;
+}
+
+void InUnits::restore(const std::string& caches, const std::vector<Motion>& motions) {
+  inner_.restore(caches, inward(motions));
+}
+
+}  // namespace sunder::link
