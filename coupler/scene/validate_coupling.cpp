@@ -45,7 +45,7 @@ void seams(const LoadedScene& s) {
     const std::string f = fmt::format("seams.rules[{}]", i);
     for (const auto& [name, field] : {std::pair{r.first(), ".first"}, std::pair{r.second(), ".second"}})
       s.check(std::any_of(s.message.shells().begin(), s.message.shells().end(),
-                          [&](const proto::Shell& shell) { return shell.name() == name; }),
+                          [&, &name = name](const proto::Shell& shell) { return shell.name() == name; }),
               f + field, "'{}' is no shell of this scene", name);
     s.check(r.first() != r.second(), f + ".second", "is '{}' as well; a seam is between two shells", r.second());
     s.check(proto::SeamRule::Kind_IsValid(r.kind()), f + ".kind", "is {}; CLAMPED, HINGE or OPEN",

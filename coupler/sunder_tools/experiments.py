@@ -192,6 +192,9 @@ EXPERIMENTS = {"shells": (
     Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
                _later("impacts", "impact_speed")),
     Experiment("refinement", "cracks and residual speed on three grids", _later("impacts", "refinement")),
+), "coupling": (
+    Experiment("scenes", "impulses and births of every shipped scene with bodies, with every engine",
+               _later("scene_books", "scenes")),
 ), "seams": (
     Experiment("crack", "a crack over a seam runs as in the single patch", _later("seam_runs", "crack")),
     Experiment("piece", "a piece over a seam leaves as one body", _later("seam_runs", "piece")),

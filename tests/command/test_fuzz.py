@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
@@ -57,6 +58,12 @@ class Fuzz(unittest.TestCase):
     def test_targets_are_those_that_are_built(self) -> None:
         text = (REPOSITORY / "tests" / "fuzz" / "CMakeLists.txt").read_text()
         self.assertIn(f"foreach(target {' '.join(sorted(fuzz.TARGETS))})", text)
+
+    def test_what_is_fuzzed_is_complete(self) -> None:
+        """The fuzzers have a list of rooms and packages of their own: what a room comes to need must be found there."""
+        done = subprocess.run(["cmake", "-S", str(REPOSITORY / "tests" / "fuzz"), "-B", str(self.top / "configured")],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout)
 
     def test_words_of_scenes(self) -> None:
         words = fuzz._dictionary(self.top / "dict").read_text().splitlines()

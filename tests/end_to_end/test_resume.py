@@ -1,10 +1,13 @@
 """Runs that go on from a checkpoint, and recorded ones that are played back: the real programs."""
 from __future__ import annotations
 
+import itertools
 import json
 import os
+import signal
 import subprocess
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -13,6 +16,11 @@ BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
 SUNDER = [str(TOP / "coupler" / "sunder")]
 SCENE = str(TOP / "scenes" / "cut_pane.textproto")
 SOFT = str(TOP / "scenes" / "soft_ball.textproto")
+GLASS = str(TOP / "scenes" / "glass.textproto")
+SHATTERING = [part for setting in ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=2e-3",
+                                   "fracture.latest_freeze_s=1.5e-3", "output.checkpoint_interval_s=1e-4",
+                                   "output.shell_frame_interval_s=1e-4") for part in ("--set", setting)]
+TRIES = 3
 OFTEN = [part for setting in ("output.checkpoint_interval_s=3e-4", "output.frame_interval_s=1",
                               "output.shell_frame_interval_s=1") for part in ("--set", setting)]
 
@@ -24,6 +32,22 @@ def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 def state(folder: Path) -> str:
     return str(json.loads((folder / "run.json").read_text())["state_hash"])
+
+
+def is_cracking(run_json: Path) -> bool:
+    """The run has pieces, goes on cracking, and has a checkpoint to go on from."""
+    try:
+        run = json.loads(run_json.read_text())
+        return bool(run["counts"]["fragments"] > 1 and run["time"]["frozen_at_s"] is None
+                    and run["time"]["simulated_s"] < 1e-3 and (run_json.parent / "checkpoint" / "state").is_file())
+    except (OSError, ValueError, KeyError):
+        return False
+
+
+def children(parent: int, program: str) -> list[int]:
+    """Processes of this name that `parent` has started."""
+    pids = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+    return [int(pid) for pid in pids if Path(os.readlink(f"/proc/{pid}/exe")).name == program]
 
 
 class Resume(unittest.TestCase):
@@ -56,6 +80,35 @@ class Resume(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(state(part), state(whole))
         self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+
+    def test_goes_on_after_either_side_was_killed_while_it_cracked(self) -> None:
+        def run(name: str, *more: str) -> list[str]:
+            return [*SUNDER, "run", GLASS, "--out", str(self.here / name), "--quiet", *SHATTERING, *more]
+
+        done = subprocess.run(run("whole"), capture_output=True, text=True, timeout=200, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        whole = json.loads((self.here / "whole" / "run.json").read_text())
+        for program, tried in itertools.product(("sunder-shell", "sunder-rigid"), range(TRIES)):
+            folder = self.here / f"{program}_{tried}"
+            run_json = folder / "run.json"
+            launcher = subprocess.Popen(run(folder.name), stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            while not is_cracking(run_json) and launcher.poll() is None:
+                time.sleep(0.005)
+            for process in children(launcher.pid, program):
+                os.kill(process, signal.SIGKILL)
+            said = launcher.communicate(timeout=200)[1]
+            if launcher.returncode == 0 and tried + 1 < TRIES:
+                continue  # it was done before it could be killed
+            with self.subTest(program):
+                self.assertEqual(launcher.returncode, 3, said)
+                cut = json.loads(run_json.read_text())
+                self.assertEqual((cut["status"], cut["error"]["kind"]), ("failed", "peer_lost"))
+                self.assertNotEqual(cut.get("state_hash"), whole["state_hash"])
+                done = sunder("run", "--resume", str(folder), "--quiet")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(state(folder), whole["state_hash"])
+                self.assertEqual((folder / "series.csv").read_text(), (self.here / "whole" / "series.csv").read_text())
+            break
 
     def test_refuses_what_is_no_checkpoint_of_this_run(self) -> None:
         part = self.run_to("part", "0.0008")
