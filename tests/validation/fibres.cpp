@@ -168,7 +168,7 @@ void parting(Report& report) {
       if (sum != 0.0) free = gap;
     });
     report.add(fmt::format("parting_holds_{:g}", elements), most, 0.0, 1e-3, seconds_now() - start);
-    report.add(fmt::format("parting_free_at_{:g}", elements), free / kThickness, 1.0, 0.05, 0.0);
+    report.add(fmt::format("parting_free_at_{:g}", elements), free / kThickness, 1.0, 0.02, 0.0);
   }
 }
 
@@ -220,7 +220,7 @@ void bounded(Report& report) {
       most = 1e9;
     }
     if (share < 1.0)
-      report.add("stable_step_0.98", p.energy(dt) / stored, 1.0, 0.02, seconds_now() - start);
+      report.add("stable_step_0.98", p.energy(dt) / stored, 1.0, 2e-3, seconds_now() - start);
     else  // the bound is not idle
       report.add("stable_step_3_grows", most > 10.0 ? 1.0 : 0.0, 1.0, 0.0, seconds_now() - start);
   }
