@@ -51,6 +51,8 @@ void validate(const LoadedScene& scene);
 void validate_coupling(const LoadedScene& scene);
 /// Its part about soft bodies.
 void validate_soft(const LoadedScene& scene);
+/// Fibres of shells.
+void validate_fibres(const LoadedScene& scene);
 
 /// The convex hull of the corners of an OFF or OBJ file below the scene's folder.
 struct Hull {

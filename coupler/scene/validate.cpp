@@ -446,6 +446,7 @@ void validate(const LoadedScene& s) {
   }
   validate_coupling(s);
   validate_soft(s);
+  validate_fibres(s);
   const auto& r = m.fracture();
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
   s.check(!r.has_branch_ratio() || (r.branch_ratio() > 1.0 && r.branch_ratio() <= 1e6), "fracture.branch_ratio",

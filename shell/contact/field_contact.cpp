@@ -79,6 +79,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     for (int a = head_[node]; a >= 0; a = fields_[a].next)
       for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
         if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0) continue;
+        if (laws_[fields_[a].shell][fields_[b].shell].elsewhere) continue;
         // what fills more of the node's surroundings is the plane
         const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
         Pair pair{node, first ? a : b, first ? b : a, fields_[first ? a : b].normal};

@@ -19,6 +19,7 @@ struct SurfaceSample {
 /// What surfaces of shells do to one another.
 struct SurfaceLaw {
   double friction = 0.5, restitution = 0.0;
+  bool elsewhere = false;  // something else keeps them apart
 };
 
 class FieldContact {

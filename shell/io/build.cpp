@@ -304,6 +304,12 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (const auto& c : m.contacts())  // a shell by itself, where the scene says what it does to itself
     r.shells_meet = r.shells_meet || (!c.first().empty() && c.first() == c.second() && !r.shells.empty() &&
                                       c.first() == r.shells[0].model.name);
+  if (r.shells_meet) {
+    for (const ShellSetup& s : r.shells) r.fibre_spacing = std::max(r.fibre_spacing, s.fibre_spacing);
+    // nothing is left for the contact between shells where all have fibres
+    r.shells_meet =
+        std::any_of(r.shells.begin(), r.shells.end(), [](const ShellSetup& s) { return !s.model.has_fibres(); });
+  }
   ContactLaw fallback;
   for (const auto& c : m.contacts())
     if (c.first().empty()) {

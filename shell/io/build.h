@@ -40,8 +40,9 @@ struct RunSetup {
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellSetup> shells;
   std::vector<SoftSetup> soft;
-  Stitches stitches;         // between them
-  bool shells_meet = false;  // contact between them, or of one with itself
+  Stitches stitches;           // between them
+  bool shells_meet = false;    // contact between them, or of one with itself
+  double fibre_spacing = 0.0;  // of their grid [m]; 0: no shell has fibres that could touch others
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
   std::vector<Joint> joints;
@@ -50,6 +51,11 @@ struct RunSetup {
 
   /// Diagonal of the box about all shells at rest, or of the largest body that moves where there is none [m].
   double typical_length() const;
+  std::vector<const ShellModel*> models() const {
+    std::vector<const ShellModel*> out;
+    for (const ShellSetup& s : shells) out.push_back(&s.model);
+    return out;
+  }
   bool can_crack() const {
     return std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return s.can_crack(); });
   }

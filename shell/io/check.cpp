@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "shell/contact/proxy.h"
+#include "shell/solver/fibres.h"
 #include "shell/solver/hertz.h"
 #include "shell/solver/stable_step.h"
 
@@ -20,7 +21,8 @@ constexpr int kTrials = 20;       // substeps that are timed
 double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::size_t shell, ShellState& s) {
   const ShellSetup& shell_setup = setup.shells[shell];
   const ShellModel& m = shell_setup.model;
-  const double step = stable_step(m, s, kIterations, 1, shell_setup.can_crack());
+  double step = stable_step(m, s, kIterations, 1, shell_setup.can_crack());
+  if (m.has_fibres()) step = stable_step_with_fibres(step, setup.models());
   scene.check(std::isfinite(step), fmt::format("shells[{}].supports", shell),
               "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
   for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
@@ -85,6 +87,14 @@ std::string fracture_lines(const ShellSetup& shell) {
   return out;
 }
 
+std::string fibre_lines(const RunSetup& setup, const ShellModel& m) {
+  if (!m.has_fibres()) return "";
+  return fmt::format(
+      "fibres         on a grid of {:.4g} m; half of the thickness is left under {:.3g} Pa, and it sticks up to {:.3g} "
+      "times the pressure\n",
+      setup.fibre_spacing, 0.25 * m.fibres.compression, m.fibres.friction);
+}
+
 std::string size_lines(const ShellModel& m, double step) {
   return fmt::format(
       "shell          {}\ncontrol points {}\ngauss points   {}\nlayer points   {}\nspacing        {:.4g} m\nstable "
@@ -124,7 +134,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   int layer_points = 0;
   for (std::size_t k = 0; k < setup.shells.size(); ++k) {
     allowed = std::min(allowed, allowed_step(scene, setup, setup.shells[k], steps[k]));
-    out += size_lines(*models[k], steps[k]) + fracture_lines(setup.shells[k]);
+    out += size_lines(*models[k], steps[k]) + fracture_lines(setup.shells[k]) + fibre_lines(setup, *models[k]);
     memory += megabytes(*states[k]);
     layer_points += models[k]->tables.gauss_points() * static_cast<int>(models[k]->tables.layers.zeta.size());
   }

@@ -97,6 +97,7 @@ void Run::save_checkpoint() {
   // What is only kept for speed starts anew on both ways on from here.
   for (ShellPart& part : parts_) part.candidates = {};
   if (shell_contact_) shell_contact_->forget();
+  if (fibres_) fibres_->forget();
   soft_.forget();
   rows_.clear();
   next_checkpoint_ = std::max(next_checkpoint_ + setup_.checkpoint_interval, time() + 0.5 * setup_.checkpoint_interval);

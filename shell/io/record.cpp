@@ -102,6 +102,7 @@ std::string Run::state_hash() const {
     if (!part.state) continue;
     const ShellState& s = *part.state;
     h.add(s.x), h.add(s.v);
+    if (!s.fibres.empty()) h.add(s.fibres);
     h.add(s.c_his.data(), s.c_his.size() * sizeof(float));
     for (const CrackEdge& e : s.cracks.edges()) h.add(std::vector<double>{e.a.x(), e.a.y(), e.b.x(), e.b.y(), e.time});
   }
@@ -282,6 +283,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
     model("shell_contact", "bodies can meet the shells", "rigid_contact");
   if (!soft_.empty()) model("soft_particles", "the scene has a soft body", "soft_bodies");
   if (setup_.shells_meet) model("contact_between_shells", "shells can meet", "shell_contact");
+  if (fibres_) model("fibres", "shells with fibres can meet", "fibres");
   if (!setup_.stitches.seams.empty()) model("seams", "shells hang together", "internal_force");
   if (any([](const ShellSetup& s) { return s.tips; }))
     model("tip_cracks", "a shell's material has a strength", "crack_update");

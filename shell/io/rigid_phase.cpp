@@ -48,7 +48,7 @@ bool Run::impact_ahead(const ShellPart& part) const {
 }
 
 std::string Run::cracking_has_ended() {
-  if (!soft_.empty()) return "";  // they would go on against shells that stand still
+  if (!soft_.empty() || fibres_) return "";  // they would go on against shells that stand still
   if (setup_.latest_freeze < setup_.end_time && time() >= setup_.latest_freeze * (1.0 - 1e-9)) return "latest_freeze_s";
   if (crack_length() == 0.0 || time() < setup_.last_change + setup_.quiet_time) return "";
   for (const ShellPart& part : parts_)

@@ -63,8 +63,7 @@ void Run::start() {
       parts_.back().coefficients.back().hertz = s.hertz[parts_.back().coefficients.size() - 1];
     }
   }
-  std::vector<const ShellModel*> models;
-  for (const ShellPart& part : parts_) models.push_back(&part.model());
+  const std::vector<const ShellModel*> models = setup_.models();
   stitching_ = Stitching(setup_.stitches, models);
   for (const ShellSetup& s : setup_.shells) tips_.push_back(s.tips ? 1 : 0);
   if (setup_.shells_meet) {
@@ -75,8 +74,13 @@ void Run::start() {
           if (std::minmax(law.first_group, law.second_group) ==
               std::minmax(models[i]->contact_group, models[k]->contact_group))
             laws[i][k] = {law.friction, law.restitution};
+    for (std::size_t i = 0; i < models.size(); ++i)
+      for (std::size_t k = 0; k < models.size(); ++k)
+        laws[i][k].elsewhere = models[i]->has_fibres() && models[k]->has_fibres();
     shell_contact_ = std::make_unique<ShellContact>(models, setup_.stitches.seams, std::move(laws));
   }
+  if (setup_.fibre_spacing > 0.0)
+    fibres_ = std::make_unique<Fibres>(models, setup_.stitches.seams, setup_.fibre_spacing);
   soft_ = SoftBodies(setup_.soft, models.size(), setup_.laws);
   if (options_.resume) {
     load_checkpoint();
@@ -122,7 +126,8 @@ void Run::start_shells() {
     if (setup.tips)  // what opens a face has first to relieve it
       for (double& strength : s.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
-    const double stable = stable_step(m, s, kFirstIterations, options_.threads, cracks);
+    double stable = stable_step(m, s, kFirstIterations, options_.threads, cracks);
+    if (fibres_ && m.has_fibres()) stable = stable_step_with_fibres(stable, setup_.models());
     part.initial_step = part.smallest_step = stable;
     require(std::isfinite(stable),
             "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
@@ -248,6 +253,7 @@ double Run::total_energy(double dt) {
     elastic_ += compute_forces(m, s, true, 0.0, options_.threads) +
                 hertz_energy(m, s, proxies_, part.coefficients, part.candidates, dt);
   }
+  if (fibres_) fibres_->add_forces(refs()), elastic_ += fibres_->energy();
   stitching_.share_forces(refs());
   for (const ShellPart& part : parts_) {
     const ShellModel& m = part.model();
@@ -271,6 +277,7 @@ void Run::substep(double dt) {
                                                    : 0.0;
       compute_forces(setup.model, *part.state, false, share, options_.threads);
     });
+    if (fibres_) fibres_->add_forces(refs());
     if (!stitching_.empty()) stitching_.share_forces(refs());
   }
   {
@@ -334,12 +341,17 @@ void Run::take_substeps(int n, double dt) {
     share_kick(1.0 / n);
     soft_most_ = n - k;
     substep(dt);
-    if (++substeps_ % kCompressionInterval == 0) try {
-        for (const ShellPart& part : parts_) check_compression(part.model(), *part.state);
-      } catch (Error& e) {
-        e.window = windows_;
-        throw;
+    try {
+      if (fibres_) {
+        Stopwatch w(stage_s_["fibres"]);
+        fibres_->advance(refs(), dt);
       }
+      if (++substeps_ % kCompressionInterval == 0)
+        for (const ShellPart& part : parts_) check_compression(part.model(), *part.state);
+    } catch (Error& e) {
+      e.window = windows_;
+      throw;
+    }
     for (ShellPart& part : parts_) crack(part, k, n, dt);
     if (!stitching_.empty() && setup_.can_crack()) {
       Stopwatch w(stage_s_["crack_update"]);

@@ -17,6 +17,7 @@
 #include "shell/io/part.h"
 #include "shell/io/trace.h"
 #include "shell/soft/soft_bodies.h"
+#include "shell/solver/fibres.h"
 #include "shell/solver/shell_contact.h"
 #include "shell/solver/step.h"
 
@@ -190,6 +191,7 @@ class Run {
   std::vector<std::exception_ptr> errors_;       // scratch of side_by_side()
   Stitching stitching_;                          // of them
   std::unique_ptr<ShellContact> shell_contact_;  // between them; null: they cannot meet
+  std::unique_ptr<Fibres> fibres_;               // null: no shell has any
   SoftBodies soft_;
   int soft_left_ = 0, soft_most_ = 0;  // substeps until their step ends, and until the window does
   int at_once_ = 1;                    // shells that are solved at the same time; each then by one thread

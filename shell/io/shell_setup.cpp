@@ -7,6 +7,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kCoarsestFibres = 4.0;
+
 void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   const proto::Scene& m = scene.message;
   const ShellModel& s = r.model;
@@ -69,6 +71,22 @@ void set_transfer(const scene::LoadedScene& scene, ShellSetup& r) {
               r.transfer.spacing, s.spacing);
 }
 
+void set_fibres(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& f, ShellSetup& r) {
+  const proto::Fibres& m = shell.fibres();
+  ShellModel& s = r.model;
+  s.fibres = {m.compression_modulus(), m.shear_modulus(), m.has_friction() ? m.friction() : 0.5};
+  const double least = std::max(s.longest_element, 2.0 * s.thickness);
+  r.fibre_spacing = m.has_grid_spacing_m() ? m.grid_spacing_m() : least;
+  scene.check(r.fibre_spacing >= least * (1.0 - 1e-9), f + ".grid_spacing_m",
+              "is {} m; layers meet on nodes that both reach, which takes the longest element and twice the thickness, "
+              "{:.4g} m; take that, or leave it out",
+              r.fibre_spacing, least);
+  scene.check(r.fibre_spacing <= kCoarsestFibres * least, f + ".grid_spacing_m",
+              "is {} m, more than {} times the longest element or twice the thickness, {:.4g} m: layers that "
+              "bend within it would pass through one another; take less",
+              r.fibre_spacing, kCoarsestFibres, least);
+}
+
 }  // namespace
 
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field) {
@@ -80,6 +98,7 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
   if (shell.has_equilibrium())
     r.equilibrium = shell.equilibrium().has_tolerance() ? shell.equilibrium().tolerance() : 1e-6;
   set_transfer(scene, r);
+  if (shell.has_fibres()) set_fibres(scene, shell, field + ".fibres", r);
   const bool breaks = r.model.material.strength > 0.0;
   const auto mode = m.fracture().mode();
   if (mode == proto::Fracture::DAMAGE) {

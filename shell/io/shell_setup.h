@@ -28,6 +28,7 @@ struct ShellSetup {
   bool extract_cracks = true;  // where damage is complete
   CrackRules rules{};
   TransferRules transfer{};
+  double fibre_spacing = 0.0;   // of the grid, as the scene asks for it [m]
   std::vector<double> hertz{};  // stiffness of each body against it [N/m^1.5]; 0: impulses
 
   bool can_crack() const { return tips || brittleness > 0.0 || !cuts.empty(); }

@@ -82,6 +82,9 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       const double along_u = m.patch.knots_u.span_length(e), along_v = m.patch.knots_v.span_length(q / (gauss * gauss));
       m.longest_element = std::max({m.longest_element, along_u * std::sqrt(metric[kA11 * t.lanes]),
                                     along_v * std::sqrt(metric[kA22 * t.lanes])});
+      const double least =
+          std::min(along_u * std::sqrt(metric[kA11 * t.lanes]), along_v * std::sqrt(metric[kA22 * t.lanes]));
+      m.shortest_element = m.shortest_element > 0.0 ? std::min(m.shortest_element, least) : least;
       double sum = 0.0;
       patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride, functions);
       for (const auto& f : functions) sum += f.n[0] * f.n[0] / m.mass[f.slot];

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "shell/geometry/patch.h"
+#include "shell/mechanics/fibre.h"
 #include "shell/mechanics/row_tables.h"
 #include "shell/solver/loads.h"
 #include "shell/solver/supports.h"
@@ -50,12 +51,15 @@ struct ShellModel {
   std::vector<Vec2> parameter{};  // Greville point of each control point
   std::vector<Vec2> of_slot{};    // the same by slots; padding: zero
   double longest_element = 0.0;   // along u or v, at rest [m]
+  double shortest_element = 0.0;  // at rest [m]
   double largest_mobility = 0.0;  // inverse mass of a point of the surface, at most [1/kg]
   double spacing = 0.0;           // mean length of an element [m]
   double spacing_u = 0.0, spacing_v = 0.0;
   // Of the material's strength, [block][lane]; empty: 1 everywhere. The fracture energy goes with its square.
   std::vector<float> strength_factor{};
+  FibreLaw fibres{};  // shear and compression through the thickness, where it touches others that have them
 
+  bool has_fibres() const { return fibres.compression > 0.0; }
   double strength_factor_at(int block, int lane) const {
     return strength_factor.empty() ? 1.0 : strength_factor[static_cast<std::size_t>(block) * tables.lanes + lane];
   }

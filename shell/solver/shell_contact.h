@@ -1,10 +1,8 @@
 #pragma once
 // Shells that touch one another, or themselves: finds what may meet, and hands it to the grid
 // (contact/field_contact.h).
-#include <Eigen/Geometry>
-
 #include "shell/contact/field_contact.h"
-#include "shell/solver/stitching.h"
+#include "shell/solver/near_tiles.h"
 
 namespace sunder::shell {
 
@@ -22,15 +20,7 @@ class ShellContact {
   int candidates() const { return static_cast<int>(samples_.size()); }
 
  private:
-  struct Tile {
-    int shell, u, v;  // of its first element
-    Eigen::AlignedBox3d rest;
-    Eigen::AlignedBox3d now;
-    std::vector<Vec3> rest_normals, normals;  // of its elements' corners
-    bool candidate = false;
-  };
   void refresh(const std::vector<ShellRef>& shells, double dt);
-  bool may_meet(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const;
   void add_samples(const ShellRef& shell, const Tile& tile);
   /// Calls f(slot, value) with each function of a sample.
   template <class F>
@@ -38,9 +28,8 @@ class ShellContact {
     for (std::size_t i = first_[sample]; i < first_[sample + 1]; ++i) f(functions_[i].first, functions_[i].second);
   }
 
-  std::vector<std::vector<char>> together_;
   FieldContact fields_;
-  std::vector<Tile> tiles_;
+  NearTiles near_;
   std::vector<SurfaceSample> samples_;
   std::vector<std::pair<int, double>> functions_;  // slots and values, of all samples
   std::vector<std::size_t> first_;                 // function of each sample, and their number

@@ -65,6 +65,10 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   s.surface_stress.assign(gauss * 6, 0.0);
   s.c.assign(gauss, 0.0f), s.c_his.assign(gauss, 0.0f);
   if (m.material.yield_stress > 0.0) s.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
+  if (m.has_fibres()) {
+    s.fibres.assign(gauss * 6, 0.0);
+    for (std::size_t i = 2; i < s.fibres.size(); i += 3) s.fibres[i] = 1.0;
+  }
   s.point_of.assign(gauss, -1), s.sight_of.assign(gauss, -1), s.reach.assign(gauss, 0.0f);
   s.tables = t, s.interlayer = m.interlayer;
   s.cracks = CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()},

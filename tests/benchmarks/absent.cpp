@@ -44,6 +44,7 @@ struct Variant {
   const char* name;
   const char* material;  // what the sheet's material has beside elasticity
   const char* scene;     // what the scene has beside the sheet
+  const char* shell = "";
 };
 
 // A strength of 1e14 Pa is never reached here, nor is a yield stress of 3.4e9 Pa, a twentieth of E; what is 100 m away
@@ -56,6 +57,8 @@ const Variant kVariants[] = {
     {"tips", "strength: 1e14 fracture_energy: 1e20", "fracture { mode: TIPS }\n"},
     {"damage", "strength: 1e14 fracture_energy: 1e20", "fracture { mode: DAMAGE }\n"},
     {"shell_contact", "", "contacts { first: \"sheet\" second: \"sheet\" }\n"},
+    {"fibres", "", "contacts { first: \"sheet\" second: \"sheet\" }\n",
+     "fibres { compression_modulus: 1e6 shear_modulus: 1e6 }"},
     {"body", "", kFarBall},
     {"joint", "", "joints { name: \"pin\" kind: BALL first: \"ball\" }\n"},
     {"transfer", "", "transfer { kind: FLIP }\n"},
@@ -86,11 +89,11 @@ shell::RunSetup setup(const TemporaryFolder& folder, const Variant& v) {
   std::ofstream(path) << fmt::format(
       "name: \"absent\"\nend_time_s: {:.17g}\nwindow_s: {:.17g}\ntime_step_s: {:.17g}\n"
       "materials {{ name: \"glass\" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 {} }}\n"
-      "shells {{ name: \"sheet\" material: \"glass\" thickness_m: 0.004 layers: {} velocity {{ z: 1 }}\n"
+      "shells {{ name: \"sheet\" material: \"glass\" thickness_m: 0.004 layers: {} velocity {{ z: 1 }} {}\n"
       "  plate {{ size_x_m: 0.3 size_y_m: 0.3 elements_x: {} elements_y: {} }} }}\n"
       "output {{ frame_interval_s: 1e9 checkpoint_interval_s: 0 }}\n{}{}",
-      kWindows * kSubsteps * kStep, kSubsteps * kStep, kStep, v.material, kLayers, kElements, kElements, joined,
-      v.scene);
+      kWindows * kSubsteps * kStep, kSubsteps * kStep, kStep, v.material, kLayers, v.shell, kElements, kElements,
+      joined, v.scene);
   return shell::build(scene::load(path, {}));
 }
 

@@ -23,6 +23,29 @@ SHATTERING = [part for setting in ("shells[pane].plate.elements_x=40", "shells[p
 TRIES = 3
 OFTEN = [part for setting in ("output.checkpoint_interval_s=3e-4", "output.frame_interval_s=1",
                               "output.shell_frame_interval_s=1") for part in ("--set", setting)]
+# A mat is pressed onto another one by a growing pressure, and drawn along at an edge: it slips there and sticks elsewhere.
+MATS = """name: "mats"
+end_time_s: 0.012
+window_s: 5e-4
+materials { name: "rubber" density: 1000 youngs_modulus: 1e7 poisson_ratio: 0.4 mass_damping_per_s: 200 }
+shells {
+  name: "low"
+  material: "rubber"
+  thickness_m: 0.004
+  fibres { compression_modulus: 1e5 shear_modulus: 1e5 friction: 0.3 }
+  plate { size_x_m: 0.24 size_y_m: 0.24 elements_x: 12 elements_y: 12 }
+  supports { edges: ALL kind: CLAMPED }
+}
+shells {
+  name: "high"
+  material: "rubber"
+  thickness_m: 0.004
+  fibres { compression_modulus: 1e5 shear_modulus: 1e5 friction: 0.3 }
+  plate { size_x_m: 0.16 size_y_m: 0.16 elements_x: 8 elements_y: 8 pose { position { x: 0.003 z: 0.00401 } } }
+  loads { pressure: -1000 factor { time_s: 0 value: 0 } factor { time_s: 0.004 value: 1 } }
+  loads { edge_force { edge: U_MAX force_per_length { x: 40 } } }
+}
+"""
 
 
 def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -109,6 +132,21 @@ class Resume(unittest.TestCase):
                 self.assertEqual(state(folder), whole["state_hash"])
                 self.assertEqual((folder / "series.csv").read_text(), (self.here / "whole" / "series.csv").read_text())
             break
+
+    def test_fibres_go_on_to_the_bit(self) -> None:
+        scene = self.here / "mats.textproto"
+        scene.write_text(MATS)
+        whole = self.run_to("whole", "0.012", scene=str(scene))
+        part = self.run_to("part", "0.006", scene=str(scene))  # pressed, and slipping where it is drawn
+        done = sunder("run", "--resume", str(part), "--until", "0.012", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertEqual(state(part), state(whole))
+        self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+        run = json.loads((whole / "run.json").read_text())
+        self.assertGreater(run["energy"]["contact"], 0.0)  # it did slip
+        self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)  # of first order in the step
+        self.assertIn("fibres", [m["name"] for m in run["models"]])
+        self.assertNotIn("contact_between_shells", [m["name"] for m in run["models"]])
 
     def test_refuses_what_is_no_checkpoint_of_this_run(self) -> None:
         part = self.run_to("part", "0.0008")

@@ -42,6 +42,7 @@ std::vector<Case> crack_cases();
 std::vector<Case> tip_cases();
 std::vector<Case> bar_cases();
 std::vector<Case> contact_cases();
+std::vector<Case> fibre_cases();
 std::vector<Case> soft_cases();
 std::vector<Case> seam_cases();
 std::vector<Case> coupling_cases();

@@ -82,6 +82,7 @@ int main(int argc, char** argv) {
     all["shells"].insert(all["shells"].end(), more.begin(), more.end());
   for (const auto& more : {tip_cases(), bar_cases()})
     all["cracks"].insert(all["cracks"].end(), more.begin(), more.end());
+  for (Case& more : fibre_cases()) all["contact"].push_back(std::move(more));
   std::vector<Case> cases;
   std::vector<Case> by_name;
   if (argc > 1 && all.count(argv[1])) {

@@ -1,0 +1,83 @@
+// Fibres through the thickness of shells.
+#include <cmath>
+
+#include "coupler/scene/load.h"
+
+namespace sunder::scene {
+namespace {
+
+void positive(const LoadedScene& s, const std::string& field, bool has, double value) {
+  s.check(has, field, "is missing; give a positive number [Pa]");
+  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [Pa]", value);
+}
+
+const proto::Shell* with_fibres(const LoadedScene& s, const std::string& name) {
+  for (const proto::Shell& shell : s.message.shells())
+    if (shell.name() == name && shell.has_fibres()) return &shell;
+  return nullptr;
+}
+
+void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shell) {
+  const std::string f = at + ".fibres";
+  const proto::Fibres& m = shell.fibres();
+  positive(s, f + ".compression_modulus", m.has_compression_modulus(), m.compression_modulus());
+  positive(s, f + ".shear_modulus", m.has_shear_modulus(), m.shear_modulus());
+  s.check(!m.has_friction() || (std::isfinite(m.friction()) && m.friction() >= 0.0), f + ".friction",
+          "is {}; must be finite and not negative", m.friction());
+  s.check(!m.has_grid_spacing_m() || (std::isfinite(m.grid_spacing_m()) && m.grid_spacing_m() > 0.0),
+          f + ".grid_spacing_m", "is {}; must be positive [m]", m.grid_spacing_m());
+  for (const proto::Material& q : s.message.materials()) {
+    if (q.name() != shell.material()) continue;
+    s.check(!q.has_strength(), f, "are for shells that do not break, and material '{}' has a strength; leave one out",
+            q.name());
+    s.check(!q.has_stiffness_damping_s(), f,
+            "do not know stiffness_damping_s, which material '{}' has; take mass_damping_per_s, or leave one out",
+            q.name());
+  }
+  s.check(shell.cuts_size() == 0, f, "are for shells that do not break, and this one has cuts; leave one out");
+  s.check(!shell.has_equilibrium(), at + ".equilibrium",
+          "is for a shell by itself, and this one has fibres, which take up what others press; leave one out");
+  bool others = s.message.shells_size() > 1;  // it touches itself too
+  if (others) {
+    int count = 0;
+    for (const proto::Shell& q : s.message.shells()) count += q.has_fibres() ? 1 : 0;
+    others = count > 1;
+  }
+  for (const proto::ContactPair& c : s.message.contacts())
+    others = others || (c.first() == shell.name() && c.second() == shell.name());
+  s.check(
+      others, f,
+      "have nothing to touch: they meet those of other shells, or their own where contacts {{ first: \"{}\" second: "
+      "\"{}\" }} says so; give one of these, or leave them out",
+      shell.name(), shell.name());
+}
+
+}  // namespace
+
+void validate_fibres(const LoadedScene& s) {
+  const proto::Scene& m = s.message;
+  bool any = false;
+  for (int i = 0; i < m.shells_size(); ++i) {
+    if (!m.shells(i).has_fibres()) continue;
+    any = true;
+    shell(s, fmt::format("shells[{}]", i), m.shells(i));
+  }
+  if (!any) return;
+  for (int i = 0; i < m.contacts_size(); ++i) {
+    const proto::ContactPair& c = m.contacts(i);
+    if (!with_fibres(s, c.first()) || !with_fibres(s, c.second())) continue;
+    s.check(!c.has_friction() && !c.has_restitution(), fmt::format("contacts[{}]", i),
+            "is between shells with fibres, which have their own friction and are elastic; leave friction and "
+            "restitution out");
+  }
+  s.check(!m.has_seams(), "seams",
+          "are given, and shells have fibres, which do not go with them; leave one of them out");
+  s.check(m.transfer().kind() == proto::GridTransfer::DIRECT, "transfer",
+          "cannot go with fibres, whose forces act on control points; leave one of them out");
+  s.check(!m.fracture().has_latest_freeze_s(), "fracture.latest_freeze_s",
+          "would freeze the shells, whose fibres go on to bear until end_time_s; leave it out");
+  s.check(m.coupling().scheme() != proto::Coupling::ITERATED, "coupling.scheme",
+          "is ITERATED, which fibres do not go with; take another");
+}
+
+}  // namespace sunder::scene

@@ -1,0 +1,112 @@
+// Fibres of a scene's shells: what is accepted, and what is refused, with field and remedy.
+#include "tests/coupler/small_scene.h"
+
+namespace {
+
+using namespace small_scene;
+
+const std::string kFibres = "fibres { compression_modulus: 1e7 shear_modulus: 1e7 friction: 0.3 }";
+
+// Two panes, both with fibres; the second by `second`.
+std::string scene(const std::string& from = "", const std::string& to = "", const std::string& more = "",
+                  const std::string& second = kFibres) {
+  std::string text = kScene;
+  text.replace(text.find("  plate {"), 0, "  " + kFibres + "\n");
+  text += "shells {\n  name: \"over\"\n  material: \"glass\"\n  thickness_m: 0.004\n  " + second +
+          "\n  plate { size_x_m: 0.3 size_y_m: 0.3 elements_x: 8 elements_y: 8 pose { position { z: 0.005 } } }\n}\n";
+  text += more;
+  if (from.empty()) return text;
+  const std::size_t at = text.find(from);
+  EXPECT_NE(at, std::string::npos) << from;
+  return text.replace(at, from.size(), to);
+}
+
+void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says) {
+  const sunder::Error e = refusal(text);
+  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << e.what();
+  EXPECT_EQ(e.field, field) << e.what();
+  EXPECT_GT(e.line, 0) << e.what();
+  for (const std::string& part : says) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+}
+
+sunder::shell::RunSetup built(const std::string& text, std::string& report) {
+  const std::string path = own_file("fibre_scene_test.textproto");
+  std::ofstream(path) << text;
+  const auto loaded = sunder::scene::load(path, {});
+  sunder::shell::RunSetup setup = sunder::shell::build(loaded);
+  report = sunder::shell::check_report(loaded, setup);
+  std::remove(path.c_str());
+  return setup;
+}
+
+}  // namespace
+
+TEST(FibreScene, IsAcceptedAndSaysWhatItIs) {
+  std::string report;
+  const auto setup = built(scene(), report);
+  EXPECT_NE(report.find("fibres         on a grid of 0.0375 m"), std::string::npos) << report;
+  EXPECT_FALSE(setup.shells_meet);                  // fibres are all that acts between these
+  EXPECT_NEAR(setup.fibre_spacing, 0.0375, 1e-12);  // the longest element, of the second
+  const auto mixed = built(scene("", "", R"(shells {
+  name: "third"
+  material: "glass"
+  thickness_m: 0.004
+  plate { size_x_m: 0.3 size_y_m: 0.3 elements_x: 8 elements_y: 8 pose { position { z: 0.02 } } }
+}
+)"),
+                           report);
+  EXPECT_TRUE(mixed.shells_meet);
+}
+
+TEST(FibreScene, WithoutFibresNothingIsThere) {
+  std::string report;
+  const auto setup = built(kScene, report);
+  EXPECT_EQ(report.find("fibres"), std::string::npos) << report;
+  EXPECT_EQ(setup.fibre_spacing, 0.0);
+  const auto state = sunder::shell::make_state(setup.shells[0].model, sunder::Vec3::Zero(), 0);
+  EXPECT_EQ(state.fibres.capacity(), 0u);
+}
+
+TEST(FibreScene, StiffFibresShortenTheStep) {
+  const auto step = [](const std::string& text) {
+    std::string report;
+    built(text, report);
+    return std::stod(report.substr(report.find("stable step") + 11));
+  };
+  // sqrt of the modulus, once it is all that counts
+  const double soft = step(scene("compression_modulus: 1e7", "compression_modulus: 1e12"));
+  EXPECT_NEAR(step(scene("compression_modulus: 1e7", "compression_modulus: 1e14")), 0.1 * soft, 0.02 * 0.1 * soft);
+}
+
+TEST(FibreScene, RefusesWhatIsMissingOrOutOfRange) {
+  const std::string f = "shells[0].fibres";
+  expect_refusal(scene("compression_modulus: 1e7 ", ""), f + ".compression_modulus", {"is missing"});
+  expect_refusal(scene("compression_modulus: 1e7", "compression_modulus: -1"), f + ".compression_modulus",
+                 {"must be positive"});
+  expect_refusal(scene("shear_modulus: 1e7 ", ""), f + ".shear_modulus", {"is missing"});
+  expect_refusal(scene("shear_modulus: 1e7", "shear_modulus: nan"), f + ".shear_modulus", {"must be positive"});
+  expect_refusal(scene("friction: 0.3", "friction: -0.1"), f + ".friction", {"not negative"});
+  expect_refusal(scene("friction: 0.3", "friction: inf"), f + ".friction", {"must be finite"});
+  expect_refusal(scene("friction: 0.3", "grid_spacing_m: 0.01"), f + ".grid_spacing_m", {"longest element"});
+  expect_refusal(scene("friction: 0.3", "grid_spacing_m: 1"), f + ".grid_spacing_m", {"take less"});
+  expect_refusal(scene("friction: 0.3", "grid_spacing_m: -1"), f + ".grid_spacing_m", {"must be positive"});
+}
+
+TEST(FibreScene, RefusesWhatDoesNotGoWithThem) {
+  const std::string f = "shells[0].fibres";
+  expect_refusal(scene("", "", "", ""), f, {"have nothing to touch", "contacts { first: \"pane\" second: \"pane\" }"});
+  EXPECT_EQ(refusal(scene("", "", "contacts { first: \"pane\" second: \"pane\" }\n", "")).kind, "accepted");
+  expect_refusal(scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 strength: 5e7 fracture_energy: 8 }"), f,
+                 {"has a strength"});
+  expect_refusal(scene("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 stiffness_damping_s: 1e-7 }"), f,
+                 {"take mass_damping_per_s"});
+  expect_refusal(scene(kFibres, kFibres + " cuts { points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.4 } }"), f,
+                 {"has cuts"});
+  expect_refusal(scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium", {"has fibres"});
+  expect_refusal(scene("", "", "seams {}\n"), "seams", {"have fibres"});
+  expect_refusal(scene("", "", "transfer { kind: APIC }\n"), "transfer", {"cannot go with fibres"});
+  expect_refusal(scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"ITERATED"});
+  expect_refusal(scene("", "", "fracture { latest_freeze_s: 0.5 }\n"), "fracture.latest_freeze_s", {"leave it out"});
+  expect_refusal(scene("", "", "contacts { first: \"pane\" second: \"over\" friction: 0.2 }\n"), "contacts[0]",
+                 {"their own friction"});
+}
