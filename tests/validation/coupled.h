@@ -17,7 +17,7 @@ struct Coupled {
   double ratio = 1.0;  // mass of each body over the plate's
   int substeps = 1;    // a window
   int windows = 1000;
-  std::string scheme = "PROXY", engine = "bullet";
+  std::string scheme = "PROXY", engine = "bullet";  // the scheme, and after it what else `coupling` has
   bool elastic = true;   // Hertz contact, whose energy tells; else impulses with friction, and a spin
   bool resting = false;  // free, and pressed on the plate by gravity instead of thrown
   std::string more;      // of the scene, as text
