@@ -65,7 +65,7 @@ std::vector<State> EngineHost::load(const World& world) {
   if (world.tick < 0) refuse(fmt::format("load.tick is {}", world.tick));
   if (world.keep_windows) needs(capability::kSaveRestore, "load.keep_windows");
   if (!world.joints.empty()) needs(capability::kJoints, "load.joints");
-  engine_.set_unit(length_unit(world.typical_length));
+  engine_.set_unit(length_unit(world.thickness));
   engine_.set_contact_laws(world.laws);
   add(world.bodies, "bodies");
   std::set<std::uint32_t> joints;

@@ -254,9 +254,10 @@ World decode(const proto::Load& load) {
   check(load.joints_size() <= kMaxJoints, "joints: {} of them; {} at most", load.joints_size(), kMaxJoints);
   for (const auto& j : load.joints()) world.joints.push_back(decode_joint(j, fmt::format("joints[{}]", j.id())));
   world.tick = load.tick(), world.keep_windows = load.keep_windows();
-  check(std::isfinite(load.typical_length_m()) && load.typical_length_m() >= 0.0, "typical_length_m is {}",
-        load.typical_length_m());
-  world.typical_length = load.typical_length_m();
+  const double thickness = load.thickness_m();
+  check(thickness == 0.0 || (thickness >= kThinnest && thickness <= kThickest), "thickness_m is {}; {:g} to {:g}, or 0",
+        thickness, kThinnest, kThickest);
+  world.thickness = thickness;
   return world;
 }
 

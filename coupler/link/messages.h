@@ -15,6 +15,7 @@ constexpr double kQuaternionTolerance = 1e-9;  // off unit length: round-off of 
 constexpr double kNormalTolerance = 1e-6;      // single precision is good enough for a direction
 constexpr int kMaxBodies = 100000, kMaxParts = 65536, kMaxCorners = 4096;
 constexpr int kMaxJoints = 100000, kMaxRows = 1000000, kMaxLaws = 1000000;
+constexpr double kThinnest = 1e-12, kThickest = 1e6;   // [m], shells
 constexpr std::size_t kMaxHash = 256, kMaxWord = 255;  // bytes
 constexpr std::size_t kMaxReport = 4096;               // bytes of what the other side says of its failure
 constexpr std::size_t kMaxMessage = 256u << 20;        // bytes

@@ -75,7 +75,7 @@ std::vector<State> RemoteRigid::load(const World& world) {
   for (const ContactLaw& law : world.laws) *load->add_contacts() = encode(law);
   for (const Joint& j : world.joints) *load->add_joints() = encode(j);
   load->set_tick(world.tick), load->set_keep_windows(world.keep_windows);
-  load->set_typical_length_m(world.typical_length);
+  load->set_thickness_m(world.thickness);
   const proto::Reply& reply = ask(request, kLoadSeconds, "Load");
   expect(reply.has_load(), "Load");
   const auto states = decode_states(reply.load().states(), moving_);

@@ -13,9 +13,9 @@ struct World {
   std::vector<RigidBody> bodies;  // by ascending id
   std::vector<ContactLaw> laws;
   std::vector<Joint> joints;
-  std::int64_t tick = 0;        // of the first window
-  bool keep_windows = false;    // windows will be repeated
-  double typical_length = 0.0;  // of the scene [m]; 0: not known
+  std::int64_t tick = 0;      // of the first window
+  bool keep_windows = false;  // windows will be repeated
+  double thickness = 0.0;     // of the thinnest shell [m]; 0: not known
 };
 
 struct WindowTask {

@@ -5,8 +5,8 @@
 namespace sunder::link {
 namespace {
 
-constexpr double kOurs = 1.0 / 3.0;  // [m], what engines' own lengths suit,
-constexpr double kSuited = 32.0;     // and as many times more or less
+constexpr double kOurs = 4e-3;    // [m], of shards that engines' own lengths suit,
+constexpr double kSuited = 32.0;  // and as many times more or less
 
 double power(double unit, int exponent) { return std::ldexp(1.0, exponent * std::ilogb(unit)); }
 
@@ -21,8 +21,8 @@ Shape scaled(Shape shape, double by) {
 
 }  // namespace
 
-double length_unit(double typical_length) {
-  const double ratio = typical_length / kOurs;
+double length_unit(double thickness) {
+  const double ratio = thickness / kOurs;
   if (!(ratio > 0.0) || (ratio <= kSuited && ratio >= 1.0 / kSuited)) return 1.0;
   return std::exp2(std::round(std::log2(ratio)));
 }
@@ -38,24 +38,32 @@ std::vector<Motion> InUnits::inward(std::vector<Motion> motions) const {
   return motions;
 }
 
-void InUnits::add(const RigidBody& body) {
-  if (unit_ == 1.0) return inner_.add(body);
-  RigidBody b = body;
-  b.mass *= power(unit_, -3), b.principal_inertia *= power(unit_, -5);
-  b.motion = inward(b.motion), b.shape = scaled(b.shape, power(unit_, -1));
+// Numbers in an error are the engine's.
+template <class F>
+void InUnits::in_units(F&& call) const {
   try {
-    inner_.add(b);
-  } catch (Error& e) {
+    call();
+  } catch (const Error& e) {
+    if (unit_ == 1.0) throw;
     Error told(e.status, e.kind, fmt::format("{} (in units of {:g} m, {:g} kg)", e.what(), unit_, power(unit_, 3)));
+    told.file = e.file, told.line = e.line, told.column = e.column, told.field = e.field, told.window = e.window;
     told.body = e.body;
     throw told;
   }
 }
 
+void InUnits::add(const RigidBody& body) {
+  if (unit_ == 1.0) return inner_.add(body);
+  RigidBody b = body;
+  b.mass *= power(unit_, -3), b.principal_inertia *= power(unit_, -5);
+  b.motion = inward(b.motion), b.shape = scaled(b.shape, power(unit_, -1));
+  in_units([&] { inner_.add(b); });
+}
+
 void InUnits::add_joint(const Joint& joint) {
   Joint j = joint;
   j.first_frame.position *= power(unit_, -1), j.second_frame.position *= power(unit_, -1);
-  inner_.add_joint(j);
+  in_units([&] { inner_.add_joint(j); });
 }
 
 void InUnits::advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) {

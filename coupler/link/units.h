@@ -5,10 +5,10 @@
 
 namespace sunder::link {
 
-/// The unit of length [m] for a scene of this typical length [m]: 1 for what is about a centimetre to ten metres, and
-/// where nothing is known (0); else the power of two that makes it a third of a metre. Units of time [s] and mass [kg]
-/// are the same number and its cube: speeds and densities stay, and powers of two lose no digit.
-double length_unit(double typical_length);
+/// The unit of length [m] for shells of this thickness [m]: 1 for an eighth of a millimetre to an eighth of a metre,
+/// and where there is none (0); else the power of two that makes it about 4 mm. Units of time [s] and mass [kg] are the
+/// same number and its cube: speeds and densities stay, and powers of two lose no digit.
+double length_unit(double thickness);
 
 /// The engine `inner` as if it counted in units of `unit`. Caches are `inner`'s own.
 class InUnits final : public Engine {
@@ -29,6 +29,8 @@ class InUnits final : public Engine {
   void restore(const std::string& caches, const std::vector<Motion>& motions) override;
 
  private:
+  template <class F>
+  void in_units(F&& call) const;
   BodyMotion inward(BodyMotion m) const;
   std::vector<Motion> inward(std::vector<Motion> motions) const;
   Engine& inner_;

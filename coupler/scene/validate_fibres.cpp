@@ -6,6 +6,8 @@
 namespace sunder::scene {
 namespace {
 
+constexpr double kMostFriction = 1e6;
+
 void positive(const LoadedScene& s, const std::string& field, bool has, double value) {
   s.check(has, field, "is missing; give a positive number [Pa]");
   s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [Pa]", value);
@@ -24,6 +26,8 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
   positive(s, f + ".shear_modulus", m.has_shear_modulus(), m.shear_modulus());
   s.check(!m.has_friction() || (std::isfinite(m.friction()) && m.friction() >= 0.0), f + ".friction",
           "is {}; must be finite and not negative", m.friction());
+  s.check(m.friction() <= kMostFriction, f + ".friction", "is {}; at most {:g}, which holds whatever is pressed",
+          m.friction(), kMostFriction);
   s.check(!m.has_grid_spacing_m() || (std::isfinite(m.grid_spacing_m()) && m.grid_spacing_m() > 0.0),
           f + ".grid_spacing_m", "is {}; must be positive [m]", m.grid_spacing_m());
   for (const proto::Material& q : s.message.materials()) {

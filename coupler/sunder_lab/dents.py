@@ -1,4 +1,4 @@
-"""What an impact leaves of a shell that yields: how far and how much of it is pushed in."""
+"""What an impact leaves of a shell that is held: how far and how much of it is pushed in."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -15,8 +15,9 @@ from .results import Results
 
 @dataclass(frozen=True)
 class Dent:
-    """Of one shell, where it still stands in the last frame that shows it: area at rest [m^2]; volumes between where it
-    was and where it is, against its normal and along it [m^3]; largest displacement [m]; time of that frame [s]."""
+    """Of one shell, where it still stands in the last frame of the shells: area at rest [m^2]; volumes between where it
+    was at rest and where it is, against its normal and along it [m^3]; largest displacement [m]; time of that frame [s].
+    All displacement counts: what springs back later, and what a loose part moves as a whole."""
     area: float
     pushed_in: float
     pushed_out: float
@@ -25,7 +26,7 @@ class Dent:
 
 
 def dents(results: Results) -> dict[str, Dent]:
-    """Dents of all shells by name. Volumes are those of the normal displacement over the shell at rest.
+    """Dents of all shells that the frame shows, by name. Volumes are those of the normal displacement over the shell at rest.
 
     Raises CommandError where no frame shows a shell.
     """
@@ -44,6 +45,8 @@ def dents(results: Results) -> dict[str, Dent]:
     found = {}
     for number, shell in enumerate(results.scene.message.shells):
         own = part == number
+        if not own.any():
+            continue  # it has left as a whole
         found[shell.name] = Dent(float(area[own].sum()), float(-along[own].clip(max=0.0).sum()),
                                  float(along[own].clip(min=0.0).sum()), float(farthest[own].max(initial=0.0)),
                                  frames[-1].time_s)
@@ -51,11 +54,11 @@ def dents(results: Results) -> dict[str, Dent]:
 
 
 def dent(shell: str) -> Any:
-    """A measure for experiments: volume of the dent of a shell, against its normal and along it, and its depth."""
+    """A measure for experiments: volumes that a shell is pushed in and out by, and its largest displacement."""
     def measure(results: Results) -> dict[str, float]:
         all_of_them = dents(results)
         if shell not in all_of_them:
-            raise CommandError(f"no shell '{shell}'; there are: {', '.join(all_of_them)}")
+            raise CommandError(f"no shell '{shell}' in the last frame; there are: {', '.join(all_of_them)}")
         one = all_of_them[shell]
         return {"dent_in_m3": one.pushed_in, "dent_out_m3": one.pushed_out, "deepest_m": one.deepest}
     return measure

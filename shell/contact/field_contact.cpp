@@ -10,8 +10,6 @@ namespace {
 
 constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep
 constexpr double kFastestRecovery = 0.5;  // [m/s]
-constexpr double kSlender = 0.05;  // of mass times the square of the distance between: what turns has as much inertia
-
 // Angular velocity that two fields have to be given for `couple`; false where they would have to spin too fast, having
 // no more than the moment of inertia `least` [kg m^2] about an axis of it.
 bool spin_for(const Mat3& inertia, double least, const Vec3& couple, Vec3& spin) {
@@ -145,9 +143,11 @@ void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
   for (const Touch& t : touches_) {
     Field &a = fields_[t.a], &b = fields_[t.b];
     const Vec3 apart = b.centre() - a.centre();
+    // With as much inertia as both masses at that distance have about their centre, the spin takes no more energy than
+    // friction that stops the slip sets free.
+    const double least = a.mass * b.mass / (a.mass + b.mass) * apart.squaredNorm();
     Vec3 spin;
-    if (spin_for(a.inertia + b.inertia, kSlender * (a.mass + b.mass) * apart.squaredNorm(), -apart.cross(t.impulse),
-                 spin)) {
+    if (spin_for(a.inertia + b.inertia, least, -apart.cross(t.impulse), spin)) {
       a.spin += spin, b.spin += spin;
       continue;
     }

@@ -214,15 +214,10 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
 
 }  // namespace
 
-double RunSetup::typical_length() const {
-  Eigen::AlignedBox3d box;
-  for (const ShellSetup& s : shells)
-    for (const Vec3& x : s.model.patch.control_points) box.extend(x);
-  if (!box.isEmpty()) return box.diagonal().norm();
-  double widest = 0.0;
-  for (const RigidBody& b : bodies)
-    if (!b.is_static) widest = std::max(widest, 2.0 * Proxy(b).radius());
-  return widest;
+double RunSetup::thickness() const {
+  double least = 0.0;
+  for (const ShellSetup& s : shells) least = least == 0.0 ? s.model.thickness : std::min(least, s.model.thickness);
+  return least;
 }
 
 RunSetup build(const scene::LoadedScene& scene) {
@@ -306,6 +301,8 @@ RunSetup build(const scene::LoadedScene& scene) {
                                       c.first() == r.shells[0].model.name);
   if (r.shells_meet) {
     for (const ShellSetup& s : r.shells) r.fibre_spacing = std::max(r.fibre_spacing, s.fibre_spacing);
+    for (std::size_t i = 0; i < r.shells.size(); ++i)
+      if (r.shells[i].model.has_fibres()) check_fibre_grid(scene, r.shells[i].model, i, r.fibre_spacing);
     // nothing is left for the contact between shells where all have fibres
     r.shells_meet =
         std::any_of(r.shells.begin(), r.shells.end(), [](const ShellSetup& s) { return !s.model.has_fibres(); });

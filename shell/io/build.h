@@ -49,8 +49,8 @@ struct RunSetup {
   CouplingRules coupling;
   std::vector<ContactLaw> laws;
 
-  /// Diagonal of the box about all shells at rest, or of the largest body that moves where there is none [m].
-  double typical_length() const;
+  /// Of the thinnest shell; 0 where there is none [m].
+  double thickness() const;
   std::vector<const ShellModel*> models() const {
     std::vector<const ShellModel*> out;
     for (const ShellSetup& s : shells) out.push_back(&s.model);

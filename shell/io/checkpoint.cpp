@@ -39,7 +39,7 @@ void archive(A& a, DrawnMesh& m) {
 namespace {
 
 // Read only by the build that wrote it: plain structures lie in it as they lie in memory.
-const std::string kFirstLine = "sunder checkpoint 1, " __VERSION__ "\n";
+const std::string kFirstLine = "sunder checkpoint 2, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
 [[noreturn]] void bad(const std::string& path, const std::string& what) {
@@ -134,7 +134,7 @@ void Run::load_checkpoint() {
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   const bool again = setup_.coupling.scheme == CouplingRules::Scheme::kIterated;
-  rigid_->load({bodies, setup_.laws, setup_.joints, tick_, again, setup_.typical_length()});
+  rigid_->load({bodies, setup_.laws, setup_.joints, tick_, again, setup_.thickness()});
   rigid_->restore(caches);
 }
 

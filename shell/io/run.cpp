@@ -88,7 +88,7 @@ void Run::start() {
     return;
   }
   const bool again = setup_.coupling.scheme == CouplingRules::Scheme::kIterated;
-  rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again, setup_.typical_length()});
+  rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again, setup_.thickness()});
   for (const RigidBody& b : setup_.bodies) held_until_[b.id] = kHeldAtFirst;
   start_shells();
   reference_energy_ = total_energy(0.0);

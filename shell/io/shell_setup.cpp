@@ -81,13 +81,18 @@ void set_fibres(const scene::LoadedScene& scene, const proto::Shell& shell, cons
               "is {} m; layers meet on nodes that both reach, which takes the longest element and twice the thickness, "
               "{:.4g} m; take that, or leave it out",
               r.fibre_spacing, least);
-  scene.check(r.fibre_spacing <= kCoarsestFibres * least, f + ".grid_spacing_m",
-              "is {} m, more than {} times the longest element or twice the thickness, {:.4g} m: layers that "
-              "bend within it would pass through one another; take less",
-              r.fibre_spacing, kCoarsestFibres, least);
 }
 
 }  // namespace
+
+void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& s, std::size_t index, double spacing) {
+  const double least = std::max(s.longest_element, 2.0 * s.thickness);
+  scene.check(spacing <= kCoarsestFibres * least, fmt::format("shells[{}].fibres.grid_spacing_m", index),
+              "is {:.4g} m for all shells with fibres, more than {} times the longest element or twice the thickness of "
+              "'{}', {:.4g} m: layers that bend within it would pass through one another; take less, or elements that "
+              "are more alike",
+              spacing, kCoarsestFibres, s.name, least);
+}
 
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field) {
   const proto::Scene& m = scene.message;

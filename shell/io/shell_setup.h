@@ -37,5 +37,7 @@ struct ShellSetup {
 /// `field` is that of the shell; stiffnesses of Hertz contacts are left to the caller. Throws Error with the field that
 /// is wrong.
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
+/// A grid that all shells with fibres share must not be too coarse for any of them. Throws Error.
+void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& shell, std::size_t index, double spacing);
 
 }  // namespace sunder::shell

@@ -44,7 +44,7 @@ int press_on_bodies(const SoftModel& m, SoftState& s, std::vector<Proxy>& bodies
   Eigen::AlignedBox3d box;
   for (const SoftSurface& face : m.surface) points.push_back(s.surface_point(face)), box.extend(points.back());
   double speed = 0.0;
-  for (const Vec3& v : s.v) speed = std::max(speed, v.squaredNorm());
+  for (const Vec3& one : s.v) speed = std::max(speed, one.squaredNorm());
   speed = std::sqrt(speed);
   std::size_t copy_of = bodies.size();
   for (std::size_t b = 0; b < bodies.size(); ++b) {

@@ -26,7 +26,8 @@ std::vector<char> with_fibres(const std::vector<const ShellModel*>& shells) {
 
 Fibres::Fibres(const std::vector<const ShellModel*>& shells, const std::vector<Seam>& seams, double spacing)
     : grid_(spacing, components(shells.size(), seams)),
-      near_(shells, with_fibres(shells), components(shells.size(), seams), kNodes * spacing, grid_.one_surface()) {
+      near_(shells, with_fibres(shells), components(shells.size(), seams), std::sqrt(3.0) * kNodes * spacing,
+            grid_.one_surface()) {
   for (const ShellModel* m : shells) {
     forces_.emplace_back(m->has_fibres() ? m->tables.plane : 0, Vec3::Zero());
     touched_.emplace_back();
@@ -51,26 +52,18 @@ void Fibres::add_samples(const ShellRef& shell, const Tile& tile) {
 
 void Fibres::refresh(const std::vector<ShellRef>& shells, double dt) {
   near_.refresh(shells, dt);
-  std::vector<Place> before;
-  before.swap(places_);
-  samples_.clear(), functions_.clear(), first_.assign(1, 0);
+  places_.clear(), samples_.clear(), functions_.clear(), first_.assign(1, 0);
   for (const Tile& tile : near_.tiles())
     if (tile.candidate) add_samples(shells[tile.shell], tile);
-  // what can touch nothing any more lets go
-  std::vector<std::vector<char>> still(shells.size());
-  for (const Place& p : places_) {
-    const RowTables& t = shells[p.shell].model->tables;
-    still[p.shell].resize(static_cast<std::size_t>(t.blocks()) * t.lanes);
-    still[p.shell][static_cast<std::size_t>(p.block) * t.lanes + p.lane] = 1;
+  // What can touch nothing any more lets go: by the state alone, so that a run that goes on from it does the same.
+  for (const Tile& tile : near_.tiles()) {
+    if (tile.candidate) continue;
+    const ShellModel& m = *shells[tile.shell].model;
+    ShellState& s = *shells[tile.shell].state;
+    NearTiles::each_gauss_point(m, tile, [&](int block, int lane, double) {
+      for (int side = 0; side < 2; ++side) relax(m, s, {tile.shell, block, lane}, side, Vec3::UnitZ());
+    });
   }
-  places_.swap(before);
-  for (std::size_t p = 0; p < places_.size(); ++p) {
-    const Place& q = places_[p];
-    const std::size_t point = static_cast<std::size_t>(q.block) * shells[q.shell].model->tables.lanes + q.lane;
-    if (!still[q.shell].empty() && still[q.shell][point] != 0) continue;
-    for (int side = 0; side < 2; ++side) relax(*shells[q.shell].model, *shells[q.shell].state, p, side, Vec3::UnitZ());
-  }
-  places_.swap(before);
 }
 
 void Fibres::look(const std::vector<ShellRef>& shells) {
@@ -102,14 +95,14 @@ void Fibres::look(const std::vector<ShellRef>& shells) {
 }
 
 Vec3 Fibres::fibre(const ShellState& s, std::size_t sample, int side) const {
-  const double* a = &s.fibres[at(s, sample, side)];
+  const double* a = &s.fibres[at(s, places_[sample], side)];
   return {a[0], a[1], a[2]};
 }
 
-void Fibres::relax(const ShellModel& m, ShellState& s, std::size_t sample, int side, const Vec3& a) {
-  double* old = &s.fibres[at(s, sample, side)];
+void Fibres::relax(const ShellModel& m, ShellState& s, const Place& p, int side, const Vec3& a) {
+  double* old = &s.fibres[at(s, p, side)];
   const Vec3 trial(old[0], old[1], old[2]);
-  const Place& p = places_[sample];
+  if (trial == a) return;
   const double half = 0.5 * m.thickness * m.tables.metric[m.tables.at(p.block, kMetricFields, kArea, p.lane)];
   s.book.contact += half * (fibre_energy(m.fibres, trial) - fibre_energy(m.fibres, a));
   for (int d = 0; d < 3; ++d) old[d] = a[d];
@@ -117,13 +110,13 @@ void Fibres::relax(const ShellModel& m, ShellState& s, std::size_t sample, int s
 
 void Fibres::follow(const ShellModel& m, ShellState& s, std::size_t p, int side, double dt) {
   const LayerSample& q = samples_[p];
-  if (q.share[side] == 0.0) return relax(m, s, p, side, Vec3::UnitZ());
+  if (q.share[side] == 0.0) return relax(m, s, places_[p], side, Vec3::UnitZ());
   // with the gradient at the end of the substep: layers that were d apart and are d' now have just pressed their fibres
   // to d'/d
   const Frame& f = frames_[p];
   const Mat3 change = Mat3::Identity() - dt * (f.q.transpose() * (q.together[side] - f.spin) * f.q);
   const Vec3 before = fibre(s, p, side), a = change.inverse() * before, after = fibre_return(m.fibres, a);
-  double* stored = &s.fibres[at(s, p, side)];
+  double* stored = &s.fibres[at(s, places_[p], side)];
   for (int d = 0; d < 3; ++d) stored[d] = after[d];
   if (after != a) {  // what leapfrog's work, with the mean of both stresses, put in and it does not store
     const Vec3 mean = 0.5 * (fibre_stress(m.fibres, before) + fibre_stress(m.fibres, after));
@@ -172,9 +165,13 @@ void Fibres::find_forces(const std::vector<ShellRef>& shells, double dt) {
     for (std::size_t i = first_[p]; i < first_[p + 1]; ++i) {
       const GatheredFunction& g = functions_[i];
       Vec3& sum = forces_[q.shell][g.slot];
-      if (sum.isZero(0.0)) touched_[q.shell].push_back(g.slot);
+      touched_[q.shell].push_back(g.slot);
       sum += g.n[0] * q.force + g.n[1] * u + g.n[2] * v;
     }
+  }
+  for (std::vector<int>& slots : touched_) {
+    std::sort(slots.begin(), slots.end());
+    slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
   }
 }
 

@@ -42,9 +42,8 @@ class Fibres {
   void find_forces(const std::vector<ShellRef>& shells, double dt);
   Vec3 fibre(const ShellState& state, std::size_t sample, int side) const;
   /// The fibre becomes `a`; what it stored more is booked.
-  void relax(const ShellModel& model, ShellState& state, std::size_t sample, int side, const Vec3& a);
-  std::size_t at(const ShellState& state, std::size_t sample, int side) const {
-    const Place& p = places_[sample];
+  void relax(const ShellModel& model, ShellState& state, const Place& place, int side, const Vec3& a);
+  static std::size_t at(const ShellState& state, const Place& p, int side) {
     return 6 * (static_cast<std::size_t>(p.block) * state.tables.lanes + p.lane) + 3 * side;
   }
 

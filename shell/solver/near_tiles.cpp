@@ -79,11 +79,12 @@ void NearTiles::refresh(const std::vector<ShellRef>& shells, double dt) {
     for (int j = tile.v; j < last_v; ++j)
       for (int i = tile.u; i < last_u; ++i) {
         const int slot = j * t.stride + i;
+        const bool corner = i + 1 < last_u && j + 1 < last_v && ((i - tile.u) & 1) == 0 && ((j - tile.v) & 1) == 0;
         if (first) tile.rest.extend(s.at(m.rest, slot));
+        if (first && corner) tile.rest_normals.push_back(normal(m.rest, slot));  // of what has gone too: a resumed run
         if (s.gone[slot]) continue;
         tile.now.extend(s.position(slot));
-        if (i + 1 == last_u || j + 1 == last_v || ((i - tile.u) & 1) != 0 || ((j - tile.v) & 1) != 0) continue;
-        if (first) tile.rest_normals.push_back(normal(m.rest, slot));
+        if (!corner) continue;
         if (!s.gone[slot + 1] && !s.gone[slot + t.stride]) tile.normals.push_back(normal(s.x, slot));
       }
   }

@@ -87,8 +87,18 @@ TEST(FibreScene, RefusesWhatIsMissingOrOutOfRange) {
   expect_refusal(scene("shear_modulus: 1e7", "shear_modulus: nan"), f + ".shear_modulus", {"must be positive"});
   expect_refusal(scene("friction: 0.3", "friction: -0.1"), f + ".friction", {"not negative"});
   expect_refusal(scene("friction: 0.3", "friction: inf"), f + ".friction", {"must be finite"});
+  expect_refusal(scene("friction: 0.3", "friction: 1e305"), f + ".friction", {"at most 1e+06"});
   expect_refusal(scene("friction: 0.3", "grid_spacing_m: 0.01"), f + ".grid_spacing_m", {"longest element"});
   expect_refusal(scene("friction: 0.3", "grid_spacing_m: 1"), f + ".grid_spacing_m", {"take less"});
+  const std::string fine = R"(shells {
+  name: "third"
+  material: "glass"
+  thickness_m: 0.001
+  plate { size_x_m: 0.06 size_y_m: 0.06 elements_x: 8 elements_y: 8 pose { position { z: 0.02 } } }
+  fibres { compression_modulus: 1e7 shear_modulus: 1e7 }
+}
+)";  // one grid for all: that of the coarsest
+  expect_refusal(scene("", "", fine), "shells[2].fibres.grid_spacing_m", {"is 0.0375 m for all shells", "more alike"});
   expect_refusal(scene("friction: 0.3", "grid_spacing_m: -1"), f + ".grid_spacing_m", {"must be positive"});
 }
 

@@ -98,6 +98,11 @@ TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
     spoil(*w.mutable_window());
     return Requests{hello(), load(), w};
   };
+  const auto thick = [](double thickness) {
+    proto::Request l = load();
+    l.mutable_load()->set_thickness_m(thickness);
+    return Requests{hello(), l};
+  };
   const double nan = std::nan("");
   const struct {
     Requests requests;
@@ -107,6 +112,9 @@ TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
       {{hello(), hello()}, "second Hello"},
       {{hello(), window()}, "Window before Load"},
       {{hello(), load(), load()}, "second Load"},
+      {thick(nan), "thickness_m is nan"},
+      {thick(-1e-3), "thickness_m is -0.001"},
+      {thick(1e200), "thickness_m is 1e+200"},
       {{hello(), proto::Request()}, "without content"},
       {spoiled([](auto& w) { w.set_tick(7); }), "tick"},
       {spoiled([](auto& w) { w.set_ticks(0); }), "tick"},

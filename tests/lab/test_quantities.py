@@ -110,7 +110,7 @@ class Dents(InFolder):
         self.assertEqual([found["whole"].pushed_in, found["whole"].pushed_out, found["whole"].deepest], [0.0, 0.0, 0.0])
         self.assertEqual(sunder.dent("hit")(results), {"dent_in_m3": hit.pushed_in, "dent_out_m3": hit.pushed_out,
                                                       "deepest_m": hit.deepest})
-        with self.assertRaisesRegex(sunder.Error, "no shell 'bonnet'; there are: hit, whole"):
+        with self.assertRaisesRegex(sunder.Error, "no shell 'bonnet' in the last frame; there are: hit, whole"):
             sunder.dent("bonnet")(results)
 
     def test_frames_that_are_gone_are_told(self) -> None:

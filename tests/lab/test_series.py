@@ -136,7 +136,7 @@ class Sweeps(unittest.TestCase):
         self.assertEqual(sweeps.outcomes(self.out), {})
 
     def test_a_folder_is_for_one_series(self) -> None:
-        file = sweeps.write_file(self.here / "some.py", [30], end="2e-3")
+        file = sweeps.write_file(self.here / "some.py", [30], end="5e-2")  # it is killed long before
         (self.here / "mine").mkdir()
         (self.here / "mine" / "letter.txt").touch()
         self.assertIn("holds other files", sweeps.sweep(str(file), "--out", str(self.here / "mine"))[2])

@@ -49,7 +49,20 @@ std::string ends(const std::string& name, double by, double unit) {
     EXPECT_EQ(s.mass, caller.body(s.id).mass);
   }
   if (!meets) return out;
-  if (engine.info().can(link::capability::kSaveRestore)) engine.save();
+  if (engine.info().can(link::capability::kSaveRestore)) {  // another one goes on from there
+    const auto fresh = make_engine(name);
+    link::InUnits other(*fresh);
+    other.set_unit(unit);
+    other.set_contact_laws(scene.laws);
+    for (RigidBody b : scene.bodies) other.add(b.is_static ? b : caller.body(b.id));
+    for (const Joint& j : scene.joints) other.add_joint(j);
+    other.restore(engine.save(), motions);
+    caller.window();
+    other.advance(Trial::kWindow * by, caller.handbacks(), {});
+    EXPECT_EQ(bits(other), bits(engine));
+    motions.clear();
+    for (const EngineState& s : engine.states()) motions.push_back({s.id, s.motion});
+  }
   const auto rows = engine.rows(Trial::kWindow * by, motions, {10, 14});
   EXPECT_FALSE(rows.empty());
   for (ContactRow row : rows) {
@@ -64,10 +77,10 @@ std::string ends(const std::string& name, double by, double unit) {
 }  // namespace
 
 TEST(Units, ArePowersOfTwoBeyondWhatAHandCanHold) {
-  for (const double length : {0.0, 0.0105, 0.25, 4.0, 10.6}) EXPECT_EQ(link::length_unit(length), 1.0) << length;
-  EXPECT_EQ(link::length_unit(std::ldexp(0.35, -18)), std::ldexp(1.0, -18));
-  EXPECT_EQ(link::length_unit(1e-6), std::ldexp(1.0, -18));
-  EXPECT_EQ(link::length_unit(1e3), std::ldexp(1.0, 12));
+  for (const double length : {0.0, 1.26e-4, 0.004, 0.1, 0.127}) EXPECT_EQ(link::length_unit(length), 1.0) << length;
+  EXPECT_EQ(link::length_unit(std::ldexp(0.005, -18)), std::ldexp(1.0, -18));
+  EXPECT_EQ(link::length_unit(1e-6), std::ldexp(1.0, -12));
+  EXPECT_EQ(link::length_unit(16.0), std::ldexp(1.0, 12));
 }
 
 TEST(Units, ScalesAreTheSameToTheBit) {
@@ -92,6 +105,7 @@ TEST(Units, AreToldWhereABodyIsRefused) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_EQ(e.kind, "bad_body");
+    EXPECT_EQ(e.field, "mass");
     EXPECT_NE(std::string(e.what()).find("in units of 3.8147e-06 m"), std::string::npos) << e.what();
   }
 }

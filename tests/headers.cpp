@@ -1,0 +1,1 @@
+// Nothing but the headers that the tests of a library have in common (CMakeLists.txt).
