@@ -87,11 +87,12 @@ void set_fibres(const scene::LoadedScene& scene, const proto::Shell& shell, cons
 
 void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& s, std::size_t index, double spacing) {
   const double least = std::max(s.longest_element, 2.0 * s.thickness);
-  scene.check(spacing <= kCoarsestFibres * least, fmt::format("shells[{}].fibres.grid_spacing_m", index),
-              "is {:.4g} m for all shells with fibres, more than {} times the longest element or twice the thickness of "
-              "'{}', {:.4g} m: layers that bend within it would pass through one another; take less, or elements that "
-              "are more alike",
-              spacing, kCoarsestFibres, s.name, least);
+  scene.check(
+      spacing <= kCoarsestFibres * least, fmt::format("shells[{}].fibres.grid_spacing_m", index),
+      "is {:.4g} m for all shells with fibres, more than {} times the longest element or twice the thickness of "
+      "'{}', {:.4g} m: layers that bend within it would pass through one another; take less, or elements that "
+      "are more alike",
+      spacing, kCoarsestFibres, s.name, least);
 }
 
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field) {
