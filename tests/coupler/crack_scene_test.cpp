@@ -17,14 +17,6 @@ std::string scene(const std::string& shell, const std::string& material = "", co
   return text + more;
 }
 
-void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says,
-                    const std::vector<std::string>& settings = {}) {
-  const sunder::Error e = refusal(text, settings);
-  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << field;
-  EXPECT_EQ(e.field, field) << e.what();
-  for (const std::string& part : says) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-}
-
 sunder::shell::RunSetup built(const std::string& text, const std::vector<std::string>& settings = {}) {
   const std::string path = own_file("crack_scene.textproto");
   std::ofstream(path) << text;

@@ -61,4 +61,16 @@ inline sunder::Error refusal(const std::string& text, const std::vector<std::str
   return sunder::Error(sunder::Exit::kDone, "accepted", "");
 }
 
+/// Refused as bad input at the line of `field`, in words that hold all of `says`.
+inline void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says,
+                           const std::vector<std::string>& settings = {}) {
+  const sunder::Error e = refusal(text, settings);
+  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << e.what();
+  EXPECT_EQ(e.field, field) << e.what();
+  if (settings.empty()) {  // a setting has no line
+    EXPECT_GT(e.line, 0) << e.what();
+  }
+  for (const std::string& part : says) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
+}
+
 }  // namespace small_scene

@@ -23,14 +23,6 @@ std::string scene(const std::string& from = "", const std::string& to = "", cons
   return text.replace(at, from.size(), to);
 }
 
-void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says) {
-  const sunder::Error e = refusal(text);
-  EXPECT_EQ(e.status, sunder::Exit::kBadInput) << e.what();
-  EXPECT_EQ(e.field, field) << e.what();
-  EXPECT_GT(e.line, 0) << e.what();
-  for (const std::string& part : says) EXPECT_NE(std::string(e.what()).find(part), std::string::npos) << e.what();
-}
-
 }  // namespace
 
 TEST(SoftScene, IsAcceptedAndSaysWhatItCosts) {
