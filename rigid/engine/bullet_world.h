@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "rigid/engine/bullet_boxes.h"
 #include "rigid/engine/bullet_joints.h"
 #include "rigid/engine/bullet_plane.h"
 #include "rigid/engine/bullet_tag.h"
@@ -108,6 +109,7 @@ class BulletWorld {
 
   btDefaultCollisionConfiguration configuration_;
   PlaneCreateFunc shape_on_plane_{false}, plane_under_shape_{true};
+  BoxesCreateFunc boxes_;
   btGjkEpaPenetrationDepthSolver depth_solver_;
   btConvexConvexAlgorithm::CreateFunc one_point_{&depth_solver_};
   btCollisionDispatcher dispatcher_;

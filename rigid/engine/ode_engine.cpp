@@ -6,8 +6,8 @@
 #include <set>
 
 #include "rigid/engine/checks.h"
+#include "rigid/engine/hulls.h"
 #include "rigid/engine/ode_pairs.h"
-#include "rigid/engine/ode_shapes.h"
 #include "rigid/engine/ode_solver.h"
 #include "rigid/engine/ode_window.h"
 
@@ -20,7 +20,7 @@ constexpr double kFastTurn = 0.7;  // [rad]
 
 struct Held {
   RigidBody body;
-  OdeShape shape;
+  HullShape shape;
 };
 
 /// A frame of a body that does not move, in the world.
@@ -90,7 +90,7 @@ EngineInfo OdeEngine::info() const {
 void OdeEngine::add(const RigidBody& body) {
   check_body(body);
   if (impl_->bodies.count(body.id)) reject_body(body, "id", "is held already; ids are for the whole run");
-  impl_->bodies.emplace(body.id, Held{body, make_ode_shape(body)});
+  impl_->bodies.emplace(body.id, Held{body, make_hull_shape(body)});
 }
 
 void OdeEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {

@@ -9,7 +9,7 @@
 namespace sunder::rigid {
 
 /// What a user should know:
-/// - ODE solves contacts and joints for velocities. Where bodies touch is found here (ode_touch.h): true sizes, no
+/// - ODE solves contacts and joints for velocities. Where bodies touch is found here (touch.h): true sizes, no
 ///   margins, and seen before they meet, so that speed does not carry a body through another.
 /// - A body that nothing touches in a window comes back with its handback to the bit.
 /// - No damping, sleeping, rolling resistance or gravity of its own.

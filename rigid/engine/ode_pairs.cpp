@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "coupler/core/error.h"
-#include "rigid/engine/ode_touch.h"
+#include "rigid/engine/touch.h"
 
 namespace sunder::rigid {
 namespace {

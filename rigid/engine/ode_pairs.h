@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rigid/engine/engine.h"
-#include "rigid/engine/ode_shapes.h"
+#include "rigid/engine/hulls.h"
 
 namespace sunder::rigid {
 
@@ -15,7 +15,7 @@ namespace sunder::rigid {
 struct Mover {
   BodyId id = 0;
   const RigidBody* body = nullptr;
-  const OdeShape* shape = nullptr;
+  const HullShape* shape = nullptr;
   Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // [m/s], [rad/s]
 };
 

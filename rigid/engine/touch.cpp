@@ -1,4 +1,4 @@
-#include "rigid/engine/ode_touch.h"
+#include "rigid/engine/touch.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "rigid/engine/ode_shapes.h"
+#include "rigid/engine/hulls.h"
 
 #include <algorithm>
 #include <array>
@@ -149,8 +149,8 @@ Hull make_hull(const RigidBody& body, const std::vector<Vec3>& part, const std::
 
 }  // namespace
 
-OdeShape make_ode_shape(const RigidBody& body) {
-  OdeShape shape;
+HullShape make_hull_shape(const RigidBody& body) {
+  HullShape shape;
   if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
     if (!(sphere->radius > 0.0) || !std::isfinite(sphere->radius))
       reject_body(body, "shape.radius", fmt::format("is {} m, must be positive and finite", sphere->radius));

@@ -1,9 +1,10 @@
 #pragma once
-// Where two convex parts are nearest, or overlap least. Private to the ODE adapter.
-// ODE's own colliders report overlaps only; a window has to know beforehand what it would run into.
+// Where two convex parts are nearest, or overlap least.
+// The colliders of engines report overlaps only, or rounded shapes; a window has to know beforehand what it would run
+// into.
 #include <vector>
 
-#include "rigid/engine/ode_shapes.h"
+#include "rigid/engine/hulls.h"
 
 namespace sunder::rigid {
 

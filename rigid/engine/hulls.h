@@ -1,5 +1,5 @@
 #pragma once
-// Shapes as the ODE adapter's own narrow phase wants them: convex parts with faces and edges. Private to the adapter.
+// Shapes as the narrow phase of this house (touch.h) wants them: convex parts with faces and edges.
 #include <vector>
 
 #include "coupler/core/body.h"
@@ -27,14 +27,14 @@ struct Hull {
   bool is_point() const { return points.size() == 1; }
 };
 
-struct OdeShape {
+struct HullShape {
   bool is_half_space = false;  // below the body's xy plane
   std::vector<Hull> parts;     // body coordinates; none where it is a half space
   double reach = 0.0;          // of the farthest point from the centre of mass [m]
 };
 
 /// Throws Error (bad_body) with id, name, value and remedy where the shape cannot be held.
-OdeShape make_ode_shape(const RigidBody& body);
+HullShape make_hull_shape(const RigidBody& body);
 
 /// `world` becomes `local` at that pose. The two have the same topology from the second call on, so nothing is
 /// allocated.
