@@ -8,7 +8,7 @@ std::vector<RigidBody> sample_bodies() {
   std::vector<RigidBody> bodies(4);
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     RigidBody& b = bodies[i];
-    b.id = static_cast<BodyId>(i + 1), b.name = "b", b.mass = 1.0, b.principal_inertia = {0.1, 0.2, 0.25};
+    b.id = static_cast<BodyId>(i + 1), b.name = std::string("b"), b.mass = 1.0, b.principal_inertia = {0.1, 0.2, 0.25};
     b.motion.position = {0, 0, 0.5 * static_cast<double>(i)};
     b.contact_group = static_cast<std::uint32_t>(i);
   }

@@ -91,7 +91,7 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
             const std::vector<int>& counts, int windows) {
   const std::vector<std::string> schemes{"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"};
   std::map<std::string, double> worst;
-  report.lines.push_back(
+  report.lines.emplace_back(
       "map: hold, mass over the plate's, substeps a window, k H^2 / M, scheme: energy gained, energy "
       "left, velocity after over that of the first scheme");
   for (const Hold hold : holds)
