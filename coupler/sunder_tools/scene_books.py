@@ -64,9 +64,15 @@ def scenes(table: Table, executables: Executables) -> None:
     """Every scene with every engine. The books are the shell's, in double precision whatever the engine has."""
     for name in engines.names(executables):
         try:
-            words = engines.hello(engines.resolve(name, executables), executables)["capabilities"]
-        except CommandError as error:
+            rigid = engines.resolve(name, executables)
+        except CommandError as error:  # what it runs with cannot be installed
             table.lines.append(f"scenes {name}: left out: {error}")
+            continue
+        try:
+            words = engines.hello(rigid, executables)["capabilities"]
+        except CommandError as error:
+            table.add(f"{name}_answers", math.nan, 0.0, 0.0, 0.0)
+            table.lines.append(f"scenes {name}: {error}")
             continue
         assert isinstance(words, list)
         if "double_precision" not in words:

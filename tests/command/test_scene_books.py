@@ -74,6 +74,18 @@ class Rows(unittest.TestCase):
         self.assertEqual(self.rows(refused, ["contact"]).rows, [])
         self.assertEqual([row["pass"] for row in self.rows(refused, ["contact", "joints"]).rows], [False])
 
+    def test_an_engine_that_does_not_answer_fails_and_one_that_cannot_be_installed_does_not(self) -> None:
+        silent = CommandError("made_up: no answer within 30 s")
+        with mock.patch.object(scene_books.engines, "hello", side_effect=silent), \
+                mock.patch.object(scene_books.engines, "names", return_value=["made_up"]), \
+                contextlib.redirect_stdout(io.StringIO()):
+            for resolved, rows in ((None, [("made_up_answers", False)]), (CommandError("no package"), [])):
+                table = trials.Table()
+                with mock.patch.object(scene_books.engines, "resolve", side_effect=resolved):
+                    scene_books.scenes(table, mock.Mock())
+                self.assertEqual([(row["name"], row["pass"]) for row in table.rows], rows)
+                self.assertEqual(len(table.lines), 1)
+
 
 if __name__ == "__main__":
     unittest.main()
