@@ -195,6 +195,7 @@ EXPERIMENTS = {"shells": (
 ), "coupling": (
     Experiment("scenes", "impulses and births of every shipped scene with bodies, with every engine",
                _later("scene_books", "scenes")),
+    Experiment("glass", "the glass scene with every engine that has hulls and contact", _later("engine_glass", "glass")),
 ), "seams": (
     Experiment("crack", "a crack over a seam runs as in the single patch", _later("seam_runs", "crack")),
     Experiment("piece", "a piece over a seam leaves as one body", _later("seam_runs", "piece")),
