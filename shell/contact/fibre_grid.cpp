@@ -27,20 +27,6 @@ Mat3 FibreGrid::spread(const LayerSample& q) {
   return in_plane * Mat3::Identity() + (across * across - in_plane) * q.normal * q.normal.transpose();
 }
 
-int FibreGrid::field_at(int node, const LayerSample& p, const Vec3& at) {
-  const double near = one_surface() * one_surface();
-  int last = -1;
-  for (int f = head_[node]; f >= 0; last = f, f = fields_[f].next) {
-    const Field& field = fields_[f];
-    if (together_[field.shell][p.shell] != 0 && (field.rest - p.rest).squaredNorm() <= near) return f;
-  }
-  const int f = static_cast<int>(fields_.size());
-  fields_.emplace_back();
-  fields_.back().shell = p.shell, fields_.back().rest = p.rest, fields_.back().at = at;
-  (last < 0 ? head_[node] : fields_[last].next) = f;
-  return f;
-}
-
 void FibreGrid::find_pairs(const std::vector<LayerSample>& samples) {
   first_pair_.assign(fields_.size(), -1);
   for (const int head : head_)
@@ -104,7 +90,9 @@ bool FibreGrid::find(std::vector<LayerSample>& samples) {
     Corner* corner = &corners_[kAround * p];
     stencil(q).each(&blocks_[kBlocks * p], [&](std::size_t node, double w, const double* offset) {
       const Vec3 off(offset[0], offset[1], offset[2]);
-      corner->field = field_at(static_cast<int>(node), q, q.x + off), corner->weight = w;
+      const std::size_t known = fields_.size();
+      corner->field = field_of(fields_, head_[node], together_, one_surface(), q), corner->weight = w;
+      if (fields_.size() > known) fields_.back().at = q.x + off;
       Field& f = fields_[corner->field];
       f.mass += w * q.mass, f.area += w * q.area, f.thickness = std::max(f.thickness, q.thickness);
       f.moment += w * q.mass * (q.x - f.at);

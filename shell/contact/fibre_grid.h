@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "coupler/core/vec.h"
+#include "shell/contact/field_list.h"
 #include "shell/grid/sparse_grid.h"
 #include "shell/grid/stencil.h"
 
@@ -79,7 +80,6 @@ class FibreGrid {
     int field;
     double weight;
   };
-  int field_at(int node, const LayerSample& sample, const Vec3& at);
   void find_pairs(const std::vector<LayerSample>& samples);
   bool find_touches();
   void add_touch(int field, int common, int side, double share);

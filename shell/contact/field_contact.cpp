@@ -33,20 +33,6 @@ bool spin_for(const Mat3& inertia, double least, const Vec3& couple, Vec3& spin)
 
 }  // namespace
 
-int FieldContact::field_at(int node, const SurfaceSample& p) {
-  const double near = one_surface() * one_surface();
-  int last = -1;
-  for (int f = head_[node]; f >= 0; last = f, f = fields_[f].next) {
-    const Field& field = fields_[f];
-    if (together_[field.shell][p.shell] != 0 && (field.rest - p.rest).squaredNorm() <= near) return f;
-  }
-  const int f = static_cast<int>(fields_.size());
-  fields_.emplace_back();
-  fields_.back().shell = p.shell, fields_.back().rest = p.rest;
-  (last < 0 ? head_[node] : fields_[last].next) = f;
-  return f;
-}
-
 int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
   grid_.clear();
   fields_.clear(), pairs_.clear(), touches_.clear();
@@ -69,7 +55,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
   for (std::size_t p = 0; p < samples.size(); ++p)
     for (int c = 0; c < 8; ++c) {
       Corner& corner = corners_[8 * p + c];
-      corner.field = field_at(node_of_[8 * p + c], samples[p]);
+      corner.field = field_of(fields_, head_[node_of_[8 * p + c]], together_, one_surface(), samples[p]);
       Field& f = fields_[corner.field];
       const double m = corner.weight * samples[p].mass;
       f.mass += m, f.thickness = std::max(f.thickness, samples[p].thickness);

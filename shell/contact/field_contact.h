@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupler/core/vec.h"
+#include "shell/contact/field_list.h"
 #include "shell/grid/sparse_grid.h"
 
 namespace sunder::shell {
@@ -61,7 +62,6 @@ class FieldContact {
     int field;
     double weight;
   };
-  int field_at(int node, const SurfaceSample& sample);
   void turn(const std::vector<SurfaceSample>& samples);
 
   double spacing_;

@@ -4,7 +4,7 @@ The two talk over a plain unix socket at the path of the ipc endpoint: closing i
 What a fake does wrong is asked for in the environment:
   FAKE_SHELL, FAKE_RIGID  'deaf': ignores SIGTERM, SIGINT and the loss of its peer
   FAKE_RIGID 'refuse'     ends with status 2 at once
-  FAKE_FRAMES             frames to write, 0.05 s apart (default 6)
+  FAKE_FRAMES             frames to write, 0.05 s apart (default 3: every one is drawn)
   FAKE_PIDS               folder in which each writes <name>.pid
 """
 from __future__ import annotations
@@ -84,7 +84,7 @@ def shell(arguments: list[str]) -> int:
             time.sleep(0.02)
     else:
         return 3
-    count = int(os.environ.get("FAKE_FRAMES", "6"))
+    count = int(os.environ.get("FAKE_FRAMES", "3"))
     run = SyntheticRun(Path(arguments[arguments.index("--out") + 1]), elements=10, fragments=12, count=count)
     status, result, k = "done", 0, 0
     for k in range(count):

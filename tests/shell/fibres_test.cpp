@@ -6,6 +6,7 @@
 
 #include "coupler/core/error.h"
 
+#include "tests/shell/fixtures.h"
 #include "tests/shell/pile.h"
 
 using namespace sunder;
@@ -333,15 +334,7 @@ TEST(Fibres, ASheetFoldedOnItselfDoesNotPassThrough) {
         {1e7, 1e7, 0.3});
   const ShellModel& m = *l.models[0];
   ShellState& s = *l.states[0];
-  const std::size_t plane = m.tables.plane;
-  for (int i = 0; i < m.control_points(); ++i) {
-    const int slot = m.tables.slot(i);
-    const double x = m.rest[slot], bent = std::max(0.0, std::abs(x) - 0.1), side = x < 0.0 ? -1.0 : 1.0;
-    const double radius = 0.12, angle = std::min(bent / radius, 1.6), straight = bent - radius * angle;
-    s.x[slot] = side * (std::min(std::abs(x), 0.1) + radius * std::sin(angle) + straight * std::cos(angle));
-    s.x[2 * plane + slot] = radius * (1.0 - std::cos(angle)) + straight * std::sin(angle);
-    if (straight > 0.0) s.v[slot] = -6.0 * side;
-  }
+  fold_up(m, s, [](double) { return 6.0; });
   l.join(m.longest_element);
   const double dt = 0.5 * l.step();
   double nearest = 1.0, pressed = 0.0;

@@ -139,15 +139,7 @@ TEST(ShellContact, ASheetFoldedOnItselfDoesNotPassThrough) {
   const ShellModel m = sheet(1.0, 40, Vec3::Zero(), 0.01);
   ShellState s = make_state(m, Vec3::Zero(), 0);
   // both ends are turned up and thrown at one another
-  const std::size_t plane = m.tables.plane;
-  for (int i = 0; i < m.control_points(); ++i) {
-    const int slot = m.tables.slot(i);
-    const double x = m.rest[slot], bent = std::max(0.0, std::abs(x) - 0.1), side = x < 0.0 ? -1.0 : 1.0;
-    const double radius = 0.12, angle = std::min(bent / radius, 1.6), straight = bent - radius * angle;
-    s.x[slot] = side * (std::min(std::abs(x), 0.1) + radius * std::sin(angle) + straight * std::cos(angle));
-    s.x[2 * plane + slot] = radius * (1.0 - std::cos(angle)) + straight * std::sin(angle);
-    s.v[slot] = -side * 60.0 * straight;
-  }
+  fold_up(m, s, [](double straight) { return 60.0 * straight; });
   ShellContact contact({&m}, {}, {1, std::vector<SurfaceLaw>(1)});
   const std::vector<ShellRef> shells{{&m, &s}};
   const double dt = 0.5 * stable_step(m, s, 60, 1, false);
