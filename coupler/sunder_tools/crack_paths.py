@@ -10,7 +10,7 @@ from .build import Executables
 from .crack_check import Graph, graph_of
 from .frames import CRACKS, list_frames
 from .report import read_run
-from .trials import Table, kept_run
+from .trials import Table, add_books, kept_run
 
 ARM = 4e-3    # [m]: a crack has divided where two run side by side for so long
 RUN = 25e-3   # [m] over which a crack's direction is taken
@@ -124,8 +124,7 @@ def branching(table: Table, executables: Executables) -> None:
             f"Rayleigh speed (not capped below it); energy released {spent:.2f} of G_f times the length")
         if ratio is None:
             table.add(f"branching_{elements}_us", when * 1e6, 35.0, 0.2858, seconds)  # 25 to 45
-            table.add(f"branching_{elements}_injected",
-                      energy["crack_injected"] / energy["dissipated_fracture"], 0.0, 0.01, 0.0)
+            add_books(table, f"branching_{elements}", run)
             x.append(100.0 / elements), y.append(when * 1e6)
     table.curves.append({"name": "crack divides", "x_label": "spacing [mm]", "y_label": "time [us]", "x": x, "y": y,
                          "logarithmic": False})
@@ -136,14 +135,13 @@ def kalthoff(table: Table, executables: Executables) -> None:
     for elements in (75, 100, 150):
         with kept_run(executables, "kalthoff.textproto", [
                 f"shells[plate].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
-            graph, energy = grown(last_graph(folder)), read_run(folder)["energy"]
+            graph, run = grown(last_graph(folder)), read_run(folder)
         notch = np.array([0.05, 0.025])
         points = leaving(graph, notch)
         away = np.linalg.norm(points - notch, axis=1)
         far, end = points[np.argmin(np.abs(away - RUN))] - notch, points[np.argmax(away)] - notch
         table.add(f"kalthoff_{elements}_degrees", math.degrees(math.atan2(end[1], end[0])), 70.0, 5.0 / 70.0, seconds)
-        table.add(f"kalthoff_{elements}_injected",
-                  energy["crack_injected"] / energy["dissipated_fracture"], 0.0, 0.01, 0.0)
+        add_books(table, f"kalthoff_{elements}", run)
         table.lines.append(f"kalthoff, {100.0 / elements:.2g} mm: starts at {graph.born.min() * 1e6:.1f} us, "
                            f"{away.max() * 1e3:.0f} mm away at the end; the first {RUN * 1e3:.0f} mm run at "
                            f"{math.degrees(math.atan2(far[1], far[0])):.1f} degrees")
@@ -153,7 +151,8 @@ def modes(table: Table, executables: Executables) -> None:
     """The crack of a sheet drawn apart stays in line with the notch; that of a sheared one turns by 70.5 degrees."""
     for scene in ("mode_one", "mode_two"):
         with kept_run(executables, f"{scene}.textproto", []) as (folder, seconds):
-            graph = grown(last_graph(folder))
+            graph, run = grown(last_graph(folder)), read_run(folder)
+        add_books(table, scene, run)
         notch, spacing = np.array([0.1, 0.1013]), 0.004
         middle = graph.ends.mean(axis=1)
         length = np.linalg.norm(graph.ends[:, 1] - graph.ends[:, 0], axis=1)
@@ -183,11 +182,9 @@ def pressed_plate(table: Table, executables: Executables) -> None:
     off = float((np.abs(turn) * length)[corner].sum() / length[corner].sum())
     table.add("pressed_off_diagonal_degrees", math.degrees(off), 0.0, 22.5, seconds)  # 45 where there is no order
     table.add("pressed_corners", len({(x > 0, y > 0) for x, y in place[corner]}), 4.0, 0.0, 0.0)
-    energy = run["energy"]
-    table.add("pressed_injected", energy["crack_injected"] / energy["dissipated_fracture"], 0.0, 0.01, 0.0)
+    add_books(table, "pressed", run)
     table.lines.append(f"pressed_plate: {len(length)} edges, {run['counts']['fragments']} fragments, "
-                       f"{length[corner].sum() / length.sum():.2f} of the length near the corners; energy residual "
-                       f"{energy['residual_relative']:.1e}")
+                       f"{length[corner].sum() / length.sum():.2f} of the length near the corners")
 
 
 def share(table: Table, executables: Executables) -> None:

@@ -10,7 +10,7 @@ from typing import Callable
 from .build import Executables, ensure_built
 from .errors import CommandError
 from .report import read_run
-from .trials import Table, kept_run, run_scene
+from .trials import MOST_INJECTED, Table, injected, kept_run, run_scene
 
 
 def zener(inelasticity: float, step: float = 1e-4) -> float:
@@ -73,7 +73,7 @@ def torn_area(table: Table, executables: Executables) -> None:
         tolerance = 0.01 if model == "PLANE_STRESS" else 0.05
         table.add(f"area_kept_{model.lower()}", surface["now_m2"], 1.0, tolerance, seconds)
         if model == "PLANE_STRESS":
-            table.add("torn_square_injected", _injected(found), 0.0, MOST_INJECTED, seconds)
+            table.add("torn_square_injected", injected(found), 0.0, MOST_INJECTED, seconds)
         table.lines.append(f"torn_area {model}: {counts['fragments']} fragments, stretch of what bears "
                            f"{surface['now_m2'] / surface['rest_m2'] - 1.0:+.1e}, {counts['rubble_points']} of "
                            f"{counts['gauss_points']} points torn")
@@ -81,13 +81,7 @@ def torn_area(table: Table, executables: Executables) -> None:
                        "models are run in one scheme, and none loses area")
 
 
-def _injected(run: dict) -> float:
-    """Energy that insertions of edges have added, over what fracture took."""
-    return run["energy"]["crack_injected"] / run["energy"]["dissipated_fracture"]
-
-
 DENSE = ["window_s=1e-5", "output.shell_frame_interval_s=1e-5"]  # frames closer than a tip takes for an edge
-MOST_INJECTED = 0.01  # of what fracture took, that insertions may add
 FEWEST_GROWING = 10  # frames with new edges; fewer would prove little
 
 
@@ -104,7 +98,7 @@ def consistency(table: Table, executables: Executables) -> None:
                                 ("in_pieces", found.apart), ("doubled", found.doubled)):
                 table.add(f"{name}_cracks_{what}", count if proven else math.nan, 0.0, 0.0, seconds)
             if name == "torn_sheet":
-                table.add(f"{name}_injected", _injected(read_run(folder)) if proven else math.nan, 0.0,
+                table.add(f"{name}_injected", injected(read_run(folder)) if proven else math.nan, 0.0,
                           MOST_INJECTED, seconds)
             table.lines.append(f"consistency {name}: {found.frames} frames, {found.growing} with new edges; "
                                f"{found.edges} edges of {found.cracks} cracks, {found.starts} started on their own")
@@ -185,6 +179,9 @@ EXPERIMENTS = {"shells": (
     Experiment("kalthoff", "70 degrees to the notch (Kalthoff and Winkler 1988)", _later("crack_paths", "kalthoff")),
     Experiment("branching", "when a running crack divides, three spacings (Borden 2012)", _later("crack_paths", "branching")),
     Experiment("share", "what cracks cost while they grow, and with their number", _later("crack_paths", "share")),
+    Experiment("many", "a thousand pieces of a pane that a blast breaks", _later("crack_books", "many")),
+    Experiment("books", "energy that cracks add and that no book has, momentum that pieces carry, seven scenes",
+               _later("crack_books", "books")),
     Experiment("over_stretch", "stretch beside a crack with healing, with maximum damage, and uncut (paper, Fig. 4)",
                over_stretch),
     Experiment("round_pane", "the lattice must not show: 32 round panes, struck, the lattice turned",
@@ -192,6 +189,7 @@ EXPERIMENTS = {"shells": (
     Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
                _later("impacts", "impact_speed")),
     Experiment("refinement", "cracks and residual speed on three grids", _later("impacts", "refinement")),
+    Experiment("pieces", "pieces of a struck pane on three grids: how many, and how large", _later("impacts", "pieces")),
 ), "coupling": (
     Experiment("scenes", "impulses and births of every shipped scene with bodies, with every engine",
                _later("scene_books", "scenes")),

@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import math
 import random
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -11,7 +12,9 @@ import numpy as np
 from .build import Executables
 from .crack_check import Graph
 from .crack_paths import grown, last_graph
-from .patterns import anova, harmonic, lengths, off_circle, power_law, radial_crossings, upper_bound
+from .patterns import (anova, chance_of_distance, distance, harmonic, lengths, off_circle, power_law, quantile_bounds,
+                       radial_crossings, upper_bound)
+from .pictures import write_contact_sheet
 from .report import read_run
 from .trials import Table, kept_run
 
@@ -167,3 +170,66 @@ def refinement(table: Table, executables: Executables) -> None:
         table.add(f"refinement_{name}", mean[2], mean[1], part + 2.0 * error, seconds)
         table.curves.append({"name": f"refinement: {name}", "x_label": "spacing [mm]", "y_label": name,
                              "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False})
+
+
+STRUCK_GRIDS = (40, 56, 80)  # elements along scenes/struck_glass.textproto: 1.5, 1.07, 0.75 mm
+QUANTILES = (0.25, 0.5, 0.75)
+
+
+def _shattered(executables: Executables, elements: int, seed: int, picture: Path | None) -> tuple[dict, np.ndarray]:
+    """What is compared of one run of the struck pane, and the areas of the pieces that came off [m^2]."""
+    chance = random.Random(seed)
+    reach = 0.5 * SIDE / STRUCK_GRIDS[0]  # the same places on all grids
+    beside = [f"bodies[ball].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
+    with kept_run(executables, "struck_glass.textproto", [f"fracture.seed={seed}", *beside] + [
+            f"shells[pane].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
+        run, probe = read_run(folder), list(csv.reader((folder / "probes.csv").open()))
+        areas = np.array([float(row["area [m^2]"]) for row in csv.DictReader((folder / "shards.csv").open())])
+        series = list(csv.DictReader((folder / "series.csv").open()))
+        if picture is not None:
+            shutil.copy(write_contact_sheet(folder), picture)
+            print(f"picture          {picture}", flush=True)
+    return {"count": float(run["counts"]["fragments"]), "length": float(series[-1]["cracks [m]"]),
+            "residual_speed": -float(probe[-1][probe[0].index("ball_vz [m/s]")]), "area_off": float(areas.sum()),
+            "residual": run["energy"]["residual_relative"], "seconds": seconds}, areas
+
+
+def pieces(table: Table, executables: Executables) -> None:
+    """scenes/struck_glass.textproto on three grids, eight seeds each: pieces, their sizes, cracks and the ball. The
+    last two grids must agree as in `refinement`; sizes by the distance of their distributions over whole runs."""
+    found: dict[int, list[dict]] = {}
+    sizes: dict[int, list[np.ndarray]] = {}
+    for elements in STRUCK_GRIDS:
+        spacing = 1e3 * SIDE / elements  # [mm]
+        picture = table.pictures / f"pieces_{elements}.png" if table.pictures is not None else None
+        runs = [_shattered(executables, elements, seed, picture if seed == 1 else None)
+                for seed in range(1, SEEDS + 1)]
+        found[elements] = [numbers for numbers, _ in runs]
+        sizes[elements] = [areas * 1e6 for _, areas in runs if len(areas)]  # [mm^2]
+        every = np.sort(np.concatenate(sizes[elements]))
+        table.curves.append({"name": f"pieces no larger, {spacing:.2f} mm", "x_label": "area [mm^2]",
+                             "y_label": "share", "x": every.tolist(), "y": (np.arange(1, len(every) + 1) / len(every)).tolist(),
+                             "logarithmic": False})
+        table.lines.append(f"pieces {spacing:.2f} mm: " + ", ".join(
+            f"{name} {np.mean([r[name] for r in found[elements]]):.4g} +- "
+            f"{np.std([r[name] for r in found[elements]], ddof=1):.2g}"
+            for name in ("count", "length", "area_off", "residual_speed"))
+            + f"; largest energy residual {max(abs(r['residual']) for r in found[elements]):.1e}")
+        bounds = [quantile_bounds(sizes[elements], share) for share in QUANTILES]
+        table.lines.append(f"pieces {spacing:.2f} mm: quartiles of the area of {len(every)} that came off " + ", ".join(
+            f"{q:.2f} ({low:.2f} to {high:.2f})" for q, low, high in bounds)
+            + f" mm^2; the median is {bounds[1][0] / spacing ** 2:.1f} squared spacings")
+    last = STRUCK_GRIDS[1:]
+    for name, part in (("count", 0.1), ("length", 0.1), ("area_off", 0.1), ("residual_speed", 0.05)):
+        of = {elements: [r[name] for r in found[elements]] for elements in STRUCK_GRIDS}
+        mean = [float(np.mean(of[elements])) for elements in STRUCK_GRIDS]
+        error = math.sqrt(sum(np.var(of[elements], ddof=1) / SEEDS for elements in last)) / mean[1]
+        table.add(f"pieces_{name}", mean[2], mean[1], part + 2.0 * error, sum(r["seconds"] for r in found[last[1]]))
+        table.curves.append({"name": f"pieces: {name}", "x_label": "spacing [mm]", "y_label": name,
+                             "x": [1e3 * SIDE / elements for elements in STRUCK_GRIDS], "y": mean,
+                             "logarithmic": False})
+    apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(STRUCK_GRIDS, last)]
+    chance = chance_of_distance(sizes[last[0]], sizes[last[1]])
+    table.add("pieces_sizes_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
+    table.lines.append(f"pieces: distributions of areas are {apart[0]:.2f} and {apart[1]:.2f} apart from grid to grid; "
+                       f"chance of so much between the last two if they are of one kind {chance:.3f}")

@@ -129,3 +129,37 @@ def power_law(x: np.ndarray, y: np.ndarray) -> PowerLaw:
     rest = v - v.mean() - exponent * (u - u.mean())
     error = math.sqrt((rest ** 2).sum() / (len(x) - 2) / spread)
     return PowerLaw(exponent, student(0.95, len(x) - 2) * error, math.exp(v.mean() - exponent * u.mean()))
+
+
+def distance(a: np.ndarray, b: np.ndarray) -> float:
+    """Largest difference between the cumulative distributions of two sets of numbers (Kolmogorov and Smirnov)."""
+    a, b = np.sort(a), np.sort(b)
+    every = np.concatenate([a, b])
+    share = [np.searchsorted(one, every, side="right") / len(one) for one in (a, b)]
+    return float(np.abs(share[0] - share[1]).max())
+
+
+def chance_of_distance(first: list[np.ndarray], second: list[np.ndarray]) -> float:
+    """Chance that two groups of runs of one kind are so far apart in their numbers, or further.
+
+    Whole runs change sides, as the numbers of one run hang together; the same for the same numbers.
+    """
+    if not first or not second or any(len(run) == 0 for run in first + second):
+        raise ValueError("at least one run on either side, none without a number")
+    found = distance(np.concatenate(first), np.concatenate(second))
+    every, random = first + second, np.random.default_rng(1)
+    further = 0
+    for _ in range(RESAMPLED):
+        order = random.permutation(len(every))
+        sides = [np.concatenate([every[k] for k in part]) for part in (order[:len(first)], order[len(first):])]
+        further += distance(*sides) >= found - 1e-12
+    return further / RESAMPLED
+
+
+def quantile_bounds(runs: list[np.ndarray], share: float) -> tuple[float, float, float]:
+    """A quantile of the numbers of all runs, and its 95 % interval from resampling whole runs."""
+    random = np.random.default_rng(1)
+    found = [float(np.quantile(np.concatenate([runs[k] for k in random.integers(0, len(runs), len(runs))]), share))
+             for _ in range(RESAMPLED)]
+    return (float(np.quantile(np.concatenate(runs), share)), float(np.quantile(found, 0.025)),
+            float(np.quantile(found, 0.975)))

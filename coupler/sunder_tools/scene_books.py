@@ -41,6 +41,7 @@ SHIPPED = (
     Shortened("intact_pane", 4e-3, True, False),
     Shortened("round_pane", 5.2e-5, True, True),
     Shortened("soft_ball", 0.06, True, False),
+    Shortened("struck_glass", 6e-5, True, True),
     Shortened("torn_sheet", 5e-3, False, True),
     Shortened("zener", 1.6e-5, True, False),
 )

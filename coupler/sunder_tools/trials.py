@@ -2,18 +2,22 @@
 from __future__ import annotations
 
 import csv
+import math
 import tempfile
 import time
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Iterator
+from typing import Any, Iterator
 
 from .build import REPOSITORY, Executables
 from .report import read_run
 from .run import launch_once
 
 SCENES = REPOSITORY / "scenes"
+MOST_INJECTED = 0.01  # of what fracture took, that insertions of edges may add
+MOST_MISSING = 0.01   # of the largest energy, that no book has: half of what a run warns at
+ROUND_OFF = 1e-12     # of impulses and of what pieces carry: sums of 10^4 terms
 
 
 @dataclass
@@ -50,3 +54,24 @@ def kept_run(executables: Executables, scene: str, settings: list[str]) -> Itera
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
         launch_once(executables, SCENES / scene, Path(folder), settings)
         yield Path(folder), time.monotonic() - start
+
+
+def injected(run: dict[str, Any]) -> float:
+    """Energy that insertions of edges have added, over what fracture took; NaN where nothing has cracked."""
+    energy = run["energy"]
+    taken = energy["dissipated_fracture"]
+    return energy["crack_injected"] / taken if taken > 0.0 else math.nan
+
+
+def add_books(table: Table, name: str, run: dict[str, Any], seconds: float = 0.0) -> None:
+    """Rows NAME_injected and NAME_energy, what is missing of the largest energy."""
+    table.add(f"{name}_injected", injected(run), 0.0, MOST_INJECTED, seconds)
+    table.add(f"{name}_energy", run["energy"]["residual_relative"], 0.0, MOST_MISSING, 0.0)
+
+
+def add_momentum(table: Table, name: str, run: dict[str, Any]) -> None:
+    """Rows NAME_impulses, of windows, and NAME_handoffs, of births: errors of momentum and angular momentum."""
+    ledger, handoff = run["ledger"], run["handoff"]
+    table.add(f"{name}_impulses", max(ledger["linear_max"], ledger["angular_max"]), 0.0, ROUND_OFF, 0.0)
+    births = max(handoff[f"{what}_error_max"] for what in ("mass", "momentum", "angular_momentum"))
+    table.add(f"{name}_handoffs", births, 0.0, ROUND_OFF, 0.0)

@@ -277,6 +277,31 @@ Totals totals(const ShellModel& m, const ShellState& s) {
   return t;
 }
 
+namespace {
+
+Vec3 inner_force(const ShellState& s, int slot) {
+  return s.external.empty() ? s.at(s.force, slot) : Vec3(s.at(s.force, slot) - s.at(s.external, slot));
+}
+
+// Forces within a piece cancel, and their moments, unless a support took some of them (the slope of a clamped edge) or
+// a Gauss point still sees control points on both sides, where cracks end just short of one another. What such a
+// point pulls with is nobody's momentum once the piece has left.
+bool forces_cancel(const ShellModel& m, const ShellState& s, const Piece& piece) {
+  constexpr double kRoundOff = 1e-9;  // of the forces' magnitudes; a piece has thousands of terms at most
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  double force_scale = 0.0, moment_scale = 0.0;
+  for (const int i : piece.control_points) {
+    const int slot = m.tables.slot(i);
+    if (m.held[slot]) return false;
+    const Vec3 f = inner_force(s, slot), arm = s.position(slot) - s.position(m.tables.slot(piece.control_points[0]));
+    force += f, force_scale += f.norm();
+    moment += arm.cross(f), moment_scale += arm.norm() * f.norm();
+  }
+  return force.norm() <= kRoundOff * force_scale && moment.norm() <= kRoundOff * moment_scale;
+}
+
+}  // namespace
+
 Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, const Piece& piece, BodyId id, double dt) {
   const Geometry g = rest_geometry(m, t, piece.number);
   Handoff out;
@@ -285,13 +310,10 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   std::vector<int> slots;
   double mass = 0.0;
   Vec3 momentum = Vec3::Zero();
-  // forces within a piece cancel, unless a support took some of them: the slope of a clamped edge
-  const bool sloped = std::any_of(piece.control_points.begin(), piece.control_points.end(),
-                                  [&](int i) { return m.held[m.tables.slot(i)] != 0; });
+  const bool balanced = forces_cancel(m, s, piece);
   const auto velocity_now = [&](int slot) -> Vec3 {  // half a step on, at the time of the positions
-    if (sloped) return s.velocity(slot);
-    const Vec3 outside = s.external.empty() ? Vec3(Vec3::Zero()) : s.at(s.external, slot);  // what does not cancel
-    return s.velocity(slot) + 0.5 * dt * s.inverse_mass[slot] * (s.at(s.force, slot) - outside);
+    return balanced ? Vec3(s.velocity(slot) + 0.5 * dt * s.inverse_mass[slot] * inner_force(s, slot))
+                    : s.velocity(slot);
   };
   for (const int i : piece.control_points) {
     const int slot = m.tables.slot(i);

@@ -1,12 +1,14 @@
 """What the impact experiments are made of."""
 from __future__ import annotations
 
+import contextlib
+import io
 import unittest
 
 import numpy as np
 
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
-from sunder_tools import crack_paths, experiments, impacts
+from sunder_tools import crack_books, crack_paths, experiments, impacts, trials
 from sunder_tools.crack_check import Graph
 
 
@@ -55,9 +57,31 @@ class Divisions(unittest.TestCase):
         self.assertEqual(len(crack_paths.leaving(two, np.zeros(2))), 4)
 
 
+class Books(unittest.TestCase):
+    def rows(self, injected: float, residual: float, ledger: float, born: float) -> dict[str, bool]:
+        run = {"energy": {"crack_injected": injected, "dissipated_fracture": 2.0, "residual_relative": residual},
+               "ledger": {"linear_max": ledger, "angular_max": 0.0},
+               "handoff": {"mass_error_max": 0.0, "momentum_error_max": born, "angular_momentum_error_max": 0.0}}
+        table = trials.Table()
+        with contextlib.redirect_stdout(io.StringIO()):
+            trials.add_books(table, "run", run)
+            trials.add_momentum(table, "run", run)
+        return {str(row["name"]): bool(row["pass"]) for row in table.rows}
+
+    def test_each_fault_fails_its_own_row(self) -> None:
+        self.assertTrue(all(self.rows(0.01, -5e-3, 1e-14, 1e-15).values()))
+        for fault, name in (((0.1, 0.0, 0.0, 0.0), "run_injected"), ((0.0, -0.02, 0.0, 0.0), "run_energy"),
+                            ((0.0, 0.0, 1e-9, 0.0), "run_impulses"), ((0.0, 0.0, 0.0, 1e-7), "run_handoffs")):
+            self.assertEqual([row for row, good in self.rows(*fault).items() if not good], [name])
+
+    def test_a_run_without_cracks_proves_nothing(self) -> None:
+        self.assertTrue(np.isnan(trials.injected({"energy": {"crack_injected": 0.0, "dissipated_fracture": 0.0}})))
+
+
 class Registry(unittest.TestCase):
     def test_every_experiment_that_comes_later_exists(self) -> None:
-        for module, names in ((impacts, ("round_pane", "impact_speed", "refinement")),
+        for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "pieces")),
+                              (crack_books, ("books", "many")),
                               (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share"))):
             for name in names:
                 self.assertTrue(callable(getattr(module, name)))

@@ -104,6 +104,34 @@ class Statistics(unittest.TestCase):
         self.assertLess(patterns.upper_bound(0.6 * phase), 0.3)
         self.assertGreater(patterns.upper_bound(0.6 * phase - 0.4), 0.3)
 
+    def test_the_distance_of_distributions_by_hand(self) -> None:
+        self.assertEqual(patterns.distance(np.array([1.0, 2.0]), np.array([3.0, 4.0])), 1.0)
+        self.assertEqual(patterns.distance(np.array([2.0, 1.0]), np.array([1.0, 2.0])), 0.0)
+        self.assertAlmostEqual(patterns.distance(np.array([1.0, 2.0, 3.0, 4.0]), np.array([2.5, 3.0])), 0.5)
+
+    def test_the_chance_of_a_distance_is_that_of_whole_runs(self) -> None:
+        # two runs of each kind: of the 6 ways to deal them out, 2 are as far apart as what is found
+        one, other = [np.array([1.0]), np.array([2.0])], [np.array([3.0]), np.array([4.0])]
+        self.assertAlmostEqual(patterns.chance_of_distance(one, other), 1.0 / 3.0, delta=0.03)  # 4 standard errors
+        # a run of equal numbers is one number: a hundred of them prove no more
+        many = [[np.repeat(run, 100) for run in side] for side in (one, other)]
+        self.assertAlmostEqual(patterns.chance_of_distance(*many), 1.0 / 3.0, delta=0.03)
+        random = np.random.default_rng(6)
+        like, unlike = ([scale * random.exponential(size=20) for _ in range(8)] for scale in (1.0, 3.0))
+        self.assertLess(patterns.chance_of_distance(like, unlike), 0.01)
+        with self.assertRaises(ValueError):
+            patterns.chance_of_distance(like, [np.zeros(0)])
+
+    def test_a_quantile_lies_within_its_bounds_which_narrow_with_runs(self) -> None:
+        random = np.random.default_rng(7)
+        runs = [random.random(30) for _ in range(64)]
+        middle, low, high = patterns.quantile_bounds(runs, 0.5)
+        self.assertTrue(low < middle < high)
+        self.assertTrue(low < 0.5 < high)
+        of_few = [patterns.quantile_bounds(runs[k:k + 8], 0.5) for k in range(0, 64, 8)]
+        # narrower by the root of 8; the mean of eight intervals is sure to a tenth
+        self.assertAlmostEqual((high - low) / float(np.mean([b - a for _, a, b in of_few])), 8.0 ** -0.5, delta=0.12)
+
     def test_a_power_law_is_found_with_its_interval(self) -> None:
         x = np.array([1.0, 2.0, 4.0, 8.0, 16.0])
         exact = patterns.power_law(x, 3.0 * np.sqrt(x))
