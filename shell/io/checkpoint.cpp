@@ -24,7 +24,12 @@ void archive(A& a, RigidBody& b) {
   }
   if (auto* s = std::get_if<SphereShape>(&b.shape)) archive_one(a, s->radius);
   if (auto* s = std::get_if<BoxShape>(&b.shape)) archive_one(a, s->half_size);
-  if (auto* s = std::get_if<ConvexShape>(&b.shape)) archive_one(a, s->parts);
+  if (auto* s = std::get_if<ConvexShape>(&b.shape)) {
+    Surface surface = s->surface ? *s->surface : Surface{};
+    archive_all(a, s->parts, surface.corners, surface.triangles);
+    if constexpr (A::kReading)
+      if (!surface.corners.empty()) s->surface = std::make_shared<const Surface>(std::move(surface));
+  }
 }
 
 }  // namespace sunder
@@ -39,7 +44,7 @@ void archive(A& a, DrawnMesh& m) {
 namespace {
 
 // Read only by the build that wrote it: plain structures lie in it as they lie in memory.
-const std::string kFirstLine = "sunder checkpoint 2, " __VERSION__ "\n";
+const std::string kFirstLine = "sunder checkpoint 3, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
 [[noreturn]] void bad(const std::string& path, const std::string& what) {

@@ -222,7 +222,9 @@ void Run::check_engine() const {
     if (std::holds_alternative<SphereShape>(b.shape)) need(kSpheres, "body '" + b.name + "' needs");
     if (std::holds_alternative<BoxShape>(b.shape)) need(kBoxes, "body '" + b.name + "' needs");
     if (std::holds_alternative<HalfSpaceShape>(b.shape)) need(kHalfSpaces, "body '" + b.name + "' needs");
-    if (std::holds_alternative<ConvexShape>(b.shape)) need(kConvexHulls, "body '" + b.name + "' needs");
+    const auto* convex = std::get_if<ConvexShape>(&b.shape);
+    if (convex) need(kConvexHulls, "body '" + b.name + "' needs");
+    if (convex && convex->parts.size() > 1) need(kCompound, "body '" + b.name + "' needs");
   }
   for (const Joint& j : setup_.joints) need(kJoints, "joint '" + j.name + "' needs");
   if (setup_.can_crack())
