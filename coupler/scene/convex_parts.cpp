@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kThin = 1e-9;     // of the diagonal: points that near to a plane lie in it
 constexpr double kNothing = 1e-9;  // of the solid's volume: what is less, of a cell or added by a hull, is round-off
-constexpr std::size_t kMostCells = 20000;
+constexpr std::size_t kMostCells = 4000, kMostCandidates = 64;
 constexpr double kWhole = 1e-6;  // of the volume, that all cells together may miss
 
 struct Plane {
@@ -103,33 +103,41 @@ std::vector<Plane> planes_of(const Surface& s, double thin, std::vector<int>& of
   return planes;
 }
 
-// The plane that cuts fewest faces and leaves as many on either side; one with nothing outside it cuts no part.
+struct Reach {
+  double low = 0.0, high = 0.0;  // of a loop below and above a plane [m]
+};
+Reach reach(const Loop& loop, const Plane& plane) {
+  Reach r;
+  for (const Vec3& x : loop) {
+    const double h = plane.height(x);
+    r.low = std::min(r.low, h), r.high = std::max(r.high, h);
+  }
+  return r;
+}
+
+// A plane with nothing outside it, which cuts no part; else, of some, that which cuts fewest faces and leaves as many
+// on either side.
 int choose(const Cell& cell, const std::vector<Plane>& planes, double thin) {
   std::vector<int> asked;
   for (const Face& f : cell.faces) asked.push_back(f.plane);
   std::sort(asked.begin(), asked.end());
   asked.erase(std::unique(asked.begin(), asked.end()), asked.end());
+  for (const int candidate : asked)
+    if (std::all_of(cell.faces.begin(), cell.faces.end(),
+                    [&](const Face& f) { return reach(f.loop, planes[candidate]).high <= thin; }))
+      return candidate;
   int best = asked[0];
   long best_score = -1;
-  for (const int candidate : asked) {
+  const std::size_t stride = 1 + asked.size() / kMostCandidates;
+  for (std::size_t k = 0; k < asked.size(); k += stride) {
     long front = 0, back = 0, crossing = 0;
     for (const Face& f : cell.faces) {
-      double low = 0.0, high = 0.0;
-      for (const Vec3& x : f.loop) {
-        const double h = planes[candidate].height(x);
-        low = std::min(low, h), high = std::max(high, h);
-      }
-      if (low < -thin && high > thin)
-        ++crossing;
-      else if (high > thin)
-        ++front;
-      else if (low < -thin)
-        ++back;
-      if (best_score >= 0 && 8 * crossing > best_score) break;
+      const Reach r = reach(f.loop, planes[asked[k]]);
+      const bool above = r.high > thin, below = r.low < -thin;
+      crossing += above && below, front += above && !below, back += below && !above;
     }
-    if (front == 0 && crossing == 0) return candidate;
     const long score = 8 * crossing + std::abs(front - back);
-    if (best_score < 0 || score < best_score) best = candidate, best_score = score;
+    if (best_score < 0 || score < best_score) best = asked[k], best_score = score;
   }
   return best;
 }
