@@ -149,6 +149,14 @@ Joint make_joint(const proto::BodyJoint& m, std::uint32_t id, const std::vector<
   return j;
 }
 
+JointBreak make_break(const proto::JointBreak& m) {
+  JointBreak b;
+  if (m.has_time_s()) b.time = m.time_s();
+  if (m.has_angle_deg()) b.angle = m.angle_deg() * std::numbers::pi / 180.0;
+  if (m.has_extension_m()) b.extension = m.extension_m();
+  return b;
+}
+
 CouplingRules make_coupling(const proto::Scene& m) {
   const proto::Coupling& c = m.coupling();
   CouplingRules r;
@@ -294,7 +302,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   build_soft(
       scene, [&](const std::string& name) { return groups[name] = static_cast<std::uint32_t>(groups.size()); }, r);
   for (const proto::BodyJoint& j : m.joints())
-    r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies));
+    r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies)),
+        r.breaks.push_back(make_break(j.breaks()));
   for (const auto& p : m.output().probes())
     for (int i = 0; i < m.bodies_size(); ++i)
       if (m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i});

@@ -72,8 +72,9 @@ void Run::archive_members(A& a) {
               ledger_linear_, ledger_angular_, mass_error_, momentum_error_, angular_error_, geometry_error_,
               next_frame_, frozen_length_, frozen_kinetic_, frozen_at_, frozen_potential_, frozen_why_, frozen_hash_,
               shards_, book_, stage_s_, growing_s_, growing_update_s_, series_, probes_, next_probe_);
-  archive_all(a, window_ticks_, shortest_window_, held_until_, exported_until_, ever_exported_, exported_windows_,
-              passes_, most_passes_, hardest_, window_residual_, residual_sum_, residual_max_, next_checkpoint_);
+  archive_all(a, window_ticks_, shortest_window_, held_until_, exported_until_, ever_exported_, released_, let_go_s_,
+              exported_windows_, passes_, most_passes_, hardest_, window_residual_, residual_sum_, residual_max_,
+              next_checkpoint_);
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   archive_one(a, bodies);
