@@ -1,10 +1,11 @@
 #!/usr/bin/python3
 """Writes a falling tree: a trunk and branches as OFF files beside the scenes, bodies and joints into the scenes.
 
-    scenes/make_tree.py [SCENE...]
+    scenes/make_tree.py [--notch DEGREES] [SCENE...]
 
 In each SCENE the lines between `# begin tree` and `# end tree` are replaced. The tree falls about a hinge at its foot
-and starts leaning, as fast as it would be if it had stood almost upright and at rest before.
+and starts leaning, as fast as it would be if it had stood almost upright and at rest before. With a notch the hinge
+breaks when that closes, at so many degrees off the vertical; without, it holds.
 """
 from __future__ import annotations
 
@@ -114,8 +115,11 @@ def _vector(v: np.ndarray) -> str:
     return f"{{ x: {number(v[0])} y: {number(v[1])} z: {number(v[2])} }}"
 
 
-def scene_text() -> list[str]:
-    """Bodies and joints of the tree, the material `wood` being the scene's."""
+def scene_text(notch_deg: float | None = None) -> list[str]:
+    """Bodies and joints of the tree, the material `wood` being the scene's; `notch_deg`: the lean at which its hinge
+    breaks [degrees]. Raises ValueError where the tree leans further from the start."""
+    if notch_deg is not None and not LEAN_DEG < notch_deg < 180.0:
+        raise ValueError(f"--notch {notch_deg:g}: the tree starts at {LEAN_DEG:g} degrees; more than that, less than 180")
     rotation, axis, speed = start()
     q = [number(c) for c in quaternion(rotation)]
     pose = f"pose {{ position {_vector(FOOT)} orientation {{ w: {q[0]} x: {q[1]} y: {q[2]} z: {q[3]} }} }}"
@@ -127,7 +131,10 @@ def scene_text() -> list[str]:
                 f'  mesh {{ path: "tree_{piece.name}.off" }}', f"  {pose}",
                 f"  twist {{ linear {_vector(velocity)} angular {_vector(speed * axis)} }}", "}"]
     out += ["joints {", '  name: "foot"', "  kind: HINGE", '  first: "trunk"', f"  position {_vector(FOOT)}",
-            f"  axis {_vector(axis)}", "}"]
+            f"  axis {_vector(axis)}"]
+    if notch_deg is not None:
+        out.append(f"  breaks {{ angle_deg: {number(notch_deg - LEAN_DEG)} }}")
+    out.append("}")
     for piece in tree()[1:]:
         at = FOOT + rotation @ piece.start
         out.append(f'joints {{ name: "{piece.name}_fork" kind: FIXED first: "{piece.name}" second: "trunk" '
@@ -135,8 +142,13 @@ def scene_text() -> list[str]:
     return out
 
 
+def made_by(notch_deg: float | None) -> str:
+    return "made by make_tree.py" + ("" if notch_deg is None else f" --notch {notch_deg:g}")
+
+
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("--notch", type=float, metavar="DEGREES")
     parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE")
     arguments = parser.parse_args()
     for piece in tree():
@@ -145,7 +157,7 @@ def main() -> int:
         print(f"{piece.name:10} {mass:6.1f} kg, centre {np.linalg.norm(centre):.2f} m from the foot")
     print(f"starts {LEAN_DEG:g} degrees off the vertical with {start()[2]:.3f} rad/s")
     for scene in arguments.scenes:
-        replace_part(scene, "tree", "made by make_tree.py", scene_text())
+        replace_part(scene, "tree", made_by(arguments.notch), scene_text(arguments.notch))
     return 0
 
 

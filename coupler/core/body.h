@@ -1,6 +1,8 @@
 #pragma once
 // A rigid body as both processes know it: description once, motion every window.
+#include <array>
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <variant>
 #include <vector>
@@ -18,9 +20,15 @@ struct BoxShape {
   Vec3 half_size;  // [m]
 };
 struct HalfSpaceShape {};  // everything below the body's xy plane
+/// Triangles that enclose a solid, in body coordinates [m].
+struct Surface {
+  std::vector<Vec3> corners;
+  std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from outside
+};
 /// Convex parts, each by its corners in body coordinates [m]; together they are the body.
 struct ConvexShape {
   std::vector<std::vector<Vec3>> parts;
+  std::shared_ptr<const Surface> surface = nullptr;  // of a solid that need not be convex; engines do without
 };
 using Shape = std::variant<SphereShape, BoxShape, HalfSpaceShape, ConvexShape>;
 

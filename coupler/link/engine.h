@@ -21,6 +21,7 @@ constexpr const char* kContact = "contact";
 constexpr const char* kFriction = "friction";
 constexpr const char* kRestitution = "restitution";
 constexpr const char* kJoints = "joints";
+constexpr const char* kReleaseJoints = "release_joints";
 constexpr const char* kExportRows = "export_rows";
 constexpr const char* kSaveRestore = "save_restore";
 constexpr const char* kDoublePrecision = "double_precision";
@@ -74,6 +75,9 @@ class Engine {
 
   /// Capability joints. Both bodies are there already. Throws Error (bad_joint).
   virtual void add_joint(const Joint& joint) { lacks(capability::kJoints, joint.name); }
+  /// Capability release_joints: it holds no longer, from the next window on; its bodies still do not collide with one
+  /// another. Of no effect where it let go before. The joint is there.
+  virtual void release_joint(std::uint32_t id) { lacks(capability::kReleaseJoints, std::to_string(id)); }
   /// Capability export_rows: contacts that `bodies` (by id) may have in a window in which every body that is not static
   /// would come to its place in `motions` without them. Nothing moves.
   virtual std::vector<ContactRow> rows(double window_s, const std::vector<Motion>& motions,

@@ -68,9 +68,8 @@ std::vector<State> EngineHost::load(const World& world) {
   engine_.set_unit(length_unit(world.thickness));
   engine_.set_contact_laws(world.laws);
   add(world.bodies, "bodies");
-  std::set<std::uint32_t> joints;
   for (const Joint& j : world.joints) {
-    if (!joints.insert(j.id).second) refuse(fmt::format("joints[{}]: comes twice", j.id));
+    if (!joints_.insert(j.id).second) refuse(fmt::format("joints[{}]: comes twice", j.id));
     if (!known_.count(j.first) || (j.second != 0 && !known_.count(j.second)) || j.first == j.second)
       refuse(fmt::format("joints[{}]: between bodies {} and {}, one of which there is not", j.id, j.first, j.second));
     engine_.add_joint(j);
@@ -106,6 +105,11 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
     refuse(fmt::format("window at tick {} (+{}), expected {}", w.tick, w.ticks, tick_));
   if (!std::isfinite(w.window_s) || w.window_s <= 0.0) refuse(fmt::format("window_s is {}", w.window_s));
   match(w.handbacks, "handback");
+  if (!w.released.empty()) needs(capability::kReleaseJoints, "window.released");
+  for (const std::uint32_t id : w.released) {
+    if (!joints_.count(id)) refuse(fmt::format("released[{}]: there is no such joint", id));
+    engine_.release_joint(id);
+  }
   if (w.again) {
     engine_.restore(last_caches_, last_motions_);
   } else if (keep_windows_) {

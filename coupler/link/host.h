@@ -38,6 +38,7 @@ class EngineHost : public RigidLink {
   bool is_loaded_ = false, keep_windows_ = false, moved_ = false;
   std::int64_t tick_ = 0;
   std::set<BodyId> known_, moving_;
+  std::set<std::uint32_t> joints_;
   // Before the last window, where windows are kept.
   std::int64_t last_tick_ = -1;
   std::string last_caches_;

@@ -273,10 +273,10 @@ std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<prot
   return out;
 }
 
-std::vector<BodyId> decode_ids(const google::protobuf::RepeatedField<std::uint32_t>& ids, const std::string& field) {
-  check(ids.size() <= kMaxBodies, "{}: {} bodies; {} at most", field, ids.size(), kMaxBodies);
-  for (int i = 1; i < ids.size(); ++i)
-    check(ids[i] > ids[i - 1], "{}: body {} comes twice, or out of order", field, ids[i]);
+std::vector<std::uint32_t> decode_ids(const google::protobuf::RepeatedField<std::uint32_t>& ids,
+                                      const std::string& field) {
+  check(ids.size() <= kMaxBodies, "{}: {} of them; {} at most", field, ids.size(), kMaxBodies);
+  for (int i = 1; i < ids.size(); ++i) check(ids[i] > ids[i - 1], "{}: {} comes twice, or out of order", field, ids[i]);
   return {ids.begin(), ids.end()};
 }
 
@@ -285,6 +285,7 @@ WindowTask decode(const proto::Window& w) {
   task.tick = w.tick(), task.ticks = w.ticks(), task.window_s = w.window_s(), task.again = w.again();
   task.handbacks = decode_motions(w.handbacks(), "handbacks");
   task.solved = decode_ids(w.solved(), "solved");
+  task.released = decode_ids(w.released(), "released");
   task.births = decode_bodies(w.births(), "births");
   return task;
 }

@@ -117,6 +117,7 @@ std::vector<State> RemoteRigid::window(const WindowTask& task) {
   w->set_tick(task.tick), w->set_ticks(task.ticks), w->set_window_s(task.window_s), w->set_again(task.again);
   for (const Motion& m : task.handbacks) encode(m, w->add_handbacks());
   for (const BodyId id : task.solved) w->add_solved(id);
+  for (const std::uint32_t id : task.released) w->add_released(id);
   for (const RigidBody& b : task.births) {
     *w->add_births() = encode(b), all_.insert(b.id);
     if (!b.is_static) moving_.insert(b.id);

@@ -21,11 +21,12 @@ struct World {
 struct WindowTask {
   std::int64_t tick = 0;  // at the start
   int ticks = 1;
-  double window_s = 0.0;            // length of the whole window
-  std::vector<Motion> handbacks;    // of every body that is not static, by id
-  std::vector<BodyId> solved;       // whose contacts and joints are solved already, by id
-  std::vector<RigidBody> births{};  // that join at the end
-  bool again = false;               // in place of the last window
+  double window_s = 0.0;                  // length of the whole window
+  std::vector<Motion> handbacks;          // of every body that is not static, by id
+  std::vector<BodyId> solved;             // whose contacts and joints are solved already, by id
+  std::vector<RigidBody> births{};        // that join at the end
+  bool again = false;                     // in place of the last window
+  std::vector<std::uint32_t> released{};  // all joints that have let go so far
 };
 
 /// Every call throws Error: peer_lost, bad_message, or what the engine says.

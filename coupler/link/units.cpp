@@ -13,9 +13,11 @@ double power(double unit, int exponent) { return std::ldexp(1.0, exponent * std:
 Shape scaled(Shape shape, double by) {
   if (auto* s = std::get_if<SphereShape>(&shape)) s->radius *= by;
   if (auto* s = std::get_if<BoxShape>(&shape)) s->half_size *= by;
-  if (auto* s = std::get_if<ConvexShape>(&shape))
+  if (auto* s = std::get_if<ConvexShape>(&shape)) {
+    s->surface = nullptr;  // of no use to an engine
     for (auto& part : s->parts)
       for (Vec3& corner : part) corner *= by;
+  }
   return shape;
 }
 

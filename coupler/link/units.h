@@ -23,6 +23,7 @@ class InUnits final : public Engine {
   void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) override;
   std::vector<State> states() const override;
   void add_joint(const Joint& joint) override;
+  void release_joint(std::uint32_t id) override { inner_.release_joint(id); }
   std::vector<ContactRow> rows(double window_s, const std::vector<Motion>& motions,
                                const std::vector<BodyId>& bodies) override;
   std::string save() override { return inner_.save(); }

@@ -1,7 +1,6 @@
 #pragma once
 // Reads a scene file: text -> message, settings applied, everything checked; every error says
 // file:line:column, field, value and remedy.
-#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -53,14 +52,6 @@ void validate_coupling(const LoadedScene& scene);
 void validate_soft(const LoadedScene& scene);
 /// Fibres of shells.
 void validate_fibres(const LoadedScene& scene);
-
-/// The convex hull of the corners of an OFF or OBJ file below the scene's folder.
-struct Hull {
-  std::vector<Vec3> corners;                  // of the hull only [m]
-  std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from outside
-};
-constexpr int kMostHullCorners = 128;  // collision tests grow with the square and more
-Hull read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh);
 
 /// Factors of the strength, one by one and multiplied; from a thousand on nothing breaks that did not before.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;

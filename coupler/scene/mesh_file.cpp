@@ -1,4 +1,4 @@
-// Corner points of OFF and OBJ files.
+// OFF and OBJ files.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -7,83 +7,173 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Surface_mesh.h>
 #include <CGAL/convex_hull_3.h>
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
 
-#include "coupler/scene/load.h"
+#include "coupler/scene/mesh.h"
 
 namespace sunder::scene {
 namespace {
 
 constexpr double kFarthest = 1e6;  // of a point from the origin [m]; squares and volumes of such numbers are finite
+constexpr std::size_t kMostPoints = 1000000;
 
-Hull hull_of(const LoadedScene& scene, const std::string& field, const std::string& path,
-             const std::vector<Vec3>& points) {
+struct File {
+  std::vector<Vec3> points;  // scaled [m]
+  std::vector<Polygon> polygons;
+};
+
+Solid hull_solid(const LoadedScene& scene, const std::string& field, const std::string& path,
+                 const std::vector<Vec3>& points) {
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   std::vector<Point> in;
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) in.emplace_back(p.x(), p.y(), p.z()), box.extend(p);
-  CGAL::Surface_mesh<Point> surface;
-  CGAL::convex_hull_3(in.begin(), in.end(), surface);
-  Hull hull;
-  for (const auto v : surface.vertices())
-    hull.corners.emplace_back(surface.point(v).x(), surface.point(v).y(), surface.point(v).z());
-  double volume = 0.0;
-  for (const auto f : surface.faces()) {
+  CGAL::Surface_mesh<Point> mesh;
+  CGAL::convex_hull_3(in.begin(), in.end(), mesh);
+  Solid solid;
+  Surface& hull = solid.surface;
+  for (const auto v : mesh.vertices())
+    hull.corners.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  for (const auto f : mesh.faces()) {
     std::array<int, 3> corners{};
     int n = 0;
-    for (const auto v : surface.vertices_around_face(surface.halfedge(f)))
+    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
       if (n < 3) corners[n++] = static_cast<int>(v.idx());
     hull.triangles.push_back(corners);
-    const Vec3 origin = hull.corners[0];
-    volume += (hull.corners[corners[0]] - origin)
-                  .dot((hull.corners[corners[1]] - origin).cross(hull.corners[corners[2]] - origin)) /
-              6.0;
   }
-  scene.check(volume > 1e-9 * std::pow(box.diagonal().norm(), 3), field + ".path",
+  solid.volume = hull.corners.empty() ? 0.0 : enclosed_volume(hull);
+  scene.check(solid.volume > kLeastVolume * std::pow(box.diagonal().norm(), 3), field + ".path",
               "'{}': the hull of its points is flat; a body needs a volume", path);
   scene.check(static_cast<int>(hull.corners.size()) <= kMostHullCorners, field + ".path",
               "'{}': its hull has {} corners, at most {} can be used; simplify it", path, hull.corners.size(),
               kMostHullCorners);
-  return hull;
+  solid.parts = {hull.corners};
+  return solid;
 }
+
+class Reader {
+ public:
+  Reader(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh)
+      : scene_(scene),
+        field_(field + ".path"),
+        path_(mesh.path()),
+        file_(scene.file_beside(field + ".path", mesh.path())),
+        in_(file_),
+        scale_(mesh.has_scale() ? mesh.scale() : 1.0),
+        exact_(mesh.surface() == proto::Mesh::EXACT) {}
+
+  File read() {
+    if (file_.extension() == ".off")
+      off();
+    else
+      obj();
+    scene_.check(out_.points.size() >= 4, field_, "'{}' has {} points; a body has at least 4", path_,
+                 out_.points.size());
+    return std::move(out_);
+  }
+
+ private:
+  // The next line that says something.
+  bool next() {
+    while (std::getline(in_, line_)) {
+      ++number_;
+      const std::size_t begin = line_.find_first_not_of(" \t\r");
+      if (begin != std::string::npos && line_[begin] != '#') return true;
+    }
+    return false;
+  }
+
+  void point(std::istringstream& words) {
+    Vec3 p;
+    scene_.check(static_cast<bool>(words >> p.x() >> p.y() >> p.z()) && p.allFinite(), field_,
+                 "'{}': line {}: '{}' is no point of three numbers", path_, number_, line_);
+    out_.points.push_back(scale_ * p);
+    scene_.check(out_.points.back().cwiseAbs().maxCoeff() <= kFarthest, field_,
+                 "'{}': line {}: '{}' is further than {:g} m away, scaled by {}; is scale right?", path_, number_,
+                 line_, kFarthest, scale_);
+  }
+
+  void off() {
+    std::size_t points = 0, faces = 0;
+    bool good = next() && line_.rfind("OFF", 0) == 0 && next();
+    if (good) {
+      std::istringstream words(line_);
+      good =
+          static_cast<bool>(words >> points) && points < kMostPoints && (!exact_ || static_cast<bool>(words >> faces));
+    }
+    scene_.check(good, field_, "'{}' does not start as an OFF file does", path_);
+    while (out_.points.size() < points && next()) {
+      std::istringstream words(line_);
+      point(words);
+    }
+    if (!exact_) return;
+    scene_.check(out_.points.size() == points, field_, "'{}' ends after {} of its {} points", path_, out_.points.size(),
+                 points);
+    while (out_.polygons.size() < faces) {
+      scene_.check(next(), field_, "'{}' ends after {} of its {} faces", path_, out_.polygons.size(), faces);
+      std::istringstream words(line_);
+      std::size_t count = 0;
+      words >> count;
+      Polygon polygon{{}, number_};
+      for (int corner; polygon.corners.size() < count && words >> corner;) polygon.corners.push_back(corner);
+      scene_.check(count >= 3 && polygon.corners.size() == count, field_,
+                   "'{}': line {}: '{}' is no face, which is the number of its corners and these", path_, number_,
+                   line_);
+      out_.polygons.push_back(std::move(polygon));
+    }
+  }
+
+  void obj() {
+    while (next()) {
+      std::istringstream words(line_);
+      std::string kind;
+      words >> kind;
+      if (kind == "v") point(words);
+      if (kind != "f" || !exact_) continue;
+      Polygon polygon{{}, number_};
+      for (std::string word;
+           words >> word;) {  // corner, or corner/texture/normal; negative: counted from the last point
+        const long corner = std::strtol(word.c_str(), nullptr, 10), points = static_cast<long>(out_.points.size());
+        scene_.check(corner != 0 && corner >= -points && corner <= points, field_,
+                     "'{}': line {}: '{}' is none of the {} points before it, which count from 1", path_, number_, word,
+                     points);
+        polygon.corners.push_back(static_cast<int>(corner > 0 ? corner - 1 : points + corner));
+      }
+      out_.polygons.push_back(std::move(polygon));
+    }
+  }
+
+  const LoadedScene& scene_;
+  const std::string field_, path_;
+  const std::filesystem::path file_;
+  std::ifstream in_;
+  const double scale_;
+  const bool exact_;
+  std::string line_;
+  int number_ = 0;
+  File out_;
+};
 
 }  // namespace
 
-Hull read_mesh(const LoadedScene& scene, const std::string& field, const proto::ConvexMesh& mesh) {
-  const std::filesystem::path file = scene.file_beside(field + ".path", mesh.path());
-  std::ifstream in(file);
-  const double scale = mesh.has_scale() ? mesh.scale() : 1.0;
-  scene.check(std::isfinite(scale) && scale > 0.0, field + ".scale", "is {}; must be positive", scale);
-  std::vector<Vec3> points;
-  std::string line;
-  const auto add = [&](std::istringstream& words) {
-    Vec3 p;
-    scene.check(static_cast<bool>(words >> p.x() >> p.y() >> p.z()) && p.allFinite(), field + ".path",
-                "'{}': '{}' is no point of three numbers", mesh.path(), line);
-    points.push_back(scale * p);
-    scene.check(points.back().cwiseAbs().maxCoeff() <= kFarthest, field + ".path",
-                "'{}': '{}' is further than {:g} m away, scaled by {}; is scale right?", mesh.path(), line, kFarthest,
-                scale);
-  };
-  if (file.extension() == ".off") {
-    std::getline(in, line);
-    std::size_t count = 0;
-    scene.check(line.rfind("OFF", 0) == 0 && static_cast<bool>(in >> count) && count < 1000000, field + ".path",
-                "'{}' does not start as an OFF file does", mesh.path());
-    std::getline(in, line);
-    while (points.size() < count && std::getline(in, line)) {
-      std::istringstream words(line);
-      add(words);
-    }
-  } else {
-    while (std::getline(in, line)) {
-      std::istringstream words(line);
-      std::string kind;
-      if (words >> kind && kind == "v") add(words);
-    }
+Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
+  scene.check(!mesh.has_scale() || (std::isfinite(mesh.scale()) && mesh.scale() > 0.0), field + ".scale",
+              "is {}; must be positive", mesh.scale());
+  scene.check(proto::Mesh::Surface_IsValid(mesh.surface()), field + ".surface", "is {}; HULL or EXACT",
+              static_cast<int>(mesh.surface()));
+  const File file = Reader(scene, field, mesh).read();
+  if (mesh.surface() == proto::Mesh::HULL) return hull_solid(scene, field, mesh.path(), file.points);
+  Solid solid;
+  solid.is_hull = false;
+  try {
+    solid.surface = closed_surface(file.points, file.polygons);
+    solid.parts = convex_parts(solid.surface);
+  } catch (const Error& e) {
+    scene.fail(field + ".path", fmt::format("'{}' {}", mesh.path(), e.what()));
   }
-  scene.check(points.size() >= 4, field + ".path", "'{}' has {} points; a body has at least 4", mesh.path(),
-              points.size());
-  return hull_of(scene, field, mesh.path(), points);
+  solid.volume = enclosed_volume(solid.surface);
+  return solid;
 }
 
 }  // namespace sunder::scene

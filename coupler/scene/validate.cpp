@@ -2,6 +2,7 @@
 #include <set>
 
 #include "coupler/scene/load.h"
+#include "coupler/scene/mesh.h"
 
 namespace sunder::scene {
 namespace {

@@ -33,6 +33,21 @@ void joint(const LoadedScene& s, const std::string& field, const proto::BodyJoin
   const bool turned = j.kind() == proto::BodyJoint::HINGE || j.kind() == proto::BodyJoint::SLIDER;
   s.check(!j.has_axis() || turned, field + ".axis", "is for a HINGE or a SLIDER; leave it out");
   s.check(!j.has_axis() || to_vec(j.axis()).norm() > 1e-9, field + ".axis", "has no direction");
+  if (!j.has_breaks()) return;
+  const proto::JointBreak& b = j.breaks();
+  const std::string f = field + ".breaks";
+  s.check(b.has_time_s() || b.has_angle_deg() || b.has_extension_m(), f,
+          "says nothing; give time_s, angle_deg or extension_m, or leave it out");
+  s.check(!b.has_time_s() || (std::isfinite(b.time_s()) && b.time_s() > 0.0), f + ".time_s",
+          "is {} s, must be positive", b.time_s());
+  s.check(!b.has_angle_deg() || j.kind() == proto::BodyJoint::HINGE || j.kind() == proto::BodyJoint::BALL,
+          f + ".angle_deg", "is for a HINGE or a BALL, which let bodies turn; leave it out");
+  s.check(!b.has_angle_deg() || (b.angle_deg() > 0.0 && b.angle_deg() < 180.0), f + ".angle_deg",
+          "is {}; above 0, below 180 degrees", b.angle_deg());
+  s.check(!b.has_extension_m() || j.kind() == proto::BodyJoint::SLIDER, f + ".extension_m",
+          "is for a SLIDER, which lets bodies slide; leave it out");
+  s.check(!b.has_extension_m() || (std::isfinite(b.extension_m()) && b.extension_m() > 0.0), f + ".extension_m",
+          "is {} m, must be positive", b.extension_m());
 }
 
 void seams(const LoadedScene& s) {

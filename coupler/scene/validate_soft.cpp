@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "coupler/scene/load.h"
+#include "coupler/scene/mesh.h"
 
 namespace sunder::scene {
 namespace {
@@ -45,7 +46,11 @@ void soft_body(const LoadedScene& s, const std::string& f, const proto::SoftBody
   if (b.has_box())
     for (const double edge : {b.box().size_m().x(), b.box().size_m().y(), b.box().size_m().z()})
       positive(s, f + ".box.size_m", b.box().has_size_m(), edge);
-  if (b.has_mesh()) read_mesh(s, f + ".mesh", b.mesh());
+  if (b.has_mesh()) {
+    s.check(b.mesh().surface() == proto::Mesh::HULL, f + ".mesh.surface",
+            "is EXACT, which is for rigid bodies; a soft body takes the HULL of its points");
+    read_mesh(s, f + ".mesh", b.mesh());
+  }
   finite(s, f + ".pose.position", b.pose().position());
   const auto& q = b.pose().orientation();
   const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());

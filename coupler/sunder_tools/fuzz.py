@@ -84,7 +84,7 @@ def _run(folder: Path, name: str, runs: int) -> bool:
 
 def _dictionary(path: Path) -> Path:
     """The words of scenes: names of fields and of enumerations."""
-    text = "".join((REPOSITORY / "proto" / name).read_text() for name in ("scene.proto", "geometry.proto"))
+    text = "".join((REPOSITORY / "proto" / name).read_text() for name in ("scene.proto", "bodies.proto", "geometry.proto"))
     words = sorted(set(re.findall(r"\b(\w+) = \d+;", text)))
     path.write_text("".join(f'"{word}"\n' for word in words))
     return path

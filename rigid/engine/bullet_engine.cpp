@@ -190,7 +190,7 @@ EngineInfo BulletEngine::info() const {
   return {"bullet",
           fmt::format("{}.{}", version / 100, version % 100),
           {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kJoints,
-           kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
+           kReleaseJoints, kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
 }
 
 void BulletEngine::add(const RigidBody& body) {
@@ -212,6 +212,8 @@ void BulletEngine::add_joint(const Joint& joint) {
   if (!any_moves) reject_joint(joint, "nothing that it holds moves; leave it out");
   impl_->joints.emplace(joint.id, joint);
 }
+
+void BulletEngine::release_joint(std::uint32_t id) { impl_->world.release_joint(id); }
 
 void BulletEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
   check_laws(laws);

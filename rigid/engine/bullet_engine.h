@@ -34,6 +34,7 @@ class BulletEngine final : public Engine {
   void advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) override;
   std::vector<EngineState> states() const override;
   void add_joint(const Joint& joint) override;
+  void release_joint(std::uint32_t id) override;
   std::vector<ContactRow> rows(double window_s, const std::vector<Handback>& motions,
                                const std::vector<BodyId>& bodies) override;
   std::string save() override;

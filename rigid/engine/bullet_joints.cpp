@@ -31,7 +31,7 @@ bool BulletJoints::choose(const std::set<BodyId>& solved) {
   held_.clear();
   for (const auto& [id, joint] : joints_) {
     const BodyId first = BodyTag::id(joint->getRigidBodyA()), second = BodyTag::id(joint->getRigidBodyB());
-    const bool elsewhere = solved.count(first) > 0 || solved.count(second) > 0;
+    const bool elsewhere = solved.count(first) > 0 || solved.count(second) > 0 || released_.count(id) > 0;
     joint->setEnabled(!elsewhere);
     if (elsewhere) {
       joint->set_impulses({});  // no start for the next time that it is solved here

@@ -24,7 +24,9 @@ class BulletJoints {
   std::map<std::uint32_t, std::unique_ptr<BulletJoint>> take_out();
   Impulses impulses() const;
 
-  /// Those that hold a body of `solved` are left out of the window. False where none is left.
+  /// It stays, so that its bodies still go through one another, and acts no longer.
+  void release(std::uint32_t id) { released_.insert(id); }
+  /// Those that have let go or hold a body of `solved` are left out of the window. False where none is left.
   bool choose(const std::set<BodyId>& solved);
   bool any() const { return !acting_.empty(); }
   bool hold(BodyId id) const { return held_.count(id) > 0; }
@@ -45,7 +47,8 @@ class BulletJoints {
 
   std::map<std::uint32_t, std::unique_ptr<BulletJoint>> joints_;
   std::vector<BulletJoint*> acting_;
-  std::set<BodyId> held_;  // by those
+  std::set<BodyId> held_;             // by those
+  std::set<std::uint32_t> released_;  // for good
   BulletJoint::Stage stage_ = BulletJoint::kSolve;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors_;  // of J M^-1 J^T
   std::vector<int> first_rows_;                                 // of each acting joint, and the number of all

@@ -49,6 +49,7 @@ class BulletWorld {
   void set_contact_laws(const std::vector<ContactLaw>& laws);
   /// Both bodies are here; they collide no more. Use::kLook heeds only that.
   void add_joint(const Joint& joint);
+  void release_joint(std::uint32_t id) { joints_.release(id); }
   bool has_joint(std::uint32_t id) const { return joints_.has(id); }
 
   /// Finds contacts at the present poses; false where there are none to solve. Contacts of bodies in `solved` count

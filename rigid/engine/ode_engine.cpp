@@ -84,7 +84,7 @@ EngineInfo OdeEngine::info() const {
   return {"ode",
           ode_version(),
           {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kJoints,
-           kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
+           kReleaseJoints, kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
 }
 
 void OdeEngine::add(const RigidBody& body) {
@@ -107,6 +107,9 @@ void OdeEngine::add_joint(const Joint& joint) {
   impl_->joints.emplace(joint.id, joint);
   if (joint.second != 0) impl_->pairs.leave_out(joint.first, joint.second);
 }
+
+// `pairs` go on to leave its bodies out.
+void OdeEngine::release_joint(std::uint32_t id) { impl_->joints.erase(id); }
 
 void OdeEngine::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) {
   check_window(window_s);

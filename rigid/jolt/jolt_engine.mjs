@@ -30,14 +30,14 @@ export class JoltEngine {
     this.held = new Map(); // by id
     this.moving = []; // by ascending id
     this.newborn = [];
-    this.jointed = []; // pairs of what joints hold
+    this.jointed = new Map(); // by the joint's id: the two that it holds
     this.islands = null; // of them, held to nothing else; null: to be found
     this.info = {
       name: 'jolt',
       version,
       capabilities: [
         'spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution', 'joints',
-        'deterministic',
+        'release_joints', 'deterministic',
       ],
     };
   }
@@ -68,8 +68,19 @@ export class JoltEngine {
   addJoint(joint) {
     this.insertNewborn();
     addJoint(this.world, joint, this.held);
-    this.jointed.push([this.held.get(joint.first), this.held.get(joint.second)]);
+    this.jointed.set(joint.id, [this.held.get(joint.first), this.held.get(joint.second)]);
     this.islands = null;
+  }
+
+  /** It holds no longer; what it held still does not collide. Of no effect where it let go before. */
+  releaseJoint(id) {
+    const ends = this.jointed.get(id);
+    if (!ends) return;
+    this.jointed.delete(id);
+    this.world.release(id);
+    this.islands = null;
+    const left = [...this.jointed.values()];
+    for (const held of ends) if (held) held.jointed = left.some((pair) => pair.includes(held));
   }
 
   /** In the order of ids whatever the order of add(). */
@@ -104,7 +115,7 @@ export class JoltEngine {
       anyTouched ||= held.touched;
     }
     // where there are contacts as well, what moved a body may have been something outside
-    this.islands ??= freeIslands(this.jointed);
+    this.islands ??= freeIslands([...this.jointed.values()]);
     for (const island of this.islands) if (!island.some((held) => held.struck)) giveBackTurn(island);
     if (anyTouched) this.relax(window);
   }

@@ -48,7 +48,8 @@ export function addJoint(world, joint, held) {
   const still = world.interface.sGetFixedToWorldBody();
   const constraint = settings.Create(...ends.map(({ held: end }) => end?.rigid ?? still));
   world.system.AddConstraint(constraint);
-  world.joints.push({ constraint, ids: [joint.first, joint.second] });
+  world.joints.push({ constraint, id: joint.id, ids: [joint.first, joint.second], holds: true });
+  world.letThrough(joint.first, joint.second);
   first.jointed = true;
   if (second) second.jointed = true;
 }

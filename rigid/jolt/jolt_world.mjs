@@ -19,6 +19,8 @@ const kStill = 0, kMoving = 1; // layers
 
 const kOtherPairs = { friction: 0.5, restitution: 0 };
 
+const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`); // of bodies, by id
+
 export class World {
   constructor(jolt) {
     this.jolt = jolt;
@@ -50,6 +52,7 @@ export class World {
     this.byPointer = new Map(); // Jolt's body to what add() was given
     this.solved = new Set(); // ids
     this.joints = [];
+    this.linked = new Set(); // pairs that go through one another: pair()
     this.contacts = 0;
     this.relaxing = false;
     this.recorder = new jolt.StateRecorderImpl();
@@ -71,6 +74,10 @@ export class World {
       ++this.contacts;
       if (this.solved.size && (this.solved.has(a.id) || this.solved.has(b.id))) {
         settings.mIsSensor = true; // somebody else has solved it
+        return;
+      }
+      if (this.linked.size && this.linked.has(pair(a.id, b.id))) {
+        settings.mIsSensor = true; // a joint holds them, or did
         return;
       }
       if (this.relaxing && !(a.touched || b.touched)) {
@@ -138,7 +145,20 @@ export class World {
   leaveOut(ids) {
     if (ids.length === 0 && this.solved.size === 0) return;
     this.solved = new Set(ids);
-    for (const { constraint, ids: ends } of this.joints) constraint.SetEnabled(!ends.some((id) => this.solved.has(id)));
+    for (const { constraint, ids: ends, holds } of this.joints)
+      constraint.SetEnabled(holds && !ends.some((id) => this.solved.has(id)));
+  }
+
+  /** These two (ids) go through one another from now on. */
+  letThrough(first, second) {
+    this.linked.add(pair(first, second));
+  }
+
+  /** The joint acts no longer. */
+  release(id) {
+    const joint = this.joints.find((one) => one.id === id);
+    joint.holds = false;
+    joint.constraint.SetEnabled(false);
   }
 
   place(motion) {

@@ -124,15 +124,17 @@ export function decodeLoad(load) {
 }
 
 function ascending(ids, what) {
-  check(ids.length <= kMaxBodies, () => `${what}: ${ids.length} bodies; ${kMaxBodies} at most`);
+  check(ids.length <= kMaxBodies, () => `${what}: ${ids.length} of them; ${kMaxBodies} at most`);
   ids.forEach((id, i) => check(i === 0 || id > ids[i - 1], () => `${what}[${id}]: twice, or out of order`));
 }
 
 export function decodeWindow(w) {
   ascending(w.handbacks.map((h) => h.id), 'handbacks');
   ascending(w.solved, 'solved');
+  ascending(w.released, 'released');
   return {
     tick: integer(w.tick), ticks: w.ticks, window_s: w.window_s, again: w.again, solved: w.solved,
+    released: w.released,
     handbacks: w.handbacks.map((h) => ({ id: h.id, ...motion(h, `handbacks[${h.id}]`) })),
     births: decodeBodies(w.births, 'births'),
   };

@@ -15,6 +15,7 @@ export class Session {
     this.sequence = 0;
     this.tick = 0;
     this.known = new Set(); // ids of bodies
+    this.joints = new Set(); // and of joints
     this.moving = []; // those that are not static, ascending
     this.trace = false;
     this.abandoned = false; // the other side said that it failed: there is nobody to answer
@@ -152,11 +153,10 @@ export class Session {
     return this.timed('load', () => {
       this.engine.setContactLaws(world.laws);
       this.add(world.bodies, 'bodies');
-      const joints = new Set();
       for (const joint of world.joints) {
         const { id, first, second } = joint;
-        check(!joints.has(id), () => `joints[${id}]: comes twice`);
-        joints.add(id);
+        check(!this.joints.has(id), () => `joints[${id}]: comes twice`);
+        this.joints.add(id);
         check(this.known.has(first) && (second === 0 || this.known.has(second)) && first !== second,
           () => `joints[${id}]: between bodies ${first} and ${second}, one of which there is not`);
         this.engine.addJoint(joint);
@@ -176,7 +176,9 @@ export class Session {
     check(Number.isFinite(w.window_s) && w.window_s > 0, () => `window_s is ${w.window_s}`);
     this.match(w.handbacks);
     for (const id of w.solved) check(this.known.has(id), () => `solved[${id}]: there is no such body`);
+    for (const id of w.released) check(this.joints.has(id), () => `released[${id}]: there is no such joint`);
     const states = this.timed('window', () => {
+      for (const id of w.released) this.engine.releaseJoint(id);
       this.engine.advance(w.window_s, w.handbacks, w.solved);
       this.add(w.births, 'births');
       return this.states();

@@ -65,17 +65,19 @@ Proxy::Proxy(RigidBody b) : body(std::move(b)) {
   if (const auto* s = std::get_if<SphereShape>(&body.shape)) radius_ = s->radius;
   if (const auto* s = std::get_if<BoxShape>(&body.shape)) radius_ = s->half_size.norm();
   if (std::holds_alternative<HalfSpaceShape>(body.shape)) radius_ = std::numeric_limits<double>::infinity();
-  if (const auto* s = std::get_if<ConvexShape>(&body.shape))
+  if (const auto* s = std::get_if<ConvexShape>(&body.shape)) {
+    if (s->surface) solid_ = std::make_shared<const SolidDistance>(*s->surface);
     for (const auto& part : s->parts) {
-      parts_.push_back(hull_planes<Plane>(part));
+      if (!solid_) parts_.push_back(hull_planes<Plane>(part));
       for (const Vec3& c : part) radius_ = std::max(radius_, c.norm());
     }
+  }
 }
 
 double Proxy::half_width() const {
   const auto* box = std::get_if<BoxShape>(&body.shape);
-  if (!box) return radius_;
-  Vec3 half = box->half_size;
+  if (!box && !solid_) return radius_;
+  Vec3 half = box ? box->half_size : Vec3(0.5 * solid_->extent());
   std::sort(half.begin(), half.end());
   return half[1];
 }
@@ -99,6 +101,10 @@ Proxy::Distance Proxy::distance(const Vec3& world) const {
     Vec3 n = Vec3::Zero();
     n[axis] = sign[axis];
     return {over[axis], q * n};
+  }
+  if (solid_) {
+    const SolidDistance::Found found = solid_->at(local);
+    return {found.value, q * found.normal};
   }
   Distance best{std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
   for (const auto& planes : parts_) {  // inside a part: its nearest face; outside: a lower bound, never negative

@@ -1,8 +1,10 @@
 #pragma once
 // Bodies as the shell meets them: true mass and inertia, a signed distance, moved by each impulse at once.
+#include <memory>
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "shell/contact/solid_distance.h"
 
 namespace sunder::shell {
 
@@ -32,7 +34,8 @@ class Proxy {
   };
   Distance distance(const Vec3& world) const;
   double radius() const { return radius_; }  // of a sphere about the centre that holds the body; infinite: half space
-  /// Half of the second of a box's sides, `radius` of other shapes: what is less may pass between samples [m].
+  /// Half of the second of the sides of a box, or of that around a solid that is no hull; `radius` of other shapes:
+  /// what is less may pass between samples [m].
   double half_width() const;
   /// v of the body's material at a world point [m/s].
   Vec3 velocity_at(const Vec3& world) const;
@@ -47,6 +50,7 @@ class Proxy {
     double offset;  // normal . x <= offset inside
   };
   std::vector<std::vector<Plane>> parts_;
+  std::shared_ptr<const SolidDistance> solid_;  // in their place; copies of a proxy share it
   double radius_ = 0.0;
 };
 

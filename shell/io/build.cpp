@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "coupler/scene/mesh.h"
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
@@ -18,15 +19,15 @@ namespace {
 
 constexpr double kSeamTolerance = 1e-6;  // of the largest shell
 
-// Mass, centre and inertia of a hull, by tetrahedra over its faces from the mean point.
-void hull_properties(const scene::Hull& hull, double density, RigidBody& b) {
-  const std::vector<Vec3>& points = hull.corners;
+// Mass, centre and inertia of a solid, by tetrahedra over its faces from the mean point.
+void solid_properties(const scene::Solid& solid, double density, RigidBody& b) {
+  const std::vector<Vec3>& points = solid.surface.corners;
   Vec3 mean = Vec3::Zero();
   for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
   double volume = 0.0;
   Vec3 first = Vec3::Zero();
   Mat3 second = Mat3::Zero();
-  for (const auto& [i, j, k] : hull.triangles) {
+  for (const auto& [i, j, k] : solid.surface.triangles) {
     const Vec3 a = points[i] - mean, c = points[j] - mean, d = points[k] - mean, sum = a + c + d;
     const double v = a.dot(c.cross(d)) / 6.0;
     volume += v, first += v / 4.0 * sum;
@@ -40,9 +41,14 @@ void hull_properties(const scene::Hull& hull, double density, RigidBody& b) {
   Mat3 frame = axes.eigenvectors();
   if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);
   b.principal_inertia = axes.eigenvalues();
-  std::vector<Vec3> corners;
-  for (const Vec3& p : points) corners.push_back(frame.transpose() * (p - mean - offset));
-  b.shape = ConvexShape{{corners}};
+  const auto placed = [&](std::vector<Vec3> corners) {
+    for (Vec3& p : corners) p = frame.transpose() * (p - mean - offset);
+    return corners;
+  };
+  ConvexShape shape;
+  for (const std::vector<Vec3>& part : solid.parts) shape.parts.push_back(placed(part));
+  if (!solid.is_hull) shape.surface = std::make_shared<Surface>(Surface{placed(points), solid.surface.triangles});
+  b.shape = std::move(shape);
   b.motion.position += b.motion.orientation * (mean + offset);
   b.motion.orientation = (b.motion.orientation * Quat(frame)).normalized();
 }
@@ -70,7 +76,7 @@ RigidBody make_body(const scene::LoadedScene& scene, const proto::Body& m, BodyI
   } else if (m.has_half_space()) {
     b.shape = HalfSpaceShape{};
   } else {
-    hull_properties(scene::read_mesh(scene, field + ".mesh", m.mesh()), density, b);
+    solid_properties(scene::read_mesh(scene, field + ".mesh", m.mesh()), density, b);
   }
   if (b.is_static)
     b.mass = 0.0, b.motion.velocity.setZero();
@@ -141,6 +147,14 @@ Joint make_joint(const proto::BodyJoint& m, std::uint32_t id, const std::vector<
   };
   j.first_frame = frame(first), j.second_frame = frame(second);
   return j;
+}
+
+JointBreak make_break(const proto::JointBreak& m) {
+  JointBreak b;
+  if (m.has_time_s()) b.time = m.time_s();
+  if (m.has_angle_deg()) b.angle = m.angle_deg() * std::numbers::pi / 180.0;
+  if (m.has_extension_m()) b.extension = m.extension_m();
+  return b;
 }
 
 CouplingRules make_coupling(const proto::Scene& m) {
@@ -288,7 +302,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   build_soft(
       scene, [&](const std::string& name) { return groups[name] = static_cast<std::uint32_t>(groups.size()); }, r);
   for (const proto::BodyJoint& j : m.joints())
-    r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies));
+    r.joints.push_back(make_joint(j, static_cast<std::uint32_t>(r.joints.size() + 1), r.bodies)),
+        r.breaks.push_back(make_break(j.breaks()));
   for (const auto& p : m.output().probes())
     for (int i = 0; i < m.bodies_size(); ++i)
       if (m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i});

@@ -1,6 +1,7 @@
 #pragma once
 // Scene -> model: shells, bodies, contact coefficients.
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "coupler/core/body.h"
@@ -25,6 +26,13 @@ struct CouplingRules {
   int ticks = 1;           // of a window of full length
 };
 
+/// When a joint lets go: what comes first.
+struct JointBreak {
+  static constexpr double kNever = std::numeric_limits<double>::infinity();
+  double time = kNever, angle = kNever, extension = kNever;  // [s], [rad], [m]
+  bool can() const { return std::min({time, angle, extension}) < kNever; }
+};
+
 /// All that a run needs from a scene, in plain types.
 struct RunSetup {
   std::string name;
@@ -46,6 +54,7 @@ struct RunSetup {
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
   std::vector<Joint> joints;
+  std::vector<JointBreak> breaks;  // of each
   CouplingRules coupling;
   std::vector<ContactLaw> laws;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "coupler/scene/mesh.h"
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
 
@@ -25,12 +26,8 @@ std::pair<Shape, double> shape_of(const scene::LoadedScene& scene, const proto::
     const Vec3 size = scene::to_vec(m.box().size_m());
     return {BoxShape{0.5 * size}, size.prod()};
   }
-  const scene::Hull hull = scene::read_mesh(scene, field + ".mesh", m.mesh());
-  double volume = 0.0;
-  const Vec3 origin = hull.corners[0];
-  for (const auto& [i, j, k] : hull.triangles)
-    volume += (hull.corners[i] - origin).dot((hull.corners[j] - origin).cross(hull.corners[k] - origin)) / 6.0;
-  return {ConvexShape{{hull.corners}}, volume};
+  const scene::Solid solid = scene::read_mesh(scene, field + ".mesh", m.mesh());
+  return {ConvexShape{solid.parts}, solid.volume};
 }
 
 double smallest_extent(const Shape& shape) {
@@ -49,6 +46,12 @@ double clearance(const SoftModel& m, const Proxy& solid) {
   for (const SoftSurface& f : m.surface)
     least = std::min(least, solid.distance(m.rest[f.particle] + f.depth * f.normal).value);
   return least;
+}
+
+// A point of the body that is in it or on it: its centre, which may lie outside a solid that is no hull [m].
+Vec3 inner_point(const RigidBody& b) {
+  const auto* s = std::get_if<ConvexShape>(&b.shape);
+  return s && s->surface ? Vec3(b.motion.position + b.motion.orientation * s->surface->corners[0]) : b.motion.position;
 }
 
 }  // namespace
@@ -94,7 +97,7 @@ void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32
           "is {} m, and body '{}' {:.3g} m in half: it could pass between the particles; take a smaller spacing",
           m.spacing_m(), b.name, other.half_width());
       double apart = clearance(soft.model, other);
-      if (std::isfinite(other.radius())) apart = std::min(apart, solid.distance(b.motion.position).value);
+      if (std::isfinite(other.radius())) apart = std::min(apart, solid.distance(inner_point(b)).value);
       scene.check(apart >= allowed, field + ".pose", "'{}' starts {:.3g} m inside body '{}'; move it away", m.name(),
                   -apart, b.name);
     }

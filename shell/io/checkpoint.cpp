@@ -24,7 +24,12 @@ void archive(A& a, RigidBody& b) {
   }
   if (auto* s = std::get_if<SphereShape>(&b.shape)) archive_one(a, s->radius);
   if (auto* s = std::get_if<BoxShape>(&b.shape)) archive_one(a, s->half_size);
-  if (auto* s = std::get_if<ConvexShape>(&b.shape)) archive_one(a, s->parts);
+  if (auto* s = std::get_if<ConvexShape>(&b.shape)) {
+    Surface surface = s->surface ? *s->surface : Surface{};
+    archive_all(a, s->parts, surface.corners, surface.triangles);
+    if constexpr (A::kReading)
+      if (!surface.corners.empty()) s->surface = std::make_shared<const Surface>(std::move(surface));
+  }
 }
 
 }  // namespace sunder
@@ -39,7 +44,7 @@ void archive(A& a, DrawnMesh& m) {
 namespace {
 
 // Read only by the build that wrote it: plain structures lie in it as they lie in memory.
-const std::string kFirstLine = "sunder checkpoint 2, " __VERSION__ "\n";
+const std::string kFirstLine = "sunder checkpoint 3, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
 [[noreturn]] void bad(const std::string& path, const std::string& what) {
@@ -67,8 +72,9 @@ void Run::archive_members(A& a) {
               ledger_linear_, ledger_angular_, mass_error_, momentum_error_, angular_error_, geometry_error_,
               next_frame_, frozen_length_, frozen_kinetic_, frozen_at_, frozen_potential_, frozen_why_, frozen_hash_,
               shards_, book_, stage_s_, growing_s_, growing_update_s_, series_, probes_, next_probe_);
-  archive_all(a, window_ticks_, shortest_window_, held_until_, exported_until_, ever_exported_, exported_windows_,
-              passes_, most_passes_, hardest_, window_residual_, residual_sum_, residual_max_, next_checkpoint_);
+  archive_all(a, window_ticks_, shortest_window_, held_until_, exported_until_, ever_exported_, released_, let_go_s_,
+              exported_windows_, passes_, most_passes_, hardest_, window_residual_, residual_sum_, residual_max_,
+              next_checkpoint_);
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   archive_one(a, bodies);

@@ -116,7 +116,7 @@ void Run::open_window(double window) {
         if (moving.count(id)) exported.insert(id);
     joints.clear();
     for (const Joint& j : setup_.joints) {
-      if (!exported.count(j.first) && !exported.count(j.second)) continue;
+      if (let_go_s_[j.id - 1] >= 0.0 || (!exported.count(j.first) && !exported.count(j.second))) continue;
       joints.push_back(j);
       for (const BodyId id : {j.first, j.second})
         if (moving.count(id)) exported.insert(id);
@@ -186,7 +186,7 @@ void Run::iterate_window(int n, double dt) {
     if (shell_contact_) shell_contact_->forget();
     take_substeps(n, dt);
     answered_ = handbacks(window, proxies_.size(), n);
-    agreed_ = rigid_->window({tick_, window_ticks_, window, answered_, {}, {}, pass > 0});
+    agreed_ = rigid_->window({tick_, window_ticks_, window, answered_, {}, {}, pass > 0, released_});
     most_passes_ = std::max(most_passes_, pass + 1), ++passes_;
     std::vector<Kick> residual;
     double size = 0.0, scale = 0.0, dot = 0.0, difference = 0.0;
@@ -236,7 +236,7 @@ void Run::exchange(int ticks, double window, const std::vector<RigidBody>& birth
       for (const link::State& s : rigid_->add_bodies(births)) states.push_back(s);
   } else {
     given = handbacks(window, old, 0);
-    states = rigid_->window({tick_, ticks, window, given, solved_, births});
+    states = rigid_->window({tick_, ticks, window, given, solved_, births, false, released_});
   }
   check_births(births, states);
   window_residual_ = 0.0;
@@ -268,6 +268,7 @@ void Run::exchange(int ticks, double window, const std::vector<RigidBody>& birth
   }
   tick_ += ticks;
   ++windows_;
+  let_joints_go();
 }
 
 void Run::adapt_window() {

@@ -302,7 +302,10 @@ void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
   } else if (std::holds_alternative<HalfSpaceShape>(b.shape)) {
     out.polygon({world({-1, -1, 0}), world({1, -1, 0}), world({1, 1, 0}), world({-1, 1, 0})}, b.id, kind);
   } else if (const auto* s = std::get_if<ConvexShape>(&b.shape)) {
-    for (const auto& part : s->parts) add_hull(out, b, part, kind);
+    if (s->surface)
+      add_mesh(out, b, {s->surface->corners, s->surface->triangles}, kind);
+    else
+      for (const auto& part : s->parts) add_hull(out, b, part, kind);
   }
 }
 

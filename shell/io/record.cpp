@@ -181,6 +181,14 @@ std::vector<std::string> Run::warnings() const {
   return out;
 }
 
+std::string Run::joints_summary() const {
+  std::string all;
+  for (std::size_t i = 0; i < setup_.joints.size(); ++i)
+    all += fmt::format("{}{{\"name\": {}, \"let_go_s\": {}}}", all.empty() ? "" : ", ", quoted(setup_.joints[i].name),
+                       let_go_s_[i] < 0.0 ? "null" : number(let_go_s_[i]));
+  return "  \"joints\": [" + all + "],\n";
+}
+
 void Run::write_summary(const std::string& status, const Error* error) {
   const EnergyBook b = book();
   std::string j =
@@ -253,6 +261,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
       ever_exported_.size(), exported_windows_, number(hardest_),
       number(windows_ > 0 && passes_ > 0 ? static_cast<double>(passes_) / static_cast<double>(windows_) : 1.0),
       number(shortest_window_ * setup_.tick));
+  if (!setup_.joints.empty()) j += joints_summary();
   std::string warned;
   for (const std::string& w : warnings()) warned += (warned.empty() ? "" : ", ") + quoted(w);
   j += "  \"warnings\": [" + warned + "],\n";

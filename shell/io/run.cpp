@@ -38,6 +38,7 @@ Run::Run(RunSetup setup, RunOptions options)
   for (const RigidBody& b : setup_.bodies) proxies_.emplace_back(b);
   window_ticks_ = setup_.coupling.ticks, shortest_window_ = window_ticks_;
   next_checkpoint_ = setup_.checkpoint_interval;
+  let_go_s_.assign(setup_.joints.size(), -1.0);
   next_id_ = first_shard_ = static_cast<BodyId>(setup_.bodies.size() + 1);
 }
 
@@ -209,26 +210,6 @@ void Run::find_equilibrium(ShellPart& part) {
       fmt::format("no equilibrium of shell '{}' found: {} Newton steps and {} of relaxation leave {:.3g} of the "
                   "loads, more than {:.3g}; support it, lower the loads, or raise equilibrium.tolerance",
                   m.name, r.newton, r.steps, r.residual, part.setup->equilibrium));
-}
-
-void Run::check_engine() const {
-  const link::EngineInfo& peer = rigid_->peer();
-  const auto need = [&](const char* what, const std::string& why) {
-    require(peer.can(what), "the engine '{}' cannot do '{}', which {}; take another engine, or change the scene",
-            peer.name, what, why);
-  };
-  using namespace link::capability;
-  for (const RigidBody& b : setup_.bodies) {
-    if (std::holds_alternative<SphereShape>(b.shape)) need(kSpheres, "body '" + b.name + "' needs");
-    if (std::holds_alternative<BoxShape>(b.shape)) need(kBoxes, "body '" + b.name + "' needs");
-    if (std::holds_alternative<HalfSpaceShape>(b.shape)) need(kHalfSpaces, "body '" + b.name + "' needs");
-    if (std::holds_alternative<ConvexShape>(b.shape)) need(kConvexHulls, "body '" + b.name + "' needs");
-  }
-  for (const Joint& j : setup_.joints) need(kJoints, "joint '" + j.name + "' needs");
-  if (setup_.can_crack())
-    for (const char* what : {kConvexHulls, kCompound}) need(what, "shards need; or leave strength and cuts out");
-  if (setup_.coupling.scheme == CouplingRules::Scheme::kExported) need(kExportRows, "coupling.scheme EXPORTED needs");
-  if (setup_.coupling.scheme == CouplingRules::Scheme::kIterated) need(kSaveRestore, "coupling.scheme ITERATED needs");
 }
 
 double Run::bodies_energy() const {

@@ -159,6 +159,9 @@ class Run {
   std::vector<RigidBody> take_off(bool all);
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
   void check_ledger();
+  /// Joints whose end has come; joint_breaks.cpp.
+  void let_joints_go();
+  std::string joints_summary() const;  // for run.json
   void check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states);
   /// Why the shell may be frozen now; empty: it may not.
   std::string cracking_has_ended();
@@ -229,8 +232,10 @@ class Run {
   std::vector<BodyId> solved_;                                  // whose rows they are
   std::map<BodyId, std::int64_t> held_until_, exported_until_;  // window
   std::set<BodyId> ever_exported_;
-  std::vector<Kick> kicks_;             // of each body that is not static
-  std::vector<link::Motion> answered_;  // handbacks of the last pass, and the engine's answer
+  std::vector<std::uint32_t> released_;  // joints that have let go, by id
+  std::vector<double> let_go_s_;         // when each joint has; negative: it holds
+  std::vector<Kick> kicks_;              // of each body that is not static
+  std::vector<link::Motion> answered_;   // handbacks of the last pass, and the engine's answer
   std::vector<link::State> agreed_;
   std::int64_t exported_windows_ = 0, passes_ = 0;
   int most_passes_ = 0;

@@ -48,7 +48,9 @@ class Scenes(unittest.TestCase):
                 subprocess.run([sys.executable, "-B", SCENES / "make_car.py", "--spacing", spacing, copy], check=True,
                                stdout=subprocess.DEVNULL)
                 if "# begin tree" in scene.read_text():
-                    make_tree.replace_part(copy, "tree", "made by make_tree.py", make_tree.scene_text())
+                    notch = re.search(r"^# begin tree: made by make_tree.py(?: --notch (\S+))?$", scene.read_text(), re.M)[1]
+                    notch_deg = float(notch) if notch else None
+                    make_tree.replace_part(copy, "tree", make_tree.made_by(notch_deg), make_tree.scene_text(notch_deg))
                 self.assertEqual(copy.read_text(), scene.read_text(), f"{scene.name}: run its scripts again")
         for piece in make_tree.tree():
             self.assertEqual((SCENES / f"tree_{piece.name}.off").read_text(), make_tree.off_text(piece))

@@ -237,6 +237,8 @@ class Refusals(JoltCase):
                 ([PROTOCOL, load, self.window({"orientation": {"w": "NaN"}})], "orientation"),
                 ([PROTOCOL, load, {"window": {**self.window()["window"], "handbacks": [self.BACK, self.BACK]}}], "out of order"),
                 ([PROTOCOL, load, self.window(solved=[2, 1])], "solved[1]"),
+                ([PROTOCOL, load, self.window(released=[2, 1])], "released[1]"),
+                ([PROTOCOL, load, self.window(released=[1])], "released[1]: there is no such joint"),
                 ([PROTOCOL, load, self.window(births=[{}])], "births[0].id is 0"),
                 ([PROTOCOL, self.load(mass=0)], "mass 0"),
                 ([PROTOCOL, self.load(mass="NaN")], "mass NaN"),

@@ -67,6 +67,7 @@ TEST(Conformance, FindsEachFaultByTheRowThatIsThereForIt) {
       {"bullet", "hovers", "rest_box", "height", "drift"},
       {"bullet", "random", "deterministic", "states", ""},
       {"bullet", "unhinged", "joint_ball", "anchor", ""},
+      {"bullet", "clinging", "joint_released", "flies", "others"},
       {"bullet", "rowless", "export_half_space", "count", "foreign"},
       {"bullet", "flipped", "export_half_space", "normal", "face"},
       {"bullet", "meddling", "solved_half_space", "solved", "not_solved"},

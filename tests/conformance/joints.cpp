@@ -176,6 +176,59 @@ void linked(Suite& s) {
   play.end();
 }
 
+// A rod that swings as a pendulum is let go at the bottom and flies on; another one next to it still hangs. What lets
+// go changes no motion, so that the flight is exact.
+void released(Suite& s) {
+  const Vec3 half(0.01, 0.01, 0.15), up(0, 0, half.z());
+  const auto hung = [&](BodyId id, double y) {
+    RigidBody rod = box(id, half);
+    rod.motion.orientation = rotation_from_vector({0, 0.5, 0});
+    rod.motion.position = Vec3(0, y, 0) - rod.motion.orientation * up;
+    return rod;
+  };
+  const Joint one = joint(Joint::Kind::kBall, 1, 0, up, Vec3::Zero());
+  Joint other = joint(Joint::Kind::kBall, 2, 0, up, {0, 1, 0});
+  other.id = 2;
+  Play play(s.target, {{{hung(1, 0), hung(2, 1)}, {}, {one, other}}, gravity()});
+  play.run(0.2);
+  play.release(1);
+  const RigidBody before = play.body(1);
+  double off = 0.0, anchor = 0.0;
+  for (int i = 0; i < 500; ++i) {
+    play.window();
+    off = std::max({off, pose_error(play.states()[0].motion, play.handbacks()[0].motion, 0.3),
+                    velocity_error(play.states()[0].motion, play.handbacks()[0].motion)});
+    anchor = std::max(anchor, gap(play, other).norm());
+  }
+  s.report.check("flies", off, 0.0, s.exact(1e-9), "off its handback, worst in 0.5 s");
+  const Vec3 path = before.motion.position + 0.5 * before.motion.velocity + 0.125 * gravity();
+  s.report.check("path", (play.body(1).motion.position - path).norm(), 0.0, s.exact(1e-9), "of its centre [m]");
+  s.report.check("others", anchor, 0.0, kAnchor_m, "gap of one that holds [m]");
+  play.end();
+}
+
+// Two boxes that overlap and are linked, then are not: they go on through one another as they did.
+void parted(Suite& s) {
+  const Vec3 half(0.05, 0.03, 0.02), right(0.03, 0, 0);
+  const RigidBody a = moving(at(box(1, half), -right), {0, 0, 0.1}, {0, 0, 2.0});
+  const RigidBody b = moving(at(box(2, half), right), {0, 0, -0.1}, {0, 0, 2.0});
+  const Joint ball = joint(Joint::Kind::kBall, 1, 2, right, -right);
+  Play play(s.target, {{{a, b}, law(0.5, 0.0), {ball}}});
+  play.run(0.02);
+  play.release(1);
+  double off = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    play.window();
+    for (int k = 0; k < 2; ++k)
+      off = std::max({off, pose_error(play.states()[k].motion, play.handbacks()[k].motion, 0.1),
+                      velocity_error(play.states()[k].motion, play.handbacks()[k].motion)});
+  }
+  s.report.check("through", off, 0.0, s.exact(1e-9), "off their handbacks, worst in 0.3 s");
+  s.report.check_error("apart", gap(play, ball).norm(), 0.005, std::max(0.0, 0.005 - gap(play, ball).norm()), 0.0,
+                       "what was linked has parted [m]");
+  play.end();
+}
+
 }  // namespace
 
 std::vector<Case> joint_cases() {
@@ -188,6 +241,8 @@ std::vector<Case> joint_cases() {
       one("joint_slider", "a slider keeps its line and slides", slider),
       one("joint_fixed", "a fixed joint holds a cantilever", cantilever),
       one("joint_linked", "two free bodies linked by a ball joint", linked),
+      {"joint_released", "a pendulum that is let go flies on", {kBoxes, kJoints, kReleaseJoints}, released},
+      {"joint_parted", "what was linked still goes through", {kBoxes, kJoints, kReleaseJoints}, parted},
   };
 }
 

@@ -113,7 +113,7 @@ void Play::window_on(std::vector<link::Motion> handbacks, const std::vector<Rigi
                      const std::vector<BodyId>& solved, bool again) {
   handbacks_ = std::move(handbacks);
   if (again) --tick_;
-  const auto states = link_->window({tick_, 1, scene_.window_s, handbacks_, solved, births, again});
+  const auto states = link_->window({tick_, 1, scene_.window_s, handbacks_, solved, births, again, released_});
   ++tick_;
   for (const RigidBody& b : births) bodies_[b.id] = b;
   take(states);

@@ -35,6 +35,8 @@ class Play {
   void window_on(std::vector<link::Motion> handbacks, const std::vector<RigidBody>& births = {},
                  const std::vector<BodyId>& solved = {}, bool again = false);
   void run(double seconds);
+  /// From the next window on.
+  void release(std::uint32_t joint) { released_.push_back(joint); }
   /// Says goodbye. Throws Error (bad_exit) where the engine then ends with another status than 0.
   void end();
 
@@ -61,6 +63,7 @@ class Play {
   std::map<BodyId, RigidBody> bodies_;
   std::vector<link::Motion> handbacks_;
   std::vector<link::State> states_;
+  std::vector<std::uint32_t> released_;  // joints
   std::int64_t tick_ = 0;
   bool over_ = false;
 };

@@ -18,9 +18,9 @@ namespace {
 using namespace sunder;
 using namespace sunder::link;
 
-const std::set<std::string> kFaults = {"none",    "leaks",    "bouncy", "stale",     "hovers",   "slippery",
-                                       "sticky",  "sieve",    "random", "forgetful", "unhinged", "rowless",
-                                       "flipped", "meddling", "polite", "lingers",   "late",     "twists"};
+const std::set<std::string> kFaults = {"none",   "leaks",   "bouncy",    "stale",    "hovers",  "slippery", "sticky",
+                                       "sieve",  "random",  "forgetful", "unhinged", "rowless", "flipped",  "meddling",
+                                       "polite", "lingers", "late",      "twists",   "clinging"};
 
 class WrongEngine final : public Engine {
  public:
@@ -86,7 +86,12 @@ class WrongEngine final : public Engine {
     return out;
   }
 
-  void add_joint(const Joint&) override {}  // "unhinged" only: nothing else declares joints
+  void add_joint(const Joint& joint) override {
+    if (fault_ != "unhinged") inner_->add_joint(joint);
+  }
+  void release_joint(std::uint32_t id) override {
+    if (fault_ != "clinging") inner_->release_joint(id);
+  }
 
   /// Right for boxes whose lower face lies on the plane z = 0 of body 1.
   std::vector<ContactRow> rows(double, const std::vector<Motion>&, const std::vector<BodyId>& ids) override {

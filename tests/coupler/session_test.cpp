@@ -124,6 +124,7 @@ TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
       {spoiled([&](auto& w) { w.mutable_handbacks(0)->mutable_position()->set_x(nan); }), "position"},
       {spoiled([](auto& w) { w.mutable_handbacks(0)->mutable_orientation()->set_x(0.1); }), "orientation"},
       {spoiled([](auto& w) { w.add_births(); }), "births"},
+      {spoiled([](auto& w) { w.add_released(1); }), "released: the engine cannot do 'release_joints'"},
       {spoiled([](auto& w) { w.clear_handbacks(); }), "bad_message: handback of body 1: is missing"},
       {spoiled([](auto& w) { (*w.add_handbacks() = w.handbacks(0)).set_id(9); }), "bad_message: handback of body 9"},
       {spoiled([](auto& w) { *w.add_births() = encode(ball()); }), "bad_message: births[1]: comes twice"},

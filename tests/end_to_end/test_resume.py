@@ -45,6 +45,23 @@ shells {
   loads { edge_force { edge: U_MAX force_per_length { x: 40 } } }
 }
 """
+# Two rods that hang linked from the world: the lower one lets go first. What was linked overlaps, and goes on to.
+JOINTS = """name: "joints"
+end_time_s: 0.1
+window_s: 1e-3
+materials { name: "jelly" density: 2500 youngs_modulus: 1e6 poisson_ratio: 0.2 }
+shells {
+  name: "sheet"
+  material: "jelly"
+  thickness_m: 0.002
+  plate { size_x_m: 0.04 size_y_m: 0.04 elements_x: 4 elements_y: 4 pose { position { z: 9 } } }
+  supports { edges: ALL kind: CLAMPED }
+}
+bodies { name: "upper" material: "jelly" box { size_m { x: 0.3 y: 0.02 z: 0.02 } } pose { position { x: 0.15 } } }
+bodies { name: "lower" material: "jelly" box { size_m { x: 0.3 y: 0.02 z: 0.02 } } pose { position { x: 0.44 } } }
+joints { name: "early" kind: BALL first: "lower" second: "upper" position { x: 0.295 } breaks { time_s: 0.02 } }
+joints { name: "late" kind: HINGE first: "upper" position {} axis { y: 1 } breaks { time_s: 0.07 } }
+"""
 
 
 def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -146,6 +163,22 @@ class Resume(unittest.TestCase):
         self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)  # of first order in the step
         self.assertIn("fibres", [m["name"] for m in run["models"]])
         self.assertNotIn("contact_between_shells", [m["name"] for m in run["models"]])
+
+    def test_joints_that_have_let_go_stay_so(self) -> None:
+        scene = self.here / "joints.textproto"
+        scene.write_text(JOINTS)
+        for engine in ("bullet", "inprocess:ode"):
+            with self.subTest(engine):
+                whole = self.run_to(f"whole_{engine}", "0.1", "--rigid", engine, scene=str(scene))
+                part = self.run_to(f"part_{engine}", "0.05", "--rigid", engine, scene=str(scene))
+                joints = json.loads((part / "run.json").read_text())["joints"]
+                self.assertEqual([(j["name"], j["let_go_s"] is None) for j in joints], [("early", False), ("late", True)])
+                done = sunder("run", "--resume", str(part), "--until", "0.1", "--quiet")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(state(part), state(whole))
+                joints = json.loads((part / "run.json").read_text())["joints"]
+                self.assertAlmostEqual(joints[0]["let_go_s"], 0.02, places=12)
+                self.assertAlmostEqual(joints[1]["let_go_s"], 0.07, places=12)
 
     def test_refuses_what_is_no_checkpoint_of_this_run(self) -> None:
         part = self.run_to("part", "0.0008")

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "coupler/scene/load.h"
+#include "coupler/scene/mesh.h"
 #include "shell/io/pgm_file.h"
 #include "tests/fuzz/targets.h"
 
@@ -39,7 +40,7 @@ void run_pgm(const std::uint8_t* data, std::size_t size) {
   });
 }
 
-/// First byte: OFF or OBJ, and the scale.
+/// First byte: OFF or OBJ, the scale, and whether the surface is meant as it is.
 void run_mesh(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;
   constexpr double kMost = std::numeric_limits<double>::max();
@@ -47,16 +48,20 @@ void run_mesh(const std::uint8_t* data, std::size_t size) {
   const std::string name = data[0] & 1 ? "mesh.off" : "mesh.obj";
   scene::LoadedScene scene;
   scene.path = file_with(name, data + 1, size - 1);
-  proto::ConvexMesh mesh;
+  proto::Mesh mesh;
   mesh.set_path(name);
   const std::size_t scale = data[0] / 2 % 8;
   if (scale < std::size(kScales)) mesh.set_scale(kScales[scale]);
+  if (data[0] / 16 % 2) mesh.set_surface(proto::Mesh::EXACT);
   refuses_by_name([&] {
-    const auto hull = scene::read_mesh(scene, "bodies[0].mesh", mesh);
-    demand(hull.corners.size() >= 4 && hull.triangles.size() >= 4, "a hull without a volume");
-    for (const Vec3& c : hull.corners) demand(c.allFinite(), "a corner that is not finite");
-    for (const auto& t : hull.triangles)
-      for (const int k : t) demand(k >= 0 && k < static_cast<int>(hull.corners.size()), "a triangle of no corner");
+    const auto solid = scene::read_mesh(scene, "bodies[0].mesh", mesh);
+    const auto& [corners, triangles] = solid.surface;
+    demand(corners.size() >= 4 && triangles.size() >= 4 && solid.volume > 0.0, "a solid without a volume");
+    for (const Vec3& c : corners) demand(c.allFinite(), "a corner that is not finite");
+    for (const auto& t : triangles)
+      for (const int k : t) demand(k >= 0 && k < static_cast<int>(corners.size()), "a triangle of no corner");
+    demand(!solid.parts.empty(), "a solid without parts");
+    for (const auto& part : solid.parts) demand(part.size() >= 4, "a part without a volume");
   });
 }
 

@@ -9,11 +9,6 @@
 
 #include <fmt/format.h>
 
-#include "coupler/link/host.h"
-#include "coupler/scene/load.h"
-#include "rigid/engine/engine.h"
-#include "shell/io/run.h"
-#include "tests/temporary_folder.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -74,38 +69,6 @@ std::string coupled_text(const Coupled& c) {
 double coupled_substep() {
   // a wave in the plane crosses an element: 0.6 of the stable step
   return 1.0 * kSide / kElements / std::sqrt(70e9 / ((1.0 - 0.22 * 0.22) * kDensity));
-}
-
-std::string run_text(const std::string& text, const std::string& engine_name, const Watch& watch, WatchedRun* end,
-                     const Tamper& tamper) {
-  const TemporaryFolder folder;
-  const std::string file = folder.path + "/scene.textproto";
-  std::ofstream(file) << text;
-  std::string failure;
-  try {
-    const auto scene = scene::load(file, {});
-    const auto engine = rigid::make_engine(engine_name);
-    shell::RunOptions options;
-    options.out = folder.path, options.quiet = true, options.scene_hash = scene.hash;
-    options.connect = [&](const shell::RunOptions&) { return std::make_unique<link::EngineHost>(*engine); };
-    options.observe = [&](const shell::Run& run) {
-      std::vector<const RigidBody*> bodies;
-      for (const shell::Proxy& p : run.bodies()) bodies.push_back(&p.body);
-      if (watch) watch(run.time(), run.mechanical_energy(), bodies);
-      if (end) end->hardest = run.hardest(), end->exported = run.exported();
-    };
-    options.tamper = tamper;
-    shell::Run run(shell::build(scene), options);
-    const std::atomic<bool> never{false};
-    run.execute(never);
-  } catch (const Error& e) {
-    failure = e.kind + ": " + e.what();
-  }
-  if (end) {
-    std::ifstream summary(folder.path + "/run.json");
-    end->summary.assign(std::istreambuf_iterator<char>(summary), {});
-  }
-  return failure;
 }
 
 Watched run_coupled(const Coupled& c, const Tamper& tamper) {

@@ -1,6 +1,7 @@
 #pragma once
 // A ball, two balls or a hinged rod under a plate, with the engine in the same process, watched window by window.
 #include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -51,7 +52,8 @@ struct WatchedRun {
 
 /// Runs a scene's text in this process; returns what went wrong, or nothing. `watch` gets time [s], kinetic and elastic
 /// energy [J] and the bodies after every window; `tamper` the window and the bodies before their ledger is checked.
+/// `files`, by name, lie beside the scene.
 std::string run_text(const std::string& scene, const std::string& engine, const Watch& watch, WatchedRun* end = nullptr,
-                     const Tamper& tamper = {});
+                     const Tamper& tamper = {}, const std::map<std::string, std::string>& files = {});
 
 }  // namespace sunder::validation

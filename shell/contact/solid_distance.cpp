@@ -1,0 +1,138 @@
+#include "shell/contact/solid_distance.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include <Eigen/Dense>
+#include <Eigen/Geometry>
+
+namespace sunder::shell {
+namespace {
+
+constexpr std::size_t kLeaf = 4;     // triangles
+constexpr double kOnSurface = 1e-9;  // of the extent: nearer, the way to the nearest point is round-off
+
+double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
+
+double squared_to_box(const Vec3& low, const Vec3& high, const Vec3& x) {
+  return (low - x).cwiseMax(x - high).cwiseMax(0.0).squaredNorm();
+}
+
+}  // namespace
+
+SolidDistance::SolidDistance(const Surface& s) {
+  std::vector<Vec3> face(s.triangles.size()), corner(s.corners.size(), Vec3::Zero());
+  std::map<std::pair<int, int>, Vec3> edge;
+  Eigen::AlignedBox3d box;
+  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+    const auto& c = s.triangles[t];
+    face[t] = (s.corners[c[1]] - s.corners[c[0]]).cross(s.corners[c[2]] - s.corners[c[0]]).normalized();
+    for (int k = 0; k < 3; ++k) {
+      const int i = c[k], j = c[(k + 1) % 3], h = c[(k + 2) % 3];
+      corner[i] += angle_between(s.corners[j] - s.corners[i], s.corners[h] - s.corners[i]) * face[t];
+      edge.try_emplace(std::minmax(i, j), Vec3::Zero()).first->second += face[t];
+      box.extend(s.corners[i]);
+    }
+  }
+  extent_ = box.sizes();
+  std::vector<Triangle> triangles;
+  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+    const auto& c = s.triangles[t];
+    Triangle made;
+    made.a = s.corners[c[0]], made.ab = s.corners[c[1]] - made.a, made.ac = s.corners[c[2]] - made.a;
+    made.normal = face[t];
+    for (int k = 0; k < 3; ++k) {
+      made.corner_normal[k] = corner[c[k]].normalized();
+      made.edge_normal[k] = edge.at(std::minmax(c[k], c[(k + 1) % 3])).normalized();
+    }
+    triangles.push_back(made);
+  }
+  build(triangles, 0, triangles.size());
+}
+
+// Halves by the middle of the longest side of the box around the triangles' centres.
+void SolidDistance::build(std::vector<Triangle>& triangles, std::size_t begin, std::size_t end) {
+  Eigen::AlignedBox3d box, centres;
+  const auto centre = [](const Triangle& t) -> Vec3 { return t.a + (t.ab + t.ac) / 3.0; };
+  for (std::size_t i = begin; i < end; ++i) {
+    const Triangle& t = triangles[i];
+    box.extend(t.a), box.extend(t.a + t.ab), box.extend(t.a + t.ac), centres.extend(centre(t));
+  }
+  const std::size_t node = nodes_.size();
+  nodes_.push_back({box.min(), box.max(), static_cast<std::int32_t>(triangles_.size()), 0});
+  if (end - begin <= kLeaf) {
+    nodes_[node].count = static_cast<std::int32_t>(end - begin);
+    triangles_.insert(triangles_.end(), triangles.begin() + begin, triangles.begin() + end);
+    return;
+  }
+  int axis = 0;
+  centres.sizes().maxCoeff(&axis);
+  const std::size_t middle = (begin + end) / 2;
+  std::nth_element(triangles.begin() + begin, triangles.begin() + middle, triangles.begin() + end,
+                   [&](const Triangle& a, const Triangle& b) { return centre(a)[axis] < centre(b)[axis]; });
+  build(triangles, begin, middle);
+  nodes_[node].first = static_cast<std::int32_t>(nodes_.size());
+  build(triangles, middle, end);
+}
+
+// The nearest point of a triangle by the region of its plane that x lies over (Ericson, Real-Time Collision Detection).
+void SolidDistance::look(const Triangle& t, std::int32_t index, const Vec3& x, Nearest& best) const {
+  const Vec3 ap = x - t.a, bp = ap - t.ab, cp = ap - t.ac;
+  const double d1 = t.ab.dot(ap), d2 = t.ac.dot(ap), d3 = t.ab.dot(bp), d4 = t.ac.dot(bp), d5 = t.ab.dot(cp),
+               d6 = t.ac.dot(cp);
+  const double va = d3 * d6 - d5 * d4, vb = d5 * d2 - d1 * d6, vc = d1 * d4 - d3 * d2;
+  Vec3 to;  // from a to the nearest point
+  int feature = 0;
+  if (d1 <= 0.0 && d2 <= 0.0)
+    to = Vec3::Zero(), feature = 1;
+  else if (d3 >= 0.0 && d4 <= d3)
+    to = t.ab, feature = 2;
+  else if (d6 >= 0.0 && d5 <= d6)
+    to = t.ac, feature = 3;
+  else if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0)
+    to = d1 / (d1 - d3) * t.ab, feature = 4;
+  else if (va <= 0.0 && d4 >= d3 && d5 >= d6)
+    to = t.ab + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (t.ac - t.ab), feature = 5;
+  else if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0)
+    to = d2 / (d2 - d6) * t.ac, feature = 6;
+  else
+    to = ap - t.normal.dot(ap) * t.normal;
+  const double squared = (ap - to).squaredNorm();
+  if (squared < best.squared) best = {squared, t.a + to, index, feature};
+}
+
+SolidDistance::Found SolidDistance::at(const Vec3& x) const {
+  Nearest best{std::numeric_limits<double>::infinity(), Vec3::Zero(), 0, 0};
+  std::pair<std::int32_t, double> stack[64];  // nodes and how near they are: a tree of halves is not that deep
+  int left = 0;
+  stack[left++] = {0, 0.0};
+  while (left > 0) {
+    const auto [index, near] = stack[--left];
+    if (near >= best.squared) continue;
+    const Node& node = nodes_[index];
+    if (node.count > 0) {
+      for (std::int32_t k = node.first; k < node.first + node.count; ++k) look(triangles_[k], k, x, best);
+      continue;
+    }
+    const double one = squared_to_box(nodes_[index + 1].low, nodes_[index + 1].high, x),
+                 other = squared_to_box(nodes_[node.first].low, nodes_[node.first].high, x);
+    const bool first = one <= other;  // the nearer one is looked at next
+    stack[left++] = first ? std::pair{node.first, other} : std::pair{index + 1, one};
+    stack[left++] = first ? std::pair{index + 1, one} : std::pair{node.first, other};
+  }
+  const Triangle& t = triangles_[best.triangle];
+  if (best.feature == 0) {
+    const double height = t.normal.dot(x - t.a);
+    return {height, t.normal};
+  }
+  const Vec3& normal = best.feature <= 3 ? t.corner_normal[best.feature - 1] : t.edge_normal[best.feature - 4];
+  const Vec3 away = x - best.point;
+  const double distance = std::sqrt(best.squared);
+  const double sign = normal.dot(away) >= 0.0 ? 1.0 : -1.0;
+  if (distance <= kOnSurface * extent_.maxCoeff()) return {sign * distance, normal};
+  return {sign * distance, sign / distance * away};
+}
+
+}  // namespace sunder::shell

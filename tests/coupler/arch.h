@@ -1,0 +1,68 @@
+#pragma once
+// A block with a gap, open downwards, that stands on two feet; and how it is written as a mesh.
+#include <array>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "coupler/core/vec.h"
+
+namespace arch {
+
+// Outside and gap in x and z, and the depth in y [m].
+constexpr double kWide = 0.06, kHigh = 0.05, kDeep = 0.03, kLeft = 0.02, kRight = 0.04, kGapHigh = 0.03;
+constexpr double kVolume = kDeep * (kWide * kHigh - (kRight - kLeft) * kGapHigh);
+
+struct Mesh {
+  std::vector<sunder::Vec3> points;
+  std::vector<std::vector<int>> faces;
+};
+
+/// An outline in x and z, clockwise seen from -y, drawn out from y = 0: two faces of many corners, the rest quads.
+inline Mesh prism(const std::vector<std::array<double, 2>>& outline, double deep) {
+  const int n = static_cast<int>(outline.size());
+  Mesh m;
+  m.faces.resize(2);
+  for (const double y : {0.0, deep})
+    for (const auto& [x, z] : outline) m.points.emplace_back(x, y, z);
+  for (int i = 0; i < n; ++i) {
+    const int j = (i + 1) % n;
+    m.faces[0].push_back(n - 1 - i), m.faces[1].push_back(n + i);
+    m.faces.push_back({i, j, n + j, n + i});
+  }
+  return m;
+}
+
+inline Mesh mesh() {
+  return prism(
+      {{0, 0}, {0, kHigh}, {kWide, kHigh}, {kWide, 0}, {kRight, 0}, {kRight, kGapHigh}, {kLeft, kGapHigh}, {kLeft, 0}},
+      kDeep);
+}
+
+inline std::string off(const Mesh& m) {
+  std::string text = fmt::format("OFF  # lines that begin with # say nothing\n# points, faces\n{} {} 0\n\n",
+                                 m.points.size(), m.faces.size());
+  for (const sunder::Vec3& p : m.points) text += fmt::format("{} {} {}\n", p.x(), p.y(), p.z());
+  for (const auto& face : m.faces) {
+    text += std::to_string(face.size());
+    for (const int c : face) text += fmt::format(" {}", c);
+    text += "\n";
+  }
+  return text;
+}
+
+inline std::string obj(const Mesh& m) {
+  std::string text = "o arch\n";
+  for (const sunder::Vec3& p : m.points) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
+  for (const auto& face : m.faces) {
+    text += "f";
+    for (std::size_t i = 0; i < face.size(); ++i)  // as files write it, with textures, normals, and from the end
+      text += i == 0 ? fmt::format(" {}//1", face[i] - static_cast<int>(m.points.size()))
+                     : fmt::format(" {}/2/3", face[i] + 1);
+    text += "\n";
+  }
+  return text;
+}
+
+}  // namespace arch
