@@ -250,25 +250,40 @@ double winding_number(const Surface& s, const Vec3& point) {
   return angle / (2.0 * std::numbers::pi);
 }
 
-Hull hull_of(const std::vector<Vec3>& points) {
+Surface convex_surface(const std::vector<Vec3>& points) {
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   std::vector<Point> in;
-  Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) in.emplace_back(p.x(), p.y(), p.z()), box.extend(p);
+  for (const Vec3& p : points) in.emplace_back(p.x(), p.y(), p.z());
   CGAL::Surface_mesh<Point> mesh;
   CGAL::convex_hull_3(in.begin(), in.end(), mesh);
+  // CGAL's order follows addresses, which are others in every process: by place instead, or runs would not repeat.
+  std::vector<CGAL::Surface_mesh<Point>::Vertex_index> order(mesh.vertices().begin(), mesh.vertices().end());
+  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return mesh.point(a) < mesh.point(b); });
   Surface s;
-  for (const auto v : mesh.vertices()) s.corners.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  std::vector<int> place_of(mesh.number_of_vertices());
+  for (const auto v : order) {
+    place_of[v.idx()] = static_cast<int>(s.corners.size());
+    s.corners.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
+  }
   for (const auto f : mesh.faces()) {
     std::array<int, 3> corners{};
     int n = 0;
     for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
-      if (n < 3) corners[n++] = static_cast<int>(v.idx());
+      if (n < 3) corners[n++] = place_of[v.idx()];
+    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
     s.triangles.push_back(corners);
   }
+  std::sort(s.triangles.begin(), s.triangles.end());
+  return s;
+}
+
+Hull hull_of(const std::vector<Vec3>& points) {
+  const Surface s = convex_surface(points);
   if (s.triangles.size() < 4) return {};
   // points that round-off has left on edges and faces are no corners: three planes meet in one
   std::vector<int> plane_of;
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : points) box.extend(p);
   planes_of(s, kThin * box.diagonal().norm(), plane_of);
   std::vector<std::set<int>> planes(s.corners.size());
   for (std::size_t t = 0; t < s.triangles.size(); ++t)

@@ -38,6 +38,9 @@ double enclosed_volume(const Surface& surface);
 /// How often the surface goes round the point: 1 inside, 0 outside, to round-off off the surface itself.
 double winding_number(const Surface& surface, const Vec3& point);
 
+/// The convex hull of points, its corners in the order of their coordinates; no triangles where the points are flat.
+Surface convex_surface(const std::vector<Vec3>& points);
+
 /// The convex hull's corners, and its volume [m^3]; empty where the points are flat.
 struct Hull {
   std::vector<Vec3> corners;

@@ -4,9 +4,6 @@
 #include <fstream>
 #include <sstream>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Surface_mesh.h>
-#include <CGAL/convex_hull_3.h>
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
@@ -25,23 +22,11 @@ struct File {
 
 Solid hull_solid(const LoadedScene& scene, const std::string& field, const std::string& path,
                  const std::vector<Vec3>& points) {
-  using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
-  std::vector<Point> in;
   Eigen::AlignedBox3d box;
-  for (const Vec3& p : points) in.emplace_back(p.x(), p.y(), p.z()), box.extend(p);
-  CGAL::Surface_mesh<Point> mesh;
-  CGAL::convex_hull_3(in.begin(), in.end(), mesh);
+  for (const Vec3& p : points) box.extend(p);
   Solid solid;
-  Surface& hull = solid.surface;
-  for (const auto v : mesh.vertices())
-    hull.corners.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
-  for (const auto f : mesh.faces()) {
-    std::array<int, 3> corners{};
-    int n = 0;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
-      if (n < 3) corners[n++] = static_cast<int>(v.idx());
-    hull.triangles.push_back(corners);
-  }
+  solid.surface = convex_surface(points);
+  const Surface& hull = solid.surface;
   solid.volume = hull.corners.empty() ? 0.0 : enclosed_volume(hull);
   scene.check(solid.volume > kLeastVolume * std::pow(box.diagonal().norm(), 3), field + ".path",
               "'{}': the hull of its points is flat; a body needs a volume", path);

@@ -31,7 +31,7 @@ class Executables:
 
 def build_dir() -> Path:
     """The folder with the executables: SUNDER_BUILD_DIR, else build/release of this checkout."""
-    return Path(os.environ.get(BUILD_DIR_VARIABLE) or REPOSITORY / "build" / "release")
+    return Path(os.environ.get(BUILD_DIR_VARIABLE) or REPOSITORY / "build" / "release").absolute()
 
 
 def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
