@@ -43,11 +43,11 @@ class Broken:
 def broken(folder: Path) -> Broken:
     """What the run in a folder came to."""
     run = read_run(folder)
-    table = list(csv.reader((folder / "series.csv").open()))
+    table = list(csv.reader((folder / "series.csv").read_text().splitlines()))
     head, rows = table[0], table[1:]
     engine = head.index("engine [J]")
     met = next((k for k, row in enumerate(rows) if float(row[engine]) != 0.0), len(rows))
-    probes = list(csv.reader((folder / "probes.csv").open()))
+    probes = list(csv.reader((folder / "probes.csv").read_text().splitlines()))
     fall = probes[0].index("ball_vz [m/s]")
     mass = 7800.0 * 4.0 / 3.0 * math.pi * 0.02 ** 3
     length = float(rows[-1][head.index("cracks [m]")])
