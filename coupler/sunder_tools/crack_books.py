@@ -10,11 +10,11 @@ from .report import read_run
 from .trials import Table, add_books, add_momentum, kept_run
 
 COARSE_GLASS = [f"shells[pane].plate.elements_{axis}=40" for axis in "xy"]
-# Runs whose books no other case closes. What the strip's misses is of first order in the step, as flow is counted at the
-# end of each: 1.16, 0.61, 0.29 % at 0.8 (its own), 0.4 and 0.2 of the stable one.
+# Runs whose books no other case closes, as they ship. What the strip's misses is of first order in the step, as flow is
+# counted at the end of each: 1.16 % at 0.8 (its own) of the stable one, which fails; 0.61 and 0.29 % at 0.4 and 0.2.
 BOOKS: tuple[tuple[str, list[str]], ...] = (
     ("glass", ["end_time_s=2e-3", *COARSE_GLASS]), ("struck_glass", []), ("acrylic", []), ("round_pane", []),
-    ("ductile_strip", ["time_step_safety=0.4"]), ("bullet_sheet", []), ("impactor_small", []))
+    ("ductile_strip", []), ("bullet_sheet", []), ("impactor_small", []))
 
 BLAST = 3e6  # [Pa]
 FEWEST_PIECES = 1000

@@ -12,12 +12,11 @@ from pathlib import Path
 
 import numpy as np
 
-from . import engines
 from .build import Executables
 from .errors import CommandError
 from .report import read_run
 from .run import launch_once
-from .trials import SCENES, Table
+from .trials import SCENES, Table, answering
 
 SEEDS = (1, 2, 3, 4)
 END_S = 0.012
@@ -76,14 +75,7 @@ def glass(table: Table, executables: Executables) -> None:
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as temporary:
         scene = Path(temporary) / "glass.textproto"
         scene.write_text(text)
-        for name in engines.names(executables):
-            try:
-                rigid = engines.resolve(name, executables)
-            except CommandError as error:  # what it runs with cannot be installed
-                table.lines.append(f"glass {name}: left out: {error}")
-                continue
-            words = engines.hello(rigid, executables)["capabilities"]
-            assert isinstance(words, list)
+        for name, words in answering(table, "glass", executables):
             if not NEEDED <= set(words):
                 table.lines.append(f"glass {name}: left out, it declares no {', '.join(sorted(NEEDED - set(words)))}")
                 continue

@@ -63,7 +63,6 @@ def stuck(found: Outcome, runner: Runner) -> list[Quantity]:
     return [Quantity("speed along", along[-1], along[0] * lever ** 2 / (lever ** 2 + 0.4 * radius ** 2), 1e-4)]
 
 
-
 BODIES: list[Row] = [
     # a ball so light that the sheet is a wall to it, and one that does not notice the sheet
     Row("mass_1e-6_elastic", struck(1e-6, 1.0, restitution=1.0), Stable(HIT), after(1.0, 1e-3)),

@@ -8,11 +8,10 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
-from . import engines
 from .build import Executables
 from .errors import BAD_INPUT, CommandError
 from .run import launch_once
-from .trials import SCENES, Table
+from .trials import SCENES, Table, answering
 
 MOST_IMPULSE = 1e-12  # of the impulses of a window; round-off of 1e4 samples in double precision is 1e-14
 MOST_BIRTH = 1e-10    # of a piece's mass, momentum and angular momentum
@@ -63,19 +62,7 @@ def books_of(run: dict, wanted: Shortened) -> tuple[float, float]:
 
 def scenes(table: Table, executables: Executables) -> None:
     """Every scene with every engine. The books are the shell's, in double precision whatever the engine has."""
-    for name in engines.names(executables):
-        try:
-            rigid = engines.resolve(name, executables)
-        except CommandError as error:  # what it runs with cannot be installed
-            table.lines.append(f"scenes {name}: left out: {error}")
-            continue
-        try:
-            words = engines.hello(rigid, executables)["capabilities"]
-        except CommandError as error:
-            table.add(f"{name}_answers", math.nan, 0.0, 0.0, 0.0)
-            table.lines.append(f"scenes {name}: {error}")
-            continue
-        assert isinstance(words, list)
+    for name, words in answering(table, "scenes", executables):
         if "double_precision" not in words:
             table.lines.append(f"scenes {name}: declares no double precision; the books are the shell's and hold all the same")
         for wanted in SHIPPED:

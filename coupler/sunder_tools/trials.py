@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Iterator
 
+from . import engines
 from .build import REPOSITORY, Executables
+from .errors import CommandError
 from .report import read_run
 from .run import launch_once
 
@@ -45,6 +47,25 @@ def run_scene(executables: Executables, scene: str, settings: list[str]) -> tupl
         probes = folder / "probes.csv"
         rows = list(csv.reader(probes.open())) if probes.is_file() else []
         return read_run(folder), rows, seconds
+
+
+def answering(table: Table, case: str, executables: Executables) -> Iterator[tuple[str, list[str]]]:
+    """Every engine that comes with the project, and its capabilities. What it runs with may not be there to install:
+    then it is left out, with the reason. One that is there and does not answer is a failed row."""
+    for name in engines.names(executables):
+        try:
+            rigid = engines.resolve(name, executables)
+        except CommandError as error:
+            table.lines.append(f"{case} {name}: left out: {error}")
+            continue
+        try:
+            words = engines.hello(rigid, executables)["capabilities"]
+        except CommandError as error:
+            table.add(f"{case}_{name}_answers", math.nan, 0.0, 0.0, 0.0)
+            table.lines.append(f"{case} {name}: {error}")
+            continue
+        assert isinstance(words, list)
+        yield name, words
 
 
 @contextmanager

@@ -107,15 +107,10 @@ void touch_planes_by(BulletShape& shape, PlanePoints points) {
 BulletShape make_bullet_shape(const RigidBody& body) {
   BulletShape result;
   if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-    if (!(sphere->radius > 0.0) || !std::isfinite(sphere->radius))
-      reject_body(body, "shape.radius", fmt::format("is {} m, must be positive and finite", sphere->radius));
     result.children.push_back(std::make_unique<btSphereShape>(kLengthScale * sphere->radius));
     touch_planes_by(result, {{btVector3(0, 0, 0)}, kLengthScale * sphere->radius});
   } else if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
     const Vec3& h = box->half_size;
-    if (!h.allFinite() || !(h.minCoeff() > 0.0))
-      reject_body(body, "shape.half_size",
-                  fmt::format("is ({}, {}, {}) m, must be positive and finite", h.x(), h.y(), h.z()));
     auto shape = std::make_unique<btBoxShape>(scaled(h));
     shape->setMargin(kLengthScale * std::min(kMargin_m, kShrinkClamp * h.minCoeff()));  // keeps the outer size
     result.children.push_back(std::move(shape));
@@ -126,12 +121,10 @@ BulletShape make_bullet_shape(const RigidBody& body) {
     }
     touch_planes_by(result, std::move(corners));
   } else if (std::holds_alternative<HalfSpaceShape>(body.shape)) {
-    if (!body.is_static) reject_body(body, "shape", "is a half space that moves; make it static or use a box");
     // A plane, not a big box: depth is signed everywhere, so that nothing gets out below.
     result.children.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0));
   } else {
     const auto& parts = std::get<ConvexShape>(body.shape).parts;
-    if (parts.empty()) reject_body(body, "shape.parts", "is empty; give at least one convex part");
     for (std::size_t i = 0; i < parts.size(); ++i) {
       result.children.push_back(make_hull(body, parts[i], i));
       PlanePoints corners;

@@ -26,7 +26,8 @@ struct BulletShape {
   btCollisionShape* get() const { return compound ? compound.get() : children.front().get(); }
 };
 
-/// Throws Error (bad_body) with id, name, value and remedy where the shape cannot be held.
+/// Of a body that check_body() lets through. Throws Error (bad_body) with id, name, value and remedy where a convex
+/// part cannot be held.
 BulletShape make_bullet_shape(const RigidBody& body);
 
 }  // namespace sunder::rigid

@@ -12,6 +12,22 @@ bool finite(const BodyMotion& m) {
          m.angular_momentum.allFinite();
 }
 
+void check_shape(const RigidBody& body) {
+  if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
+    if (!(sphere->radius > 0.0) || !std::isfinite(sphere->radius))
+      reject_body(body, "shape.radius", fmt::format("is {} m, must be positive and finite", sphere->radius));
+  } else if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
+    const Vec3& h = box->half_size;
+    if (!h.allFinite() || !(h.minCoeff() > 0.0))
+      reject_body(body, "shape.half_size",
+                  fmt::format("is ({}, {}, {}) m, must be positive and finite", h.x(), h.y(), h.z()));
+  } else if (std::holds_alternative<HalfSpaceShape>(body.shape)) {
+    if (!body.is_static) reject_body(body, "shape", "is a half space that moves; make it static or use a box");
+  } else if (std::get<ConvexShape>(body.shape).parts.empty()) {
+    reject_body(body, "shape.parts", "is empty; give at least one convex part");
+  }
+}
+
 }  // namespace
 
 void reject_body(const RigidBody& body, const std::string& field, const std::string& what) {
@@ -34,6 +50,7 @@ void check_body(const RigidBody& body) {
   const double length = m.orientation.norm();
   if (std::abs(length - 1.0) > kUnitTolerance)
     reject_body(body, "motion.orientation", fmt::format("has length {}, must be 1; normalize it", length));
+  check_shape(body);
   if (body.is_static) return;
   if (!std::isfinite(body.mass) || !(body.mass > 0.0))
     reject_body(body, "mass", fmt::format("is {} kg, must be positive and finite; or make the body static", body.mass));

@@ -152,26 +152,19 @@ Hull make_hull(const RigidBody& body, const std::vector<Vec3>& part, const std::
 HullShape make_hull_shape(const RigidBody& body) {
   HullShape shape;
   if (const auto* sphere = std::get_if<SphereShape>(&body.shape)) {
-    if (!(sphere->radius > 0.0) || !std::isfinite(sphere->radius))
-      reject_body(body, "shape.radius", fmt::format("is {} m, must be positive and finite", sphere->radius));
     Hull hull;
     hull.radius = sphere->radius;
     hull.points = {Vec3::Zero()};
     shape.parts.push_back(std::move(hull));
   } else if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
     const Vec3& h = box->half_size;
-    if (!h.allFinite() || !(h.minCoeff() > 0.0))
-      reject_body(body, "shape.half_size",
-                  fmt::format("is ({}, {}, {}) m, must be positive and finite", h.x(), h.y(), h.z()));
     std::vector<Vec3> corners;
     for (int k = 0; k < 8; ++k) corners.push_back(Vec3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1).cwiseProduct(h));
     shape.parts.push_back(make_hull(body, corners, "shape.half_size"));
   } else if (std::holds_alternative<HalfSpaceShape>(body.shape)) {
-    if (!body.is_static) reject_body(body, "shape", "is a half space that moves; make it static or use a box");
     shape.is_half_space = true;
   } else {
     const auto& parts = std::get<ConvexShape>(body.shape).parts;
-    if (parts.empty()) reject_body(body, "shape.parts", "is empty; give at least one convex part");
     for (std::size_t i = 0; i < parts.size(); ++i)
       shape.parts.push_back(make_hull(body, parts[i], fmt::format("shape.parts[{}]", i)));
   }

@@ -33,7 +33,8 @@ struct HullShape {
   double reach = 0.0;          // of the farthest point from the centre of mass [m]
 };
 
-/// Throws Error (bad_body) with id, name, value and remedy where the shape cannot be held.
+/// Of a body that check_body() lets through. Throws Error (bad_body) with id, name, value and remedy where a convex
+/// part cannot be held.
 HullShape make_hull_shape(const RigidBody& body);
 
 /// `world` becomes `local` at that pose. The two have the same topology from the second call on, so nothing is

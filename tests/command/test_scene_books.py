@@ -47,9 +47,9 @@ class Rows(unittest.TestCase):
         with tempfile.TemporaryDirectory() as folder, \
                 mock.patch.object(scene_books, "SHIPPED", (Shortened("glass", 1e-3, True, True),)), \
                 mock.patch.object(scene_books, "launch_once", side_effect=launch), \
-                mock.patch.object(scene_books.engines, "names", return_value=["made_up"]), \
-                mock.patch.object(scene_books.engines, "resolve"), \
-                mock.patch.object(scene_books.engines, "hello", return_value={"capabilities": words}), \
+                mock.patch.object(trials.engines, "names", return_value=["made_up"]), \
+                mock.patch.object(trials.engines, "resolve"), \
+                mock.patch.object(trials.engines, "hello", return_value={"capabilities": words}), \
                 contextlib.redirect_stdout(io.StringIO()):
             scene_books.scenes(table, mock.Mock(folder=Path(folder)))
         return table
@@ -76,12 +76,12 @@ class Rows(unittest.TestCase):
 
     def test_an_engine_that_does_not_answer_fails_and_one_that_cannot_be_installed_does_not(self) -> None:
         silent = CommandError("made_up: no answer within 30 s")
-        with mock.patch.object(scene_books.engines, "hello", side_effect=silent), \
-                mock.patch.object(scene_books.engines, "names", return_value=["made_up"]), \
+        with mock.patch.object(trials.engines, "hello", side_effect=silent), \
+                mock.patch.object(trials.engines, "names", return_value=["made_up"]), \
                 contextlib.redirect_stdout(io.StringIO()):
-            for resolved, rows in ((None, [("made_up_answers", False)]), (CommandError("no package"), [])):
+            for resolved, rows in ((None, [("scenes_made_up_answers", False)]), (CommandError("no package"), [])):
                 table = trials.Table()
-                with mock.patch.object(scene_books.engines, "resolve", side_effect=resolved):
+                with mock.patch.object(trials.engines, "resolve", side_effect=resolved):
                     scene_books.scenes(table, mock.Mock())
                 self.assertEqual([(row["name"], row["pass"]) for row in table.rows], rows)
                 self.assertEqual(len(table.lines), 1)

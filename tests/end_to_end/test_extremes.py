@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import subprocess
 import sys
 import unittest
 from dataclasses import replace
@@ -41,6 +42,19 @@ class Extremes(unittest.TestCase):
                     replace(runs, check=lambda found, runner: [extremes.Quantity("way", float("nan"), 1.0, 1.0)])):
             cases, good = self.rows([row])
             self.assertFalse(good, cases)
+
+    def test_who_waits_does_not_hang_and_who_computes_on_does(self) -> None:
+        def until_it_ends(*command: str) -> str:
+            with subprocess.Popen(command, stderr=subprocess.PIPE, text=True) as process:
+                try:
+                    return extremes._until_it_ends(process, 0.5)
+                finally:
+                    process.kill()
+        self.assertEqual(until_it_ends("sh", "-c", "sleep 1.5; echo awake >&2"), "awake\n")  # thrice its limit
+        with self.assertRaises(subprocess.TimeoutExpired):
+            until_it_ends("sh", "-c", "while :; do :; done")
+        with self.assertRaises(subprocess.TimeoutExpired):
+            until_it_ends("sleep", "60")
 
 
 if __name__ == "__main__":
