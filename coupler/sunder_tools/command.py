@@ -118,7 +118,7 @@ def make_parser() -> argparse.ArgumentParser:
         command.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[],
                              type=_setting, help="change a field, e.g. shells[pane].thickness_m=0.003; repeatable")
         command.add_argument("--fidelity", choices=("draft", "standard", "reference"),
-                             help="so many elements for the scene's own, chosen from 'sunder trade'; --set goes before it")
+                             help="elements and window for the scene's own, chosen from 'sunder trade'; --set goes before it")
     run.add_argument("--out", metavar="DIR", type=Path,
                      help="run folder; an earlier run there is replaced (default: runs/<scene>-<date>-<time>)")
     run.add_argument("--rigid", metavar="ENGINE", default="bullet",
@@ -135,6 +135,8 @@ def make_parser() -> argparse.ArgumentParser:
                      help="end at this simulated time instead of the scene's end_time_s")
     run.add_argument("--threads", metavar="N", type=_threads, help="threads of the shell solver (default: all)")
     run.add_argument("--quiet", action="store_true", help="no progress and no summary, errors only")
+    run.add_argument("--no-pictures", dest="pictures", action="store_false",
+                     help="leave contact_sheet.png to 'sunder render DIR --sheet'")
 
     build = commands.add_parser(
         "build", formatter_class=raw, allow_abbrev=False, help="install and build, which run does by itself",
@@ -436,7 +438,7 @@ def _dispatch(arguments: list[str]) -> int:
     settings = _with_fidelity(options.scene, options.settings, options.fidelity, options.quiet)
     job = Job(options.scene, options.rigid, tuple(settings), options.until, options.threads, options.keys,
               options.record, options.trace, options.fidelity)
-    return run_scene(job, options.out, options.quiet)
+    return run_scene(job, options.out, options.quiet, pictures=options.pictures)
 
 
 def _resume(options: argparse.Namespace) -> int:
@@ -450,7 +452,7 @@ def _resume(options: argparse.Namespace) -> int:
         raise CommandError(f"{kept.scene}: no such scene file; the run in {options.resume} was of it")
     job = Job(kept.scene, kept.engine, kept.settings, options.until or kept.until, options.threads or kept.threads,
               options.keys, trace=options.trace, fidelity=kept.fidelity)
-    return run_scene(job, None, options.quiet, options.resume)
+    return run_scene(job, None, options.quiet, options.resume, options.pictures)
 
 
 def _interrupt(number: int, frame: FrameType | None) -> None:

@@ -5,8 +5,9 @@ pictures: protobuf is not needed; it is the solver that judges it.
 """
 from __future__ import annotations
 
+import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Callable, Sequence
 
 from .scene_text import Message
@@ -19,12 +20,14 @@ NEARER = 2.0 ** 0.25  # a coarser scene that is refused is tried again with so m
 
 @dataclass(frozen=True)
 class Preset:
-    """Factor of the elements that a scene has along either side of a shell. Nothing else was worth its cost in the scenes by
-    which presets were chosen: README, "The trade", has what each costs and how far off it is."""
+    """Factors of the elements that a scene has along either side of a shell, and of its window. Both are on the front of
+    every scene by which presets were chosen, nothing else is: README, "The trade", has what each costs and how far off
+    it is."""
     elements: float = 1.0
+    window: float = 1.0
 
 
-PRESETS = {"draft": Preset(0.5), "standard": Preset(), "reference": Preset(2.0)}
+PRESETS = {"draft": Preset(0.5, 4.0), "standard": Preset(), "reference": Preset(math.sqrt(2.0))}
 
 
 @dataclass(frozen=True)
@@ -45,16 +48,25 @@ class Taken:
 def taken(name: str, scene: Message, given: Sequence[str], accepted: Callable[[Sequence[str]], bool]) -> Taken:
     """Values of preset `name` for a scene. `given`: --set of the user.
 
-    `accepted` says whether the solver takes given settings: elements that a draft makes too large for a body that is to
-    meet them are made smaller again, at most to the scene's own. What is refused even so is left for the run to tell.
+    `accepted` says whether the solver takes given settings: a window that a draft makes too long for a scene is halved, and
+    elements too large for a body that is to meet them are made smaller again, at most to the scene's own. What is refused
+    even so is left for the run to tell.
     """
     preset = PRESETS[name]
-    found = _values(name, preset, scene, given)
-    factor = preset.elements
-    while factor < 1.0 and not accepted([*given, *found.settings]):
-        factor = min(1.0, factor * NEARER)
-        factor = 1.0 if factor > 0.99 else factor
-        found = _values(name, Preset(factor), scene, given)
+
+    def tried(preset: Preset) -> tuple[Taken, bool]:
+        found = _values(name, preset, scene, given)
+        return found, not found.settings or accepted([*given, *found.settings])
+
+    found, taken_so = tried(preset)
+    if not taken_so and preset.elements < 1.0:  # is it the window?
+        while preset.window > 1.0 and not tried(replace(preset, elements=1.0))[1]:
+            preset = replace(preset, window=max(1.0, 0.5 * preset.window))
+        found, taken_so = tried(preset)
+    while not taken_so and preset.elements < 1.0:
+        finer = preset.elements * NEARER
+        preset = replace(preset, elements=1.0 if finer > 0.99 else finer)
+        found, taken_so = tried(preset)
     return found
 
 
@@ -69,6 +81,12 @@ def _values(name: str, preset: Preset, scene: Message, given: Sequence[str]) -> 
                 if isinstance(own, float) and preset.elements != 1.0:
                     path = f"shells[{called}].{patch}.{count}"
                     wanted.append((path, f"{max(1, round(own * preset.elements))}", f"{own:g}"))
+    own, settle = _last(scene, "window_s"), _last(scene, "settle_window_s")
+    if isinstance(own, float) and preset.window != 1.0:
+        window = float(f"{own * preset.window:.12g}")
+        wanted.append(("window_s", f"{window:.12g}", f"{own:g}"))
+        if isinstance(settle, float) and "window_s" not in users:  # a whole number of windows
+            wanted.append(("settle_window_s", f"{max(1, round(settle / window)) * window:.12g}", f"{settle:g}"))
     mine = [w for w in wanted if w[0] not in users and float(w[1]) != float(w[2])]
     return Taken(name, tuple(f"{path}={value}" for path, value, _ in mine), tuple(was for _, _, was in mine),
                  tuple(path for path, _, _ in wanted if path in users))

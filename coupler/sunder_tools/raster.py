@@ -7,6 +7,7 @@ import numpy as np
 
 NEAR_M = 0.02            # triangles with a corner closer to the eye are not drawn
 CANDIDATES = 1_500_000   # (triangle, pixel) pairs handled at once; bounds the memory
+INSIDE = 1e-9            # of a barycentric weight: pixels on an edge belong to both triangles
 
 
 @dataclass(frozen=True)
@@ -111,33 +112,38 @@ def rasterise(pixels: np.ndarray, nearness: np.ndarray, triangles: np.ndarray, w
     start = 0
     while start < len(kept):
         stop = max(start + 1, int(np.searchsorted(ends, (ends[start - 1] if start else 0) + CANDIDATES)))
-        _rasterise_some(kept[start:stop], span[start:stop], count[start:stop], low, corner, area,
-                        near, width, index, depth)
+        _rasterise_some(kept[start:stop], span[start:stop], low, corner, area, near, width, index, depth)
         start = stop
     return index, depth
 
 
-def _rasterise_some(ids: np.ndarray, span: np.ndarray, count: np.ndarray, low: np.ndarray, corner: np.ndarray,
-                    area: np.ndarray, near: np.ndarray, width: int, index: np.ndarray, depth: np.ndarray) -> None:
-    """Every pixel of every bounding box at once; updates `index` and `depth`."""
-    which = np.repeat(np.arange(len(ids)), count)
-    local = np.arange(len(which)) - np.repeat(np.cumsum(count) - count, count)
-    row, column = np.divmod(local, span[which, 0])
-    tri = ids[which]
-    x = column + low[tri, 0]
-    y = row + low[tri, 1]
-    # Barycentric weights and nearness are affine in the pixel: one gradient per triangle.
+def _rasterise_some(ids: np.ndarray, span: np.ndarray, low: np.ndarray, corner: np.ndarray, area: np.ndarray,
+                    near: np.ndarray, width: int, index: np.ndarray, depth: np.ndarray) -> None:
+    """Of each triangle its rows, of each row the pixels inside; updates `index` and `depth`."""
+    # Barycentric weights and nearness are affine in the pixel: one gradient per triangle, (m, 3) by corner.
     a, b, c = corner[ids, 0], corner[ids, 1], corner[ids, 2]
     inverse = 1.0 / area[ids]
-    w1x, w1y = (c[:, 1] - a[:, 1]) * inverse, -(c[:, 0] - a[:, 0]) * inverse
-    w2x, w2y = -(b[:, 1] - a[:, 1]) * inverse, (b[:, 0] - a[:, 0]) * inverse
-    dx, dy = x + 0.5 - a[which, 0], y + 0.5 - a[which, 1]
-    w1 = dx * w1x[which] + dy * w1y[which]
-    w2 = dx * w2x[which] + dy * w2y[which]
-    inside = (w1 >= -1e-9) & (w2 >= -1e-9) & (w1 + w2 <= 1.0 + 1e-9)
-    tri, w1, w2 = tri[inside], w1[inside], w2[inside]
-    pixel = (y[inside] * width + x[inside]).astype(np.int64)
-    value = near[tri, 0] + w1 * (near[tri, 1] - near[tri, 0]) + w2 * (near[tri, 2] - near[tri, 0])
+    gx = np.stack([b[:, 1] - c[:, 1], c[:, 1] - a[:, 1], a[:, 1] - b[:, 1]]) * inverse
+    gy = np.stack([c[:, 0] - b[:, 0], a[:, 0] - c[:, 0], b[:, 0] - a[:, 0]]) * inverse
+    at = low[ids] + 0.5 - a
+    first = gx * at[:, 0] + gy * at[:, 1]  # weights at the first pixel of the box
+    first[0] += 1.0
+    rows, row = _counted(span[:, 1])
+    slope, start = gx[:, rows], first[:, rows] + row * gy[:, rows]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        zero = -(start + INSIDE) / slope  # column where a weight begins, or ends, to be seen
+        never = ((slope == 0.0) & (start < -INSIDE)).any(axis=0)
+    columns = span[rows, 0].astype(float)
+    begin = np.ceil(np.where(slope > 0.0, zero, 0.0).max(axis=0).clip(0.0, columns))
+    end = np.floor(np.where(slope < 0.0, zero, np.inf).min(axis=0).clip(-1.0, columns - 1.0))
+    count = np.where(never, 0.0, (end - begin + 1.0).clip(0.0, None)).astype(np.int64)
+    line, column = _counted(count)
+    column += begin.astype(np.int64)[line]
+    rise = (near[ids, 1:] - near[ids, :1]).T  # (2, m): a face that is everywhere as near stays so to the bit
+    value = near[ids, 0][rows] + (start[1:] * rise[:, rows]).sum(axis=0)
+    value = value[line] + column * (gx[1:] * rise).sum(axis=0)[rows][line]
+    pixel = ((low[ids, 1].astype(np.int64)[rows] + row) * width + low[ids, 0].astype(np.int64)[rows])[line] + column
+    tri = ids[rows][line]
     # Of several candidates for a pixel numpy keeps any one; repeat with those that are still nearer.
     while True:
         nearer = value > depth[pixel]
@@ -146,6 +152,12 @@ def _rasterise_some(ids: np.ndarray, span: np.ndarray, count: np.ndarray, low: n
         pixel, value, tri = pixel[nearer], value[nearer], tri[nearer]
         depth[pixel] = value
         index[pixel] = tri
+
+
+def _counted(count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """For counts (m,): of each of their sum, whose it is, and which it is of those."""
+    whose = np.repeat(np.arange(len(count)), count)
+    return whose, np.arange(len(whose)) - np.repeat(np.cumsum(count) - count, count)
 
 
 def line_pixels(start: np.ndarray, end: np.ndarray, near_start: np.ndarray, near_end: np.ndarray, width: int,

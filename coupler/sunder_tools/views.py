@@ -60,12 +60,11 @@ def _shade(surface: Surface, index: np.ndarray, world: np.ndarray, eye: np.ndarr
         normal[round_] = out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
     bent = _bent_normals(surface, index, world)
     normal = np.where(np.isfinite(bent), bent, normal)
-    facing = (normal * eye).sum(axis=1)
+    facing = _dot(normal, eye)
     normal = np.where(facing[:, None] < 0.0, -normal, normal)
     lambert = np.maximum(normal @ LIGHT, 0.0)[:, None]
     half = eye + LIGHT
-    half /= np.linalg.norm(half, axis=1, keepdims=True)
-    highlight = np.maximum((normal * half).sum(axis=1), 0.0)[:, None]
+    highlight = np.maximum(_dot(normal, half) / np.sqrt(_dot(half, half)), 0.0)[:, None]
     rim = (1.0 - np.minimum(np.abs(facing), 1.0))[:, None] ** 3
     base = surface.colours[index]
     if glass:
@@ -75,15 +74,32 @@ def _shade(surface: Surface, index: np.ndarray, world: np.ndarray, eye: np.ndarr
 
 def _bent_normals(surface: Surface, index: np.ndarray, world: np.ndarray) -> np.ndarray:
     """Normals between those of the corners, at points of the triangles; NaN where the surface is flat."""
-    corners = surface.triangles[index]
+    bent = np.full(world.shape, np.nan)
+    corners = surface.triangles
+    # what a corner lacks of a normal is zero: a triangle without any is flat
+    curved = np.abs(surface.smooth).sum(axis=1)[corners].sum(axis=1) > 0.0
+    at = np.flatnonzero(curved[index])
+    if len(at) == 0:
+        return bent
+    # Barycentric weights are affine in the point: one gradient per corner of each triangle, taken from the next corner.
     a, b, c = (surface.points[corners[:, k]] for k in range(3))
     face = np.cross(b - a, c - a)
-    square = np.maximum((face ** 2).sum(axis=1), 1e-300)
-    weights = [np.clip((np.cross(q - p, world - p) * face).sum(axis=1) / square, 0.0, 1.0)[:, None]
-               for p, q in ((b, c), (c, a), (a, b))]  # opposite each corner
-    bent = sum(w * surface.smooth[corners[:, k]] for k, w in enumerate(weights))
-    length = np.linalg.norm(bent, axis=1, keepdims=True)
-    return np.divide(bent, length, out=np.full_like(bent, np.nan), where=length > 1e-6)
+    square = np.maximum(_dot(face, face), 1e-300)[:, None]
+    triangle, point = index[at], world[at]
+    sum_ = np.zeros((len(at), 3))
+    for k, (p, q) in enumerate(((b, c), (c, a), (a, b))):  # opposite each corner
+        gradient = np.cross(face, q - p) / square
+        weight = np.clip(_dot(gradient[triangle], point) - _dot(gradient, p)[triangle], 0.0, 1.0)
+        sum_ += weight[:, None] * surface.smooth[corners[:, k]][triangle]
+    length = np.sqrt(_dot(sum_, sum_))
+    seen = length > 1e-6
+    bent[at[seen]] = sum_[seen] / length[seen, None]
+    return bent
+
+
+def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    """Of rows (n, 3): (n,). Three times as fast as a sum over the short axis."""
+    return np.einsum("ij,ij->i", a, b)
 
 
 def _floor(colours: np.ndarray, points: np.ndarray, pixel_m: np.ndarray, shadows: _Shadows) -> np.ndarray:
@@ -116,7 +132,7 @@ def draw_scene(scene: Scene, camera: Camera, width: int, height: int, line_px: i
         world = camera.unproject(np.stack([hit % width + 0.5, hit // width + 0.5], axis=1), glass_depth[hit])
         eye = camera.towards_eye(world)
         colours = _shade(scene.glass, index[hit], world, eye, glass=True)
-        slant = 1.0 - np.abs((scene.glass.normals()[index[hit]] * eye).sum(axis=1))
+        slant = 1.0 - np.abs(_dot(scene.glass.normals()[index[hit]], eye))
         opacity = (scene.glass_opacity + 0.25 * slant ** 2)[:, None]
         picture[hit] += opacity * (colours - picture[hit])
     front = np.maximum(depth, glass_depth)

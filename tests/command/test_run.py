@@ -15,6 +15,8 @@ from .fakes import write_executables
 
 
 class RunCommand(unittest.TestCase):
+    pictures = False  # whether runs draw them: only where a test is about them, for they take longest
+
     def setUp(self) -> None:
         self._temporary = tempfile.TemporaryDirectory()
         self.addCleanup(self._temporary.cleanup)
@@ -26,6 +28,8 @@ class RunCommand(unittest.TestCase):
         self.scene.write_text("name: 'pane'\n")
 
     def start(self, *arguments: str, **environment: str) -> subprocess.Popen[str]:
+        if arguments[0] == "run" and not self.pictures:
+            arguments = (*arguments, "--no-pictures")
         process = subprocess.Popen(
             [REPOSITORY / "coupler" / "sunder", *arguments], cwd=self.here / "work", text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE, start_new_session=True,
@@ -61,6 +65,7 @@ class RunCommand(unittest.TestCase):
                 os.kill(self.pid(name), 0)
 
     def test_done(self) -> None:
+        self.pictures = True
         status, out, err = self.run_to_end("run", str(self.scene))
         self.assertEqual(status, 0, err)
         folder, = (self.here / "work" / "runs").iterdir()
@@ -73,6 +78,14 @@ class RunCommand(unittest.TestCase):
         self.assertTrue((folder / "contact_sheet.png").is_file())
         self.assert_nothing_left()
 
+    def test_pictures_are_left_out_when_asked(self) -> None:
+        status, out, err = self.run_to_end("run", str(self.scene), "--out", str(self.here / "out"))
+        self.assertEqual(status, 0, err)
+        self.assertNotIn("contact_sheet.png", out)
+        self.assertFalse((self.here / "out" / "contact_sheet.png").exists())
+        self.assertEqual(self.run_to_end("render", str(self.here / "out"), "--sheet")[0], 0)
+        self.assertTrue((self.here / "out" / "contact_sheet.png").is_file())
+
     def test_refused_scene_leaves_nothing(self) -> None:
         self.scene.write_text("wrong: 1\n")
         status, _, err = self.run_to_end("run", str(self.scene))
@@ -82,6 +95,7 @@ class RunCommand(unittest.TestCase):
         self.assertEqual(list((self.here / "pids").iterdir()), [], "something was launched")
 
     def test_killed_peer_ends_the_other(self) -> None:
+        self.pictures = True
         for victim, other in (("rigid", "shell"), ("shell", "rigid")):
             with self.subTest(victim=victim):
                 out = self.here / victim
@@ -124,6 +138,7 @@ class RunCommand(unittest.TestCase):
                 self.assert_nothing_left()
 
     def test_interrupt_writes_pictures(self) -> None:
+        self.pictures = True
         for number in (signal.SIGINT, signal.SIGTERM):
             with self.subTest(number=number):
                 out = self.here / number.name
