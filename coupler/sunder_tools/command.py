@@ -309,8 +309,8 @@ def _build(cad: bool) -> int:
     return DONE
 
 
-def _with_fidelity(scene: Path, settings: list[str], name: str | None, quiet: bool) -> list[str]:
-    """`settings`, and before them those of a preset; says which."""
+def _with_fidelity(scene: Path, settings: list[str], name: str | None, quiet: bool, until: str | None = None) -> list[str]:
+    """`settings`, and before them those of a preset; says which. `until` [s] is what the run will be given."""
     if name is None:
         return settings
     from . import fidelity
@@ -318,7 +318,8 @@ def _with_fidelity(scene: Path, settings: list[str], name: str | None, quiet: bo
     shell = str(ensure_built().shell)
 
     def accepted(tried: Sequence[str]) -> bool:
-        command = [shell, "--scene", str(scene), "--check", *(part for s in tried for part in ("--set", s))]
+        command = [shell, "--scene", str(scene), "--check", *(part for s in tried for part in ("--set", s)),
+                   *(("--until", until) if until else ())]
         return subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
                               check=False).returncode == DONE
     try:
@@ -435,7 +436,7 @@ def _dispatch(arguments: list[str]) -> int:
     if options.command == "check":
         return _check(options.scene, _with_fidelity(options.scene, options.settings, options.fidelity, False))
     from .run import Job, run_scene  # here: `--help` and `check` do without it
-    settings = _with_fidelity(options.scene, options.settings, options.fidelity, options.quiet)
+    settings = _with_fidelity(options.scene, options.settings, options.fidelity, options.quiet, options.until)
     job = Job(options.scene, options.rigid, tuple(settings), options.until, options.threads, options.keys,
               options.record, options.trace, options.fidelity)
     return run_scene(job, options.out, options.quiet, pictures=options.pictures)

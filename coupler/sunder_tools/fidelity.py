@@ -59,10 +59,13 @@ def taken(name: str, scene: Message, given: Sequence[str], accepted: Callable[[S
         return found, not found.settings or accepted([*given, *found.settings])
 
     found, taken_so = tried(preset)
-    if not taken_so and preset.elements < 1.0:  # is it the window?
-        while preset.window > 1.0 and not tried(replace(preset, elements=1.0))[1]:
-            preset = replace(preset, window=max(1.0, 0.5 * preset.window))
-        found, taken_so = tried(preset)
+    if not taken_so and preset.window > 1.0:
+        shorter = preset
+        while shorter.window > 1.0 and not tried(replace(shorter, elements=1.0))[1]:
+            shorter = replace(shorter, window=max(1.0, 0.5 * shorter.window))
+        if shorter != preset:  # it was the window, or that too
+            preset = shorter
+            found, taken_so = tried(preset)
     while not taken_so and preset.elements < 1.0:
         finer = preset.elements * NEARER
         preset = replace(preset, elements=1.0 if finer > 0.99 else finer)

@@ -2,12 +2,15 @@
 
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include "shell/io/build_shell.h"
 
 namespace sunder::shell {
 namespace {
 
 constexpr double kCoarsestFibres = 4.0;
+constexpr double kThin = 0.05;  // thickness over width, where shear through the thickness is a hundredth of deflections
 
 void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   const proto::Scene& m = scene.message;
@@ -84,6 +87,24 @@ void set_fibres(const scene::LoadedScene& scene, const proto::Shell& shell, cons
 }
 
 }  // namespace
+
+std::string too_thick(const std::vector<ShellSetup>& shells) {
+  double area = 0.0;
+  for (const ShellSetup& shell : shells)
+    for (int i = 0; i < shell.model.control_points(); ++i)
+      area += shell.model.mass[shell.model.tables.slot(i)] / (shell.model.material.density * shell.model.thickness);
+  std::string out;
+  for (const ShellSetup& shell : shells) {
+    const double ratio = shell.model.thickness / std::sqrt(area);
+    if (ratio > kThin)
+      out += fmt::format(
+          "{}shell '{}' is {:.2g} times as thick as {} wide: without shear through the thickness its deflections are "
+          "too small by about {:.1g} %",
+          out.empty() ? "" : "; ", shell.model.name, ratio, shells.size() > 1 ? "all shells are" : "it is",
+          500.0 * ratio * ratio);
+  }
+  return out;
+}
 
 void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& s, std::size_t index, double spacing) {
   const double least = std::max(s.longest_element, 2.0 * s.thickness);

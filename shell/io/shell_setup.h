@@ -1,6 +1,7 @@
 #pragma once
 // A shell of a scene with all that decides how it moves and breaks.
 #include <algorithm>
+#include <string>
 #include <vector>
 
 #include "shell/io/cuts.h"
@@ -37,6 +38,11 @@ struct ShellSetup {
 /// `field` is that of the shell; stiffnesses of Hertz contacts are left to the caller. Throws Error with the field that
 /// is wrong.
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
+/// Shells that are too thick for a theory without shear through the thickness, in words: some 5 (thickness / width)^2
+/// is missing from deflections (of a square plate, simply supported; Timoshenko and Woinowsky-Krieger, section 39).
+/// Empty where all are thin. The width is the root of the area of all shells together: a patch may be a narrow part of
+/// one.
+std::string too_thick(const std::vector<ShellSetup>& shells);
 /// A grid that all shells with fibres share must not be too coarse for any of them. Throws Error.
 void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& shell, std::size_t index, double spacing);
 

@@ -33,6 +33,24 @@ class Presets(unittest.TestCase):
         self.assertEqual(found.was, ("30", "21", "5"))
         self.assertIn("shells[pane].plate.elements_x=15 (was 30)", found.words())
 
+    def test_windows_too_and_the_longest_one_stays_a_whole_number_of_them(self) -> None:
+        found = self.of(Preset(window=4.0))
+        self.assertEqual(found.settings, ("window_s=0.00016", "settle_window_s=0.00016"))  # 0.75 of one
+        self.assertEqual(found.was, ("4e-05", "0.00012"))
+        self.assertEqual(self.of(Preset(window=2.0)).settings, ("window_s=8e-05", "settle_window_s=0.00016"))
+        self.assertEqual(self.of(Preset(window=4.0), PANE.replace("1.2e-4", "1e-3")).settings,
+                         ("window_s=0.00016", "settle_window_s=0.00096"))
+        own = self.of(Preset(window=4.0), given=["window_s=2e-5"])
+        self.assertEqual((own.settings, own.kept), ((), ("window_s",)))
+
+    def test_a_window_that_is_refused_is_halved_and_costs_no_elements(self) -> None:
+        def accepted(settings: Sequence[str]) -> bool:
+            return all(float(s.split("=")[1]) < 1e-4 for s in settings if s.startswith("window_s="))
+
+        found = taken("draft", parse_text(PANE), (), accepted)
+        self.assertIn("window_s=8e-05", found.settings)
+        self.assertIn("shells[pane].plate.elements_x=15", found.settings)
+
     def test_standard_is_the_scene_as_it_is(self) -> None:
         self.assertEqual(PRESETS["standard"], Preset())
         self.assertEqual(taken("standard", parse_text(PANE), (), lambda _: True).settings, ())
@@ -49,8 +67,9 @@ class Presets(unittest.TestCase):
         asked: list[int] = []
 
         def accepted(settings: Sequence[str]) -> bool:
-            asked.append(next((int(s.split("=")[1]) for s in settings if "elements_x" in s), 30))
-            return asked[-1] >= 20
+            elements = [int(s.split("=")[1]) for s in settings if "elements_x" in s]
+            asked.extend(elements)  # none where it is the window that is asked about
+            return all(n >= 20 for n in elements)
 
         found = taken("draft", parse_text(PANE), (), accepted)
         self.assertIn(f"shells[pane].plate.elements_x={asked[-1]}", found.settings)
@@ -62,8 +81,9 @@ class Presets(unittest.TestCase):
 
     def test_the_guide_says_the_same(self) -> None:
         guide = (REPOSITORY / "README.md").read_text()
-        rows = re.findall(r"^\| `(draft|standard|reference)`: elements × ([0-9.]+) \|", guide, re.M)
-        self.assertEqual({name: float(factor) for name, factor in rows}, {n: p.elements for n, p in PRESETS.items()})
+        rows = re.findall(r"^\| `(draft|standard|reference)`: elements × ([0-9.]+)(?:, window × ([0-9.]+))? \|", guide, re.M)
+        self.assertEqual({name: (float(elements), float(window or 1)) for name, elements, window in rows},
+                         {n: (float(f"{p.elements:.3g}"), p.window) for n, p in PRESETS.items()})
 
 
 class Command(unittest.TestCase):
