@@ -61,6 +61,15 @@ inline sunder::Error refusal(const std::string& text, const std::vector<std::str
   return sunder::Error(sunder::Exit::kDone, "accepted", "");
 }
 
+/// What `sunder check` says of a scene that is accepted.
+inline std::string report(const std::string& text) {
+  const std::string path = own_file("scene_test.textproto");
+  std::ofstream(path) << text;
+  const auto scene = sunder::scene::load(path, {});
+  std::remove(path.c_str());
+  return sunder::shell::check_report(scene, sunder::shell::build(scene));
+}
+
 /// Refused as bad input at the line of `field`, in words that hold all of `says`.
 inline void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says,
                            const std::vector<std::string>& settings = {}) {

@@ -144,8 +144,10 @@ void corners(Report& report, int) {
       c.hold = hold, c.ratio = ratio, c.substeps = 20, c.windows = 100000;
       const Watched w = run_coupled(c);
       const double gain = w.failure.empty() ? std::max(0.0, w.gain()) : std::nan("");
-      report.add(fmt::format("corner_{}_{:g}", kHoldNames[static_cast<int>(hold)], ratio), gain, 0.0, kMostGain,
-                 w.seconds);
+      const std::string name = fmt::format("corner_{}_{:g}", kHoldNames[static_cast<int>(hold)], ratio);
+      report.add(name, gain, 0.0, kMostGain, w.seconds);
+      if (!w.failure.empty())
+        report.lines.push_back(fmt::format("{} after {} windows: {}", name, w.track.size(), w.failure));
     }
 }
 
