@@ -44,7 +44,7 @@ void archive(A& a, DrawnMesh& m) {
 namespace {
 
 // Read only by the build that wrote it: plain structures lie in it as they lie in memory.
-const std::string kFirstLine = "sunder checkpoint 3, " __VERSION__ "\n";
+const std::string kFirstLine = "sunder checkpoint 4, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
 [[noreturn]] void bad(const std::string& path, const std::string& what) {
@@ -86,7 +86,8 @@ void Run::archive_members(A& a) {
   soft_.archive_state(a);
   for (ShellPart& part : parts_) {
     archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure,
-                part.changed, part.initial_step, part.smallest_step, part.hertz_speed);
+                part.changed, part.initial_step, part.smallest_step, part.hertz_speed, part.hertz_kept,
+                part.hertz_until, part.hertz_windows);
     char solved = part.state ? 1 : 0;
     archive_one(a, solved);
     if constexpr (A::kReading) {

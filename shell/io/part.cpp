@@ -46,13 +46,14 @@ void ShellPart::add_rubble(const Triangulation& t, int piece) {
 }
 
 double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
-                             double window) {
+                             double window, std::int64_t now) {
   if (std::none_of(setup->hertz.begin(), setup->hertz.end(), [](double k) { return k > 0.0; })) return step;
   const ShellModel& m = model();
   double shell_speed = 0.0;
   for (int k = 0; k < m.control_points(); ++k)
     if (!state->gone[m.tables.slot(k)]) shell_speed = std::max(shell_speed, state->velocity(m.tables.slot(k)).norm());
   const Eigen::AlignedBox3d space = box();
+  const double without = step;
   for (std::size_t i = 0; i < bodies; ++i) {
     if (setup->hertz[i] == 0.0 || space.isEmpty()) continue;
     const Proxy& p = proxies[i];
@@ -61,6 +62,12 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
     // contact stores it, and gives it back; in powers of two: every change of the step costs leapfrog some energy
     if (speed > hertz_speed) hertz_speed = std::exp2(std::ceil(std::log2(speed)));
     step = hertz_step(m, p.body, setup->hertz[i], hertz_speed, step);
+  }
+  if (step < without) {
+    if (hertz_until >= 0 && now > hertz_until) hertz_windows = std::min(2 * hertz_windows, kHertzKeptMost);
+    hertz_kept = step, hertz_until = now + hertz_windows;
+  } else if (now <= hertz_until) {
+    step = std::min(step, hertz_kept);
   }
   return step;
 }

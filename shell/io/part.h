@@ -1,5 +1,6 @@
 #pragma once
 // A shell as a run solves it: its state, what it may touch, and what the run knows of its pieces.
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <vector>
@@ -9,6 +10,9 @@
 #include "shell/solver/step.h"
 
 namespace sunder::shell {
+
+/// Windows that a step shortened for a Hertz contact is kept for, at first and at most.
+constexpr std::int64_t kHertzKept = 64, kHertzKeptMost = 1 << 20;
 
 /// What a shell has come apart into.
 struct PartPieces {
@@ -32,15 +36,19 @@ struct ShellPart {
   std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
   double initial_step = 0.0, smallest_step = 0.0;  // stable ones [s]
   double hertz_speed = 0.0;  // fastest that a sphere with Hertz contact and the shell have met [m/s]
+  double hertz_kept = 0.0;   // the step that the last one took [s], kept for `hertz_windows` after it has gone
+  std::int64_t hertz_until = -1, hertz_windows = kHertzKept;
 
   const ShellModel& model() const { return setup->model; }
   /// The stable step that cracks to come will leave.
   double step() const {
     return setup->can_crack() ? std::min(smallest_step, kCrackedStep * initial_step) : smallest_step;
   }
-  /// `step` shortened where spheres with a Hertz stiffness are about to be met, within `window` seconds.
+  /// `step` shortened where spheres with a Hertz stiffness are about to be met, within `window` seconds, and for some
+  /// time afterwards, twice as long with each that comes back: what steps change with, whatever vibrates near the
+  /// stable step gains or loses by chance, and of many such changes there comes a gain. `now` counts windows.
   double with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
-                    double window);
+                    double window, std::int64_t now);
   /// Makes the cuts that are due before `until`, at time `now` [s].
   void cut(double now, double until);
   /// Measures the stable step again where cracks have changed something; `window` counts windows.

@@ -246,7 +246,7 @@ double Run::total_energy(double dt) {
   return sum + elastic_;
 }
 
-void Run::substep(double dt) {
+void Run::substep(double dt, double kicked) {
   {
     Stopwatch w(stage_s_["internal_force"]);
     side_by_side([&](std::size_t k) {
@@ -263,7 +263,7 @@ void Run::substep(double dt) {
   }
   {
     Stopwatch w(stage_s_["kick_drift"]);
-    for (ShellPart& part : parts_) kick(part.model(), *part.state, setup_.gravity, dt);
+    for (ShellPart& part : parts_) kick(part.model(), *part.state, setup_.gravity, kicked);
     for (Proxy& p : proxies_)
       if (!p.body.is_static) p.body.motion.velocity += dt * setup_.gravity;
   }
@@ -276,7 +276,7 @@ void Run::substep(double dt) {
         refresh_candidates(part.model(), *part.state, proxies_, part.coefficients, dt, candidates);
         candidates.age = 1;
       }
-      contact(part.model(), *part.state, proxies_, part.coefficients, candidates, dt);
+      contact(part.model(), *part.state, proxies_, part.coefficients, candidates, dt, kicked);
     }
     engine_loss_ += rows_.solve(dt);
   }
@@ -321,7 +321,9 @@ void Run::take_substeps(int n, double dt) {
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
     soft_most_ = n - k;
-    substep(dt);
+    // velocities are half a substep behind positions, half of the last one: a kick reaches from its middle to this
+    // one's
+    substep(dt, k == 0 && last_dt_ > 0.0 ? 0.5 * (last_dt_ + dt) : dt);
     try {
       if (fibres_) {
         Stopwatch w(stage_s_["fibres"]);
@@ -347,7 +349,8 @@ void Run::take_substeps(int n, double dt) {
 void Run::shell_window() {
   double step = std::numeric_limits<double>::infinity();
   for (ShellPart& part : parts_)
-    step = std::min(step, part.with_hertz(part.step(), proxies_, setup_.bodies.size(), setup_.gravity, setup_.window));
+    step = std::min(
+        step, part.with_hertz(part.step(), proxies_, setup_.bodies.size(), setup_.gravity, setup_.window, windows_));
   // a crack may have taken more from the stable step than was allowed for
   const double taken = setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
   window_ticks_ = static_cast<int>(std::min<std::int64_t>(window_ticks_, end_tick() - tick_));
@@ -364,6 +367,7 @@ void Run::shell_window() {
     throw e;
   }
   const int n = std::max(1, static_cast<int>(needed)) * window_ticks_;  // windows of any length take the same substep
+  last_dt_ = dt_;
   const double dt = dt_ = window / n;
   const double window_start = wall_clock(), update_before = stage_s_["crack_update"], length = crack_length();
   {

@@ -135,7 +135,8 @@ class Run {
   void traced(const char* name, std::int64_t begin_ns) {
     if (!options_.trace.empty()) trace_.add(name, begin_ns, Trace::now_ns(), windows_);
   }
-  void substep(double dt);
+  /// Positions move on by `dt`, velocities, before, by forces that act for `kicked` [s].
+  void substep(double dt, double kicked);
   void crack(ShellPart& part, int k, int n, double dt);  // after substep k of n
   void take_substeps(int n, double dt);
   // soft_run.cpp
@@ -205,7 +206,8 @@ class Run {
   std::int64_t tick_ = 0, windows_ = 0, substeps_ = 0;
   BodyId first_shard_ = 1, next_id_ = 1;
   int fragments_ = 0, handed_off_ = 0, rubble_points_ = 0;
-  double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0;
+  double handed_area_ = 0.0, detached_area_ = 0.0, dt_ = 0.0,
+         last_dt_ = 0.0;                                 // substep of this window and the one before [s]
   double last_push_ = -1.0;                              // when a moving body of the scene last touched the shell [s]
   std::deque<std::pair<double, double>> crack_lengths_;  // time [s], total length [m], over the quiet time
   double energy_scale_ = 0.0, reference_energy_ = 0.0, engine_loss_ = 0.0, residual_ = 0.0, support_work_ = 0.0;

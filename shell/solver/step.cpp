@@ -113,14 +113,15 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
 }
 
 int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
-            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt) {
+            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt,
+            double kicked) {
   int touching = 0;
   thread_local std::vector<GatheredFunction> functions;
   for (std::size_t b = 0; b < candidates.of_body.size(); ++b) {
     if (candidates.of_body[b].empty()) continue;
     Proxy& body = bodies[b];
     if (coefficients[b].hertz > 0.0) {
-      touching += hertz_contact(m, s, body, coefficients[b].hertz, candidates.of_body[b], dt);
+      touching += hertz_contact(m, s, body, coefficients[b].hertz, candidates.of_body[b], kicked);
       continue;
     }
     for (const auto& candidate : candidates.of_body[b]) {

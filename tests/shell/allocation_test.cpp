@@ -55,7 +55,7 @@ long allocated(const ShellModel& m, ShellState& s, double hertz, Transfer kind) 
     kick(m, s, Vec3(0, 0, -9.81), dt);
     if (k % kContactRefresh == 0) refresh_candidates(m, s, bodies, coefficients, dt, candidates), candidates.age = 0;
     ++candidates.age;
-    touched += contact(m, s, bodies, coefficients, candidates, dt);
+    touched += contact(m, s, bodies, coefficients, candidates, dt, dt);
     through_grid(m, s, rules, dt, 2);
     constrain(m, s, dt);
     drift(m, s, dt), bodies[0].body.drift(dt);

@@ -43,7 +43,7 @@ Bounce bounce(const ShellModel& m, const Vec3& at, double stiffness, double safe
     kick(m, s, Vec3::Zero(), dt);
     if (k % kContactRefresh == 0) refresh_candidates(m, s, bodies, coefficients, dt, candidates), candidates.age = 0;
     ++candidates.age;
-    const bool touching = contact(m, s, bodies, coefficients, candidates, dt) > 0;
+    const bool touching = contact(m, s, bodies, coefficients, candidates, dt, dt) > 0;
     if (touching) out.stored = std::max(out.stored, hertz_energy(m, s, bodies, coefficients, candidates, 0.0));
     drift(m, s, dt), bodies[0].body.drift(dt);
     met = met || touching;
