@@ -1,5 +1,6 @@
 #pragma once
 // Validation cases: what was computed against what is known.
+#include <chrono>
 #include <functional>
 #include <string>
 #include <vector>
@@ -33,7 +34,9 @@ struct Case {
   std::function<void(Report&, int threads)> run;
 };
 
-double seconds_now();
+inline double seconds_now() {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
 
 std::vector<Case> static_cases();
 std::vector<Case> dynamic_cases();

@@ -11,10 +11,6 @@
 
 namespace sunder::validation {
 
-double seconds_now() {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
-}
-
 void Report::add(const std::string& name, double computed, double reference, double tolerance, double seconds) {
   const double error = reference != 0.0 ? std::abs(computed / reference - 1.0) : std::abs(computed);
   rows.push_back({name, computed, reference, error, tolerance, seconds});
