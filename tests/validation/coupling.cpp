@@ -163,9 +163,15 @@ void oscillator(Report& report, int) {
   const BodyMotion exact = end_of("PROXY", 1);
   for (const char* scheme : {"PROXY", "ITERATED", "EXPORTED", "STAGGERED", "LAGGED"}) {
     Curve curve{std::string("oscillator ") + scheme, "substeps a window", "error of the ball's height [m]", {}, {}};
+    // exported bodies are drawn out of what they have sunk in by, which others are not: another exact answer
+    const bool exported = scheme == std::string("EXPORTED");
+    const BodyMotion whole = exported ? end_of(scheme, 1) : exact;
+    if (exported)
+      report.lines.push_back(fmt::format("oscillator: drawn out of the plate, an exported ball lies {:.2e} m higher",
+                                         (whole.position - exact.position).z()));
     for (const int n : {2, 4, 8, 16, 32}) {
       curve.x.push_back(n);
-      curve.y.push_back(std::max((end_of(scheme, n).position - exact.position).norm(), 1e-18));
+      curve.y.push_back(std::max((end_of(scheme, n).position - whole.position).norm(), 1e-18));
     }
     const double order = std::log2(curve.y[3] / curve.y[1]) / 2.0;  // from 4 to 16
     if (scheme == std::string("STAGGERED") || scheme == std::string("LAGGED"))
