@@ -267,6 +267,8 @@ def _settle_run_json(folder: Path, status: int, message: str, ending: Ending) ->
 def _finish(folder: RunFolder, quiet: bool, pictures: bool) -> None:
     """Pictures and summary. A picture that fails never changes the outcome of the run."""
     sheet: Path | None = None
+    if not pictures:  # one of before it was resumed would show another state
+        (folder.path / "contact_sheet.png").unlink(missing_ok=True)
     if pictures and folder.has_frames():
         try:
             if not quiet:

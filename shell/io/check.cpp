@@ -163,7 +163,8 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
       "               cracks can make a substep some three times as long; bodies alone come on top\n",
       substeps * cost / 60.0, 1e3 * cost);
   out += fmt::format("memory         about {:.0f} MB\n", memory);
-  if (const std::string thick = too_thick(setup.shells); !thick.empty()) out += "warning        " + thick + "\n";
+  if (const std::string thick = too_thick(setup.shells, setup.stitches.seams); !thick.empty())
+    out += "warning        " + thick + "\n";
   return out + soft_report(scene, setup);
 }
 

@@ -65,7 +65,8 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
   }
   if (step < without) {
     if (hertz_until >= 0 && now > hertz_until) hertz_windows = std::min(2 * hertz_windows, kHertzKeptMost);
-    hertz_kept = step, hertz_until = now + hertz_windows;
+    step = hertz_kept = now <= hertz_until ? std::min(hertz_kept, step) : step;
+    hertz_until = now + hertz_windows;
   } else if (now <= hertz_until) {
     step = std::min(step, hertz_kept);
   }

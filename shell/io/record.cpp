@@ -158,7 +158,7 @@ std::vector<std::string> Run::warnings() const {
   const EnergyBook b = book();
   const auto percent = [&](double energy) { return energy_scale_ > 0.0 ? 100.0 * energy / energy_scale_ : 0.0; };
   std::vector<std::string> out;
-  if (const std::string thick = too_thick(setup_.shells); !thick.empty()) out.push_back(thick);
+  if (const std::string thick = too_thick(setup_.shells, setup_.stitches.seams); !thick.empty()) out.push_back(thick);
   if (!(std::abs(residual_) <= kResidualWarning))
     out.push_back(
         fmt::format("the energy books miss {:.1f} % of the energy there was: lower time_step_safety, or refine",

@@ -246,7 +246,8 @@ double Run::total_energy(double dt) {
   return sum + elastic_;
 }
 
-void Run::substep(double dt, double kicked) {
+void Run::substep(double dt, double last) {
+  const double kicked = 0.5 * (last + dt);
   {
     Stopwatch w(stage_s_["internal_force"]);
     side_by_side([&](std::size_t k) {
@@ -263,7 +264,7 @@ void Run::substep(double dt, double kicked) {
   }
   {
     Stopwatch w(stage_s_["kick_drift"]);
-    for (ShellPart& part : parts_) kick(part.model(), *part.state, setup_.gravity, kicked);
+    for (ShellPart& part : parts_) kick(part.model(), *part.state, setup_.gravity, dt, last);
     for (Proxy& p : proxies_)
       if (!p.body.is_static) p.body.motion.velocity += dt * setup_.gravity;
   }
@@ -321,9 +322,7 @@ void Run::take_substeps(int n, double dt) {
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
     soft_most_ = n - k;
-    // velocities are half a substep behind positions, half of the last one: a kick reaches from its middle to this
-    // one's
-    substep(dt, k == 0 && last_dt_ > 0.0 ? 0.5 * (last_dt_ + dt) : dt);
+    substep(dt, k == 0 && last_dt_ > 0.0 ? last_dt_ : dt);
     try {
       if (fibres_) {
         Stopwatch w(stage_s_["fibres"]);

@@ -135,8 +135,9 @@ class Run {
   void traced(const char* name, std::int64_t begin_ns) {
     if (!options_.trace.empty()) trace_.add(name, begin_ns, Trace::now_ns(), windows_);
   }
-  /// Positions move on by `dt`, velocities, before, by forces that act for `kicked` [s].
-  void substep(double dt, double kicked);
+  /// Velocities, half the `last` substep behind positions, go on to half of this one before them; then positions by
+  /// `dt`.
+  void substep(double dt, double last);
   void crack(ShellPart& part, int k, int n, double dt);  // after substep k of n
   void take_substeps(int n, double dt);
   // soft_run.cpp

@@ -88,19 +88,28 @@ void set_fibres(const scene::LoadedScene& scene, const proto::Shell& shell, cons
 
 }  // namespace
 
-std::string too_thick(const std::vector<ShellSetup>& shells) {
-  double area = 0.0;
-  for (const ShellSetup& shell : shells)
-    for (int i = 0; i < shell.model.control_points(); ++i)
-      area += shell.model.mass[shell.model.tables.slot(i)] / (shell.model.material.density * shell.model.thickness);
-  std::string out;
+std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<Seam>& seams) {
+  std::vector<double> areas;
   for (const ShellSetup& shell : shells) {
+    const ShellModel& m = shell.model;
+    double mass = 0.0;
+    for (int i = 0; i < m.control_points(); ++i) mass += m.mass[m.tables.slot(i)];
+    areas.push_back(mass / (m.material.density * m.thickness));
+  }
+  const auto together = components(shells.size(), seams);
+  std::string out;
+  for (std::size_t k = 0; k < shells.size(); ++k) {
+    const ShellSetup& shell = shells[k];
+    double area = areas[k];
+    bool joined = false;
+    for (std::size_t i = 0; i < shells.size(); ++i)
+      if (i != k && together[k][i] != 0) area += areas[i], joined = true;
     const double ratio = shell.model.thickness / std::sqrt(area);
     if (ratio > kThin)
       out += fmt::format(
           "{}shell '{}' is {:.2g} times as thick as {} wide: without shear through the thickness its deflections are "
-          "too small by about {:.1g} %",
-          out.empty() ? "" : "; ", shell.model.name, ratio, shells.size() > 1 ? "all shells are" : "it is",
+          "too small by about {:.0f} %",
+          out.empty() ? "" : "; ", shell.model.name, ratio, joined ? "what it is joined to is" : "it is",
           500.0 * ratio * ratio);
   }
   return out;

@@ -6,6 +6,7 @@
 
 #include "shell/io/cuts.h"
 #include "shell/solver/crack_rules.h"
+#include "shell/solver/near_tiles.h"
 #include "shell/solver/step.h"
 
 namespace sunder::shell {
@@ -40,9 +41,8 @@ struct ShellSetup {
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
 /// Shells that are too thick for a theory without shear through the thickness, in words: some 5 (thickness / width)^2
 /// is missing from deflections (of a square plate, simply supported; Timoshenko and Woinowsky-Krieger, section 39).
-/// Empty where all are thin. The width is the root of the area of all shells together: a patch may be a narrow part of
-/// one.
-std::string too_thick(const std::vector<ShellSetup>& shells);
+/// Empty where all are thin. The width is the root of the area of all that hangs together by seams.
+std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<Seam>& seams);
 /// A grid that all shells with fibres share must not be too coarse for any of them. Throws Error.
 void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& shell, std::size_t index, double spacing);
 

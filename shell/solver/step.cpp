@@ -239,10 +239,11 @@ void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules
         if (s.inverse_mass[slot] > 0.0) s.book.transfer -= lost(d, slot);
 }
 
-void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
+void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {
   const std::size_t plane = m.tables.plane;
-  book_external_work(m, s, dt, -1.0);
-  book_moving_work(s, dt);
+  const double dt = 0.5 * (last + step);
+  book_external_work(m, s, last, -1.0);
+  book_moving_work(s, last);
   if (!s.before.empty()) s.before = s.v;
   const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
   if (alpha > 0.0 || beta > 0.0) {

@@ -62,7 +62,12 @@ struct TransferRules {
 
 /// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is
 /// beta (f - last f) / dt = -beta K v. The work of damping is booked.
-void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt);
+/// From the middle of the `last` substep to that of this one, of length `dt` [s]: in books closed at positions' times
+/// half of each is its work.
+void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt, double last);
+inline void kick(const ShellModel& model, ShellState& state, const Vec3& gravity, double dt) {
+  kick(model, state, gravity, dt, dt);
+}
 /// What loads and supports that move do now [W]. The work is booked by halves, before and after each kick.
 double external_power(const ShellModel& model, const ShellState& state);
 /// Velocities through the background grid, and of what supports hold: after contact, in place of `constrain`, where

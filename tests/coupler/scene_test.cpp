@@ -339,13 +339,16 @@ TEST(Thickness, OfWhatIsNoThinShellIsTold) {
   const std::string said = report(replaced("thickness_m: 0.004", "thickness_m: 0.05"));
   EXPECT_NE(said.find("warning        shell 'pane' is 0.1 times as thick as it is wide"), std::string::npos) << said;
   EXPECT_NE(said.find("too small by about 5 %"), std::string::npos) << said;
-  // a narrow part of what is wide is no thick shell
-  const std::string patches =
+  // a narrow part of what is wide is no thick shell; beside it, it is one
+  std::string narrow =
       replaced("size_x_m: 0.5 size_y_m: 0.5 elements_x: 16", "size_x_m: 0.05 size_y_m: 0.5 elements_x: 2");
-  const std::string beside =
-      "shells { name: \"wide\" material: \"glass\" thickness_m: 0.004 plate { size_x_m: 2 size_y_m: 2 elements_x: 50 "
-      "elements_y: 50 pose { position { z: -1 } } } }\n";
-  EXPECT_EQ(report(patches + beside).find("warning"), std::string::npos);
+  narrow.replace(narrow.find("thickness_m: 0.004"), 18, "thickness_m: 0.01");
+  const std::string wide =
+      "shells { name: \"wide\" material: \"glass\" thickness_m: 0.01 plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: "
+      "16 "
+      "elements_y: 16 pose { position { x: 0.275 } } } }\n";
+  EXPECT_NE(report(narrow + wide).find("'pane' is 0.063 times as thick"), std::string::npos) << report(narrow + wide);
+  EXPECT_EQ(report(narrow + wide + "seams {}\n").find("warning"), std::string::npos);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@ using namespace sunder;
 using namespace sunder::validation;
 
 // A light ball at a hinge is struck by a plate, goes round and meets it again and again. Nothing takes energy. Kicks
-// that took the length of the new substep alone swung it by 1.4e-2 in this time, and a thousand times all in the end.
+// of the length of the new substep alone would swing it by 2e-2 in this time, and blow it up in the end.
 TEST(ChangingStep, CostsNoEnergy) {
   Coupled c;
   c.hold = Hold::kHinge, c.ratio = 1e-3, c.substeps = 20, c.windows = 4000;
