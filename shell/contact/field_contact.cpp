@@ -9,7 +9,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep
+constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep: more, and what rests hops;
+constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper
+constexpr double kDeep = 0.25;            // than this share of the thickness
 constexpr double kFastestRecovery = 0.5;  // [m/s], or
 constexpr double kSpeeds = 3.0;           // so many times the spread of both surfaces' velocities about their mean
 constexpr double kTurned = 0.3;           // by which the cosine with the first sample's normal has fallen in a fold
@@ -114,7 +116,9 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     Field &a = fields_[pair.plane], &b = fields_[pair.other];
     const Vec3 n = pair.normal;
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
-    const double wanted = std::min(kRecovery * -pair.gap / dt, pair.fastest), approach = rel.dot(n);
+    const double deeper = std::max(0.0, -pair.gap - kDeep * 0.5 * (a.thickness + b.thickness));
+    const double wanted = std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, pair.fastest);
+    const double approach = rel.dot(n);
     if (approach >= wanted) continue;
     const SurfaceLaw& law = laws_[a.shell][b.shell];
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
