@@ -91,7 +91,9 @@ bool FibreGrid::find(std::vector<LayerSample>& samples) {
     stencil(q).each(&blocks_[kBlocks * p], [&](std::size_t node, double w, const double* offset) {
       const Vec3 off(offset[0], offset[1], offset[2]);
       const std::size_t known = fields_.size();
-      corner->field = field_of(fields_, head_[node], together_, one_surface(), q), corner->weight = w;
+      corner->field = field_of(fields_, head_[node], q,
+                               [&](const Field& f) { return hang_together(f, q, together_, one_surface()); });
+      corner->weight = w;
       if (fields_.size() > known) fields_.back().at = q.x + off;
       Field& f = fields_[corner->field];
       f.mass += w * q.mass, f.area += w * q.area, f.thickness = std::max(f.thickness, q.thickness);

@@ -2,14 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include <Eigen/Eigenvalues>
 
 namespace sunder::shell {
 namespace {
 
-constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep
-constexpr double kFastestRecovery = 0.5;  // [m/s]
+constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep: more, and what rests hops;
+constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper
+constexpr double kDeep = 0.25;            // than this share of the thickness
+constexpr double kFastestRecovery = 0.5;  // [m/s], or
+constexpr double kSpeeds = 3.0;           // so many times the spread of both surfaces' velocities about their mean
+constexpr double kTurned = 0.3;           // by which the cosine with the first sample's normal has fallen in a fold
 // Moment of inertia that a field turns with, of mass times the square of the distance between. At 0.25 a spin takes no
 // more energy than friction that stops the slip sets free; but then so many push without friction that a crumpled sheet
 // passes through itself (validate contact --case crumple_small). What a spin takes is booked.
@@ -55,15 +60,20 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
   for (std::size_t p = 0; p < samples.size(); ++p)
     for (int c = 0; c < 8; ++c) {
       Corner& corner = corners_[8 * p + c];
-      corner.field = field_of(fields_, head_[node_of_[8 * p + c]], together_, one_surface(), samples[p]);
+      const std::size_t known = fields_.size();
+      corner.field = field_of(fields_, head_[node_of_[8 * p + c]], samples[p],
+                              [&](const Field& f) { return one(f, samples[f.first], samples[p]); });
+      if (fields_.size() > known) fields_.back().first = static_cast<int>(p);
       Field& f = fields_[corner.field];
       const double m = corner.weight * samples[p].mass;
       f.mass += m, f.thickness = std::max(f.thickness, samples[p].thickness);
+      f.square += m * samples[p].v.squaredNorm();
       f.momentum += m * samples[p].v, f.moment += m * samples[p].x;
       // sides of a surface that folds agree by the first one
       f.normal += corner.weight * (f.normal.dot(samples[p].normal) < 0.0 ? -1.0 : 1.0) * samples[p].normal;
     }
-  first_pair_.assign(fields_.size(), -1);
+  first_pair_.assign(fields_.size(), -1), fold_near_.assign(head_.size(), 0);
+  bool folds = false;
   for (int node = 0; node < static_cast<int>(head_.size()); ++node)
     for (int a = head_[node]; a >= 0; a = fields_[a].next)
       for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
@@ -71,11 +81,23 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
         if (laws_[fields_[a].shell][fields_[b].shell].elsewhere) continue;
         // what fills more of the node's surroundings is the plane
         const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
-        Pair pair{node, first ? a : b, first ? b : a, fields_[first ? a : b].normal};
+        Pair pair;
+        pair.node = node, pair.plane = first ? a : b, pair.other = first ? b : a,
+        pair.normal = fields_[pair.plane].normal;
         if (pair.normal.squaredNorm() == 0.0) continue;
         pair.normal.normalize();
         const Vec3 apart = fields_[pair.other].centre() - fields_[pair.plane].centre();
         if (pair.normal.dot(apart) < 0.0) pair.normal = -pair.normal;
+        const double mass = fields_[a].mass + fields_[b].mass;
+        const double spread = (fields_[a].square + fields_[b].square) / mass -
+                              ((fields_[a].momentum + fields_[b].momentum) / mass).squaredNorm();
+        pair.fastest = std::max(kFastestRecovery, kSpeeds * std::sqrt(std::max(0.0, spread)));
+        if (hang_together(fields_[a], fields_[b], together_, one_surface())) {
+          pair.gap = std::abs(pair.normal.dot(apart)) - 0.5 * (fields_[a].thickness + fields_[b].thickness);
+          pair.fastest = 1e300, fold_near_[node] = 1, folds = true;  // nothing begins as a fold with an overlap
+          pairs_.push_back(pair);
+          continue;
+        }
         pair.next = first_pair_[pair.other], first_pair_[pair.other] = static_cast<int>(pairs_.size());
         pairs_.push_back(pair);
       }
@@ -94,7 +116,9 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     Field &a = fields_[pair.plane], &b = fields_[pair.other];
     const Vec3 n = pair.normal;
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
-    const double wanted = std::min(kRecovery * -pair.gap / dt, kFastestRecovery), approach = rel.dot(n);
+    const double deeper = std::max(0.0, -pair.gap - kDeep * 0.5 * (a.thickness + b.thickness));
+    const double wanted = std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, pair.fastest);
+    const double approach = rel.dot(n);
     if (approach >= wanted) continue;
     const SurfaceLaw& law = laws_[a.shell][b.shell];
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
@@ -108,7 +132,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     a.touches = b.touches = true;
     touches_.push_back({pair.plane, pair.other, j});
   }
-  if (touches_.empty()) return 0;
+  if (touches_.empty() && !folds) return 0;
   turn(samples);
   for (std::size_t p = 0; p < samples.size(); ++p)
     for (int c = 0; c < 8; ++c) {
@@ -117,7 +141,63 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
       if (f.touches)
         samples[p].impulse += corner.weight * samples[p].mass * (f.change + f.spin.cross(samples[p].x - f.centre()));
     }
-  return static_cast<int>(touches_.size());
+  return static_cast<int>(touches_.size()) + (folds ? hold_folds_open(samples, dt) : 0);
+}
+
+// Whether a sample belongs to a field's surface, that of its first sample. What has turned over against that does not:
+// it is the other side of a fold.
+bool FieldContact::one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const {
+  if (!hang_together(f, p, together_, one_surface())) return false;
+  if (f.shell != p.shell) return true;
+  const double now = first.normal.dot(p.normal);
+  return now >= 0.0 || now >= first.rest_normal.dot(p.rest_normal) - kTurned;
+}
+
+// A fold is tighter than a node sees: there samples that are too close push one another apart along the line between
+// them, which leaves angular momentum as it is, each taking its share with all that it is too close to. They are kept
+// so far apart that the middle of four stays a thickness from what is over it. What is nearer at rest than half a turn
+// is long about a thickness, or about half that diagonal, is the bend itself. Returns the pairs that are too close.
+int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt) {
+  fold_head_.assign(head_.size(), -1), fold_next_.clear(), in_fold_.clear(), close_.clear();
+  for (std::size_t p = 0; p < samples.size(); ++p)
+    for (int c = 0; c < 8; ++c) {
+      const int node = node_of_[8 * p + c];
+      if (fold_near_[node] == 0) continue;
+      fold_next_.push_back(fold_head_[node]), fold_head_[node] = static_cast<int>(in_fold_.size());
+      in_fold_.push_back(static_cast<int>(p));
+    }
+  shares_.assign(samples.size(), 0), push_.assign(samples.size(), Vec3::Zero());
+  for (int p = 0; p < static_cast<int>(samples.size()); ++p) {
+    int near = 8 * p;  // the nearest node: all that are within half a spacing see it too
+    for (int c = 8 * p; c < 8 * p + 8; ++c)
+      if (corners_[c].weight > corners_[near].weight) near = c;
+    for (int k = fold_head_[node_of_[near]]; k >= 0; k = fold_next_[k]) {
+      const int q = in_fold_[k];
+      if (q <= p || !hang_together(samples[p], samples[q], together_, one_surface())) continue;
+      const double between = 0.5 * (samples[p].thickness + samples[q].thickness);
+      const double across = 0.25 * (samples[p].area + samples[q].area);  // half a diagonal of four samples, squared
+      const double reach = std::sqrt(between * between + across);
+      const double half_turn = 0.5 * std::numbers::pi * std::max(between, std::sqrt(across));
+      if ((samples[q].x - samples[p].x).squaredNorm() >= reach * reach) continue;
+      if ((samples[q].rest - samples[p].rest).squaredNorm() <= half_turn * half_turn) continue;
+      close_.push_back({p, q, reach}), ++shares_[p], ++shares_[q];
+    }
+  }
+  for (const Close& c : close_) {
+    const SurfaceSample &a = samples[c.p], &b = samples[c.q];
+    const double apart = (b.x - a.x).norm();
+    if (apart == 0.0) continue;
+    const Vec3 n = (b.x - a.x) / apart;
+    const double approach = n.dot(b.v + b.impulse / b.mass - a.v - a.impulse / a.mass);
+    const double wanted = (c.reach - apart) / dt;
+    if (approach >= wanted) continue;
+    const double share = 1.0 / std::max(shares_[c.p], shares_[c.q]);
+    const Vec3 j = share * a.mass * b.mass / (a.mass + b.mass) * (wanted - approach) * n;
+    push_[c.p] -= j, push_[c.q] += j;
+  }
+  for (const Close& c : close_)
+    for (const int p : {c.p, c.q}) samples[p].impulse += push_[p], push_[p].setZero();
+  return static_cast<int>(close_.size());
 }
 
 // What two fields do to one another acts at their centres, which are apart: the couple of both impulses is taken by

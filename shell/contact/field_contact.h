@@ -11,8 +11,9 @@ namespace sunder::shell {
 
 /// A point of a surface.
 struct SurfaceSample {
-  Vec3 x, v, normal, rest;             // [m], [m/s], unit, place at rest [m]
-  double mass = 0.0, thickness = 0.0;  // [kg], [m]
+  Vec3 x, v, normal, rest;                         // [m], [m/s], unit, place at rest [m]
+  Vec3 rest_normal = Vec3::Zero();                 // unit
+  double mass = 0.0, thickness = 0.0, area = 0.0;  // [kg], [m], [m^2] at rest
   int shell = 0;
   Vec3 impulse = Vec3::Zero();  // found [N s]
 };
@@ -40,8 +41,9 @@ class FieldContact {
   static constexpr double kOneSurface = 4.0;  // grid spacings, a little more than the support of a node
   struct Field {
     int shell = 0, next = -1;
-    Vec3 rest;  // of its first sample
-    double mass = 0.0, thickness = 0.0;
+    Vec3 rest;                                         // of its first sample
+    int first = -1;                                    // sample
+    double mass = 0.0, thickness = 0.0, square = 0.0;  // square: sum of mass times speed squared
     Vec3 momentum = Vec3::Zero(), moment = Vec3::Zero(), normal = Vec3::Zero();  // sums
     Vec3 change = Vec3::Zero(), spin = Vec3::Zero();                             // of its velocity [m/s], [rad/s]
     Mat3 inertia = Mat3::Zero();                                                 // about its centre, where it touches
@@ -51,7 +53,8 @@ class FieldContact {
   struct Pair {
     int node, plane, other;  // fields
     Vec3 normal;             // from the plane to the other
-    double gap = 1e300;      // nearest sample of the other [m]
+    double gap = 1e300;      // nearest sample of the other; of their centres in a fold [m]
+    double fastest = 0.0;    // that an overlap is let go with [m/s]
     int next = -1;
   };
   struct Touch {
@@ -62,7 +65,9 @@ class FieldContact {
     int field;
     double weight;
   };
+  bool one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const;
   void turn(const std::vector<SurfaceSample>& samples);
+  int hold_folds_open(std::vector<SurfaceSample>& samples, double dt);
 
   double spacing_;
   std::vector<std::vector<char>> together_;
@@ -75,6 +80,16 @@ class FieldContact {
   std::vector<Pair> pairs_;
   std::vector<int> first_pair_;  // of each field, in which it is the other
   std::vector<Touch> touches_;
+  std::vector<char> fold_near_;  // of each node: both sides of a fold come near
+  // samples that see such a node, in a list for each node: first, next
+  std::vector<int> in_fold_, fold_head_, fold_next_;
+  struct Close {
+    int p, q;      // samples
+    double reach;  // that they are to be apart [m]
+  };
+  std::vector<Close> close_;
+  std::vector<int> shares_;  // of each sample: pairs that are too close
+  std::vector<Vec3> push_;   // on each sample [N s]
 };
 
 }  // namespace sunder::shell

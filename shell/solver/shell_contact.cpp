@@ -40,13 +40,16 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
     sample_functions(m, s, block, lane, gathered_);
     if (gathered_.empty() || s.gone[gathered_[0].slot]) return;
     const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
-    Vec3 u = Vec3::Zero(), v = Vec3::Zero();
-    for (int k = 0; k < n.count(); ++k) {
-      const Vec3 x = s.position(n.row(k) * t.stride + n.column(k));
-      u += n.u[k] * x, v += n.v[k] * x;
-    }
+    const auto normal = [&](const std::vector<double>& at) -> Vec3 {
+      Vec3 u = Vec3::Zero(), v = Vec3::Zero();
+      for (int k = 0; k < n.count(); ++k) {
+        const Vec3 x = s.at(at, n.row(k) * t.stride + n.column(k));
+        u += n.u[k] * x, v += n.v[k] * x;
+      }
+      return u.cross(v).normalized();
+    };
     SurfaceSample q;
-    q.normal = u.cross(v).normalized();
+    q.normal = normal(s.x), q.rest_normal = normal(m.rest), q.area = area;
     if (!q.normal.allFinite()) return;
     q.mass = m.material.density * m.thickness * area, q.thickness = m.thickness, q.shell = tile.shell;
     q.rest = Vec3::Zero();

@@ -21,16 +21,19 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
 constexpr double kSize = 1.0, kPull = 12.0;  // [m]; towards the origin, its square per distance [rad/s]
+constexpr double kSettled = 0.6;             // by then it has collapsed twice [s]
 
-// Pairs of triangles between the corners of elements that cross, by exact predicates; what is nearer at rest than
-// `near` [m] is the same fold, which contact does not see as two surfaces, and is counted apart.
+// Pairs of triangles that cross, by exact predicates, of a mesh with four squares to an element: with one, a mesh
+// crosses where its surface does not, and does not where that does. What is nearer at rest than `near` [m] is the same
+// fold, and is counted apart.
 struct Crossings {
   int through = 0, folded = 0;
 };
 Crossings crossings(const ShellModel& m, const ShellState& s, int elements, double near) {
+  const int cells = 2 * elements;
   Surface surface;
   std::vector<Vec3> rest;
-  const int across = elements + 1;
+  const int across = cells + 1;
   const auto corner = [&](int i, int j) {
     return Surface::Vertex_index(static_cast<Surface::size_type>(j * across + i));
   };
@@ -38,7 +41,7 @@ Crossings crossings(const ShellModel& m, const ShellState& s, int elements, doub
     for (int i = 0; i < across; ++i) {
       Vec3 x = Vec3::Zero(), at = Vec3::Zero();
       for (const GatheredFunction& f :
-           patch_functions(m.patch, Vec2(kSize * i / elements, kSize * j / elements), m.tables.stride))
+           patch_functions(m.patch, Vec2(kSize * i / cells, kSize * j / cells), m.tables.stride))
         x += f.n[0] * s.position(f.slot), at += f.n[0] * s.at(m.rest, f.slot);
       surface.add_vertex({x.x(), x.y(), x.z()}), rest.push_back(at);
     }
@@ -47,8 +50,8 @@ Crossings crossings(const ShellModel& m, const ShellState& s, int elements, doub
     surface.add_face(a, b, c);
     middle.emplace_back((rest[a] + rest[b] + rest[c]) / 3.0);
   };
-  for (int j = 0; j < elements; ++j)
-    for (int i = 0; i < elements; ++i) {
+  for (int j = 0; j < cells; ++j)
+    for (int i = 0; i < cells; ++i) {
       add(corner(i, j), corner(i + 1, j), corner(i + 1, j + 1));
       add(corner(i, j), corner(i + 1, j + 1), corner(i, j + 1));
     }
@@ -92,7 +95,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   const double first = energy(), flat = spread(m, s);
   const Totals before = totals(m, s);
   int through = 0, folded = 0, looks = 0, touching = 0;
-  std::vector<double> times, sizes;
+  std::vector<double> times, sizes, crossed, crossed_in_folds;
   for (int k = 1; k <= substeps; ++k) {
     compute_forces(m, s, false, 0.0, threads);
     kick(m, s, Vec3::Zero(), dt);
@@ -102,10 +105,11 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
     }
     if (meets) touching = std::max(touching, contact.act(shells, dt));
     drift(m, s, dt);
-    if (k % std::max(1, substeps / 100) != 0) continue;
+    if (k % (k * dt > kSettled ? std::max(1, substeps / 100) : elements / 2) != 0) continue;
     const Crossings found = crossings(m, s, elements, 4.0 * spacing);
     through = std::max(through, found.through), folded = std::max(folded, found.folded), ++looks;
     times.push_back(k * dt), sizes.push_back(std::sqrt(spread(m, s) / flat));
+    crossed.push_back(found.through), crossed_in_folds.push_back(found.folded);
   }
   if (!meets) {  // or nothing would be shown
     report.add(fmt::format("crumple_{}_without_contact_crosses", elements), through > 0 ? 1.0 : 0.0, 1.0, 0.0,
@@ -122,11 +126,13 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   report.add(name + "_energy", energy() / first, 1.0, 0.01, 0.0);
   report.lines.push_back(fmt::format(
       "{0} x {0} elements, {1} substeps of {2:.3g} s: its spread falls to {3:.2f} of the flat sheet's, {4} places "
-      "touch "
-      "at most; {5} looks",
+      "touch at most; {5} looks, most of them while it collapses",
       elements, substeps, dt, *std::min_element(sizes.begin(), sizes.end()), touching, looks));
   report.curves.push_back({name, "time [s]", "root mean square distance from the middle, over that of the flat sheet",
                            times, sizes, false});
+  report.curves.push_back({name + "_crossings", "time [s]", "pairs of triangles that cross", times, crossed, false});
+  report.curves.push_back({name + "_crossings_in_a_fold", "time [s]", "pairs of triangles of one fold that cross",
+                           times, crossed_in_folds, false});
 }
 
 }  // namespace
