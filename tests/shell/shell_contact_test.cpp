@@ -1,5 +1,6 @@
 // Shells that touch one another, and themselves.
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -125,6 +126,79 @@ TEST(ShellContact, FrictionIsCoulombs) {
     EXPECT_NEAR(normal, reduced * 2.01, 1e-9 * normal);
     EXPECT_NEAR(-on_second.x(), std::min(friction * normal, reduced * 3.0), 1e-9 * normal);
   }
+}
+
+// A strip of a surface, `x(s, y)` where it lies flat at (s, y, 0) at rest and `along(s, y)` its tangent over s, with
+// four samples to a square of `kElement`.
+constexpr double kElement = 0.1;  // [m]
+template <class F, class G>
+std::vector<SurfaceSample> strip(double thickness, F&& x, G&& along, bool rests) {
+  std::vector<SurfaceSample> out;
+  for (int i = -4; i < 4; ++i)
+    for (int j = 0; j < 10; ++j) {
+      const double s = 0.5 * kElement * (i + 0.5), y = 0.5 * kElement * (j + 0.5);
+      SurfaceSample p;
+      p.x = x(s, y), p.normal = along(s, y).cross(Vec3::UnitY()).normalized();
+      p.rest = rests ? p.x : Vec3(s, y, 0), p.rest_normal = rests ? p.normal : -Vec3::UnitZ();
+      p.v = Vec3::Zero(), p.mass = 1.0, p.thickness = thickness, p.area = 0.25 * kElement * kElement;
+      out.push_back(p);
+    }
+  return out;
+}
+
+TEST(ShellContact, BothSidesOfATightFoldStayApart) {
+  for (const double thickness : {0.02, 0.04}) {
+    // a hairpin, all of it within four spacings at rest; its legs are thrown together, one of them aside
+    std::vector<SurfaceSample> samples = strip(
+        thickness, [](double s, double y) { return Vec3(std::abs(s), y, s > 0.0 ? 0.1 : 0.0); },
+        [](double s, double) { return s > 0.0 ? Vec3(1, 0, 0) : Vec3(-1, 0, 0); }, false);
+    for (SurfaceSample& p : samples) p.v = p.x.z() > 0.05 ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5);
+    FieldContact contact(kElement, {{1}}, {1, std::vector<SurfaceLaw>(1)});
+    const double dt = 1e-3;
+    const auto sum = [&](auto&& of) {
+      Vec3 total = Vec3::Zero();
+      for (const SurfaceSample& p : samples) total += of(p);
+      return total;
+    };
+    const auto momentum = [](const SurfaceSample& p) { return Vec3(p.mass * p.v); };
+    const auto angular = [](const SurfaceSample& p) { return Vec3(p.mass * p.x.cross(p.v)); };
+    const Vec3 before = sum(momentum), turning = sum(angular);
+    double nearest = 1e300;
+    for (double time = 0.0; time < 0.2; time += dt) {
+      contact.solve(samples, dt);
+      for (SurfaceSample& p : samples) p.v += p.impulse / p.mass, p.x += dt * p.v;
+      for (const SurfaceSample& p : samples)
+        for (const SurfaceSample& q : samples)  // the turn itself is left to the shell's stiffness
+          if (p.rest.x() > 0.05 && q.rest.x() < -0.05 && (p.x - q.x).head<2>().norm() < 0.25 * kElement)
+            nearest = std::min(nearest, p.x.z() - q.x.z());
+    }
+    // what is over the middle of four samples, half a diagonal from each, stays a thickness away
+    const double apart = std::hypot(thickness, 0.5 * std::numbers::sqrt2 * 0.5 * kElement);
+    EXPECT_GT(nearest, 0.9 * apart);
+    EXPECT_LT(nearest, apart);
+    EXPECT_LT((sum(momentum) - before).norm(), 1e-12 * before.norm());
+    EXPECT_LT((sum(angular) - turning).norm(), 1e-12 * turning.norm());
+    double stretch = 0.0;  // beside one another on a leg, as near as its other side may come, yet the same side
+    for (std::size_t i = 0; i + 1 < samples.size(); ++i)
+      if (samples[i].rest.x() == samples[i + 1].rest.x())
+        stretch = std::max(stretch, (samples[i + 1].x - samples[i].x).norm() / (0.5 * kElement));
+    EXPECT_LT(stretch, 1.5);
+  }
+}
+
+TEST(ShellContact, AShellThatHasACreaseAtRestIsLeftAlone) {
+  // the edge of a box that is nearly closed: sides 0.035 m apart at the end of the first element
+  const double half = 10.0 * std::numbers::pi / 180.0;
+  const auto side = [&](double s) { return Vec3(std::cos(half), 0, s > 0.0 ? std::sin(half) : -std::sin(half)); };
+  std::vector<SurfaceSample> samples = strip(
+      0.04, [&](double s, double y) { return Vec3(std::abs(s) * side(s) + y * Vec3::UnitY()); },
+      [&](double s, double) { return Vec3((s > 0.0 ? 1.0 : -1.0) * side(s)); }, true);
+  FieldContact contact(kElement, {{1}}, {1, std::vector<SurfaceLaw>(1)});
+  EXPECT_EQ(contact.solve(samples, 1e-3), 0);
+  const Quat turn(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()));
+  for (SurfaceSample& p : samples)
+    p.x = turn * p.x + Vec3(0.03, 0.07, 0.01), p.normal = turn * p.normal, p.v = Vec3(1, 2, 3).cross(p.x);
+  EXPECT_EQ(contact.solve(samples, 1e-3), 0);
 }
 
 TEST(ShellContact, WhatCannotMeetCostsNothing) {

@@ -88,21 +88,26 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   ShellContact contact({&m}, {}, {1, std::vector<SurfaceLaw>(1)});
   const std::vector<ShellRef> shells{{&m, &s}};
   const double dt = 0.5 * stable_step(m, s, 80, threads, false);
+  // forces that act at the time of the positions, the pull with them: books work at that time
+  const auto force = [&](bool strain_energy) {
+    const double elastic = compute_forces(m, s, strain_energy, 0.0, threads);
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = m.tables.slot(i);
+      for (int d = 0; d < 3; ++d)
+        s.force[d * m.tables.plane + slot] -= kPull * kPull * s.mass[slot] * s.position(slot)[d];
+    }
+    return elastic;
+  };
   const auto energy = [&] {
-    return compute_forces(m, s, true, 0.0, threads) + kinetic_energy(m, s, dt) + s.book.lost() +
-           0.5 * kPull * kPull * spread(m, s);
+    return force(true) + kinetic_energy(m, s, dt) + s.book.lost() + 0.5 * kPull * kPull * spread(m, s);
   };
   const double first = energy(), flat = spread(m, s);
   const Totals before = totals(m, s);
   int through = 0, folded = 0, looks = 0, touching = 0;
   std::vector<double> times, sizes, crossed, crossed_in_folds;
   for (int k = 1; k <= substeps; ++k) {
-    compute_forces(m, s, false, 0.0, threads);
+    force(false);
     kick(m, s, Vec3::Zero(), dt);
-    for (int i = 0; i < m.control_points(); ++i) {
-      const int slot = m.tables.slot(i);
-      s.add_velocity(slot, -kPull * kPull * dt * s.position(slot));
-    }
     if (meets) touching = std::max(touching, contact.act(shells, dt));
     drift(m, s, dt);
     if (k % (k * dt > kSettled ? std::max(1, substeps / 100) : elements / 2) != 0) continue;
