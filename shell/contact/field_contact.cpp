@@ -13,8 +13,10 @@ constexpr double kRecovery = 0.1;         // of an overlap, taken back in a subs
 constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper
 constexpr double kDeep = 0.25;            // than this share of the thickness
 constexpr double kFastestRecovery = 0.5;  // [m/s], or
-constexpr double kSpeeds = 3.0;           // so many times the spread of both surfaces' velocities about their mean
-constexpr double kTurned = 0.3;           // by which the cosine with the first sample's normal has fallen in a fold
+// so many times the spread of both surfaces' velocities about their mean, which is at least half of the speed that
+// equal ones part with. From 2 on what is let go spreads velocities further, and a crumpled sheet heats itself.
+constexpr double kSpeeds = 1.5;
+constexpr double kTurned = 0.3;  // by which the cosine with the first sample's normal has fallen in a fold
 // Moment of inertia that a field turns with, of mass times the square of the distance between. At 0.25 a spin takes no
 // more energy than friction that stops the slip sets free; but then so many push without friction that a crumpled sheet
 // passes through itself (validate contact --case crumple_small). What a spin takes is booked.
@@ -94,7 +96,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
         pair.fastest = std::max(kFastestRecovery, kSpeeds * std::sqrt(std::max(0.0, spread)));
         if (hang_together(fields_[a], fields_[b], together_, one_surface())) {
           pair.gap = std::abs(pair.normal.dot(apart)) - 0.5 * (fields_[a].thickness + fields_[b].thickness);
-          pair.fastest = 1e300, fold_near_[node] = 1, folds = true;  // nothing begins as a fold with an overlap
+          fold_near_[node] = 1, folds = true;
           pairs_.push_back(pair);
           continue;
         }
@@ -112,17 +114,19 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
       }
   }
   for (const Pair& pair : pairs_) {
-    if (pair.gap >= 0.0) continue;
     Field &a = fields_[pair.plane], &b = fields_[pair.other];
     const Vec3 n = pair.normal;
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
     const double deeper = std::max(0.0, -pair.gap - kDeep * 0.5 * (a.thickness + b.thickness));
-    const double wanted = std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, pair.fastest);
+    // what is apart may come as near as it will touch in this substep, and has no overlap to be let go afterwards
+    const double wanted =
+        pair.gap > 0.0 ? -pair.gap / dt : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, pair.fastest);
     const double approach = rel.dot(n);
     if (approach >= wanted) continue;
     const SurfaceLaw& law = laws_[a.shell][b.shell];
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
-    const double normal = reduced * (std::max(wanted, -law.restitution * approach) - approach);
+    const double after = law.restitution > 0.0 ? std::max(wanted, -law.restitution * approach) : wanted;
+    const double normal = reduced * (after - approach);
     const Vec3 slide = rel - approach * n;
     const double most = reduced * slide.norm();  // would stop it
     const double friction = std::min(law.friction * normal, most);
@@ -154,7 +158,8 @@ bool FieldContact::one(const Field& f, const SurfaceSample& first, const Surface
 }
 
 // A fold is tighter than a node sees: there samples that are too close push one another apart along the line between
-// them, which leaves angular momentum as it is, each taking its share with all that it is too close to. They are kept
+// them, which leaves angular momentum as it is, each taking its share with all that it is too close to, or would be at
+// the end of the substep. They are kept
 // so far apart that the middle of four stays a thickness from what is over it. What is nearer at rest than half a turn
 // is long about a thickness, or about half that diagonal, is the bend itself. Returns the pairs that are too close.
 int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt) {
@@ -178,7 +183,9 @@ int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt
       const double across = 0.25 * (samples[p].area + samples[q].area);  // half a diagonal of four samples, squared
       const double reach = std::sqrt(between * between + across);
       const double half_turn = 0.5 * std::numbers::pi * std::max(between, std::sqrt(across));
-      if ((samples[q].x - samples[p].x).squaredNorm() >= reach * reach) continue;
+      const Vec3 line = samples[q].x - samples[p].x;
+      const double apart = line.norm();
+      if (apart >= reach && line.dot(samples[q].v - samples[p].v) * dt >= apart * (reach - apart)) continue;
       if ((samples[q].rest - samples[p].rest).squaredNorm() <= half_turn * half_turn) continue;
       close_.push_back({p, q, reach}), ++shares_[p], ++shares_[q];
     }
@@ -189,7 +196,9 @@ int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt
     if (apart == 0.0) continue;
     const Vec3 n = (b.x - a.x) / apart;
     const double approach = n.dot(b.v + b.impulse / b.mass - a.v - a.impulse / a.mass);
-    const double wanted = (c.reach - apart) / dt;
+    const double fastest = std::max(kFastestRecovery, 0.5 * kSpeeds * (b.v - a.v).norm());
+    const double wanted =
+        apart > c.reach ? (c.reach - apart) / dt : std::min(kDeepRecovery * (c.reach - apart) / dt, fastest);
     if (approach >= wanted) continue;
     const double share = 1.0 / std::max(shares_[c.p], shares_[c.q]);
     const Vec3 j = share * a.mass * b.mass / (a.mass + b.mass) * (wanted - approach) * n;
