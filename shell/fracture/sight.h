@@ -36,6 +36,8 @@ class Sight {
   /// Takes in what the first `end` edges of the graph hide. None that it has taken in may be taken back.
   void update(const ControlGrid& grid, const CrackGraph& cracks, int end);
   const Vec2& point() const { return p_; }
+  /// Whether two sights of one point are the same.
+  bool sees_the_same(const Sight& other) const { return rows_ == other.rows_; }
   /// Calls back each control point that is seen, in rising order.
   template <class F>
   void each(const ControlGrid& grid, F&& callback) const {

@@ -19,10 +19,11 @@ std::size_t hash(const std::array<int, 3>& at) {
 
 void SparseGrid::clear() {
   table_.assign(table_.empty() ? kFirstTable : table_.size(), -1);
-  blocks_.clear();
+  blocks_.clear(), last_ = -1;
 }
 
 int SparseGrid::block(const std::array<int, 3>& at) {
+  if (last_ >= 0 && blocks_[last_] == at) return last_;
   if (2 * (blocks_.size() + 1) > table_.size()) grow();
   const std::size_t mask = table_.size() - 1;
   std::size_t slot = hash(at) & mask;
@@ -31,7 +32,7 @@ int SparseGrid::block(const std::array<int, 3>& at) {
     table_[slot] = static_cast<int>(blocks_.size());
     blocks_.push_back(at);
   }
-  return table_[slot];
+  return last_ = table_[slot];
 }
 
 void SparseGrid::grow() {

@@ -25,6 +25,7 @@ class SparseGrid {
   void grow();
   std::vector<std::array<int, 3>> blocks_;
   std::vector<int> table_;  // open addressing; -1: empty
+  int last_ = -1;           // block asked for last: neighbours come one after the other
 };
 
 }  // namespace sunder::shell

@@ -90,6 +90,15 @@ struct ShellState {
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Sight> sights;  // of Gauss points that were near a new edge
   std::vector<int> sight_of;  // [block][lane]: index into sights, -1: none
+  /// What edges on trial would leave of a point that sees so much. Those that are refused are tried again, longer or a
+  /// little later, and mostly leave the same. Not part of checkpoints: it can be found again.
+  struct Trial {
+    Sight sight;
+    PointKind kind;
+    ReferenceMetric<double> metric;
+    std::vector<GatheredFunction> functions;
+  };
+  std::vector<std::vector<Trial>> trials;  // of each sight
   // [block][lane]: no control point that the functions beside a crack use is further off, the larger of the two
   // coordinates [spacings]; 0: they are those of the patch
   std::vector<float> reach;

@@ -420,6 +420,7 @@ TEST(ExtendCracks, ThatWouldAddEnergyIsRefusedAndChangesNothing) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
   for (double& x : s.x) x += 1e-5 * uniform(random);
+  ShellState forgetful = s;  // of what was tried before: the same comes of it
   int refused = 0, taken = 0;
   for (int k = 0; k < 60; ++k) {
     const Vec2 from(0.1 + 0.06 * uniform(random), 0.1 + 0.06 * uniform(random));
@@ -428,6 +429,10 @@ TEST(ExtendCracks, ThatWouldAddEnergyIsRefusedAndChangesNothing) {
     const std::size_t edges = s.cracks.edges().size(), vertices = s.cracks.vertices().size(), points = s.points.size();
     const double length = s.cracks.total_length(), energy = compute_forces(m, s, true, 0.0, 1);
     const int edge = extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false);
+    forgetful.cracks.add_vertex(from), forgetful.trials.clear();
+    EXPECT_EQ(extend_cracks(m, forgetful, {{vertex, to, k, 1}}, 0.0, false), edge);
+    EXPECT_EQ(compute_forces(m, forgetful, true, 0.0, 1), compute_forces(m, s, true, 0.0, 1));
+    EXPECT_EQ(forgetful.force, s.force);
     EXPECT_EQ(s.book.injected, 0.0);
     if (edge >= 0) {
       EXPECT_LE(compute_forces(m, s, true, 0.0, 1), energy * (1.0 + 1e-12));
