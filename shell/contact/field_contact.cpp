@@ -12,10 +12,10 @@ namespace {
 constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep: more, and what rests hops;
 constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper
 constexpr double kDeep = 0.25;            // than this share of the thickness
-constexpr double kFastestRecovery = 0.5;  // [m/s], or
-// so many times the spread of both surfaces' velocities about their mean, which is at least half of the speed that
-// equal ones part with. From 2 on what is let go spreads velocities further, and a crumpled sheet heats itself.
-constexpr double kSpeeds = 1.5;
+constexpr double kFastestRecovery = 1.0;  // [m/s], or
+// so much of the speed at which they come: with more than that, or by what moves otherwise, overlaps that are let go
+// make others, and a crumpled sheet heats itself.
+constexpr double kBounce = 0.75;
 constexpr double kTurned = 0.3;  // by which the cosine with the first sample's normal has fallen in a fold
 // Moment of inertia that a field turns with, of mass times the square of the distance between. At 0.25 a spin takes no
 // more energy than friction that stops the slip sets free; but then so many push without friction that a crumpled sheet
@@ -69,7 +69,6 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
       Field& f = fields_[corner.field];
       const double m = corner.weight * samples[p].mass;
       f.mass += m, f.thickness = std::max(f.thickness, samples[p].thickness);
-      f.square += m * samples[p].v.squaredNorm();
       f.momentum += m * samples[p].v, f.moment += m * samples[p].x;
       // sides of a surface that folds agree by the first one
       f.normal += corner.weight * (f.normal.dot(samples[p].normal) < 0.0 ? -1.0 : 1.0) * samples[p].normal;
@@ -90,10 +89,6 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
         pair.normal.normalize();
         const Vec3 apart = fields_[pair.other].centre() - fields_[pair.plane].centre();
         if (pair.normal.dot(apart) < 0.0) pair.normal = -pair.normal;
-        const double mass = fields_[a].mass + fields_[b].mass;
-        const double spread = (fields_[a].square + fields_[b].square) / mass -
-                              ((fields_[a].momentum + fields_[b].momentum) / mass).squaredNorm();
-        pair.fastest = std::max(kFastestRecovery, kSpeeds * std::sqrt(std::max(0.0, spread)));
         if (hang_together(fields_[a], fields_[b], together_, one_surface())) {
           pair.gap = std::abs(pair.normal.dot(apart)) - 0.5 * (fields_[a].thickness + fields_[b].thickness);
           fold_near_[node] = 1, folds = true;
@@ -119,9 +114,9 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
     const double deeper = std::max(0.0, -pair.gap - kDeep * 0.5 * (a.thickness + b.thickness));
     // what is apart may come as near as it will touch in this substep, and has no overlap to be let go afterwards
+    const double approach = rel.dot(n), fastest = std::max(kFastestRecovery, -kBounce * approach);
     const double wanted =
-        pair.gap > 0.0 ? -pair.gap / dt : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, pair.fastest);
-    const double approach = rel.dot(n);
+        pair.gap > 0.0 ? -pair.gap / dt : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, fastest);
     if (approach >= wanted) continue;
     const SurfaceLaw& law = laws_[a.shell][b.shell];
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
@@ -196,7 +191,7 @@ int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt
     if (apart == 0.0) continue;
     const Vec3 n = (b.x - a.x) / apart;
     const double approach = n.dot(b.v + b.impulse / b.mass - a.v - a.impulse / a.mass);
-    const double fastest = std::max(kFastestRecovery, 0.5 * kSpeeds * (b.v - a.v).norm());
+    const double fastest = std::max(kFastestRecovery, -kBounce * approach);
     const double wanted =
         apart > c.reach ? (c.reach - apart) / dt : std::min(kDeepRecovery * (c.reach - apart) / dt, fastest);
     if (approach >= wanted) continue;

@@ -33,17 +33,17 @@ class FieldContact {
   double spacing() const { return spacing_; }
   /// Surfaces that hang together and are no further apart at rest are one [m].
   double one_surface() const { return kOneSurface * spacing_; }
-  /// Impulses of surfaces that touch and approach, or overlap, into `impulse`; they sum to zero, and so do their
-  /// moments. `dt`: of the substep [s]. Returns the number of places in contact.
+  /// Impulses of surfaces that would touch within the substep, touch and approach, or overlap, into `impulse`; they sum
+  /// to zero, and so do their moments. `dt`: of the substep [s]. Returns the number of places that may be in contact.
   int solve(std::vector<SurfaceSample>& samples, double dt);
 
  private:
   static constexpr double kOneSurface = 4.0;  // grid spacings, a little more than the support of a node
   struct Field {
     int shell = 0, next = -1;
-    Vec3 rest;                                         // of its first sample
-    int first = -1;                                    // sample
-    double mass = 0.0, thickness = 0.0, square = 0.0;  // square: sum of mass times speed squared
+    Vec3 rest;       // of its first sample
+    int first = -1;  // sample
+    double mass = 0.0, thickness = 0.0;
     Vec3 momentum = Vec3::Zero(), moment = Vec3::Zero(), normal = Vec3::Zero();  // sums
     Vec3 change = Vec3::Zero(), spin = Vec3::Zero();                             // of its velocity [m/s], [rad/s]
     Mat3 inertia = Mat3::Zero();                                                 // about its centre, where it touches
@@ -54,7 +54,6 @@ class FieldContact {
     int node, plane, other;  // fields
     Vec3 normal;             // from the plane to the other
     double gap = 1e300;      // nearest sample of the other; of their centres in a fold [m]
-    double fastest = 0.0;    // that an overlap is let go with [m/s]
     int next = -1;
   };
   struct Touch {

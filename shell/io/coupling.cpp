@@ -178,7 +178,10 @@ void Run::iterate_window(int n, double dt) {
     double engine_loss;
   };
   Snapshot start{{}, {}, stitching_, proxies_, random_, substeps_, engine_loss_};
-  for (const ShellPart& part : parts_) start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
+  for (const ShellPart& part : parts_) {
+    part.state->trials.clear();  // they can be found again
+    start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
+  }
   const double window = n * dt;
   std::vector<Kick> last;
   double relaxation = kFirstRelaxation;

@@ -10,6 +10,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr std::size_t kTrials = 8;                // remembered of a point
+constexpr int kForget = 128;                      // edges after which all are forgotten
 constexpr double kMostGain = 4.0;                 // of a point's energy when its functions change
 constexpr double kAtBorder = 0.1;                 // spacings: a cut that ends so close to the border runs out
 constexpr double kOnACrack = 0.02, kPast = 2e-3;  // spacings: a cut that ends so close to a crack ends on it
@@ -48,16 +49,18 @@ int sight_of(const ShellModel& m, ShellState& s, int block, int lane) {
   return index = static_cast<int>(s.sights.size()) - 1;
 }
 
-// The same point with the functions that cracks leave it, as a trial has found them where one had that sight.
+// The same point with the functions that cracks leave it, as a trial has found them where one had that sight. None are
+// remembered where there are no `trials`.
 GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
-                      std::vector<ShellState::Trial>& trials) {
+                      std::vector<ShellState::Trial>* trials) {
   const RowTables& t = m.tables;
   GatheredPoint g = old;
-  for (const ShellState::Trial& known : trials)
-    if (known.sight.sees_the_same(sight)) {
-      g.kind = known.kind, g.metric = known.metric, g.functions = known.functions;
-      return g;
-    }
+  if (trials)
+    for (const ShellState::Trial& known : *trials)
+      if (known.sight.sees_the_same(sight)) {
+        g.kind = known.kind, g.metric = known.metric, g.functions = known.functions;
+        return g;
+      }
   const MlsPoint mls = mls_point(control_grid(m), sight);
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
@@ -67,8 +70,9 @@ GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoi
     const Forms<double> rest = surface_forms(gather(t, g, m.rest));
     g.metric = {rest.a, rest.b};
   }
-  if (trials.size() == kTrials) trials.erase(trials.begin());
-  trials.push_back({sight, g.kind, g.metric, g.functions});
+  if (!trials) return g;
+  if (trials->size() == kTrials) trials->erase(trials->begin());
+  trials->push_back({sight, g.kind, g.metric, g.functions});
   return g;
 }
 
@@ -169,8 +173,8 @@ struct Renewal {
   double before = 0.0, after = 0.0;  // elastic energy [J]
 };
 
-// What becomes of it. Changes nothing of the state but the point's own sight, which the edges from `first` on, on
-// trial, do not enter yet.
+// What becomes of it. Changes nothing of the state but the point's own trials and its sight, which the edges from
+// `first` on, on trial, do not enter yet.
 void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(r.block) * t.lanes + r.lane;
@@ -186,7 +190,7 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
   s.sights[r.sight].update(control_grid(m), s.cracks, first);
   Sight sight = s.sights[r.sight];
   sight.update(control_grid(m), s.cracks, end);
-  GatheredPoint g = renewed(m, sight, old, s.trials[r.sight]);
+  GatheredPoint g = renewed(m, sight, old, s.trials.empty() ? nullptr : &s.trials[r.sight]);
   double left = elastic(g);
   const double most =
       damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * g.area
@@ -242,7 +246,9 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   }
   std::vector<Renewal> changed;
   for (const auto& [block, lane] : touched) changed.push_back({block, lane, sight_of(m, s, block, lane), {}, {}});
-  s.trials.resize(s.sights.size());
+  // what cracks have passed by is tried no more
+  if (!must_release || end % kForget == 0) s.trials.clear();
+  if (must_release) s.trials.resize(s.sights.size());
   if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
     for (const auto& [block, lane] : touched)
       s.book.plastic += settle(t, present_point(m, s, block, lane), s.x, plasticity_of(m, s));
@@ -256,7 +262,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     GatheredPoint& g = r.point;
     const int point = gather_point(m, s, g.block, g.lane);
     g.in_rows = false;
-    s.trials[r.sight] = {};
+    if (!s.trials.empty()) s.trials[r.sight].clear();
     if (!s.damage.empty()) s.damage[point] = r.damage;
     if (s.yields()) settle(t, g, s.x, plasticity_of(m, s));
     if (g.kind == PointKind::kDead)

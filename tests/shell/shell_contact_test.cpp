@@ -135,8 +135,9 @@ TEST(ShellContact, FrictionIsCoulombs) {
 }
 
 // Moved on for `time` [s]; the least distance between their middles [m] and the fastest that they part with [m/s].
-std::pair<double, double> let_meet(std::vector<SurfaceSample> samples, double time, double dt) {
-  FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {0.0, 0.0})});
+std::pair<double, double> let_meet(std::vector<SurfaceSample> samples, double time, double dt,
+                                   double restitution = 0.0) {
+  FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {0.0, restitution})});
   double nearest = 1e300, fastest = -1e300;
   for (int k = 0; k * dt < time; ++k) {
     contact.solve(samples, dt);
@@ -156,12 +157,17 @@ TEST(ShellContact, WhatComesNearTouchesAndGoesNoFurther) {
   EXPECT_LT(fastest, 0.01);          // and do not bounce
 }
 
-TEST(ShellContact, OverlapsAreLetGoNoFasterThanTheyCame) {
-  // short substeps, in which speeds of recovery are at their bounds; faster than they met, a pile would heat itself
-  EXPECT_LT(let_meet(two_sheets(0.001, Vec3::Zero()), 0.05, 1e-5).second, 0.5 + 1e-6);
-  const double after = let_meet(two_sheets(0.001, Vec3(0, 0, -8)), 0.05, 1e-5).second;
-  EXPECT_LT(after, 0.8 * 8.0);
-  EXPECT_GT(after, 0.5);
+TEST(ShellContact, WhatTouchesWithinASubstepBouncesByItsRestitution) {
+  EXPECT_NEAR(let_meet(two_sheets(0.033, Vec3(0, 0, -5)), 0.02, 1e-3, 0.5).second, 2.5, 0.2);  // as above: 2.37
+}
+
+TEST(ShellContact, OverlapsAreLetGoSlowlyOrSlowerThanTheyCame) {
+  // short substeps, in which speeds are at their bounds: 1 m/s, or 0.75 of what they came at
+  const auto at_rest = let_meet(two_sheets(0.001, Vec3::Zero()), 0.05, 1e-5);
+  EXPECT_NEAR(at_rest.second, 1.0, 0.02);
+  EXPECT_NEAR(let_meet(two_sheets(0.001, Vec3(0, 0, -8)), 0.05, 1e-5).second, 0.75 * 8.0, 0.02 * 8.0);
+  // what slides beside one another is no approach
+  EXPECT_NEAR(let_meet(two_sheets(0.001, Vec3(8, 0, 0)), 0.01, 1e-5).second, 1.0, 0.02);
 }
 
 // A strip of a surface, `x(s, y)` where it lies flat at (s, y, 0) at rest and `along(s, y)` its tangent over s, with
@@ -184,7 +190,7 @@ std::vector<SurfaceSample> strip(double thickness, F&& x, G&& along, bool rests)
 
 TEST(ShellContact, BothSidesOfATightFoldStayApart) {
   for (const double thickness : {0.02, 0.04}) {
-    // a hairpin, all of it within four spacings at rest; its legs are thrown together, one of them aside
+    // a hairpin, each column of it within four spacings at rest; its legs are thrown together, one of them aside
     std::vector<SurfaceSample> samples = strip(
         thickness, [](double s, double y) { return Vec3(std::abs(s), y, s > 0.0 ? 0.1 : 0.0); },
         [](double s, double) { return s > 0.0 ? Vec3(1, 0, 0) : Vec3(-1, 0, 0); }, false);
@@ -218,7 +224,7 @@ TEST(ShellContact, BothSidesOfATightFoldStayApart) {
     for (std::size_t i = 0; i + 1 < samples.size(); ++i)
       if (samples[i].rest.x() == samples[i + 1].rest.x())
         stretch = std::max(stretch, (samples[i + 1].x - samples[i].x).norm() / (0.5 * kElement));
-    EXPECT_LT(stretch, 1.5);
+    EXPECT_LT(stretch, 1.5);  // 1.1; 4 if they pushed one another
   }
 }
 
