@@ -10,7 +10,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep: more, and what rests hops;
-constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper
+constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper, or of all of it in a fold
 constexpr double kDeep = 0.25;            // than this share of the thickness
 constexpr double kFastestRecovery = 1.0;  // [m/s], or
 // so much of the speed at which they come: with more than that, or by what moves otherwise, overlaps that are let go
@@ -83,8 +83,7 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
         // what fills more of the node's surroundings is the plane
         const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
         Pair pair;
-        pair.node = node, pair.plane = first ? a : b, pair.other = first ? b : a,
-        pair.normal = fields_[pair.plane].normal;
+        pair.plane = first ? a : b, pair.other = first ? b : a, pair.normal = fields_[pair.plane].normal;
         if (pair.normal.squaredNorm() == 0.0) continue;
         pair.normal.normalize();
         const Vec3 apart = fields_[pair.other].centre() - fields_[pair.plane].centre();
@@ -113,7 +112,8 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     const Vec3 n = pair.normal;
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
     const double deeper = std::max(0.0, -pair.gap - kDeep * 0.5 * (a.thickness + b.thickness));
-    // what is apart may come as near as it will touch in this substep, and has no overlap to be let go afterwards
+    // what would touch within the substep is slowed so that the surfaces' means just touch at its end; with restitution
+    // it bounces already here
     const double approach = rel.dot(n), fastest = std::max(kFastestRecovery, -kBounce * approach);
     const double wanted =
         pair.gap > 0.0 ? -pair.gap / dt : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, fastest);
@@ -152,11 +152,11 @@ bool FieldContact::one(const Field& f, const SurfaceSample& first, const Surface
   return now >= 0.0 || now >= first.rest_normal.dot(p.rest_normal) - kTurned;
 }
 
-// A fold is tighter than a node sees: there samples that are too close push one another apart along the line between
-// them, which leaves angular momentum as it is, each taking its share with all that it is too close to, or would be at
-// the end of the substep. They are kept
-// so far apart that the middle of four stays a thickness from what is over it. What is nearer at rest than half a turn
-// is long about a thickness, or about half that diagonal, is the bend itself. Returns the pairs that are too close.
+// A fold is tighter than a node sees: there samples that are too close, or would be at the end of the substep, push one
+// another apart along the line between them, which leaves angular momentum as it is, each taking its share with all
+// that push it. They are kept so far apart that the middle of four stays a thickness from what is over it. What is
+// nearer at rest than half a turn is long about a thickness, or about half that diagonal, is the bend itself. Returns
+// the pairs.
 int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt) {
   fold_head_.assign(head_.size(), -1), fold_next_.clear(), in_fold_.clear(), close_.clear();
   for (std::size_t p = 0; p < samples.size(); ++p)

@@ -51,9 +51,9 @@ class FieldContact {
     Vec3 centre() const { return moment / mass; }
   };
   struct Pair {
-    int node, plane, other;  // fields
-    Vec3 normal;             // from the plane to the other
-    double gap = 1e300;      // nearest sample of the other; of their centres in a fold [m]
+    int plane, other;    // fields
+    Vec3 normal;         // from the plane to the other
+    double gap = 1e300;  // nearest sample of the other; of their centres in a fold [m]
     int next = -1;
   };
   struct Touch {
@@ -87,7 +87,7 @@ class FieldContact {
     double reach;  // that they are to be apart [m]
   };
   std::vector<Close> close_;
-  std::vector<int> shares_;  // of each sample: pairs that are too close
+  std::vector<int> shares_;  // of each sample: pairs that are too close, or would be
   std::vector<Vec3> push_;   // on each sample [N s]
 };
 

@@ -246,9 +246,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   }
   std::vector<Renewal> changed;
   for (const auto& [block, lane] : touched) changed.push_back({block, lane, sight_of(m, s, block, lane), {}, {}});
-  // what cracks have passed by is tried no more
-  if (!must_release || end % kForget == 0) s.trials.clear();
-  if (must_release) s.trials.resize(s.sights.size());
+  s.trials.resize(must_release ? s.sights.size() : 0);
   if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
     for (const auto& [block, lane] : touched)
       s.book.plastic += settle(t, present_point(m, s, block, lane), s.x, plasticity_of(m, s));
@@ -291,6 +289,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     s.interlock_of[k] = static_cast<int>(s.interlocks.size());
     s.interlocks.push_back(std::move(lock));
   }
+  if (first / kForget != end / kForget) s.trials.clear();  // what cracks have passed by is tried no more
   s.last_crack_time = time;
   s.last_force.clear();  // the next one differs by the crack, not by motion
   return true;

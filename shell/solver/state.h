@@ -98,7 +98,7 @@ struct ShellState {
     ReferenceMetric<double> metric;
     std::vector<GatheredFunction> functions;
   };
-  std::vector<std::vector<Trial>> trials;  // of each sight
+  std::vector<std::vector<Trial>> trials;  // of each sight; empty: none is remembered
   // [block][lane]: no control point that the functions beside a crack use is further off, the larger of the two
   // coordinates [spacings]; 0: they are those of the patch
   std::vector<float> reach;
