@@ -9,6 +9,7 @@
 #include "shell/solver/insertion.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/state.h"
+#include "shell/solver/step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -219,4 +220,33 @@ TEST(ReleasedHalves, FeelNoForce) {
   double largest = 0.0;
   for (const double f : s.force) largest = std::max(largest, std::abs(f));
   EXPECT_LT(largest, 1e-12 * 70e9 * 0.004 * m.spacing * 30.0);
+}
+
+TEST(Damping, LetsAModeDecayAtItsRate) {
+  ShellMaterial material = glass();
+  material.mass_damping = 400.0, material.stiffness_damping = 2e-6;
+  const Support all{kUMin | kUMax | kVMin | kVMax, false};
+  const ShellModel m =
+      make_shell("p", plate(0.2, 0.2, 12, 12, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {all});
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  // first bending mode of a simply supported square, small: linear
+  for (int i = 0; i < m.control_points(); ++i)
+    if (!m.held[m.tables.slot(i)])
+      s.v[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] =
+          0.1 * std::sin(M_PI * m.parameter[i].x() / 0.2) * std::sin(M_PI * m.parameter[i].y() / 0.2);
+  const double rigidity = 70e9 * std::pow(0.004, 3) / (12 * (1 - 0.22 * 0.22));
+  const double omega = 2 * std::pow(M_PI / 0.2, 2) * std::sqrt(rigidity / (2500 * 0.004));
+  const double dt = 0.5 * stable_step(m, s, 100, 1, false), end = 10 * 2 * M_PI / omega;
+  double energy = 0.0, first = -1.0;
+  for (double time = 0.0; time < end; time += dt) {
+    energy = compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
+    if (first < 0.0) first = energy;
+    const double before = energy + s.book.damping;
+    kick(m, s, Vec3::Zero(), dt), drift(m, s, dt);
+    compute_forces(m, s, false, 0.0, 1);
+    ASSERT_LE(std::abs(before - first), 1e-5 * first);  // booked, but for 1e-10 J of round-off
+  }
+  // energy goes as exp(-(alpha + beta omega^2) t); omega of the grid is within 1 % of the plate's
+  const double rate = 400.0 + 2e-6 * omega * omega;
+  EXPECT_NEAR(std::log(first / energy), rate * end, 0.03 * rate * end);
 }
