@@ -59,6 +59,55 @@ double mean_z(const ShellRef& r) {
   return sum / r.model->control_points();
 }
 
+// Two flat sheets of samples, `apart` [m] between their middles, the upper one at `v`; both 0.01 m thick.
+std::vector<SurfaceSample> two_sheets(double apart, const Vec3& v) {
+  std::vector<SurfaceSample> samples;
+  for (int i = 0; i < 20; ++i)
+    for (int j = 0; j < 20; ++j)
+      for (const int shell : {0, 1}) {
+        SurfaceSample p;
+        p.x = p.rest = Vec3(0.03 * i, 0.03 * j, 0.0499 + apart * shell);
+        p.v = shell == 0 ? Vec3::Zero() : v;
+        p.normal = Vec3::UnitZ(), p.mass = 1.0, p.thickness = 0.01, p.shell = shell;
+        samples.push_back(p);
+      }
+  return samples;
+}
+
+// Moved on for `time` [s]; the least distance between their middles [m] and the fastest that they part with [m/s].
+std::pair<double, double> let_meet(std::vector<SurfaceSample> samples, double time, double dt,
+                                   double restitution = 0.0) {
+  FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {0.0, restitution})});
+  double nearest = 1e300, fastest = -1e300;
+  for (int k = 0; k * dt < time; ++k) {
+    contact.solve(samples, dt);
+    for (SurfaceSample& p : samples) p.v += p.impulse / p.mass, p.x += dt * p.v;
+    for (std::size_t i = 0; i < samples.size(); i += 2) {
+      nearest = std::min(nearest, samples[i + 1].x.z() - samples[i].x.z());
+      fastest = std::max(fastest, samples[i + 1].v.z() - samples[i].v.z());
+    }
+  }
+  return {nearest, fastest};
+}
+
+// A strip of a surface, `x(s, y)` where it lies flat at (s, y, 0) at rest and `along(s, y)` its tangent over s, with
+// four samples to a square of `kElement`.
+constexpr double kElement = 0.1;  // [m]
+template <class F, class G>
+std::vector<SurfaceSample> strip(double thickness, F&& x, G&& along, bool rests) {
+  std::vector<SurfaceSample> out;
+  for (int i = -4; i < 4; ++i)
+    for (int j = 0; j < 10; ++j) {
+      const double s = 0.5 * kElement * (i + 0.5), y = 0.5 * kElement * (j + 0.5);
+      SurfaceSample p;
+      p.x = x(s, y), p.normal = along(s, y).cross(Vec3::UnitY()).normalized();
+      p.rest = rests ? p.x : Vec3(s, y, 0), p.rest_normal = rests ? p.normal : -Vec3::UnitZ();
+      p.v = Vec3::Zero(), p.mass = 1.0, p.thickness = thickness, p.area = 0.25 * kElement * kElement;
+      out.push_back(p);
+    }
+  return out;
+}
+
 }  // namespace
 
 TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
@@ -102,21 +151,6 @@ TEST(ShellContact, SheetsThatMeetSquarelyGoOnTogetherAtAThicknessApart) {
   EXPECT_NEAR(mean_z(shells[1]) - mean_z(shells[0]), 0.01, 1e-4);
 }
 
-// Two flat sheets of samples, `apart` [m] between their middles, the upper one at `v`; both 0.01 m thick.
-std::vector<SurfaceSample> two_sheets(double apart, const Vec3& v) {
-  std::vector<SurfaceSample> samples;
-  for (int i = 0; i < 20; ++i)
-    for (int j = 0; j < 20; ++j)
-      for (const int shell : {0, 1}) {
-        SurfaceSample p;
-        p.x = p.rest = Vec3(0.03 * i, 0.03 * j, 0.0499 + apart * shell);
-        p.v = shell == 0 ? Vec3::Zero() : v;
-        p.normal = Vec3::UnitZ(), p.mass = 1.0, p.thickness = 0.01, p.shell = shell;
-        samples.push_back(p);
-      }
-  return samples;
-}
-
 TEST(ShellContact, FrictionIsCoulombs) {
   for (const double friction : {0.0, 0.2, 10.0}) {
     FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {friction, 0.0})});
@@ -132,22 +166,6 @@ TEST(ShellContact, FrictionIsCoulombs) {
     EXPECT_NEAR(normal, reduced * 2.01, 1e-9 * normal);
     EXPECT_NEAR(-on_second.x(), std::min(friction * normal, reduced * 3.0), 1e-9 * normal);
   }
-}
-
-// Moved on for `time` [s]; the least distance between their middles [m] and the fastest that they part with [m/s].
-std::pair<double, double> let_meet(std::vector<SurfaceSample> samples, double time, double dt,
-                                   double restitution = 0.0) {
-  FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {0.0, restitution})});
-  double nearest = 1e300, fastest = -1e300;
-  for (int k = 0; k * dt < time; ++k) {
-    contact.solve(samples, dt);
-    for (SurfaceSample& p : samples) p.v += p.impulse / p.mass, p.x += dt * p.v;
-    for (std::size_t i = 0; i < samples.size(); i += 2) {
-      nearest = std::min(nearest, samples[i + 1].x.z() - samples[i].x.z());
-      fastest = std::max(fastest, samples[i + 1].v.z() - samples[i].v.z());
-    }
-  }
-  return {nearest, fastest};
 }
 
 TEST(ShellContact, WhatComesNearTouchesAndGoesNoFurther) {
@@ -169,24 +187,6 @@ TEST(ShellContact, OverlapsAreLetGoSlowlyOrSlowerThanTheyCame) {
   EXPECT_NEAR(let_meet(two_sheets(0.001, Vec3(0, 0, -8)), 0.05, 1e-5).second, 0.75 * 8.0, 2e-3);
   // what slides beside one another is no approach; a sample that is less and less over the other follows its nodes
   EXPECT_NEAR(let_meet(two_sheets(0.001, Vec3(8, 0, 0)), 0.01, 1e-5).second, 1.0, 0.02);
-}
-
-// A strip of a surface, `x(s, y)` where it lies flat at (s, y, 0) at rest and `along(s, y)` its tangent over s, with
-// four samples to a square of `kElement`.
-constexpr double kElement = 0.1;  // [m]
-template <class F, class G>
-std::vector<SurfaceSample> strip(double thickness, F&& x, G&& along, bool rests) {
-  std::vector<SurfaceSample> out;
-  for (int i = -4; i < 4; ++i)
-    for (int j = 0; j < 10; ++j) {
-      const double s = 0.5 * kElement * (i + 0.5), y = 0.5 * kElement * (j + 0.5);
-      SurfaceSample p;
-      p.x = x(s, y), p.normal = along(s, y).cross(Vec3::UnitY()).normalized();
-      p.rest = rests ? p.x : Vec3(s, y, 0), p.rest_normal = rests ? p.normal : -Vec3::UnitZ();
-      p.v = Vec3::Zero(), p.mass = 1.0, p.thickness = thickness, p.area = 0.25 * kElement * kElement;
-      out.push_back(p);
-    }
-  return out;
 }
 
 TEST(ShellContact, BothSidesOfATightFoldStayApart) {
