@@ -5,14 +5,12 @@
 #include <unistd.h>
 
 #include "coupler/core/hash.h"
+#include "shell/io/audit.h"
 #include "shell/io/run.h"
 #include "shell/io/vtp.h"
 
 namespace sunder::shell {
 namespace {
-
-constexpr double kCouplingWarning = 0.1;                         // of the most energy there was, as the next two
-constexpr double kResidualWarning = 0.02, kFrozenWarning = 0.1;  // of the most energy there was
 
 constexpr double kProgressInterval = 0.5;  // [s]
 constexpr double kCountedShare = 1e-3;     // of the shells' area: smaller shards are splinters
@@ -155,30 +153,10 @@ void Run::write_shards() const {
 }
 
 std::vector<std::string> Run::warnings() const {
-  const EnergyBook b = book();
-  const auto percent = [&](double energy) { return energy_scale_ > 0.0 ? 100.0 * energy / energy_scale_ : 0.0; };
-  std::vector<std::string> out;
-  if (const std::string thick = too_thick(setup_.shells, setup_.stitches.seams); !thick.empty()) out.push_back(thick);
-  if (!(std::abs(residual_) <= kResidualWarning))
-    out.push_back(
-        fmt::format("the energy books miss {:.1f} % of the energy there was: lower time_step_safety, or refine",
-                    100.0 * residual_));
-  if (percent(-b.healing) > 100.0 * kResidualWarning)
-    out.push_back(fmt::format("damage that healed has made {:.1f} % of the energy there was", percent(-b.healing)));
-  if (percent(-b.handoff) > 100.0 * kResidualWarning)
-    out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
-                              percent(-b.handoff), has_grid_transfer() ? ": the grid glues what is cut" : ""));
-  if (percent(residual_sum_) > 100.0 * kCouplingWarning)
-    out.push_back(fmt::format(
-        "windows are too long for bodies that the shell pushes and the engine holds: {:.1f} % of the energy "
-        "there was is uncertain by it; shorten window_s, give coupling.adaptive_window, or take an engine "
-        "that can do 'export_rows'",
-        percent(residual_sum_)));
-  if (percent(frozen_kinetic_) > 100.0 * kFrozenWarning)
-    out.push_back(
-        fmt::format("the shell was frozen while it still moved with {:.0f} % of the energy there was: raise "
-                    "fracture.quiet_time_s or latest_freeze_s",
-                    percent(frozen_kinetic_)));
+  std::vector<std::string> out =
+      doubts({book(), energy_scale_, residual_, residual_sum_, frozen_kinetic_, has_grid_transfer()});
+  if (const std::string thick = too_thick(setup_.shells, setup_.stitches.seams); !thick.empty())
+    out.insert(out.begin(), thick);
   return out;
 }
 

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+/// What a run has booked, to be judged at its end [J].
+struct Audit {
+  EnergyBook book;
+  double scale = 0.0;          // the most energy there was; 0: none, so nothing to be judged
+  double residual = 0.0;       // of the books, a share of `scale`
+  double coupling = 0.0;       // uncertain by windows in which the shell pushes what the engine holds
+  double frozen = 0.0;         // kinetic, of the shell when it was frozen
+  bool grid_transfer = false;  // velocities go through a background grid
+};
+
+/// What a user should know of these energies before trusting the run, a sentence each; empty: nothing.
+std::vector<std::string> doubts(const Audit& audit);
+
+}  // namespace sunder::shell
