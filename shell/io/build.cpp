@@ -270,8 +270,7 @@ RunSetup build(const scene::LoadedScene& scene) {
                   s.patch.knots_u.end(), s.patch.knots_v.end());
       r.probes.push_back({p.name(), i, at});
     }
-    for (const PreparedLoad& load : s.loads)
-      if (!load.load.in_time.empty()) r.last_change = std::max(r.last_change, load.load.in_time.back().first);
+    r.last_change = std::max(r.last_change, s.loads.last_change());
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
   }
   if (m.has_seams()) r.stitches = make_stitches(scene, r);

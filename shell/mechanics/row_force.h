@@ -43,6 +43,12 @@ struct RowDamage {
   double healed = 0.0, dissipated = 0.0;  // out, as in DamageLaw [J]
 };
 
+/// Positions [3][plane], times weights on rational patches; then they live in `scratch`.
+const double* homogeneous(const RowTables& t, const std::vector<double>& x, RowScratch& scratch);
+/// Overwrites `force` [3][plane] with the sum of scratch.row_force, times weights on rational patches; the same for any
+/// number of threads.
+void sum_rows(const RowTables& t, const RowScratch& scratch, int threads, std::vector<double>& force);
+
 /// Adds nothing: overwrites `force` [3][plane] with -dW/dx of the positions `x` [3][plane]. Sums run in
 /// a fixed order, so the result does not depend on the number of threads.
 /// Returns the elastic energy [J] if `energy`, else 0.

@@ -1,7 +1,10 @@
 #include "shell/solver/loads.h"
 
+#include <algorithm>
+
 #include "coupler/core/error.h"
 #include "shell/geometry/quadrature.h"
+#include "shell/mechanics/row_pressure.h"
 #include "shell/solver/supports.h"
 
 namespace sunder::shell {
@@ -41,60 +44,71 @@ double factor_at(const TimeFactor& f, double time) {
   return f.back().second;
 }
 
-std::vector<PreparedLoad> prepare_loads(const Patch& patch, const RowTables& t, const std::vector<Load>& loads,
-                                        const std::string& name) {
-  std::vector<PreparedLoad> out;
+bool PreparedLoads::follow() const {
+  return !pressures.empty() || std::any_of(beside.begin(), beside.end(), [](const PreparedLoad& p) {
+    return p.load.kind == Load::Kind::kEdgeMoment;
+  });
+}
+
+double PreparedLoads::last_change() const {
+  double last = 0.0;
+  const auto look = [&](const Load& load) {
+    if (!load.in_time.empty()) last = std::max(last, load.in_time.back().first);
+  };
+  for (const PreparedLoad& p : beside) look(p.load);
+  for (const Load& load : pressures) look(load);
+  return last;
+}
+
+PreparedLoads prepare_loads(const Patch& patch, const RowTables& t, const std::vector<Load>& loads,
+                            const std::string& name) {
+  PreparedLoads out;
   const int stride = t.stride;
   for (const Load& load : loads) {
+    if (load.kind == Load::Kind::kPressure) {
+      out.pressures.push_back(load);
+      continue;
+    }
     PreparedLoad p{load, {}};
     if (load.kind == Load::Kind::kPoint) {
       require(patch.contains(load.point),
               "{}: a load at ({:.6g}, {:.6g}) lies outside the patch, whose parameters run to ({:.6g}, {:.6g})", name,
               load.point.x(), load.point.y(), patch.knots_u.end(), patch.knots_v.end());
       p.samples.push_back({patch_functions(patch, load.point, stride)});
-    } else if (load.kind == Load::Kind::kPressure) {
-      for (int q = 0; q < t.blocks(); ++q)
-        for (int e = 0; e < t.spans_u; ++e) {
-          const GaussPoint g = gauss_point(patch, t, q, e);
-          if (g.weight > 0.0)
-            p.samples.push_back({patch_functions(patch, g.parameter, stride), g.weight, 0.0, false, q, e});
-        }
     } else {
       for (const int edge : {kUMin, kUMax, kVMin, kVMax})
         if (load.edges & edge) edge_samples(patch, edge, stride, p.samples);
       require(!p.samples.empty(), "{}: an edge load names no edge", name);
     }
-    out.push_back(std::move(p));
+    out.beside.push_back(std::move(p));
   }
+  if (out.pressures.empty()) return out;
+  out.area.assign(static_cast<std::size_t>(t.blocks()) * t.lanes, 0.0);
+  for (int q = 0; q < t.blocks(); ++q)
+    for (int e = 0; e < t.spans_u; ++e)
+      out.area[static_cast<std::size_t>(q) * t.lanes + e] = gauss_point(patch, t, q, e).weight;
   return out;
 }
 
-void add_load(const PreparedLoad& p, const RowTables& t, const std::vector<GatheredPoint>& points,
-              const std::vector<int>& point_of, double time, const std::vector<double>& x, std::vector<double>& force) {
+namespace {
+
+void add_load(const PreparedLoad& p, const RowTables& t, double time, const std::vector<double>& x,
+              std::vector<double>& force) {
   const double factor = factor_at(p.load.in_time, time);
   if (factor == 0.0) return;
   const std::size_t plane = t.plane;
   for (const LoadSample& sample : p.samples) {
-    const std::vector<GatheredFunction>* n = &sample.functions;
-    if (sample.block >= 0) {
-      const int point = point_of[static_cast<std::size_t>(sample.block) * t.lanes + sample.lane];
-      if (point >= 0) n = &points[point].functions;  // none where it is dead
-    }
-    const auto add = [&](std::size_t k, const Vec3& f) {
-      for (int d = 0; d < 3; ++d) force[d * plane + (*n)[k].slot] += f[d];
+    const auto add = [&](const GatheredFunction& n, const Vec3& f) {
+      for (int d = 0; d < 3; ++d) force[d * plane + n.slot] += f[d];
     };
-    if (p.load.kind == Load::Kind::kPoint || p.load.kind == Load::Kind::kEdgeForce) {
-      for (std::size_t k = 0; k < n->size(); ++k) add(k, factor * sample.weight * (*n)[k].n[0] * p.load.force);
+    if (p.load.kind != Load::Kind::kEdgeMoment) {
+      for (const GatheredFunction& n : sample.functions) add(n, factor * sample.weight * n.n[0] * p.load.force);
       continue;
     }
     Vec3 xu = Vec3::Zero(), xv = Vec3::Zero();
-    for (const GatheredFunction& f : *n)
+    for (const GatheredFunction& f : sample.functions)
       for (int d = 0; d < 3; ++d) xu[d] += f.n[1] * x[d * plane + f.slot], xv[d] += f.n[2] * x[d * plane + f.slot];
     const Vec3 cross = xu.cross(xv);
-    if (p.load.kind == Load::Kind::kPressure) {
-      for (std::size_t k = 0; k < n->size(); ++k) add(k, factor * p.load.size * sample.weight * (*n)[k].n[0] * cross);
-      continue;
-    }
     // A turn w about the edge's tangent t changes the normal by w t x n, and the normal changes by
     // -(n . dx_a) x^a: w = -(n . dx_a) (x^a . t x n), and the moment's work is M w.
     const Vec3 normal = cross.normalized(), tangent = sample.outward * (sample.along_u ? xu : xv).normalized();
@@ -102,9 +116,23 @@ void add_load(const PreparedLoad& p, const RowTables& t, const std::vector<Gathe
     const double square = cross.squaredNorm();
     const Vec3 du = xv.cross(cross) / square, dv = cross.cross(xu) / square;  // dual tangents
     const double moment = factor * sample.weight * p.load.size;
-    for (std::size_t k = 0; k < n->size(); ++k)
-      add(k, moment * ((*n)[k].n[1] * du.dot(out) + (*n)[k].n[2] * dv.dot(out)) * normal);
+    for (const GatheredFunction& n : sample.functions)
+      add(n, moment * (n.n[1] * du.dot(out) + n.n[2] * dv.dot(out)) * normal);
   }
+}
+
+}  // namespace
+
+void load_forces(const PreparedLoads& loads, const RowTables& t, const std::vector<GatheredPoint>& points, double time,
+                 const std::vector<double>& x, int threads, RowScratch& scratch, std::vector<double>& force) {
+  force.resize(3 * static_cast<std::size_t>(t.plane));
+  double pressure = 0.0;
+  for (const Load& load : loads.pressures) pressure += factor_at(load.in_time, time) * load.size;
+  if (pressure != 0.0)
+    pressure_forces(t, loads.area, points, pressure, x, threads, scratch, force);
+  else
+    std::fill(force.begin(), force.end(), 0.0);
+  for (const PreparedLoad& load : loads.beside) add_load(load, t, time, x, force);
 }
 
 }  // namespace sunder::shell

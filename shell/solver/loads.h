@@ -27,27 +27,37 @@ struct Load {
   TimeFactor in_time;
 };
 
-/// Where a load acts and with which functions. Those of points on cracks' reach are the uncut patch's for points
-/// and edges; pressure takes them as they stand.
+/// Where the load of a point or an edge acts, with the functions of the uncut patch.
 struct LoadSample {
   std::vector<GatheredFunction> functions;
-  double weight = 1.0;       // length [m]; parameter area for pressure; 1 for points
-  double outward = 0.0;      // for edges: +1 where the tangent below has the patch on its left
-  bool along_u = false;      // the edge's tangent is x_u, else x_v
-  int block = -1, lane = 0;  // Gauss point of pressure
+  double weight = 1.0;   // length [m]; 1 for points
+  double outward = 0.0;  // for edges: +1 where the tangent below has the patch on its left
+  bool along_u = false;  // the edge's tangent is x_u, else x_v
 };
 struct PreparedLoad {
   Load load;
   std::vector<LoadSample> samples;
 };
+struct PreparedLoads {
+  std::vector<PreparedLoad> beside;  // of points and edges
+  std::vector<Load> pressures;
+  std::vector<double> area;  // parameter area of Gauss points [block][lane] [m^2]; empty: no pressure
+
+  bool empty() const { return beside.empty() && pressures.empty(); }
+  /// Some turn with the surface, so that their tangent is not symmetric.
+  bool follow() const;
+  /// Until when they change [s]; 0: they do not.
+  double last_change() const;
+};
 
 /// Throws Error where a point lies outside the patch or nothing is loaded.
-std::vector<PreparedLoad> prepare_loads(const Patch& patch, const RowTables& tables, const std::vector<Load>& loads,
-                                        const std::string& name);
+PreparedLoads prepare_loads(const Patch& patch, const RowTables& tables, const std::vector<Load>& loads,
+                            const std::string& name);
 
-/// Adds the load's forces at `time` and positions `x` to `force`, both [3][plane]. `points` and `point_of` are the
-/// gathered Gauss points of a state.
-void add_load(const PreparedLoad& load, const RowTables& tables, const std::vector<GatheredPoint>& points,
-              const std::vector<int>& point_of, double time, const std::vector<double>& x, std::vector<double>& force);
+/// Overwrites `force` with that of the loads at `time` and positions `x`, both [3][plane]. `points`: the gathered Gauss
+/// points of a state, which bear pressure with their own functions.
+void load_forces(const PreparedLoads& loads, const RowTables& tables, const std::vector<GatheredPoint>& points,
+                 double time, const std::vector<double>& x, int threads, RowScratch& scratch,
+                 std::vector<double>& force);
 
 }  // namespace sunder::shell

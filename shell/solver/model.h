@@ -47,7 +47,7 @@ struct ShellModel {
   std::vector<double> rest{};  // positions at rest, [3][plane]
   std::vector<char> held{};    // slot is held by a support, along all axes
   Constraints constraints{};
-  std::vector<PreparedLoad> loads{};
+  PreparedLoads loads{};
   std::vector<Vec2> parameter{};  // Greville point of each control point
   std::vector<Vec2> of_slot{};    // the same by slots; padding: zero
   double longest_element = 0.0;   // along u or v, at rest [m]

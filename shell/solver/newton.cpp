@@ -75,11 +75,8 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
   Eigen::VectorXd right = Eigen::VectorXd::Zero(free.count);
   for (std::size_t k = 0; k < residual.size(); ++k)
     if (free.number[k] >= 0) right[free.number[k]] = residual[k];
-  const bool follows = std::any_of(m.loads.begin(), m.loads.end(), [](const PreparedLoad& p) {
-    return p.load.kind == Load::Kind::kEdgeMoment || p.load.kind == Load::Kind::kPressure;
-  });
   Eigen::VectorXd step;
-  if (follows) {  // loads that follow the surface have no symmetric tangent
+  if (m.loads.follow()) {  // no symmetric tangent
     Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(tangent);
     if (factors.info() != Eigen::Success) return {};
     step = factors.solve(right);

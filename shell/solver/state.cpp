@@ -106,8 +106,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   }
   s.interlock_energy = interlock_forces(m, s);
   if (!m.loads.empty()) {
-    s.external.assign(s.force.size(), 0.0);
-    for (const PreparedLoad& load : m.loads) add_load(load, s.tables, s.points, s.point_of, s.time, s.x, s.external);
+    load_forces(m.loads, s.tables, s.points, s.time, s.x, threads, s.row_scratch, s.external);
     for (std::size_t i = 0; i < s.force.size(); ++i) s.force[i] += s.external[i];
   }
   return energy ? sum + s.interlock_energy : 0.0;
