@@ -105,11 +105,10 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
       updateSingleAabb(&object);
     }
   }
-  void detect(double h) {
-    find(h);
-    calculateSimulationIslands();
-  }
+  // Islands anew for every solution: walking over them destroys them, and contacts of islands that are no more would
+  // silently be left out the next time.
   void solve(double h) {
+    calculateSimulationIslands();
     getSolverInfo().m_timeStep = h;
     solveConstraints(getSolverInfo());
   }
@@ -178,7 +177,7 @@ const ContactLaw& BulletWorld::law(const btCollisionObject& a, const btCollision
 }
 
 bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
-  world_->detect(window_s);
+  world_->find(window_s);
   rows_.clear();
   for (int i = 0; i < dispatcher_.getNumManifolds(); ++i) {
     btPersistentManifold& manifold = *dispatcher_.getManifoldByIndexInternal(i);

@@ -129,6 +129,38 @@ TEST(BulletEngine, BallReboundsByItsRestitution) {
   EXPECT_NEAR(caller.body(1).motion.position.z() - 0.04, 0.25 * 0.2, 0.02 * 0.05);  // O(g H / v)
 }
 
+TEST(BulletEngine, BallsReboundTheSameBesideOthersThatTouch) {
+  // two boxes, the first and the last body, are one island; the balls between them are one each
+  std::vector<BodyMotion> alone;
+  for (const bool beside : {false, true}) {
+    BulletEngine engine;
+    engine.set_contact_laws({{3, 5, 0.3, 0.5}});
+    Caller caller(engine, kWindow, kGravity);
+    RigidBody floor = half_space(1);
+    floor.contact_group = 3;
+    caller.add(floor);
+    for (int k = 0; k < 4; ++k) {
+      RigidBody ball = sphere(3 + k, 0.04, 0.5);
+      ball.contact_group = 5;
+      ball.motion.position = Vec3(0.2 * k, 0, 0.05 + 0.01 * k);
+      ball.motion.velocity = Vec3(0, 0, -1.0);
+      caller.add(ball);
+    }
+    for (const BodyId id : {2, 9}) {
+      RigidBody low = box(id, Vec3(0.1, 0.1, 0.01), 1.0);
+      low.motion.position = Vec3(-1.0, 0, id == 2 ? 0.01 : 0.03);
+      if (beside) caller.add(low);
+    }
+    caller.run(0.1);
+    for (int k = 0; k < 4; ++k) {
+      const BodyMotion m = caller.body(3 + k).motion;
+      EXPECT_GT(m.position.z(), 0.042) << k;
+      if (!beside) alone.push_back(m);
+      if (beside) EXPECT_NEAR(m.position.z(), alone[k].position.z(), 1e-12) << k;
+    }
+  }
+}
+
 TEST(BulletEngine, BoxSlidesToRestByFriction) {
   for (double angle : {0.0, 0.7}) {  // along the box and askew
     BulletEngine engine;

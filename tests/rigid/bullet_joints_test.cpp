@@ -206,6 +206,34 @@ TEST(BulletJoints, JointsAndContactsHoldAtOnce) {
   }
 }
 
+TEST(BulletJoints, WhatLiesOnTheFloorStaysThereBesideAChainThatHits) {
+  // where joints and contacts act on one another, contacts are solved several times in a window
+  Trial trial(Scene{});
+  RigidBody floor = half_space(1), post = box(2, Vec3(0.1, 0.1, 0.1), 1.0);
+  post.is_static = true, post.motion.position = Vec3(0.3, 0, 0.1);
+  trial.caller.add(floor), trial.caller.add(post);
+  RigidBody trunk = box(3, Vec3(0.3, 0.02, 0.02), 2.0), branch = box(9, Vec3(0.02, 0.02, 0.1), 0.3);
+  trunk.motion.position = Vec3(0.3, 0, 0.3), branch.motion.position = Vec3(0.5, 0, 0.42);
+  trial.caller.add(trunk), trial.caller.add(branch);
+  for (BodyId id = 4; id < 8; ++id) {
+    RigidBody crate = box(id, Vec3(0.05, 0.05, 0.01), 0.1);
+    crate.motion.position = Vec3(0.3 * id, 1.0, 0.02 * id);
+    trial.caller.add(crate);
+  }
+  RigidBody lid = box(8, Vec3(0.05, 0.05, 0.01), 0.1);  // on the first of them
+  lid.motion.position = Vec3(1.2, 1.0, 0.11);
+  trial.caller.add(lid);
+  trial.engine.add_joint(joint(1, Kind::kHinge, 3, 0, Vec3(-0.3, 0, 0), Vec3(0, 0, 0.3),
+                               Quat(Eigen::AngleAxisd(-0.5 * EIGEN_PI, Vec3::UnitX()))));
+  trial.engine.add_joint(joint(2, Kind::kFixed, 9, 3, Vec3(0, 0, -0.12), Vec3(0.2, 0, 0)));
+  double lowest = 1.0;
+  for (int i = 0; i < 2000; ++i) {
+    trial.caller.window();
+    for (BodyId id = 4; id < 9; ++id) lowest = std::min(lowest, trial.caller.body(id).motion.position.z());
+  }
+  EXPECT_GT(lowest, 0.01 - 1e-4);
+}
+
 TEST(BulletJoints, StrainIsTakenBackWithoutEnergy) {
   for (const Kind kind : kKinds) {
     Trial trial(Scene{}, kWindow, 0.0);
