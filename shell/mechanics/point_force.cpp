@@ -72,6 +72,19 @@ std::array<PlasticState<double>, kMostLayers> plastic_states(const RowTables& t,
   return states;
 }
 
+Forms<double> last_forms(const RowTables& t, const RowPlasticity& plastic, const GatheredPoint& p) {
+  const auto field = [&](int k) { return (*plastic.forms)[t.at(p.block, kFormFields, k, p.lane)]; };
+  Forms<double> f{};
+  f.a = {field(0), field(1), field(2)}, f.b = {field(3), field(4), field(5)};
+  return f;
+}
+
+void keep_forms(const RowTables& t, const RowPlasticity& plastic, const GatheredPoint& p, const Sym2<double>& a,
+                const Sym2<double>& b) {
+  const double now[kFormFields] = {a.c11, a.c22, a.c12, b.c11, b.c22, b.c12};
+  for (int k = 0; k < kFormFields; ++k) (*plastic.forms)[t.at(p.block, kFormFields, k, p.lane)] = now[k];
+}
+
 // As many points side by side as a pack has lanes; returns their energy where asked for.
 template <bool kEnergy>
 double batch(const RowTables& t, const GatheredPoint* const* points, int count, const double* x4, double thickness,
@@ -112,9 +125,16 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
         PlasticState<Pack>& s = states[l];
         s.change.c11[i] = field(0), s.change.c22[i] = field(1), s.change.c12[i] = field(2), s.strain[i] = field(3);
       }
+    Forms<Pack> last{};
+    for (int i = 0; i < kLanes; ++i) {
+      const Forms<double> own = last_forms(t, *plastic, *points[std::min(i, count - 1)]);
+      last.a.c11[i] = own.a.c11, last.a.c22[i] = own.a.c22, last.a.c12[i] = own.a.c12;
+      last.b.c11[i] = own.b.c11, last.b.c22[i] = own.b.c22, last.b.c12[i] = own.b.c12;
+    }
     r = (plastic->advance ? integrate_yielding_layers<Pack, kEnergy, true>
                           : integrate_yielding_layers<Pack, kEnergy, false>)(f, ref, t.layers, t.elasticity,
-                                                                             plastic->law, states, worked, &faces);
+                                                                             plastic->law, states, worked, &faces,
+                                                                             &last);
   } else if (damaged) {
     Pack strength;
     for (int i = 0; i < kLanes; ++i) strength[i] = damaged[std::min(i, count - 1)]->strength;
@@ -143,6 +163,8 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
       continue;
     }
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];
+    if constexpr (kEnergy)  // what is not booked yet counts as stored
+      if (plastic && !plastic->advance) sum += points[i]->area * worked[i];
     if (stress.values && plastic)
       record_stress(t, *points[i],
                     {faces.low.c11[i], faces.low.c22[i], faces.low.c12[i], faces.high.c11[i], faces.high.c22[i],
@@ -156,6 +178,7 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
         const double now[4] = {s.change.c11[i], s.change.c22[i], s.change.c12[i], s.strain[i]};
         for (int k = 0; k < 4; ++k) plastic_field(t, *plastic, *points[i], l, k) = now[k];
       }
+      keep_forms(t, *plastic, *points[i], {f.a.c11[i], f.a.c22[i], f.a.c12[i]}, {f.b.c11[i], f.b.c22[i], f.b.c12[i]});
       booked += points[i]->area * worked[i];
     }
     if (damaged) {
@@ -297,7 +320,10 @@ double settle(const RowTables& t, const GatheredPoint& p, const std::vector<doub
     std::fill_n(states.begin(), layers, mean);
   }
   double work = 0.0;
-  integrate_yielding_layers<double, false, true>(f, p.metric, t.layers, t.elasticity, plastic.law, states.data(), work);
+  const Forms<double> last = last_forms(t, plastic, p);
+  integrate_yielding_layers<double, false, true>(f, p.metric, t.layers, t.elasticity, plastic.law, states.data(), work,
+                                                 nullptr, &last);
+  keep_forms(t, plastic, p, f.a, f.b);
   for (std::size_t l = 0; l < layers; ++l) {
     const PlasticState<double>& s = states[l];
     const double now[4] = {s.change.c11, s.change.c22, s.change.c12, s.strain};

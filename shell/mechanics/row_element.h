@@ -179,11 +179,26 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
             each([](const double* m, Pack& v) { v = load<Pack>(m); });
             Pack lost{};
             FaceStress<Pack>* wanted = kStress ? &faces : nullptr;
-            if (!plastic->advance)
-              return integrate_yielding_layers<Pack, kEnergy, false>(forms, ref, t.layers, t.elasticity, plastic->law,
-                                                                     states, lost, wanted);
+            double* m = plastic->forms->data() + t.at(block, kFormFields, 0, e);
+            Pack* const now[kFormFields] = {&forms.a.c11, &forms.a.c22, &forms.a.c12,
+                                            &forms.b.c11, &forms.b.c22, &forms.b.c12};
+            const Pack rest[kFormFields] = {ref.a.c11, ref.a.c22, ref.a.c12, ref.b.c11, ref.b.c22, ref.b.c12};
+            Forms<Pack> last{};
+            Pack* const then[kFormFields] = {&last.a.c11, &last.a.c22, &last.a.c12,
+                                             &last.b.c11, &last.b.c22, &last.b.c12};
+            for (int k = 0; k < kFormFields; ++k) {
+              const Pack kept = load<Pack>(m + k * lanes);
+              *then[k] = select(summed, kept, rest[k]);
+              if (plastic->advance) store<Pack>(m + k * lanes, select(summed, *now[k], kept));
+            }
+            if (!plastic->advance) {
+              Resultants<Pack> r = integrate_yielding_layers<Pack, kEnergy, false>(
+                  forms, ref, t.layers, t.elasticity, plastic->law, states, lost, wanted, &last);
+              if constexpr (kEnergy) r.energy += lost;  // what is not booked yet counts as stored
+              return r;
+            }
             const Resultants<Pack> r = integrate_yielding_layers<Pack, kEnergy, true>(
-                forms, ref, t.layers, t.elasticity, plastic->law, states, lost, wanted);
+                forms, ref, t.layers, t.elasticity, plastic->law, states, lost, wanted, &last);
             each([&](double* m, const Pack& v) { store<Pack>(m, select(summed, v, load<Pack>(m))); });
             lost = select(summed, area * lost, Pack{});
             for (int i = 0; i < kLanes; ++i) booked += lost[i];

@@ -23,11 +23,14 @@ struct SurfaceStress {
   double share = 1.0;                     // new value's share in the running mean
 };
 
+constexpr int kFormFields = 6;  // first fundamental form 11 22 12, then the second
 /// Layers that yield: their states, [block][layer][change 11 22 12, strain][lane], of gathered points as well. Where
 /// `advance` the states move on and `dissipated` gains the energy [J] that this took.
 struct RowPlasticity {
   Yielding law;
   std::vector<double>* states = nullptr;  // null: nothing yields
+  // Where states last moved on: [block][kFormFields][lane], of gathered points as well
+  std::vector<double>* forms = nullptr;
   bool advance = false;
   double dissipated = 0.0;
 };

@@ -143,16 +143,19 @@ inline Sym2<T> within(const Sym2<T>& s, const T& limit) {
   return {share * s.c11, share * s.c22, share * s.c12};
 }
 
-/// The same where layers yield. `plastic` has a state of each layer, which `kAdvance` moves on; `dissipated` then
-/// gains the plastic work per reference area [J/m^2]. `faces`, where it is asked for, gets the true stress of the
-/// outermost layers (strains may be large), carried on to the face along the line through the next one as long as they
-/// are elastic: what resultants tell is 1.5 times the yield stress in a section that yields all through.
+/// The same where layers yield. `plastic` has a state of each layer, which `kAdvance` moves on; `dissipated` gains the
+/// plastic work per reference area [J/m^2] that this takes, or with `kEnergy` would take, by the mean of the stress now
+/// and of that at the forms `last`, where they last moved on: what leapfrog's forces put in, to second order of the
+/// step. `faces`, where it is asked for, gets the true stress of the outermost layers (strains may be large), carried
+/// on to the face along the line through the next one as long as they are elastic: what resultants tell is 1.5 times
+/// the yield stress in a section that yields all through.
 template <class T, bool kEnergy, bool kAdvance>
 inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
                                                const Elasticity& e, const Yielding& y, PlasticState<T>* plastic,
-                                               T& dissipated, FaceStress<T>* faces = nullptr) {
+                                               T& dissipated, FaceStress<T>* faces = nullptr,
+                                               const Forms<T>* last = nullptr) {
   Resultants<T> r{{T{}, T{}, T{}}, {T{}, T{}, T{}}, T{}};
-  const std::size_t last = layers.zeta.size() - 1;
+  const std::size_t top = layers.zeta.size() - 1;
   double half = 0.0;
   for (const double w : layers.weight) half += 0.5 * w;
   Sym2<T> below{T{}, T{}, T{}};  // stress of the layer before
@@ -172,10 +175,16 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
     r.n.c11 += w * p.s.c11, r.n.c22 += w * p.s.c22, r.n.c12 += w * p.s.c12;
     r.m.c11 += (w * z) * p.s.c11, r.m.c22 += (w * z) * p.s.c22, r.m.c12 += (w * z) * p.s.c12;
     if constexpr (kEnergy) r.energy += w * plane_stress_energy<T>(p, c, now, e);
-    if constexpr (kAdvance) {
+    if constexpr (kAdvance || kEnergy) {
       const Sym2<T>& old = plastic[l].change;
       const Sym2<T> flow{s.change.c11 - old.c11, s.change.c22 - old.c22, s.change.c12 - old.c12};
-      dissipated += w * plastic_work<T>(p.s, c, now, flow), plastic[l] = s;
+      T work = plastic_work<T>(p.s, c, now, flow);
+      if (last && any(flowed)) {
+        const Sym2<T> before = at_height(last->a, last->b, z), from = with(old);
+        work = 0.5 * (work + plastic_work<T>(plane_stress<T>(before, from, e).s, before, from, flow));
+      }
+      dissipated += w * work;
+      if constexpr (kAdvance) plastic[l] = s;
     }
     if (!faces) continue;
     const Sym2<T> own = unrotated_stress<T>(p.s, c);
@@ -184,8 +193,8 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
     if (l == 1)
       faces->low =
           within<T>(carried_on<T>(faces->low, own, flowed_low, layers.zeta[0], layers.zeta[1], half), limit_low);
-    if (l == last)
-      faces->high = within<T>(carried_on<T>(own, below, flowed, layers.zeta[last], layers.zeta[last - 1], half), limit);
+    if (l == top)
+      faces->high = within<T>(carried_on<T>(own, below, flowed, layers.zeta[top], layers.zeta[top - 1], half), limit);
     below = own;
   }
   return r;

@@ -64,7 +64,13 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
     for (const int slot : m.constraints.held[d]) s.v[d * plane + slot] = 0.0;
   s.surface_stress.assign(gauss * 6, 0.0);
   s.c.assign(gauss, 0.0f), s.c_his.assign(gauss, 0.0f);
-  if (m.material.yield_stress > 0.0) s.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
+  if (m.material.yield_stress > 0.0) {
+    s.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
+    s.plastic_forms.resize(gauss * kFormFields);
+    for (int q = 0; q < t.blocks(); ++q)  // the metric's first fields are the forms at rest, in the same order
+      std::copy_n(&t.metric[t.at(q, kMetricFields, kA11, 0)], kFormFields * t.lanes,
+                  &s.plastic_forms[t.at(q, kFormFields, 0, 0)]);
+  }
   if (m.has_fibres()) {
     s.fibres.assign(gauss * 6, 0.0);
     for (std::size_t i = 2; i < s.fibres.size(); i += 3) s.fibres[i] = 1.0;
@@ -81,7 +87,7 @@ RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
   RowPlasticity plastic;
   plastic.law = {m.material.yield_stress, m.material.hardening_modulus, m.material.youngs_modulus,
                  m.material.poisson_ratio};
-  plastic.states = &s.plastic;
+  plastic.states = &s.plastic, plastic.forms = &s.plastic_forms;
   return plastic;
 }
 
@@ -121,6 +127,10 @@ double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
       const double v = s.v[d * plane + i];
       sum += 0.5 * s.mass[i] * v * (v + dt * s.inverse_mass[i] * s.force[d * plane + i]);
     }
+  for (const auto& driven : m.constraints.driven)  // forces do not move what a support drives
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d])
+        if (s.inverse_mass[slot] > 0.0) sum -= 0.5 * dt * s.v[d * plane + slot] * s.force[d * plane + slot];
   return sum;
 }
 

@@ -78,6 +78,7 @@ struct ShellState {
   std::vector<double> strength;        // [block][lane], with its scatter
   std::vector<float> c, c_his;         // [block][lane]
   std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: none do
+  std::vector<double> plastic_forms;   // and the forms at which they last moved on
   std::vector<double> fibres;          // [block][lane][below, above][r13, r23, r33]; empty: none (solver/fibres.h)
   RowTables tables;                    // as the model's, areas of gathered points taken out
   RowTables interlayer;                // as the model's, areas of what has left taken out

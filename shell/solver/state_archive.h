@@ -40,9 +40,10 @@ void archive(A& a, CrackGraph& g) {
 template <class A>
 void archive(A& a, ShellState& s) {
   archive_all(a, s.x, s.v, s.force, s.time, s.external, s.last_force, s.mass, s.inverse_mass, s.gone, s.surface_stress,
-              s.strength, s.c, s.c_his, s.plastic, s.fibres, s.tables.metric, s.interlayer.metric, s.points, s.point_of,
-              s.damage, s.watched, s.brittleness, s.heals, s.cracks, s.reach, s.tips, s.interlocks, s.interlock_of,
-              s.cut_done, s.last_crack_time, s.book, s.before, s.kicked, s.moving, s.affine, s.interlock_energy);
+              s.strength, s.c, s.c_his, s.plastic, s.plastic_forms, s.fibres, s.tables.metric, s.interlayer.metric,
+              s.points, s.point_of, s.damage, s.watched, s.brittleness, s.heals, s.cracks, s.reach, s.tips,
+              s.interlocks, s.interlock_of, s.cut_done, s.last_crack_time, s.book, s.before, s.kicked, s.moving,
+              s.affine, s.interlock_energy);
 }
 
 }  // namespace sunder::shell

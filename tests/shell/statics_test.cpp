@@ -243,7 +243,8 @@ TEST(Supports, PrescribedMotionMovesAndItsWorkIsBooked) {
     scale = std::max(scale, energy);
     kick(m, s, Vec3::Zero(), dt);
     if (s.time + dt >= 2e-3) {
-      EXPECT_NEAR(energy, s.book.external, 0.02 * scale);
+      // the half kick that kinetic_energy() has is in the books with the next one: here that of what is driven
+      EXPECT_NEAR(energy, s.book.external, 1e-7 * scale);  // round-off of displacements of 1e-5 m
     }
     constrain(m, s, dt), drift(m, s, dt);
   }
