@@ -95,6 +95,27 @@ void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double hal
   }
 }
 
+// Spheres that come down beside two that touch, the first and the last of all by id: engines that solve groups of what
+// touches apart from one another have to find each group in every solution.
+void bounce_beside(Suite& s) {
+  for (const double restitution : {0.0, 0.5, 1.0}) {
+    std::vector<RigidBody> bodies{half_space(1), at(sphere(2, 0.05), {0, 0, 1.0}), at(sphere(9, 0.05), {0.1, 0, 1.0})};
+    for (BodyId id = 3; id < 7; ++id)
+      bodies.push_back(moving(at(sphere(id, 0.05), {0.5 * id, 0, 0.0933 + 0.01 * id}), {0, 0, -2.0}));
+    std::sort(bodies.begin(), bodies.end(), [](const RigidBody& a, const RigidBody& b) { return a.id < b.id; });
+    Play play(s.target, {{std::move(bodies), law(0.0, restitution), {}}});
+    play.run(0.1);
+    double measured = restitution;
+    for (BodyId id = 3; id < 7; ++id) {
+      const double own = play.body(id).motion.velocity.z() / 2.0;
+      if (!(std::abs(own - restitution) <= std::abs(measured - restitution))) measured = own;
+    }
+    s.report.check_error(fmt::format("e_{:g}", restitution), measured, restitution, std::abs(measured - restitution),
+                         kRestitutionTolerance, "the worst of four, absolute");
+    play.end();
+  }
+}
+
 }  // namespace
 
 std::vector<Case> collision_cases() {
@@ -127,6 +148,10 @@ std::vector<Case> restitution_cases() {
        [](Suite& s) {
          bounce(s, half_space(1), at(sphere(2, 0.05), {0, 0, 0.0933}), 0.05);
        }},
+      {"restitution_beside_others",
+       "the same of four, beside two that touch one another",
+       {kSpheres, kHalfSpaces, kContact, kRestitution},
+       [](Suite& s) { bounce_beside(s); }},
       {"restitution_spheres",
        "the same of two spheres",
        {kSpheres, kContact, kRestitution},
