@@ -7,7 +7,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kMade = 0.02;  // of the most energy there was: what has no business to be made, or is missing
+constexpr double kMade = 0.02;   // of the most energy there was: what has no business to be made, or is missing
+constexpr double kGiven = 0.05;  // overlaps that are let go give a little
 constexpr double kUncertain = 0.1, kFrozen = 0.1;
 
 }  // namespace
@@ -20,11 +21,11 @@ std::vector<std::string> doubts(const Audit& audit) {
     out.push_back(
         fmt::format("the energy books miss {:.1f} % of the energy there was: lower time_step_safety, or refine",
                     100.0 * audit.residual));
-  if (share(-b.contact) > kMade)
+  if (share(audit.given) > kGiven)
     out.push_back(
-        fmt::format("contact has made {:.1f} % of the energy there was, where it can only take: lower "
+        fmt::format("contact has given back {:.1f} % of the energy there was, where it can only take: lower "
                     "time_step_safety, or refine",
-                    100.0 * share(-b.contact)));
+                    100.0 * share(audit.given)));
   if (share(-b.healing) > kMade)
     out.push_back(
         fmt::format("damage that healed has made {:.1f} % of the energy there was", 100.0 * share(-b.healing)));

@@ -12,6 +12,7 @@ struct Audit {
   EnergyBook book;
   double scale = 0.0;          // the most energy there was; 0: none, so nothing to be judged
   double residual = 0.0;       // of the books, a share of `scale`
+  double given = 0.0;          // by contact: the most that its book has fallen below what it had taken by then
   double coupling = 0.0;       // uncertain by windows in which the shell pushes what the engine holds
   double frozen = 0.0;         // kinetic, of the shell when it was frozen
   bool grid_transfer = false;  // velocities go through a background grid

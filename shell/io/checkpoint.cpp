@@ -74,7 +74,7 @@ void Run::archive_members(A& a) {
               shards_, book_, stage_s_, growing_s_, growing_update_s_, series_, probes_, next_probe_);
   archive_all(a, window_ticks_, shortest_window_, held_until_, exported_until_, ever_exported_, released_, let_go_s_,
               exported_windows_, passes_, most_passes_, hardest_, window_residual_, residual_sum_, residual_max_,
-              next_checkpoint_);
+              contact_taken_, contact_given_, next_checkpoint_);
   std::vector<RigidBody> bodies;
   for (const Proxy& p : proxies_) bodies.push_back(p.body);
   archive_one(a, bodies);

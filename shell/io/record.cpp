@@ -154,7 +154,7 @@ void Run::write_shards() const {
 
 std::vector<std::string> Run::warnings() const {
   std::vector<std::string> out =
-      doubts({book(), energy_scale_, residual_, residual_sum_, frozen_kinetic_, has_grid_transfer()});
+      doubts({book(), energy_scale_, residual_, contact_given_, residual_sum_, frozen_kinetic_, has_grid_transfer()});
   if (const std::string thick = too_thick(setup_.shells, setup_.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   return out;

@@ -92,6 +92,7 @@ void Run::start() {
   rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again, setup_.thickness()});
   for (const RigidBody& b : setup_.bodies) held_until_[b.id] = kHeldAtFirst;
   start_shells();
+  for (ShellPart& part : parts_) part.state->book = {};  // what yielded on the way to equilibrium is not of this run
   reference_energy_ = total_energy(0.0);
   // the most that was there at once; grows with the run
   energy_scale_ = kinetic_ + elastic_;
@@ -414,6 +415,9 @@ void Run::shell_window() {
 void Run::close_books(double energy) {
   energy_scale_ = std::max(energy_scale_, kinetic_ + elastic_);
   residual_ = energy_scale_ > 0.0 ? (energy - reference_energy_) / energy_scale_ : 0.0;
+  const double contact = book().contact;
+  contact_taken_ = std::max(contact_taken_, contact);
+  contact_given_ = std::max(contact_given_, contact_taken_ - contact);
 }
 
 void Run::unstable(double energy) const {

@@ -242,6 +242,7 @@ class Run {
   std::vector<link::State> agreed_;
   std::int64_t exported_windows_ = 0, passes_ = 0;
   int most_passes_ = 0;
+  double contact_taken_ = 0.0, contact_given_ = 0.0;                                        // at most [J]
   double hardest_ = 0.0, window_residual_ = 0.0, residual_sum_ = 0.0, residual_max_ = 0.0;  // [-], [J]
 };
 

@@ -72,8 +72,11 @@ std::array<PlasticState<double>, kMostLayers> plastic_states(const RowTables& t,
   return states;
 }
 
-Forms<double> last_forms(const RowTables& t, const RowPlasticity& plastic, const GatheredPoint& p) {
+// `now` where the point did not bear.
+Forms<double> last_forms(const RowTables& t, const RowPlasticity& plastic, const GatheredPoint& p,
+                         const Forms<double>& now) {
   const auto field = [&](int k) { return (*plastic.forms)[t.at(p.block, kFormFields, k, p.lane)]; };
+  if (!(field(0) > 0.0)) return now;
   Forms<double> f{};
   f.a = {field(0), field(1), field(2)}, f.b = {field(3), field(4), field(5)};
   return f;
@@ -83,6 +86,10 @@ void keep_forms(const RowTables& t, const RowPlasticity& plastic, const Gathered
                 const Sym2<double>& b) {
   const double now[kFormFields] = {a.c11, a.c22, a.c12, b.c11, b.c22, b.c12};
   for (int k = 0; k < kFormFields; ++k) (*plastic.forms)[t.at(p.block, kFormFields, k, p.lane)] = now[k];
+}
+
+void forget_forms(const RowTables& t, const RowPlasticity& plastic, const GatheredPoint& p) {
+  (*plastic.forms)[t.at(p.block, kFormFields, 0, p.lane)] = -1.0;
 }
 
 // As many points side by side as a pack has lanes; returns their energy where asked for.
@@ -127,7 +134,9 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
       }
     Forms<Pack> last{};
     for (int i = 0; i < kLanes; ++i) {
-      const Forms<double> own = last_forms(t, *plastic, *points[std::min(i, count - 1)]);
+      Forms<double> now{};
+      now.a = {f.a.c11[i], f.a.c22[i], f.a.c12[i]}, now.b = {f.b.c11[i], f.b.c22[i], f.b.c12[i]};
+      const Forms<double> own = last_forms(t, *plastic, *points[std::min(i, count - 1)], now);
       last.a.c11[i] = own.a.c11, last.a.c22[i] = own.a.c22, last.a.c12[i] = own.a.c12;
       last.b.c11[i] = own.b.c11, last.b.c22[i] = own.b.c22, last.b.c12[i] = own.b.c12;
     }
@@ -160,6 +169,7 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     const double n[3] = {r.n.c11[i], r.n.c22[i], r.n.c12[i]}, m[3] = {r.m.c11[i], r.m.c22[i], r.m.c12[i]};
     if (!sound[i] || !std::isfinite(n[0] + n[1] + m[0] + m[1])) {
       if (damaged) damaged[i]->fresh = true;
+      if (plastic && plastic->advance) forget_forms(t, *plastic, *points[i]);
       continue;
     }
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];
@@ -305,7 +315,10 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
 double settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const RowPlasticity& plastic) {
   if (p.kind == PointKind::kDead) return 0.0;
   const Forms<double> f = forms_of(p, gather(t, p, x));
-  if (!bears(f, p.metric, t.layers)) return 0.0;
+  if (!bears(f, p.metric, t.layers)) {
+    forget_forms(t, plastic, p);
+    return 0.0;
+  }
   auto states = plastic_states(t, plastic, p);
   const std::size_t layers = t.layers.zeta.size();
   if (p.kind == PointKind::kLinear) {
@@ -320,7 +333,7 @@ double settle(const RowTables& t, const GatheredPoint& p, const std::vector<doub
     std::fill_n(states.begin(), layers, mean);
   }
   double work = 0.0;
-  const Forms<double> last = last_forms(t, plastic, p);
+  const Forms<double> last = last_forms(t, plastic, p, f);
   integrate_yielding_layers<double, false, true>(f, p.metric, t.layers, t.elasticity, plastic.law, states.data(), work,
                                                  nullptr, &last);
   keep_forms(t, plastic, p, f.a, f.b);

@@ -179,17 +179,20 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
             each([](const double* m, Pack& v) { v = load<Pack>(m); });
             Pack lost{};
             FaceStress<Pack>* wanted = kStress ? &faces : nullptr;
-            double* m = plastic->forms->data() + t.at(block, kFormFields, 0, e);
+            double* kept_forms = plastic->forms->data() + t.at(block, kFormFields, 0, e);
+            const IntPack known = summed & (load<Pack>(kept_forms) > 0.0);
             Pack* const now[kFormFields] = {&forms.a.c11, &forms.a.c22, &forms.a.c12,
                                             &forms.b.c11, &forms.b.c22, &forms.b.c12};
-            const Pack rest[kFormFields] = {ref.a.c11, ref.a.c22, ref.a.c12, ref.b.c11, ref.b.c22, ref.b.c12};
             Forms<Pack> last{};
             Pack* const then[kFormFields] = {&last.a.c11, &last.a.c22, &last.a.c12,
                                              &last.b.c11, &last.b.c22, &last.b.c12};
             for (int k = 0; k < kFormFields; ++k) {
-              const Pack kept = load<Pack>(m + k * lanes);
-              *then[k] = select(summed, kept, rest[k]);
-              if (plastic->advance) store<Pack>(m + k * lanes, select(summed, *now[k], kept));
+              double* kept = kept_forms + k * lanes;
+              *then[k] = select(known, load<Pack>(kept), *now[k]);
+              if (!plastic->advance) continue;
+              // points that a crack has touched keep theirs here too
+              const Pack other = select(area > 0.0, splat<Pack>(-1.0), load<Pack>(kept));
+              store<Pack>(kept, select(summed, *now[k], other));
             }
             if (!plastic->advance) {
               Resultants<Pack> r = integrate_yielding_layers<Pack, kEnergy, false>(

@@ -29,7 +29,8 @@ constexpr int kFormFields = 6;  // first fundamental form 11 22 12, then the sec
 struct RowPlasticity {
   Yielding law;
   std::vector<double>* states = nullptr;  // null: nothing yields
-  // Where states last moved on: [block][kFormFields][lane], of gathered points as well
+  // Where states last moved on: [block][kFormFields][lane], of gathered points as well; the first of them negative
+  // where the point did not bear: then the stress before is that now
   std::vector<double>* forms = nullptr;
   bool advance = false;
   double dissipated = 0.0;
@@ -54,7 +55,8 @@ void sum_rows(const RowTables& t, const RowScratch& scratch, int threads, std::v
 
 /// Adds nothing: overwrites `force` [3][plane] with -dW/dx of the positions `x` [3][plane]. Sums run in
 /// a fixed order, so the result does not depend on the number of threads.
-/// Returns the elastic energy [J] if `energy`, else 0.
+/// Returns the elastic energy [J] if `energy`, else 0; with it what plastic flow would take where states do not
+/// advance.
 double row_forces(const RowTables& t, const std::vector<double>& x, bool energy, SurfaceStress stress, int threads,
                   RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic = nullptr,
                   RowDamage* damage = nullptr);

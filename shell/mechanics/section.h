@@ -146,9 +146,9 @@ inline Sym2<T> within(const Sym2<T>& s, const T& limit) {
 /// The same where layers yield. `plastic` has a state of each layer, which `kAdvance` moves on; `dissipated` gains the
 /// plastic work per reference area [J/m^2] that this takes, or with `kEnergy` would take, by the mean of the stress now
 /// and of that at the forms `last`, where they last moved on: what leapfrog's forces put in, to second order of the
-/// step. `faces`, where it is asked for, gets the true stress of the outermost layers (strains may be large), carried
-/// on to the face along the line through the next one as long as they are elastic: what resultants tell is 1.5 times
-/// the yield stress in a section that yields all through.
+/// step (null: by the stress now alone). `faces`, where it is asked for, gets the true stress of the outermost layers
+/// (strains may be large), carried on to the face along the line through the next one as long as they are elastic: what
+/// resultants tell is 1.5 times the yield stress in a section that yields all through.
 template <class T, bool kEnergy, bool kAdvance>
 inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers,
                                                const Elasticity& e, const Yielding& y, PlasticState<T>* plastic,

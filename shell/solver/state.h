@@ -151,7 +151,7 @@ double compute_forces(const ShellModel& model, ShellState& state, bool energy, d
 /// Kinetic energy [J] at the time of the positions: m v- . v+ / 2, v- the stored velocities and v+ those a
 /// kick of `dt` later. With the elastic energy of a linear shell it is what leapfrog keeps to round-off, at
 /// any stable step; (v- + v+)^2 / 8 is not: at 0.8 of the stable step it gives the stiffest mode 1.6 times
-/// its elastic energy too much.
+/// its elastic energy too much. What a support drives counts with m v-^2 / 2: no force moves it.
 double kinetic_energy(const ShellModel& model, const ShellState& state, double dt);
 
 /// In the field of gravity [J], of what moves.

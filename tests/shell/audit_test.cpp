@@ -11,8 +11,8 @@ namespace {
 
 Audit sound() {
   Audit a;
-  a.scale = 100.0, a.residual = -0.019, a.coupling = 9.0, a.frozen = 9.0;
-  a.book.contact = -1.9, a.book.healing = -1.9, a.book.handoff = -1.9;
+  a.scale = 100.0, a.residual = -0.019, a.given = 4.9, a.coupling = 9.0, a.frozen = 9.0;
+  a.book.healing = -1.9, a.book.handoff = -1.9;
   return a;
 }
 
@@ -45,8 +45,8 @@ TEST(Audit, EnergyThatIsMissingOrMadeIsNamedWithItsShare) {
   a.residual = std::nan("");
   EXPECT_NE(said(a).find("books miss"), std::string::npos);
   // books that close by a term that can only take
-  a = sound(), a.book.contact = -400.0;
-  EXPECT_NE(said(a).find("contact has made 400.0 %"), std::string::npos);
+  a = sound(), a.given = 400.0;
+  EXPECT_NE(said(a).find("contact has given back 400.0 %"), std::string::npos);
   a = sound(), a.book.healing = -3.0;
   EXPECT_NE(said(a).find("healed has made 3.0 %"), std::string::npos);
   a = sound(), a.book.handoff = -3.0;

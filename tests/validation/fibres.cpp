@@ -154,7 +154,7 @@ void parting(Report& report) {
     Stack s(1, 1e3, 0.5, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
     s.go(0.03);
     s.let_go();
-    s.models[1]->loads.clear(), s.states[1]->external.clear();
+    s.models[1]->loads = {}, s.states[1]->external.clear();
     s.gravity = Vec3(0, 0, 50.0);
     double most = 0.0, free = 0.0;  // what pulls it down, of what draws it up, and where nothing acts any more
     s.run(static_cast<int>(0.02 / s.dt), s.dt, [&] {
