@@ -92,7 +92,6 @@ void Run::start() {
   rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again, setup_.thickness()});
   for (const RigidBody& b : setup_.bodies) held_until_[b.id] = kHeldAtFirst;
   start_shells();
-  for (ShellPart& part : parts_) part.state->book = {};  // what yielded on the way to equilibrium is not of this run
   reference_energy_ = total_energy(0.0);
   // the most that was there at once; grows with the run
   energy_scale_ = kinetic_ + elastic_;
@@ -124,7 +123,10 @@ void Run::start_shells() {
     s.cut_done.assign(setup.cuts.size(), 0);
     s.brittleness = setup.brittleness, s.heals = setup.healing;
     if (setup.transfer.kind != Transfer::kDirect) s.before = s.v;
-    if (setup.equilibrium > 0.0) find_equilibrium(part);
+    if (setup.equilibrium > 0.0) {
+      find_equilibrium(part);
+      s.book = {};  // what yielded on the way there is not of this run
+    }
     if (setup.tips)  // what opens a face has first to relieve it
       for (double& strength : s.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();

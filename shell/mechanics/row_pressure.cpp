@@ -12,8 +12,10 @@ void pressed_row(const RowTables& t, const double* weight, double pressure, cons
   const int stride = t.stride, lanes = t.lanes;
   // Shares of control points along u apart, as in row_element.h: [k][x y z][element], zeros around each
   const std::size_t reach = static_cast<std::size_t>(stride) + 2 * kLanes;
+  const std::size_t needed = 6 * static_cast<std::size_t>(stride) + 2 * kLanes + 3 * kSupport * reach;
   thread_local std::vector<double> buffer;
-  buffer.assign(6 * static_cast<std::size_t>(stride) + 2 * kLanes + 3 * kSupport * reach, 0.0);
+  thread_local int cleared_for = 0;  // as there, too
+  if (buffer.size() != needed || cleared_for != lanes) buffer.assign(needed, 0.0), cleared_for = lanes;
   double* c = buffer.data();  // [value, first in v][x y z][stride]
   double* parts = c + 6 * stride + 2 * kLanes;
   std::fill(out, out + 3 * kSupport * stride, 0.0);

@@ -105,7 +105,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   const double first = energy(), flat = spread(m, s);
   const Totals before = totals(m, s);
   int through = 0, folded = 0, looks = 0, touching = 0;
-  double given = 0.0, taken = 0.0;  // by contact
+  double made = 0.0, given = 0.0, taken = 0.0;  // by contact
   std::vector<double> times, sizes, crossed, crossed_in_folds;
   for (int k = 1; k <= substeps; ++k) {
     force(false);
@@ -113,6 +113,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
     if (meets) touching = std::max(touching, contact.act(shells, dt));
     drift(m, s, dt);
     taken = std::max(taken, s.book.contact), given = std::max(given, (taken - s.book.contact) / first);
+    made = std::max(made, -s.book.contact / first);
     if (k % (k * dt > kSettled ? std::max(1, substeps / 100) : elements / 2) != 0) continue;
     const Crossings found = crossings(m, s, elements, 4.0 * spacing);
     through = std::max(through, found.through), folded = std::max(folded, found.folded), ++looks;
@@ -133,6 +134,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
              0.0);
   // leapfrog's: 1.9e-3 at half the stable step, 6e-4 at a quarter
   report.add(name + "_energy", energy() / first, 1.0, 0.01, 0.0);
+  report.add(name + "_made_by_contact", made, 0.0, 1e-3, 0.0);  // in all, by then
   // contact takes; what it gives back is of overlaps that are let go: 2e-3, and 0.8 if their speed fed itself
   report.add(name + "_given_by_contact", given, 0.0, 5e-3, 0.0);
   report.lines.push_back(fmt::format(
