@@ -9,7 +9,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kRecovery = 0.1;         // of an overlap, taken back in a substep: more, and what rests hops;
+constexpr double kRecovery = 0.05;        // of an overlap, taken back in a pass: more, and what rests hops;
 constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper, or of all of it in a fold
 constexpr double kDeep = 0.25;            // than this share of the thickness
 constexpr double kFastestRecovery = 1.0;  // [m/s], or
@@ -40,9 +40,55 @@ bool spin_for(const Mat3& inertia, double least, const Vec3& couple, Vec3& spin)
 
 }  // namespace
 
-int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
-  grid_.clear();
-  fields_.clear(), pairs_.clear(), touches_.clear();
+bool FieldContact::find(std::vector<SurfaceSample>& samples, double dt) {
+  for (SurfaceSample& p : samples) p.impulse.setZero();
+  find_fields(samples);
+  pairs_.clear(), close_.clear(), near_.clear();
+  first_pair_.assign(fields_.size(), -1), fold_near_.assign(head_.size(), 0);
+  bool folds = false;
+  for (int node = 0; node < static_cast<int>(head_.size()); ++node)
+    for (int a = head_[node]; a >= 0; a = fields_[a].next)
+      for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
+        if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0) continue;
+        if (laws_[fields_[a].shell][fields_[b].shell].elsewhere) continue;
+        // what fills more of the node's surroundings is the plane
+        const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
+        Pair pair;
+        pair.plane = first ? a : b, pair.other = first ? b : a, pair.normal = fields_[pair.plane].normal;
+        if (pair.normal.squaredNorm() == 0.0) continue;
+        pair.normal.normalize();
+        const Vec3 apart = fields_[pair.other].centre() - fields_[pair.plane].centre();
+        if (pair.normal.dot(apart) < 0.0) pair.normal = -pair.normal;
+        fields_[a].paired = fields_[b].paired = true;
+        if (hang_together(fields_[a], fields_[b], together_, one_surface())) {
+          pair.gap = std::abs(pair.normal.dot(apart)) - 0.5 * (fields_[a].thickness + fields_[b].thickness);
+          fold_near_[node] = 1, folds = pair.fold = true;
+        } else {
+          pair.next = first_pair_[pair.other], first_pair_[pair.other] = static_cast<int>(pairs_.size());
+        }
+        pairs_.push_back(pair);
+      }
+  if (pairs_.empty()) return false;
+  for (int p = 0; p < static_cast<int>(samples.size()); ++p) {
+    bool paired = false;
+    for (int c = 8 * p; c < 8 * p + 8; ++c) {
+      paired = paired || fields_[corners_[c].field].paired;
+      for (int q = first_pair_[corners_[c].field]; q >= 0; q = pairs_[q].next) {
+        Pair& pair = pairs_[q];
+        const Field& plane = fields_[pair.plane];
+        const double between = 0.5 * (plane.thickness + samples[p].thickness);
+        pair.gap = std::min(pair.gap, pair.normal.dot(samples[p].x - plane.centre()) - between);
+      }
+    }
+    if (paired) near_.push_back(p);
+  }
+  if (folds) find_folds(samples, dt);
+  return true;
+}
+
+// Sums of each field but for momentum, and its place in the list of its node.
+void FieldContact::find_fields(const std::vector<SurfaceSample>& samples) {
+  grid_.clear(), fields_.clear();
   corners_.resize(8 * samples.size()), node_of_.resize(corners_.size());
   // which nodes each sample sees
   for (std::size_t p = 0; p < samples.size(); ++p) {
@@ -69,43 +115,20 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
       Field& f = fields_[corner.field];
       const double m = corner.weight * samples[p].mass;
       f.mass += m, f.thickness = std::max(f.thickness, samples[p].thickness);
-      f.momentum += m * samples[p].v, f.moment += m * samples[p].x;
+      f.moment += m * samples[p].x;
       // sides of a surface that folds agree by the first one
       f.normal += corner.weight * (f.normal.dot(samples[p].normal) < 0.0 ? -1.0 : 1.0) * samples[p].normal;
     }
-  first_pair_.assign(fields_.size(), -1), fold_near_.assign(head_.size(), 0);
-  bool folds = false;
-  for (int node = 0; node < static_cast<int>(head_.size()); ++node)
-    for (int a = head_[node]; a >= 0; a = fields_[a].next)
-      for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
-        if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0) continue;
-        if (laws_[fields_[a].shell][fields_[b].shell].elsewhere) continue;
-        // what fills more of the node's surroundings is the plane
-        const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
-        Pair pair;
-        pair.plane = first ? a : b, pair.other = first ? b : a, pair.normal = fields_[pair.plane].normal;
-        if (pair.normal.squaredNorm() == 0.0) continue;
-        pair.normal.normalize();
-        const Vec3 apart = fields_[pair.other].centre() - fields_[pair.plane].centre();
-        if (pair.normal.dot(apart) < 0.0) pair.normal = -pair.normal;
-        if (hang_together(fields_[a], fields_[b], together_, one_surface())) {
-          pair.gap = std::abs(pair.normal.dot(apart)) - 0.5 * (fields_[a].thickness + fields_[b].thickness);
-          fold_near_[node] = 1, folds = true;
-          pairs_.push_back(pair);
-          continue;
-        }
-        pair.next = first_pair_[pair.other], first_pair_[pair.other] = static_cast<int>(pairs_.size());
-        pairs_.push_back(pair);
-      }
-  for (std::size_t p = 0; p < samples.size(); ++p) {
+}
+
+int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
+  touches_.clear();
+  for (Field& f : fields_)
+    if (f.paired) f.momentum = f.change = f.spin = Vec3::Zero(), f.touches = false;
+  for (const int p : near_) {
     samples[p].impulse.setZero();
-    for (int c = 0; c < 8; ++c)
-      for (int q = first_pair_[corners_[8 * p + c].field]; q >= 0; q = pairs_[q].next) {
-        Pair& pair = pairs_[q];
-        const Field& plane = fields_[pair.plane];
-        const double between = 0.5 * (plane.thickness + samples[p].thickness);
-        pair.gap = std::min(pair.gap, pair.normal.dot(samples[p].x - plane.centre()) - between);
-      }
+    for (int c = 8 * p; c < 8 * p + 8; ++c)
+      fields_[corners_[c].field].momentum += corners_[c].weight * samples[p].mass * samples[p].v;
   }
   for (const Pair& pair : pairs_) {
     Field &a = fields_[pair.plane], &b = fields_[pair.other];
@@ -115,8 +138,10 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     // what would touch within the substep is slowed so that the surfaces' means just touch at its end; with restitution
     // it bounces already here
     const double approach = rel.dot(n), fastest = std::max(kFastestRecovery, -kBounce * approach);
-    const double wanted =
-        pair.gap > 0.0 ? -pair.gap / dt : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, fastest);
+    // sides of a fold are always too near one another somewhere in its bend: they stop, and part by their samples
+    const double wanted = pair.gap > 0.0 || pair.fold
+                              ? std::min(0.0, -pair.gap / dt)
+                              : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, fastest);
     if (approach >= wanted) continue;
     const SurfaceLaw& law = laws_[a.shell][b.shell];
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
@@ -131,16 +156,17 @@ int FieldContact::solve(std::vector<SurfaceSample>& samples, double dt) {
     a.touches = b.touches = true;
     touches_.push_back({pair.plane, pair.other, j});
   }
-  if (touches_.empty() && !folds) return 0;
-  turn(samples);
-  for (std::size_t p = 0; p < samples.size(); ++p)
-    for (int c = 0; c < 8; ++c) {
-      const Corner& corner = corners_[8 * p + c];
-      const Field& f = fields_[corner.field];
-      if (f.touches)
-        samples[p].impulse += corner.weight * samples[p].mass * (f.change + f.spin.cross(samples[p].x - f.centre()));
-    }
-  return static_cast<int>(touches_.size()) + (folds ? hold_folds_open(samples, dt) : 0);
+  if (!touches_.empty()) {
+    turn(samples);
+    for (const int p : near_)
+      for (int c = 8 * p; c < 8 * p + 8; ++c) {
+        const Field& f = fields_[corners_[c].field];
+        if (!f.touches) continue;
+        const Vec3 change = f.change + f.spin.cross(samples[p].x - f.centre());
+        samples[p].impulse += corners_[c].weight * samples[p].mass * change;
+      }
+  }
+  return static_cast<int>(touches_.size() + close_.size());
 }
 
 // Whether a sample belongs to a field's surface, that of its first sample. What has turned over against that does not:
@@ -152,22 +178,19 @@ bool FieldContact::one(const Field& f, const SurfaceSample& first, const Surface
   return now >= 0.0 || now >= first.rest_normal.dot(p.rest_normal) - kTurned;
 }
 
-// A fold is tighter than a node sees: there samples that are too close, or would be at the end of the substep, push one
-// another apart along the line between them, which leaves angular momentum as it is, each taking its share with all
-// that push it. They are kept so far apart that the middle of four stays a thickness from what is over it. What is
-// nearer at rest than half a turn is long about a thickness, or about half that diagonal, is the bend itself. Returns
-// the pairs.
-int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt) {
-  fold_head_.assign(head_.size(), -1), fold_next_.clear(), in_fold_.clear(), close_.clear();
-  for (std::size_t p = 0; p < samples.size(); ++p)
-    for (int c = 0; c < 8; ++c) {
-      const int node = node_of_[8 * p + c];
+// A fold is tighter than a node sees: there samples are kept apart two by two, so far that the middle of four stays a
+// thickness from what is over it. What is nearer at rest than half a turn is long about a thickness, or about half that
+// diagonal, is the bend itself.
+void FieldContact::find_folds(const std::vector<SurfaceSample>& samples, double dt) {
+  fold_head_.assign(head_.size(), -1), fold_next_.clear(), in_fold_.clear();
+  for (const int p : near_)
+    for (int c = 8 * p; c < 8 * p + 8; ++c) {
+      const int node = node_of_[c];
       if (fold_near_[node] == 0) continue;
       fold_next_.push_back(fold_head_[node]), fold_head_[node] = static_cast<int>(in_fold_.size());
-      in_fold_.push_back(static_cast<int>(p));
+      in_fold_.push_back(p);
     }
-  shares_.assign(samples.size(), 0), push_.assign(samples.size(), Vec3::Zero());
-  for (int p = 0; p < static_cast<int>(samples.size()); ++p) {
+  for (const int p : near_) {
     int near = 8 * p;  // the nearest node: all that are within half a spacing see it too
     for (int c = 8 * p; c < 8 * p + 8; ++c)
       if (corners_[c].weight > corners_[near].weight) near = c;
@@ -182,39 +205,28 @@ int FieldContact::hold_folds_open(std::vector<SurfaceSample>& samples, double dt
       const double apart = line.norm();
       if (apart >= reach && line.dot(samples[q].v - samples[p].v) * dt >= apart * (reach - apart)) continue;
       if ((samples[q].rest - samples[p].rest).squaredNorm() <= half_turn * half_turn) continue;
-      close_.push_back({p, q, reach}), ++shares_[p], ++shares_[q];
+      close_.push_back({p, q, reach});
     }
   }
-  for (const Close& c : close_) {
-    const SurfaceSample &a = samples[c.p], &b = samples[c.q];
-    const double apart = (b.x - a.x).norm();
-    if (apart == 0.0) continue;
-    const Vec3 n = (b.x - a.x) / apart;
-    const double approach = n.dot(b.v + b.impulse / b.mass - a.v - a.impulse / a.mass);
-    const double fastest = std::max(kFastestRecovery, -kBounce * approach);
-    const double wanted =
-        apart > c.reach ? (c.reach - apart) / dt : std::min(kDeepRecovery * (c.reach - apart) / dt, fastest);
-    if (approach >= wanted) continue;
-    const double share = 1.0 / std::max(shares_[c.p], shares_[c.q]);
-    const Vec3 j = share * a.mass * b.mass / (a.mass + b.mass) * (wanted - approach) * n;
-    push_[c.p] -= j, push_[c.q] += j;
-  }
-  for (const Close& c : close_)
-    for (const int p : {c.p, c.q}) samples[p].impulse += push_[p], push_[p].setZero();
-  return static_cast<int>(close_.size());
+}
+
+double FieldContact::parting(const Close& c, double apart, double approach, double dt) {
+  const double deep = c.reach - apart;
+  if (deep < 0.0) return deep / dt;
+  return std::min(kDeepRecovery * deep / dt, std::max(kFastestRecovery, -kBounce * approach));
 }
 
 // What two fields do to one another acts at their centres, which are apart: the couple of both impulses is taken by
 // turning both. Fields that cannot (of one point each, for example) push along the line between them alone.
 void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
-  for (std::size_t p = 0; p < samples.size(); ++p)
-    for (int c = 0; c < 8; ++c) {
-      const Corner& corner = corners_[8 * p + c];
-      Field& f = fields_[corner.field];
-      if (!f.touches) continue;
+  for (const int p : near_)
+    for (int c = 8 * p; c < 8 * p + 8; ++c) {
+      Field& f = fields_[corners_[c].field];
+      if (!f.touches || f.touched) continue;
       const Vec3 r = samples[p].x - f.centre();
-      f.inertia += corner.weight * samples[p].mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+      f.inertia += corners_[c].weight * samples[p].mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
     }
+  for (const Touch& t : touches_) fields_[t.a].touched = fields_[t.b].touched = true;  // inertia is known from here on
   for (const Touch& t : touches_) {
     Field &a = fields_[t.a], &b = fields_[t.b];
     const Vec3 apart = b.centre() - a.centre();

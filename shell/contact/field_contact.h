@@ -33,9 +33,25 @@ class FieldContact {
   double spacing() const { return spacing_; }
   /// Surfaces that hang together and are no further apart at rest are one [m].
   double one_surface() const { return kOneSurface * spacing_; }
-  /// Impulses of surfaces that would touch within the substep, touch and approach, or overlap, into `impulse`; they sum
-  /// to zero, and so do their moments. `dt`: of the substep [s]. Returns the number of places that may be in contact.
-  int solve(std::vector<SurfaceSample>& samples, double dt);
+  /// Finds what is near one another, for samples with places and velocities; sets impulses to zero. `dt`: of the
+  /// substep [s]. Returns whether anything is.
+  bool find(std::vector<SurfaceSample>& samples, double dt);
+  /// Samples, by index, that what was found may push.
+  const std::vector<int>& near() const { return near_; }
+  /// Impulses of surfaces that would touch within the substep, touch and approach, or overlap, into `impulse`, for
+  /// samples as they were found, with the velocities `v` that they have now; they sum to zero, and so do their moments.
+  /// May be called again. Returns the number of places that may be in contact, those of folds with them.
+  int push(std::vector<SurfaceSample>& samples, double dt);
+
+  /// Samples of one fold, tighter than the grid sees, that were found too close, or would be at the end of the substep.
+  struct Close {
+    int p, q;      // samples
+    double reach;  // that they are to be apart [m]
+  };
+  /// push() leaves them to what carries the samples.
+  const std::vector<Close>& folds() const { return close_; }
+  /// Least speed [m/s] at which samples of a fold are to part that are `apart` [m] and come at -`approach` [m/s].
+  static double parting(const Close& c, double apart, double approach, double dt);
 
  private:
   static constexpr double kOneSurface = 4.0;  // grid spacings, a little more than the support of a node
@@ -46,14 +62,15 @@ class FieldContact {
     double mass = 0.0, thickness = 0.0;
     Vec3 momentum = Vec3::Zero(), moment = Vec3::Zero(), normal = Vec3::Zero();  // sums
     Vec3 change = Vec3::Zero(), spin = Vec3::Zero();                             // of its velocity [m/s], [rad/s]
-    Mat3 inertia = Mat3::Zero();                                                 // about its centre, where it touches
-    bool touches = false;
+    Mat3 inertia = Mat3::Zero();                                                 // about its centre, where it touched
+    bool paired = false, touches = false, touched = false;
     Vec3 centre() const { return moment / mass; }
   };
   struct Pair {
     int plane, other;    // fields
     Vec3 normal;         // from the plane to the other
     double gap = 1e300;  // nearest sample of the other; of their centres in a fold [m]
+    bool fold = false;
     int next = -1;
   };
   struct Touch {
@@ -65,13 +82,15 @@ class FieldContact {
     double weight;
   };
   bool one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const;
+  void find_fields(const std::vector<SurfaceSample>& samples);
   void turn(const std::vector<SurfaceSample>& samples);
-  int hold_folds_open(std::vector<SurfaceSample>& samples, double dt);
+  void find_folds(const std::vector<SurfaceSample>& samples, double dt);
 
   double spacing_;
   std::vector<std::vector<char>> together_;
   std::vector<std::vector<SurfaceLaw>> laws_;
   SparseGrid grid_;
+  std::vector<int> near_;
   std::vector<int> head_;  // first field of each node
   std::vector<Field> fields_;
   std::vector<Corner> corners_;  // eight of each sample
@@ -82,13 +101,7 @@ class FieldContact {
   std::vector<char> fold_near_;  // of each node: both sides of a fold come near
   // samples that see such a node, in a list for each node: first, next
   std::vector<int> in_fold_, fold_head_, fold_next_;
-  struct Close {
-    int p, q;      // samples
-    double reach;  // that they are to be apart [m]
-  };
   std::vector<Close> close_;
-  std::vector<int> shares_;  // of each sample: pairs that are too close, or would be
-  std::vector<Vec3> push_;   // on each sample [N s]
 };
 
 }  // namespace sunder::shell

@@ -15,6 +15,11 @@ std::size_t hash(const std::array<int, 3>& at) {
   return static_cast<std::size_t>(h);
 }
 
+// inline, where the library's compares memory by a call
+bool same(const std::array<int, 3>& a, const std::array<int, 3>& b) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
 }  // namespace
 
 void SparseGrid::clear() {
@@ -23,11 +28,11 @@ void SparseGrid::clear() {
 }
 
 int SparseGrid::block(const std::array<int, 3>& at) {
-  if (last_ >= 0 && blocks_[last_] == at) return last_;
+  if (last_ >= 0 && same(blocks_[last_], at)) return last_;
   if (2 * (blocks_.size() + 1) > table_.size()) grow();
   const std::size_t mask = table_.size() - 1;
   std::size_t slot = hash(at) & mask;
-  while (table_[slot] >= 0 && blocks_[table_[slot]] != at) slot = (slot + 1) & mask;
+  while (table_[slot] >= 0 && !same(blocks_[table_[slot]], at)) slot = (slot + 1) & mask;
   if (table_[slot] < 0) {
     table_[slot] = static_cast<int>(blocks_.size());
     blocks_.push_back(at);

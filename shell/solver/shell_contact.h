@@ -21,12 +21,19 @@ class ShellContact {
 
  private:
   void refresh(const std::vector<ShellRef>& shells, double dt);
+  void hold_folds_open(const std::vector<ShellRef>& shells, double dt);
+  void hand_over(const std::vector<ShellRef>& shells, double dt);
   void add_samples(const ShellRef& shell, const Tile& tile);
   /// Calls f(slot, value) with each function of a sample.
   template <class F>
   void each_function(std::size_t sample, F&& f) const {
     for (std::size_t i = first_[sample]; i < first_[sample + 1]; ++i) f(functions_[i].first, functions_[i].second);
   }
+
+  struct Share {
+    int shell, slot;
+    double share;  // of the control point's motion in how two samples part
+  };
 
   FieldContact fields_;
   NearTiles near_;
@@ -36,6 +43,7 @@ class ShellContact {
   std::vector<GatheredFunction> gathered_;         // scratch: of a sample
   std::vector<std::vector<Vec3>> impulses_;        // scratch: [shell][slot]
   std::vector<std::vector<int>> touched_;          // scratch: slots of each shell
+  std::vector<Share> parting_;                     // scratch: of two samples
   int age_ = 0;
 };
 

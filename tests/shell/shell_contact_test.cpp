@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shell/solver/handoff.h"
 #include "shell/solver/shell_contact.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
@@ -59,6 +60,10 @@ double mean_z(const ShellRef& r) {
   return sum / r.model->control_points();
 }
 
+int solve(FieldContact& contact, std::vector<SurfaceSample>& samples, double dt) {
+  return contact.find(samples, dt) ? contact.push(samples, dt) : 0;
+}
+
 // Two flat sheets of samples, `apart` [m] between their middles, the upper one at `v`; both 0.01 m thick.
 std::vector<SurfaceSample> two_sheets(double apart, const Vec3& v) {
   std::vector<SurfaceSample> samples;
@@ -80,7 +85,7 @@ std::pair<double, double> let_meet(std::vector<SurfaceSample> samples, double ti
   FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {0.0, restitution})});
   double nearest = 1e300, fastest = -1e300;
   for (int k = 0; k * dt < time; ++k) {
-    contact.solve(samples, dt);
+    solve(contact, samples, dt);
     for (SurfaceSample& p : samples) p.v += p.impulse / p.mass, p.x += dt * p.v;
     for (std::size_t i = 0; i < samples.size(); i += 2) {
       nearest = std::min(nearest, samples[i + 1].x.z() - samples[i].x.z());
@@ -155,15 +160,15 @@ TEST(ShellContact, FrictionIsCoulombs) {
   for (const double friction : {0.0, 0.2, 10.0}) {
     FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {friction, 0.0})});
     std::vector<SurfaceSample> samples = two_sheets(0.0099, Vec3(3, 0, -2));
-    EXPECT_GT(contact.solve(samples, 1e-3), 0);
+    EXPECT_GT(solve(contact, samples, 1e-3), 0);
     Vec3 on_first = Vec3::Zero(), on_second = Vec3::Zero();
     for (const SurfaceSample& p : samples) (p.shell == 0 ? on_first : on_second) += p.impulse;
     EXPECT_LT((on_first + on_second).norm(), 1e-12 * on_first.norm());
     const double normal = on_second.z();
     // the reduced masses of both layers of nodes, of which the surfaces have unequal shares; 0.1 mm of overlap is let
-    // go at 0.01 m/s
+    // go at 0.005 m/s
     const double reduced = 400.0 * (0.501 * 0.402 / 0.903 + 0.499 * 0.598 / 1.097);
-    EXPECT_NEAR(normal, reduced * 2.01, 1e-9 * normal);
+    EXPECT_NEAR(normal, reduced * 2.005, 1e-9 * normal);
     EXPECT_NEAR(-on_second.x(), std::min(friction * normal, reduced * 3.0), 1e-9 * normal);
   }
 }
@@ -189,43 +194,66 @@ TEST(ShellContact, OverlapsAreLetGoSlowlyOrSlowerThanTheyCame) {
   EXPECT_NEAR(let_meet(two_sheets(0.001, Vec3(8, 0, 0)), 0.01, 1e-5).second, 1.0, 0.02);
 }
 
+// A soft strip of four elements bent to a hairpin, within four spacings at rest, whose legs are thrown together from
+// 0.1 m apart, one of them aside.
+struct Hairpin {
+  ShellModel model;
+  ShellState state;
+  explicit Hairpin(double thickness)
+      : model(make_shell("strip", plate(4 * kElement, 10 * kElement, 4, 10, Vec3::Zero(), Quat::Identity()), thickness,
+                         soft(), 2, 2, {})),
+        state(make_state(model, Vec3::Zero(), 0)) {
+    for (int i = 0; i < model.control_points(); ++i) {
+      const int slot = model.tables.slot(i);
+      const Vec3 rest = state.position(slot);
+      const bool upper = rest.x() > 0.0;
+      const Vec3 x(std::abs(rest.x()), rest.y(), upper ? 0.1 : 0.0), v = upper ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5);
+      for (int d = 0; d < 3; ++d)
+        state.x[d * model.tables.plane + slot] = x[d], state.v[d * model.tables.plane + slot] = v[d];
+    }
+  }
+  static ShellMaterial soft() {
+    ShellMaterial m = rubber();
+    m.youngs_modulus = 2e4;
+    return m;
+  }
+  Vec3 at(double s, double y) const {
+    Vec3 x = Vec3::Zero();
+    const Vec2 parameter(s + 2.0 * kElement, y + 5.0 * kElement);
+    for (const GatheredFunction& f : patch_functions(model.patch, parameter, model.tables.stride))
+      x += f.n[0] * state.position(f.slot);
+    return x;
+  }
+};
+
 TEST(ShellContact, BothSidesOfATightFoldStayApart) {
   for (const double thickness : {0.02, 0.04}) {
-    // a hairpin, each column of it within four spacings at rest; its legs are thrown together, one of them aside
-    std::vector<SurfaceSample> samples = strip(
-        thickness, [](double s, double y) { return Vec3(std::abs(s), y, s > 0.0 ? 0.1 : 0.0); },
-        [](double s, double) { return s > 0.0 ? Vec3(1, 0, 0) : Vec3(-1, 0, 0); }, false);
-    for (SurfaceSample& p : samples) p.v = p.x.z() > 0.05 ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5);
-    FieldContact contact(kElement, {{1}}, {1, std::vector<SurfaceLaw>(1)});
-    const double dt = 1e-3;
-    const auto sum = [&](auto&& of) {
-      Vec3 total = Vec3::Zero();
-      for (const SurfaceSample& p : samples) total += of(p);
-      return total;
-    };
-    const auto momentum = [](const SurfaceSample& p) { return Vec3(p.mass * p.v); };
-    const auto angular = [](const SurfaceSample& p) { return Vec3(p.mass * p.x.cross(p.v)); };
-    const Vec3 before = sum(momentum), turning = sum(angular);
-    double nearest = 1e300;
-    for (double time = 0.0; time < 0.2; time += dt) {
-      contact.solve(samples, dt);
-      for (SurfaceSample& p : samples) p.v += p.impulse / p.mass, p.x += dt * p.v;
-      for (const SurfaceSample& p : samples)
-        for (const SurfaceSample& q : samples)  // the turn itself is left to the shell's stiffness
-          if (p.rest.x() > 0.05 && q.rest.x() < -0.05 && (p.x - q.x).head<2>().norm() < 0.25 * kElement)
-            nearest = std::min(nearest, p.x.z() - q.x.z());
-    }
-    // what is over the middle of four samples, half a diagonal from each, stays a thickness away
-    const double apart = std::hypot(thickness, 0.5 * std::numbers::sqrt2 * 0.5 * kElement);
-    EXPECT_GT(nearest, 0.75 * apart);  // samples that nothing joins are not stopped by what stops their mean
-    EXPECT_LT(nearest, apart);
-    EXPECT_LT((sum(momentum) - before).norm(), 1e-12 * before.norm());
-    EXPECT_LT((sum(angular) - turning).norm(), 1e-12 * turning.norm());
-    double stretch = 0.0;  // beside one another on a leg, as near as its other side may come, yet the same side
-    for (std::size_t i = 0; i + 1 < samples.size(); ++i)
-      if (samples[i].rest.x() == samples[i + 1].rest.x())
-        stretch = std::max(stretch, (samples[i + 1].x - samples[i].x).norm() / (0.5 * kElement));
-    EXPECT_LT(stretch, 1.5);  // 1.1; 4 if they pushed one another
+    Hairpin h(thickness);
+    ShellContact contact({&h.model}, {}, {1, std::vector<SurfaceLaw>(1)});
+    const std::vector<ShellRef> shells{{&h.model, &h.state}};
+    const double dt = 5e-4;
+    const Sum before = fly(shells, contact, dt, 0, [] {});
+    double nearest = 1e300, stretch = 0.0;
+    int k = 0;
+    const Sum after = fly(shells, contact, dt, 400, [&] {
+      if (++k % 10 != 0) return;
+      std::vector<Vec3> upper, lower;
+      for (double s = 0.05; s < 0.2; s += 0.02)
+        for (double y = -0.48; y < 0.49; y += 0.02) {
+          upper.push_back(h.at(s, y)), lower.push_back(h.at(-s, y));
+          stretch = std::max(stretch, (h.at(s, y + 0.02) - upper.back()).norm() / 0.02);
+        }
+      for (const Vec3& p : upper)
+        for (const Vec3& q : lower) nearest = std::min(nearest, (p - q).norm());
+    });
+    EXPECT_GT(nearest, 0.95 * thickness);  // 0.24 if they were pushed with the samples' own mass
+    EXPECT_LT(nearest, 1.5 * thickness);
+    EXPECT_LT(stretch, 1.5);
+    // what cannot part, in the bend, is not driven: contact takes 1.5 and 6.5 J, of 4.9 and 13.8; else it gave 5 and 42
+    EXPECT_GT(h.state.book.contact, 0.2 * before.energy);
+    EXPECT_NEAR(after.energy, before.energy, 1e-4 * before.energy);
+    EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.scale);
+    EXPECT_LT((after.angular - before.angular).norm(), 1e-12 * before.angular_scale);
   }
 }
 
@@ -237,11 +265,11 @@ TEST(ShellContact, AShellThatHasACreaseAtRestIsLeftAlone) {
       0.04, [&](double s, double y) { return Vec3(std::abs(s) * side(s) + y * Vec3::UnitY()); },
       [&](double s, double) { return Vec3((s > 0.0 ? 1.0 : -1.0) * side(s)); }, true);
   FieldContact contact(kElement, {{1}}, {1, std::vector<SurfaceLaw>(1)});
-  EXPECT_EQ(contact.solve(samples, 1e-3), 0);
+  EXPECT_EQ(solve(contact, samples, 1e-3), 0);
   const Quat turn(Eigen::AngleAxisd(1.0, Vec3(1, 2, 3).normalized()));
   for (SurfaceSample& p : samples)
     p.x = turn * p.x + Vec3(0.03, 0.07, 0.01), p.normal = turn * p.normal, p.v = Vec3(1, 2, 3).cross(p.x);
-  EXPECT_EQ(contact.solve(samples, 1e-3), 0);
+  EXPECT_EQ(solve(contact, samples, 1e-3), 0);
 }
 
 TEST(ShellContact, WhatCannotMeetCostsNothing) {
