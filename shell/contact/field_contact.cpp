@@ -9,7 +9,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kRecovery = 0.05;        // of an overlap, taken back in a pass: more, and what rests hops;
+constexpr double kRecovery = 0.05;        // of an overlap, taken back in a substep: more, and what rests creeps;
 constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper, or of all of it in a fold
 constexpr double kDeep = 0.25;            // than this share of the thickness
 constexpr double kFastestRecovery = 1.0;  // [m/s], or
@@ -130,7 +130,7 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
     for (int c = 8 * p; c < 8 * p + 8; ++c)
       fields_[corners_[c].field].momentum += corners_[c].weight * samples[p].mass * samples[p].v;
   }
-  for (const Pair& pair : pairs_) {
+  for (Pair& pair : pairs_) {
     Field &a = fields_[pair.plane], &b = fields_[pair.other];
     const Vec3 n = pair.normal;
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
@@ -142,10 +142,12 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
     const double wanted = pair.gap > 0.0 || pair.fold
                               ? std::min(0.0, -pair.gap / dt)
                               : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, fastest);
-    if (approach >= wanted) continue;
     const SurfaceLaw& law = laws_[a.shell][b.shell];
+    if (approach < wanted && law.restitution > 0.0 && !pair.fold && pair.bounce < -1e299)
+      pair.bounce = -law.restitution * approach;
+    const double after = std::max(wanted, pair.bounce);
+    if (approach >= after) continue;
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
-    const double after = law.restitution > 0.0 ? std::max(wanted, -law.restitution * approach) : wanted;
     const double normal = reduced * (after - approach);
     const Vec3 slide = rel - approach * n;
     const double most = reduced * slide.norm();  // would stop it
@@ -196,7 +198,8 @@ void FieldContact::find_folds(const std::vector<SurfaceSample>& samples, double 
       if (corners_[c].weight > corners_[near].weight) near = c;
     for (int k = fold_head_[node_of_[near]]; k >= 0; k = fold_next_[k]) {
       const int q = in_fold_[k];
-      if (q <= p || !hang_together(samples[p], samples[q], together_, one_surface())) continue;
+      if (q <= p || laws_[samples[p].shell][samples[q].shell].elsewhere) continue;
+      if (!hang_together(samples[p], samples[q], together_, one_surface())) continue;
       const double between = 0.5 * (samples[p].thickness + samples[q].thickness);
       const double across = 0.25 * (samples[p].area + samples[q].area);  // half a diagonal of four samples, squared
       const double reach = std::sqrt(between * between + across);

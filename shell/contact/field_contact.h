@@ -50,7 +50,7 @@ class FieldContact {
   };
   /// push() leaves them to what carries the samples.
   const std::vector<Close>& folds() const { return close_; }
-  /// Least speed [m/s] at which samples of a fold are to part that are `apart` [m] and come at -`approach` [m/s].
+  /// Speed [m/s] at which samples of a fold are to part that are `apart` [m] and come at -`approach` [m/s].
   static double parting(const Close& c, double apart, double approach, double dt);
 
  private:
@@ -67,9 +67,10 @@ class FieldContact {
     Vec3 centre() const { return moment / mass; }
   };
   struct Pair {
-    int plane, other;    // fields
-    Vec3 normal;         // from the plane to the other
-    double gap = 1e300;  // nearest sample of the other; of their centres in a fold [m]
+    int plane, other;        // fields
+    Vec3 normal;             // from the plane to the other
+    double gap = 1e300;      // nearest sample of the other; of their centres in a fold [m]
+    double bounce = -1e300;  // speed that restitution wants, since the first push that stopped it [m/s]
     bool fold = false;
     int next = -1;
   };
@@ -90,7 +91,7 @@ class FieldContact {
   std::vector<std::vector<char>> together_;
   std::vector<std::vector<SurfaceLaw>> laws_;
   SparseGrid grid_;
-  std::vector<int> near_;
+  std::vector<int> near_;  // samples that see a field of a pair
   std::vector<int> head_;  // first field of each node
   std::vector<Field> fields_;
   std::vector<Corner> corners_;  // eight of each sample

@@ -287,7 +287,9 @@ void Run::substep(double dt, double last) {
   if (!soft_.empty()) soft_contact(dt);
   if (shell_contact_) {
     Stopwatch w(stage_s_["shell_contact"]);
-    shell_contact_->act(refs(), dt);
+    shell_contact_->act(refs(), dt, [this] {
+      if (!stitching_.empty()) stitching_.share_impulses(refs()), stitching_.mark(refs());
+    });
   }
   if (!stitching_.empty()) stitching_.share_impulses(refs()), stitching_.keep_angles(refs(), dt);
   for (ShellPart& part : parts_) {

@@ -76,7 +76,7 @@ void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
   });
 }
 
-int ShellContact::act(const std::vector<ShellRef>& shells, double dt) {
+int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std::function<void()>& share) {
   if (age_++ % kContactRefresh == 0) refresh(shells, dt), age_ = 1;
   if (samples_.empty()) return 0;
   for (std::size_t p = 0; p < samples_.size(); ++p) {
@@ -91,6 +91,7 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt) {
     hand_over(shells, dt);
     hold_folds_open(shells, dt);
     if (pass == kPasses) break;
+    if (share) share();
     for (const int p : fields_.near()) {
       SurfaceSample& q = samples_[p];
       q.v.setZero();
@@ -102,8 +103,9 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt) {
 }
 
 // Parts samples of a fold along the line between them, which leaves angular momentum as it is, one pair after the
-// other. Both lie on much the same control points, which oppose a mass to their parting that is more than ten times the
-// samples' own: they are stopped with that, and part with their own, or control points would be thrown.
+// other. Both lie on much the same control points, which oppose to their parting a mass that is many times the samples'
+// own: they are stopped with that, and part with their own, or control points would be thrown. Those that a support
+// holds count as if they were free, or the last that is free beside them would be.
 void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double dt) {
   for (const FieldContact::Close& c : fields_.folds()) {
     const Vec3 line = samples_[c.q].x - samples_[c.p].x;
@@ -127,7 +129,11 @@ void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double d
     for (const Share& p : parting_) {
       const ShellState& s = *shells[p.shell].state;
       approach += p.share * n.dot(s.velocity(p.slot));
-      mobility += p.share * p.share * s.inverse_mass[p.slot];
+      const double mass = shells[p.shell].model->mass[p.slot];
+      mobility += p.share * p.share *
+                  (s.inverse_mass[p.slot] > 0.0 ? s.inverse_mass[p.slot]
+                   : mass > 0.0                 ? 1.0 / mass
+                                                : 0.0);
     }
     const double wanted = FieldContact::parting(c, apart, approach, dt);
     if (mobility == 0.0 || approach >= wanted) continue;

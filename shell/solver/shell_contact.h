@@ -1,6 +1,8 @@
 #pragma once
 // Shells that touch one another, or themselves: finds what may meet, and hands it to the grid
 // (contact/field_contact.h).
+#include <functional>
+
 #include "shell/contact/field_contact.h"
 #include "shell/solver/near_tiles.h"
 
@@ -13,8 +15,9 @@ class ShellContact {
                std::vector<std::vector<SurfaceLaw>> laws);
 
   /// Impulses on control points, after the kick of `dt` [s]; their work is booked. What may meet is looked up every
-  /// kContactRefresh substeps; where that is nothing, this costs nothing else. Returns the places in contact.
-  int act(const std::vector<ShellRef>& shells, double dt);
+  /// kContactRefresh substeps; where that is nothing, this costs nothing else. `share` is called between its passes, to
+  /// let control points that follow others hand on what they were given. Returns the places in contact.
+  int act(const std::vector<ShellRef>& shells, double dt, const std::function<void()>& share = {});
   /// What may meet is looked up anew in the next substep.
   void forget() { age_ = 0; }
   int candidates() const { return static_cast<int>(samples_.size()); }

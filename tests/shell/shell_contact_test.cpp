@@ -9,6 +9,7 @@
 #include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/stitched.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -156,6 +157,47 @@ TEST(ShellContact, SheetsThatMeetSquarelyGoOnTogetherAtAThicknessApart) {
   EXPECT_NEAR(mean_z(shells[1]) - mean_z(shells[0]), 0.01, 1e-4);
 }
 
+double upward(const ShellModel& m, const ShellState& s, const Vec2& parameter) {
+  double v = 0.0;
+  for (const GatheredFunction& f : patch_functions(m.patch, parameter, m.tables.stride))
+    v += f.n[0] * s.velocity(f.slot).z();
+  return v;
+}
+
+TEST(ShellContact, ASeamIsStoppedLikeWhatIsBesideIt) {
+  // two patches that hang together fall on a sheet; control points at their seam follow others
+  Stitched s({sheet(0.4, 8, Vec3(-0.2, 0, 0), 0.01), sheet(0.4, 8, Vec3(0.2, 0, 0), 0.01),
+              sheet(0.6, 12, Vec3(0.01, 0.02, -0.01), 0.01)});
+  ASSERT_EQ(s.stitches.seams.size(), 1u);
+  for (const int k : {0, 1})
+    for (int i = 0; i < s.models[k].control_points(); ++i)
+      s.states[k].add_velocity(s.models[k].tables.slot(i), Vec3(0, 0, -2));
+  ShellContact contact({&s.models[0], &s.models[1], &s.models[2]}, s.stitches.seams,
+                       {3, std::vector<SurfaceLaw>(3, {0.0, 0.0})});
+  s.stitching.mark(s.refs());
+  contact.act(s.refs(), 2e-6, [&] { s.stitching.share_impulses(s.refs()), s.stitching.mark(s.refs()); });
+  s.stitching.share_impulses(s.refs());
+  for (const double beside : {0.4, 0.38, 0.3}) {
+    const double parting =
+        upward(s.models[0], s.states[0], {beside, 0.2}) - upward(s.models[2], s.states[2], {beside - 0.4 + 0.29, 0.28});
+    EXPECT_NEAR(parting, 0.0, 0.02 * 2.0) << beside;
+  }
+}
+
+TEST(ShellContact, WhatTouchesAtFewPlacesIsStoppedWithinASubstepToo) {
+  // a strip as wide as an element falls across a sheet: the control points that it pushes reach far beyond it
+  for (const double restitution : {0.0, 0.5}) {
+    const ShellModel low = sheet(0.5, 10, Vec3::Zero(), 0.01),
+                     high = make_shell("strip", plate(0.05, 0.4, 1, 8, Vec3(0.01, 0.02, 0.01), Quat::Identity()), 0.01,
+                                       rubber(), 2, 2, {});
+    ShellState a = make_state(low, Vec3::Zero(), 0), b = make_state(high, Vec3(0, 0, -2), 0);
+    ShellContact contact({&low, &high}, {}, {2, std::vector<SurfaceLaw>(2, {0.0, restitution})});
+    contact.act({{&low, &a}, {&high, &b}}, 2e-6);
+    const double parting = upward(high, b, {0.025, 0.2}) - upward(low, a, {0.26, 0.27});
+    EXPECT_NEAR(parting, 2.0 * restitution, 0.1 * 2.0);
+  }
+}
+
 TEST(ShellContact, FrictionIsCoulombs) {
   for (const double friction : {0.0, 0.2, 10.0}) {
     FieldContact contact(0.1, {{1, 0}, {0, 1}}, {2, std::vector<SurfaceLaw>(2, {friction, 0.0})});
@@ -236,19 +278,21 @@ TEST(ShellContact, BothSidesOfATightFoldStayApart) {
     double nearest = 1e300, stretch = 0.0;
     int k = 0;
     const Sum after = fly(shells, contact, dt, 400, [&] {
-      if (++k % 10 != 0) return;
-      std::vector<Vec3> upper, lower;
-      for (double s = 0.05; s < 0.2; s += 0.02)
-        for (double y = -0.48; y < 0.49; y += 0.02) {
-          upper.push_back(h.at(s, y)), lower.push_back(h.at(-s, y));
-          stretch = std::max(stretch, (h.at(s, y + 0.02) - upper.back()).norm() / 0.02);
+      if (++k % 4 != 0) return;  // they come by 3 mm
+      std::vector<Vec3> lower;   // every 5 mm
+      const int across = 32, along = 193;
+      for (int j = 0; j < along; ++j)
+        for (int i = 0; i < across; ++i) lower.push_back(h.at(-0.04 - 0.005 * i, 0.005 * (j - 96)));
+      for (int j = 8; j + 8 < along; j += 8)
+        for (int i = 0; i < across; i += 4) {
+          const Vec3 p = h.at(0.04 + 0.005 * i, 0.005 * (j - 96));
+          for (int q = (j - 8) * across; q < (j + 9) * across; ++q) nearest = std::min(nearest, (p - lower[q]).norm());
+          stretch = std::max(stretch, (h.at(0.04 + 0.005 * i, 0.005 * (j - 92)) - p).norm() / 0.02);
         }
-      for (const Vec3& p : upper)
-        for (const Vec3& q : lower) nearest = std::min(nearest, (p - q).norm());
     });
-    EXPECT_GT(nearest, 0.95 * thickness);  // 0.24 if they were pushed with the samples' own mass
+    EXPECT_GT(nearest, 0.9 * thickness);  // 0.24 if they were pushed with the samples' own mass
     EXPECT_LT(nearest, 1.5 * thickness);
-    EXPECT_LT(stretch, 1.5);
+    EXPECT_LT(stretch, 1.5);  // neighbours on a leg do not push one another
     // what cannot part, in the bend, is not driven: contact takes 1.5 and 6.5 J, of 4.9 and 13.8; else it gave 5 and 42
     EXPECT_GT(h.state.book.contact, 0.2 * before.energy);
     EXPECT_NEAR(after.energy, before.energy, 1e-4 * before.energy);
