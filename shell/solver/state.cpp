@@ -130,7 +130,8 @@ double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
   for (const auto& driven : m.constraints.driven)  // forces do not move what a support drives
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d])
-        if (s.inverse_mass[slot] > 0.0) sum -= 0.5 * dt * s.v[d * plane + slot] * s.force[d * plane + slot];
+        if (s.inverse_mass[slot] > 0.0 && s.mass[slot] > 0.0)
+          sum -= 0.5 * dt * s.v[d * plane + slot] * s.force[d * plane + slot];
   return sum;
 }
 

@@ -177,7 +177,8 @@ double external_power(const ShellModel& m, const ShellState& s) {
   for (std::size_t i = 0; i < s.external.size(); ++i) power += s.external[i] * moving[i];
   for (const auto& driven : m.constraints.driven)
     for (int d = 0; d < 3; ++d)
-      for (const int slot : driven.slots[d]) power -= s.force[d * plane + slot] * s.v[d * plane + slot];
+      for (const int slot : driven.slots[d])  // what follows others over a seam has no mass, and its force is theirs
+        if (s.mass[slot] > 0.0) power -= s.force[d * plane + slot] * s.v[d * plane + slot];
   return power;
 }
 

@@ -272,6 +272,28 @@ TEST(Stitching, ImpulsesKeepMomentumAndTheirWorkIsBooked) {
   EXPECT_NEAR(energy() + booked, start, 1e-12 * start);
 }
 
+TEST(Stitching, WorkOfWhatASupportDrivesAtTheEndOfASeamIsBookedOnce) {
+  Support stand, pull;
+  stand.edges = kVMin, stand.clamped = false, stand.axes = {false, true, true};
+  pull.edges = kVMax, pull.clamped = false, pull.axes = {false, true, false};
+  pull.motion = {{0.0, Vec3::Zero()}, {1e-3, Vec3(0, 1e-5, 0)}};
+  Stitched s(
+      {model(flat(0, 1, 0, 1, 5, 5), "left", {stand, pull}), model(flat(1, 2, 0, 1, 5, 8), "right", {stand, pull})});
+  const double dt = 0.5 * s.stable();
+  double scale = 0.0;
+  for (int k = 0; k * dt < 1e-3; ++k) {
+    double energy = s.forces(true) + s.kinetic(dt), booked = 0.0;
+    for (std::size_t i = 0; i < s.models.size(); ++i) {
+      energy -= 0.5 * dt * external_power(s.models[i], s.states[i]);
+      booked += s.states[i].book.external;
+    }
+    scale = std::max(scale, energy);
+    EXPECT_NEAR(energy, booked, 1e-6 * scale + 1e-12) << k;
+    s.advance(dt);
+  }
+  EXPECT_GT(scale, 0.01);
+}
+
 TEST(Stitching, LettingGoKeepsMassMomentumAndAngularMomentum) {
   Stitched s({model(flat(0, 1, 0, 1, 5, 5)), model(flat(1, 2, 0, 1, 5, 8)), model(flat(0, 1, 1, 2, 6, 5))});
   double own = 0.0;
