@@ -15,7 +15,8 @@ Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
   Vec3 sum = Vec3::Zero();
   const std::size_t plane = m.tables.plane;
   const auto add = [&](int d, int slot) {
-    if (!s.gone[slot]) sum[d] -= s.force[d * plane + slot] + s.mass[slot] * gravity[d];
+    // what follows others over a seam has no mass, and its force is theirs
+    if (!s.gone[slot] && s.mass[slot] > 0.0) sum[d] -= s.force[d * plane + slot] + s.mass[slot] * gravity[d];
   };
   for (int d = 0; d < 3; ++d) {
     for (const int slot : m.constraints.held[d]) add(d, slot);

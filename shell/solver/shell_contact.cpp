@@ -105,7 +105,8 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
 // Parts samples of a fold along the line between them, which leaves angular momentum as it is, one pair after the
 // other. Both lie on much the same control points, which oppose to their parting a mass that is many times the samples'
 // own: they are stopped with that, and part with their own, or control points would be thrown. Those that a support
-// holds count as if they were free, or the last that is free beside them would be.
+// holds count as if they were free, or the last that is free beside them would be; beside those that follow others over
+// a seam, which hand on later what they get, samples are stopped with their own mass too.
 void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double dt) {
   for (const FieldContact::Close& c : fields_.folds()) {
     const Vec3 line = samples_[c.q].x - samples_[c.p].x;
@@ -126,20 +127,21 @@ void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double d
     add(c.p, -1.0), add(c.q, 1.0);
     const Vec3 n = line / apart;
     double approach = 0.0, mobility = 0.0;
+    bool follows = false;
     for (const Share& p : parting_) {
       const ShellState& s = *shells[p.shell].state;
       approach += p.share * n.dot(s.velocity(p.slot));
-      const double mass = shells[p.shell].model->mass[p.slot];
-      mobility += p.share * p.share *
-                  (s.inverse_mass[p.slot] > 0.0 ? s.inverse_mass[p.slot]
-                   : mass > 0.0                 ? 1.0 / mass
-                                                : 0.0);
+      double inverse = s.inverse_mass[p.slot];
+      if (inverse > 0.0 && s.mass[p.slot] == 0.0) follows = true;
+      if (inverse == 0.0 && s.mass[p.slot] > 0.0) inverse = 1.0 / s.mass[p.slot];
+      mobility += p.share * p.share * inverse;
     }
     const double wanted = FieldContact::parting(c, apart, approach, dt);
     if (mobility == 0.0 || approach >= wanted) continue;
     const double stop = std::max(0.0, std::min(wanted, 0.0) - approach), rest = wanted - approach - stop;
     const double own = 1.0 / (1.0 / samples_[c.p].mass + 1.0 / samples_[c.q].mass);
-    const double j = stop / mobility + std::min(own, 1.0 / mobility) * rest;
+    const double given = std::min(own, 1.0 / mobility);
+    const double j = (follows ? given : 1.0 / mobility) * stop + given * rest;
     for (const Share& p : parting_) push(*shells[p.shell].state, p.slot, p.share * j * n, dt);
   }
 }

@@ -301,6 +301,54 @@ TEST(ShellContact, BothSidesOfATightFoldStayApart) {
   }
 }
 
+TEST(ShellContact, AFoldOverASeamStaysOpenAndIsNotDriven) {
+  // the same hairpin of two patches, which hang together where it bends
+  const double thickness = 0.02, dt = 5e-4;
+  const auto leg = [&](double x) {
+    const Patch p = plate(2 * kElement, 10 * kElement, 2, 10, Vec3(x, 0, 0), Quat::Identity());
+    return make_shell("leg", p, thickness, Hairpin::soft(), 2, 2, {});
+  };
+  Stitched s({leg(-kElement), leg(kElement)});
+  ASSERT_EQ(s.stitches.seams.size(), 1u);
+  const auto put = [&](int k, int slot, const Vec3& x, const Vec3& v) {
+    const int plane = s.models[k].tables.plane;
+    for (int d = 0; d < 3; ++d) s.states[k].x[d * plane + slot] = x[d], s.states[k].v[d * plane + slot] = v[d];
+  };
+  for (int k = 0; k < 2; ++k)
+    for (int i = 0; i < s.models[k].control_points(); ++i) {
+      const int slot = s.models[k].tables.slot(i);
+      const Vec3 rest = s.states[k].position(slot);
+      put(k, slot, Vec3(std::abs(rest.x()), rest.y(), 0.1 * k), k == 1 ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5));
+    }
+  for (const Dependence& d : s.stitches.points) {
+    Vec3 x = Vec3::Zero();
+    for (const auto& [on, weight] : d.on)
+      x += weight * s.states[on.patch].position(s.models[on.patch].tables.slot(on.point));
+    put(d.point.patch, s.models[d.point.patch].tables.slot(d.point.point), x, Vec3::Zero());
+  }
+  s.stitching.follow(s.refs());
+  ShellContact contact({&s.models[0], &s.models[1]}, s.stitches.seams, {2, std::vector<SurfaceLaw>(2)});
+  const auto energy = [&] {
+    return s.forces(true) + s.kinetic(dt) + s.states[0].book.contact + s.states[1].book.contact;
+  };
+  const double first = energy();
+  const auto before = s.sums();
+  for (int step = 0; step < 400; ++step) {
+    s.forces();
+    for (int k = 0; k < 2; ++k) kick(s.models[k], s.states[k], Vec3::Zero(), dt);
+    s.stitching.mark(s.refs());
+    contact.act(s.refs(), dt, [&] { s.stitching.share_impulses(s.refs()), s.stitching.mark(s.refs()); });
+    s.stitching.share_impulses(s.refs());
+    for (int k = 0; k < 2; ++k) drift(s.models[k], s.states[k], dt);
+  }
+  const auto after = s.sums();
+  const double taken = s.states[0].book.contact + s.states[1].book.contact;
+  EXPECT_GT(taken, 0.05 * first);
+  EXPECT_NEAR(energy(), first, 1e-4 * first);  // with what impulses that were handed on twice a substep took
+  EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum_scale);
+  EXPECT_LT((after.angular - before.angular).norm(), 1e-12 * before.angular_scale);
+}
+
 TEST(ShellContact, AShellThatHasACreaseAtRestIsLeftAlone) {
   // the edge of a box that is nearly closed: sides 0.035 m apart at the end of the first element
   const double half = 10.0 * std::numbers::pi / 180.0;
