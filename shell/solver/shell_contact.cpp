@@ -141,7 +141,7 @@ void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double d
     const double stop = std::max(0.0, std::min(wanted, 0.0) - approach), rest = wanted - approach - stop;
     const double own = 1.0 / (1.0 / samples_[c.p].mass + 1.0 / samples_[c.q].mass);
     const double given = std::min(own, 1.0 / mobility);
-    const double j = (follows ? given : 1.0 / mobility) * stop + given * rest;
+    const double j = (follows ? given * stop : stop / mobility) + given * rest;
     for (const Share& p : parting_) push(*shells[p.shell].state, p.slot, p.share * j * n, dt);
   }
 }
