@@ -69,15 +69,22 @@ struct Stitched {
     for (std::size_t k = 0; k < models.size(); ++k) sum += kinetic_energy(models[k], states[k], dt);
     return sum;
   }
-  /// After forces(): the rest of a substep.
+  /// After forces(): the rest of a substep, with `contact` after the kick.
   void advance(double dt) {
+    advance(dt, [] {});
+  }
+  template <class F>
+  void advance(double dt, F&& contact) {
     for (std::size_t k = 0; k < models.size(); ++k) kick(models[k], states[k], Vec3::Zero(), dt);
     stitching.mark(refs());
+    contact();
     stitching.share_impulses(refs()), stitching.keep_angles(refs(), dt);
     for (std::size_t k = 0; k < models.size(); ++k) constrain(models[k], states[k], dt);
     stitching.follow(refs());
     for (std::size_t k = 0; k < models.size(); ++k) drift(models[k], states[k], dt);
   }
+  /// Between passes of contact, as a run does.
+  void hand_on() { stitching.share_impulses(refs()), stitching.mark(refs()); }
   double stable(int iterations = 200) {
     return stable_step(refs(), stitching, iterations, 1, std::vector<char>(models.size(), 0));
   }
