@@ -1,6 +1,7 @@
 #include "coupler/link/held_rows.h"
 
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -102,7 +103,7 @@ TEST(HeldRows, AHingedRodKeepsItsEnergyAndItsAxis) {
   RigidBody b = ball(1, {0.1, 0, 0});
   Joint joint;
   joint.id = 1, joint.kind = Joint::Kind::kHinge, joint.first = 1;
-  const Quat along_y = Quat::FromTwoVectors(Vec3::UnitZ(), Vec3::UnitY());
+  const Quat along_y(Eigen::AngleAxisd(-0.5 * std::numbers::pi, Vec3::UnitX()));  // from z
   joint.first_frame = {{-0.1, 0, 0}, along_y}, joint.second_frame = {Vec3::Zero(), along_y};
   HeldRows rows;
   rows.take({}, {joint}, {&b});

@@ -48,7 +48,7 @@ void fold_up(const ShellModel& m, ShellState& s, Speed&& speed) {
     s.x[slot] = side * (std::min(std::abs(x), 0.1) + radius * std::sin(angle) + straight * std::cos(angle));
     s.x[2 * static_cast<std::size_t>(m.tables.plane) + slot] =
         radius * (1.0 - std::cos(angle)) + straight * std::sin(angle);
-    if (straight > 0.0) s.v[slot] = -side * speed(straight);
+    if (straight > 1e-9) s.v[slot] = -side * speed(straight);  // within the turn it is round-off
   }
 }
 
