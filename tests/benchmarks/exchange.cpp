@@ -1,16 +1,22 @@
 // Window and reply between two processes, without physics: the free-flight engine gives back what it is handed. Timed
-// from the task to the checked states: encode, ZeroMQ, decode, check, and the same back.
+// from the task to the checked states: encode, ZeroMQ, decode, check, and the same back. Beside it the same bytes
+// through ZeroMQ alone, and both once more where all threads share a processor: what a machine takes to wake one
+// processor from another is none of the exchange's doing.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <thread>
 
 #include <fmt/format.h>
+#include <sched.h>
+#include <zmq.hpp>
 
 #include "coupler/link/channel.h"
 #include "coupler/link/remote.h"
 #include "tests/benchmarks/two_processes.h"
 #include "tests/conformance/process.h"
+#include "tests/temporary_folder.h"
 
 namespace sunder::bench {
 namespace {
@@ -85,6 +91,8 @@ class Exchange {
     }
   }
 
+  const RoundTrips& trips() const { return trips_; }
+
   RoundTrips finish() {
     const RoundTrips trips = trips_;  // without Bye
     rigid_.bye();
@@ -98,6 +106,64 @@ class Exchange {
   RoundTrips trips_;
   link::RemoteRigid rigid_;
   link::WindowTask task_;
+};
+
+// Says back as many bytes as a reply has, from a thread with sockets of its own.
+class Bare {
+ public:
+  Bare(std::size_t request_bytes, std::size_t reply_bytes)
+      : endpoint_("ipc://" + folder_.path + "/bare"), request_(request_bytes, 'q') {
+    near_.bind(endpoint_);
+    echo_ = std::thread([this, reply = std::string(reply_bytes, 'r')] {
+      zmq::context_t context{1};
+      zmq::socket_t far{context, zmq::socket_type::pair};
+      far.connect(endpoint_);
+      zmq::message_t message;
+      while (far.recv(message) && message.size() > 0) far.send(zmq::buffer(reply), zmq::send_flags::none);
+    });
+  }
+  ~Bare() {
+    near_.send(zmq::message_t(), zmq::send_flags::none);
+    echo_.join();
+  }
+  Bare(const Bare&) = delete;
+  Bare& operator=(const Bare&) = delete;
+
+  void windows(int count, std::vector<double>* noted) {
+    for (int k = 0; k < count; ++k) {
+      zmq::message_t reply;
+      const auto start = std::chrono::steady_clock::now();
+      near_.send(zmq::buffer(request_), zmq::send_flags::none);
+      (void)near_.recv(reply);
+      const auto end = std::chrono::steady_clock::now();
+      if (noted) noted->push_back(std::chrono::duration<double, std::micro>(end - start).count());
+    }
+  }
+
+ private:
+  TemporaryFolder folder_;
+  std::string endpoint_, request_;
+  zmq::context_t context_{1};
+  zmq::socket_t near_{context_, zmq::socket_type::pair};
+  std::thread echo_;
+};
+
+// While it is there, this thread, and what it starts, runs on the processor that it is on.
+class OneProcessor {
+ public:
+  OneProcessor() {
+    ensure(sched_getaffinity(0, sizeof before_, &before_) == 0, "the system does not say where this may run");
+    cpu_set_t one;
+    CPU_ZERO(&one);
+    CPU_SET(static_cast<std::size_t>(sched_getcpu()), &one);
+    ensure(sched_setaffinity(0, sizeof one, &one) == 0, "the system does not let this run on one processor");
+  }
+  ~OneProcessor() { (void)sched_setaffinity(0, sizeof before_, &before_); }
+  OneProcessor(const OneProcessor&) = delete;
+  OneProcessor& operator=(const OneProcessor&) = delete;
+
+ private:
+  cpu_set_t before_;
 };
 
 // Percentiles of all, and beside them those of the calmest and the busiest block: what else the machine did.
@@ -115,19 +181,29 @@ void tell(const char* what, const RoundTrips& trips, int bodies, int blocks) {
   }
 }
 
+void measure(const char* name, int bodies, int blocks, int windows, std::map<std::string, double>& out) {
+  const RoundTrips trips = measure_round_trips(bodies, blocks, windows);
+  tell(name, trips, bodies, blocks);
+  const auto together = [&] {
+    const OneProcessor all_threads;
+    return measure_round_trips(bodies, blocks, windows);
+  }();
+  const std::string key = name;
+  out[key + "_p50"] = percentile(trips.us, 0.5), out[key + "_bare_p50"] = percentile(trips.bare_us, 0.5);
+  out[key + "_one_processor_p50"] = percentile(together.us, 0.5);
+  fmt::print(
+      "  the same bytes through ZeroMQ alone: p50 {:.1f} us; with all threads on one processor: p50 {:.1f} us, "
+      "ZeroMQ alone {:.1f} us\n",
+      out[key + "_bare_p50"], out[key + "_one_processor_p50"], percentile(together.bare_us, 0.5));
+  if (bodies == kFourKilobytes) out[key + "_p99"] = percentile(trips.us, 0.99);
+}
+
 void four_kilobytes(std::map<std::string, double>& out) {
-  constexpr int kBlocks = 40, kWindows = 250;
-  const RoundTrips trips = measure_round_trips(kFourKilobytes, kBlocks, kWindows);
-  tell("window_roundtrip_us_4k", trips, kFourKilobytes, kBlocks);
-  out["window_roundtrip_us_4k_p50"] = percentile(trips.us, 0.5);
-  out["window_roundtrip_us_4k_p99"] = percentile(trips.us, 0.99);
+  measure("window_roundtrip_us_4k", kFourKilobytes, 40, 250, out);
 }
 
 void many_fragments(std::map<std::string, double>& out) {
-  constexpr int kBlocks = 20, kWindows = 50;
-  const RoundTrips trips = measure_round_trips(kManyFragments, kBlocks, kWindows);
-  tell("window_roundtrip_us_1000_fragments", trips, kManyFragments, kBlocks);
-  out["window_roundtrip_us_1000_fragments_p50"] = percentile(trips.us, 0.5);
+  measure("window_roundtrip_us_1000_fragments", kManyFragments, 20, 50, out);
 }
 
 }  // namespace
@@ -143,8 +219,16 @@ double percentile(std::vector<double> samples, double share) {
 RoundTrips measure_round_trips(int bodies, int blocks, int windows) {
   Exchange exchange(bodies);
   exchange.windows(windows, false);
-  exchange.windows(blocks * windows, true);
-  return exchange.finish();
+  std::vector<double> bare_us;
+  Bare bare(exchange.trips().request_bytes, exchange.trips().reply_bytes);
+  bare.windows(windows, nullptr);
+  for (int k = 0; k < blocks; ++k) {
+    exchange.windows(windows, true);
+    bare.windows(windows, &bare_us);
+  }
+  RoundTrips trips = exchange.finish();
+  trips.bare_us = std::move(bare_us);
+  return trips;
 }
 
 const std::vector<ProcessBenchmark>& process_benchmarks() {

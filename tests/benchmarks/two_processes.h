@@ -30,6 +30,7 @@ double percentile(std::vector<double> samples, double share);
 /// Round trips of windows [us], in the order in which they were made.
 struct RoundTrips {
   std::vector<double> us;
+  std::vector<double> bare_us;  // of as many bytes through ZeroMQ alone, between two threads, block by block in turn
   std::size_t request_bytes = 0, reply_bytes = 0;  // of one window
 };
 
