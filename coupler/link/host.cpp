@@ -1,6 +1,7 @@
 #include "coupler/link/host.h"
 
 #include <cmath>
+#include <limits>
 
 namespace sunder::link {
 namespace {
@@ -28,6 +29,11 @@ void EngineHost::match(const std::vector<Motion>& motions, const char* what) con
   }
   if (next != moving_.end())
     refuse(fmt::format("{} of body {}: is missing; give one for each moving body", what, *next));
+}
+
+void EngineHost::held(const std::vector<BodyId>& ids, const char* what) const {
+  for (const BodyId id : ids)
+    if (!known_.count(id)) refuse(fmt::format("{}: body {} is not held here", what, id));
 }
 
 void EngineHost::add(const std::vector<RigidBody>& bodies, const char* what) {
@@ -92,6 +98,7 @@ std::vector<ContactRow> EngineHost::rows(std::int64_t tick, double window_s, con
   if (tick != tick_) refuse(fmt::format("export at tick {}, expected {}", tick, tick_));
   if (!std::isfinite(window_s) || window_s <= 0.0) refuse(fmt::format("window_s is {}", window_s));
   match(motions, "motion");
+  held(bodies, "export.bodies");
   return engine_.rows(window_s, motions, bodies);
 }
 
@@ -101,10 +108,11 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
     if (last_tick_ < 0) refuse("window.again, and there was none, or none was kept");
     tick_ = last_tick_;
   }
-  if (w.tick != tick_ || w.ticks < 1)
+  if (w.tick != tick_ || w.ticks < 1 || w.ticks > std::numeric_limits<std::int64_t>::max() - tick_)
     refuse(fmt::format("window at tick {} (+{}), expected {}", w.tick, w.ticks, tick_));
   if (!std::isfinite(w.window_s) || w.window_s <= 0.0) refuse(fmt::format("window_s is {}", w.window_s));
   match(w.handbacks, "handback");
+  held(w.solved, "window.solved");
   if (!w.released.empty()) needs(capability::kReleaseJoints, "window.released");
   for (const std::uint32_t id : w.released) {
     if (!joints_.count(id)) refuse(fmt::format("released[{}]: there is no such joint", id));

@@ -31,6 +31,7 @@ class EngineHost : public RigidLink {
   void loaded(const char* what) const;
   void needs(const char* capability, const char* what) const;
   void match(const std::vector<Motion>& motions, const char* what) const;
+  void held(const std::vector<BodyId>& ids, const char* what) const;
   void add(const std::vector<RigidBody>& bodies, const char* what);
 
   InUnits engine_;

@@ -11,6 +11,9 @@ namespace {
 
 // Deadlines of the handshake [s]. A window may take as long as it does: a peer that has gone is noticed otherwise.
 constexpr double kHelloSeconds = 10.0, kLoadSeconds = 120.0, kByeSeconds = 10.0, kNone = 0.0;
+// Of requests that move nothing.
+constexpr double kLookSeconds = 120.0;
+constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // of a peer's clock
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -38,7 +41,13 @@ proto::Reply& RemoteRigid::ask(proto::Request& request, double deadline_s, const
   if (!reply.ParseFromString(bytes)) refuse("the rigid process sent bytes that are no reply");
   if (reply.has_error()) throw decode_error(reply.error(), "the rigid process");
   if (reply.sequence() != sequence_) refuse(fmt::format("reply {} to request {}", reply.sequence(), sequence_));
-  if (heard_) heard_({what, sent, now_ns(), {reply.spans().begin(), reply.spans().end()}});
+  if (heard_) {
+    TimedReply timed{what, sent, now_ns(), {}};
+    for (const proto::Span& span : reply.spans())
+      if (span.begin_ns() >= 0 && span.begin_ns() <= span.end_ns() && span.end_ns() <= kLatest_ns)
+        timed.spans.push_back(span);
+    heard_(timed);
+  }
   return reply;
 }
 
@@ -105,7 +114,7 @@ std::vector<ContactRow> RemoteRigid::rows(std::int64_t tick, double window_s, co
   e->set_tick(tick), e->set_window_s(window_s);
   for (const Motion& m : motions) encode(m, e->add_motions());
   for (const BodyId id : bodies) e->add_bodies(id);
-  const proto::Reply& reply = ask(request, kNone, "Export");
+  const proto::Reply& reply = ask(request, kLookSeconds, "Export");
   expect(reply.has_export_(), "Export");
   return decode_rows(reply.export_(), all_);
 }
@@ -138,7 +147,7 @@ std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies)
     *request.mutable_add_bodies()->add_bodies() = encode(b), all_.insert(b.id);
     if (!b.is_static) moving_.insert(b.id), expected.insert(b.id);
   }
-  const proto::Reply& reply = ask(request, kNone, "AddBodies");
+  const proto::Reply& reply = ask(request, kLookSeconds, "AddBodies");
   expect(reply.has_add_bodies(), "AddBodies");
   return decode_states(reply.add_bodies().states(), expected);
 }
@@ -147,7 +156,7 @@ std::string RemoteRigid::save() {
   google::protobuf::Arena arena;
   proto::Request& request = request_in(arena);
   request.mutable_save();
-  proto::Reply& reply = ask(request, kNone, "Save");
+  proto::Reply& reply = ask(request, kLookSeconds, "Save");
   expect(reply.has_save(), "Save");
   return std::move(*reply.mutable_save()->mutable_caches());
 }

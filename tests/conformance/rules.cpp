@@ -135,6 +135,8 @@ void windows(Suite& s) {
   refused(s, "quaternion", spoiled(s, [](auto& w) { w.mutable_handbacks(0)->mutable_orientation()->set_x(0.1); }));
   refused(s, "no_quaternion", spoiled(s, [](auto& w) { w.mutable_handbacks(0)->clear_orientation(); }));
   refused(s, "birth_without_shape", spoiled(s, [](auto& w) { w.add_births()->set_id(2); }));
+  if (s.info.can(kExportRows))
+    refused(s, "solved_body_that_is_not_there", spoiled(s, [](auto& w) { w.add_solved(9); }));
   refused(s, "birth_of_held_id", spoiled(s, [&](auto& w) { *w.add_births() = link::encode(any_body(s, 1)); }));
 }
 

@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <thread>
 
 #include <gtest/gtest.h>
@@ -103,6 +104,19 @@ TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
     l.mutable_load()->set_thickness_m(thickness);
     return Requests{hello(), l};
   };
+  const auto exported_unknown = [] {
+    proto::Request rows;
+    auto* e = rows.mutable_export_();
+    e->set_window_s(1e-3), e->add_bodies(9);
+    *e->add_motions() = window().window().handbacks(0);
+    return Requests{hello(), load(), rows};
+  };
+  const auto at_the_end_of_time = [] {
+    proto::Request l = load(), w = window();
+    l.mutable_load()->set_tick(std::numeric_limits<std::int64_t>::max());
+    w.mutable_window()->set_tick(std::numeric_limits<std::int64_t>::max());
+    return Requests{hello(), l, w};
+  };
   const double nan = std::nan("");
   const struct {
     Requests requests;
@@ -128,6 +142,9 @@ TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
       {spoiled([](auto& w) { w.clear_handbacks(); }), "bad_message: handback of body 1: is missing"},
       {spoiled([](auto& w) { (*w.add_handbacks() = w.handbacks(0)).set_id(9); }), "bad_message: handback of body 9"},
       {spoiled([](auto& w) { *w.add_births() = encode(ball()); }), "bad_message: births[1]: comes twice"},
+      {spoiled([](auto& w) { w.add_solved(9); }), "bad_message: window.solved: body 9 is not held here"},
+      {exported_unknown(), "bad_message: export.bodies: body 9 is not held here"},
+      {at_the_end_of_time(), "bad_message: window at tick 9223372036854775807 (+2)"},
   };
   for (const auto& c : cases) {
     Served server;
