@@ -58,11 +58,11 @@ export class Channel {
   }
 
   async send(bytes) {
-    try {
-      await this.socket.send(bytes);
-    } catch {
+    const sent = this.socket.send(bytes).catch(() => {
       throw lost('the shell process takes no messages any more');
-    }
+    });
+    sent.catch(() => {}); // where it is too late to matter
+    await Promise.race([sent, this.gone]);
   }
 
   close() {

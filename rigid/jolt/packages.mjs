@@ -34,6 +34,6 @@ export async function loadMessages() {
 
 /** Jolt's module, and its version. */
 export async function loadJolt() {
-  const start = (await load('jolt-physics', 'jolt-physics/wasm-compat')).default;
+  const start = (await load('jolt-physics', 'jolt-physics/wasm')).default;
   return { jolt: await start(), version: require('jolt-physics/package.json').version };
 }
