@@ -12,11 +12,14 @@ namespace {
 
 using Scheme = CouplingRules::Scheme;
 
-constexpr double kLedgerTolerance = 1e-12;  // of the sum of |J|; double precision leaves some 1e-15
-constexpr int kStiffnessEvery = 8;          // windows between two measurements
-constexpr int kHeldWindows = 64;            // that a body counts as held by the engine, or stays exported, afterwards
-constexpr double kRecovery = 0.02;          // twenty plates on the first sink in by 2 um, and nothing bounces
-constexpr double kAgreed = 1e-9;            // change of the engine's impulses between two passes, of themselves
+// Of the sum of |J|, and what a body gained also of its momentum; double precision leaves some 1e-15.
+constexpr double kLedgerTolerance = 1e-12;
+constexpr double kSubstepsRounded = 4000.0;  // each may leave a rounding: beyond as many the tolerance grows with them
+constexpr double kBirthTolerance = 1e-10;    // of the newborn's own
+constexpr int kStiffnessEvery = 8;           // windows between two measurements
+constexpr int kHeldWindows = 64;             // that a body counts as held by the engine, or stays exported, afterwards
+constexpr double kRecovery = 0.02;           // twenty plates on the first sink in by 2 um, and nothing bounces
+constexpr double kAgreed = 1e-9;             // change of the engine's impulses between two passes, of themselves
 constexpr double kFastestRelaxation = 2.0, kSlowestRelaxation = 0.02, kFirstRelaxation = 0.5;
 constexpr double kLeastResidual = 1.0 / 16.0;  // of the tolerance, below which a window is doubled
 
@@ -286,12 +289,28 @@ void Run::adapt_window() {
   shortest_window_ = std::min(shortest_window_, window_ticks_);
 }
 
-void Run::check_ledger() {
+void Run::check_ledger(double window) {
   if (options_.tamper) options_.tamper(windows_, proxies_);
+  const double roundings = std::max(1.0, window / dt_ / kSubstepsRounded);
+  std::size_t moving = 0;
   for (Proxy& p : proxies_) {
-    if (p.impulse_sum == 0.0) continue;
-    const double linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
-    const double angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
+    const std::size_t k = p.body.is_static ? starts_.size() : moving++;
+    double linear = 0.0, angular = 0.0;
+    if (p.impulse_sum > 0.0) {
+      linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
+      angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
+    }
+    if (k < starts_.size() && !(p.recovery > 0.0 && !rows_.empty())) {  // else rows have moved it as well
+      const BodyMotion &then = starts_[k].motion, &now = p.body.motion;
+      Vec3 gained = p.body.mass * (now.velocity - then.velocity - window * setup_.gravity);
+      Vec3 turned = now.angular_momentum - then.angular_momentum;
+      if (k < kicks_.size()) gained -= kicks_[k].linear, turned -= kicks_[k].angular;
+      if (!p.unmoved) gained -= p.linear_impulse, turned -= p.angular_impulse;
+      const double fall = window * setup_.gravity.norm(), scale = then.velocity.norm() + now.velocity.norm() + fall;
+      const double turning = then.angular_momentum.norm() + now.angular_momentum.norm();
+      linear = std::max(linear, relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings);
+      angular = std::max(angular, relative(turned.norm(), p.moment_sum + turning) / roundings);
+    }
     ledger_linear_ = std::max(ledger_linear_, linear), ledger_angular_ = std::max(ledger_angular_, angular);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
       Error e(Exit::kPhysics, "ledger",
@@ -304,6 +323,17 @@ void Run::check_ledger() {
   }
 }
 
+void Run::check_birth(const RigidBody& b) const {
+  if (std::max({mass_error_, momentum_error_, angular_error_}) <= kBirthTolerance) return;
+  if (!rigid_->peer().can(link::capability::kDoublePrecision)) return;  // it rounds what it is given
+  Error e(Exit::kPhysics, "ledger",
+          fmt::format("window {}: at the birth of '{}' its mass, momentum and angular momentum are not what the shell "
+                      "lost and the engine holds: {:.3g}, {:.3g}, {:.3g} of themselves are missing",
+                      windows_, b.name, mass_error_, momentum_error_, angular_error_));
+  e.window = windows_, e.body = b.name;
+  throw e;
+}
+
 void Run::check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states) {
   for (const RigidBody& b : births)
     for (const link::State& s : states) {
@@ -313,6 +343,7 @@ void Run::check_births(const std::vector<RigidBody>& births, const std::vector<l
       mass_error_ = std::max(mass_error_, std::abs(s.mass - b.mass) / b.mass);
       momentum_error_ = std::max(momentum_error_, (s.mass * s.motion.velocity - momentum).norm() / scale);
       angular_error_ = std::max(angular_error_, (s.motion.angular_momentum - b.motion.angular_momentum).norm() / turn);
+      check_birth(b);
     }
 }
 

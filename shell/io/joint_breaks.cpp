@@ -40,6 +40,34 @@ void Run::check_engine() const {
   if (setup_.coupling.scheme == CouplingRules::Scheme::kIterated) need(kSaveRestore, "coupling.scheme ITERATED needs");
 }
 
+std::vector<std::string> Run::engine_notes() const {
+  using namespace link::capability;
+  const link::EngineInfo& peer = rigid_->peer();
+  const auto moving = static_cast<std::size_t>(
+      std::count_if(setup_.bodies.begin(), setup_.bodies.end(), [](const RigidBody& b) { return !b.is_static; }));
+  const bool meet = setup_.can_crack() ? !setup_.bodies.empty() : moving > 0 && setup_.bodies.size() > 1;
+  std::vector<std::string> notes;
+  const auto without = [&](const char* what, const std::string& why) {
+    if (!peer.can(what)) notes.push_back(fmt::format("the engine '{}' cannot do '{}': {}", peer.name, what, why));
+  };
+  if (meet && !peer.can(kContact)) {
+    without(kContact, "bodies and shards pass through one another, shells alone stop them");
+  } else if (meet) {
+    const auto any = [&](auto has) { return std::any_of(setup_.laws.begin(), setup_.laws.end(), has); };
+    if (any([](const ContactLaw& law) { return law.friction > 0.0; })) without(kFriction, "bodies slide freely");
+    if (any([](const ContactLaw& law) { return law.restitution > 0.0; })) without(kRestitution, "bodies do not bounce");
+  }
+  const bool held = moving > 0 && (setup_.bodies.size() > 1 || !setup_.joints.empty());
+  if (held && !setup_.shells.empty() && setup_.coupling.scheme == CouplingRules::Scheme::kProxy)
+    without(
+        kExportRows,
+        fmt::format("a body that is squeezed between a shell and another body, or that a joint holds, may gain "
+                    "energy where k H^2/M passes {:g} (coupling in run.json says what it came to); shorten window_s",
+                    setup_.coupling.export_above));
+  if (setup_.checkpoint_interval > 0.0) without(kSaveRestore, "no checkpoints are written, --resume has nothing");
+  return notes;
+}
+
 // Frames of a joint that is not strained coincide at the start.
 void Run::let_joints_go() {
   const auto body = [&](BodyId id) -> const Proxy* { return id == 0 ? nullptr : &proxies_[id - 1]; };

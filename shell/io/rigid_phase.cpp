@@ -129,7 +129,7 @@ void Run::fly(double window, std::size_t count) {
 
 void Run::rigid_window() {
   const int ticks = static_cast<int>(std::max<std::int64_t>(1, std::min(settle_ticks(), end_tick() - tick_)));
-  const double window = ticks * setup_.tick;
+  const double window = this->ticks().time(ticks);
   open_window(window);
   fly(window, proxies_.size());
   exchange(ticks, window, {});

@@ -56,6 +56,8 @@ void Run::start() {
   if (!options_.trace.empty()) options_.heard = [this](const link::TimedReply& reply) { trace_.heard(reply); };
   rigid_ = options_.connect(options_);
   check_engine();
+  if (!options_.quiet)
+    for (const std::string& note : engine_notes()) fmt::print(stderr, "note: {}\n", note);
   if (!rigid_->peer().can(link::capability::kSaveRestore)) setup_.checkpoint_interval = 0.0;
   for (const ShellSetup& s : setup_.shells) {
     parts_.emplace_back(s);
@@ -358,7 +360,7 @@ void Run::shell_window() {
   // a crack may have taken more from the stable step than was allowed for
   const double taken = setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
   window_ticks_ = static_cast<int>(std::min<std::int64_t>(window_ticks_, end_tick() - tick_));
-  const double window = window_ticks_ * setup_.tick;
+  const double window = ticks().time(window_ticks_);
   double needed = std::ceil(setup_.tick / taken * (1.0 - 1e-12));
   if (!soft_.empty()) needed = soft_substeps(needed);
   if (!(needed * setup_.coupling.ticks <= kMostSubsteps)) {
@@ -372,7 +374,7 @@ void Run::shell_window() {
   }
   const int n = std::max(1, static_cast<int>(needed)) * window_ticks_;  // windows of any length take the same substep
   last_dt_ = dt_;
-  const double dt = dt_ = window / n;
+  const double dt = dt_ = ticks().substep(window_ticks_, n);
   const double window_start = wall_clock(), update_before = stage_s_["crack_update"], length = crack_length();
   {
     Stopwatch w(stage_s_["crack_update"]);
@@ -388,7 +390,7 @@ void Run::shell_window() {
   traced("substeps", substeps_begin);
   for (const Proxy& p : proxies_)
     if (!p.body.motion.position.allFinite() || !p.body.motion.velocity.allFinite()) unstable(std::nan(""));
-  check_ledger();
+  check_ledger(window);
   for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
     if (proxies_[i].impulse_sum > 0.0 && !proxies_[i].body.is_static) last_push_ = time() + window;
   const std::int64_t pieces_begin = Trace::now_ns();

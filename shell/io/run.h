@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "coupler/core/ticks.h"
 #include "coupler/link/held_rows.h"
 #include "coupler/link/rigid_link.h"
 #include "shell/io/build.h"
@@ -67,8 +68,8 @@ class Run {
   /// Returns done or interrupted; throws Error after run.json says why.
   Exit execute(const std::atomic<bool>& interrupted);
 
-  double time() const { return static_cast<double>(tick_) * setup_.tick; }  // [s]
-  double mechanical_energy() const { return kinetic_ + elastic_; }          // of shell and bodies, as last summed [J]
+  double time() const { return ticks().time(tick_); }               // [s]
+  double mechanical_energy() const { return kinetic_ + elastic_; }  // of shell and bodies, as last summed [J]
   const std::vector<Proxy>& bodies() const { return proxies_; }
   double hardest() const { return hardest_; }  // largest k H^2 / M that was measured [-]
   int exported() const { return static_cast<int>(ever_exported_.size()); }
@@ -132,6 +133,8 @@ class Run {
   template <class A>
   void archive_members(A& a);
   void check_engine() const;  // that it can do what the scene needs
+  /// What it cannot do and a run can go without, in sentences.
+  std::vector<std::string> engine_notes() const;
   void traced(const char* name, std::int64_t begin_ns) {
     if (!options_.trace.empty()) trace_.add(name, begin_ns, Trace::now_ns(), windows_);
   }
@@ -147,7 +150,8 @@ class Run {
   double soft_energy(double strain) const;  // that they store at such a strain [J]
   void add_soft_hardness(std::vector<double>& hardness) const;
   std::vector<BodyMotion> soft_motions() const;
-  std::int64_t end_tick() const { return std::llround(setup_.end_time / setup_.tick); }
+  Ticks ticks() const { return {setup_.tick}; }
+  std::int64_t end_tick() const { return ticks().nearest(setup_.end_time); }
   // coupling.cpp
   std::vector<link::Motion> motions() const;
   void open_window(double window);
@@ -160,7 +164,8 @@ class Run {
   void adapt_window();
   std::vector<RigidBody> take_off(bool all);
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
-  void check_ledger();
+  void check_ledger(double window);
+  void check_birth(const RigidBody& body) const;
   /// Joints whose end has come; joint_breaks.cpp.
   void let_joints_go();
   std::string joints_summary() const;  // for run.json
