@@ -14,7 +14,7 @@ from .install import PACKAGES, ensure_installed
 from .logged import run_logged, tail
 
 # Messages get most: they come from another process. Seconds a target that ends by itself would take are not known.
-TARGETS = ("session", "replies", "bullet", "scene", "pgm", "mesh")
+TARGETS = ("session", "replies", "bullet", "ode", "scene", "pgm", "mesh")
 DEFAULT_RUNS = 100_000
 FUZZ_PACKAGES = ("clang", "libclang-rt-dev")  # compiler; sanitizers and libFuzzer
 MOST_BYTES = 4096

@@ -9,18 +9,22 @@ from .faults import BIRTHS, FAULTS, PHASES, Cell
 from .session import Outcome, exchange, play
 
 WORKERS = 6  # most of them wait
-# Cells whose folder is used again at once: every kind of ending is among them.
-RERUN_PHASES = (BIRTHS,)
+
+
+def used_again(cell: Cell) -> bool:
+    """Whether the cell's folder is used again at once where not all are: every kind of ending is among them, as each
+    fault is on each side."""
+    return cell.phase == (BIRTHS if BIRTHS in FAULTS[cell.fault].phases else FAULTS[cell.fault].phases[-1])
 
 
 def _play(job: tuple[Cell, bool]) -> Outcome:
     return play(*job)
 
 
-def play_matrix(names: list[str]) -> dict[Cell, Outcome]:
+def play_matrix(names: list[str], all_again: bool = False) -> dict[Cell, Outcome]:
     """Plays all cells of the named faults. One that is only late is given a second chance, alone: the machine may have
-    been busy."""
-    jobs = [(cell, cell.phase in RERUN_PHASES) for name in names for cell in FAULTS[name].cells()]
+    been busy. `all_again`: every folder is used again."""
+    jobs = [(cell, all_again or used_again(cell)) for name in names for cell in FAULTS[name].cells()]
     jobs.sort(key=lambda job: job[0].fault not in ("stop", "half open", "slow"))  # long ones first
     with tempfile.TemporaryDirectory() as folder:
         exchange(Path(folder))
@@ -28,7 +32,7 @@ def play_matrix(names: list[str]) -> dict[Cell, Outcome]:
             outcomes = {o.cell: o for o in pool.imap_unordered(_play, jobs)}
     for cell, outcome in outcomes.items():
         if outcome.late:
-            outcomes[cell] = play(cell, cell.phase in RERUN_PHASES)
+            outcomes[cell] = play(cell, all_again or used_again(cell))
             outcomes[cell].said += " (second try)"
     return outcomes
 

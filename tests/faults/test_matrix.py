@@ -4,7 +4,7 @@ from __future__ import annotations
 import unittest
 
 from .faults import DISK, FAULTS, PHASES, Cell
-from .matrix import RERUN_PHASES, play_matrix
+from .matrix import play_matrix, used_again
 from .relay import BOTH
 from .session import Outcome
 
@@ -33,7 +33,9 @@ class Matrix(unittest.TestCase):
 
     def test_folders_are_used_again(self) -> None:
         again = {cell for cell, outcome in self.outcomes.items() if outcome.rerun}
-        self.assertEqual(again, {cell for cell in self.outcomes if cell.phase in RERUN_PHASES})
+        self.assertEqual(again, {cell for cell in self.outcomes if used_again(cell)})
+        self.assertEqual({(cell.fault, cell.side) for cell in again},
+                         {(cell.fault, cell.side) for cell in self.outcomes})
 
 
 if __name__ == "__main__":

@@ -83,6 +83,11 @@ void run_bullet(const std::uint8_t* data, std::size_t size) {
   serve(*engine, data, size);
 }
 
+void run_ode(const std::uint8_t* data, std::size_t size) {
+  const auto engine = rigid::make_engine("ode");
+  serve(*engine, data, size);
+}
+
 /// First byte: which request is answered with the rest.
 void run_replies(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;

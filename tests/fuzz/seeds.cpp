@@ -21,7 +21,8 @@ int main(int argc, char** argv) {
     fuzz::Requests requests{std::min(k, 2), {}};
     samples[static_cast<std::size_t>(k)].set_sequence(static_cast<std::uint64_t>(requests.state) + 1);
     requests.list.push_back(samples[static_cast<std::size_t>(k)].SerializeAsString());
-    for (const char* target : {"session", "bullet"}) write(target, fmt::format("request_{}", k), fuzz::join(requests));
+    for (const char* target : {"session", "bullet", "ode"})
+      write(target, fmt::format("request_{}", k), fuzz::join(requests));
   }
   for (int number = 0; number < 8; ++number) {
     rigid::FreeFlight engine;

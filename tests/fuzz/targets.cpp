@@ -17,6 +17,7 @@ const std::vector<Target>& targets() {
   static const std::vector<Target> all{
       {"session", run_session, mutate_session},
       {"bullet", run_bullet, mutate_session},
+      {"ode", run_ode, mutate_session},
       {"replies", run_replies, mutate_reply},
       {"scene", run_scene, nullptr},
       {"pgm", run_pgm, nullptr},

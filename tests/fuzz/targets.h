@@ -27,6 +27,7 @@ std::string file_with(const std::string& name, const std::uint8_t* data, std::si
 
 void run_session(const std::uint8_t* data, std::size_t size);
 void run_bullet(const std::uint8_t* data, std::size_t size);
+void run_ode(const std::uint8_t* data, std::size_t size);
 void run_replies(const std::uint8_t* data, std::size_t size);
 void run_scene(const std::uint8_t* data, std::size_t size);
 void run_pgm(const std::uint8_t* data, std::size_t size);
