@@ -1,5 +1,5 @@
 #pragma once
-// Time is whole ticks. No length of time is ever summed up, so none drifts.
+// Time is whole ticks. Beyond a window no length of time is summed up, so none drifts.
 #include <cmath>
 #include <cstdint>
 

@@ -45,8 +45,8 @@ std::vector<link::Motion> Run::motions() const {
 
 void Run::choose_exported() {
   const CouplingRules& rules = setup_.coupling;
-  const bool can = rigid_->peer().can(link::capability::kExportRows);
-  if (!can || (rules.scheme != Scheme::kProxy && rules.scheme != Scheme::kExported)) return;
+  const bool can = rigid_->peer().can(link::capability::kExportRows);  // else it is measured, and told
+  if (rules.scheme != Scheme::kProxy && rules.scheme != Scheme::kExported) return;
   if (rules.scheme == Scheme::kExported) {
     for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
       if (!setup_.bodies[i].is_static) exported_until_[setup_.bodies[i].id] = windows_ + 1;
@@ -58,7 +58,7 @@ void Run::choose_exported() {
   add_soft_hardness(hardness);
   for (std::size_t i = 0; i < proxies_.size(); ++i) {
     hardest_ = std::max(hardest_, hardness[i]);
-    if (hardness[i] > rules.export_above) exported_until_[proxies_[i].body.id] = windows_ + kHeldWindows;
+    if (can && hardness[i] > rules.export_above) exported_until_[proxies_[i].body.id] = windows_ + kHeldWindows;
   }
 }
 
@@ -296,7 +296,7 @@ void Run::check_ledger(double window) {
   for (Proxy& p : proxies_) {
     const std::size_t k = p.body.is_static ? starts_.size() : moving++;
     double linear = 0.0, angular = 0.0;
-    if (p.impulse_sum > 0.0) {
+    if (p.impulse_sum != 0.0) {
       linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
       angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
     }
@@ -308,10 +308,11 @@ void Run::check_ledger(double window) {
       if (!p.unmoved) gained -= p.linear_impulse, turned -= p.angular_impulse;
       const double fall = window * setup_.gravity.norm(), scale = then.velocity.norm() + now.velocity.norm() + fall;
       const double turning = then.angular_momentum.norm() + now.angular_momentum.norm();
-      linear = std::max(linear, relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings);
-      angular = std::max(angular, relative(turned.norm(), p.moment_sum + turning) / roundings);
+      // the new value first: max() keeps a first one that is not a number
+      linear = std::max(relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings, linear);
+      angular = std::max(relative(turned.norm(), p.moment_sum + turning) / roundings, angular);
     }
-    ledger_linear_ = std::max(ledger_linear_, linear), ledger_angular_ = std::max(ledger_angular_, angular);
+    ledger_linear_ = std::max(linear, ledger_linear_), ledger_angular_ = std::max(angular, ledger_angular_);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
       Error e(Exit::kPhysics, "ledger",
               fmt::format(
@@ -323,27 +324,27 @@ void Run::check_ledger(double window) {
   }
 }
 
-void Run::check_birth(const RigidBody& b) const {
-  if (std::max({mass_error_, momentum_error_, angular_error_}) <= kBirthTolerance) return;
-  if (!rigid_->peer().can(link::capability::kDoublePrecision)) return;  // it rounds what it is given
+void Run::check_birth(const RigidBody& b, double mass, double linear, double angular, const char* where) {
+  mass_error_ = std::max(mass, mass_error_), momentum_error_ = std::max(linear, momentum_error_),
+  angular_error_ = std::max(angular, angular_error_);
+  if (mass <= kBirthTolerance && linear <= kBirthTolerance && angular <= kBirthTolerance) return;  // NaN does not
   Error e(Exit::kPhysics, "ledger",
-          fmt::format("window {}: at the birth of '{}' its mass, momentum and angular momentum are not what the shell "
-                      "lost and the engine holds: {:.3g}, {:.3g}, {:.3g} of themselves are missing",
-                      windows_, b.name, mass_error_, momentum_error_, angular_error_));
+          fmt::format("window {}: the birth of '{}' {}: {:.3g} of its mass, {:.3g} of its momentum and {:.3g} of its "
+                      "angular momentum are missing",
+                      windows_, b.name, where, mass, linear, angular));
   e.window = windows_, e.body = b.name;
   throw e;
 }
 
 void Run::check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states) {
+  const bool rounds = !rigid_->peer().can(link::capability::kDoublePrecision);  // what it is given, as it says
   for (const RigidBody& b : births)
     for (const link::State& s : states) {
-      if (s.id != b.id || b.is_static) continue;
+      if (s.id != b.id || b.is_static || rounds) continue;
       const Vec3 momentum = b.mass * b.motion.velocity;
       const double scale = std::max(momentum.norm(), 1e-12), turn = std::max(b.motion.angular_momentum.norm(), 1e-12);
-      mass_error_ = std::max(mass_error_, std::abs(s.mass - b.mass) / b.mass);
-      momentum_error_ = std::max(momentum_error_, (s.mass * s.motion.velocity - momentum).norm() / scale);
-      angular_error_ = std::max(angular_error_, (s.motion.angular_momentum - b.motion.angular_momentum).norm() / turn);
-      check_birth(b);
+      check_birth(b, std::abs(s.mass - b.mass) / b.mass, (s.mass * s.motion.velocity - momentum).norm() / scale,
+                  (s.motion.angular_momentum - b.motion.angular_momentum).norm() / turn, "in the engine");
     }
 }
 

@@ -45,7 +45,7 @@ std::vector<std::string> Run::engine_notes() const {
   const link::EngineInfo& peer = rigid_->peer();
   const auto moving = static_cast<std::size_t>(
       std::count_if(setup_.bodies.begin(), setup_.bodies.end(), [](const RigidBody& b) { return !b.is_static; }));
-  const bool meet = setup_.can_crack() ? !setup_.bodies.empty() : moving > 0 && setup_.bodies.size() > 1;
+  const bool meet = setup_.can_crack() || (moving > 0 && setup_.bodies.size() > 1);
   std::vector<std::string> notes;
   const auto without = [&](const char* what, const std::string& why) {
     if (!peer.can(what)) notes.push_back(fmt::format("the engine '{}' cannot do '{}': {}", peer.name, what, why));

@@ -20,11 +20,9 @@ void Run::check_handoff(const Totals& before, const Totals& after, const RigidBo
   const Vec3 p = b.mass * b.motion.velocity;
   const Vec3 l = b.motion.angular_momentum + b.motion.position.cross(p);
   // relative to the sums' own magnitudes, which is what their round-off is relative to
-  mass_error_ = std::max(mass_error_, relative(std::abs(after.mass + b.mass - before.mass), before.mass));
-  momentum_error_ =
-      std::max(momentum_error_, relative((after.momentum + p - before.momentum).norm(), before.momentum_scale));
-  angular_error_ =
-      std::max(angular_error_, relative((after.angular + l - before.angular).norm(), before.angular_scale));
+  check_birth(b, relative(std::abs(after.mass + b.mass - before.mass), before.mass),
+              relative((after.momentum + p - before.momentum).norm(), before.momentum_scale),
+              relative((after.angular + l - before.angular).norm(), before.angular_scale), "from the shell");
 }
 
 std::vector<PartPieces> Run::pieces_now(bool all) {

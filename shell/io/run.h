@@ -165,7 +165,8 @@ class Run {
   std::vector<RigidBody> take_off(bool all);
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
   void check_ledger(double window);
-  void check_birth(const RigidBody& body) const;
+  /// Relative errors of a birth; throws Error (ledger) where one is too large.
+  void check_birth(const RigidBody& body, double mass, double linear, double angular, const char* where);
   /// Joints whose end has come; joint_breaks.cpp.
   void let_joints_go();
   std::string joints_summary() const;  // for run.json

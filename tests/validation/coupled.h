@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "coupler/link/engine.h"
 #include "shell/contact/proxy.h"
 
 namespace sunder::validation {
@@ -54,6 +55,9 @@ struct WatchedRun {
 /// energy [J] and the bodies after every window; `tamper` the window and the bodies before their ledger is checked.
 /// `files`, by name, lie beside the scene.
 std::string run_text(const std::string& scene, const std::string& engine, const Watch& watch, WatchedRun* end = nullptr,
+                     const Tamper& tamper = {}, const std::map<std::string, std::string>& files = {});
+/// The same with an engine that the caller holds.
+std::string run_text(const std::string& scene, link::Engine& engine, const Watch& watch, WatchedRun* end = nullptr,
                      const Tamper& tamper = {}, const std::map<std::string, std::string>& files = {});
 
 }  // namespace sunder::validation

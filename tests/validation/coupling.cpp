@@ -264,11 +264,12 @@ void closure(Report& report, int) {
     });
     const bool named = w.failure.rfind("ledger: window ", 0) == 0 && w.failure.find("'ball'") != std::string::npos;
     report.add(fmt::format("planted_leak_of_{}_is_named", what), named ? 1.0 : 0.0, 1.0, 0.0, w.seconds);
-    report.lines.push_back(fmt::format("closure: a leak of 1e-9 of the {} ends the run with: {}", what, w.failure));
+    report.lines.push_back(fmt::format("closure: a leak in the {} ends the run with: {}", what, w.failure));
   };
   leak("booked_impulse", [](shell::Proxy& p) { p.linear_impulse *= 1.0 + 1e-9; });
   leak("velocity", [](shell::Proxy& p) { p.body.motion.velocity *= 1.0 + 1e-9; });
   leak("spin", [](shell::Proxy& p) { p.body.motion.angular_momentum += 1e-9 * p.moment_sum * Vec3::UnitX(); });
+  leak("nan_spin", [](shell::Proxy& p) { p.body.motion.angular_momentum.x() = std::nan(""); });
 }
 
 // Twenty plates on a flexing shell, for two seconds.

@@ -10,7 +10,12 @@
 
 namespace sunder::validation {
 
-std::string run_text(const std::string& text, const std::string& engine_name, const Watch& watch, WatchedRun* end,
+std::string run_text(const std::string& text, const std::string& engine, const Watch& watch, WatchedRun* end,
+                     const Tamper& tamper, const std::map<std::string, std::string>& files) {
+  return run_text(text, *rigid::make_engine(engine), watch, end, tamper, files);
+}
+
+std::string run_text(const std::string& text, link::Engine& engine, const Watch& watch, WatchedRun* end,
                      const Tamper& tamper, const std::map<std::string, std::string>& files) {
   const TemporaryFolder folder;
   for (const auto& [name, content] : files) std::ofstream(folder.path + "/" + name) << content;
@@ -19,10 +24,9 @@ std::string run_text(const std::string& text, const std::string& engine_name, co
   std::string failure;
   try {
     const auto scene = scene::load(file, {});
-    const auto engine = rigid::make_engine(engine_name);
     shell::RunOptions options;
     options.out = folder.path, options.quiet = true, options.scene_hash = scene.hash;
-    options.connect = [&](const shell::RunOptions&) { return std::make_unique<link::EngineHost>(*engine); };
+    options.connect = [&](const shell::RunOptions&) { return std::make_unique<link::EngineHost>(engine); };
     options.observe = [&](const shell::Run& run) {
       std::vector<const RigidBody*> bodies;
       for (const shell::Proxy& p : run.bodies()) bodies.push_back(&p.body);
