@@ -128,8 +128,12 @@ void Run::open_window(double window) {
   std::vector<RigidBody*> bodies;
   for (Proxy& p : proxies_) bodies.push_back(&p.body);
   rows_.take(rows, joints, bodies);
+  // What nothing presses on moves as without windows, to the last bit but some.
+  std::set<BodyId> pressed;
+  for (const auto& row : rows) pressed.insert({row.first, row.second});
+  for (const Joint& j : joints) pressed.insert({j.first, j.second});
   for (Proxy& p : proxies_)
-    if (exported.count(p.body.id)) p.recovery = kRecovery;
+    if (exported.count(p.body.id) && pressed.count(p.body.id)) p.recovery = kRecovery;
   for (const BodyId id : exported) ever_exported_.insert(id);
   ++exported_windows_;
 }

@@ -1,4 +1,4 @@
-// The substep is shortened while a ball is near: what vibrates meanwhile must not gain or lose by that.
+// Neither a changing substep nor windows change what a body does.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -23,4 +23,20 @@ TEST(ChangingStep, CostsNoEnergy) {
   ASSERT_EQ(failure, "");
   ASSERT_EQ(windows, c.windows);
   EXPECT_LT(most - least, 1e-3 * first);  // the hinge's rows close to some 1e-4 a stroke
+}
+
+// A light ball that only the shell pushes, whatever its hardness: windows, and rows asked for in vain, change nothing.
+TEST(Windows, MoveAFreeBodyAsIfThereWereNone) {
+  Coupled c;
+  c.ratio = 1e-3, c.elastic = false, c.windows = 2000;
+  const Watched whole = run_coupled(c);
+  c.substeps = 20, c.windows = 100;
+  const Watched w = run_coupled(c);
+  ASSERT_EQ(whole.failure + w.failure, "");
+  ASSERT_GT(w.hardest, 3.0);  // so it is exported
+  ASSERT_EQ(w.track.size(), 100u);
+  for (std::size_t k = 0; k < w.track.size(); ++k) {
+    const BodyMotion &a = w.track[k], &b = whole.track.at(20 * k + 19);
+    ASSERT_LT((a.position - b.position).norm() + (a.velocity - b.velocity).norm(), 1e-9) << k;  // m, m/s
+  }
 }
