@@ -22,7 +22,8 @@ void Run::check_handoff(const Totals& before, const Totals& after, const RigidBo
   // relative to the sums' own magnitudes, which is what their round-off is relative to
   check_birth(b, relative(std::abs(after.mass + b.mass - before.mass), before.mass),
               relative((after.momentum + p - before.momentum).norm(), before.momentum_scale),
-              relative((after.angular + l - before.angular).norm(), before.angular_scale), "from the shell");
+              relative((after.angular + l - before.angular).norm(), before.angular_scale), kBirthTolerance,
+              "from the shell");
 }
 
 std::vector<PartPieces> Run::pieces_now(bool all) {

@@ -26,6 +26,8 @@ namespace sunder::shell {
 
 class Run;
 
+constexpr double kBirthTolerance = 1e-10;  // of a newborn's mass, momentum and angular momentum
+
 struct RunOptions {
   std::string out, scene_hash;
   std::string record, replay, trace;  // files; empty: not
@@ -166,7 +168,8 @@ class Run {
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
   void check_ledger(double window);
   /// Relative errors of a birth; throws Error (ledger) where one is too large.
-  void check_birth(const RigidBody& body, double mass, double linear, double angular, const char* where);
+  void check_birth(const RigidBody& body, double mass, double linear, double angular, double tolerance,
+                   const char* where);
   /// Joints whose end has come; joint_breaks.cpp.
   void let_joints_go();
   std::string joints_summary() const;  // for run.json

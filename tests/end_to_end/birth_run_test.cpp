@@ -21,7 +21,12 @@ const std::string kCutPane =
 struct Forgetful final : link::Engine {
   rigid::FreeFlight exact;
   double mass = 0.0, momentum = 0.0, spin = 0.0;  // that it adds to 1
-  link::EngineInfo info() const override { return exact.info(); }
+  bool rounds = false;                            // declares no double precision
+  link::EngineInfo info() const override {
+    link::EngineInfo info = exact.info();
+    if (rounds) std::erase(info.capabilities, link::capability::kDoublePrecision);
+    return info;
+  }
   void add(const RigidBody& body) override { exact.add(body); }
   void set_contact_laws(const std::vector<ContactLaw>&) override {}
   void advance(double window_s, const std::vector<link::Motion>& handbacks,
@@ -55,4 +60,13 @@ TEST(Birth, OneThatLosesMassMomentumOrSpinStopsTheRun) {
     EXPECT_EQ(failure.rfind("ledger: window ", 0), 0u) << failure;
     EXPECT_NE(failure.find("in the engine"), std::string::npos) << failure;
   }
+}
+
+TEST(Birth, AnEngineOfSinglePrecisionMayRoundAndNoMore) {
+  Forgetful engine;
+  engine.rounds = true, engine.momentum = 1e-6;
+  EXPECT_EQ(run_text(kCutPane, engine, {}), "");
+  Forgetful worse;
+  worse.rounds = true, worse.momentum = 1e-3;
+  EXPECT_EQ(run_text(kCutPane, worse, {}).rfind("ledger: window ", 0), 0u);
 }

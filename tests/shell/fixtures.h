@@ -37,15 +37,17 @@ inline void disturb(ShellState& s, const ShellModel& m, double size) {
     for (int d = 0; d < 3; ++d) s.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += uniform(random);
 }
 
+constexpr double kFoldFlat = 0.1;  // half of what fold_up() leaves flat [m]
+
 /// Turns both ends of a sheet that lies about x = 0 up, round a radius of 12 cm beyond 10 cm; each control point past
 /// the turn, `straight` [m] of it, gets an x-velocity of -side * speed(straight) [m/s], side being 1 or -1.
 template <class Speed>
 void fold_up(const ShellModel& m, ShellState& s, Speed&& speed) {
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
-    const double x = m.rest[slot], bent = std::max(0.0, std::abs(x) - 0.1), side = x < 0.0 ? -1.0 : 1.0;
+    const double x = m.rest[slot], bent = std::max(0.0, std::abs(x) - kFoldFlat), side = x < 0.0 ? -1.0 : 1.0;
     const double radius = 0.12, angle = std::min(bent / radius, 1.6), straight = bent - radius * angle;
-    s.x[slot] = side * (std::min(std::abs(x), 0.1) + radius * std::sin(angle) + straight * std::cos(angle));
+    s.x[slot] = side * (std::min(std::abs(x), kFoldFlat) + radius * std::sin(angle) + straight * std::cos(angle));
     s.x[2 * static_cast<std::size_t>(m.tables.plane) + slot] =
         radius * (1.0 - std::cos(angle)) + straight * std::sin(angle);
     if (straight > 1e-9) s.v[slot] = -side * speed(straight);  // within the turn it is round-off
