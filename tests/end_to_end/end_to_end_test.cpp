@@ -118,6 +118,21 @@ TEST(Run, IsTheSameForOneAndTwoThreadsAndNotForAnotherSpeed) {
   EXPECT_NE(hash({"--threads", "1", "--set", "bodies[ball].twist.linear.z=-8.0000000000000018"}), one);
 }
 
+TEST(Engines, SayBeforeTheRunWhatASceneWillMiss) {
+  for (const char* engine : {"freeflight", "bullet"}) {
+    const sunder::TemporaryFolder folder;
+    const std::string endpoint = "ipc://" + folder.path + "/socket", log = folder.path + "/shell.log";
+    Process rigid({SUNDER_RIGID, "--endpoint", endpoint, "--engine", engine}, folder.path + "/rigid.log");
+    Process shell({SUNDER_SHELL, "--scene", SUNDER_SCENES "/cut_pane.textproto", "--out", folder.path, "--endpoint",
+                   endpoint, "--until", "1e-3"},
+                  log);
+    ASSERT_EQ(shell.wait(kPatience), 0) << read_file(log);
+    const bool misses = std::string(engine) == "freeflight";
+    EXPECT_EQ(read_file(log).find("note: the engine 'freeflight' cannot do 'contact'") != std::string::npos, misses);
+    EXPECT_EQ(read_file(log).find("note: ") != std::string::npos, misses) << read_file(log);
+  }
+}
+
 TEST(KilledRigid, EndsTheShellWithItsReason) {
   Pair run("glass.textproto", {});
   ASSERT_TRUE(run.frame(1, kPatience));
