@@ -6,6 +6,7 @@
 #include <regex>
 #include <set>
 
+#include <sched.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.hpp>
@@ -19,6 +20,9 @@ namespace {
 
 constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
 constexpr int kPollMs = 100;
+// A receiver stays awake for so long, giving way to others: to wake a processor that rests costs more than a window of
+// few bodies takes.
+constexpr double kAwakeSeconds = 1e-3;
 constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
 // A connection that closes in the middle of a handshake may be a server that is being replaced; one that always does
 // is not meant for us.
@@ -78,6 +82,11 @@ struct Channel::Sockets {
   }
   void read_events();
   void handshake_failed(std::uint16_t kind, int value);
+  /// What has come, if anything has. Throws nothing for a signal.
+  bool take(zmq::message_t& message);
+  bool take_soon(zmq::message_t& message);
+
+ private:
   void heard(zmq::message_t& message);
 };
 
@@ -157,6 +166,23 @@ void Channel::Sockets::heard(zmq::message_t& message) {
   if (from < 0) return;
   ours = from;
   if (!open.contains(from)) lost = true;  // it has spoken and gone
+}
+
+bool Channel::Sockets::take(zmq::message_t& message) {
+  try {
+    if (!data.recv(message, zmq::recv_flags::dontwait)) return false;
+  } catch (const zmq::error_t& e) {
+    if (e.num() != EINTR) throw;
+    return false;
+  }
+  heard(message);
+  return true;
+}
+
+bool Channel::Sockets::take_soon(zmq::message_t& message) {
+  for (const double start = steady_seconds(); was_connected && steady_seconds() - start < kAwakeSeconds; sched_yield())
+    if (take(message)) return true;
+  return false;
 }
 
 double Channel::steady_seconds() {
@@ -254,6 +280,8 @@ std::string Channel::ask(const std::string& request, double deadline_s, const ch
 
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
   const double start = now_();
+  zmq::message_t message;
+  if (s_->take_soon(message)) return message.to_string();
   while (true) {
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0},
                                {s_->monitor.handle(), 0, ZMQ_POLLIN, 0},
@@ -263,11 +291,7 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     } catch (const zmq::error_t& e) {
       if (e.num() != EINTR) throw;
     }
-    zmq::message_t message;
-    if (s_->data.recv(message, zmq::recv_flags::dontwait)) {
-      s_->heard(message);
-      return message.to_string();
-    }
+    if (s_->take(message)) return message.to_string();
     s_->answer_door();
     check_peer();
     const double waited = now_() - start;

@@ -33,12 +33,12 @@ void EngineHost::match(const std::vector<Motion>& motions, const char* what) con
 
 void EngineHost::held(const std::vector<BodyId>& ids, const char* what) const {
   for (const BodyId id : ids)
-    if (!known_.count(id)) refuse(fmt::format("{}: body {} is not held here", what, id));
+    if (!known_.contains(id)) refuse(fmt::format("{}: body {} is not held here", what, id));
 }
 
 void EngineHost::add(const std::vector<RigidBody>& bodies, const char* what) {
   for (const RigidBody& b : bodies) {
-    if (!known_.insert(b.id).second) refuse(fmt::format("{}[{}]: comes twice, or is held already", what, b.id));
+    if (!known_.insert(b.id)) refuse(fmt::format("{}[{}]: comes twice, or is held already", what, b.id));
     if (!b.is_static) moving_.insert(b.id);
     engine_.add(b);
   }
@@ -76,7 +76,7 @@ std::vector<State> EngineHost::load(const World& world) {
   add(world.bodies, "bodies");
   for (const Joint& j : world.joints) {
     if (!joints_.insert(j.id).second) refuse(fmt::format("joints[{}]: comes twice", j.id));
-    if (!known_.count(j.first) || (j.second != 0 && !known_.count(j.second)) || j.first == j.second)
+    if (!known_.contains(j.first) || (j.second != 0 && !known_.contains(j.second)) || j.first == j.second)
       refuse(fmt::format("joints[{}]: between bodies {} and {}, one of which there is not", j.id, j.first, j.second));
     engine_.add_joint(j);
   }
@@ -134,13 +134,13 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
 std::vector<State> EngineHost::add_bodies(const std::vector<RigidBody>& bodies) {
   loaded("AddBodies");
   needs(capability::kSaveRestore, "AddBodies");  // it comes only where windows are repeated
-  std::set<BodyId> ids;
+  BodyIds ids;
   add(bodies, "bodies");
   for (const RigidBody& b : bodies) ids.insert(b.id);
   last_tick_ = -1;
   std::vector<State> out;
   for (const State& s : states())
-    if (ids.count(s.id)) out.push_back(s);
+    if (ids.contains(s.id)) out.push_back(s);
   return out;
 }
 

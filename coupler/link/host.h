@@ -3,6 +3,7 @@
 // one.
 #include <set>
 
+#include "coupler/core/body_ids.h"
 #include "coupler/link/rigid_link.h"
 #include "coupler/link/units.h"
 
@@ -38,7 +39,7 @@ class EngineHost : public RigidLink {
   EngineInfo info_;
   bool is_loaded_ = false, keep_windows_ = false, moved_ = false;
   std::int64_t tick_ = 0;
-  std::set<BodyId> known_, moving_;
+  BodyIds known_, moving_;
   std::set<std::uint32_t> joints_;
   // Before the last window, where windows are kept.
   std::int64_t last_tick_ = -1;

@@ -325,7 +325,7 @@ Error decode_error(const proto::Error& error, const std::string& who) {
 }
 
 std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
-                                 const std::set<BodyId>& expected) {
+                                 const BodyIds& expected) {
   std::vector<State> out;
   out.reserve(expected.size());
   auto next = expected.begin();  // both go by id: no need to search
@@ -340,14 +340,14 @@ std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto:
   return out;
 }
 
-std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const std::set<BodyId>& known) {
+std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const BodyIds& known) {
   check(reply.rows_size() <= kMaxRows, "rows: {} of them; {} at most", reply.rows_size(), kMaxRows);
   std::vector<ContactRow> out;
   for (const auto& m : reply.rows()) {
     const auto name = [&](const char* of) { return Member{"rows", out.size(), of}; };
     const Member field = name("");
-    check(known.count(m.first()) && known.count(m.second()) && m.first() != m.second(), "{}: bodies {} and {}", field,
-          m.first(), m.second());
+    check(known.contains(m.first()) && known.contains(m.second()) && m.first() != m.second(), "{}: bodies {} and {}",
+          field, m.first(), m.second());
     ContactRow row{m.first(),
                    m.second(),
                    decode_vector(m.first_point(), name(".first_point")),

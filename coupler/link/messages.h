@@ -1,9 +1,9 @@
 #pragma once
 // Plain types <-> messages. Everything decoded here is checked: finite, sizes, ids, unit quaternions.
-#include <set>
 #include <string>
 #include <vector>
 
+#include "coupler/core/body_ids.h"
 #include "coupler/core/error.h"
 #include "coupler/link/rigid_link.h"
 #include "exchange.pb.h"
@@ -48,8 +48,8 @@ std::vector<Motion> decode_motions(const google::protobuf::RepeatedPtrField<prot
 std::vector<BodyId> decode_ids(const google::protobuf::RepeatedField<std::uint32_t>& ids, const std::string& field);
 /// Exactly one state for each body in `expected`, by ascending id.
 std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto::BodyState>& states,
-                                 const std::set<BodyId>& expected);
+                                 const BodyIds& expected);
 /// Between bodies in `known` only.
-std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const std::set<BodyId>& known);
+std::vector<ContactRow> decode_rows(const proto::ExportReply& reply, const BodyIds& known);
 
 }  // namespace sunder::link

@@ -22,21 +22,21 @@ std::int64_t now_ns() {
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(Exit::kPeerLost, "bad_message", message); }
 
-// A message of many bodies is thousands of small ones: they are made, and go, together.
-proto::Request& request_in(google::protobuf::Arena& arena) {
-  return *google::protobuf::Arena::CreateMessage<proto::Request>(&arena);
-}
-
 void expect(bool right_kind, const char* request) {
   if (!right_kind) refuse(fmt::format("a reply of another kind to {}", request));
 }
 
 }  // namespace
 
+proto::Request& RemoteRigid::fresh_request() {
+  return *google::protobuf::Arena::CreateMessage<proto::Request>(&memory_.fresh());
+}
+
 proto::Reply& RemoteRigid::ask(proto::Request& request, double deadline_s, const char* what) {
   request.set_sequence(++sequence_);
   const std::int64_t sent = now_ns();
-  const std::string bytes = transport_->ask(request.SerializeAsString(), deadline_s, what);
+  request.SerializeToString(&bytes_);
+  const std::string bytes = transport_->ask(bytes_, deadline_s, what);
   auto& reply = *google::protobuf::Arena::CreateMessage<proto::Reply>(request.GetArena());
   if (!reply.ParseFromString(bytes)) refuse("the rigid process sent bytes that are no reply");
   if (reply.has_error()) throw decode_error(reply.error(), "the rigid process");
@@ -54,8 +54,7 @@ proto::Reply& RemoteRigid::ask(proto::Request& request, double deadline_s, const
 RemoteRigid::RemoteRigid(std::unique_ptr<Transport> transport, const std::string& scene_hash,
                          std::function<void(const TimedReply&)> heard)
     : transport_(std::move(transport)), heard_(std::move(heard)) {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   auto* hello = request.mutable_hello();
   hello->set_protocol_min(kProtocol), hello->set_protocol_max(kProtocol);
   hello->set_scene_hash(scene_hash), hello->set_trace(static_cast<bool>(heard_));
@@ -73,8 +72,7 @@ RemoteRigid::RemoteRigid(std::unique_ptr<Transport> transport, const std::string
 }
 
 std::vector<State> RemoteRigid::load(const World& world) {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   auto* load = request.mutable_load();
   all_.clear(), moving_.clear();
   for (const RigidBody& b : world.bodies) {
@@ -100,16 +98,14 @@ std::vector<State> RemoteRigid::load(const World& world) {
 }
 
 void RemoteRigid::restore(const std::string& caches) {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   request.mutable_restore()->set_caches(caches);
   expect(ask(request, kLoadSeconds, "Restore").has_restore(), "Restore");
 }
 
 std::vector<ContactRow> RemoteRigid::rows(std::int64_t tick, double window_s, const std::vector<Motion>& motions,
                                           const std::vector<BodyId>& bodies) {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   auto* e = request.mutable_export_();
   e->set_tick(tick), e->set_window_s(window_s);
   for (const Motion& m : motions) encode(m, e->add_motions());
@@ -120,8 +116,7 @@ std::vector<ContactRow> RemoteRigid::rows(std::int64_t tick, double window_s, co
 }
 
 std::vector<State> RemoteRigid::window(const WindowTask& task) {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   auto* w = request.mutable_window();
   w->set_tick(task.tick), w->set_ticks(task.ticks), w->set_window_s(task.window_s), w->set_again(task.again);
   for (const Motion& m : task.handbacks) encode(m, w->add_handbacks());
@@ -139,10 +134,9 @@ std::vector<State> RemoteRigid::window(const WindowTask& task) {
 }
 
 std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies) {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   request.mutable_add_bodies();
-  std::set<BodyId> expected;
+  BodyIds expected;
   for (const RigidBody& b : bodies) {
     *request.mutable_add_bodies()->add_bodies() = encode(b), all_.insert(b.id);
     if (!b.is_static) moving_.insert(b.id), expected.insert(b.id);
@@ -153,8 +147,7 @@ std::vector<State> RemoteRigid::add_bodies(const std::vector<RigidBody>& bodies)
 }
 
 std::string RemoteRigid::save() {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   request.mutable_save();
   proto::Reply& reply = ask(request, kLookSeconds, "Save");
   expect(reply.has_save(), "Save");
@@ -162,8 +155,7 @@ std::string RemoteRigid::save() {
 }
 
 void RemoteRigid::bye() {
-  google::protobuf::Arena arena;
-  proto::Request& request = request_in(arena);
+  proto::Request& request = fresh_request();
   request.mutable_bye();
   expect(ask(request, kByeSeconds, "Bye").has_bye(), "Bye");
 }

@@ -2,8 +2,9 @@
 // The rigid side behind messages.
 #include <functional>
 #include <memory>
-#include <set>
 
+#include "coupler/core/body_ids.h"
+#include "coupler/link/message_memory.h"
 #include "coupler/link/rigid_link.h"
 #include "coupler/link/transport.h"
 #include "exchange.pb.h"
@@ -35,14 +36,18 @@ class RemoteRigid final : public RigidLink {
   void check_peer() override { transport_->check_peer(); }
 
  private:
-  /// The reply, beside the request in its arena, which there must be.
+  /// Ends the one before, and its reply.
+  proto::Request& fresh_request();
+  /// The reply, beside the request.
   proto::Reply& ask(proto::Request& request, double deadline_s, const char* what);
 
   std::unique_ptr<Transport> transport_;
   std::function<void(const TimedReply&)> heard_;
   EngineInfo peer_;
   std::uint64_t sequence_ = 0;
-  std::set<BodyId> all_, moving_;  // that the engine holds
+  MessageMemory memory_;
+  std::string bytes_;     // of the last request
+  BodyIds all_, moving_;  // that the engine holds
 };
 
 }  // namespace sunder::link

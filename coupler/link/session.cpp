@@ -106,7 +106,7 @@ struct Answer {
 };
 
 std::string Session::answer(const std::string& bytes) {
-  google::protobuf::Arena arena;  // a message of many bodies is thousands of small ones
+  google::protobuf::Arena& arena = memory_.fresh();
   Answer answer{*this, *google::protobuf::Arena::CreateMessage<proto::Reply>(&arena)};
   const auto failed = [&](const Error& e) {
     answer.reply.Clear();

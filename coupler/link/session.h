@@ -4,6 +4,7 @@
 #include <string>
 
 #include "coupler/link/host.h"
+#include "coupler/link/message_memory.h"
 
 namespace sunder::link {
 
@@ -26,6 +27,7 @@ class Session {
   enum { kNew, kGreeted, kLoaded, kDone } state_ = kNew;
   bool trace_ = false, abandoned_ = false;
   std::uint64_t sequence_ = 0;
+  MessageMemory memory_;
   std::shared_ptr<Error> failure_;
 
   friend struct Answer;

@@ -108,6 +108,14 @@ class Exchange {
   link::WindowTask task_;
 };
 
+// As the channel of a session does.
+bool receive_awake(zmq::socket_t& socket, zmq::message_t& message) {
+  for (const auto start = std::chrono::steady_clock::now();
+       std::chrono::steady_clock::now() - start < std::chrono::milliseconds(1); sched_yield())
+    if (socket.recv(message, zmq::recv_flags::dontwait)) return true;
+  return socket.recv(message).has_value();
+}
+
 // Says back as many bytes as a reply has, from a thread with sockets of its own.
 class Bare {
  public:
@@ -119,7 +127,7 @@ class Bare {
       zmq::socket_t far{context, zmq::socket_type::pair};
       far.connect(endpoint_);
       zmq::message_t message;
-      while (far.recv(message) && message.size() > 0) far.send(zmq::buffer(reply), zmq::send_flags::none);
+      while (receive_awake(far, message) && message.size() > 0) far.send(zmq::buffer(reply), zmq::send_flags::none);
     });
   }
   ~Bare() {
@@ -134,7 +142,7 @@ class Bare {
       zmq::message_t reply;
       const auto start = std::chrono::steady_clock::now();
       near_.send(zmq::buffer(request_), zmq::send_flags::none);
-      (void)near_.recv(reply);
+      receive_awake(near_, reply);
       const auto end = std::chrono::steady_clock::now();
       if (noted) noted->push_back(std::chrono::duration<double, std::micro>(end - start).count());
     }

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
+#include "coupler/link/message_memory.h"
 #include "coupler/link/messages.h"
 #include "shell/contact/proxy.h"
 
@@ -43,6 +44,36 @@ TEST(Messages, ABodyComesBackBitwise) {
   EXPECT_EQ(a.motion.velocity, b.motion.velocity);
   EXPECT_EQ(a.motion.angular_momentum, b.motion.angular_momentum);
   EXPECT_EQ(std::get<ConvexShape>(a.shape).parts, std::get<ConvexShape>(b.shape).parts);
+}
+
+TEST(BodyIds, RiseWhateverTheOrderTheyComeIn) {
+  BodyIds ids;
+  for (const BodyId id : {7u, 2u, 9u, 4u}) EXPECT_TRUE(ids.insert(id));
+  EXPECT_FALSE(ids.insert(4));
+  EXPECT_EQ(std::vector<BodyId>(ids.begin(), ids.end()), (std::vector<BodyId>{2, 4, 7, 9}));
+  EXPECT_TRUE(ids.contains(9));
+  EXPECT_FALSE(ids.contains(3));
+  ids.clear();
+  EXPECT_FALSE(ids.contains(9));
+}
+
+TEST(MessageMemory, GrowsOnceAndIsUsedAgain) {
+  link::MessageMemory memory;
+  const auto fill = [&memory](int bodies) {
+    google::protobuf::Arena& arena = memory.fresh();
+    auto& request = *google::protobuf::Arena::CreateMessage<proto::Request>(&arena);
+    for (int k = 1; k <= bodies; ++k) {
+      link::encode(link::Motion{static_cast<BodyId>(k), shard().motion}, request.mutable_window()->add_handbacks());
+    }
+    EXPECT_EQ(request.window().handbacks(bodies - 1).id(), static_cast<BodyId>(bodies));
+    EXPECT_EQ(request.window().handbacks(0).velocity().y(), 2.0);
+    return arena.SpaceAllocated();
+  };
+  const auto small = fill(1);
+  EXPECT_GT(fill(1000), 10 * small);
+  const auto once = fill(1000);  // in one block that holds all of it
+  EXPECT_EQ(fill(1000), once);
+  EXPECT_EQ(fill(1), once);
 }
 
 TEST(Messages, WhatParsesButMakesNoSenseIsRefusedByName) {
