@@ -1,6 +1,7 @@
 #pragma once
 // A set of bodies that is walked through every window: in one piece of memory, where a tree is a cache miss a body.
 #include <algorithm>
+#include <cstddef>
 #include <vector>
 
 #include "coupler/core/body.h"
@@ -10,10 +11,14 @@ namespace sunder {
 /// Identities in rising order.
 class BodyIds {
  public:
-  /// False where it is there already. Those of newborn bodies come in rising order, at the end.
+  /// False where it is there already. Cheap for those that come in rising order, as newborn bodies do.
   bool insert(BodyId id) {
+    if (ids_.empty() || ids_.back() < id) {
+      ids_.push_back(id);
+      return true;
+    }
     const auto at = std::lower_bound(ids_.begin(), ids_.end(), id);
-    if (at != ids_.end() && *at == id) return false;
+    if (*at == id) return false;
     ids_.insert(at, id);
     return true;
   }

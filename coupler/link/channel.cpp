@@ -20,14 +20,27 @@ namespace {
 
 constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
 constexpr int kPollMs = 100;
-// A receiver stays awake for so long, giving way to others: to wake a processor that rests costs more than a window of
-// few bodies takes.
-constexpr double kAwakeSeconds = 1e-3;
 constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
 // A connection that closes in the middle of a handshake may be a server that is being replaced; one that always does
 // is not meant for us.
 constexpr int kMostClosed = 3;
 const std::string kIpc = "ipc://", kZap = "inproc://zeromq.zap.01";
+
+// A signal interrupts any call of ZeroMQ, also one that does not wait. What a signal asks for is looked at elsewhere.
+template <class Call>
+auto through_signals(Call call) {
+  while (true) {
+    try {
+      return call();
+    } catch (const zmq::error_t& e) {
+      if (e.num() != EINTR) throw;
+    }
+  }
+}
+
+bool receive_now(zmq::socket_t& socket, zmq::message_t& message) {
+  return through_signals([&] { return socket.recv(message, zmq::recv_flags::dontwait).has_value(); });
+}
 
 [[noreturn]] void bad_endpoint(const std::string& endpoint, const std::string& why) {
   throw Error(Exit::kBadInput, "bad_endpoint", fmt::format("--endpoint {}: {}", endpoint, why));
@@ -78,16 +91,15 @@ struct Channel::Sockets {
   /// is there by then.
   bool left_words() {
     read_events();
-    return lost && (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0;
+    return lost && through_signals([&] { return (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0; });
   }
   void read_events();
   void handshake_failed(std::uint16_t kind, int value);
-  /// What has come, if anything has. Throws nothing for a signal.
-  bool take(zmq::message_t& message);
-  bool take_soon(zmq::message_t& message);
-
- private:
   void heard(zmq::message_t& message);
+  /// What has come, if anything has.
+  bool take(zmq::message_t& message);
+  /// What comes while we stay awake.
+  bool take_soon(zmq::message_t& message);
 };
 
 // RFC 27: what is asked comes in seven parts for CURVE, the last is the public key of who wants in.
@@ -102,25 +114,27 @@ void Channel::Sockets::answer_door() {
   while (door) {
     zmq::message_t part;
     std::vector<std::string> asked;
-    if (!door.recv(part, zmq::recv_flags::dontwait)) return;
+    if (!receive_now(door, part)) return;
     asked.push_back(part.to_string());
-    while (part.more() && door.recv(part, zmq::recv_flags::none)) asked.push_back(part.to_string());
+    while (part.more() && receive_now(door, part)) asked.push_back(part.to_string());  // all parts come together
     const bool in = asked.size() == 7 && asked[0] == "1.0" && asked[5] == "CURVE" && asked[6] == admitted;
     const std::string reply[] = {
         "1.0", asked.size() > 1 ? asked[1] : "", in ? "200" : "400", in ? "" : "not the shell of these keys", "", ""};
-    for (std::size_t i = 0; i < std::size(reply); ++i)
-      door.send(zmq::buffer(reply[i]), i + 1 < std::size(reply) ? zmq::send_flags::sndmore : zmq::send_flags::none);
+    for (std::size_t i = 0; i < std::size(reply); ++i) {
+      const auto flags = i + 1 < std::size(reply) ? zmq::send_flags::sndmore : zmq::send_flags::none;
+      through_signals([&] { return door.send(zmq::buffer(reply[i]), flags); });
+    }
   }
 }
 
 void Channel::Sockets::read_events() {
   zmq::message_t event, address;
-  while (monitor.recv(event, zmq::recv_flags::dontwait)) {
+  while (receive_now(monitor, event)) {
     std::uint16_t kind = 0;
     std::int32_t value = 0;  // mostly the descriptor
     std::memcpy(&kind, event.data(), sizeof kind);
     std::memcpy(&value, event.data<char>() + sizeof kind, sizeof value);
-    (void)monitor.recv(address, zmq::recv_flags::none);
+    receive_now(monitor, address);  // both parts come together
     if (kind == ZMQ_EVENT_ACCEPTED || kind == ZMQ_EVENT_CONNECTED) open.insert(value);
     if (kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) was_connected = true;
     if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH || kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL ||
@@ -169,18 +183,14 @@ void Channel::Sockets::heard(zmq::message_t& message) {
 }
 
 bool Channel::Sockets::take(zmq::message_t& message) {
-  try {
-    if (!data.recv(message, zmq::recv_flags::dontwait)) return false;
-  } catch (const zmq::error_t& e) {
-    if (e.num() != EINTR) throw;
-    return false;
-  }
+  if (!receive_now(data, message)) return false;
   heard(message);
   return true;
 }
 
 bool Channel::Sockets::take_soon(zmq::message_t& message) {
-  for (const double start = steady_seconds(); was_connected && steady_seconds() - start < kAwakeSeconds; sched_yield())
+  if (!was_connected) return false;
+  for (const double start = steady_seconds(); steady_seconds() - start < kAwakeSeconds; sched_yield())
     if (take(message)) return true;
   return false;
 }
@@ -259,7 +269,7 @@ void Channel::send(const std::string& bytes) {
                 fmt::format("a message of {} bytes for {}; {} at most: take fewer or simpler bodies", bytes.size(),
                             s_->peer, kMaxMessage));
   const double start = now_();
-  while (!s_->data.send(zmq::buffer(bytes), zmq::send_flags::none)) {
+  while (!through_signals([&] { return s_->data.send(zmq::buffer(bytes), zmq::send_flags::none); })) {
     if (s_->left_words()) return;  // nobody hears this any more, and what was said comes with the next receive
     s_->fail_if_lost();
     if (now_() - start > kSendSeconds)
@@ -281,6 +291,7 @@ std::string Channel::ask(const std::string& request, double deadline_s, const ch
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
   const double start = now_();
   zmq::message_t message;
+  s_->answer_door(), s_->read_events();  // they would fill up where nobody ever has to sleep
   if (s_->take_soon(message)) return message.to_string();
   while (true) {
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0},

@@ -35,8 +35,7 @@ proto::Request& RemoteRigid::fresh_request() {
 proto::Reply& RemoteRigid::ask(proto::Request& request, double deadline_s, const char* what) {
   request.set_sequence(++sequence_);
   const std::int64_t sent = now_ns();
-  request.SerializeToString(&bytes_);
-  const std::string bytes = transport_->ask(bytes_, deadline_s, what);
+  const std::string bytes = transport_->ask(request.SerializeAsString(), deadline_s, what);
   auto& reply = *google::protobuf::Arena::CreateMessage<proto::Reply>(request.GetArena());
   if (!reply.ParseFromString(bytes)) refuse("the rigid process sent bytes that are no reply");
   if (reply.has_error()) throw decode_error(reply.error(), "the rigid process");

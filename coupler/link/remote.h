@@ -20,7 +20,7 @@ struct TimedReply {
 
 class RemoteRigid final : public RigidLink {
  public:
-  /// Says Hello. `heard`: called after every reply, where the session is traced.
+  /// Says Hello. `heard`: called with every reply, where the session is traced; it must not ask in its turn.
   RemoteRigid(std::unique_ptr<Transport> transport, const std::string& scene_hash,
               std::function<void(const TimedReply&)> heard = {});
   const EngineInfo& peer() const override { return peer_; }
@@ -46,7 +46,6 @@ class RemoteRigid final : public RigidLink {
   EngineInfo peer_;
   std::uint64_t sequence_ = 0;
   MessageMemory memory_;
-  std::string bytes_;     // of the last request
   BodyIds all_, moving_;  // that the engine holds
 };
 

@@ -1,7 +1,7 @@
 // Window and reply between two processes, without physics: the free-flight engine gives back what it is handed. Timed
 // from the task to the checked states: encode, ZeroMQ, decode, check, and the same back. Beside it the same bytes
-// through ZeroMQ alone, and both once more where all threads share a processor: what a machine takes to wake one
-// processor from another is none of the exchange's doing.
+// through ZeroMQ alone, with who waits awake as in a session and asleep, and all once more where all threads share a
+// processor.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -25,6 +25,8 @@ constexpr int kFourKilobytes = 31;  // bodies whose handbacks, 131 bytes each, a
 constexpr int kManyFragments = 1000;
 constexpr double kWindow = 1e-3;  // [s]
 constexpr double kFinish = 2.0;   // [s] that an engine may take to end after Bye
+constexpr auto kRest = std::chrono::milliseconds(3);
+constexpr int kWarm = 10;  // windows before those that count
 
 // Notes how large what passes is.
 class Weighed final : public link::Transport {
@@ -111,7 +113,8 @@ class Exchange {
 // As the channel of a session does.
 bool receive_awake(zmq::socket_t& socket, zmq::message_t& message) {
   for (const auto start = std::chrono::steady_clock::now();
-       std::chrono::steady_clock::now() - start < std::chrono::milliseconds(1); sched_yield())
+       std::chrono::steady_clock::now() - start < std::chrono::duration<double>(link::Channel::kAwakeSeconds);
+       sched_yield())
     if (socket.recv(message, zmq::recv_flags::dontwait)) return true;
   return socket.recv(message).has_value();
 }
@@ -119,15 +122,15 @@ bool receive_awake(zmq::socket_t& socket, zmq::message_t& message) {
 // Says back as many bytes as a reply has, from a thread with sockets of its own.
 class Bare {
  public:
-  Bare(std::size_t request_bytes, std::size_t reply_bytes)
-      : endpoint_("ipc://" + folder_.path + "/bare"), request_(request_bytes, 'q') {
+  Bare(std::size_t request_bytes, std::size_t reply_bytes, bool awake)
+      : awake_(awake), endpoint_("ipc://" + folder_.path + "/bare"), request_(request_bytes, 'q') {
     near_.bind(endpoint_);
     echo_ = std::thread([this, reply = std::string(reply_bytes, 'r')] {
       zmq::context_t context{1};
       zmq::socket_t far{context, zmq::socket_type::pair};
       far.connect(endpoint_);
       zmq::message_t message;
-      while (receive_awake(far, message) && message.size() > 0) far.send(zmq::buffer(reply), zmq::send_flags::none);
+      while (receive(far, message) && message.size() > 0) far.send(zmq::buffer(reply), zmq::send_flags::none);
     });
   }
   ~Bare() {
@@ -142,13 +145,18 @@ class Bare {
       zmq::message_t reply;
       const auto start = std::chrono::steady_clock::now();
       near_.send(zmq::buffer(request_), zmq::send_flags::none);
-      receive_awake(near_, reply);
+      receive(near_, reply);
       const auto end = std::chrono::steady_clock::now();
       if (noted) noted->push_back(std::chrono::duration<double, std::micro>(end - start).count());
     }
   }
 
  private:
+  bool receive(zmq::socket_t& socket, zmq::message_t& message) const {
+    return awake_ ? receive_awake(socket, message) : socket.recv(message).has_value();
+  }
+
+  bool awake_;
   TemporaryFolder folder_;
   std::string endpoint_, request_;
   zmq::context_t context_{1};
@@ -196,13 +204,14 @@ void measure(const char* name, int bodies, int blocks, int windows, std::map<std
     const OneProcessor all_threads;
     return measure_round_trips(bodies, blocks, windows);
   }();
+  const auto half = [](const std::vector<double>& us) { return percentile(us, 0.5); };
   const std::string key = name;
-  out[key + "_p50"] = percentile(trips.us, 0.5), out[key + "_bare_p50"] = percentile(trips.bare_us, 0.5);
-  out[key + "_one_processor_p50"] = percentile(together.us, 0.5);
+  out[key + "_p50"] = half(trips.us), out[key + "_bare_p50"] = half(trips.bare_us);
+  out[key + "_asleep_p50"] = half(trips.asleep_us), out[key + "_one_processor_p50"] = half(together.us);
   fmt::print(
-      "  the same bytes through ZeroMQ alone: p50 {:.1f} us; with all threads on one processor: p50 {:.1f} us, "
-      "ZeroMQ alone {:.1f} us\n",
-      out[key + "_bare_p50"], out[key + "_one_processor_p50"], percentile(together.bare_us, 0.5));
+      "  the same bytes through ZeroMQ alone: p50 {:.1f} us, {:.1f} us asleep; with all threads on one processor: p50 "
+      "{:.1f} us, ZeroMQ alone {:.1f} us\n",
+      half(trips.bare_us), half(trips.asleep_us), half(together.us), half(together.bare_us));
   if (bodies == kFourKilobytes) out[key + "_p99"] = percentile(trips.us, 0.99);
 }
 
@@ -227,15 +236,21 @@ double percentile(std::vector<double> samples, double share) {
 RoundTrips measure_round_trips(int bodies, int blocks, int windows) {
   Exchange exchange(bodies);
   exchange.windows(windows, false);
-  std::vector<double> bare_us;
-  Bare bare(exchange.trips().request_bytes, exchange.trips().reply_bytes);
-  bare.windows(windows, nullptr);
+  std::vector<double> bare_us, asleep_us;
+  const std::size_t there = exchange.trips().request_bytes, back = exchange.trips().reply_bytes;
+  Bare bare(there, back, true), asleep(there, back, false);
   for (int k = 0; k < blocks; ++k) {
-    exchange.windows(windows, true);
-    bare.windows(windows, &bare_us);
+    // who was awake in the block before sleeps again, and who takes part in this one is up
+    const auto block = [](auto&& warm, auto&& noted) {
+      std::this_thread::sleep_for(kRest);
+      warm(), noted();
+    };
+    block([&] { exchange.windows(kWarm, false); }, [&] { exchange.windows(windows, true); });
+    block([&] { bare.windows(kWarm, nullptr); }, [&] { bare.windows(windows, &bare_us); });
+    block([&] { asleep.windows(kWarm, nullptr); }, [&] { asleep.windows(windows, &asleep_us); });
   }
   RoundTrips trips = exchange.finish();
-  trips.bare_us = std::move(bare_us);
+  trips.bare_us = std::move(bare_us), trips.asleep_us = std::move(asleep_us);
   return trips;
 }
 

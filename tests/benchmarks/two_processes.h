@@ -30,7 +30,9 @@ double percentile(std::vector<double> samples, double share);
 /// Round trips of windows [us], in the order in which they were made.
 struct RoundTrips {
   std::vector<double> us;
-  std::vector<double> bare_us;  // of as many bytes through ZeroMQ alone, between two threads, block by block in turn
+  // Of as many bytes through ZeroMQ alone, between two threads that stay awake as a session does, and between two that
+  // sleep at once; block by block in turn.
+  std::vector<double> bare_us, asleep_us;
   std::size_t request_bytes = 0, reply_bytes = 0;  // of one window
 };
 

@@ -44,6 +44,7 @@ TEST(RoundTrips, AreThoseOfARealExchange) {
   const RoundTrips few = measure_round_trips(31, 2, 5), many = measure_round_trips(62, 1, 5);
   EXPECT_EQ(few.us.size(), 10u);
   EXPECT_EQ(few.bare_us.size(), 10u);
+  EXPECT_EQ(few.asleep_us.size(), 10u);
   for (const double us : few.us) EXPECT_GT(us, 0.0);
   EXPECT_NEAR(static_cast<double>(few.request_bytes), 4096.0, 0.1 * 4096.0);
   EXPECT_NEAR(static_cast<double>(few.reply_bytes), 4096.0, 0.1 * 4096.0);
