@@ -19,7 +19,7 @@ namespace sunder::link {
 namespace {
 
 constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
-constexpr int kPollMs = 100;
+constexpr int kPollMs = 100, kLingerMs = 500;
 constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
 // A connection that closes in the middle of a handshake may be a server that is being replaced; one that always does
 // is not meant for us.
@@ -205,7 +205,7 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
   s_->role = role, s_->endpoint = endpoint, s_->with_keys = !keys.empty();
   s_->peer = role == Role::kConnect ? "the rigid process" : "the shell process";
   auto& d = s_->data;
-  d.set(zmq::sockopt::linger, 500);
+  d.set(zmq::sockopt::linger, kLingerMs);
   d.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxMessage));
   d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
   d.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
@@ -286,6 +286,17 @@ void Channel::tell(const std::string& request) {
 std::string Channel::ask(const std::string& request, double deadline_s, const char* what) {
   send(request);
   return receive(kConnectSeconds, deadline_s, what);
+}
+
+void Channel::see_off() {
+  const double start = steady_seconds();
+  for (zmq::message_t dropped; steady_seconds() - start < kLingerMs * 1e-3;) {
+    if (s_->take(dropped)) continue;
+    s_->answer_door(), s_->read_events();
+    if (s_->lost || !s_->was_connected) return;
+    zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0}, {s_->monitor.handle(), 0, ZMQ_POLLIN, 0}};
+    through_signals([&] { return zmq::poll(items, 2, std::chrono::milliseconds(kPollMs)); });
+  }
 }
 
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {

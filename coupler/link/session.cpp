@@ -136,6 +136,7 @@ void serve(const std::string& endpoint, Engine& engine, const std::string& keys)
     const std::string reply = session.answer(channel.receive(kConnectSeconds));
     if (!session.abandoned()) channel.send(reply);
   }
+  channel.see_off();
   session.rethrow();
 }
 

@@ -135,3 +135,34 @@ TEST(TenMinutes, OfNobodyAreTooMany) {
     EXPECT_NE(std::string(e.what()).find("did not connect"), std::string::npos) << e.what();
   }
 }
+
+TEST(Goodbye, IsFollowedByWhatTheOtherSideStillSaysUntilItHasGone) {
+  using Clock = std::chrono::steady_clock;
+  for (int k = 0; k < 5; ++k) {
+    const TemporaryFolder folder;
+    const std::string endpoint = "ipc://" + folder.path + "/socket";
+    std::atomic<bool> served{false};
+    std::thread server([&] {
+      rigid::FreeFlight engine;
+      EXPECT_NO_THROW(serve(endpoint, engine));
+      served = true;
+    });
+    {
+      Channel channel(Channel::Role::kConnect, endpoint);
+      proto::Request hello, bye;
+      hello.set_sequence(1), bye.set_sequence(2), bye.mutable_bye();
+      hello.mutable_hello()->set_protocol_min(kProtocol), hello.mutable_hello()->set_protocol_max(kProtocol);
+      channel.ask(hello.SerializeAsString(), 10.0, "Hello");
+      channel.ask(bye.SerializeAsString(), 10.0, "Bye");
+      const auto parted = Clock::now();
+      for (int more = 0; more < 10; ++more) channel.send("words that nobody waits for");
+      const bool gone = served;
+      if (Clock::now() - parted < std::chrono::milliseconds(400)) {
+        EXPECT_FALSE(gone) << "it left while we were still there";
+      }
+    }
+    const auto left = Clock::now();
+    server.join();
+    EXPECT_LT(Clock::now() - left, std::chrono::seconds(2));
+  }
+}
