@@ -20,6 +20,7 @@ namespace {
 
 constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
 constexpr int kPollMs = 100, kLingerMs = 500;
+constexpr int kStayMs = 100;  // after our last word, for the other side's
 constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
 // A connection that closes in the middle of a handshake may be a server that is being replaced; one that always does
 // is not meant for us.
@@ -290,12 +291,12 @@ std::string Channel::ask(const std::string& request, double deadline_s, const ch
 
 void Channel::see_off() {
   const double start = steady_seconds();
-  for (zmq::message_t dropped; steady_seconds() - start < kLingerMs * 1e-3;) {
+  for (zmq::message_t dropped; steady_seconds() - start < kStayMs * 1e-3;) {
     if (s_->take(dropped)) continue;
     s_->answer_door(), s_->read_events();
     if (s_->lost || !s_->was_connected) return;
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0}, {s_->monitor.handle(), 0, ZMQ_POLLIN, 0}};
-    through_signals([&] { return zmq::poll(items, 2, std::chrono::milliseconds(kPollMs)); });
+    through_signals([&] { return zmq::poll(items, 2, std::chrono::milliseconds(kStayMs)); });
   }
 }
 

@@ -31,8 +31,8 @@ class Channel final : public Transport {
   /// deadline where it is there and nothing has come for `deadline_s`, if that is positive; not_admitted where the two
   /// have no keys in common: at once where we connect, after `connect_s` where we bind, for the right one may yet come.
   std::string receive(double connect_s, double deadline_s = 0.0, const char* what = "");
-  /// Waits until the other side has gone, half a second at most; what it still says is dropped. libzmq 4.3.4 may abort
-  /// where a socket is closed while words for it arrive and the connection ends (its issues 4364, 4841).
+  /// Waits until the other side has gone, a tenth of a second at most; what it still says is dropped. libzmq 4.3.4 may
+  /// abort where a socket is closed while words for it arrive and the connection ends (its issues 4364, 4841).
   void see_off();
   std::string ask(const std::string& request, double deadline_s, const char* what) override;
   void tell(const std::string& request) override;

@@ -83,6 +83,7 @@ Play::Play(const Target& target, Scene scene) : process_(target), scene_(std::mo
       usleep(kPause_us);
     }
   }
+  peer_ = link_->peer();
   for (const RigidBody& b : bodies) bodies_[b.id] = b;
   tick_ = scene_.world.tick;
   take(link_->load(scene_.world));
@@ -126,6 +127,7 @@ void Play::run(double seconds) {
 void Play::end() {
   over_ = true;
   link_->bye();
+  link_.reset();  // an engine may stay for as long as we do
   if (!process_.ours()) return;
   const auto status = process_.wait(kEndSeconds);
   if (status != 0)

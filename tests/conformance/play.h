@@ -24,7 +24,7 @@ class Play {
   /// As they are now: what a fresh engine gets that is to go on from here.
   Scene now() const;
 
-  const link::EngineInfo& peer() const { return link_->peer(); }
+  const link::EngineInfo& peer() const { return peer_; }
   link::RigidLink& link() { return *link_; }
 
   /// Where each moving body would come in a window by itself.
@@ -37,7 +37,7 @@ class Play {
   void run(double seconds);
   /// From the next window on.
   void release(std::uint32_t joint) { released_.push_back(joint); }
-  /// Says goodbye. Throws Error (bad_exit) where the engine then ends with another status than 0.
+  /// Says goodbye and goes. Throws Error (bad_exit) where the engine then ends with another status than 0.
   void end();
 
   const std::vector<link::Motion>& handbacks() const { return handbacks_; }  // of the last window
@@ -59,7 +59,8 @@ class Play {
 
   EngineProcess process_;
   Scene scene_;
-  std::unique_ptr<link::RemoteRigid> link_;
+  std::unique_ptr<link::RemoteRigid> link_;  // none after end()
+  link::EngineInfo peer_;
   std::map<BodyId, RigidBody> bodies_;
   std::vector<link::Motion> handbacks_;
   std::vector<link::State> states_;
