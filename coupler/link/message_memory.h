@@ -15,12 +15,18 @@ namespace sunder::link {
 class MessageMemory {
  public:
   static constexpr std::size_t kMost = std::size_t{1} << 22;  // [bytes]: some 7,000 bodies there and back
-  explicit MessageMemory(std::size_t most = kMost) : most_(most) {}
+#ifdef __SANITIZE_ADDRESS__
+  static constexpr bool kUsedAgain = false;  // what has ended is seen as freed
+#else
+  static constexpr bool kUsedAgain = true;
+#endif
+  explicit MessageMemory(std::size_t most = kMost, bool used_again = kUsedAgain)
+      : most_(most), used_again_(used_again) {}
 
   /// Ends what was made before.
   google::protobuf::Arena& fresh() {
     const std::size_t taken = arena_ ? static_cast<std::size_t>(arena_->SpaceAllocated()) : kFirst;
-    if (kUsedAgain && arena_ && (taken <= size_ || size_ == most_)) {
+    if (used_again_ && arena_ && (taken <= size_ || size_ == most_)) {
       arena_->Reset();
       return *arena_;
     }
@@ -37,12 +43,8 @@ class MessageMemory {
  private:
   static constexpr std::size_t kFirst = 4096;                 // [bytes]: requests without a list
   static constexpr std::size_t kNext = std::size_t{1} << 20;  // [bytes]: of what is beyond the block, at most
-#ifdef __SANITIZE_ADDRESS__
-  static constexpr bool kUsedAgain = false;  // what has ended is seen as freed
-#else
-  static constexpr bool kUsedAgain = true;
-#endif
   std::size_t most_, size_ = 0;
+  bool used_again_;
   std::unique_ptr<char[]> block_;
   std::optional<google::protobuf::Arena> arena_;
 };
