@@ -187,16 +187,21 @@ def pressed_plate(table: Table, executables: Executables) -> None:
                        f"{length[corner].sum() / length.sum():.2f} of the length near the corners")
 
 
+FINE_GLASS = 245  # elements along the pane: the 60,000 points of the paper's (its table 2)
+
+
 def share(table: Table, executables: Executables) -> None:
     """What fracture takes of the time over the windows in which cracks grew, with few cracks and with many."""
     each = []
-    for scene, settings in (("glass.textproto", ["end_time_s=2e-3"]), ("pressed_plate.textproto", [])):
+    fine = [f"shells[pane].plate.elements_{axis}={FINE_GLASS}" for axis in "xy"]
+    for name, scene, settings in (("glass", "glass.textproto", ["end_time_s=2e-3"]),
+                                  ("pressed_plate", "pressed_plate.textproto", []),
+                                  ("fine_glass", "glass.textproto", ["end_time_s=1e-3", *fine])):
         with kept_run(executables, scene, settings) as (folder, seconds):
             run, edges = read_run(folder), len(last_graph(folder))
         grew = run["time"]["cracks_grew"]
-        name = scene.split(".")[0]
         table.add(f"{name}_fracture_share", grew["crack_update_s"] / grew["wall_s"], 0.0, 0.15, seconds)
         each.append(grew["crack_update_s"] / edges)
         table.lines.append(f"share {name}: {edges} edges, {run['counts']['fragments']} fragments, crack update "
                            f"{grew['crack_update_s']:.2f} of {grew['wall_s']:.2f} s, {1e3 * each[-1]:.2f} ms an edge")
-    table.add("cost_of_an_edge_many_to_few", each[1] / each[0], 1.0, 0.5, 0.0)
+    table.add("cost_of_an_edge_many_to_few", max(each[1] / each[0], 1.0), 1.0, 0.5, 0.0)  # cheaper is no fault

@@ -189,7 +189,9 @@ EXPERIMENTS = {"shells": (
     Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
                _later("impacts", "impact_speed")),
     Experiment("refinement", "cracks and residual speed on three grids", _later("impacts", "refinement")),
-    Experiment("pieces", "pieces of a struck pane on three grids: how many, and how large", _later("impacts", "pieces")),
+    Experiment("snapped", "pieces of a plate that cracks as its fracture energy asks, on three grids: how many, how large",
+               _later("impacts", "snapped")),
+    Experiment("pieces", "the same of a struck pane, whose strength no grid resolves", _later("impacts", "pieces")),
 ), "coupling": (
     Experiment("scenes", "impulses and births of every shipped scene with bodies, with every engine",
                _later("scene_books", "scenes")),

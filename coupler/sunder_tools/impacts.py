@@ -5,6 +5,7 @@ import csv
 import math
 import random
 import shutil
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -172,64 +173,96 @@ def refinement(table: Table, executables: Executables) -> None:
                              "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False})
 
 
-STRUCK_GRIDS = (40, 56, 80)  # elements along scenes/struck_glass.textproto: 1.5, 1.07, 0.75 mm
 QUANTILES = (0.25, 0.5, 0.75)
 
 
-def _shattered(executables: Executables, elements: int, seed: int, picture: Path | None) -> tuple[dict, np.ndarray]:
-    """What is compared of one run of the struck pane, and the areas of the pieces that came off [m^2]."""
+@dataclass(frozen=True)
+class Shattering:
+    """A plate that breaks into pieces, on three grids, each element 1.3 to 1.5 times as long as the next one's."""
+    name: str
+    scene: str
+    shell: str
+    ball: str
+    grids: tuple[int, int, int]  # elements along the plate
+    settings: tuple[str, ...]
+    compared: tuple[tuple[str, float], ...]  # share of the mean by which the last two grids may differ
+
+
+# A heavy ball snaps a plate of acrylic into sectors: its cracks take what their area asks.
+SNAPPED = Shattering("snapped", "acrylic.textproto", "plate", "pellet", (44, 66, 96), (
+    "bodies[pellet].sphere.radius_m=0.008", "bodies[pellet].pose.position.z=0.00851",
+    "bodies[pellet].twist.linear.z=-20", "end_time_s=8e-4", "output.frame_interval_s=2e-4"),
+    (("count", 0.1), ("length", 0.1), ("taken", 0.1), ("residual_speed", 0.05)))
+# What a strength that no grid resolves leaves of a pane.
+STRUCK = Shattering("pieces", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (),
+                    (("count", 0.1), ("length", 0.1), ("area_off", 0.1), ("residual_speed", 0.05)))
+
+
+def _shattered(executables: Executables, what: Shattering, elements: int, seed: int,
+               picture: Path | None) -> tuple[dict, np.ndarray]:
+    """What is compared of one run, and the areas of the pieces that came off [m^2]."""
     chance = random.Random(seed)
-    reach = 0.5 * SIDE / STRUCK_GRIDS[0]  # the same places on all grids
-    beside = [f"bodies[ball].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
-    with kept_run(executables, "struck_glass.textproto", [f"fracture.seed={seed}", *beside] + [
-            f"shells[pane].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
+    reach = 0.5 * SIDE / what.grids[0]  # the same places on all grids
+    beside = [f"bodies[{what.ball}].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
+    with kept_run(executables, what.scene, [f"fracture.seed={seed}", *what.settings, *beside] + [
+            f"shells[{what.shell}].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
         run, probe = read_run(folder), list(csv.reader((folder / "probes.csv").open()))
         areas = np.array([float(row["area [m^2]"]) for row in csv.DictReader((folder / "shards.csv").open())])
-        series = list(csv.DictReader((folder / "series.csv").open()))
         if picture is not None:
             shutil.copy(write_contact_sheet(folder), picture)
             print(f"picture          {picture}", flush=True)
-    return {"count": float(run["counts"]["fragments"]), "length": float(series[-1]["cracks [m]"]),
-            "residual_speed": -float(probe[-1][probe[0].index("ball_vz [m/s]")]), "area_off": float(areas.sum()),
-            "residual": run["energy"]["residual_relative"], "seconds": seconds}, areas
+    return {"count": float(run["counts"]["fragments"]), "length": run["cracks"]["length_m"],
+            "residual_speed": -float(probe[-1][probe[0].index(f"{what.ball}_vz [m/s]")]), "area_off": float(areas.sum()),
+            "taken": run["cracks"]["taken_relative"] or 0.0, "residual": run["energy"]["residual_relative"],
+            "seconds": seconds}, areas
 
 
-def pieces(table: Table, executables: Executables) -> None:
-    """scenes/struck_glass.textproto on three grids, eight seeds each: pieces, their sizes, cracks and the ball. The
-    last two grids must agree as in `refinement`; sizes by the distance of their distributions over whole runs."""
+def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None:
+    """On three grids, eight seeds each: pieces, their sizes, cracks and the ball. The last two grids must agree as in
+    `refinement`; sizes by the distance of their distributions over whole runs."""
+    name = what.name
     found: dict[int, list[dict]] = {}
     sizes: dict[int, list[np.ndarray]] = {}
-    for elements in STRUCK_GRIDS:
+    for elements in what.grids:
         spacing = 1e3 * SIDE / elements  # [mm]
-        picture = table.pictures / f"pieces_{elements}.png" if table.pictures is not None else None
-        runs = [_shattered(executables, elements, seed, picture if seed == 1 else None)
+        picture = table.pictures / f"{name}_{elements}.png" if table.pictures is not None else None
+        runs = [_shattered(executables, what, elements, seed, picture if seed == 1 else None)
                 for seed in range(1, SEEDS + 1)]
         found[elements] = [numbers for numbers, _ in runs]
         sizes[elements] = [areas * 1e6 for _, areas in runs if len(areas)]  # [mm^2]
         every = np.sort(np.concatenate(sizes[elements]))
-        table.curves.append({"name": f"pieces no larger, {spacing:.2f} mm", "x_label": "area [mm^2]",
-                             "y_label": "share", "x": every.tolist(), "y": (np.arange(1, len(every) + 1) / len(every)).tolist(),
-                             "logarithmic": False})
-        table.lines.append(f"pieces {spacing:.2f} mm: " + ", ".join(
-            f"{name} {np.mean([r[name] for r in found[elements]]):.4g} +- "
-            f"{np.std([r[name] for r in found[elements]], ddof=1):.2g}"
-            for name in ("count", "length", "area_off", "residual_speed"))
+        table.curves.append({"name": f"{name} no larger, {spacing:.2f} mm", "x_label": "area [mm^2]",
+                             "y_label": "share", "x": every.tolist(),
+                             "y": (np.arange(1, len(every) + 1) / len(every)).tolist(), "logarithmic": False})
+        table.lines.append(f"{name} {spacing:.2f} mm: " + ", ".join(
+            f"{key} {np.mean([r[key] for r in found[elements]]):.4g} +- "
+            f"{np.std([r[key] for r in found[elements]], ddof=1):.2g}"
+            for key in ("count", "length", "taken", "area_off", "residual_speed"))
             + f"; largest energy residual {max(abs(r['residual']) for r in found[elements]):.1e}")
         bounds = [quantile_bounds(sizes[elements], share) for share in QUANTILES]
-        table.lines.append(f"pieces {spacing:.2f} mm: quartiles of the area of {len(every)} that came off " + ", ".join(
+        table.lines.append(f"{name} {spacing:.2f} mm: quartiles of the area of {len(every)} that came off " + ", ".join(
             f"{q:.2f} ({low:.2f} to {high:.2f})" for q, low, high in bounds)
             + f" mm^2; the median is {bounds[1][0] / spacing ** 2:.1f} squared spacings")
-    last = STRUCK_GRIDS[1:]
-    for name, part in (("count", 0.1), ("length", 0.1), ("area_off", 0.1), ("residual_speed", 0.05)):
-        of = {elements: [r[name] for r in found[elements]] for elements in STRUCK_GRIDS}
-        mean = [float(np.mean(of[elements])) for elements in STRUCK_GRIDS]
+    last = what.grids[1:]
+    for key, part in what.compared:
+        of = {elements: [r[key] for r in found[elements]] for elements in what.grids}
+        mean = [float(np.mean(of[elements])) for elements in what.grids]
         error = math.sqrt(sum(np.var(of[elements], ddof=1) / SEEDS for elements in last)) / mean[1]
-        table.add(f"pieces_{name}", mean[2], mean[1], part + 2.0 * error, sum(r["seconds"] for r in found[last[1]]))
-        table.curves.append({"name": f"pieces: {name}", "x_label": "spacing [mm]", "y_label": name,
-                             "x": [1e3 * SIDE / elements for elements in STRUCK_GRIDS], "y": mean,
-                             "logarithmic": False})
-    apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(STRUCK_GRIDS, last)]
+        table.add(f"{name}_{key}", mean[2], mean[1], part + 2.0 * error, sum(r["seconds"] for r in found[last[1]]))
+        table.curves.append({"name": f"{name}: {key}", "x_label": "spacing [mm]", "y_label": key,
+                             "x": [1e3 * SIDE / elements for elements in what.grids], "y": mean, "logarithmic": False})
+    apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(what.grids, last)]
     chance = chance_of_distance(sizes[last[0]], sizes[last[1]])
-    table.add("pieces_sizes_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
-    table.lines.append(f"pieces: distributions of areas are {apart[0]:.2f} and {apart[1]:.2f} apart from grid to grid; "
+    table.add(f"{name}_sizes_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
+    table.lines.append(f"{name}: distributions of areas are {apart[0]:.2f} and {apart[1]:.2f} apart from grid to grid; "
                        f"chance of so much between the last two if they are of one kind {chance:.3f}")
+
+
+def snapped(table: Table, executables: Executables) -> None:
+    """Pieces where cracks take what their area asks: all of it converges."""
+    _pieces_of(table, executables, SNAPPED)
+
+
+def pieces(table: Table, executables: Executables) -> None:
+    """Pieces of scenes/struck_glass.textproto: their number and sizes do not."""
+    _pieces_of(table, executables, STRUCK)

@@ -1,5 +1,6 @@
 #include "shell/io/audit.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -11,7 +12,32 @@ constexpr double kMade = 0.02;   // of the most energy there was: what has no bu
 constexpr double kGiven = 0.05;  // overlaps that are let go give a little
 constexpr double kUncertain = 0.1, kFrozen = 0.1;
 
+// Of what lies between a and b: cracks that leave the shell end a little beyond its border.
+double length_within(const Patch& patch, const Vec2& a, const Vec2& b) {
+  double from = 0.0, to = 1.0;
+  const KnotVector* knots[] = {&patch.knots_u, &patch.knots_v};
+  for (int d = 0; d < 2; ++d) {
+    const double way = b[d] - a[d];
+    if (way == 0.0) continue;  // along that border: within it, as its ends are
+    const double begin = (knots[d]->begin() - a[d]) / way, end = (knots[d]->end() - a[d]) / way;
+    from = std::max(from, std::min(begin, end)), to = std::min(to, std::max(begin, end));
+  }
+  return std::max(0.0, to - from) * (b - a).norm();
+}
+
 }  // namespace
+
+double crack_resistance(const ShellModel& m, const ShellState& s) {
+  double sum = 0.0;
+  for (const CrackEdge& e : s.cracks.edges()) {
+    if (e.face == 0) continue;
+    const Vec2 middle = 0.5 * (e.a + e.b);
+    const int block = m.patch.knots_v.span_of(middle.y()) * m.tables.gauss * m.tables.gauss;
+    const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(middle.x()));
+    sum += factor * factor * length_within(m.patch, e.a, e.b);
+  }
+  return m.material.fracture_energy * (m.thickness - m.material.interlayer.thickness) * sum;
+}
 
 std::vector<std::string> doubts(const Audit& audit) {
   const EnergyBook& b = audit.book;

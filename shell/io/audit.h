@@ -18,6 +18,11 @@ struct Audit {
   bool grid_transfer = false;  // velocities go through a background grid
 };
 
+/// What the cracks that ran by themselves should take, by the material's fracture energy and their area in the shell
+/// [J]; scaled by the square of the strength factor where they run. Cuts, what damage makes and the first spacing
+/// beyond a seam are left out.
+double crack_resistance(const ShellModel& model, const ShellState& state);
+
 /// What a user should know of these energies before trusting the run, a sentence each; empty: nothing.
 std::vector<std::string> doubts(const Audit& audit);
 

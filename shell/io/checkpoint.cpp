@@ -44,7 +44,7 @@ void archive(A& a, DrawnMesh& m) {
 namespace {
 
 // Read only by the build that wrote it: plain structures lie in it as they lie in memory.
-const std::string kFirstLine = "sunder checkpoint 5, " __VERSION__ "\n";
+const std::string kFirstLine = "sunder checkpoint 6, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
 [[noreturn]] void bad(const std::string& path, const std::string& what) {
@@ -70,8 +70,9 @@ void Run::archive_members(A& a) {
               handed_area_, detached_area_, dt_, last_push_, crack_lengths_);
   archive_all(a, energy_scale_, reference_energy_, engine_loss_, residual_, support_work_, kinetic_, elastic_,
               ledger_linear_, ledger_angular_, mass_error_, momentum_error_, angular_error_, geometry_error_,
-              next_frame_, frozen_length_, frozen_kinetic_, frozen_at_, frozen_potential_, frozen_why_, frozen_hash_,
-              shards_, book_, stage_s_, growing_s_, growing_update_s_, series_, probes_, next_probe_);
+              next_frame_, frozen_length_, frozen_resistance_, frozen_kinetic_, frozen_at_, frozen_potential_,
+              frozen_why_, frozen_hash_, shards_, book_, stage_s_, growing_s_, growing_update_s_, series_, probes_,
+              next_probe_);
   archive_all(a, window_ticks_, shortest_window_, held_until_, exported_until_, ever_exported_, released_, let_go_s_,
               exported_windows_, passes_, most_passes_, hardest_, window_residual_, residual_sum_, residual_max_,
               contact_taken_, contact_given_, next_checkpoint_);

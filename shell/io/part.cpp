@@ -29,11 +29,13 @@ void ShellPart::mark_rubble(PartPieces& now) const {
   const Triangulation& t = now.triangulation;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
     const auto& c = t.triangles[i];
+    Piece& piece = now.pieces[t.piece[i]];
+    if (!piece.control_points.empty()) continue;
     for (const Vec2& r : rubble)
       if (orientation(t.vertices[c[0]], t.vertices[c[1]], r) >= 0 &&
           orientation(t.vertices[c[1]], t.vertices[c[2]], r) >= 0 &&
-          orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0 && now.pieces[t.piece[i]].control_points.empty())
-        now.pieces[t.piece[i]].gone = true;
+          orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0)
+        piece.gone = true;
   }
 }
 

@@ -168,6 +168,14 @@ std::string Run::joints_summary() const {
   return "  \"joints\": [" + all + "],\n";
 }
 
+double Run::crack_resistance() const {
+  if (!solving()) return frozen_resistance_;
+  double sum = 0.0;
+  for (const ShellPart& part : parts_)
+    if (part.state) sum += shell::crack_resistance(part.model(), *part.state);
+  return sum;
+}
+
 void Run::write_summary(const std::string& status, const Error* error) {
   const EnergyBook b = book();
   std::string j =
@@ -218,8 +226,13 @@ void Run::write_summary(const std::string& status, const Error* error) {
       number(kinetic_), number(elastic_), number(b.fracture), number(b.plastic), number(b.healing), number(b.external),
       number(b.contact), number(b.damping), number(b.transfer), number(b.handoff), number(b.injected), number(b.frozen),
       number(engine_loss_), number(residual_));
+  const double resistance = crack_resistance();
+  j += fmt::format("  \"cracks\": {{\"length_m\": {}, \"resistance\": {}, \"taken_relative\": {}}},\n",
+                   number(crack_length()), number(resistance),
+                   resistance > 0.0 ? number(b.fracture / resistance) : "null");
   if (solving() && !parts_.empty() && status != "running") {  // not for every frame: it takes a pass over all points
     for (const ShellPart& part : parts_) {
+      if (!part.state) continue;
       const auto [before, after] = surface_area(part.model(), *part.state);
       rest += before, now += after;
     }

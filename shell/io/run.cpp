@@ -193,7 +193,8 @@ EnergyBook Run::book() const {
 double Run::crack_length() const {
   if (!solving()) return frozen_length_;
   double sum = 0.0;
-  for (const ShellPart& part : parts_) sum += part.state->cracks.total_length();
+  for (const ShellPart& part : parts_)
+    if (part.state) sum += part.state->cracks.total_length();
   return sum;
 }
 

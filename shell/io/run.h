@@ -109,8 +109,9 @@ class Run {
     return std::any_of(setup_.shells.begin(), setup_.shells.end(),
                        [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
   }
-  EnergyBook book() const;      // of all shells
-  double crack_length() const;  // [m]
+  EnergyBook book() const;          // of all shells
+  double crack_length() const;      // [m]
+  double crack_resistance() const;  // by fracture energy and area [J]
   void rigid_window();
   void fly(double window, std::size_t count);  // the first `count` bodies fall freely
   void look_around();                          // at the peer and the progress, by the clock
@@ -225,7 +226,7 @@ class Run {
   double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
   double mass_error_ = 0.0, momentum_error_ = 0.0, angular_error_ = 0.0, geometry_error_ = 0.0;
   double next_frame_ = 0.0, wall_start_ = 0.0, last_progress_ = 0.0, last_look_ = 0.0;
-  double frozen_length_ = 0.0;                                            // of its cracks [m]
+  double frozen_length_ = 0.0, frozen_resistance_ = 0.0;                  // of its cracks [m], [J]
   double frozen_kinetic_ = 0.0;                                           // of the shell, as it was frozen [J]
   double frozen_at_ = -1.0, frozen_potential_ = 0.0, frozen_wall_ = 0.0;  // [s], [J] of what stays where it is
   std::string frozen_why_, frozen_hash_;                                  // hash of the shell as it was frozen

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <Eigen/Dense>
 
@@ -13,6 +14,9 @@ namespace {
 // A control point that stays keeps at least this share of its first mass, however many pieces leave beside
 // it: the stable step falls with the root of the mass.
 constexpr double kLeastMass = 0.5;
+constexpr std::size_t kNearest = 192;  // control points beside a piece that are asked for at first
+constexpr double kNeighbours = 8.0;    // spacings within which they are looked for first
+constexpr std::size_t kEvery = std::numeric_limits<std::size_t>::max();
 constexpr double kPartTolerance = 0.1;  // spacings squared that a convex part may add to a piece's outline
 constexpr double kLastMass = 0.02;      // where that is not enough, as when the last pieces leave
 
@@ -22,7 +26,7 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
                                      double mass, const Vec3& moment, const Vec3& centre) {
   Eigen::VectorXd wanted(4);
   wanted << mass, moment / m.spacing;
-  for (std::size_t n = 12; n / 2 < beside.size() && n <= 192; n *= 2) {
+  for (std::size_t n = 12; n / 2 < beside.size() && n <= kNearest; n *= 2) {
     const auto count = static_cast<Eigen::Index>(std::min(n, beside.size()));
     Eigen::MatrixXd a(4, count);
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -73,21 +77,30 @@ Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
   return g;
 }
 
-// Control points that stay, nearest to the piece's centre first.
-std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Triangulation& t, const Piece& piece) {
+// Control points that stay, nearest to the piece first: at least `most` of them, or all.
+std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Triangulation& t, const Piece& piece,
+                            std::size_t most) {
   std::vector<Vec2> border;
+  Eigen::AlignedBox2d box;
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     if (t.piece[i] == piece.number)
       for (int k = 0; k < 3; ++k)
         if (t.crack[i][k])
-          border.push_back(0.5 * (t.vertices[t.triangles[i][(k + 1) % 3]] + t.vertices[t.triangles[i][(k + 2) % 3]]));
+          border.push_back(0.5 * (t.vertices[t.triangles[i][(k + 1) % 3]] + t.vertices[t.triangles[i][(k + 2) % 3]])),
+              box.extend(border.back());
   std::vector<std::pair<double, int>> found;
-  for (int i = 0; i < m.control_points(); ++i) {
-    const int slot = m.tables.slot(i);
-    if (t.owner[i] == piece.number || s.gone[slot] || s.mass[slot] <= 0.0) continue;
-    double nearest = 1e300;
-    for (const Vec2& b : border) nearest = std::min(nearest, (m.parameter[i] - b).squaredNorm());
-    found.push_back({nearest, slot});
+  std::size_t all = most;
+  for (double reach = kNeighbours * m.spacing; found.size() < std::min(most, all); reach *= 2.0) {
+    found.clear(), all = 0;
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = m.tables.slot(i);
+      if (t.owner[i] == piece.number || s.gone[slot] || s.mass[slot] <= 0.0) continue;
+      ++all;
+      if (!border.empty() && box.squaredExteriorDistance(m.parameter[i]) > reach * reach) continue;
+      double nearest = 1e300;
+      for (const Vec2& b : border) nearest = std::min(nearest, (m.parameter[i] - b).squaredNorm());
+      if (border.empty() || nearest <= reach * reach) found.push_back({nearest, slot});
+    }
   }
   std::sort(found.begin(), found.end());
   std::vector<int> slots;
@@ -98,23 +111,27 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
 // A rigid piece that got all momentum of its sources can move faster than any of them: a sliver weighs less than
 // the control points that moved for it. It keeps what their energy about `common` allows; the rest is a rigid
 // impulse on control points of one piece beside it.
-void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const std::vector<int>& beside,
-                   const Vec3& centre, const Vec3& common, double energy, double mass, const Mat3& inertia,
-                   Vec3& momentum, Vec3& angular) {
+void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const Piece& piece,
+                   const std::vector<int>& beside, const Vec3& centre, const Vec3& common, double energy, double mass,
+                   const Mat3& inertia, Vec3& momentum, Vec3& angular) {
   constexpr std::size_t kTakers = 12;
   const Vec3 linear = momentum - mass * common;
   const double rigid = 0.5 * linear.squaredNorm() / mass + 0.5 * angular.dot(inertia.ldlt().solve(angular));
   if (rigid <= energy) return;
   std::vector<int> takers;
+  const auto take = [&](const std::vector<int>& from) {
+    takers.clear();
+    for (std::size_t k = 0; k < from.size() && takers.size() < kTakers; ++k)
+      if (s.inverse_mass[from[k]] > 0.0 &&
+          (takers.empty() || t.owner[m.tables.control_point(from[k])] == t.owner[m.tables.control_point(takers[0])]))
+        takers.push_back(from[k]);
+  };
+  take(beside);
+  if (takers.size() < kTakers) take(neighbours(m, s, t, piece, kEvery));
+  if (takers.size() < 4) return;
   Vec3 middle = Vec3::Zero();
   double weight = 0.0;
-  for (std::size_t k = 0; k < beside.size() && takers.size() < kTakers; ++k)
-    if (s.inverse_mass[beside[k]] > 0.0 &&
-        (takers.empty() || t.owner[m.tables.control_point(beside[k])] == t.owner[m.tables.control_point(takers[0])])) {
-      takers.push_back(beside[k]);
-      weight += s.mass[beside[k]], middle += s.mass[beside[k]] * s.position(beside[k]);
-    }
-  if (takers.size() < 4) return;
+  for (const int slot : takers) weight += s.mass[slot], middle += s.mass[slot] * s.position(slot);
   middle /= weight;
   Mat3 second = Mat3::Zero();
   for (const int slot : takers) {
@@ -200,28 +217,36 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     s.inverse_mass[slot] = 0.0, s.mass[slot] = 0.0;
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
-  for (GatheredPoint& g : s.points) {
+  const auto slack = [&](int block, int lane) {
+    for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
+  };
+  for (std::size_t i = 0; i < s.points.size(); ++i) {
+    GatheredPoint& g = s.points[i];
+    if (g.left) continue;
     const bool bears = g.kind != PointKind::kDead && !g.in_rows;
     if (!own[bears ? g.functions[0].slot : beside(g.block / (t.gauss * t.gauss), g.lane)]) continue;
     if (g.in_rows) g.in_rows = false, s.watched[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = 0;
     g.left = true, g.kind = PointKind::kDead, g.functions.clear();
+    slack(g.block, g.lane);
+    if (!s.damage.empty()) s.damage[i].history.fill(0.0f);  // what has left is no crack of what stands
   }
-  for (std::size_t i = 0; i < s.damage.size(); ++i)  // what has left is no crack of what stands
-    if (s.points[i].left) s.damage[i].history.fill(0.0f);
-  for (int q = 0; q < t.blocks(); ++q)
-    for (int e = 0; e < t.spans_u; ++e) {
-      double& area = s.tables.metric[t.at(q, kMetricFields, kArea, e)];
-      if (area > 0.0 && own[beside(q / (t.gauss * t.gauss), e)]) area = 0.0;
-      if (m.laminated() && own[beside(q / (t.gauss * t.gauss), e)])
-        s.interlayer.metric[t.at(q, kMetricFields, kArea, e)] = 0.0;
-      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
-      if (area == 0.0 && (point < 0 || s.points[point].kind == PointKind::kDead))
-        for (int k = 0; k < 6; ++k) s.surface_stress[t.at(q, 6, k, e)] = 0.0;
+  for (const int i : piece.control_points) {  // and the spans that they are near
+    const int span_v = i / t.columns - inner, lane = i % t.columns - inner;
+    if (span_v < 0 || span_v >= t.spans_v || lane < 0 || lane >= t.spans_u) continue;
+    for (int q = span_v * t.gauss * t.gauss; q < (span_v + 1) * t.gauss * t.gauss; ++q) {
+      double& area = s.tables.metric[t.at(q, kMetricFields, kArea, lane)];
+      if (area > 0.0) area = 0.0;
+      if (m.laminated()) s.interlayer.metric[t.at(q, kMetricFields, kArea, lane)] = 0.0;
+      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + lane];
+      if (point < 0 || s.points[point].kind == PointKind::kDead) slack(q, lane);
     }
-  for (Interlock& lock : s.interlocks)
+  }
+  for (Interlock& lock : s.interlocks) {
+    if (!lock.holds) continue;
     for (const auto* side : {&lock.plus, &lock.minus})
       for (const auto& f : *side)
         if (own[f.slot]) lock.holds = false;
+  }
   for (Tip& tip : s.tips)
     if (tip.alive) {
       if (own[beside(m.patch.knots_v.span_of(tip.p.y()), m.patch.knots_u.span_of(tip.p.x()))]) tip.alive = false;
@@ -321,7 +346,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     mass += s.mass[slot];
     momentum += s.mass[slot] * velocity_now(slot);
   }
-  const std::vector<int> beside = neighbours(m, s, t, piece);
+  std::vector<int> beside = neighbours(m, s, t, piece, kNearest);
   std::vector<std::pair<double, Vec3>> sources;  // masses that become the piece, with their velocities
   for (const int slot : slots) sources.emplace_back(s.mass[slot], velocity_now(slot));
   // where is the piece, and how turned
@@ -365,6 +390,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
       parts[k] >= 0.0 ? receive(beside[k], parts[k], velocity_of(beside[k])) : give(beside[k], -parts[k], v);
     missing = 0.0;
   } else if (missing > 0.0) {
+    beside = neighbours(m, s, t, piece, kEvery);
     for (const double least : {kLeastMass, kLastMass})
       for (const int slot : beside) {
         const double part = std::min(missing, s.mass[slot] - least * m.mass[slot]);
@@ -378,15 +404,17 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     for (std::size_t k = 0; k < takers; ++k) give(beside[k], -missing / static_cast<double>(takers), v);
     missing = 0.0;
   }
-  target -= std::max(0.0, missing);  // nobody left to give it: the run reports it as an error of the geometry
-  const Mat3 inertia = m.material.density * m.thickness * (g.second.trace() * Mat3::Identity() - g.second);
+  target -= missing;  // nobody left to give or to take it: the run reports it as an error of the geometry
+  // by area, unless it weighs something else
+  const double surface_density = missing == 0.0 ? m.material.density * m.thickness : target / g.area;
+  const Mat3 inertia = surface_density * (g.second.trace() * Mat3::Identity() - g.second);
   Vec3 common = Vec3::Zero();
   double source_mass = 0.0, energy = 0.0;
   for (const auto& [part, v] : sources) source_mass += part, common += part * v;
   common /= source_mass;
   for (const auto& [part, v] : sources) energy += 0.5 * part * (v - common).squaredNorm();
-  return_excess(m, t, s, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(), momentum,
-                angular);
+  return_excess(m, t, s, piece, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(),
+                momentum, angular);
   const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
   Mat3 frame = axes.eigenvectors();
   if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);

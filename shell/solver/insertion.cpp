@@ -25,12 +25,12 @@ std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   return out;
 }
 
-// The Gauss point as it is now, with the functions of the uncut patch where no crack has touched it.
-GatheredPoint present_point(const ShellModel& m, const ShellState& s, int block, int lane) {
+// The Gauss point as it is now. Where no crack has touched it, it is made, with the functions of the uncut patch.
+const GatheredPoint& present_point(const ShellModel& m, const ShellState& s, int block, int lane, GatheredPoint& made) {
   const RowTables& t = m.tables;
   const int index = s.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
   if (index >= 0) return s.points[index];
-  GatheredPoint g;
+  GatheredPoint& g = made;
   g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
   g.functions = patch_functions(m.patch, gauss_point(m.patch, t, block, lane).parameter, t.stride);
   const double* metric = &s.tables.metric[t.at(block, kMetricFields, 0, lane)];
@@ -49,36 +49,36 @@ int sight_of(const ShellModel& m, ShellState& s, int block, int lane) {
   return index = static_cast<int>(s.sights.size()) - 1;
 }
 
-// The same point with the functions that cracks leave it, as a trial has found them where one had that sight. None are
-// remembered where there are no `trials`.
-GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
-                      std::vector<ShellState::Trial>* trials) {
-  const RowTables& t = m.tables;
-  GatheredPoint g = old;
-  if (trials)
-    for (const ShellState::Trial& known : *trials)
-      if (known.sight.sees_the_same(sight)) {
-        g.kind = known.kind, g.metric = known.metric, g.functions = known.functions;
-        return g;
-      }
+// The same point with the functions that cracks leave it.
+GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoint& old) {
+  GatheredPoint g;
+  g.block = old.block, g.lane = old.lane, g.area = old.area, g.metric = old.metric;
   const MlsPoint mls = mls_point(control_grid(m), sight);
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
   g.functions = to_slots(m, mls);
   if (g.kind != PointKind::kDead) {
-    const Forms<double> rest = surface_forms(gather(t, g, m.rest));
+    const Forms<double> rest = surface_forms(gather(m.tables, g, m.rest));
     g.metric = {rest.a, rest.b};
   }
-  if (!trials) return g;
-  if (trials->size() == kTrials) trials->erase(trials->begin());
-  trials->push_back({sight, g.kind, g.metric, g.functions});
   return g;
+}
+
+// The same, as a trial has found it where one had that sight. Until the next one of that point.
+GatheredPoint& tried(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
+                     std::vector<ShellState::Trial>& trials) {
+  for (ShellState::Trial& known : trials)
+    if (known.sight.sees_the_same(sight)) return known.point;
+  if (trials.size() == kTrials) trials.erase(trials.begin());
+  trials.push_back({sight, renewed(m, sight, old)});
+  return trials.back().point;
 }
 
 void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
   const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
-  s.points.push_back(present_point(m, s, block, lane));
+  GatheredPoint made;
+  s.points.push_back(present_point(m, s, block, lane, made));
   if (s.brittleness > 0.0) {
     s.damage.emplace_back();
     s.damage.back().strength = s.strength[gauss];
@@ -168,7 +168,8 @@ namespace {
 // A Gauss point that new edges touch.
 struct Renewal {
   int block, lane, sight;
-  GatheredPoint point;
+  GatheredPoint own;               // what is not to be remembered
+  GatheredPoint* point = nullptr;  // that, or the trial's
   PointDamage damage;
   double before = 0.0, after = 0.0;  // elastic energy [J]
 };
@@ -178,7 +179,8 @@ struct Renewal {
 void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(r.block) * t.lanes + r.lane;
-  const GatheredPoint old = present_point(m, s, r.block, r.lane);
+  GatheredPoint made;
+  const GatheredPoint& old = present_point(m, s, r.block, r.lane, made);
   const int point = s.point_of[gauss];
   PointDamage fresh;
   if (s.brittleness > 0.0) fresh.strength = s.strength[gauss];
@@ -190,14 +192,18 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
   s.sights[r.sight].update(control_grid(m), s.cracks, first);
   Sight sight = s.sights[r.sight];
   sight.update(control_grid(m), s.cracks, end);
-  GatheredPoint g = renewed(m, sight, old, s.trials.empty() ? nullptr : &s.trials[r.sight]);
-  double left = elastic(g);
+  if (s.trials.empty()) r.own = renewed(m, sight, old);
+  r.point = s.trials.empty() ? &r.own : &tried(m, sight, old, s.trials[r.sight]);
+  double left = elastic(*r.point);
   const double most =
-      damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * g.area
-             : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * g.area;
+      damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * old.area
+             : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * old.area;
   if (left > most) {
     // between torn faces one-sided functions see distances that are no strain: such a point is rubble
-    g.kind = PointKind::kDead, g.functions.clear();
+    const GatheredPoint& g = *r.point;
+    GatheredPoint rubble;
+    rubble.block = g.block, rubble.lane = g.lane, rubble.area = g.area, rubble.metric = g.metric;
+    r.own = std::move(rubble), r.point = &r.own;
     left = 0.0;
   }
   PointDamage d = damage ? *damage : fresh;
@@ -206,10 +212,10 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
     // a damaged point stores the same share of the full energy of what is left
     d.spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
   } else if (damage) {
-    settle(t, g, s.x, s.brittleness, d);
+    settle(t, *r.point, s.x, s.brittleness, d);
   }
   r.before = held, r.after = left - d.spared;
-  r.point = std::move(g), r.damage = d;
+  r.damage = d;
 }
 
 // Interlocks that hold within the largest support of the edges from `first` on, in rising order.
@@ -245,11 +251,14 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   }
   std::vector<Renewal> changed;
-  for (const auto& [block, lane] : touched) changed.push_back({block, lane, sight_of(m, s, block, lane), {}, {}});
+  for (const auto& [block, lane] : touched)
+    changed.push_back({block, lane, sight_of(m, s, block, lane), {}, nullptr, {}});
   s.trials.resize(must_release ? s.sights.size() : 0);
   if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
-    for (const auto& [block, lane] : touched)
-      s.book.plastic += settle(t, present_point(m, s, block, lane), s.x, plasticity_of(m, s));
+    for (const auto& [block, lane] : touched) {
+      GatheredPoint made;
+      s.book.plastic += settle(t, present_point(m, s, block, lane, made), s.x, plasticity_of(m, s));
+    }
 #pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
   for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, changed[k]);
   double before = 0.0, after = 0.0;
@@ -257,9 +266,8 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   if (must_release && after > before) return false;
   s.interlock_of.resize(end, -1);
   for (Renewal& r : changed) {
-    GatheredPoint& g = r.point;
+    GatheredPoint g = std::move(*r.point);
     const int point = gather_point(m, s, g.block, g.lane);
-    g.in_rows = false;
     if (!s.trials.empty()) s.trials[r.sight].clear();
     if (!s.damage.empty()) s.damage[point] = r.damage;
     if (s.yields()) settle(t, g, s.x, plasticity_of(m, s));

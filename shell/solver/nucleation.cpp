@@ -63,13 +63,16 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
   return over;
 }
 
-// All of the process zone is the tip's, and further what lies ahead of it or beside it.
-bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, const Vec2& p) {
-  for (const Tip& tip : s.tips)
-    if (tip.alive && (tip.p - p).norm() < r.tip_clearance &&
+// All of the process zone is the tip's, and further what lies ahead of it or beside it. `running`: tips that are alive.
+bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, const std::vector<int>& running,
+                const Vec2& p) {
+  for (const int i : running) {
+    const Tip& tip = s.tips[i];
+    if ((tip.p - p).norm() < r.tip_clearance &&
         ((tip.p - p).norm() < r.process_length || (p - tip.p).dot(tip.direction) > -kBehind * m.spacing) &&
         s.cracks.visible(p, tip.p + 0.1 * m.spacing * tip.direction, tip.edge))
       return true;
+  }
   return false;
 }
 
@@ -88,12 +91,12 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
   return 1;
 }
 
-int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const Overstressed& o, double time,
-                std::uint64_t& random) {
+int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
+                const Overstressed& o, double time, std::uint64_t& random) {
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
   double six[6];
   // of the surroundings: at one point of a few an element, the direction would be that of the lattice
-  if (near_a_tip(m, s, r, p) || !mean_stress(m, s, p, r.tip_radius, six)) return 0;
+  if (near_a_tip(m, s, r, running, p) || !mean_stress(m, s, p, r.tip_radius, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
@@ -150,10 +153,13 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const O
 }  // namespace
 
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
-  int inserted = 0, nucleated = 0;
+  int inserted = 0, nucleated = 0, known = 0;
+  std::vector<int> running;
   for (const Overstressed& o : overstressed_points(m, s)) {
     if (nucleated >= r.nucleations_per_step) break;
-    const int edges = nucleate_at(m, s, r, o, time, random);
+    for (; known < static_cast<int>(s.tips.size()); ++known)
+      if (s.tips[known].alive) running.push_back(known);
+    const int edges = nucleate_at(m, s, r, running, o, time, random);
     inserted += edges;
     nucleated += edges > 0;
   }

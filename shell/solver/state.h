@@ -95,9 +95,7 @@ struct ShellState {
   /// little later, and mostly leave the same. Not part of checkpoints: it can be found again.
   struct Trial {
     Sight sight;
-    PointKind kind;
-    ReferenceMetric<double> metric;
-    std::vector<GatheredFunction> functions;
+    GatheredPoint point;
   };
   std::vector<std::vector<Trial>> trials;  // of each sight; empty: none is remembered
   // [block][lane]: no control point that the functions beside a crack use is further off, the larger of the two

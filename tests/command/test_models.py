@@ -37,6 +37,14 @@ class Models(unittest.TestCase):
     def test_the_summary_of_a_run_names_them(self) -> None:
         self.assertIn("active models    plane_stress + seams 90 %", report.summary(self.here, None))
 
+    def test_the_summary_says_what_cracks_took_where_any_ran(self) -> None:
+        self.assertNotIn("cracks ", report.summary(self.here, None))
+        for taken, said in ((1.25, ["cracks           0.0745 m, took 1.25 of G_f times their area"]), (None, [])):
+            run = {**RUN, "cracks": {"length_m": 0.0745, "resistance": 0.026, "taken_relative": taken}}
+            (self.here / "run.json").write_text(json.dumps(run))
+            lines = report.summary(self.here, None).splitlines()
+            self.assertEqual([line for line in lines if line.startswith("cracks")], said)
+
     def test_what_says_nothing_of_models_is_refused_or_left_out(self) -> None:
         for run in ({}, {"schema": 1, "models": "many"}, {"schema": 1, "models": [3]}):
             (self.here / "run.json").write_text(json.dumps(run))

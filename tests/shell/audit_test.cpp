@@ -3,8 +3,12 @@
 
 #include <gtest/gtest.h>
 
+#include "shell/geometry/builders.h"
 #include "shell/io/audit.h"
+#include "shell/solver/insertion.h"
+#include "tests/shell/fixtures.h"
 
+using namespace sunder;
 using namespace sunder::shell;
 
 namespace {
@@ -64,4 +68,22 @@ TEST(Audit, WhatAWindowOrAFreezeLeavesOpenIsNamedWithItsRemedy) {
   a = sound(), a.frozen = 11.0;
   EXPECT_NE(said(a).find("11 %"), std::string::npos);
   EXPECT_NE(said(a).find("latest_freeze_s"), std::string::npos);
+}
+
+TEST(Audit, CracksShouldTakeTheirFractureEnergyWhereTheyRanAndCutsNothing) {
+  ShellMaterial g = glass();
+  g.fracture_energy = 10.0;
+  ShellModel m = make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, g, 2, 2, {});
+  m.strength_factor.assign(m.tables.blocks() * static_cast<std::size_t>(m.tables.lanes), 1.0f);
+  const int upper = 10 * m.tables.gauss * m.tables.gauss * m.tables.lanes;
+  std::fill(m.strength_factor.begin() + upper, m.strength_factor.end(), 0.5f);
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  insert_polyline(m, s, {{0.05, 0.02}, {0.15, 0.02}}, 0.0);
+  EXPECT_EQ(crack_resistance(m, s), 0.0);
+  for (const double v : {0.055, 0.155})  // 8 mm each, the second where half of the strength is left
+    extend_cracks(m, s, {{s.cracks.add_vertex({0.1, v}), {0.108, v}, s.cracks.new_crack(), 1}}, 0.0, false);
+  EXPECT_NEAR(crack_resistance(m, s), 10.0 * 0.004 * 0.008 * (1.0 + 0.25), 1e-15);
+  // one that runs out counts as far as the border
+  extend_cracks(m, s, {{s.cracks.add_vertex({0.194, 0.055}), {0.21, 0.063}, s.cracks.new_crack(), 1}}, 0.0, false);
+  EXPECT_NEAR(crack_resistance(m, s), 10.0 * 0.004 * (0.008 * (1.0 + 0.25) + std::hypot(0.006, 0.003)), 1e-15);
 }

@@ -379,6 +379,22 @@ TEST(HandOff, ASmallPieceIsNoFasterThanWhatItIsMadeOf) {
   EXPECT_GT(small, 20);
 }
 
+TEST(HandOff, TheLastPieceTakesAllThatIsLeft) {
+  const ShellModel m = sheet();
+  for (const double share : {0.99, 1.0 + 1e-9, 1.01}) {  // what pieces before it have left it, too little or too much
+    ShellState s = make_state(m, Vec3(3, -2, 5), 1);
+    for (int i = 0; i < m.control_points(); ++i) s.mass[m.tables.slot(i)] *= share;
+    compute_forces(m, s, false, 0.0, 1);
+    std::vector<Piece> pieces;
+    const Triangulation t = partition(m, s, pieces);
+    ASSERT_EQ(t.pieces, 1);
+    const Totals before = totals(m, s);
+    const RigidBody b = hand_off(m, s, t, pieces[0], 7, 0.0).body;
+    EXPECT_NEAR(b.mass, before.mass, 1e-13 * before.mass) << share;
+    EXPECT_LT((b.mass * b.motion.velocity - before.momentum).norm(), 1e-13 * before.momentum_scale) << share;
+  }
+}
+
 TEST(Pieces, AreHeldAlongOneAxisTooAndNotByAClampedSlope) {
   ShellMaterial g = glass();
   const auto held = [&](const Support& support, double cut) {
