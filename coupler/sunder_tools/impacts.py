@@ -28,6 +28,14 @@ LEAST_CHANCE = 0.01
 SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
 
 
+BARS = "(± 2 standard errors)"
+
+
+def _bar(values: list) -> float:
+    """Half of the bar of a mean over seeds."""
+    return 2.0 * float(np.std(values, ddof=1)) / math.sqrt(len(values))
+
+
 def _beside(seed: int) -> list[str]:
     """The pellet beside the lattice's point of symmetry, by up to half an element; else that is what is seen."""
     chance = random.Random(seed)
@@ -113,7 +121,7 @@ def round_pane(table: Table, executables: Executables) -> None:
 def impact_speed(table: Table, executables: Executables) -> None:
     """scenes/acrylic.textproto at seven speeds over a factor of eight, eight seeds each."""
     centre = np.array([0.5 * SIDE, 0.5 * SIDE])
-    means, rows, x, y, seconds = {}, [], [], [], 0.0
+    means, errors, rows, x, y, seconds = {}, {}, [], [], [], 0.0
     for speed in SPEEDS:
         counts, row = [], []
         for seed in range(1, SEEDS + 1):
@@ -124,7 +132,7 @@ def impact_speed(table: Table, executables: Executables) -> None:
             row.append(graph)
             counts.append(0 if graph is None else len(radial_crossings(graph.ends, centre, COUNTED_AT)))
         rows.append(row)
-        means[speed] = float(np.mean(counts))
+        means[speed], errors[speed] = float(np.mean(counts)), _bar(counts)
         crossed = sum(c > 0 for c in counts) >= SEEDS // 2
         table.lines.append(f"impact_speed {speed} m/s: {means[speed]:.1f} radial cracks, "
                            f"{' '.join(map(str, counts))}" + ("" if crossed else "; left out, in most runs none"))
@@ -138,10 +146,11 @@ def impact_speed(table: Table, executables: Executables) -> None:
     table.add("impact_speed_at_57", means[57], 8.0, 0.5, 0.0)
     table.lines.append(f"impact_speed: exponent {fit.exponent:.2f}, +- {fit.half:.2f} (95 %); published "
                        "0.5, 4 cracks at 22 m/s and 8 at 57 (Vandenberghe, Vermorel, Villermaux 2013)")
-    table.curves.append({"name": "radial cracks", "x_label": "speed [m/s]", "y_label": "radial cracks",
-                         "x": [float(s) for s in SPEEDS], "y": [means[s] for s in SPEEDS], "logarithmic": False})
-    table.curves.append({"name": "radial cracks, published", "x_label": "speed [m/s]", "y_label": "radial cracks",
-                         "x": [22.0, 57.0], "y": [4.0, 8.0], "logarithmic": False})
+    axes = {"panel": "radial cracks", "x_label": "speed [m/s]", "y_label": f"radial cracks {BARS}", "logarithmic": False,
+            "from_zero": True}
+    table.curves.append({"name": "found", "x": [float(s) for s in SPEEDS], "y": [means[s] for s in SPEEDS],
+                         "half": [errors[s] for s in SPEEDS], **axes})
+    table.curves.append({"name": "published", "x": [22.0, 57.0], "y": [4.0, 8.0], **axes})
     if table.pictures is not None:
         _picture(table.pictures / "impact_speed.png", rows, SIDE)
 
@@ -169,8 +178,9 @@ def refinement(table: Table, executables: Executables) -> None:
         mean = [float(np.mean(found[elements][name])) for elements in grids]
         error = math.sqrt(sum(np.var(found[elements][name], ddof=1) / SEEDS for elements in grids[1:])) / mean[1]
         table.add(f"refinement_{name}", mean[2], mean[1], part + 2.0 * error, seconds)
-        table.curves.append({"name": f"refinement: {name}", "x_label": "spacing [mm]", "y_label": name,
-                             "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False})
+        table.curves.append({"name": f"refinement: {name}", "x_label": "spacing [mm]", "y_label": f"{name} {BARS}",
+                             "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False,
+                             "half": [_bar(found[elements][name]) for elements in grids], "from_zero": True})
 
 
 QUANTILES = (0.25, 0.5, 0.75)
@@ -231,9 +241,10 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
         found[elements] = [numbers for numbers, _ in runs]
         sizes[elements] = [areas * 1e6 for _, areas in runs if len(areas)]  # [mm^2]
         every = np.sort(np.concatenate(sizes[elements]))
-        table.curves.append({"name": f"{name} no larger, {spacing:.2f} mm", "x_label": "area [mm^2]",
-                             "y_label": "share", "x": every.tolist(),
-                             "y": (np.arange(1, len(every) + 1) / len(every)).tolist(), "logarithmic": False})
+        table.curves.append({"name": f"{spacing:.2f} mm", "panel": f"{name}: share that is no larger",
+                             "x_label": "area [mm^2]", "y_label": "share", "x": every.tolist(),
+                             "y": (np.arange(1, len(every) + 1) / len(every)).tolist(), "logarithmic": False,
+                             "from_zero": True})
         table.lines.append(f"{name} {spacing:.2f} mm: " + ", ".join(
             f"{key} {np.mean([r[key] for r in found[elements]]):.4g} +- "
             f"{np.std([r[key] for r in found[elements]], ddof=1):.2g}"
@@ -249,8 +260,9 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
         mean = [float(np.mean(of[elements])) for elements in what.grids]
         error = math.sqrt(sum(np.var(of[elements], ddof=1) / SEEDS for elements in last)) / mean[1]
         table.add(f"{name}_{key}", mean[2], mean[1], part + 2.0 * error, sum(r["seconds"] for r in found[last[1]]))
-        table.curves.append({"name": f"{name}: {key}", "x_label": "spacing [mm]", "y_label": key,
-                             "x": [1e3 * SIDE / elements for elements in what.grids], "y": mean, "logarithmic": False})
+        table.curves.append({"name": f"{name}: {key}", "x_label": "spacing [mm]", "y_label": f"{key} {BARS}",
+                             "x": [1e3 * SIDE / elements for elements in what.grids], "y": mean, "logarithmic": False,
+                             "half": [_bar(of[elements]) for elements in what.grids], "from_zero": True})
     apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(what.grids, last)]
     chance = chance_of_distance(sizes[last[0]], sizes[last[1]])
     table.add(f"{name}_sizes_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)

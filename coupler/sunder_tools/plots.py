@@ -20,13 +20,17 @@ COLOURS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (86, 180
 
 @dataclass(frozen=True)
 class Curve:
-    """One line; both axes logarithmic where `logarithmic`, then only positive points are drawn."""
+    """One line; both axes logarithmic where `logarithmic`, then only positive points are drawn. Those of one `panel`
+    share axes, which begin at zero where one asks for it. `half`: half the length of a point's bar."""
     name: str
     x_label: str
     y_label: str
     x: list[float]
     y: list[float]
     logarithmic: bool = True
+    half: list[float] = field(default_factory=list)
+    panel: str = ""
+    from_zero: bool = False
 
 
 @dataclass(frozen=True)
@@ -49,6 +53,7 @@ class Panel:
     y_label: str
     lines: list[Line]
     logarithmic: bool = False
+    from_zero: bool = False  # what differs by little then looks so
 
 
 def _ticks(low: float, high: float, logarithmic: bool) -> list[float]:
@@ -85,6 +90,8 @@ def draw_panel(panel: Panel) -> Image.Image:
     for axis in (0, 1):
         values = [p[axis] for p in points]
         low, high = min(values), max(values)
+        if panel.from_zero and not log:
+            low, high = min(low, 0.0), max(high, 0.0)
         if log:
             low, high = low / 1.3, high * 1.3
         elif low == high:
@@ -169,5 +176,9 @@ def write_panels(panels: list[Panel], path: Path) -> None:
 
 
 def write_plots(curves: list[Curve], path: Path) -> None:
-    """A panel for each curve. Raises OSError."""
-    write_panels([Panel(c.name, c.x_label, c.y_label, [Line(c.name, c.x, c.y)], c.logarithmic) for c in curves], path)
+    """A panel for each curve, or for those that share one. Raises OSError."""
+    panels: dict[str, list[Curve]] = {}
+    for c in curves:
+        panels.setdefault(c.panel or c.name, []).append(c)
+    write_panels([Panel(name, of[0].x_label, of[0].y_label, [Line(c.name, c.x, c.y, c.half) for c in of],
+                        of[0].logarithmic, any(c.from_zero for c in of)) for name, of in panels.items()], path)

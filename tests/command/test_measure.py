@@ -10,9 +10,12 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
+import numpy as np
+from PIL import Image
+
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
 from .fakes import write_executables
-from sunder_tools import build, command, errors, experiments
+from sunder_tools import build, command, errors, experiments, plots
 
 NUMBERS = {"cases": [{"name": "a", "computed": 1.0, "reference": 1.0, "error": 0.0, "tolerance": 0.1, "pass": True,
                       "seconds": 0.0}],
@@ -98,6 +101,25 @@ class Measuring(unittest.TestCase):
     def test_zeners_equation_has_the_published_answers(self) -> None:
         for inelasticity, known in ((0.1, 0.8433), (0.5, 0.4369), (1.0, 0.1841)):
             self.assertAlmostEqual(experiments.zener(inelasticity, 1e-3), known, delta=5e-5)
+
+
+class Plots(unittest.TestCase):
+    def test_curves_of_one_panel_share_its_axes_which_begin_at_zero_where_asked(self) -> None:
+        axes = {"x_label": "spacing", "y_label": "speed", "logarithmic": False}
+        low, high = ({"name": name, "x": [1.0, 2.0], "y": [y, y + 1.0], **axes} for name, y in (("low", 8.0), ("high", 9.0)))
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "plots.png"
+            plots.write_plots([plots.Curve(**low, panel="both"), plots.Curve(**high, panel="both"), plots.Curve(**low)], path)
+            with Image.open(path) as sheet:
+                self.assertEqual(sheet.size, (2 * plots.WIDTH, plots.HEIGHT))
+        line = plots.Line("low", low["x"], low["y"], [0.5, 0.5])
+
+        def lowest(from_zero: bool) -> int:  # row of pixels of the lowest point or end of a bar
+            image = np.asarray(plots.draw_panel(plots.Panel("p", "x", "y", [line], from_zero=from_zero)))
+            return int(np.nonzero((image == plots.COLOURS[0]).all(axis=2))[0].max())
+
+        self.assertGreater(lowest(False), plots.HEIGHT - plots.BELOW - 5)
+        self.assertLess(lowest(True), plots.HEIGHT // 2)
 
 
 if __name__ == "__main__":
