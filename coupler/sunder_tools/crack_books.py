@@ -24,9 +24,9 @@ MANY = [f"shells[pane].loads[0].pressure={BLAST:g}", "shells[pane].loads[0].fact
         "materials[glass].weibull_modulus=8", "materials[glass].mass_damping_per_s=0",
         "output.frame_interval_s=1e-4", "output.shell_frame_interval_s=1e-4",
         *(f"shells[pane].plate.elements_{axis}=96" for axis in "xy")]
-QUARTER = [f"shells[pane].plate.{field}_{axis}{unit}" for axis in "xy" for field, unit in (
-    ("size", "_m=0.25"), ("elements", "=48"))]
+QUARTER = [f"shells[pane].plate.{change}" for change in ("size_x_m=0.25", "size_y_m=0.25", "elements_x=48", "elements_y=48")]
 MOST_DEARER = 1.5  # an edge among many than one among few: what grows with their number squared would be far beyond
+PROPORTIONAL = 0.25  # by which an edge may cost more in four times the pane: how far timings scatter on a shared machine
 
 
 def books(table: Table, executables: Executables) -> None:
@@ -58,7 +58,7 @@ def many(table: Table, executables: Executables) -> None:
     quarter, early, late = update[0] / edges[0], update[1] / edges[1], (update[2] - update[1]) / (edges[2] - edges[1])
     whole = update[2] / edges[2]
     table.add("many_cost_of_an_edge_late_to_early", max(late / early, 1.0), 1.0, MOST_DEARER - 1.0, 0.0)
-    table.add("many_cost_of_an_edge_in_four_times_the_pane", max(whole / quarter, 1.0), 1.0, MOST_DEARER - 1.0, 0.0)
+    table.add("many_cost_of_an_edge_in_four_times_the_pane", max(whole / quarter, 1.0), 1.0, PROPORTIONAL, 0.0)
     table.add("many_fracture_share", grew["crack_update_s"] / grew["wall_s"], 0.0, 0.15, 0.0)
     table.lines.append(f"many: {pieces} pieces, {run['counts']['handed_off']} left; {edges[2]} edges; an edge costs "
                        f"{1e3 * early:.2f} ms among the first {edges[1]}, {1e3 * late:.2f} ms among the rest, on the whole "

@@ -91,9 +91,7 @@ TEST(DuctileStrip, BreaksWhenItHasHardenedToItsStrength) {
   EXPECT_LT(broken.number("energy.dissipated_fracture"), 0.4);
   // through 40 mm of the weaker middle, 0.9 of the strength, at least, and no more than where all is of full strength
   EXPECT_GE(broken.number("cracks.resistance"), 0.81 * 0.04);
-  EXPECT_LE(broken.number("cracks.resistance"), 1.0 * broken.number("cracks.length_m"));
-  EXPECT_NEAR(broken.number("cracks.taken_relative") * broken.number("cracks.resistance"),
-              broken.number("energy.dissipated_fracture"), 1e-12);
+  EXPECT_LE(broken.number("cracks.resistance"), 500 * 0.002 * broken.number("cracks.length_m"));
   EXPECT_GT(broken.number("energy.dissipated_plastic"), 20.0 * broken.number("energy.dissipated_fracture"));
   EXPECT_LT(std::abs(broken.number("energy.residual_relative")), 0.02);
 }
