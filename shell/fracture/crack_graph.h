@@ -1,6 +1,7 @@
 #pragma once
 // The cracks of a patch: a graph in its parameter domain to which vertices and edges are only added,
 // so that every earlier crack is part of every later one.
+#include <cmath>
 #include <functional>
 #include <vector>
 
@@ -8,9 +9,15 @@
 
 namespace sunder::shell {
 
-/// Twice the signed area of the triangle p q r.
+/// Twice the signed area of the triangle p q r, rounded alike wherever it is inlined: left to the compiler, a point
+/// that lies on a line to round-off, as one does where a crack starts, would be left of it here and right of it there.
 inline double orientation(const Vec2& p, const Vec2& q, const Vec2& r) {
-  return (q.x() - p.x()) * (r.y() - p.y()) - (q.y() - p.y()) * (r.x() - p.x());
+  const double across = (q.y() - p.y()) * (r.x() - p.x());
+#ifdef __FMA__
+  return std::fma(q.x() - p.x(), r.y() - p.y(), -across);
+#else
+  return (q.x() - p.x()) * (r.y() - p.y()) - across;
+#endif
 }
 /// The line of sight ab is cut by the edge cd. A point on the edge's line counts as left of it, so that a
 /// control point on a crack is seen from one side and not from none.

@@ -10,7 +10,8 @@
 
 namespace sunder::shell {
 
-/// Control points of a patch by their parameter points.
+/// Control points of a patch by their parameter points, which are a product: all of a column have the same first
+/// coordinate, all of a row the same second one.
 struct ControlGrid {
   int columns = 0, rows = 0;
   const std::vector<Vec2>* parameter = nullptr;
@@ -47,7 +48,8 @@ class Sight {
   }
 
  private:
-  void hide(const ControlGrid& grid, const CrackEdge& edge);
+  /// `x`: of each column and one to spare.
+  void hide(const ControlGrid& grid, const double* x, const CrackEdge& edge);
 
   static constexpr int kReach = 7, kAcross = 2 * kReach + 1;  // one more than the support, rounded up
   Vec2 p_ = Vec2::Zero();

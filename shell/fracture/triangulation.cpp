@@ -51,6 +51,7 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
     Vec2 a = e.a, b = e.b;
     if (clip(a, b, low, high) && (b - a).norm() > 1e-9 * spacing) cdt.insert_constraint(point(a), point(b));
   }
+  Cdt::Face_handle beside;  // the last vertex, from where the next one is soon found
   for (int j = 0; j <= v.spans(); ++j)
     for (int i = 0; i <= u.spans(); ++i) {
       const Vec2 p(i < u.spans() ? u.span_begin(i) : u.end(), j < v.spans() ? v.span_begin(j) : v.end());
@@ -60,7 +61,7 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
         crowded = cracks.distance(p, e, foot) < 0.15 * spacing;
         return !crowded;
       });
-      if (!crowded) cdt.insert(point(p));
+      if (!crowded) beside = cdt.insert(point(p), beside)->face();
     }
   Triangulation t;
   for (auto it = cdt.finite_vertices_begin(); it != cdt.finite_vertices_end(); ++it) {

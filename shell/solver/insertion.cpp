@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "shell/solver/interlock.h"
 
@@ -66,13 +65,13 @@ GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoi
 }
 
 // The same, as a trial has found it where one had that sight. Until the next one of that point.
-GatheredPoint& tried(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
-                     std::vector<ShellState::Trial>& trials) {
+ShellState::Trial& tried(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
+                         std::vector<ShellState::Trial>& trials) {
   for (ShellState::Trial& known : trials)
-    if (known.sight.sees_the_same(sight)) return known.point;
+    if (known.sight.sees_the_same(sight)) return known;
   if (trials.size() == kTrials) trials.erase(trials.begin());
   trials.push_back({sight, renewed(m, sight, old)});
-  return trials.back().point;
+  return trials.back();
 }
 
 void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
@@ -86,9 +85,8 @@ void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
   s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
 }
 
-// How far off the control points are that a point at p uses [spacings]; any may matter to a linear one.
+// How far off the control points are that a point at p uses [spacings].
 float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
-  if (g.kind == PointKind::kLinear) return std::numeric_limits<float>::infinity();
   double reach = 0.0;
   for (const GatheredFunction& f : g.functions) {
     const Vec2 d = (m.of_slot[f.slot] - p).cwiseAbs();
@@ -120,18 +118,18 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
         if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
           continue;
         const int point = s.point_of[gauss];
-        bool hit = false;
-        const auto cut = [&](const Vec2& control_point) {
-          return segments_meet(g.parameter, control_point, e.long_a, e.long_b);
+        const bool left = orientation(e.long_a, e.long_b, g.parameter) >= 0.0;
+        const auto cut = [&](const Vec2& q) {  // segments_meet
+          return (orientation(e.long_a, e.long_b, q) >= 0.0) != left &&
+                 orientation(g.parameter, q, e.long_a) * orientation(g.parameter, q, e.long_b) <= 0.0;
         };
-        // what was linear for want of a better basis may see another set of control points now
-        if (point >= 0 && s.points[point].kind == PointKind::kLinear) hit = true;
+        bool hit = false;
         if (point < 0)
           for (int k = 0; k < t.support() * t.support() && !hit; ++k)
             hit = cut(m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()]);
         else
-          for (const GatheredFunction& n : s.points[point].functions)
-            if ((hit = cut(m.of_slot[n.slot]))) break;
+          for (std::size_t k = 0; k < s.points[point].functions.size() && !hit; ++k)
+            hit = cut(m.of_slot[s.points[point].functions[k].slot]);
         if (hit) touched.push_back({block, lane});
       }
     }
@@ -176,7 +174,7 @@ struct Renewal {
 
 // What becomes of it. Changes nothing of the state but the point's own trials and its sight, which the edges from
 // `first` on, on trial, do not enter yet.
-void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
+void renew(const ShellModel& m, ShellState& s, int first, int end, double time, Renewal& r) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(r.block) * t.lanes + r.lane;
   GatheredPoint made;
@@ -188,13 +186,25 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, Renewal& r) {
   const auto elastic = [&](const GatheredPoint& g) {
     return s.yields() ? point_energy(t, g, s.x, plasticity_of(m, s)) : point_energy(t, g, s.x);
   };
-  const double full = elastic(old), held = damage ? point_energy(t, old, s.x, damage, s.brittleness, s.heals) : full;
+  // edges of one moment are tried on one state: longer, shorter, those of the next tip
+  const auto at_present = [&](const GatheredPoint& g, TimedEnergy& known) {
+    if (s.yields() || known.time != time) known = {elastic(g), time};
+    return known.energy;
+  };
+  const double full = s.trials.empty() ? elastic(old) : at_present(old, s.trials[r.sight].present);
+  const double held = damage ? point_energy(t, old, s.x, damage, s.brittleness, s.heals) : full;
   s.sights[r.sight].update(control_grid(m), s.cracks, first);
   Sight sight = s.sights[r.sight];
   sight.update(control_grid(m), s.cracks, end);
-  if (s.trials.empty()) r.own = renewed(m, sight, old);
-  r.point = s.trials.empty() ? &r.own : &tried(m, sight, old, s.trials[r.sight]);
-  double left = elastic(*r.point);
+  double left = 0.0;
+  if (s.trials.empty()) {
+    r.own = renewed(m, sight, old), r.point = &r.own;
+    left = elastic(r.own);
+  } else {
+    ShellState::Trial& trial = tried(m, sight, old, s.trials[r.sight].known);
+    r.point = &trial.point;
+    left = at_present(trial.point, trial.energy);
+  }
   const double most =
       damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * old.area
              : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * old.area;
@@ -260,7 +270,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
       s.book.plastic += settle(t, present_point(m, s, block, lane, made), s.x, plasticity_of(m, s));
     }
 #pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
-  for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, changed[k]);
+  for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, time, changed[k]);
   double before = 0.0, after = 0.0;
   for (const Renewal& r : changed) before += r.before, after += r.after;
   if (must_release && after > before) return false;
@@ -268,7 +278,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   for (Renewal& r : changed) {
     GatheredPoint g = std::move(*r.point);
     const int point = gather_point(m, s, g.block, g.lane);
-    if (!s.trials.empty()) s.trials[r.sight].clear();
+    if (!s.trials.empty()) s.trials[r.sight] = {};
     if (!s.damage.empty()) s.damage[point] = r.damage;
     if (s.yields()) settle(t, g, s.x, plasticity_of(m, s));
     if (g.kind == PointKind::kDead)

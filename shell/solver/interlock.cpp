@@ -72,14 +72,17 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   for (int side = 0; side < 2; ++side) {
     const Vec2 p = middle + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
     if (!m.patch.contains(p)) return false;
-    const MlsPoint mls =
-        mls_point(control_grid(m), s.cracks, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
+    Sight& sight = lock.sights[side];
+    if (!lock.looked) sight = {control_grid(m), p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
+    sight.update(control_grid(m), s.cracks, static_cast<int>(s.cracks.edges().size()));
+    const MlsPoint mls = mls_point(control_grid(m), sight);
     double amplification = 0.0;
     for (const MlsFunction& f : mls.functions) amplification += f.n[0] * f.n[0];
     if (mls.basis == MlsBasis::kNone || amplification > kMostAmplification) return false;
     sides[side]->clear();
     for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
   }
+  lock.looked = true;
   return true;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 // One shell: what changes during a run.
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "shell/fracture/crack_graph.h"
@@ -34,8 +35,10 @@ struct Interlock {
   int edge = 0;
   double area = 0.0;  // [m^2]
   std::vector<GatheredFunction> plus, minus;
-  Vec3 rest = Vec3::Zero();  // gap without force: across, along, normal [m]
-  double rest_area = 1.0;    // of the tangents' parallelogram when it was fastened
+  std::array<Sight, 2> sights{};  // of these sides; not part of checkpoints, as they can be found again
+  bool looked = false;            // they have been
+  Vec3 rest = Vec3::Zero();       // gap without force: across, along, normal [m]
+  double rest_area = 1.0;         // of the tangents' parallelogram when it was fastened
   bool holds = true;
   // as the force last found them: opening [m], shear traction [Pa], faces still fit
   double opening = 0.0, shear = 0.0;
@@ -64,6 +67,11 @@ struct EnergyBook {
     healing += o.healing, plastic += o.plastic, damping += o.damping, transfer += o.transfer, frozen += o.frozen;
     return *this;
   }
+};
+
+/// An elastic energy [J] and the time at which it was found [s].
+struct TimedEnergy {
+  double energy = 0.0, time = -1.0;
 };
 
 struct ShellState {
@@ -96,8 +104,13 @@ struct ShellState {
   struct Trial {
     Sight sight;
     GatheredPoint point;
+    TimedEnergy energy{};
   };
-  std::vector<std::vector<Trial>> trials;  // of each sight; empty: none is remembered
+  struct Trials {
+    std::vector<Trial> known;
+    TimedEnergy present{};  // of the point as it is
+  };
+  std::vector<Trials> trials;  // of each sight; empty: none is remembered
   // [block][lane]: no control point that the functions beside a crack use is further off, the larger of the two
   // coordinates [spacings]; 0: they are those of the patch
   std::vector<float> reach;

@@ -28,6 +28,28 @@ void points_within(const ShellModel& m, const Vec2& p, double radius, F&& f) {
       }
 }
 
+// Edges that can stand between points within `radius` of p, each once, but `skip`.
+const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, double radius, int skip) {
+  thread_local std::vector<int> found;
+  found.clear();
+  const Vec2 low = p - Vec2::Constant(radius), high = p + Vec2::Constant(radius);
+  cracks.near(low, high, 0.0, [&](int e) {
+    const CrackEdge& c = cracks.edges()[e];
+    if (e != skip && (c.long_a.cwiseMin(c.long_b).array() <= high.array()).all() &&
+        (c.long_a.cwiseMax(c.long_b).array() >= low.array()).all())
+      found.push_back(e);
+    return true;
+  });
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+bool visible(const CrackGraph& cracks, const std::vector<int>& between, const Vec2& a, const Vec2& b) {
+  return std::none_of(between.begin(), between.end(),
+                      [&](int e) { return segments_meet(a, b, cracks.edges()[e].long_a, cracks.edges()[e].long_b); });
+}
+
 double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
 
 struct Sample {
@@ -85,9 +107,10 @@ bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int 
 bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double radius, double* six) {
   std::fill(six, six + 6, 0.0);
   double sum = 0.0;
+  const std::vector<int>& between = edges_around(s.cracks, p, radius, -1);
   points_within(m, p, radius, [&](int block, int lane, const Vec2& d) {
     double here[6];
-    if (!s.cracks.visible(p, p + d) || !surface_stress_at(m, s, block, lane, here)) return;
+    if (!visible(s.cracks, between, p, p + d) || !surface_stress_at(m, s, block, lane, here)) return;
     const double w = std::exp(-2.0 * d.squaredNorm() / (radius * radius));
     sum += w;
     for (int k = 0; k < 6; ++k) six[k] += w * here[k];
@@ -101,10 +124,11 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
   samples.clear();
   const Vec2& p = start.p;
   const Vec2 eye = p + 0.1 * m.spacing * start.direction;
+  const std::vector<int>& between = edges_around(s.cracks, p, r.tip_radius, start.edge);
   points_within(m, p, r.tip_radius, [&](int block, int lane, const Vec2& d) {
     Sample here;
     here.angle = std::atan2(start.direction.x() * d.y() - start.direction.y() * d.x(), start.direction.dot(d));
-    if (std::abs(here.angle) > kAround || !s.cracks.visible(eye, p + d, start.edge) ||
+    if (std::abs(here.angle) > kAround || !visible(s.cracks, between, eye, p + d) ||
         !surface_stress_at(m, s, block, lane, here.six))
       return;
     const double factor = m.strength_factor_at(block, lane);  // of what resists there
