@@ -140,6 +140,26 @@ bool nearer(const Candidate& a, const Candidate& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.control_point < b.control_point;
 }
 
+void candidates_of(const ControlGrid& grid, const Sight& sight, std::vector<Candidate>& seen) {
+  seen.clear();
+  sight.each(grid, [&](int k) {
+    const Vec2 offset = grid.offset(sight.point(), k);
+    seen.push_back({std::max(std::abs(offset.x()), std::abs(offset.y())), k, offset});
+  });
+}
+
+struct Amplification {
+  double value = 0.0, slope = 0.0;  // sums of squares of functions, and of their first derivatives per spacing
+};
+Amplification amplification_of(const ControlGrid& grid, const std::vector<MlsFunction>& functions) {
+  Amplification a;
+  for (const MlsFunction& f : functions) {
+    const double u = f.n[1] * grid.spacing_u, v = f.n[2] * grid.spacing_v;
+    a.value += f.n[0] * f.n[0], a.slope += u * u + v * v;
+  }
+  return a;
+}
+
 }  // namespace
 
 MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v) {
@@ -151,12 +171,9 @@ MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2
 MlsPoint mls_point(const ControlGrid& grid, const Sight& sight) {
   thread_local std::vector<Candidate> seen, taken;
   thread_local std::vector<Vec2> offsets;
-  seen.clear(), offsets.clear();
-  sight.each(grid, [&](int k) {
-    const Vec2 offset = grid.offset(sight.point(), k);
-    seen.push_back({std::max(std::abs(offset.x()), std::abs(offset.y())), k, offset});
-    offsets.push_back(offset);
-  });
+  candidates_of(grid, sight, seen);
+  offsets.clear();
+  for (const Candidate& c : seen) offsets.push_back(c.offset);
   const auto take = [&](double d) {  // those within the support, nearest first
     taken.clear();
     for (const Candidate& c : seen)
@@ -186,6 +203,25 @@ MlsPoint mls_point(const ControlGrid& grid, const Sight& sight) {
   }
   point.functions.clear();
   return point;
+}
+
+MlsPoint face_point(const ControlGrid& grid, const Sight& sight) {
+  MlsPoint point = mls_point(grid, sight);
+  if (point.basis != MlsBasis::kNone && amplification_of(grid, point.functions).value <= kFaceAmplification)
+    return point;
+  std::vector<Candidate> seen;
+  candidates_of(grid, sight, seen);
+  std::sort(seen.begin(), seen.end(), nearer);
+  point.basis = MlsBasis::kLinear;
+  for (double d = kSmallestSupport; d <= kLargestSupport; d += 2.0 * kSupportStep) {
+    const auto beyond = std::find_if(seen.begin(), seen.end(), [&](const Candidate& c) { return c.distance >= d; });
+    const int n = static_cast<int>(beyond - seen.begin());
+    if (n < 3 || !shape_functions<3>(seen, n, d, grid.spacing_u, grid.spacing_v, kFaceCondition, point.functions))
+      continue;
+    const Amplification a = amplification_of(grid, point.functions);
+    if (a.value <= kFaceAmplification && a.slope <= kFaceAmplification) return point;
+  }
+  return {};
 }
 
 }  // namespace sunder::shell

@@ -30,4 +30,13 @@ MlsPoint mls_point(const ControlGrid& grid, const Sight& sight);
 /// The same at `p`, in span_u, span_v of the patch, which is looked at for the first time.
 MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v);
 
+/// What springs between crack faces may ask of the functions there: sums of squares of the values, and of first
+/// derivatives times the spacing. About 1 at the edge of a support; a wild extrapolation would cost the time step.
+constexpr double kFaceAmplification = 3.0;
+constexpr double kFaceCondition = 1e4;  // of planes through what little is seen: their amplification decides
+
+/// Shape functions of a point on a crack face: those of mls_point, or where other cracks are so near that there are
+/// none, a plane through what is seen, of which nothing but position and tangents is wanted; else none.
+MlsPoint face_point(const ControlGrid& grid, const Sight& sight);
+
 }  // namespace sunder::shell

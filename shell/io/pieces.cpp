@@ -1,6 +1,7 @@
 // Pieces that have come off leave the shells.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shell/io/run.h"
 #include "shell/solver/interlock.h"
@@ -85,7 +86,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
     return births;
   Stopwatch w(stage_s_["crack_update"]);
   for (ShellPart& part : parts_)
-    if (all) release_interlocks(part.model(), *part.state, {}, true);
+    if (all) release_interlocks(*part.state, {}, true);
   std::vector<PartPieces> now = pieces_now(all);
   std::map<int, Group> groups;
   for (std::size_t k = 0; k < now.size(); ++k)
@@ -102,6 +103,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
     }
   fragments_ = static_cast<int>(groups.size());
   double before = 0.0;
+  Totals totals_now;
   bool any = false;
   // those without control points first: they take their mass and velocity from what is beside them
   for (const bool empty : {true, false})
@@ -116,8 +118,8 @@ std::vector<RigidBody> Run::take_off(bool all) {
         const ShellModel& m = parts_[k].model();
         if (static_cast<double>(tick_ - since->second) * setup_.tick < kSettle * m.spacing / m.wave_speed()) continue;
       }
-      if (!any) before = total_energy(dt_), any = true;
-      births.push_back(leave(now, g));
+      if (!any) before = total_energy(dt_), totals_now = shell_totals(), any = true;
+      births.push_back(leave(now, g, totals_now));
     }
   detached_area_ = 0.0;
   for (const PartPieces& part : now)
@@ -127,14 +129,14 @@ std::vector<RigidBody> Run::take_off(bool all) {
   return births;
 }
 
-RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group) {
+Totals Run::shell_totals() {
+  Totals sum;
+  for (const ShellRef& r : refs()) sum += totals(*r.model, *r.state);
+  return sum;
+}
+
+RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now) {
   const std::vector<ShellRef> shells = refs();
-  const auto all_totals = [&] {
-    Totals sum;
-    for (const ShellRef& r : shells) sum += totals(*r.model, *r.state);
-    return sum;
-  };
-  const Totals shells_before = all_totals();
   for (const auto& [k, i] : group.members) {
     if (!now[k].whole) continue;
     now[k].triangulation = partition(*shells[k].model, *shells[k].state, now[k].pieces);
@@ -161,7 +163,8 @@ RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group) {
   }
   Handoff h = parts.size() == 1 ? std::move(parts[0]) : joined(parts);
   ++next_id_;
-  check_handoff(shells_before, all_totals(), h.body);
+  const Totals totals_before = std::exchange(totals_now, shell_totals());
+  check_handoff(totals_before, totals_now, h.body);
   geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
   handed_area_ += h.area, ++handed_off_;
   shards_.push_back({h.body.id, time() + window_ticks_ * setup_.tick, h.area, h.body.mass,

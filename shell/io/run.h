@@ -127,7 +127,9 @@ class Run {
     bool torn = false;   // of a shell that is not whole
   };
   std::vector<PartPieces> pieces_now(bool all);
-  RigidBody leave(std::vector<PartPieces>& now, const Group& group);
+  Totals shell_totals();
+  /// `totals_now`: those of the shells, which it keeps up to date.
+  RigidBody leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now);
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   std::int64_t settle_ticks() const;  // length of the next window without a shell
   std::string checkpoint_path() const;

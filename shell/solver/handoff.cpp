@@ -220,16 +220,26 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const auto slack = [&](int block, int lane) {
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
   };
-  for (std::size_t i = 0; i < s.points.size(); ++i) {
-    GatheredPoint& g = s.points[i];
-    if (g.left) continue;
-    const bool bears = g.kind != PointKind::kDead && !g.in_rows;
-    if (!own[bears ? g.functions[0].slot : beside(g.block / (t.gauss * t.gauss), g.lane)]) continue;
-    if (g.in_rows) g.in_rows = false, s.watched[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = 0;
-    g.left = true, g.kind = PointKind::kDead, g.functions.clear();
-    slack(g.block, g.lane);
-    if (!s.damage.empty()) s.damage[i].history.fill(0.0f);  // what has left is no crack of what stands
-  }
+  if (piece.control_points.empty()) return;
+  // what is nearest to one of its control points, or reaches one, is no further off
+  Vec2 low = m.parameter[piece.control_points[0]], high = low;
+  for (const int i : piece.control_points) low = low.cwiseMin(m.parameter[i]), high = high.cwiseMax(m.parameter[i]);
+  const Vec2 pad = (kLargestSupport + 1.0) * Vec2(m.spacing_u, m.spacing_v);
+  low -= pad, high += pad;
+  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+  for (int f = kv.span_of(low.y()); f <= kv.span_of(high.y()); ++f)
+    for (int q = f * t.gauss * t.gauss; q < (f + 1) * t.gauss * t.gauss; ++q)
+      for (int lane = ku.span_of(low.x()); lane <= ku.span_of(high.x()); ++lane) {
+        const int i = s.point_of[static_cast<std::size_t>(q) * t.lanes + lane];
+        if (i < 0 || s.points[i].left) continue;
+        GatheredPoint& g = s.points[i];
+        const bool bears = g.kind != PointKind::kDead && !g.in_rows;
+        if (!own[bears ? g.functions[0].slot : beside(f, lane)]) continue;
+        if (g.in_rows) g.in_rows = false, s.watched[static_cast<std::size_t>(q) * t.lanes + lane] = 0;
+        g.left = true, g.kind = PointKind::kDead, g.functions.clear();
+        slack(q, lane);
+        if (!s.damage.empty()) s.damage[i].history.fill(0.0f);  // what has left is no crack of what stands
+      }
   for (const int i : piece.control_points) {  // and the spans that they are near
     const int span_v = i / t.columns - inner, lane = i % t.columns - inner;
     if (span_v < 0 || span_v >= t.spans_v || lane < 0 || lane >= t.spans_u) continue;
@@ -241,12 +251,14 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
       if (point < 0 || s.points[point].kind == PointKind::kDead) slack(q, lane);
     }
   }
-  for (Interlock& lock : s.interlocks) {
-    if (!lock.holds) continue;
+  s.cracks.near(low, high, 0.0, [&](int e) {
+    if (s.interlock_of[e] < 0 || !s.interlocks[s.interlock_of[e]].holds) return true;
+    Interlock& lock = s.interlocks[s.interlock_of[e]];
     for (const auto* side : {&lock.plus, &lock.minus})
       for (const auto& f : *side)
         if (own[f.slot]) lock.holds = false;
-  }
+    return true;
+  });
   for (Tip& tip : s.tips)
     if (tip.alive) {
       if (own[beside(m.patch.knots_v.span_of(tip.p.y()), m.patch.knots_u.span_of(tip.p.x()))]) tip.alive = false;

@@ -47,9 +47,7 @@ Gap gap_of(const ShellState& s, const Interlock& lock) {
 constexpr double kLeastCosine = 0.7;               // between the normals of the two sides
 constexpr double kLeastArea = 0.5, kMostArea = 2;  // of the mean tangents' parallelogram
 
-// Sum of squares of a side's value functions; it multiplies the spring's stiffness over a control point's
-// mass. About 1 for a point at the edge of its support; a wild extrapolation would cost the time step.
-constexpr double kMostAmplification = 3.0;
+constexpr double kMostMobility = 4.0;  // of a gap beside a plane, in those of the mass of an element
 
 bool sound(const Interlock& lock, const Gap& gap) {
   const double cosine = gap.side[0].dot(gap.side[1]);
@@ -65,24 +63,35 @@ Vec3 extension(const Gap& gap, const Interlock& lock) {
 
 double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // that of one element [Pa/m]
 
+// Of faces one of which is a plane through the few control points between close cracks: less where so little mass hangs
+// on them that the step would not stand it.
+double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const Interlock& lock) {
+  double mobility = 0.0;  // of the gap [1/kg]
+  for (const auto* side : {&lock.plus, &lock.minus})
+    for (const GatheredFunction& f : *side) mobility += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
+  const double most = kMostMobility / (m.material.density * m.thickness * m.spacing * m.spacing);
+  return stiffness(m) * (mobility > most ? most / mobility : 1.0);
+}
+
 bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   const CrackEdge& e = s.cracks.edges()[lock.edge];
   const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x()), middle = 0.5 * (e.a + e.b);
   std::vector<GatheredFunction>* sides[2] = {&lock.plus, &lock.minus};
+  bool plane = false;
   for (int side = 0; side < 2; ++side) {
     const Vec2 p = middle + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
     if (!m.patch.contains(p)) return false;
     Sight& sight = lock.sights[side];
     if (!lock.looked) sight = {control_grid(m), p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
     sight.update(control_grid(m), s.cracks, static_cast<int>(s.cracks.edges().size()));
-    const MlsPoint mls = mls_point(control_grid(m), sight);
-    double amplification = 0.0;
-    for (const MlsFunction& f : mls.functions) amplification += f.n[0] * f.n[0];
-    if (mls.basis == MlsBasis::kNone || amplification > kMostAmplification) return false;
+    const MlsPoint mls = face_point(control_grid(m), sight);
+    if (mls.basis == MlsBasis::kNone) return false;
+    plane = plane || mls.basis == MlsBasis::kLinear;
     sides[side]->clear();
     for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
   }
   lock.looked = true;
+  lock.stiffness = std::min(lock.stiffness, plane ? stiffness_beside_plane(m, s, lock) : stiffness(m));
   return true;
 }
 
@@ -99,11 +108,11 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {
   const Gap gap = gap_of(s, lock);
   const Vec3 before = gap.components() - lock.rest;
-  const double held = 0.5 * stiffness(m) * lock.area * extension(gap, lock).squaredNorm();
+  const double stretched = 0.5 * lock.area * extension(gap, lock).squaredNorm(), stiff = lock.stiffness;
   lock.holds = attach(m, s, lock);
   if (lock.holds) lock.rest = gap_of(s, lock).components() - before;
   lock.holds = lock.holds && lock.rest.allFinite();
-  if (!lock.holds) s.book.fracture += held;
+  s.book.fracture += stretched * (stiff - (lock.holds ? lock.stiffness : 0.0));
 }
 
 double interlock_forces(const ShellModel& m, ShellState& s) {
@@ -113,9 +122,9 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
     if (!lock.holds) continue;
     const Gap gap = gap_of(s, lock);
     const Vec3 e = extension(gap, lock);
-    const double k = stiffness(m) * lock.area;
+    const double k = lock.stiffness * lock.area;
     lock.opening = gap.components()[0] - lock.rest[0];
-    lock.shear = stiffness(m) * std::hypot(e[1], e[2]);
+    lock.shear = lock.stiffness * std::hypot(e[1], e[2]);
     lock.sound = sound(lock, gap);
     energy += 0.5 * k * e.squaredNorm();
     if (e.isZero(0.0)) continue;
@@ -137,12 +146,12 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
   return energy;
 }
 
-void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
+void release_interlocks(ShellState& s, const InterlockLaw& law, bool all) {
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
     if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
     lock.holds = false;
-    s.book.fracture += 0.5 * stiffness(m) * lock.area * extension(gap_of(s, lock), lock).squaredNorm();
+    s.book.fracture += 0.5 * lock.stiffness * lock.area * extension(gap_of(s, lock), lock).squaredNorm();
     s.last_force.clear();
   }
 }

@@ -26,6 +26,6 @@ double interlock_forces(const ShellModel& model, ShellState& state);
 
 /// Lets go where the last force found faces opened or sheared too far (`all`: everywhere); books what the
 /// springs hold at the present positions.
-void release_interlocks(const ShellModel& model, ShellState& state, const InterlockLaw& law, bool all);
+void release_interlocks(ShellState& state, const InterlockLaw& law, bool all);
 
 }  // namespace sunder::shell

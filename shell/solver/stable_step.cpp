@@ -80,9 +80,18 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
   const std::size_t plane = m.tables.plane;
   std::vector<char> start(plane, around.empty());
   const Vec2 reach = kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
-  for (const Vec2& p : around)
-    for (int i = 0; i < m.control_points(); ++i)
-      if (((m.parameter[i] - p).cwiseAbs().array() < reach.array()).all()) start[m.tables.slot(i)] = 1;
+  const RowTables& t = m.tables;
+  const auto from = [&](const KnotVector& knots, double at) { return std::max(0, knots.span_of(at) - 1); };
+  const auto to = [&](const KnotVector& knots, double at) {
+    return std::min(knots.spans(), knots.span_of(at) + 1) + t.degree;
+  };
+  for (const Vec2& p : around) {
+    const Vec2 low = p - reach, high = p + reach;
+    for (int j = from(m.patch.knots_v, low.y()); j < std::min(t.rows, to(m.patch.knots_v, high.y())); ++j)
+      for (int i = from(m.patch.knots_u, low.x()); i < std::min(t.columns, to(m.patch.knots_u, high.x())); ++i)
+        if (((m.parameter[j * t.columns + i] - p).cwiseAbs().array() < reach.array()).all())
+          start[t.slot(j * t.columns + i)] = 1;
+  }
   std::mt19937_64 random(1);
   for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] = start[i % plane] ? noise(random) : 0.0;
   const double step = iterate(shells, iterations, forces);

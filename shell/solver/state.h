@@ -33,7 +33,8 @@ struct Tip {
 /// The two faces of a fresh crack bear on one another at the middle of an edge (solver/interlock.h).
 struct Interlock {
   int edge = 0;
-  double area = 0.0;  // [m^2]
+  double area = 0.0;         // [m^2]
+  double stiffness = 1e300;  // [Pa/m]; never more than it was
   std::vector<GatheredFunction> plus, minus;
   std::array<Sight, 2> sights{};  // of these sides; not part of checkpoints, as they can be found again
   bool looked = false;            // they have been
