@@ -13,7 +13,7 @@ namespace sunder::shell {
 /// that lies on a line to round-off, as one does where a crack starts, would be left of it here and right of it there.
 inline double orientation(const Vec2& p, const Vec2& q, const Vec2& r) {
   const double across = (q.y() - p.y()) * (r.x() - p.x());
-#ifdef __FMA__
+#ifdef __FP_FAST_FMA
   return std::fma(q.x() - p.x(), r.y() - p.y(), -across);
 #else
   return (q.x() - p.x()) * (r.y() - p.y()) - across;

@@ -30,8 +30,9 @@ MlsPoint mls_point(const ControlGrid& grid, const Sight& sight);
 /// The same at `p`, in span_u, span_v of the patch, which is looked at for the first time.
 MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v);
 
-/// What springs between crack faces may ask of the functions there: sums of squares of the values, and of first
-/// derivatives times the spacing. About 1 at the edge of a support; a wild extrapolation would cost the time step.
+/// What springs between crack faces may ask of the functions there: sums of squares of the values, of a plane also of
+/// first derivatives times the spacing. About 1 at the edge of a support; a wild extrapolation would cost the time
+/// step.
 constexpr double kFaceAmplification = 3.0;
 constexpr double kFaceCondition = 1e4;  // of planes through what little is seen: their amplification decides
 

@@ -123,7 +123,7 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
           return (orientation(e.long_a, e.long_b, q) >= 0.0) != left &&
                  orientation(g.parameter, q, e.long_a) * orientation(g.parameter, q, e.long_b) <= 0.0;
         };
-        bool hit = false;
+        bool hit = false;  // what it does not use may hide: its functions are still as sound as they were
         if (point < 0)
           for (int k = 0; k < t.support() * t.support() && !hit; ++k)
             hit = cut(m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()]);

@@ -16,9 +16,9 @@ struct NewEdge {
   int crack, face;
 };
 
-/// Adds edges as one event, but only where that adds no energy: what a crack would have to put in, the shell does not
-/// have. Returns the first of them; negative where they were refused, or one would have no length, and all is as
-/// before.
+/// Adds edges as one event at `time` (of the positions: energies found at one time are kept), but only where that adds
+/// no energy: what a crack would have to put in, the shell does not have. Returns the first of them; negative where
+/// they were refused, or one would have no length, and all is as before.
 int extend_cracks(const ShellModel& model, ShellState& state, const std::vector<NewEdge>& edges, double time,
                   bool interlock, int threads = 1);
 

@@ -64,7 +64,7 @@ Vec3 extension(const Gap& gap, const Interlock& lock) {
 double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // that of one element [Pa/m]
 
 // Of faces one of which is a plane through the few control points between close cracks: less where so little mass hangs
-// on them that the step would not stand it.
+// on them, when they are fastened, that the step would not stand it for an edge one spacing long.
 double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const Interlock& lock) {
   double mobility = 0.0;  // of the gap [1/kg]
   for (const auto* side : {&lock.plus, &lock.minus})

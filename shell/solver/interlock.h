@@ -16,8 +16,8 @@ struct InterlockLaw {
 /// False where a side sees too few control points.
 bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
-/// After another crack has cut its sight: new shape functions, the same force components and energy; where a
-/// side then sees too little it lets go, and what it held is booked.
+/// After another crack has cut its sight: new shape functions, the same extension. Where the faces then bear less, or
+/// one sees too little and lets go, what is no longer held is booked.
 void refasten(const ShellModel& model, ShellState& state, Interlock& lock);
 
 /// Adds the forces to state.force; returns the energy [J]. A function of the gap in the frame of the
