@@ -1,14 +1,12 @@
 #pragma once
 // CGAL's constrained Delaunay triangulation as this folder uses it; included by its .cpp files only.
-#include <numeric>
-#include <vector>
-
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include "coupler/core/vec.h"
+#include "shell/fracture/disjoint_sets.h"
 
 namespace sunder::shell {
 
@@ -21,18 +19,5 @@ using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, Data, CGAL::Exact
 using Point = Kernel::Point_2;
 
 inline Point point(const Vec2& p) { return {p.x(), p.y()}; }
-
-struct DisjointSets {
-  std::vector<int> parent;
-  explicit DisjointSets(int n) : parent(n) { std::iota(parent.begin(), parent.end(), 0); }
-  int root(int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  }
-  void join(int a, int b) {
-    a = root(a), b = root(b);
-    parent[std::max(a, b)] = std::min(a, b);
-  }
-};
 
 }  // namespace sunder::shell

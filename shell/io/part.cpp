@@ -26,7 +26,7 @@ Eigen::AlignedBox3d ShellPart::box() const {
 }
 
 void ShellPart::mark_rubble(PartPieces& now) const {
-  const Triangulation& t = now.triangulation;
+  const Triangulation& t = *now.triangulation;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
     const auto& c = t.triangles[i];
     Piece& piece = now.pieces[t.piece[i]];
@@ -37,6 +37,19 @@ void ShellPart::mark_rubble(PartPieces& now) const {
           orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0)
         piece.gone = true;
   }
+}
+
+std::shared_ptr<const Triangulation> ShellPart::triangulation(bool exact) {
+  const ShellModel& m = model();
+  const Patch& p = m.patch;
+  const Vec2 low(p.knots_u.begin(), p.knots_v.begin()), high(p.knots_u.end(), p.knots_v.end());
+  const std::size_t edges = state->cracks.edges().size();
+  const bool closed = loops.closed(state->cracks, low, high, m.spacing);
+  if (!triangulated || closed || (exact && edges_triangulated != edges)) {
+    triangulated = std::make_shared<Triangulation>(sunder::shell::triangulated(m, *state));
+    edges_triangulated = edges;
+  }
+  return triangulated;
 }
 
 void ShellPart::add_rubble(const Triangulation& t, int piece) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "shell/fracture/crack_loops.h"
 #include "shell/io/shell_setup.h"
 #include "shell/solver/handoff.h"
 #include "shell/solver/step.h"
@@ -17,7 +18,7 @@ constexpr std::int64_t kHertzKept = 64, kHertzKeptMost = 1 << 20;
 /// What a shell has come apart into.
 struct PartPieces {
   bool whole = true;  // uncracked: one piece, and no triangulation
-  Triangulation triangulation;
+  std::shared_ptr<const Triangulation> triangulation;
   std::vector<Piece> pieces;  // `held` and `interlocked` of all that hangs together with them
   std::vector<int> group;     // of each: pieces of all shells with the same number hang together
 };
@@ -34,6 +35,9 @@ struct ShellPart {
   std::size_t edges_seen = 0;                  // crack edges that the stable step knows
   std::int64_t next_measure = 0;               // window from which the stable step may be measured again
   std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
+  std::shared_ptr<const Triangulation> triangulated;  // the last one, and how many edges it has
+  std::size_t edges_triangulated = 0;
+  CrackLoops loops;
   double initial_step = 0.0, smallest_step = 0.0;  // stable ones [s]
   double hertz_speed = 0.0;  // fastest that a sphere with Hertz contact and the shell have met [m/s]
   double hertz_kept = 0.0;   // the step that the last one took [s], kept for `hertz_windows` after it has gone
@@ -55,6 +59,9 @@ struct ShellPart {
   void measure_step(std::int64_t window, int threads);
   /// Pieces without control points that have left are gone.
   void mark_rubble(PartPieces& now) const;
+  /// Whose pieces are those of the present cracks. Where no loop has closed since the last call, that one's: cracks
+  /// that have only grown within a piece may be missing, unless `exact`.
+  std::shared_ptr<const Triangulation> triangulation(bool exact);
   void add_rubble(const Triangulation& t, int piece);
   Eigen::AlignedBox3d box() const;  // of the control points that have not left
 };

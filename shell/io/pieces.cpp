@@ -27,7 +27,7 @@ void Run::check_handoff(const Totals& before, const Totals& after, const RigidBo
               "from the shell");
 }
 
-std::vector<PartPieces> Run::pieces_now(bool all) {
+std::vector<PartPieces> Run::pieces_now(bool all, bool exact) {
   std::vector<PartPieces> out(parts_.size());
   std::vector<int> first, parent;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -39,7 +39,8 @@ std::vector<PartPieces> Run::pieces_now(bool all) {
       p.pieces.resize(1);
       p.pieces[0].held = !m.constraints.anchors.empty();
     } else {
-      p.triangulation = partition(m, *part.state, p.pieces);
+      p.triangulation = part.triangulation(exact);
+      p.pieces = pieces_of(m, *part.state, *p.triangulation);
       part.mark_rubble(p);
     }
     first.push_back(static_cast<int>(parent.size()));
@@ -51,7 +52,7 @@ std::vector<PartPieces> Run::pieces_now(bool all) {
   };
   const auto piece_of = [&](int shell, int slot) {
     const int own =
-        out[shell].whole ? 0 : out[shell].triangulation.owner[parts_[shell].model().tables.control_point(slot)];
+        out[shell].whole ? 0 : out[shell].triangulation->owner[parts_[shell].model().tables.control_point(slot)];
     return own < 0 ? -1 : first[shell] + own;
   };
   for (std::size_t k = 0; k < parts_.size(); ++k)  // an interlayer holds what has cracked together
@@ -79,15 +80,7 @@ std::vector<PartPieces> Run::pieces_now(bool all) {
   return out;
 }
 
-std::vector<RigidBody> Run::take_off(bool all) {
-  std::vector<RigidBody> births;
-  if (!all && std::all_of(parts_.begin(), parts_.end(),
-                          [](const ShellPart& part) { return part.state->cracks.edges().empty(); }))
-    return births;
-  Stopwatch w(stage_s_["crack_update"]);
-  for (ShellPart& part : parts_)
-    if (all) release_interlocks(*part.state, {}, true);
-  std::vector<PartPieces> now = pieces_now(all);
+std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) const {
   std::map<int, Group> groups;
   for (std::size_t k = 0; k < now.size(); ++k)
     for (std::size_t i = 0; i < now[k].pieces.size(); ++i) {
@@ -101,31 +94,52 @@ std::vector<RigidBody> Run::take_off(bool all) {
       g.torn = g.torn || std::any_of(now[k].group.begin(), now[k].group.end(),
                                      [&, own = now[k].group[i]](int other) { return other != own; });
     }
+  return groups;
+}
+
+bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool all) {
+  const auto [k, i] = g.members.front();
+  const Piece& p = now[k].pieces[i];
+  if (p.held || p.gone || p.interlocked) return false;
+  if (all) return true;
+  if (!g.torn) return false;  // nothing has separated: a free shell stays a shell
+  if (g.empty || !g.bends) return true;
+  const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
+  const auto [since, fresh] = parts_[k].detached_since.try_emplace(lowest, tick_);
+  const ShellModel& m = parts_[k].model();
+  return static_cast<double>(tick_ - since->second) * setup_.tick >= kSettle * m.spacing / m.wave_speed();
+}
+
+std::vector<RigidBody> Run::take_off(bool all) {
+  std::vector<RigidBody> births;
+  if (!all && std::all_of(parts_.begin(), parts_.end(),
+                          [](const ShellPart& part) { return part.state->cracks.edges().empty(); }))
+    return births;
+  Stopwatch w(stage_s_["crack_update"]);
+  for (ShellPart& part : parts_)
+    if (all) release_interlocks(*part.state, {}, true);
+  std::vector<PartPieces> now = pieces_now(all, false);
+  std::map<int, Group> groups = groups_of(now);
+  std::vector<int> leaving;
+  const auto find_leaving = [&] {
+    leaving.clear();
+    for (const bool empty : {true, false})  // those without control points take their mass from what is beside them
+      for (const auto& [root, g] : groups)
+        if (g.empty == empty && is_to_leave(now, g, all)) leaving.push_back(root);
+  };
+  find_leaving();
+  if (!leaving.empty()) now = pieces_now(all, true), groups = groups_of(now), find_leaving();
   fragments_ = static_cast<int>(groups.size());
-  double before = 0.0;
-  Totals totals_now;
-  bool any = false;
-  // those without control points first: they take their mass and velocity from what is beside them
-  for (const bool empty : {true, false})
-    for (const auto& [root, g] : groups) {
-      const auto [k, i] = g.members.front();
-      const Piece& p = now[k].pieces[i];
-      if (g.empty != empty || p.held || p.gone || p.interlocked) continue;
-      if (!g.torn && !all) continue;  // nothing has separated: a free shell stays a shell
-      if (!all && !empty && g.bends) {
-        const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
-        const auto [since, fresh] = parts_[k].detached_since.try_emplace(lowest, tick_);
-        const ShellModel& m = parts_[k].model();
-        if (static_cast<double>(tick_ - since->second) * setup_.tick < kSettle * m.spacing / m.wave_speed()) continue;
-      }
-      if (!any) before = total_energy(dt_), totals_now = shell_totals(), any = true;
-      births.push_back(leave(now, g, totals_now));
-    }
+  if (!leaving.empty()) {
+    const double before = total_energy(dt_);
+    Totals totals_now = shell_totals();
+    for (const int root : leaving) births.push_back(leave(now, groups.at(root), totals_now));
+    parts_.front().state->book.handoff += before - total_energy(dt_);
+  }
   detached_area_ = 0.0;
   for (const PartPieces& part : now)
     for (const Piece& p : part.pieces)
       if (!p.held) detached_area_ += p.area;
-  if (any) parts_.front().state->book.handoff += before - total_energy(dt_);
   return births;
 }
 
@@ -139,12 +153,13 @@ RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group, Totals& t
   const std::vector<ShellRef> shells = refs();
   for (const auto& [k, i] : group.members) {
     if (!now[k].whole) continue;
-    now[k].triangulation = partition(*shells[k].model, *shells[k].state, now[k].pieces);
+    now[k].triangulation = parts_[k].triangulation(true);
+    now[k].pieces = pieces_of(*shells[k].model, *shells[k].state, *now[k].triangulation);
     now[k].whole = false;
   }
   const auto leaves = [&](int shell, int slot) {
     if (now[shell].whole) return false;
-    const int own = now[shell].triangulation.owner[shells[shell].model->tables.control_point(slot)];
+    const int own = now[shell].triangulation->owner[shells[shell].model->tables.control_point(slot)];
     return std::any_of(group.members.begin(), group.members.end(), [&](const auto& member) {
       return static_cast<int>(member.first) == shell && static_cast<int>(member.second) == own;
     });
@@ -155,8 +170,8 @@ RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group, Totals& t
   for (const auto& [k, i] : group.members) {
     const ShellModel& m = *shells[k].model;
     Piece& p = now[k].pieces[i];
-    if (p.control_points.empty()) parts_[k].add_rubble(now[k].triangulation, p.number);
-    parts.push_back(hand_off(m, *shells[k].state, now[k].triangulation, p, next_id_, dt_));
+    if (p.control_points.empty()) parts_[k].add_rubble(*now[k].triangulation, p.number);
+    parts.push_back(hand_off(m, *shells[k].state, *now[k].triangulation, p, next_id_, dt_));
     mass += m.material.density * m.thickness * parts.back().area;
     for (const int slot : parts.back().donors) parts_[k].changed.push_back(m.parameter[m.tables.control_point(slot)]);
     p.gone = true;

@@ -68,13 +68,13 @@ void Run::freeze_shell(const std::string& why) {
   std::vector<RigidBody> births = take_off(true);
   const double before = total_energy(dt_);
   frozen_kinetic_ = 0.0, frozen_length_ = crack_length(), frozen_resistance_ = crack_resistance();
-  const std::vector<PartPieces> now = pieces_now(true);
+  const std::vector<PartPieces> now = pieces_now(true, true);
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const ShellModel& m = parts_[k].model();
     ShellState& s = *parts_[k].state;
     frozen_kinetic_ += kinetic_energy(m, s, dt_);
     frozen_potential_ += potential_energy(m, s, setup_.gravity);
-    const Handoff frozen = freeze(m, s, now[k].triangulation, now[k].pieces, next_id_++);
+    const Handoff frozen = freeze(m, s, *now[k].triangulation, now[k].pieces, next_id_++);
     const RigidBody& remains = frozen.body;
     if (!std::get<ConvexShape>(remains.shape).parts.empty()) {
       births.push_back(remains);

@@ -126,7 +126,10 @@ class Run {
     bool bends = false;  // is large
     bool torn = false;   // of a shell that is not whole
   };
-  std::vector<PartPieces> pieces_now(bool all);
+  /// `exact`: with all that cracks have cut into them, as what leaves needs.
+  std::vector<PartPieces> pieces_now(bool all, bool exact);
+  std::map<int, Group> groups_of(const std::vector<PartPieces>& now) const;
+  bool is_to_leave(const std::vector<PartPieces>& now, const Group& group, bool all);
   Totals shell_totals();
   /// `totals_now`: those of the shells, which it keeps up to date.
   RigidBody leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now);

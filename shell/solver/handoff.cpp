@@ -251,6 +251,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
       if (point < 0 || s.points[point].kind == PointKind::kDead) slack(q, lane);
     }
   }
+  s.trials.clear();  // of points that may have left
   s.cracks.near(low, high, 0.0, [&](int e) {
     if (s.interlock_of[e] < 0 || !s.interlocks[s.interlock_of[e]].holds) return true;
     Interlock& lock = s.interlocks[s.interlock_of[e]];
@@ -265,7 +266,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     }
 }
 
-Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Piece>& pieces) {
+Triangulation triangulated(const ShellModel& m, const ShellState& s) {
   std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
   for (Vec2& p : places)
     s.cracks.near(p, p, m.spacing, [&](int e) {
@@ -275,9 +276,11 @@ Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Pi
       if (s.cracks.distance(p, e, foot) < 1e-9 * m.spacing) p += 1e-6 * m.spacing * Vec2(-d.y(), d.x());
       return true;
     });
-  const Triangulation t =
-      triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing, 0.02 * m.spacing * m.spacing);
-  pieces.assign(t.pieces, {});
+  return triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing, 0.02 * m.spacing * m.spacing);
+}
+
+std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Triangulation& t) {
+  std::vector<Piece> pieces(t.pieces);
   for (int i = 0; i < t.pieces; ++i) pieces[i].number = i;
   for (std::size_t i = 0; i < t.triangles.size(); ++i) {
     const auto& c = t.triangles[i];
@@ -300,6 +303,12 @@ Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Pi
               b = t.owner[m.tables.control_point(lock.minus.front().slot)];
     if (a != b && a >= 0 && b >= 0) pieces[a].interlocked = pieces[b].interlocked = true;
   }
+  return pieces;
+}
+
+Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Piece>& pieces) {
+  const Triangulation t = triangulated(m, s);
+  pieces = pieces_of(m, s, t);
   return t;
 }
 

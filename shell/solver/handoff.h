@@ -17,7 +17,11 @@ struct Piece {
   bool interlocked = false;  // still fastened to another piece
 };
 
-/// Triangulates the present cracks and lists the pieces.
+/// The present cracks; control points are the queries.
+Triangulation triangulated(const ShellModel& model, const ShellState& state);
+/// The pieces of a triangulation as they are held, fastened and gone now.
+std::vector<Piece> pieces_of(const ShellModel& model, const ShellState& state, const Triangulation& t);
+/// Both.
 Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces);
 
 /// What is drawn of a body that was a piece: the thickened outline, body coordinates [m].

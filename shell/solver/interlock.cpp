@@ -64,12 +64,12 @@ Vec3 extension(const Gap& gap, const Interlock& lock) {
 double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // that of one element [Pa/m]
 
 // Of faces one of which is a plane through the few control points between close cracks: less where so little mass hangs
-// on them, when they are fastened, that the step would not stand it for an edge one spacing long.
+// on them, when they are fastened, that the step would not stand it.
 double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const Interlock& lock) {
   double mobility = 0.0;  // of the gap [1/kg]
   for (const auto* side : {&lock.plus, &lock.minus})
     for (const GatheredFunction& f : *side) mobility += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
-  const double most = kMostMobility / (m.material.density * m.thickness * m.spacing * m.spacing);
+  const double most = kMostMobility / (m.material.density * m.spacing * lock.area);
   return stiffness(m) * (mobility > most ? most / mobility : 1.0);
 }
 
@@ -124,7 +124,7 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
     const Vec3 e = extension(gap, lock);
     const double k = lock.stiffness * lock.area;
     lock.opening = gap.components()[0] - lock.rest[0];
-    lock.shear = lock.stiffness * std::hypot(e[1], e[2]);
+    lock.shear = stiffness(m) * std::hypot(e[1], e[2]);  // of any: one that is softer must not slip further
     lock.sound = sound(lock, gap);
     energy += 0.5 * k * e.squaredNorm();
     if (e.isZero(0.0)) continue;

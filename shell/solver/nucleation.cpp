@@ -33,14 +33,20 @@ bool may_be_over(const double* stress, const double* strength, int points, int l
   return over > 0;
 }
 
-std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s) {
+std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s, int threads) {
   const RowTables& t = m.tables;
+  const auto stress_of = [&](int q) { return &s.surface_stress[t.at(q, 6, 0, 0)]; };
+  const auto strength_of = [&](int q) { return &s.strength[static_cast<std::size_t>(q) * t.lanes]; };
+  std::vector<char> doubtful(t.blocks());
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+  for (int q = 0; q < t.blocks(); ++q) {
+    std::fill_n(s.c.begin() + static_cast<std::ptrdiff_t>(q) * t.lanes, t.spans_u, 0.0f);
+    doubtful[q] = may_be_over(stress_of(q), strength_of(q), t.spans_u, t.lanes);
+  }
   std::vector<Overstressed> over;
   for (int q = 0; q < t.blocks(); ++q) {
-    const double* stress = &s.surface_stress[t.at(q, 6, 0, 0)];
-    const double* strength = &s.strength[static_cast<std::size_t>(q) * t.lanes];
-    std::fill_n(s.c.begin() + static_cast<std::ptrdiff_t>(q) * t.lanes, t.spans_u, 0.0f);
-    if (!may_be_over(stress, strength, t.spans_u, t.lanes)) continue;
+    if (!doubtful[q]) continue;
+    const double *stress = stress_of(q), *strength = strength_of(q);
     for (int e = 0; e < t.spans_u; ++e) {
       double high = 0.0;
       for (int face = 0; face < 2; ++face) {
@@ -96,7 +102,10 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
   double six[6];
   // of the surroundings: at one point of a few an element, the direction would be that of the lattice
-  if (near_a_tip(m, s, r, running, p) || !mean_stress(m, s, p, r.tip_radius, six)) return 0;
+  if (near_a_tip(m, s, r, running, p)) return 0;
+  Surroundings& around =
+      s.surroundings.at(s.point_of.size(), static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane);
+  if (!mean_stress(m, s, p, r.tip_radius, around, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
@@ -155,7 +164,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
   int inserted = 0, nucleated = 0, known = 0;
   std::vector<int> running;
-  for (const Overstressed& o : overstressed_points(m, s)) {
+  for (const Overstressed& o : overstressed_points(m, s, r.threads)) {
     if (nucleated >= r.nucleations_per_step) break;
     for (; known < static_cast<int>(s.tips.size()); ++known)
       if (s.tips[known].alive) running.push_back(known);

@@ -9,6 +9,7 @@
 #include "shell/grid/transfer.h"
 #include "shell/mechanics/point_force.h"
 #include "shell/solver/model.h"
+#include "shell/solver/surroundings.h"
 
 namespace sunder::shell {
 
@@ -116,6 +117,7 @@ struct ShellState {
   // coordinates [spacings]; 0: they are those of the patch
   std::vector<float> reach;
   std::vector<Tip> tips;
+  KnownSurroundings surroundings;
   std::vector<Interlock> interlocks;
   std::vector<int> interlock_of;  // of each crack edge, -1: none
   std::vector<char> cut_done;     // prescribed cuts that have been made

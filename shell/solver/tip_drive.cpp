@@ -10,45 +10,8 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kWedge = 40.0 * kDegree;    // of the weight about a direction, one standard deviation
-constexpr double kAround = 120.0 * kDegree;  // points further round belong to the crack's flanks
-constexpr double kStep = 5.0 * kDegree;      // between two directions that are tried
-
-// Calls f(block, lane, offset from p) for each Gauss point within the radius.
-template <class F>
-void points_within(const ShellModel& m, const Vec2& p, double radius, F&& f) {
-  const RowTables& t = m.tables;
-  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
-  for (int j = kv.span_of(p.y() - radius); j <= kv.span_of(p.y() + radius); ++j)
-    for (int i = ku.span_of(p.x() - radius); i <= ku.span_of(p.x() + radius); ++i)
-      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
-        const int block = j * t.gauss * t.gauss + sub;
-        const Vec2 d = gauss_point(m.patch, t, block, i).parameter - p;
-        if (d.squaredNorm() <= radius * radius) f(block, i, d);
-      }
-}
-
-// Edges that can stand between points within `radius` of p, each once, but `skip`.
-const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, double radius, int skip) {
-  thread_local std::vector<int> found;
-  found.clear();
-  const Vec2 low = p - Vec2::Constant(radius), high = p + Vec2::Constant(radius);
-  cracks.near(low, high, 0.0, [&](int e) {
-    const CrackEdge& c = cracks.edges()[e];
-    if (e != skip && (c.long_a.cwiseMin(c.long_b).array() <= high.array()).all() &&
-        (c.long_a.cwiseMax(c.long_b).array() >= low.array()).all())
-      found.push_back(e);
-    return true;
-  });
-  std::sort(found.begin(), found.end());
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
-}
-
-bool visible(const CrackGraph& cracks, const std::vector<int>& between, const Vec2& a, const Vec2& b) {
-  return std::none_of(between.begin(), between.end(),
-                      [&](int e) { return segments_meet(a, b, cracks.edges()[e].long_a, cracks.edges()[e].long_b); });
-}
+constexpr double kWedge = 40.0 * kDegree;  // of the weight about a direction, one standard deviation
+constexpr double kStep = 5.0 * kDegree;    // between two directions that are tried
 
 double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
 
@@ -89,7 +52,7 @@ double mean_ahead(F&& opening) {
   constexpr double kRadial = 1.5420;
   double sum = 0.0, weight = 0.0;
   for (int i = 0; i < kAngles; ++i) {
-    const double t = kAround * (2.0 * (i + 0.5) / kAngles - 1.0), w = wedge(t);
+    const double t = kBeside * (2.0 * (i + 0.5) / kAngles - 1.0), w = wedge(t);
     sum += w * opening(t), weight += w;
   }
   return kRadial * sum / weight;
@@ -104,38 +67,35 @@ bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int 
   return true;
 }
 
-bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double radius, double* six) {
+bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double radius, Surroundings& known,
+                 double* six) {
   std::fill(six, six + 6, 0.0);
   double sum = 0.0;
-  const std::vector<int>& between = edges_around(s.cracks, p, radius, -1);
-  points_within(m, p, radius, [&](int block, int lane, const Vec2& d) {
+  for (const SeenPoint& q : known.seen(m, s.cracks, {p, radius})) {
     double here[6];
-    if (!visible(s.cracks, between, p, p + d) || !surface_stress_at(m, s, block, lane, here)) return;
-    const double w = std::exp(-2.0 * d.squaredNorm() / (radius * radius));
-    sum += w;
-    for (int k = 0; k < 6; ++k) six[k] += w * here[k];
-  });
+    if (!surface_stress_at(m, s, q.block, q.lane, here)) continue;
+    sum += q.weight;
+    for (int k = 0; k < 6; ++k) six[k] += q.weight * here[k];
+  }
   for (int k = 0; k < 6 && sum > 0.0; ++k) six[k] /= sum;
   return sum > 0.0;
 }
 
 Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start) {
+  thread_local Surroundings unknown;
+  return drive_at(m, s, r, start, unknown);
+}
+
+Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start, Surroundings& known) {
   thread_local std::vector<Sample> samples;
   samples.clear();
-  const Vec2& p = start.p;
-  const Vec2 eye = p + 0.1 * m.spacing * start.direction;
-  const std::vector<int>& between = edges_around(s.cracks, p, r.tip_radius, start.edge);
-  points_within(m, p, r.tip_radius, [&](int block, int lane, const Vec2& d) {
-    Sample here;
-    here.angle = std::atan2(start.direction.x() * d.y() - start.direction.y() * d.x(), start.direction.dot(d));
-    if (std::abs(here.angle) > kAround || !visible(s.cracks, between, eye, p + d) ||
-        !surface_stress_at(m, s, block, lane, here.six))
-      return;
-    const double factor = m.strength_factor_at(block, lane);  // of what resists there
+  for (const SeenPoint& q : known.seen(m, s.cracks, {start.p, r.tip_radius, start.direction, start.edge})) {
+    Sample here{q.angle, q.weight, {}};
+    if (!surface_stress_at(m, s, q.block, q.lane, here.six)) continue;
+    const double factor = m.strength_factor_at(q.block, q.lane);  // of what resists there
     for (double& stress : here.six) stress /= factor;
-    here.weight = std::exp(-2.0 * d.squaredNorm() / (r.tip_radius * r.tip_radius));
     samples.push_back(here);
-  });
+  }
   const int steps = static_cast<int>(std::ceil(start.most_turn / kStep - 1e-9));
   Drive best = drive_along(samples, r, start, 0.0);
   for (int k = 1; k <= steps; ++k)

@@ -23,6 +23,9 @@ struct Start {
 /// across which it pulls most (maximum hoop stress, Erdogan and Sih 1963). Energy releases of stretching and bending
 /// add; compression closes the face that bending opens. Ratio 0 where nothing bears.
 Drive drive_at(const ShellModel& model, const ShellState& state, const CrackRules& rules, const Start& start);
+/// The same, with what was seen from there before.
+Drive drive_at(const ShellModel& model, const ShellState& state, const CrackRules& rules, const Start& start,
+               Surroundings& known);
 
 /// Mean opening stress ahead, as `drive_at` takes it, at which a tip's energy release is the fracture energy, in units
 /// of sqrt(E G / radius): of a stretched sheet, and on the surface of a bent Kirchhoff-Love plate.
@@ -33,7 +36,8 @@ double bending_mean(double poisson_ratio);
 bool surface_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* six);
 
 /// The same, mean over the points within `radius` [m] that `p` sees, weight exp(-2 r^2 / radius^2).
-bool mean_stress(const ShellModel& model, const ShellState& state, const Vec2& p, double radius, double* six);
+bool mean_stress(const ShellModel& model, const ShellState& state, const Vec2& p, double radius, Surroundings& known,
+                 double* six);
 
 /// Normal stress on a crack along q, of 11 22 12.
 inline double across(const double* s, const Vec2& q) {

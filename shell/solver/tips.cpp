@@ -128,14 +128,18 @@ bool room_to_branch(const ShellState& s, const CrackRules& r, const Tip& tip, do
 int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt) {
   int inserted = 0;
   const std::size_t count = s.tips.size();
+  s.surroundings.of_tip.resize(count);
   for (std::size_t i = 0; i < count; ++i) {
     Tip tip = s.tips[i];  // a copy: branching appends to the vector
-    if (!tip.alive) continue;
+    if (!tip.alive) {
+      s.surroundings.of_tip[i] = {};
+      continue;
+    }
     Start start;
     start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.face = tip.face;
     start.most_turn = tip.grown > 0.0 ? r.turn : std::max(r.turn, tip.first_turn);
     if (tip.grown < tip.flaw) start.strength = tip.strength;
-    const Drive now = drive_at(m, s, r, start);
+    const Drive now = drive_at(m, s, r, start, s.surroundings.of_tip[i]);
     if (now.ratio <= 1.0) continue;
     tip.face = now.face;
     // Freund: energy release falls to zero at the Rayleigh speed; it balances the resistance at this speed

@@ -1,0 +1,19 @@
+#pragma once
+// Whether cracks have closed a loop, among themselves or with the border: only then is there another piece.
+#include "shell/fracture/crack_graph.h"
+#include "shell/fracture/disjoint_sets.h"
+
+namespace sunder::shell {
+
+class CrackLoops {
+ public:
+  /// Whether any edge that is new since the last call may have closed one in the domain from `low` to `high`: what
+  /// comes nearer than a thousandth of `spacing` counts as met. Never false where one has. None of the edges of an
+  /// earlier call may have been taken back.
+  bool closed(const CrackGraph& cracks, const Vec2& low, const Vec2& high, double spacing);
+
+ private:
+  DisjointSets sets_{1};  // the border, then the edges
+};
+
+}  // namespace sunder::shell

@@ -1,0 +1,69 @@
+#include "shell/solver/surroundings.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kEye = 0.1;  // spacings ahead of the middle
+
+// Calls f(block, lane, offset from p) for each Gauss point within the radius.
+template <class F>
+void points_within(const ShellModel& m, const Vec2& p, double radius, F&& f) {
+  const RowTables& t = m.tables;
+  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+  for (int j = kv.span_of(p.y() - radius); j <= kv.span_of(p.y() + radius); ++j)
+    for (int i = ku.span_of(p.x() - radius); i <= ku.span_of(p.x() + radius); ++i)
+      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
+        const int block = j * t.gauss * t.gauss + sub;
+        const Vec2 d = gauss_point(m.patch, t, block, i).parameter - p;
+        if (d.squaredNorm() <= radius * radius) f(block, i, d);
+      }
+}
+
+// Edges from `first` on that can stand between points within `radius` of p, each once, but `skip`.
+const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, double radius, int skip, int first) {
+  thread_local std::vector<int> found;
+  found.clear();
+  const Vec2 low = p - Vec2::Constant(radius), high = p + Vec2::Constant(radius);
+  cracks.near_since(low, high, first, [&](int e) {
+    const CrackEdge& c = cracks.edges()[e];
+    if (e != skip && (c.long_a.cwiseMin(c.long_b).array() <= high.array()).all() &&
+        (c.long_a.cwiseMax(c.long_b).array() >= low.array()).all())
+      found.push_back(e);
+  });
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+}  // namespace
+
+const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const CrackGraph& cracks, const Look& look) {
+  const int end = static_cast<int>(cracks.edges().size());
+  const bool again = look == look_;
+  if (again && known_ == end) return points_;
+  const Vec2 eye = look.p + kEye * m.spacing * look.direction;
+  const std::vector<int>& between = edges_around(cracks, look.p, look.radius, look.edge, again ? known_ : 0);
+  const auto hidden = [&](const Vec2& q) {
+    return std::any_of(between.begin(), between.end(), [&](int e) {
+      return segments_meet(eye, q, cracks.edges()[e].long_a, cracks.edges()[e].long_b);
+    });
+  };
+  if (again) {
+    if (!between.empty()) std::erase_if(points_, [&](const SeenPoint& q) { return hidden(look.p + q.offset); });
+  } else {
+    points_.clear();
+    const Vec2& ahead = look.direction;
+    points_within(m, look.p, look.radius, [&](int block, int lane, const Vec2& d) {
+      const double angle = ahead.isZero(0.0) ? 0.0 : std::atan2(ahead.x() * d.y() - ahead.y() * d.x(), ahead.dot(d));
+      if (std::abs(angle) > kBeside || hidden(look.p + d)) return;
+      points_.push_back({block, lane, d, angle, std::exp(-2.0 * d.squaredNorm() / (look.radius * look.radius))});
+    });
+  }
+  look_ = look, known_ = end;
+  return points_;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,57 @@
+#pragma once
+// Which Gauss points around a point no crack hides from it. Cracks only grow, so what is hidden stays hidden, and only
+// edges that are new since the last look are tested.
+#include <numbers>
+#include <vector>
+
+#include "shell/fracture/crack_graph.h"
+#include "shell/solver/model.h"
+
+namespace sunder::shell {
+
+constexpr double kBeside = 120.0 * std::numbers::pi / 180.0;  // points further round belong to a crack's flanks
+
+struct SeenPoint {
+  int block, lane;
+  Vec2 offset;    // from the middle [m]
+  double angle;   // from the direction of the look [rad]
+  double weight;  // exp(-2 r^2 / radius^2)
+};
+
+/// From where one looks, and how far.
+struct Look {
+  Vec2 p;                         // middle of the circle
+  double radius;                  // [m]
+  Vec2 direction = Vec2::Zero();  // only what lies ahead of it or beside it is looked for; zero: all
+  int edge = -1;                  // hides nothing
+
+  bool operator==(const Look& o) const = default;
+};
+
+class Surroundings {
+ public:
+  /// What no edge of the graph hides, in rising order of rows and columns. None that an earlier look took in may have
+  /// been taken back.
+  const std::vector<SeenPoint>& seen(const ShellModel& model, const CrackGraph& cracks, const Look& look);
+
+ private:
+  Look look_{Vec2::Zero(), -1.0};
+  int known_ = 0;  // edges
+  std::vector<SeenPoint> points_;
+};
+
+/// Surroundings that are looked at again and again. Not part of checkpoints: they can be found again.
+struct KnownSurroundings {
+  std::vector<Surroundings> of_tip, of_point;
+  std::vector<int> index;  // [block][lane]: into of_point, -1: none; empty: none at all
+
+  static constexpr std::size_t kMost = 1 << 14;  // at most some 100 MB: all are forgotten then
+
+  Surroundings& at(std::size_t gauss_points, std::size_t gauss) {
+    if (index.empty() || of_point.size() == kMost) index.assign(gauss_points, -1), of_point.clear();
+    if (index[gauss] < 0) index[gauss] = static_cast<int>(of_point.size()), of_point.emplace_back();
+    return of_point[index[gauss]];
+  }
+};
+
+}  // namespace sunder::shell

@@ -1,0 +1,150 @@
+// What is kept between two looks at the cracks is what a whole look would find.
+#include <numbers>
+#include <random>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "shell/fracture/crack_loops.h"
+#include "shell/fracture/triangulation.h"
+#include "shell/solver/surroundings.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+constexpr double kSide = 0.2;
+
+ShellModel sheet() {
+  return make_shell("p", plate(kSide, kSide, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {});
+}
+
+// Cracks that wander, an edge of one at a time, until they meet something; now and then one starts on an older one.
+struct Wanderers {
+  struct Tip {
+    int vertex, crack;
+    double angle;
+    bool alive = true, fresh = true;
+  };
+  const ShellModel& m;
+  CrackGraph graph{Vec2::Zero(), Vec2(kSide, kSide), 0.02, 1e-4};
+  std::mt19937_64 random;
+  std::vector<Tip> tips{};
+
+  double uniform(double low, double high) { return std::uniform_real_distribution<double>(low, high)(random); }
+  void start() {
+    Vec2 p(uniform(0.0, kSide), uniform(0.0, kSide));
+    const double angle = uniform(0.0, 2.0 * std::numbers::pi);
+    if (!graph.edges().empty() && random() % 2 == 0) {
+      const CrackEdge& e = graph.edges()[random() % graph.edges().size()];
+      p = e.a + uniform(0.0, 1.0) * (e.b - e.a) - 2e-3 * m.spacing * Vec2(std::cos(angle), std::sin(angle));
+    }
+    tips.push_back({graph.add_vertex(p), graph.new_crack(), angle, true, true});
+  }
+  void step() {
+    Tip& tip = tips[random() % tips.size()];
+    if (!tip.alive) return start();
+    if (!std::exchange(tip.fresh, false)) tip.angle += uniform(-0.6, 0.6);
+    const Vec2 a = graph.vertices()[tip.vertex], d(std::cos(tip.angle), std::sin(tip.angle));
+    Vec2 b = a + m.spacing * d;
+    double nearest = 1.0;
+    graph.near(a, b, 0.0, [&](int k) {
+      const CrackEdge& e = graph.edges()[k];
+      const double p = orientation(e.a, e.b, a), q = orientation(e.a, e.b, b);
+      const bool own = e.from == tip.vertex || e.to == tip.vertex;
+      if (!own && segments_meet(a, b, e.a, e.b) && p / (p - q) > 0.01) nearest = std::min(nearest, p / (p - q));
+      return true;
+    });
+    const bool inside = (b.array() > 0.0).all() && (b.array() < kSide).all();
+    tip.alive = nearest == 1.0 && inside;
+    b = a + nearest * (b - a) + (nearest < 1.0 ? 2e-3 * m.spacing : 0.0) * d;
+    const int next = graph.add_vertex(b);
+    graph.add_edge(tip.vertex, next, tip.crack, 0.0, 0);
+    tip.vertex = next;
+  }
+};
+
+}  // namespace
+
+TEST(CrackLoops, NoPieceIsAddedUnlessALoopHasClosed) {
+  const ShellModel m = sheet();
+  int edges = 0, alarms = 0, pieces = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Wanderers w{m, {Vec2::Zero(), Vec2(kSide, kSide), 0.02, 1e-4}, std::mt19937_64(seed)};
+    CrackLoops loops;
+    int before = 1;
+    w.start();
+    while (w.graph.edges().size() < 150) {
+      const std::size_t known = w.graph.edges().size();
+      w.step();
+      if (w.graph.edges().size() == known) continue;
+      const bool closed = loops.closed(w.graph, Vec2::Zero(), Vec2(kSide, kSide), m.spacing);
+      const int now = triangulate(m.patch.knots_u, m.patch.knots_v, w.graph, {}, m.spacing, 0.0).pieces;
+      EXPECT_TRUE(closed || now == before)
+          << "edge " << known << " of seed " << seed << " " << before << " " << now << " "
+          << w.graph.edges().back().a.transpose() << " to " << w.graph.edges().back().b.transpose();
+      ++edges, alarms += closed, before = now;
+    }
+    pieces += before;
+  }
+  EXPECT_GT(pieces, 60);
+  EXPECT_LT(alarms, 2 * pieces);  // a whole look at every edge would be 900
+  EXPECT_EQ(edges, 900);
+}
+
+TEST(CrackLoops, AnEdgeBackToTheFirstVertexClosesOne) {
+  CrackGraph g(Vec2::Zero(), Vec2(1.0, 1.0), 0.1, 1e-3);
+  CrackLoops loops;
+  const int crack = g.new_crack(), a = g.add_vertex({0.3, 0.3}), b = g.add_vertex({0.6, 0.3}),
+            c = g.add_vertex({0.5, 0.6});
+  g.add_edge(a, b, crack, 0.0, 0), g.add_edge(b, c, crack, 0.0, 0);
+  EXPECT_FALSE(loops.closed(g, Vec2::Zero(), Vec2(1.0, 1.0), 0.05));
+  g.add_edge(c, a, crack, 0.0, 0);
+  EXPECT_TRUE(loops.closed(g, Vec2::Zero(), Vec2(1.0, 1.0), 0.05));
+}
+
+TEST(CrackLoops, OneEdgeFromBorderToBorderClosesOne) {
+  for (const bool across : {true, false}) {
+    CrackGraph g(Vec2::Zero(), Vec2(1.0, 1.0), 0.1, 1e-3);
+    CrackLoops loops;
+    g.add_edge(g.add_vertex({0.3, -0.1}), g.add_vertex({0.4, across ? 1.1 : 0.9}), g.new_crack(), 0.0, 0);
+    EXPECT_EQ(loops.closed(g, Vec2::Zero(), Vec2(1.0, 1.0), 0.05), across);
+  }
+}
+
+TEST(Surroundings, AreTheSameWhetherKeptOrFoundAnew) {
+  const ShellModel m = sheet();
+  Wanderers w{m, {Vec2::Zero(), Vec2(kSide, kSide), 0.02, 1e-4}, std::mt19937_64(3)};
+  std::vector<std::pair<Look, Surroundings>> kept;
+  for (int k = 0; k < 40; ++k) {
+    const double angle = w.uniform(0.0, 2.0 * std::numbers::pi);
+    kept.push_back({{{w.uniform(0.0, kSide), w.uniform(0.0, kSide)},
+                     2.5 * m.spacing,
+                     k % 2 ? Vec2(std::cos(angle), std::sin(angle)) : Vec2(Vec2::Zero()),
+                     k % 4 == 1 ? k : -1},
+                    {}});
+  }
+  w.start();
+  std::size_t hidden = 0, most = 0;
+  for (int step = 0; step < 400; ++step) {
+    w.step();
+    if (step % 7 != 0) continue;
+    for (auto& [look, known] : kept) {
+      Surroundings fresh;
+      const std::vector<SeenPoint>&a = known.seen(m, w.graph, look), &b = fresh.seen(m, w.graph, look);
+      ASSERT_EQ(a.size(), b.size());
+      for (std::size_t k = 0; k < a.size(); ++k)
+        ASSERT_TRUE(a[k].block == b[k].block && a[k].lane == b[k].lane && a[k].offset == b[k].offset &&
+                    a[k].angle == b[k].angle && a[k].weight == b[k].weight);
+      most = std::max(most, a.size());
+      if (step > 300) hidden += a.size() < most / 2;
+    }
+  }
+  EXPECT_GT(hidden, 20U);              // cracks did hide some
+  auto& [look, known] = kept.front();  // another look is no old one
+  look.p += Vec2(0.01, 0.0);
+  Surroundings fresh;
+  EXPECT_EQ(known.seen(m, w.graph, look).size(), fresh.seen(m, w.graph, look).size());
+}
