@@ -2,9 +2,8 @@
 // Which supports of a point give a well conditioned matrix: bounds for eight of them at once, so that the exact
 // condition, and the matrix itself, are rarely needed for more than the one that is taken.
 #include <array>
-#include <vector>
 
-#include "coupler/core/vec.h"
+#include "shell/fracture/sight.h"
 
 namespace sunder::shell {
 
@@ -15,9 +14,24 @@ struct SupportChoice {
 constexpr int kChoices = 8;
 enum class Conditioned { kNo, kYes, kUnsure };
 
-/// For each of eight choices: does the matrix of the quadratic basis, over the control points at `offsets` from the
-/// point, in spacings, within the support have a condition no larger than the limit? No answer where that is closer
-/// than the bounds tell, a few per cent. Fewer than nine control points never do.
-std::array<Conditioned, kChoices> conditioned(const std::vector<Vec2>& offsets, const SupportChoice* choices);
+typedef double Lanes __attribute__((vector_size(8 * kChoices)));  // one for each choice
+
+template <int B>
+struct Symmetric {
+  Lanes at[B][B];  // the lower triangle
+  const Lanes& operator()(int i, int j) const { return i >= j ? at[i][j] : at[j][i]; }
+};
+
+template <int B>
+struct Conditioning {
+  std::array<Conditioned, kChoices> answer;
+  Symmetric<B> matrix, inverse;  // the latter of choices only whose answer is not no
+};
+
+/// For each of eight choices: does the matrix of the basis 1 x y (xx xy yy), over the control points that are seen
+/// within the support, have a condition no larger than the limit? No answer where that is closer than the bounds tell,
+/// a few per cent. Fewer control points than `least` never do. The basis is in units of the support. B: 3 or 6.
+template <int B>
+void conditioned(const View& view, const SupportChoice* choices, int least, Conditioning<B>& out);
 
 }  // namespace sunder::shell

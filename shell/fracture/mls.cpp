@@ -1,7 +1,10 @@
 #include "shell/fracture/mls.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include <Eigen/Dense>
@@ -11,120 +14,205 @@
 namespace sunder::shell {
 namespace {
 
-struct Candidate {
-  double distance;  // largest of the two coordinates, in spacings
-  int control_point;
-  Vec2 offset;  // from p, in spacings
+typedef double Eight __attribute__((vector_size(64)));
+constexpr int kLanes = 8, kMostSeen = View::kMost * View::kMost, kMostPacks = (kMostSeen + kLanes - 1) / kLanes;
+
+// Control points within a support, nearest first, eight to a pack.
+struct Points {
+  int count = 0, control_point[kMostSeen];
+  alignas(64) double x[kMostPacks * kLanes], y[kMostPacks * kLanes];  // offsets in spacings
 };
 
-struct Window {
-  double w, d, dd;
-};
-// Paper eq. 18 with its second branch corrected: w(1/2) = 1/6 from both sides, w(1) = 0.
-Window window(double s) {
-  const double r = std::abs(s), sign = s < 0 ? -1.0 : 1.0;
-  if (r <= 0.5) return {2.0 / 3.0 - 4.0 * r * r + 4.0 * r * r * r, (-8.0 * r + 12.0 * r * r) * sign, -8.0 + 24.0 * r};
-  if (r <= 1.0)
-    return {4.0 / 3.0 - 4.0 * r + 4.0 * r * r - 4.0 / 3.0 * r * r * r, (-4.0 + 8.0 * r - 4.0 * r * r) * sign,
-            8.0 - 8.0 * r};
-  return {0.0, 0.0, 0.0};
+// The next line beyond those from `low` up to `high`, on the other side of zero too.
+double next(const double* x, int low, int high, int count) {
+  const double below = low > 0 ? -x[low - 1] : kLargestSupport, above = high < count ? x[high] : kLargestSupport;
+  return std::min(below, above);
 }
 
-constexpr int kMonomials = 16;  // of degree 4 at most, 15 of them, and one that is zero
-struct Monomials {
-  alignas(64) double at[kMonomials];
-  Monomials() : at{} {}
-  Monomials(double x, double y) {
-    const double xx = x * x, xy = x * y, yy = y * y;
-    const double all[kMonomials] = {1.0,    x,      y,       xx,      xy,      yy,      xx * x,  xx * y,
-                                    x * yy, yy * y, xx * xx, xx * xy, xx * yy, xy * yy, yy * yy, 0.0};
-    std::copy(all, all + kMonomials, at);
-  }
-  void add(double w, const Monomials& m) {
-    for (int i = 0; i < kMonomials; ++i) at[i] += w * m.at[i];
-  }
-};
-// The product of two basis functions is a monomial: matrices are made of sums of fifteen.
-constexpr int kProduct[6][6] = {{0, 1, 2, 3, 4, 5},    {1, 3, 4, 6, 7, 8},    {2, 4, 5, 7, 8, 9},
-                                {3, 6, 7, 10, 11, 12}, {4, 7, 8, 11, 12, 13}, {5, 8, 9, 12, 13, 14}};
-template <int B>
-Eigen::Matrix<double, B, B> matrix_of(const Monomials& m) {
-  Eigen::Matrix<double, B, B> a;
-  for (int i = 0; i < B; ++i)
-    for (int j = 0; j < B; ++j) a(i, j) = m.at[kProduct[i][j]];
-  return a;
-}
-
-constexpr double kAnyCondition = std::numeric_limits<double>::infinity();  // it is known to be good enough
-
-// Pivots are no less than the least eigenvalue, diagonal entries no more than the largest: a lower bound of the
-// condition, which spares most supports of one-sided points the eigenvalues.
-template <class Factors, class Matrix>
-bool well_conditioned(const Factors& inverse, const Matrix& a, double limit) {
-  const double least = inverse.vectorD().minCoeff();
-  if (!(least > 0.0) || a.diagonal().maxCoeff() > limit * least) return false;
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
-  const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(a.rows() - 1);
-  return low > 0.0 && high <= limit * low;
-}
-// The basis is centred on the point and scaled by the support d; derivatives are those of the full
-// expression N_k = gamma(p)^T p_k W(p - p_k), gamma = A^-1 p. Returns false where cond(A) > limit.
-template <int B>
-bool shape_functions(const std::vector<Candidate>& candidates, int n, double d, double su, double sv, double limit,
-                     std::vector<MlsFunction>& out) {
-  using Matrix = Eigen::Matrix<double, B, B>;
-  using Column = Eigen::Matrix<double, B, 1>;
-  thread_local std::vector<Monomials> m;
-  thread_local std::vector<std::pair<Window, Window>> windows;
-  m.resize(n), windows.resize(n);
-  Monomials sum;
-  for (int k = 0; k < n; ++k) {
-    const double x = candidates[k].offset.x() / d, y = candidates[k].offset.y() / d;
-    windows[k] = {window(-x), window(-y)};
-    m[k] = Monomials(x, y);
-    sum.add(windows[k].first.w * windows[k].second.w, m[k]);
-  }
-  const Matrix a = matrix_of<B>(sum);
-  const Eigen::LDLT<Matrix> inverse(a);
-  if (limit < kAnyCondition && !well_conditioned(inverse, a, limit)) return false;
-  thread_local std::vector<std::array<double, 6>> w;
-  w.resize(n);
-  Monomials sums[5];
-  for (int k = 0; k < n; ++k) {
-    const auto& [wx, wy] = windows[k];
-    w[k] = {wx.w * wy.w, wx.d * wy.w, wx.w * wy.d, wx.dd * wy.w, wx.w * wy.dd, wx.d * wy.d};
-    for (int i = 0; i < 5; ++i) sums[i].add(w[k][i + 1], m[k]);
-  }
-  const Matrix a1 = matrix_of<B>(sums[0]), a2 = matrix_of<B>(sums[1]), a11 = matrix_of<B>(sums[2]),
-               a22 = matrix_of<B>(sums[3]), a12 = matrix_of<B>(sums[4]);
-  Column e = Column::Zero(), e1 = e, e2 = e, e11 = e, e22 = e, e12 = e;
-  e(0) = 1.0, e1(1) = 1.0, e2(2) = 1.0;
-  if constexpr (B == 6) e11(3) = 2.0, e22(5) = 2.0, e12(4) = 1.0;
-  const Column g = inverse.solve(e), g1 = inverse.solve(e1 - a1 * g), g2 = inverse.solve(e2 - a2 * g);
-  const Column g11 = inverse.solve(e11 - 2.0 * a1 * g1 - a11 * g), g22 = inverse.solve(e22 - 2.0 * a2 * g2 - a22 * g);
-  const Column g12 = inverse.solve(e12 - a1 * g2 - a2 * g1 - a12 * g);
-  out.resize(n);
-  const double iu = 1.0 / (d * su), iv = 1.0 / (d * sv);
-  for (int k = 0; k < n; ++k) {
-    const Eigen::Map<const Column> p(m[k].at);  // the basis comes first
-    const double c = g.dot(p), c1 = g1.dot(p), c2 = g2.dot(p);
-    const auto& v = w[k];
-    MlsFunction& f = out[k];
-    f.control_point = candidates[k].control_point;
-    f.n[0] = c * v[0];
-    f.n[1] = (c1 * v[0] + c * v[1]) * iu;
-    f.n[2] = (c2 * v[0] + c * v[2]) * iv;
-    if constexpr (B == 6) {
-      f.n[3] = (g11.dot(p) * v[0] + 2.0 * c1 * v[1] + c * v[3]) * iu * iu;
-      f.n[4] = (g22.dot(p) * v[0] + 2.0 * c2 * v[2] + c * v[4]) * iv * iv;
-      f.n[5] = (g12.dot(p) * v[0] + c1 * v[2] + c2 * v[1] + c * v[5]) * iu * iv;
-    } else {
-      f.n[3] = f.n[4] = f.n[5] = 0.0;
+// The control points at one distance, the larger of the two coordinates', are the border of a rectangle of columns and
+// rows: it grows line by line, and rows in turn give them by their numbers.
+void sort_points(const View& view, double support, Points& out) {
+  int left = static_cast<int>(std::lower_bound(view.x, view.x + view.columns, 0.0) - view.x), right = left;
+  int low = static_cast<int>(std::lower_bound(view.y, view.y + view.rows, 0.0) - view.y), high = low;
+  auto rest = view.seen;
+  out.count = 0;
+  for (;;) {
+    const double distance = std::min(next(view.x, left, right, view.columns), next(view.y, low, high, view.rows));
+    if (distance >= support) break;
+    while (left > 0 && -view.x[left - 1] <= distance) --left;
+    while (right < view.columns && view.x[right] <= distance) ++right;
+    while (low > 0 && -view.y[low - 1] <= distance) --low;
+    while (high < view.rows && view.y[high] <= distance) ++high;
+    const unsigned columns = (1u << right) - (1u << left);
+    for (int j = low; j < high; ++j) {
+      unsigned bits = rest[j] & columns;
+      for (rest[j] = static_cast<std::uint16_t>(rest[j] ^ bits); bits; bits &= bits - 1) {
+        const int i = std::countr_zero(bits), k = out.count++;
+        out.control_point[k] = view.first + j * view.stride + i, out.x[k] = view.x[i], out.y[k] = view.y[j];
+      }
     }
   }
-  return true;
+  for (int k = out.count; k % kLanes != 0; ++k) out.x[k] = out.y[k] = kLargestSupport;  // of no weight
 }
 
+Eight positive(Eight a) { return a > 0.0 ? a : Eight{}; }
+
+struct Window {
+  Eight w, d, dd;
+};
+// Paper eq. 18 with its second branch corrected: w(1/2) = 1/6 from both sides, w(1) = 0; of -x. Both branches as a
+// difference of two powers.
+Window window(Eight x) {
+  const Eight right = x > 0.0 ? x : -x, a = positive(1.0 - right), b = positive(0.5 - right);
+  const Eight slope = 4.0 * (a * a - 4.0 * b * b);
+  return {4.0 / 3.0 * (a * a * a - 4.0 * b * b * b), x > 0.0 ? slope : -slope, 8.0 * (a - 4.0 * b)};
+}
+
+// The sum of each of eight.
+Eight sums_of(const Eight* a) {
+  Eight two[4], four[2];
+  for (int k = 0; k < 4; ++k)
+    two[k] = __builtin_shufflevector(a[2 * k], a[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
+             __builtin_shufflevector(a[2 * k], a[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  for (int k = 0; k < 2; ++k)
+    four[k] = __builtin_shufflevector(two[2 * k], two[2 * k + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
+              __builtin_shufflevector(two[2 * k], two[2 * k + 1], 2, 3, 10, 11, 6, 7, 14, 15);
+  return __builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(four[0], four[1], 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
+template <int B>
+struct Basis {
+  Eight at[B];
+  Basis(Eight x, Eight y) {
+    at[0] = Eight{} + 1.0, at[1] = x, at[2] = y;
+    if constexpr (B == 6) at[3] = x * x, at[4] = x * y, at[5] = y * y;
+  }
+  Eight dot(const Eight& g) const {
+    Eight sum = g[0] + g[1] * at[1];
+    for (int i = 2; i < B; ++i) sum += g[i] * at[i];
+    return sum;
+  }
+};
+
+// Sum of w p over the packs.
+template <int B>
+struct Sum {
+  Eight at[kLanes] = {};
+  void add(Eight w, const Basis<B>& p) {
+    at[0] += w;
+    for (int i = 1; i < B; ++i) at[i] += w * p.at[i];
+  }
+};
+
+template <int B>
+struct Inverse {
+  Eight column[B];
+  Inverse(const Symmetric<B>& all, int lane) {
+    for (int j = 0; j < B; ++j) {
+      column[j] = Eight{};
+      for (int i = 0; i < B; ++i) column[j][i] = all(i, j)[lane];
+    }
+  }
+  // of e less a sum
+  Eight solve(const Eight& e, const Sum<B>& sum) const {
+    const Eight r = e - sums_of(sum.at);
+    Eight g = column[0] * r[0];
+    for (int j = 1; j < B; ++j) g += column[j] * r[j];
+    return g;
+  }
+};
+
+// The basis is centred on the point and scaled by the support d; derivatives are those of the full
+// expression N_k = gamma(p)^T p_k W(p - p_k), gamma = A^-1 p.
+template <int B>
+void shape_functions(const Points& points, const Inverse<B>& inverse, double d, double su, double sv,
+                     std::vector<MlsFunction>& out) {
+  struct Pack {
+    Eight x, y, w, wx, wy, wxx, wyy, wxy, c, c1, c2;
+  };
+  Pack packs[kMostPacks];
+  const int count = (points.count + kLanes - 1) / kLanes;
+  const Eight g = inverse.column[0];
+  Sum<B> r1, r2;
+  for (int k = 0; k < count; ++k) {
+    Pack& q = packs[k];
+    std::memcpy(&q.x, points.x + k * kLanes, sizeof(Eight)), std::memcpy(&q.y, points.y + k * kLanes, sizeof(Eight));
+    q.x *= 1.0 / d, q.y *= 1.0 / d;
+    const Window u = window(q.x), v = window(q.y);
+    q.w = u.w * v.w, q.wx = u.d * v.w, q.wy = u.w * v.d;
+    q.wxx = u.dd * v.w, q.wyy = u.w * v.dd, q.wxy = u.d * v.d;
+    const Basis<B> p(q.x, q.y);
+    q.c = p.dot(g);
+    r1.add(q.wx * q.c, p), r2.add(q.wy * q.c, p);
+  }
+  const Eight g1 = inverse.solve(Eight{0.0, 1.0}, r1), g2 = inverse.solve(Eight{0.0, 0.0, 1.0}, r2);
+  Eight g11{}, g22{}, g12{};
+  if constexpr (B == 6) {
+    Sum<B> r11, r22, r12;
+    for (int k = 0; k < count; ++k) {
+      Pack& q = packs[k];
+      const Basis<B> p(q.x, q.y);
+      q.c1 = p.dot(g1), q.c2 = p.dot(g2);
+      r11.add(2.0 * q.wx * q.c1 + q.wxx * q.c, p), r22.add(2.0 * q.wy * q.c2 + q.wyy * q.c, p);
+      r12.add(q.wx * q.c2 + q.wy * q.c1 + q.wxy * q.c, p);
+    }
+    g11 = inverse.solve(Eight{0.0, 0.0, 0.0, 2.0}, r11), g22 = inverse.solve(Eight{0.0, 0.0, 0.0, 0.0, 0.0, 2.0}, r22);
+    g12 = inverse.solve(Eight{0.0, 0.0, 0.0, 0.0, 1.0}, r12);
+  }
+  out.resize(points.count);
+  const double iu = 1.0 / (d * su), iv = 1.0 / (d * sv);
+  for (int k = 0; k < count; ++k) {
+    const Pack& q = packs[k];
+    const Basis<B> p(q.x, q.y);
+    Eight n[6] = {};
+    if constexpr (B == 6) {
+      n[0] = q.c * q.w;
+      n[1] = (q.c1 * q.w + q.c * q.wx) * iu, n[2] = (q.c2 * q.w + q.c * q.wy) * iv;
+      n[3] = (p.dot(g11) * q.w + 2.0 * q.c1 * q.wx + q.c * q.wxx) * (iu * iu);
+      n[4] = (p.dot(g22) * q.w + 2.0 * q.c2 * q.wy + q.c * q.wyy) * (iv * iv);
+      n[5] = (p.dot(g12) * q.w + q.c1 * q.wy + q.c2 * q.wx + q.c * q.wxy) * (iu * iv);
+    } else {
+      n[0] = q.c * q.w, n[1] = (p.dot(g1) * q.w + q.c * q.wx) * iu, n[2] = (p.dot(g2) * q.w + q.c * q.wy) * iv;
+    }
+    for (int l = 0; l < kLanes && k * kLanes + l < points.count; ++l) {
+      MlsFunction& f = out[k * kLanes + l];
+      f.control_point = points.control_point[k * kLanes + l];
+      for (int i = 0; i < 6; ++i) f.n[i] = n[i][l];
+    }
+  }
+}
+
+template <int B>
+bool well_conditioned(const Symmetric<B>& all, int lane, double limit) {
+  using Matrix = Eigen::Matrix<double, B, B>;
+  Matrix a;
+  for (int i = 0; i < B; ++i)
+    for (int j = 0; j < B; ++j) a(i, j) = all(i, j)[lane];
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(a, Eigen::EigenvaluesOnly);
+  const double low = eigen.eigenvalues()(0), high = eigen.eigenvalues()(B - 1);
+  return low > 0.0 && high <= limit * low;
+}
+
+// In the first of these supports from `k` on whose matrix is conditioned well enough, which is returned; kChoices:
+// none.
+template <int B>
+int first_good(const Conditioning<B>& all, const SupportChoice* choices, int k) {
+  for (; k < kChoices; ++k)
+    if (all.answer[k] == Conditioned::kYes ||
+        (all.answer[k] == Conditioned::kUnsure && well_conditioned(all.matrix, k, choices[k].limit)))
+      break;
+  return k;
+}
+template <int B>
+void shape_functions(const ControlGrid& grid, const View& view, const Conditioning<B>& all,
+                     const SupportChoice* choices, int k, std::vector<MlsFunction>& out) {
+  Points points;
+  sort_points(view, choices[k].size, points);
+  shape_functions(points, Inverse<B>(all.inverse, k), choices[k].size, grid.spacing_u, grid.spacing_v, out);
+}
+
+constexpr int kLeastQuadratic = 9, kLeastLinear = 4, kLeastPlane = 3;  // control points
 // In the order in which they are tried. A narrow strip is better conditioned in the smaller one of the last two.
 constexpr int kSmallSteps = 11, kTried = 16;  // the last three are none
 static_assert(kSmallestSupport + (kSmallSteps - 1) * kSupportStep == kLargeSupport && kTried % kChoices == 0);
@@ -135,18 +223,18 @@ constexpr std::array<SupportChoice, kTried> kSupports = [] {
   all[kSmallSteps] = {kLargestSupport, kLastCondition}, all[kSmallSteps + 1] = {kLargeSupport, kLastCondition};
   return all;
 }();
-
-bool nearer(const Candidate& a, const Candidate& b) {
-  return a.distance != b.distance ? a.distance < b.distance : a.control_point < b.control_point;
+// Of a linear basis, up to the support `last`.
+constexpr std::array<SupportChoice, kChoices> linear_supports(double last, double limit) {
+  std::array<SupportChoice, kChoices> all;
+  for (int k = 0; k < kChoices; ++k) {
+    const double d = kSmallestSupport + 2 * k * kSupportStep;
+    all[k] = d <= last ? SupportChoice{d, limit} : SupportChoice{1.0, 0.0};
+  }
+  return all;
 }
-
-void candidates_of(const ControlGrid& grid, const Sight& sight, std::vector<Candidate>& seen) {
-  seen.clear();
-  sight.each(grid, [&](int k) {
-    const Vec2 offset = grid.offset(sight.point(), k);
-    seen.push_back({std::max(std::abs(offset.x()), std::abs(offset.y())), k, offset});
-  });
-}
+constexpr auto kLinearSupports = linear_supports(kLargeSupport, kLinearCondition),
+               kFaceSupports = linear_supports(kLargestSupport, kFaceCondition);
+static_assert(kFaceSupports.back().size == kLargestSupport);
 
 struct Amplification {
   double value = 0.0, slope = 0.0;  // sums of squares of functions, and of their first derivatives per spacing
@@ -169,39 +257,23 @@ MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2
 }
 
 MlsPoint mls_point(const ControlGrid& grid, const Sight& sight) {
-  thread_local std::vector<Candidate> seen, taken;
-  thread_local std::vector<Vec2> offsets;
-  candidates_of(grid, sight, seen);
-  offsets.clear();
-  for (const Candidate& c : seen) offsets.push_back(c.offset);
-  const auto take = [&](double d) {  // those within the support, nearest first
-    taken.clear();
-    for (const Candidate& c : seen)
-      if (c.distance < d) taken.push_back(c);
-    std::sort(taken.begin(), taken.end(), nearer);
-    return static_cast<int>(taken.size());
-  };
+  const View view = sight.view(grid);
   MlsPoint point;
+  Conditioning<6> quadratic;
   for (int first = 0; first < kTried; first += kChoices) {
-    const auto good = conditioned(offsets, &kSupports[first]);
-    for (int k = 0; k < kChoices; ++k) {
-      if (good[k] == Conditioned::kNo) continue;
-      const auto& [d, limit] = kSupports[first + k];
-      if (!shape_functions<6>(taken, take(d), d, grid.spacing_u, grid.spacing_v,
-                              good[k] == Conditioned::kYes ? kAnyCondition : limit, point.functions))
-        continue;
-      point.basis = MlsBasis::kQuadratic;
-      return point;
-    }
+    conditioned(view, &kSupports[first], kLeastQuadratic, quadratic);
+    const int k = first_good(quadratic, &kSupports[first], 0);
+    if (k == kChoices) continue;
+    point.basis = MlsBasis::kQuadratic;
+    shape_functions(grid, view, quadratic, &kSupports[first], k, point.functions);
+    return point;
   }
-  for (double d = kSmallestSupport; d <= kLargeSupport + 1e-9; d += 2.0 * kSupportStep) {
-    const int n = take(d);
-    if (n >= 4 && shape_functions<3>(taken, n, d, grid.spacing_u, grid.spacing_v, kLinearCondition, point.functions)) {
-      point.basis = MlsBasis::kLinear;
-      return point;
-    }
-  }
-  point.functions.clear();
+  Conditioning<3> linear;
+  conditioned(view, kLinearSupports.data(), kLeastLinear, linear);
+  const int k = first_good(linear, kLinearSupports.data(), 0);
+  if (k == kChoices) return point;
+  point.basis = MlsBasis::kLinear;
+  shape_functions(grid, view, linear, kLinearSupports.data(), k, point.functions);
   return point;
 }
 
@@ -209,15 +281,13 @@ MlsPoint face_point(const ControlGrid& grid, const Sight& sight) {
   MlsPoint point = mls_point(grid, sight);
   if (point.basis != MlsBasis::kNone && amplification_of(grid, point.functions).value <= kFaceAmplification)
     return point;
-  std::vector<Candidate> seen;
-  candidates_of(grid, sight, seen);
-  std::sort(seen.begin(), seen.end(), nearer);
+  const View view = sight.view(grid);
+  const SupportChoice* choices = kFaceSupports.data();
+  Conditioning<3> planes;
+  conditioned(view, choices, kLeastPlane, planes);
   point.basis = MlsBasis::kLinear;
-  for (double d = kSmallestSupport; d <= kLargestSupport; d += 2.0 * kSupportStep) {
-    const auto beyond = std::find_if(seen.begin(), seen.end(), [&](const Candidate& c) { return c.distance >= d; });
-    const int n = static_cast<int>(beyond - seen.begin());
-    if (n < 3 || !shape_functions<3>(seen, n, d, grid.spacing_u, grid.spacing_v, kFaceCondition, point.functions))
-      continue;
+  for (int k = first_good(planes, choices, 0); k < kChoices; k = first_good(planes, choices, k + 1)) {
+    shape_functions(grid, view, planes, choices, k, point.functions);
     const Amplification a = amplification_of(grid, point.functions);
     if (a.value <= kFaceAmplification && a.slope <= kFaceAmplification) return point;
   }

@@ -3,12 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 namespace sunder::shell {
 namespace {
 
-constexpr int kFew = 8;              // edges, which are looked at sooner than the bins around a point
-constexpr double kRoundOff = 1e-12;  // of areas, in squared spacings
+constexpr int kFew = 8;                             // edges, which are looked at sooner than the bins around a point
+constexpr int kRemembered = 64;                     // edges that were just looked at
+constexpr double kBeyond = 1e-6 + kLargestSupport;  // spacings: what is seen is nearer, whatever the round-off
+constexpr double kRoundOff = 1e-12;                 // of areas, in squared spacings
 
 typedef double Eight __attribute__((vector_size(64)));
 typedef std::int64_t EightMasks __attribute__((vector_size(64)));
@@ -27,10 +30,31 @@ unsigned bits_of(EightMasks masks) {
 Sight::Sight(const ControlGrid& grid, const Vec2& p, int span_u, int span_v)
     : p_(p), column_(span_u + 1 - kReach), row_(span_v + 1 - kReach) {
   static_assert(kReach > kLargestSupport + 1.0);
+  unsigned columns = 0;
+  for (int i = std::max(0, -column_); i < std::min(kAcross, grid.columns - column_); ++i)
+    if (std::abs(grid.offset(p, column_ + i).x()) < kLargestSupport) columns |= 1u << i;
   for (int j = std::max(0, -row_); j < std::min(kAcross, grid.rows - row_); ++j)
-    for (int i = std::max(0, -column_); i < std::min(kAcross, grid.columns - column_); ++i)
-      if (grid.offset(p, (row_ + j) * grid.columns + column_ + i).cwiseAbs().maxCoeff() < kLargestSupport)
-        rows_[j] = static_cast<std::uint16_t>(rows_[j] | 1u << i);
+    if (std::abs(grid.offset(p, (row_ + j) * grid.columns).y()) < kLargestSupport)
+      rows_[j] = static_cast<std::uint16_t>(columns);
+}
+
+View Sight::view(const ControlGrid& grid) const {
+  View v;
+  unsigned any = 0;
+  int low = 0, high = kAcross;  // rows
+  for (const unsigned bits : rows_) any |= bits;
+  if (any == 0) return v;
+  while (rows_[low] == 0) ++low;
+  while (rows_[high - 1] == 0) --high;
+  const int left = std::countr_zero(any);
+  v.columns = std::bit_width(any) - left, v.rows = high - low;
+  v.stride = grid.columns, v.first = (row_ + low) * v.stride + column_ + left;
+  for (int i = 0; i < v.columns; ++i) v.x[i] = grid.offset(p_, v.first + i).x();
+  for (int j = 0; j < v.rows; ++j) {
+    v.y[j] = grid.offset(p_, v.first + j * v.stride).y();
+    v.seen[j] = static_cast<std::uint16_t>(rows_[low + j] >> left);
+  }
+  return v;
 }
 
 void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
@@ -41,8 +65,10 @@ void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
     for (int e = known_; e < end; ++e) hide(grid, x, cracks.edges()[e]);
   } else {
     const Vec2 reach = kLargestSupport * Vec2(grid.spacing_u, grid.spacing_v);
+    std::array<int, kRemembered> met;  // an edge comes once for each of its bins
+    met.fill(-1);
     cracks.near_since(p_ - reach, p_ + reach, known_, [&](int e) {
-      if (e < end) hide(grid, x, cracks.edges()[e]);
+      if (e < end && std::exchange(met[e % kRemembered], e) != e) hide(grid, x, cracks.edges()[e]);
     });
   }
   known_ = std::max(known_, end);
@@ -50,6 +76,8 @@ void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
 
 void Sight::hide(const ControlGrid& grid, const double* x, const CrackEdge& e) {
   const Vec2 &c = e.long_a, &d = e.long_b, low = c.cwiseMin(d), high = c.cwiseMax(d);
+  const Vec2 reach = kBeyond * Vec2(grid.spacing_u, grid.spacing_v);
+  if (((low - p_).array() > reach.array()).any() || ((p_ - high).array() > reach.array()).any()) return;
   const bool left = orientation(c, d, p_) >= 0.0;
   const double tiny = kRoundOff * grid.spacing_u * grid.spacing_v;
   Eight columns[2], from_eye[2], from_c[2];

@@ -29,6 +29,15 @@ struct ControlGrid {
 /// beside the cut are too stiff for their mass.
 constexpr double kLargestSupport = 5.5;
 
+/// What a point sees, as the product that the control grid is.
+struct View {
+  static constexpr int kMost = 15;        // columns, and rows
+  int first = 0, stride = 0;              // the control point of column i, row j is first + j * stride + i
+  int columns = 0, rows = 0;              // all that are seen are in the first so many of each
+  double x[kMost], y[kMost];              // offsets from the point, in spacings; they rise
+  std::array<std::uint16_t, kMost> seen;  // of each row, a bit for each column
+};
+
 class Sight {
  public:
   Sight() = default;
@@ -46,12 +55,14 @@ class Sight {
       for (unsigned left = rows_[j]; left; left &= left - 1)
         callback((row_ + j) * grid.columns + column_ + std::countr_zero(left));
   }
+  View view(const ControlGrid& grid) const;
 
  private:
   /// `x`: of each column and one to spare.
   void hide(const ControlGrid& grid, const double* x, const CrackEdge& edge);
 
   static constexpr int kReach = 7, kAcross = 2 * kReach + 1;  // one more than the support, rounded up
+  static_assert(kAcross <= View::kMost);
   Vec2 p_ = Vec2::Zero();
   int column_ = 0, row_ = 0;                   // of the first control point that has a bit; may be negative
   int known_ = 0;                              // edges

@@ -102,17 +102,20 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
   const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
   const Vec2 edge_low = e.long_a.cwiseMin(e.long_b), edge_high = e.long_a.cwiseMax(e.long_b);
   std::vector<std::pair<int, int>> touched;
-  for (int f = m.patch.knots_v.span_of(low.y()); f <= m.patch.knots_v.span_of(high.y()); ++f)
-    for (int lane = m.patch.knots_u.span_of(low.x()); lane <= m.patch.knots_u.span_of(high.x()); ++lane) {
+  const int first_lane = m.patch.knots_u.span_of(low.x()), last_lane = m.patch.knots_u.span_of(high.x());
+  std::vector<char> beside(last_lane + 1);
+  for (int f = m.patch.knots_v.span_of(low.y()); f <= m.patch.knots_v.span_of(high.y()); ++f) {
+    for (int lane = first_lane; lane <= last_lane; ++lane) {
       // an element lies among its control points, and those in this box
       const Vec2 &first = m.parameter[f * t.columns + lane],
                  &last = m.parameter[(f + t.degree) * t.columns + lane + t.degree];
-      const bool beside = (first.array() <= edge_high.array()).all() && (last.array() >= edge_low.array()).all();
-      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
-        const int block = f * t.gauss * t.gauss + sub;
+      beside[lane] = (first.array() <= edge_high.array()).all() && (last.array() >= edge_low.array()).all();
+    }
+    for (int block = f * t.gauss * t.gauss; block < (f + 1) * t.gauss * t.gauss; ++block)
+      for (int lane = first_lane; lane <= last_lane; ++lane) {
         const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
         const double reach = s.reach[gauss];
-        if (reach == 0.0 && !beside) continue;
+        if (reach == 0.0 && !beside[lane]) continue;
         const GaussPoint g = gauss_point(m.patch, t, block, lane);
         const Vec2 gap = (edge_low - g.parameter).cwiseMax(g.parameter - edge_high);
         if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
@@ -132,7 +135,7 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
             hit = cut(m.of_slot[s.points[point].functions[k].slot]);
         if (hit) touched.push_back({block, lane});
       }
-    }
+  }
   return touched;
 }
 

@@ -165,12 +165,18 @@ TEST(Conditioning, AnswersAsEigenvaluesDo) {
     const Vec2 at(uniform(random), uniform(random)), n = Vec2(uniform(random), uniform(random)).normalized();
     const double crack = 0.5 * uniform(random), other = 1.0 + 4.0 * std::abs(uniform(random));
     std::vector<Vec2> offsets;  // of a lattice, between two cracks
-    for (int y = -6; y <= 6; ++y)
-      for (int x = -6; x <= 6; ++x) {
-        const Vec2 q = Vec2(x, y) + 0.5 * at;
-        if (q.cwiseAbs().maxCoeff() < 5.5 && q.dot(n) > crack && q.dot(n) < crack + other) offsets.push_back(q);
+    View view;
+    view.columns = view.rows = 13, view.seen.fill(0);
+    for (int y = 0; y < 13; ++y)
+      for (int x = 0; x < 13; ++x) {
+        const Vec2 q = Vec2(x - 6, y - 6) + 0.5 * at;
+        view.x[x] = q.x(), view.y[y] = q.y();
+        if (q.cwiseAbs().maxCoeff() >= 5.5 || q.dot(n) <= crack || q.dot(n) >= crack + other) continue;
+        offsets.push_back(q), view.seen[y] = static_cast<std::uint16_t>(view.seen[y] | 1u << x);
       }
-    const auto answers = conditioned(offsets, choices);
+    Conditioning<6> conditioning;
+    conditioned(view, choices, 9, conditioning);
+    const auto& answers = conditioning.answer;
     for (int k = 0; k < kChoices; ++k) {
       const auto& [size, limit] = choices[k];
       Eigen::Matrix<double, 6, 6> a = Eigen::Matrix<double, 6, 6>::Zero();
