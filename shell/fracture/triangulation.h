@@ -19,10 +19,11 @@ struct Triangulation {
   std::vector<int> owner;  // piece of each query point
 };
 
-/// Vertices: knots of the patch (but those almost on a crack) and crack vertices. `queries` are located
-/// (points inside the domain). Pieces smaller than `crumb` [m^2] are joined to their largest neighbour.
+/// Vertices: knots of the patch (but those almost on a crack), which pieces that are only counted and measured do not
+/// need, and crack vertices. `queries` are located (points inside the domain). Pieces smaller than `crumb` [m^2] are
+/// joined to their largest neighbour.
 Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackGraph& cracks,
-                          const std::vector<Vec2>& queries, double spacing, double crumb);
+                          const std::vector<Vec2>& queries, double spacing, double crumb, bool knots = true);
 
 double triangle_area(const Vec2& a, const Vec2& b, const Vec2& c);
 

@@ -103,7 +103,7 @@ void Run::archive_members(A& a) {
 void Run::save_checkpoint() {
   Stopwatch w(stage_s_["io"]);
   // What is only kept for speed starts anew on both ways on from here.
-  for (ShellPart& part : parts_) part.candidates = {};
+  for (ShellPart& part : parts_) part.candidates = {}, part.triangulated.reset();
   if (shell_contact_) shell_contact_->forget();
   if (fibres_) fibres_->forget();
   soft_.forget();

@@ -186,7 +186,7 @@ void Run::iterate_window(int n, double dt) {
   };
   Snapshot start{{}, {}, stitching_, proxies_, random_, substeps_, engine_loss_};
   for (const ShellPart& part : parts_) {
-    part.state->trials.clear();  // they can be found again
+    part.state->trials.clear(), part.state->surroundings = {};  // they can be found again
     start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
   }
   const double window = n * dt;

@@ -45,9 +45,9 @@ std::shared_ptr<const Triangulation> ShellPart::triangulation(bool exact) {
   const Vec2 low(p.knots_u.begin(), p.knots_v.begin()), high(p.knots_u.end(), p.knots_v.end());
   const std::size_t edges = state->cracks.edges().size();
   const bool closed = loops.closed(state->cracks, low, high, m.spacing);
-  if (!triangulated || closed || (exact && edges_triangulated != edges)) {
-    triangulated = std::make_shared<Triangulation>(sunder::shell::triangulated(m, *state));
-    edges_triangulated = edges;
+  if (exact ? edges_drawn != edges || !triangulated : closed || !triangulated) {
+    triangulated = std::make_shared<Triangulation>(sunder::shell::triangulated(m, *state, exact));
+    edges_drawn = exact ? edges : kNone;
   }
   return triangulated;
 }

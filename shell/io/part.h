@@ -35,8 +35,9 @@ struct ShellPart {
   std::size_t edges_seen = 0;                  // crack edges that the stable step knows
   std::int64_t next_measure = 0;               // window from which the stable step may be measured again
   std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
-  std::shared_ptr<const Triangulation> triangulated;  // the last one, and how many edges it has
-  std::size_t edges_triangulated = 0;
+  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
+  std::shared_ptr<const Triangulation> triangulated;  // the last one
+  std::size_t edges_drawn = kNone;                    // how many it has where it is exact
   CrackLoops loops;
   double initial_step = 0.0, smallest_step = 0.0;  // stable ones [s]
   double hertz_speed = 0.0;  // fastest that a sphere with Hertz contact and the shell have met [m/s]
@@ -59,8 +60,8 @@ struct ShellPart {
   void measure_step(std::int64_t window, int threads);
   /// Pieces without control points that have left are gone.
   void mark_rubble(PartPieces& now) const;
-  /// Whose pieces are those of the present cracks. Where no loop has closed since the last call, that one's: cracks
-  /// that have only grown within a piece may be missing, unless `exact`.
+  /// Whose pieces are those of the present cracks. Fit to be drawn and to leave only where `exact`: else cracks that
+  /// have grown within a piece may be missing, and knots.
   std::shared_ptr<const Triangulation> triangulation(bool exact);
   void add_rubble(const Triangulation& t, int piece);
   Eigen::AlignedBox3d box() const;  // of the control points that have not left

@@ -266,7 +266,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     }
 }
 
-Triangulation triangulated(const ShellModel& m, const ShellState& s) {
+Triangulation triangulated(const ShellModel& m, const ShellState& s, bool knots) {
   std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
   for (Vec2& p : places)
     s.cracks.near(p, p, m.spacing, [&](int e) {
@@ -276,7 +276,8 @@ Triangulation triangulated(const ShellModel& m, const ShellState& s) {
       if (s.cracks.distance(p, e, foot) < 1e-9 * m.spacing) p += 1e-6 * m.spacing * Vec2(-d.y(), d.x());
       return true;
     });
-  return triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing, 0.02 * m.spacing * m.spacing);
+  return triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing, 0.02 * m.spacing * m.spacing,
+                     knots);
 }
 
 std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Triangulation& t) {

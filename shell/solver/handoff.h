@@ -18,7 +18,7 @@ struct Piece {
 };
 
 /// The present cracks; control points are the queries.
-Triangulation triangulated(const ShellModel& model, const ShellState& state);
+Triangulation triangulated(const ShellModel& model, const ShellState& state, bool knots = true);
 /// The pieces of a triangulation as they are held, fastened and gone now.
 std::vector<Piece> pieces_of(const ShellModel& model, const ShellState& state, const Triangulation& t);
 /// Both.

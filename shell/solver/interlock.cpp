@@ -47,7 +47,7 @@ Gap gap_of(const ShellState& s, const Interlock& lock) {
 constexpr double kLeastCosine = 0.7;               // between the normals of the two sides
 constexpr double kLeastArea = 0.5, kMostArea = 2;  // of the mean tangents' parallelogram
 
-constexpr double kMostMobility = 4.0;  // of a gap beside a plane, in those of the mass of an element
+constexpr double kMostMobility = 4.0;  // of a gap beside a plane, in those of the mass a spacing wide along the edge
 
 bool sound(const Interlock& lock, const Gap& gap) {
   const double cosine = gap.side[0].dot(gap.side[1]);
@@ -124,7 +124,7 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
     const Vec3 e = extension(gap, lock);
     const double k = lock.stiffness * lock.area;
     lock.opening = gap.components()[0] - lock.rest[0];
-    lock.shear = stiffness(m) * std::hypot(e[1], e[2]);  // of any: one that is softer must not slip further
+    lock.shear = stiffness(m) * std::hypot(e[1], e[2]);  // at full stiffness: one that is softer slips no further
     lock.sound = sound(lock, gap);
     energy += 0.5 * k * e.squaredNorm();
     if (e.isZero(0.0)) continue;

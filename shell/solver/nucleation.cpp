@@ -103,8 +103,8 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   double six[6];
   // of the surroundings: at one point of a few an element, the direction would be that of the lattice
   if (near_a_tip(m, s, r, running, p)) return 0;
-  Surroundings& around =
-      s.surroundings.at(s.point_of.size(), static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane);
+  Surroundings& around = s.surroundings.at(
+      s.point_of.size(), static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane, most_bytes_seen(m, r.tip_radius));
   if (!mean_stress(m, s, p, r.tip_radius, around, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;

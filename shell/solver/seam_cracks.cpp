@@ -67,8 +67,9 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
       if (tip.alive || tip.crossed || tip.edge < 0) continue;
       tip.crossed = true;
       const CrackEdge& last = shells[k].state->cracks.edges()[tip.edge];
+      const Vec2 end = tip.p;  // tips are added below
       Exit exit;
-      if (!exit_of(m, tip.vertex == last.to ? last.a : last.b, tip.p, exit)) continue;
+      if (!exit_of(m, tip.vertex == last.to ? last.a : last.b, end, exit)) continue;
       each_seam(seams, k, exit, [&](const Seam& seam, int other, double) {
         if (!can_crack[other]) return;
         const ShellModel& n = *shells[other].model;
@@ -88,7 +89,7 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
         const std::size_t first = s.tips.size();
         start_at_ends(n, s, before, static_cast<int>(s.cracks.edges().size()));
         // it has run on at once, and waits as long as that would have taken it
-        for (std::size_t t = first; t < s.tips.size(); ++t) s.tips[t].pending = -n.spacing - (tip.p - exit.at).norm();
+        for (std::size_t t = first; t < s.tips.size(); ++t) s.tips[t].pending = -n.spacing - (end - exit.at).norm();
         ++count;
       });
     }

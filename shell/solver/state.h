@@ -42,7 +42,8 @@ struct Interlock {
   Vec3 rest = Vec3::Zero();       // gap without force: across, along, normal [m]
   double rest_area = 1.0;         // of the tangents' parallelogram when it was fastened
   bool holds = true;
-  // as the force last found them: opening [m], shear traction [Pa], faces still fit
+  // as the force last found them: opening [m], shear traction that springs of full stiffness would bear [Pa], faces
+  // still fit
   double opening = 0.0, shear = 0.0;
   bool sound = true;
 };

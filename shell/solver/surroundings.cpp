@@ -40,6 +40,11 @@ const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, do
 
 }  // namespace
 
+std::size_t most_bytes_seen(const ShellModel& m, double radius) {
+  const double side = (2.0 * radius / m.spacing + 1.0) * m.tables.gauss;  // of a square, in Gauss points
+  return static_cast<std::size_t>(side * side) * sizeof(SeenPoint);
+}
+
 const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const CrackGraph& cracks, const Look& look) {
   const int end = static_cast<int>(cracks.edges().size());
   const bool again = look == look_;

@@ -45,13 +45,17 @@ struct KnownSurroundings {
   std::vector<Surroundings> of_tip, of_point;
   std::vector<int> index;  // [block][lane]: into of_point, -1: none; empty: none at all
 
-  static constexpr std::size_t kMost = 1 << 14;  // at most some 100 MB: all are forgotten then
+  static constexpr std::size_t kMost = 64 << 20;  // [bytes]: all points are forgotten then
 
-  Surroundings& at(std::size_t gauss_points, std::size_t gauss) {
-    if (index.empty() || of_point.size() == kMost) index.assign(gauss_points, -1), of_point.clear();
+  /// Those of a Gauss point, for `each` bytes at most; until the next call.
+  Surroundings& at(std::size_t gauss_points, std::size_t gauss, std::size_t each) {
+    if (index.empty() || of_point.size() * each >= kMost) index.assign(gauss_points, -1), of_point.clear();
     if (index[gauss] < 0) index[gauss] = static_cast<int>(of_point.size()), of_point.emplace_back();
     return of_point[index[gauss]];
   }
 };
+
+/// Of Gauss points within the radius [m].
+std::size_t most_bytes_seen(const ShellModel& model, double radius);
 
 }  // namespace sunder::shell

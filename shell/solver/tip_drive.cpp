@@ -82,7 +82,7 @@ bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double
 }
 
 Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start) {
-  thread_local Surroundings unknown;
+  Surroundings unknown;
   return drive_at(m, s, r, start, unknown);
 }
 

@@ -1,4 +1,5 @@
 // What is kept between two looks at the cracks is what a whole look would find.
+#include <map>
 #include <numbers>
 #include <random>
 #include <utility>
@@ -66,6 +67,13 @@ struct Wanderers {
   }
 };
 
+void expect_same(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k)
+    ASSERT_TRUE(a[k].block == b[k].block && a[k].lane == b[k].lane && a[k].offset == b[k].offset &&
+                a[k].angle == b[k].angle && a[k].weight == b[k].weight);
+}
+
 }  // namespace
 
 TEST(CrackLoops, NoPieceIsAddedUnlessALoopHasClosed) {
@@ -82,16 +90,25 @@ TEST(CrackLoops, NoPieceIsAddedUnlessALoopHasClosed) {
       if (w.graph.edges().size() == known) continue;
       const bool closed = loops.closed(w.graph, Vec2::Zero(), Vec2(kSide, kSide), m.spacing);
       const int now = triangulate(m.patch.knots_u, m.patch.knots_v, w.graph, {}, m.spacing, 0.0).pieces;
-      EXPECT_TRUE(closed || now == before)
-          << "edge " << known << " of seed " << seed << " " << before << " " << now << " "
-          << w.graph.edges().back().a.transpose() << " to " << w.graph.edges().back().b.transpose();
+      EXPECT_TRUE(closed || now == before) << "edge " << known << " of seed " << seed;
       ++edges, alarms += closed, before = now;
     }
     pieces += before;
+    // knots among the vertices draw the pieces finer and leave them the same
+    const auto pieces_of = [&](bool knots) {
+      return triangulate(m.patch.knots_u, m.patch.knots_v, w.graph, m.parameter, m.spacing,
+                         0.02 * m.spacing * m.spacing, knots);
+    };
+    const Triangulation fine = pieces_of(true), coarse = pieces_of(false);
+    EXPECT_EQ(fine.pieces, coarse.pieces);
+    EXPECT_LT(coarse.triangles.size(), fine.triangles.size());
+    std::map<int, int> same;
+    for (std::size_t k = 0; k < fine.owner.size(); ++k)
+      EXPECT_EQ(same.try_emplace(fine.owner[k], coarse.owner[k]).first->second, coarse.owner[k]);
   }
   EXPECT_GT(pieces, 60);
-  EXPECT_LT(alarms, 2 * pieces);  // a whole look at every edge would be 900
-  EXPECT_EQ(edges, 900);
+  EXPECT_LT(alarms, 2 * pieces);
+  EXPECT_LT(alarms, edges / 3);
 }
 
 TEST(CrackLoops, AnEdgeBackToTheFirstVertexClosesOne) {
@@ -127,24 +144,20 @@ TEST(Surroundings, AreTheSameWhetherKeptOrFoundAnew) {
                     {}});
   }
   w.start();
-  std::size_t hidden = 0, most = 0;
+  std::vector<std::size_t> uncracked;
+  for (auto& [look, known] : kept) uncracked.push_back(known.seen(m, w.graph, look).size());
+  int hidden = 0;
   for (int step = 0; step < 400; ++step) {
     w.step();
     if (step % 7 != 0) continue;
-    for (auto& [look, known] : kept) {
-      Surroundings fresh;
-      const std::vector<SeenPoint>&a = known.seen(m, w.graph, look), &b = fresh.seen(m, w.graph, look);
-      ASSERT_EQ(a.size(), b.size());
-      for (std::size_t k = 0; k < a.size(); ++k)
-        ASSERT_TRUE(a[k].block == b[k].block && a[k].lane == b[k].lane && a[k].offset == b[k].offset &&
-                    a[k].angle == b[k].angle && a[k].weight == b[k].weight);
-      most = std::max(most, a.size());
-      if (step > 300) hidden += a.size() < most / 2;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      auto& [look, known] = kept[i];
+      expect_same(known.seen(m, w.graph, look), Surroundings().seen(m, w.graph, look));
+      if (step > 390) hidden += 2 * known.seen(m, w.graph, look).size() < uncracked[i];
     }
   }
   EXPECT_GT(hidden, 20U);              // cracks did hide some
   auto& [look, known] = kept.front();  // another look is no old one
-  look.p += Vec2(0.01, 0.0);
-  Surroundings fresh;
-  EXPECT_EQ(known.seen(m, w.graph, look).size(), fresh.seen(m, w.graph, look).size());
+  look.p += Vec2(0.013, 0.004);
+  expect_same(known.seen(m, w.graph, look), Surroundings().seen(m, w.graph, look));
 }
