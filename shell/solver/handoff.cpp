@@ -307,12 +307,6 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
   return pieces;
 }
 
-Triangulation partition(const ShellModel& m, const ShellState& s, std::vector<Piece>& pieces) {
-  const Triangulation t = triangulated(m, s);
-  pieces = pieces_of(m, s, t);
-  return t;
-}
-
 Totals totals(const ShellModel& m, const ShellState& s) {
   Totals t;
   for (int i = 0; i < m.control_points(); ++i) {

@@ -22,7 +22,11 @@ Triangulation triangulated(const ShellModel& model, const ShellState& state, boo
 /// The pieces of a triangulation as they are held, fastened and gone now.
 std::vector<Piece> pieces_of(const ShellModel& model, const ShellState& state, const Triangulation& t);
 /// Both.
-Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces);
+inline Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces) {
+  Triangulation t = triangulated(model, state);
+  pieces = pieces_of(model, state, t);
+  return t;
+}
 
 /// What is drawn of a body that was a piece: the thickened outline, body coordinates [m].
 struct DrawnMesh {
