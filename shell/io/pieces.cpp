@@ -117,7 +117,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
     return births;
   Stopwatch w(stage_s_["crack_update"]);
   for (ShellPart& part : parts_)
-    if (all) release_interlocks(*part.state, {}, true);
+    if (all) release_interlocks(part.model(), *part.state, {}, true);
   std::vector<PartPieces> now = pieces_now(all, false);
   std::map<int, Group> groups = groups_of(now);
   std::vector<int> leaving;

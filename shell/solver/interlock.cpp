@@ -47,6 +47,10 @@ Gap gap_of(const ShellState& s, const Interlock& lock) {
 constexpr double kLeastCosine = 0.7;               // between the normals of the two sides
 constexpr double kLeastArea = 0.5, kMostArea = 2;  // of the mean tangents' parallelogram
 
+constexpr double kClosing = 0.05;      // least depth of closing, in spacings strained to the strength
+constexpr double kMostClosing = 1e-3;  // of that depth, in spacings
+constexpr double kTravels = 8.0;       // of faces that close, their travel in a substep that the depth is at least
+
 constexpr double kMostMobility = 4.0;  // of a gap beside a plane, in those of the mass a spacing wide along the edge
 
 bool sound(const Interlock& lock, const Gap& gap) {
@@ -54,14 +58,28 @@ bool sound(const Interlock& lock, const Gap& gap) {
   return cosine > kLeastCosine && gap.c > kLeastArea * lock.rest_area && gap.c < kMostArea * lock.rest_area;
 }
 
-// Extension of the springs: across only where the faces are pressed together.
-Vec3 extension(const Gap& gap, const Interlock& lock) {
-  Vec3 e = gap.components() - lock.rest;
-  e[0] = std::min(e[0], 0.0);
-  return e;
-}
-
 double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // that of one element [Pa/m]
+
+// The springs of an edge, over k A: what they bear across, along and normal [m], and hold [m^2]. Across they bear
+// pressure only, and are soft over the depth of closing.
+struct Springs {
+  Vec3 bear;
+  double hold;
+};
+
+Springs springs_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
+  Springs r{gap.components() - lock.rest, 0.0};
+  const double approach = std::max(-r.bear[0], 0.0), depth = std::max(closing_depth(m), lock.depth);
+  if (approach < depth) {
+    r.bear[0] = -0.5 * approach * approach / depth;
+    r.hold = approach * approach * approach / (6.0 * depth);
+  } else {
+    r.bear[0] = 0.5 * depth - approach;
+    r.hold = 0.5 * r.bear[0] * r.bear[0] + depth * depth / 24.0;
+  }
+  r.hold += 0.5 * (r.bear[1] * r.bear[1] + r.bear[2] * r.bear[2]);
+  return r;
+}
 
 // Of faces one of which is a plane through the few control points between close cracks: less where so little mass hangs
 // on them, when they are fastened, that the step would not stand it.
@@ -97,6 +115,10 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
 
 }  // namespace
 
+double closing_depth(const ShellModel& m) {
+  return std::min(kClosing * m.material.strength / m.material.youngs_modulus, kMostClosing) * m.spacing;
+}
+
 bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   if (!attach(m, s, lock)) return false;
   const Gap gap = gap_of(s, lock);
@@ -108,25 +130,29 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {
   const Gap gap = gap_of(s, lock);
   const Vec3 before = gap.components() - lock.rest;
-  const double stretched = 0.5 * lock.area * extension(gap, lock).squaredNorm(), stiff = lock.stiffness;
+  const double held = lock.area * springs_of(m, gap, lock).hold, stiff = lock.stiffness;
   lock.holds = attach(m, s, lock);
   if (lock.holds) lock.rest = gap_of(s, lock).components() - before;
   lock.holds = lock.holds && lock.rest.allFinite();
-  s.book.fracture += stretched * (stiff - (lock.holds ? lock.stiffness : 0.0));
+  s.book.fracture += held * (stiff - (lock.holds ? lock.stiffness : 0.0));
 }
 
-double interlock_forces(const ShellModel& m, ShellState& s) {
+double interlock_forces(const ShellModel& m, ShellState& s, bool advance) {
   const std::size_t plane = m.tables.plane;
   double energy = 0.0;
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
     const Gap gap = gap_of(s, lock);
-    const Vec3 e = extension(gap, lock);
-    const double k = lock.stiffness * lock.area;
     lock.opening = gap.components()[0] - lock.rest[0];
+    if (advance) {
+      if (lock.opening > 0.0) lock.depth = kTravels * std::abs(lock.opening - lock.was_open);
+      lock.was_open = lock.opening;
+    }
+    const auto [e, hold] = springs_of(m, gap, lock);
+    const double k = lock.stiffness * lock.area;
     lock.shear = stiffness(m) * std::hypot(e[1], e[2]);  // at full stiffness: one that is softer slips no further
     lock.sound = sound(lock, gap);
-    energy += 0.5 * k * e.squaredNorm();
+    energy += k * hold;
     if (e.isZero(0.0)) continue;
     // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
     // g . d across = d normal . (along x g) + d along . (g x normal)
@@ -146,12 +172,12 @@ double interlock_forces(const ShellModel& m, ShellState& s) {
   return energy;
 }
 
-void release_interlocks(ShellState& s, const InterlockLaw& law, bool all) {
+void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
     if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
     lock.holds = false;
-    s.book.fracture += 0.5 * lock.stiffness * lock.area * extension(gap_of(s, lock), lock).squaredNorm();
+    s.book.fracture += lock.stiffness * lock.area * springs_of(m, gap_of(s, lock), lock).hold;
     s.last_force.clear();
   }
 }

@@ -12,6 +12,12 @@ struct InterlockLaw {
   double shear_strength = 0.0;  // [Pa]
 };
 
+/// Pressed together, faces meet at their highest points first: over the depth of closing their stiffness grows evenly
+/// from none. A kink that is crossed within a substep makes energy (0.1 % of a shattering pane's in a millisecond), so
+/// the depth is eight times what the faces moved in the last substep in which they were open, where they hold nothing,
+/// and at least this [m].
+double closing_depth(const ShellModel& model);
+
 /// Fastens the two sides of an edge as they stand: the spring starts without force.
 /// False where a side sees too few control points.
 bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
@@ -20,12 +26,13 @@ bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 /// one sees too little and lets go, what is no longer held is booked.
 void refasten(const ShellModel& model, ShellState& state, Interlock& lock);
 
-/// Adds the forces to state.force; returns the energy [J]. A function of the gap in the frame of the
-/// deformed surface, so momentum and angular momentum are kept to round-off.
-double interlock_forces(const ShellModel& model, ShellState& state);
+/// Adds the forces to state.force; returns the energy [J]. `advance`: a substep begins here, and faces that are open
+/// take the depth of their next closing from how they have moved since the last one. A function of the gap in the frame
+/// of the deformed surface, so momentum and angular momentum are kept to round-off.
+double interlock_forces(const ShellModel& model, ShellState& state, bool advance);
 
 /// Lets go where the last force found faces opened or sheared too far (`all`: everywhere); books what the
 /// springs hold at the present positions.
-void release_interlocks(ShellState& state, const InterlockLaw& law, bool all);
+void release_interlocks(const ShellModel& model, ShellState& state, const InterlockLaw& law, bool all);
 
 }  // namespace sunder::shell

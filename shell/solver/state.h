@@ -46,6 +46,8 @@ struct Interlock {
   // still fit
   double opening = 0.0, shear = 0.0;
   bool sound = true;
+  double was_open = 0.0;  // opening where the last substep began [m]
+  double depth = 0.0;     // of closing, where more than the least [m]
 };
 
 /// Energies that left the mechanics, each booked where it went [J].

@@ -20,7 +20,7 @@ void archive(A& a, GatheredPoint& p) {
 template <class A>
 void archive(A& a, Interlock& i) {
   archive_all(a, i.edge, i.area, i.stiffness, i.plus, i.minus, i.rest, i.rest_area, i.holds, i.opening, i.shear,
-              i.sound);
+              i.sound, i.was_open, i.depth);
 }
 
 /// Edges are added again in their order, which finds the same bins.

@@ -194,7 +194,7 @@ int grow_cracks(const ShellModel& m, ShellState& s, const CrackRules& r, double 
                 std::uint64_t& random) {
   int inserted = grow_tips(m, s, r, time, dt);
   inserted += nucleate(m, s, r, time, random);
-  if (!s.interlocks.empty()) release_interlocks(s, r.faces, false);
+  if (!s.interlocks.empty()) release_interlocks(m, s, r.faces, false);
   return inserted;
 }
 
