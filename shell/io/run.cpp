@@ -245,6 +245,7 @@ double Run::total_energy(double dt) {
   for (const ShellPart& part : parts_) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
+    take_up_jump(m, s, dt);
     const double kinetic = kinetic_energy(m, s, dt);
     kinetic_ += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
     sum -= 0.5 * dt * external_power(m, s);  // kinetic_energy() has half a kick that the books get with the next one

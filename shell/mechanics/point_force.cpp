@@ -258,17 +258,17 @@ Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std
 
 namespace {
 
-// The full energy of a damaged point per area and, in `loss`, what weakening takes.
-double energy_and_loss(const RowTables& t, const GatheredPoint& p, const Forms<double>& f, const PointDamage& d,
-                       double brittleness, bool heals, Loss& loss) {
+// A damaged point as it stands, and what weakening takes.
+Resultants<double> weakened(const RowTables& t, const GatheredPoint& p, const Forms<double>& f, const PointDamage& d,
+                            double brittleness, bool heals, Loss& loss) {
   double damage[kMostLayers];
   std::copy(d.history.begin(), d.history.end(), damage);
   Resultants<double> lost{};
   const auto integrate =
       heals ? integrate_weakened_layers<double, true, true> : integrate_weakened_layers<double, true, true, false>;
-  const double energy = integrate(f, p.metric, t.layers, t.elasticity, d.strength, brittleness, damage, lost).energy;
+  const Resultants<double> r = integrate(f, p.metric, t.layers, t.elasticity, d.strength, brittleness, damage, lost);
   loss = loss_of(f, lost, 0);
-  return energy;
+  return r;
 }
 
 }  // namespace
@@ -279,8 +279,40 @@ void settle(const RowTables& t, const GatheredPoint& p, const std::vector<double
   const Forms<double> f = forms_of(p, gather(t, p, x));
   if (!bears(f, p.metric, t.layers)) return;
   Loss loss;
-  energy_and_loss(t, p, f, d, brittleness, false, loss);
+  weakened(t, p, f, d, brittleness, false, loss);
   keep_worst(d, loss, p.area);
+}
+
+void add_point_force(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, double times,
+                     std::vector<double>& force, const PointDamage* damage, double brittleness, bool heals,
+                     const RowPlasticity* plastic) {
+  if (p.kind == PointKind::kDead) return;
+  const Derivatives<double> d = gather(t, p, x);
+  const Forms<double> f = forms_of(p, d);
+  if (!bears(f, p.metric, t.layers)) return;
+  Resultants<double> r;
+  if (plastic) {
+    auto states = plastic_states(t, *plastic, p);
+    const Forms<double> last = last_forms(t, *plastic, p, f);
+    double unused = 0.0;
+    r = integrate_yielding_layers<double, false, false>(f, p.metric, t.layers, t.elasticity, plastic->law,
+                                                        states.data(), unused, nullptr, &last);
+  } else if (damage) {
+    Loss loss;
+    r = weakened(t, p, f, *damage, brittleness, heals, loss);
+  } else {
+    r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
+  }
+  if (!std::isfinite(r.n.c11 + r.n.c22 + r.m.c11 + r.m.c22)) return;
+  if (p.kind == PointKind::kLinear) r.m = {0.0, 0.0, 0.0};
+  const Derivatives<double> g = section_forces(d, f, r, times * p.area);
+  const Vector<double>* all[5] = {&g.u, &g.v, &g.uu, &g.vv, &g.uv};
+  for (const GatheredFunction& n : p.functions)
+    for (int k = 0; k < 5; ++k) {
+      force[n.slot] += n.n[k + 1] * all[k]->x;
+      force[t.plane + n.slot] += n.n[k + 1] * all[k]->y;
+      force[2 * t.plane + n.slot] += n.n[k + 1] * all[k]->z;
+    }
 }
 
 double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const PointDamage* damage,
@@ -291,7 +323,7 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
   double energy = 0.0;
   if (damage) {
     Loss loss;
-    energy = p.area * energy_and_loss(t, p, f, *damage, brittleness, heals, loss);
+    energy = p.area * weakened(t, p, f, *damage, brittleness, heals, loss).energy;
     energy -= damage->spared + spared_since(*damage, loss, p.area);
   } else {
     energy = p.area * integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity).energy;

@@ -54,6 +54,11 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
                         std::vector<double>& force, DamageLaw* damage = nullptr, RowPlasticity* plastic = nullptr);
 
+/// Adds `times` the force of one point, as it stands, to `force` [3][plane].
+void add_point_force(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double times,
+                     std::vector<double>& force, const PointDamage* damage = nullptr, double brittleness = 0.0,
+                     bool heals = true, const RowPlasticity* plastic = nullptr);
+
 /// Elastic energy of one point [J].
 double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
                     const PointDamage* damage = nullptr, double brittleness = 0.0, bool heals = true);

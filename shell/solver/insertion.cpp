@@ -278,12 +278,22 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   for (const Renewal& r : changed) before += r.before, after += r.after;
   if (must_release && after > before) return false;
   s.interlock_of.resize(end, -1);
+  RowPlasticity layers;
+  if (s.yields()) layers = plasticity_of(m, s);
   for (Renewal& r : changed) {
+    GatheredPoint made;
+    const GatheredPoint& old = present_point(m, s, r.block, r.lane, made);
+    const int known = s.point_of[static_cast<std::size_t>(r.block) * t.lanes + r.lane];
+    const auto bear = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
+      add_point_force(t, g, s.x, times, s.jumped(), damage, s.brittleness, s.heals, s.yields() ? &layers : nullptr);
+    };
+    bear(old, 1.0, s.damage.empty() || known < 0 ? nullptr : &s.damage[known]);
     GatheredPoint g = std::move(*r.point);
     const int point = gather_point(m, s, g.block, g.lane);
     if (!s.trials.empty()) s.trials[r.sight] = {};
     if (!s.damage.empty()) s.damage[point] = r.damage;
     if (s.yields()) settle(t, g, s.x, plasticity_of(m, s));
+    bear(g, -1.0, s.damage.empty() ? nullptr : &s.damage[point]);
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = reach_of(m, g, s.sights[r.sight].point());

@@ -113,6 +113,28 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   return true;
 }
 
+void add_force(const ShellState& s, const Interlock& lock, const Gap& gap, const Springs& springs, double times,
+               std::vector<double>& force) {
+  const Vec3& e = springs.bear;
+  if (e.isZero(0.0)) return;
+  const std::size_t plane = force.size() / 3;
+  const double k = times * lock.stiffness * lock.area;
+  // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
+  // g . d across = d normal . (along x g) + d along . (g x normal)
+  const Vec3 on_gap = k * (e[0] * gap.across + e[1] * gap.along + e[2] * gap.normal);
+  const Vec3 on_normal = k * (e[2] * gap.g + e[0] * gap.along.cross(gap.g));
+  const Vec3 on_along = k * (e[1] * gap.g + e[0] * gap.g.cross(gap.normal));
+  const Vec3 a = (on_normal - gap.normal * gap.normal.dot(on_normal)) / gap.c;
+  const Vec3 b = (on_along - gap.along * gap.along.dot(on_along)) / gap.d;
+  const Vec2 p = direction(s, lock);
+  const Vec3 on_u = 0.5 * (gap.tv.cross(a) + p.x() * b), on_v = 0.5 * (a.cross(gap.tu) + p.y() * b);
+  for (int side = 0; side < 2; ++side)
+    for (const auto& f : side == 0 ? lock.plus : lock.minus) {
+      const Vec3 on = -((side == 0 ? f.n[0] : -f.n[0]) * on_gap + f.n[1] * on_u + f.n[2] * on_v);
+      for (int d = 0; d < 3; ++d) force[d * plane + f.slot] += on[d];
+    }
+}
+
 }  // namespace
 
 double closing_depth(const ShellModel& m) {
@@ -130,15 +152,17 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {
   const Gap gap = gap_of(s, lock);
   const Vec3 before = gap.components() - lock.rest;
-  const double held = lock.area * springs_of(m, gap, lock).hold, stiff = lock.stiffness;
+  const Springs springs = springs_of(m, gap, lock);
+  const double held = lock.area * springs.hold, stiff = lock.stiffness;
+  add_force(s, lock, gap, springs, 1.0, s.jumped());
   lock.holds = attach(m, s, lock);
   if (lock.holds) lock.rest = gap_of(s, lock).components() - before;
   lock.holds = lock.holds && lock.rest.allFinite();
+  if (lock.holds) add_force(s, lock, gap_of(s, lock), springs, -1.0, s.jumped());
   s.book.fracture += held * (stiff - (lock.holds ? lock.stiffness : 0.0));
 }
 
 double interlock_forces(const ShellModel& m, ShellState& s, bool advance) {
-  const std::size_t plane = m.tables.plane;
   double energy = 0.0;
   for (Interlock& lock : s.interlocks) {
     if (!lock.holds) continue;
@@ -148,26 +172,12 @@ double interlock_forces(const ShellModel& m, ShellState& s, bool advance) {
       if (lock.opening > 0.0) lock.depth = kTravels * std::abs(lock.opening - lock.was_open);
       lock.was_open = lock.opening;
     }
-    const auto [e, hold] = springs_of(m, gap, lock);
-    const double k = lock.stiffness * lock.area;
-    lock.shear = stiffness(m) * std::hypot(e[1], e[2]);  // at full stiffness: one that is softer slips no further
+    const Springs springs = springs_of(m, gap, lock);
+    // at full stiffness: one that is softer slips no further
+    lock.shear = stiffness(m) * std::hypot(springs.bear[1], springs.bear[2]);
     lock.sound = sound(lock, gap);
-    energy += k * hold;
-    if (e.isZero(0.0)) continue;
-    // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
-    // g . d across = d normal . (along x g) + d along . (g x normal)
-    const Vec3 on_gap = k * (e[0] * gap.across + e[1] * gap.along + e[2] * gap.normal);
-    const Vec3 on_normal = k * (e[2] * gap.g + e[0] * gap.along.cross(gap.g));
-    const Vec3 on_along = k * (e[1] * gap.g + e[0] * gap.g.cross(gap.normal));
-    const Vec3 a = (on_normal - gap.normal * gap.normal.dot(on_normal)) / gap.c;
-    const Vec3 b = (on_along - gap.along * gap.along.dot(on_along)) / gap.d;
-    const Vec2 p = direction(s, lock);
-    const Vec3 on_u = 0.5 * (gap.tv.cross(a) + p.x() * b), on_v = 0.5 * (a.cross(gap.tu) + p.y() * b);
-    for (int side = 0; side < 2; ++side)
-      for (const auto& f : side == 0 ? lock.plus : lock.minus) {
-        const Vec3 force = -((side == 0 ? f.n[0] : -f.n[0]) * on_gap + f.n[1] * on_u + f.n[2] * on_v);
-        for (int d = 0; d < 3; ++d) s.force[d * plane + f.slot] += force[d];
-      }
+    energy += lock.stiffness * lock.area * springs.hold;
+    add_force(s, lock, gap, springs, 1.0, s.force);
   }
   return energy;
 }
@@ -177,7 +187,10 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     if (!lock.holds) continue;
     if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
     lock.holds = false;
-    s.book.fracture += lock.stiffness * lock.area * springs_of(m, gap_of(s, lock), lock).hold;
+    const Gap gap = gap_of(s, lock);
+    const Springs springs = springs_of(m, gap, lock);
+    s.book.fracture += lock.stiffness * lock.area * springs.hold;
+    add_force(s, lock, gap, springs, 1.0, s.jumped());
     s.last_force.clear();
   }
 }

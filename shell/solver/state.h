@@ -127,6 +127,7 @@ struct ShellState {
   double last_crack_time = -1.0;  // [s]
   EnergyBook book;
   // For velocities that go through the background grid; empty where they do not.
+  std::vector<double> jump;  // [3][plane], the force before less that after what cracks have changed here; empty: none
   std::vector<double> before;  // [3][plane], velocities before kick and contact
   std::vector<double> kicked;  // [3][plane], and after them
   std::vector<double> moving;  // [3][plane], what positions move with
@@ -141,6 +142,10 @@ struct ShellState {
   int rubble() const {
     return static_cast<int>(std::count_if(
         points.begin(), points.end(), [](const GatheredPoint& g) { return g.kind == PointKind::kDead && !g.left; }));
+  }
+  std::vector<double>& jumped() {
+    if (jump.empty()) jump.assign(force.size(), 0.0);
+    return jump;
   }
   bool yields() const { return !plastic.empty(); }
   Vec3 position(int slot) const { return at(x, slot); }

@@ -240,7 +240,41 @@ void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules
         if (s.inverse_mass[slot] > 0.0) s.book.transfer -= lost(d, slot);
 }
 
+void take_up_jump(const ShellModel& m, ShellState& s, double dt) {
+  if (s.jump.empty()) return;
+  const std::size_t plane = m.tables.plane;
+  std::vector<double> jump;
+  jump.swap(s.jump);
+  const Constraints& c = m.constraints;
+  for (int d = 0; d < 3; ++d) {
+    double* j = &jump[d * plane];
+    for (const int slot : c.held[d]) j[slot] = 0.0;
+    for (const auto& group : c.tied[d]) {
+      double mass = 0.0, sum = 0.0;
+      for (const int slot : group)
+        if (!s.gone[slot]) mass += s.mass[slot], sum += j[slot];
+      for (const int slot : group) j[slot] = mass > 0.0 ? sum * s.mass[slot] / mass : 0.0;
+    }
+    for (const auto& driven : c.driven)
+      for (const int slot : driven.slots[d]) {
+        if (s.mass[slot] > 0.0) s.book.external -= 0.5 * dt * j[slot] * s.v[d * plane + slot];
+        j[slot] = 0.0;
+      }
+  }
+  double lost = 0.0;  // of m v- . v+ / 2
+  for (std::size_t k = 0; k < jump.size(); ++k) {
+    const std::size_t slot = k % plane;
+    if (jump[k] == 0.0 || s.inverse_mass[slot] == 0.0) continue;
+    const double before = dt * s.inverse_mass[slot] * (s.force[k] + jump[k]),
+                 after = dt * s.inverse_mass[slot] * s.force[k];
+    lost += 0.125 * s.mass[slot] * (after - before) * (after + before);
+    s.v[k] += 0.5 * (before - after);
+  }
+  (lost < 0.0 ? s.book.injected : s.book.fracture) += std::abs(lost);
+}
+
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {
+  take_up_jump(m, s, last);
   const std::size_t plane = m.tables.plane;
   const double dt = 0.5 * (last + step);
   book_external_work(m, s, last, -1.0);

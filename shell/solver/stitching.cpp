@@ -123,11 +123,18 @@ void Stitching::refresh(const std::vector<ShellRef>& shells, const Tie& t) {
 }
 
 void Stitching::share_forces(const std::vector<ShellRef>& shells) {
+  share(shells, &ShellState::force);
+  if (std::none_of(shells.begin(), shells.end(), [](const ShellRef& r) { return !r.state->jump.empty(); })) return;
+  for (const ShellRef& r : shells) r.state->jumped();
+  share(shells, &ShellState::jump);
+}
+
+void Stitching::share(const std::vector<ShellRef>& shells, std::vector<double> ShellState::*field) {
   for (const Tie& t : ties_) {
     if (!t.holds) continue;
     const ShellState& own = *shells[t.shell].state;
-    const Vec3 force = own.at(own.force, t.slot);
-    for (const Master& m : t.on) add(shells[m.shell].state->force, m.slot, m.weight * force);
+    const Vec3 force = own.at(own.*field, t.slot);
+    for (const Master& m : t.on) add(shells[m.shell].state->*field, m.slot, m.weight * force);
   }
   for (const Tie& t : ties_) {
     if (!t.holds) continue;
@@ -136,10 +143,10 @@ void Stitching::share_forces(const std::vector<ShellRef>& shells) {
     Vec3 acceleration = Vec3::Zero();
     for (const Master& m : t.on) {
       const ShellState& s = *shells[m.shell].state;
-      acceleration += m.weight * s.inverse_mass[m.slot] * s.at(s.force, m.slot);
+      acceleration += m.weight * s.inverse_mass[m.slot] * s.at(s.*field, m.slot);
     }
     const double inverse = own.inverse_mass[t.slot];
-    put(own.force, t.slot, inverse > 0.0 ? Vec3(acceleration / inverse) : Vec3(Vec3::Zero()));
+    put(own.*field, t.slot, inverse > 0.0 ? Vec3(acceleration / inverse) : Vec3(Vec3::Zero()));
   }
 }
 

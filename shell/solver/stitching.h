@@ -26,8 +26,8 @@ class Stitching {
   bool empty() const { return ties_.empty(); }
   /// Control points that follow give their mass to those that they follow; at the start, after make_state.
   void tie(const std::vector<ShellRef>& shells);
-  /// After compute_forces of all shells: hands the forces of control points that follow to those that they follow, and
-  /// leaves them what makes them accelerate alike.
+  /// After compute_forces of all shells: hands the forces of control points that follow, and what cracks have changed
+  /// of them, to those that they follow, and leaves them what makes them accelerate alike.
   void share_forces(const std::vector<ShellRef>& shells);
   /// After kick, before contact: what velocities are without impulses.
   void mark(const std::vector<ShellRef>& shells);
@@ -94,6 +94,7 @@ class Stitching {
     bool holds = true;
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
+  void share(const std::vector<ShellRef>& shells, std::vector<double> ShellState::*field);
   /// Keeps the length of a weighted sum of control points beside a crease (weights sum to 0), which is its angle.
   struct Brace {
     std::vector<Term> ends;   // as the geometry has it

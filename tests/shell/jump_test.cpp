@@ -1,0 +1,136 @@
+// Cracks change the force between two half kicks: what they say they changed, and what the books make of it.
+#include <gtest/gtest.h>
+
+#include "shell/solver/insertion.h"
+#include "shell/solver/interlock.h"
+#include "shell/solver/step.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+constexpr double kStep = 2e-7;  // [s], below the stable one of all sheets here
+
+ShellModel sheet(double yield_stress = 0.0, std::vector<Support> supports = {}) {
+  ShellMaterial material = glass();
+  material.strength = 100e6, material.fracture_energy = 10.0, material.yield_stress = yield_stress;
+  material.hardening_modulus = yield_stress > 0.0 ? 1e9 : 0.0;
+  return make_shell("p", plate(0.1, 0.08, 20, 16, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 3,
+                    std::move(supports));
+}
+
+int insert(const ShellModel& m, ShellState& s, const Vec2& a, const Vec2& b) {
+  const int from = s.cracks.add_vertex(a), to = s.cracks.add_vertex(b);
+  return insert_edge(m, s, from, to, s.cracks.new_crack(), 0.0, 1, true);
+}
+
+void step(const ShellModel& m, ShellState& s, int times) {
+  for (int n = 0; n < times; ++n) {
+    compute_forces(m, s, false, 1.0, 1);
+    kick(m, s, Vec3::Zero(), kStep);
+    constrain(m, s, kStep);
+    drift(m, s, kStep);
+  }
+}
+
+double energy(const ShellModel& m, ShellState& s) {
+  const double stored = compute_forces(m, s, true, 0.0, 1);
+  take_up_jump(m, s, kStep);
+  const double half = 0.5 * kStep * external_power(m, s);  // as in Run::total_energy
+  return stored + kinetic_energy(m, s, kStep) - half + s.book.lost();
+}
+
+// In motion, strained all over, a crack with faces that bear in it, and another one about to cross its surroundings.
+ShellState moving(const ShellModel& m, double brittleness = 0.0, bool heals = true) {
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  s.brittleness = brittleness, s.heals = heals;
+  insert(m, s, {0.0312, 0.0305}, {0.0351, 0.0331});
+  disturb(s, m, 5e-6);
+  step(m, s, 40);
+  return s;
+}
+
+struct Case {
+  const char* name;
+  double yield_stress, brittleness;
+  bool heals;
+};
+const Case kCases[] = {
+    {"elastic", 0, 0, true}, {"yields", 50e6, 0, true}, {"weakens", 0, 0.4, true}, {"weakens for good", 0, 0.4, false}};
+
+double largest(const std::vector<double>& a) {
+  double most = 0.0;
+  for (const double x : a) most = std::max(most, std::abs(x));
+  return most;
+}
+
+}  // namespace
+
+TEST(Jump, IsTheForceBeforeLessThatAfter) {
+  for (const Case& c : kCases) {
+    const ShellModel m = sheet(c.yield_stress);
+    ShellState s = moving(m, c.brittleness, c.heals);
+    compute_forces(m, s, true, 0.0, 1);
+    const std::vector<double> before = s.force;
+    ASSERT_TRUE(s.jump.empty());
+    ASSERT_GE(insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318}), 0);  // crosses the faces' sight
+    ASSERT_FALSE(s.jump.empty());
+    release_interlocks(m, s, {}, true);
+    compute_forces(m, s, true, 0.0, 1);
+    double changed = 0.0, off = 0.0;
+    for (std::size_t k = 0; k < before.size(); ++k) {
+      changed = std::max(changed, std::abs(before[k] - s.force[k]));
+      off = std::max(off, std::abs(before[k] - s.force[k] - s.jump[k]));
+    }
+    EXPECT_GT(changed, 1e-2 * largest(before)) << c.name;
+    EXPECT_LT(off, 1e-11 * largest(before)) << c.name;
+  }
+}
+
+TEST(Jump, TakenUpItKeepsEnergyAndMomenta) {
+  for (const Case& c : kCases) {
+    const ShellModel m = sheet(c.yield_stress);
+    ShellState s = moving(m, c.brittleness, c.heals);
+    const double before = energy(m, s);
+    const auto momenta = [&](Vec3& linear, Vec3& angular) {
+      linear = angular = Vec3::Zero();
+      for (int i = 0; i < m.control_points(); ++i) {
+        const int slot = m.tables.slot(i);
+        const Vec3 p = s.mass[slot] * s.velocity(slot);
+        linear += p, angular += s.position(slot).cross(p);
+      }
+    };
+    Vec3 linear, angular, then_linear, then_angular;
+    momenta(linear, angular);
+    double scale = 0.0;
+    for (int i = 0; i < m.control_points(); ++i)
+      scale += s.mass[m.tables.slot(i)] * s.velocity(m.tables.slot(i)).norm();
+    insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
+    release_interlocks(m, s, {}, true);
+    EXPECT_NEAR(energy(m, s), before, 1e-10 * before) << c.name;
+    EXPECT_TRUE(s.jump.empty());
+    momenta(then_linear, then_angular);
+    EXPECT_LT((then_linear - linear).norm(), 1e-13 * scale) << c.name;
+    EXPECT_LT((then_angular - angular).norm(), 1e-14 * scale) << c.name;  // arms of 0.1 m
+  }
+}
+
+// Control points that supports hold, tie together or drive, where cracks reach them.
+TEST(Jump, BesideSupportsTheBooksCloseToo) {
+  const ShellModel m =
+      sheet(0.0, {{.edges = kUMin},
+                  {.edges = kUMax, .clamped = false, .motion = {{0.0, Vec3::Zero()}, {1e-3, Vec3(1e-4, 0, 5e-5)}}},
+                  {.edges = kVMax, .symmetry = 1},
+                  {.edges = kVMin, .clamped = false, .axes = {false, false, true}}});
+  ASSERT_FALSE(m.constraints.driven.empty());
+  for (const auto& [a, b] :
+       {std::pair{Vec2(0.0012, 0.0342), Vec2(0.0062, 0.0318)}, std::pair{Vec2(0.0942, 0.0342), Vec2(0.0982, 0.0318)},
+        std::pair{Vec2(0.0512, 0.0742), Vec2(0.0562, 0.0788)}, std::pair{Vec2(0.0512, 0.0012), Vec2(0.0562, 0.0058)}}) {
+    ShellState s = moving(m);
+    const double before = energy(m, s);
+    insert(m, s, a, b);
+    EXPECT_NEAR(energy(m, s), before, 1e-10 * before);
+  }
+}
