@@ -242,10 +242,10 @@ double Run::total_energy(double dt) {
   }
   if (fibres_) fibres_->add_forces(refs()), elastic_ += fibres_->energy();
   stitching_.share_forces(refs());
+  take_up_jump(refs(), dt);
   for (const ShellPart& part : parts_) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
-    take_up_jump(m, s, dt);
     const double kinetic = kinetic_energy(m, s, dt);
     kinetic_ += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
     sum -= 0.5 * dt * external_power(m, s);  // kinetic_energy() has half a kick that the books get with the next one
@@ -267,7 +267,7 @@ void Run::substep(double dt, double last) {
       compute_forces(setup.model, *part.state, false, share, options_.threads);
     });
     if (fibres_) fibres_->add_forces(refs());
-    if (!stitching_.empty()) stitching_.share_forces(refs());
+    if (!stitching_.empty()) stitching_.share_forces(refs()), take_up_jump(refs(), last);
   }
   {
     Stopwatch w(stage_s_["kick_drift"]);

@@ -14,8 +14,8 @@ struct InterlockLaw {
 
 /// Pressed together, faces meet at their highest points first: over the depth of closing their stiffness grows evenly
 /// from none. A kink that is crossed within a substep makes energy (0.1 % of a shattering pane's in a millisecond), so
-/// the depth is eight times what the faces moved in the last substep in which they were open, where they hold nothing,
-/// and at least this [m].
+/// the depth is eight times what the faces moved in the last substep in which they were open, where they hold nothing
+/// across, and at least this [m].
 double closing_depth(const ShellModel& model);
 
 /// Fastens the two sides of an edge as they stand: the spring starts without force.

@@ -160,6 +160,12 @@ struct ShellState {
   }
 };
 
+/// A shell of several, model and state.
+struct ShellRef {
+  const ShellModel* model;
+  ShellState* state;
+};
+
 /// States of its layers and their law; only of one that yields.
 RowPlasticity plasticity_of(const ShellModel& model, ShellState& state);
 

@@ -240,13 +240,15 @@ void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules
         if (s.inverse_mass[slot] > 0.0) s.book.transfer -= lost(d, slot);
 }
 
-void take_up_jump(const ShellModel& m, ShellState& s, double dt) {
-  if (s.jump.empty()) return;
+namespace {
+
+// What is changed of the force on control points that supports hold, drive or tie together goes where theirs does.
+std::vector<double> free_jump(const ShellModel& m, ShellState& s, double dt) {
   const std::size_t plane = m.tables.plane;
   std::vector<double> jump;
   jump.swap(s.jump);
   const Constraints& c = m.constraints;
-  for (int d = 0; d < 3; ++d) {
+  for (int d = 0; d < 3 && !jump.empty(); ++d) {
     double* j = &jump[d * plane];
     for (const int slot : c.held[d]) j[slot] = 0.0;
     for (const auto& group : c.tied[d]) {
@@ -260,21 +262,47 @@ void take_up_jump(const ShellModel& m, ShellState& s, double dt) {
         if (s.mass[slot] > 0.0) s.book.external -= 0.5 * dt * j[slot] * s.v[d * plane + slot];
         j[slot] = 0.0;
       }
+    for (std::size_t slot = 0; slot < plane; ++slot)
+      if (s.inverse_mass[slot] == 0.0) j[slot] = 0.0;
   }
-  double lost = 0.0;  // of m v- . v+ / 2
-  for (std::size_t k = 0; k < jump.size(); ++k) {
-    const std::size_t slot = k % plane;
-    if (jump[k] == 0.0 || s.inverse_mass[slot] == 0.0) continue;
-    const double before = dt * s.inverse_mass[slot] * (s.force[k] + jump[k]),
-                 after = dt * s.inverse_mass[slot] * s.force[k];
-    lost += 0.125 * s.mass[slot] * (after - before) * (after + before);
-    s.v[k] += 0.5 * (before - after);
+  return jump;
+}
+
+}  // namespace
+
+void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
+  if (std::all_of(shells.begin(), shells.end(), [](const ShellRef& r) { return r.state->jump.empty(); })) return;
+  std::vector<std::vector<double>> jumps;
+  // m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still
+  double moving = 0.0, square = 0.0, still = 0.0;
+  for (const ShellRef& r : shells) {
+    const ShellState& s = *r.state;
+    const std::vector<double>& jump = jumps.emplace_back(free_jump(*r.model, *r.state, dt));
+    for (std::size_t k = 0; k < jump.size(); ++k) {
+      if (jump[k] == 0.0) continue;
+      const std::size_t slot = k % r.model->tables.plane;
+      const double mass = s.mass[slot], dv = 0.5 * dt * s.inverse_mass[slot] * jump[k];
+      moving += mass * dv * s.v[k], square += 0.5 * mass * dv * dv;
+      still += 0.5 * mass * dv * dt * s.inverse_mass[slot] * s.force[k];
+    }
   }
-  (lost < 0.0 ? s.book.injected : s.book.fracture) += std::abs(lost);
+  double share = 1.0;
+  if (square + still > 0.0) {  // the most of it with which the energy does not rise, or where it rises least
+    const double middle = -0.5 * (moving + still) / square;
+    share = std::clamp(middle + std::sqrt(std::max(0.0, middle * middle + moving / square)), 0.0, 1.0);
+  }
+  for (std::size_t i = 0; i < shells.size(); ++i) {
+    ShellState& s = *shells[i].state;
+    for (std::size_t k = 0; k < jumps[i].size(); ++k)
+      s.v[k] += share * 0.5 * dt * s.inverse_mass[k % shells[i].model->tables.plane] * jumps[i][k];
+  }
+  const double gained = (share - 1.0) * moving + share * (share * square + still);
+  EnergyBook& book = shells.front().state->book;
+  (gained > 0.0 ? book.injected : book.fracture) += std::abs(gained);
 }
 
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {
-  take_up_jump(m, s, last);
+  if (!s.jump.empty()) take_up_jump({{&m, &s}}, last);
   const std::size_t plane = m.tables.plane;
   const double dt = 0.5 * (last + step);
   book_external_work(m, s, last, -1.0);

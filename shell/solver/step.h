@@ -61,10 +61,12 @@ struct TransferRules {
 };
 
 /// Cracks change the force between the half kicks before and after them. The force must be that of the present
-/// positions, which a substep of `dt` led to: that half kick is made one by the force before. No event adds energy then
-/// but by what is stored; what leapfrog keeps falls by dt^2/8 (f^2/m afterwards - before), which is booked with what
-/// the cracks released. `kick` begins with it; before it energies and momenta are to be had only after it.
-void take_up_jump(const ShellModel& model, ShellState& state, double dt);
+/// positions, which a substep of `dt` led to: that half kick is made one by the force before, so that the velocity
+/// there is what it was. What leapfrog keeps (kinetic_energy) mostly falls by that, and what is lost is booked with
+/// what the cracks released. Where it would rise, only the share of the change is taken that keeps it; what even so is
+/// gained is booked as injected, both in the first shell's book. Shells that hang together have one share. `kick`
+/// begins with it for a shell alone; before it energies and momenta are those of no moment.
+void take_up_jump(const std::vector<ShellRef>& shells, double dt);
 /// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is
 /// beta (f - last f) / dt = -beta K v. The work of damping is booked.
 /// From the middle of the `last` substep to that of this one, of length `dt` [s]: in books closed at positions' times

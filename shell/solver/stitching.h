@@ -10,12 +10,6 @@
 
 namespace sunder::shell {
 
-/// A shell of several, model and state.
-struct ShellRef {
-  const ShellModel* model;
-  ShellState* state;
-};
-
 class Stitching {
  public:
   Stitching() = default;
