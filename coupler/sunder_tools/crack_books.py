@@ -48,6 +48,8 @@ def books(table: Table, executables: Executables) -> None:
 def growth_of_number(born: np.ndarray) -> float:
     """How many are there after EARLY_S, on the mean over time, for one before; `born` [s] of shape (n,)."""
     early = np.clip(EARLY_S - born, 0.0, None).sum() / EARLY_S
+    if early <= 0.0:
+        return 1.0  # nothing to measure growth against
     return float(np.clip(LATE_S - born, 0.0, LATE_S - EARLY_S).sum() / (LATE_S - EARLY_S) / early)
 
 

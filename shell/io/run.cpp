@@ -241,11 +241,11 @@ double Run::total_energy(double dt) {
                 hertz_energy(m, s, proxies_, part.coefficients, part.candidates, dt);
   }
   if (fibres_) fibres_->add_forces(refs()), elastic_ += fibres_->energy();
-  stitching_.share_forces(refs());
-  take_up_jump(refs(), dt);
+  if (!stitching_.empty()) stitching_.share_forces(refs()), take_up_jump(refs(), dt);
   for (const ShellPart& part : parts_) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
+    if (stitching_.empty()) take_up_jump({{&m, &s}}, dt);
     const double kinetic = kinetic_energy(m, s, dt);
     kinetic_ += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
     sum -= 0.5 * dt * external_power(m, s);  // kinetic_energy() has half a kick that the books get with the next one

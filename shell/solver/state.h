@@ -126,8 +126,10 @@ struct ShellState {
   std::vector<char> cut_done;     // prescribed cuts that have been made
   double last_crack_time = -1.0;  // [s]
   EnergyBook book;
+  // [3][plane], the force of strains, faces and layers, not of loads, before less that after what cracks have changed
+  // here; empty: none
+  std::vector<double> jump;
   // For velocities that go through the background grid; empty where they do not.
-  std::vector<double> jump;  // [3][plane], the force before less that after what cracks have changed here; empty: none
   std::vector<double> before;  // [3][plane], velocities before kick and contact
   std::vector<double> kicked;  // [3][plane], and after them
   std::vector<double> moving;  // [3][plane], what positions move with

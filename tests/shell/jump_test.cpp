@@ -120,6 +120,38 @@ TEST(Jump, TakenUpItKeepsEnergyAndMomenta) {
   }
 }
 
+// All of the half kick where less of it would add more energy, else as much as keeps it.
+TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
+  for (const Case& c : kCases)
+    for (const double towards : {1.0, -1.0}) {  // as it moves, and back
+      const ShellModel m = sheet(c.yield_stress);
+      ShellState s = moving(m, c.brittleness, c.heals);
+      for (double& v : s.v) v *= towards;
+      insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
+      release_interlocks(m, s, {}, true);
+      compute_forces(m, s, true, 0.0, 1);
+      const std::vector<double> then = s.v, jump = s.jump;
+      const EnergyBook book = s.book;
+      take_up_jump({{&m, &s}}, kStep);
+      double along = 0.0, all = 0.0;
+      for (std::size_t k = 0; k < jump.size(); ++k) {
+        const double half = 0.5 * kStep * s.inverse_mass[k % m.tables.plane] * jump[k];
+        along += half * (s.v[k] - then[k]), all += half * half;
+      }
+      const double share = along / all;
+      for (std::size_t k = 0; k < jump.size(); ++k)
+        EXPECT_NEAR(s.v[k] - then[k], share * 0.5 * kStep * s.inverse_mass[k % m.tables.plane] * jump[k],
+                    1e-12 * largest(then));
+      if (towards > 0.0) {
+        EXPECT_NEAR(share, 1.0, 1e-9) << c.name;
+      } else {
+        EXPECT_GT(share, 0.5) << c.name;
+        EXPECT_LT(share, 0.95) << c.name;
+        EXPECT_LT(s.book.injected - book.injected + s.book.fracture - book.fracture, 1e-15) << c.name;
+      }
+    }
+}
+
 // Control points that supports hold, tie together or drive, where cracks reach them.
 TEST(Jump, BesideSupportsTheBooksCloseToo) {
   const ShellModel m =
