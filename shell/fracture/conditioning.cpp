@@ -151,10 +151,21 @@ void conditioned(const View& view, const SupportChoice* choices, int least_count
       for (int k = i; k < B; ++k) sum += w.at[k][i] * w.at[k][j] * one_over[k];
       b.at[i][j] = sum;
     }
-  const Largest high = largest_eigenvalue(a), low = largest_eigenvalue(b);  // and one over the least
+  // The largest eigenvalue is no less than the largest diagonal entry, no more than the norm, and that no more than
+  // sqrt(B) times it.
+  Lanes largest_b = b.at[0][0];
+  for (int i = 1; i < B; ++i) largest_b = b.at[i][i] > largest_b ? b.at[i][i] : largest_b;
   const Lanes limit2 = limit * limit, limit4 = limit2 * limit2;
-  const Mask surely = high.at_most_8 * low.at_most_8 <= (1.0 - kMargin) * limit4 * limit4;
-  const Mask perhaps = high.at_least_4 * low.at_least_4 <= (1.0 + kMargin) * limit4;
+  const Lanes norms2 = squared_norm(a) * squared_norm(b);
+  Mask surely = norms2 <= (1.0 - kMargin) * limit2;
+  Mask perhaps = (largest * largest_b <= (1.0 + kMargin) * limit) & (norms2 <= (1.0 + kMargin) * (B * B) * limit2);
+  int first = 0;  // that is not a no
+  while (first < kChoices && !(open[first] & perhaps[first])) ++first;
+  if (first < kChoices && !surely[first]) {
+    const Largest high = largest_eigenvalue(a), low = largest_eigenvalue(b);  // and one over the least
+    surely = high.at_most_8 * low.at_most_8 <= (1.0 - kMargin) * limit4 * limit4;
+    perhaps = high.at_least_4 * low.at_least_4 <= (1.0 + kMargin) * limit4;
+  }
   for (int k = 0; k < kChoices; ++k)
     if (open[k]) out.answer[k] = surely[k] ? Conditioned::kYes : perhaps[k] ? Conditioned::kUnsure : Conditioned::kNo;
 }

@@ -29,8 +29,9 @@ struct Conditioning {
 };
 
 /// For each of eight choices: does the matrix of the basis 1 x y (xx xy yy), over the control points that are seen
-/// within the support, have a condition no larger than the limit? No answer where that is closer than the bounds tell,
-/// a few per cent. Fewer control points than `least` never do. The basis is in units of the support. B: 3 or 6.
+/// within the support, have a condition no larger than the limit? No answer where that is closer than the bounds tell:
+/// a few per cent, and a factor of six beyond the first choice that surely has. Fewer control points than `least` never
+/// do. The basis is in units of the support. B: 3 or 6.
 template <int B>
 void conditioned(const View& view, const SupportChoice* choices, int least, Conditioning<B>& out);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <utility>
 
 namespace sunder::shell {
@@ -12,17 +13,23 @@ constexpr int kFew = 8;                             // edges, which are looked a
 constexpr int kRemembered = 64;                     // edges that were just looked at
 constexpr double kBeyond = 1e-6 + kLargestSupport;  // spacings: what is seen is nearer, whatever the round-off
 constexpr double kRoundOff = 1e-12;                 // of areas, in squared spacings
+constexpr double kMostDoubt = 1e-3;                 // spacings
 
-typedef double Eight __attribute__((vector_size(64)));
-typedef std::int64_t EightMasks __attribute__((vector_size(64)));
+typedef double Four __attribute__((vector_size(32)));
+typedef std::int64_t FourMasks __attribute__((vector_size(32)));
+constexpr int kPacks = 4;
 
-EightMasks near_zero(Eight a, double tiny) { return (a < tiny) & (a > -tiny); }
+// Offsets of columns from the point, which rise: infinite where the patch has none.
+struct Columns {
+  Four at[kPacks];
+};
 
-// A bit for each mask that is set, the first one lowest.
-unsigned bits_of(EightMasks masks) {
-  typedef std::int8_t Bytes __attribute__((vector_size(8)));
-  const auto bytes = std::bit_cast<std::uint64_t>(__builtin_convertvector(masks, Bytes));
-  return static_cast<unsigned>((bytes & 0x8040201008040201u) * 0x0101010101010101u >> 56);
+// A bit for each column from `left` to `right`, the first one lowest.
+unsigned columns_between(const Columns& x, double left, double right) {
+  FourMasks bits{};
+  for (int k = 0; k < kPacks; ++k)
+    bits |= (x.at[k] >= left) & (x.at[k] <= right) & (FourMasks{1, 2, 4, 8} << 4 * k);
+  return static_cast<unsigned>(bits[0] | bits[1] | bits[2] | bits[3]);
 }
 
 }  // namespace
@@ -58,9 +65,11 @@ View Sight::view(const ControlGrid& grid) const {
 }
 
 void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
-  double x[kAcross + 1] = {};  // of the columns
-  for (int i = std::max(0, -column_); i < std::min(kAcross, grid.columns - column_); ++i)
-    x[i] = (*grid.parameter)[column_ + i].x();
+  double x[4 * kPacks];
+  for (int i = 0; i < 4 * kPacks; ++i)
+    x[i] = column_ + i < 0               ? -std::numeric_limits<double>::infinity()
+           : column_ + i >= grid.columns ? std::numeric_limits<double>::infinity()
+                                         : (*grid.parameter)[column_ + i].x() - p_.x();
   if (end - known_ <= kFew) {
     for (int e = known_; e < end; ++e) hide(grid, x, cracks.edges()[e]);
   } else {
@@ -74,41 +83,50 @@ void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
   known_ = std::max(known_, end);
 }
 
-void Sight::hide(const ControlGrid& grid, const double* x, const CrackEdge& e) {
-  const Vec2 &c = e.long_a, &d = e.long_b, low = c.cwiseMin(d), high = c.cwiseMax(d);
+// An edge hides what lies beyond it in the wedge that it fills: three half planes, and of each row of control points
+// what is between two ends. Where round-off would decide, segments_meet does.
+void Sight::hide(const ControlGrid& grid, const double* offsets, const CrackEdge& e) {
+  const Vec2 low = e.long_a.cwiseMin(e.long_b) - p_, high = e.long_a.cwiseMax(e.long_b) - p_;
   const Vec2 reach = kBeyond * Vec2(grid.spacing_u, grid.spacing_v);
-  if (((low - p_).array() > reach.array()).any() || ((p_ - high).array() > reach.array()).any()) return;
-  const bool left = orientation(c, d, p_) >= 0.0;
+  if ((low.array() > reach.array()).any() || (-high.array() > reach.array()).any()) return;
+  Vec2 a = e.long_a - p_, b = e.long_b - p_;
+  double area = a.x() * b.y() - a.y() * b.x();
+  if (area < 0.0) std::swap(a, b), area = -area;
+  const Vec2 along = b - a;
+  // n . w >= 0 of the rays to both ends, >= area of the edge: an end in a row is `at` + `slope` times its y
+  const Vec2 normals[3] = {{-a.y(), a.x()}, {b.y(), -b.x()}, {along.y(), -along.x()}};
   const double tiny = kRoundOff * grid.spacing_u * grid.spacing_v;
-  Eight columns[2], from_eye[2], from_c[2];
-  EightMasks beside[2];
-  std::memcpy(columns, x, sizeof(columns));
-  for (int h = 0; h < 2; ++h) {
-    from_eye[h] = columns[h] - p_.x(), from_c[h] = columns[h] - c.x();
-    // both the eye and the control point left or right of the edge
-    beside[h] = p_.x() < low.x() ? columns[h] < low.x() : p_.x() > high.x() ? columns[h] > high.x() : EightMasks{};
+  double at[3], slope[3], doubt = 0.0;
+  for (int k = 0; k < 3; ++k) {
+    const double over = 1.0 / normals[k].x();
+    at[k] = k == 2 ? area * over : 0.0, slope[k] = -normals[k].y() * over;
+    doubt = std::max(doubt, tiny * std::abs(over));
   }
+  const bool unsure = !(area > tiny && doubt < kMostDoubt * grid.spacing_u);
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  Columns x;
+  std::memcpy(&x, offsets, sizeof(x));
   for (int j = 0; j < kAcross; ++j) {
     if (rows_[j] == 0) continue;
-    const double y = (*grid.parameter)[(row_ + j) * grid.columns].y();
-    if (std::max(p_.y(), y) < low.y() || std::min(p_.y(), y) > high.y()) continue;
-    unsigned bits = 0, doubtful = 0;
-    for (int h = 0; h < 2; ++h) {  // segments_meet, which decides where round-off would
-      const Eight side = (d.x() - c.x()) * (y - c.y()) - (d.y() - c.y()) * from_c[h];
-      const Eight to_c = from_eye[h] * (c.y() - p_.y()) - (y - p_.y()) * (c.x() - p_.x());
-      const Eight to_d = from_eye[h] * (d.y() - p_.y()) - (y - p_.y()) * (d.x() - p_.x());
-      const EightMasks other = left ? side < 0.0 : side >= 0.0;
-      bits |= bits_of(other & (to_c * to_d <= 0.0) & ~beside[h]) << 8 * h;
-      doubtful |= bits_of(near_zero(side, tiny) | near_zero(to_c, tiny) | near_zero(to_d, tiny)) << 8 * h;
+    const double row = (*grid.parameter)[(row_ + j) * grid.columns].y(), y = row - p_.y();
+    if (std::max(0.0, y) < low.y() || std::min(0.0, y) > high.y()) continue;
+    unsigned hidden = 0, doubtful = rows_[j];
+    if (!unsure) {
+      double left = -kFar, right = kFar;
+      for (int k = 0; k < 3; ++k) {
+        const double end = at[k] + slope[k] * y;
+        left = normals[k].x() > 0.0 ? std::max(left, end) : left;
+        right = normals[k].x() > 0.0 ? right : std::min(right, end);
+      }
+      if (left - doubt > right + doubt) continue;
+      hidden = columns_between(x, left + doubt, right - doubt);
+      doubtful &= columns_between(x, left - doubt, right + doubt) & ~hidden;
     }
-    for (doubtful &= rows_[j]; doubtful; doubtful &= doubtful - 1) {
-      const unsigned bit = doubtful & -doubtful;
-      const Vec2 q(x[std::countr_zero(bit)], y);
-      const bool hidden =
-          std::max(p_.x(), q.x()) >= low.x() && std::min(p_.x(), q.x()) <= high.x() && segments_meet(p_, q, c, d);
-      bits = hidden ? bits | bit : bits & ~bit;
+    for (; doubtful; doubtful &= doubtful - 1) {
+      const Vec2 q((*grid.parameter)[column_ + std::countr_zero(doubtful)].x(), row);
+      if (segments_meet(p_, q, e.long_a, e.long_b)) hidden |= doubtful & -doubtful;
     }
-    rows_[j] = static_cast<std::uint16_t>(rows_[j] & ~bits);
+    rows_[j] = static_cast<std::uint16_t>(rows_[j] & ~hidden);
   }
 }
 

@@ -58,8 +58,8 @@ class Sight {
   View view(const ControlGrid& grid) const;
 
  private:
-  /// `x`: of each column and one to spare.
-  void hide(const ControlGrid& grid, const double* x, const CrackEdge& edge);
+  /// `offsets`: of each column from the point and one to spare.
+  void hide(const ControlGrid& grid, const double* offsets, const CrackEdge& edge);
 
   static constexpr int kReach = 7, kAcross = 2 * kReach + 1;  // one more than the support, rounded up
   static_assert(kAcross <= View::kMost);

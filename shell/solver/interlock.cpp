@@ -113,11 +113,13 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   return true;
 }
 
-void add_force(const ShellState& s, const Interlock& lock, const Gap& gap, const Springs& springs, double times,
-               std::vector<double>& force) {
+// What springs do to both sides: on their values, and on their derivatives along u and v [N, N m].
+struct Push {
+  Vec3 value, u, v;
+};
+
+Push push_of(const ShellState& s, const Interlock& lock, const Gap& gap, const Springs& springs, double times) {
   const Vec3& e = springs.bear;
-  if (e.isZero(0.0)) return;
-  const std::size_t plane = force.size() / 3;
   const double k = times * lock.stiffness * lock.area;
   // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
   // g . d across = d normal . (along x g) + d along . (g x normal)
@@ -127,12 +129,21 @@ void add_force(const ShellState& s, const Interlock& lock, const Gap& gap, const
   const Vec3 a = (on_normal - gap.normal * gap.normal.dot(on_normal)) / gap.c;
   const Vec3 b = (on_along - gap.along * gap.along.dot(on_along)) / gap.d;
   const Vec2 p = direction(s, lock);
-  const Vec3 on_u = 0.5 * (gap.tv.cross(a) + p.x() * b), on_v = 0.5 * (a.cross(gap.tu) + p.y() * b);
+  return {on_gap, 0.5 * (gap.tv.cross(a) + p.x() * b), 0.5 * (a.cross(gap.tu) + p.y() * b)};
+}
+
+void spread(const Interlock& lock, const Push& push, std::vector<double>& force) {
+  const std::size_t plane = force.size() / 3;
   for (int side = 0; side < 2; ++side)
     for (const auto& f : side == 0 ? lock.plus : lock.minus) {
-      const Vec3 on = -((side == 0 ? f.n[0] : -f.n[0]) * on_gap + f.n[1] * on_u + f.n[2] * on_v);
+      const Vec3 on = -((side == 0 ? f.n[0] : -f.n[0]) * push.value + f.n[1] * push.u + f.n[2] * push.v);
       for (int d = 0; d < 3; ++d) force[d * plane + f.slot] += on[d];
     }
+}
+
+void add_force(const ShellState& s, const Interlock& lock, const Gap& gap, const Springs& springs, double times,
+               std::vector<double>& force) {
+  if (!springs.bear.isZero(0.0)) spread(lock, push_of(s, lock, gap, springs, times), force);
 }
 
 }  // namespace
@@ -162,9 +173,19 @@ void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {
   s.book.fracture += held * (stiff - (lock.holds ? lock.stiffness : 0.0));
 }
 
-double interlock_forces(const ShellModel& m, ShellState& s, bool advance) {
-  double energy = 0.0;
-  for (Interlock& lock : s.interlocks) {
+double interlock_forces(const ShellModel& m, ShellState& s, bool advance, int threads) {
+  struct Found {
+    Push push;
+    double energy = 0.0;
+    bool acts = false;
+  };
+  std::vector<Interlock>& locks = s.interlocks;
+  thread_local std::vector<Found> found;
+  found.assign(locks.size(), {});
+  Found* all = found.data();
+#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
+  for (std::size_t i = 0; i < locks.size(); ++i) {
+    Interlock& lock = locks[i];
     if (!lock.holds) continue;
     const Gap gap = gap_of(s, lock);
     lock.opening = gap.components()[0] - lock.rest[0];
@@ -176,8 +197,14 @@ double interlock_forces(const ShellModel& m, ShellState& s, bool advance) {
     // at full stiffness: one that is softer slips no further
     lock.shear = stiffness(m) * std::hypot(springs.bear[1], springs.bear[2]);
     lock.sound = sound(lock, gap);
-    energy += lock.stiffness * lock.area * springs.hold;
-    add_force(s, lock, gap, springs, 1.0, s.force);
+    all[i].energy = lock.stiffness * lock.area * springs.hold;
+    all[i].acts = !springs.bear.isZero(0.0);
+    if (all[i].acts) all[i].push = push_of(s, lock, gap, springs, 1.0);
+  }
+  double energy = 0.0;
+  for (std::size_t i = 0; i < locks.size(); ++i) {  // in one order, whatever the threads
+    energy += all[i].energy;
+    if (all[i].acts) spread(locks[i], all[i].push, s.force);
   }
   return energy;
 }

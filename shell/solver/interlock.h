@@ -29,7 +29,7 @@ void refasten(const ShellModel& model, ShellState& state, Interlock& lock);
 /// Adds the forces to state.force; returns the energy [J]. `advance`: a substep begins here, and faces that are open
 /// take the depth of their next closing from how they have moved since the last one. A function of the gap in the frame
 /// of the deformed surface, so momentum and angular momentum are kept to round-off.
-double interlock_forces(const ShellModel& model, ShellState& state, bool advance);
+double interlock_forces(const ShellModel& model, ShellState& state, bool advance, int threads);
 
 /// Lets go where the last force found faces opened or sheared too far (`all`: everywhere); books what the
 /// springs hold at the present positions.

@@ -110,7 +110,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     sum += row_forces(s.interlayer, s.x, energy, {}, threads, s.row_scratch, s.interlayer_force);
     for (std::size_t i = 0; i < s.force.size(); ++i) s.force[i] += s.interlayer_force[i];
   }
-  s.interlock_energy = interlock_forces(m, s, stress_share > 0.0);
+  s.interlock_energy = interlock_forces(m, s, stress_share > 0.0, threads);
   if (!m.loads.empty()) {
     load_forces(m.loads, s.tables, s.points, s.time, s.x, threads, s.row_scratch, s.external);
     for (std::size_t i = 0; i < s.force.size(); ++i) s.force[i] += s.external[i];

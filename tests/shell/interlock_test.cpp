@@ -100,7 +100,7 @@ TEST(Interlock, BalancesForceAndTorque) {
   soften(s);
   disturb(s, m, 1e-3);
   s.force.assign(s.force.size(), 0.0);
-  ASSERT_GT(interlock_forces(m, s, false), 0.0);
+  ASSERT_GT(interlock_forces(m, s, false, 1), 0.0);
   const Balance b = balance(m, s);
   EXPECT_LT(b.force.norm(), 1e-12 * b.scale);
   EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
@@ -226,7 +226,7 @@ TEST(Interlock, FacesBetweenCracksThatAreCloseBear) {
   ASSERT_GT(s.interlock_energy, 0.0);
   expect_gradient(m, s);
   s.force.assign(s.force.size(), 0.0);
-  interlock_forces(m, s, false);
+  interlock_forces(m, s, false, 1);
   const Balance b = balance(m, s);
   EXPECT_LT(b.force.norm(), 1e-12 * b.scale);
   EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
