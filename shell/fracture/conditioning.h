@@ -1,5 +1,5 @@
 #pragma once
-// Which supports of a point give a well conditioned matrix: bounds for eight of them at once, so that the exact
+// Which supports of a point give a well conditioned matrix: bounds for several of them at once, so that the exact
 // condition, and the matrix itself, are rarely needed for more than the one that is taken.
 #include <array>
 
@@ -11,7 +11,12 @@ namespace sunder::shell {
 struct SupportChoice {
   double size, limit;
 };
+/// As many as the machine's registers hold; elsewhere eight at once would spill.
+#ifdef __AVX512F__
 constexpr int kChoices = 8;
+#else
+constexpr int kChoices = 4;
+#endif
 enum class Conditioned { kNo, kYes, kUnsure };
 
 typedef double Lanes __attribute__((vector_size(8 * kChoices)));  // one for each choice
@@ -28,7 +33,7 @@ struct Conditioning {
   Symmetric<B> matrix, inverse;  // the latter of choices only whose answer is not no
 };
 
-/// For each of eight choices: does the matrix of the basis 1 x y (xx xy yy), over the control points that are seen
+/// For each of the choices: does the matrix of the basis 1 x y (xx xy yy), over the control points that are seen
 /// within the support, have a condition no larger than the limit? No answer where that is closer than the bounds tell:
 /// a few per cent, and a factor of six beyond the first choice that surely has. Fewer control points than `least` never
 /// do. The basis is in units of the support. B: 3 or 6.

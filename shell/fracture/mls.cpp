@@ -194,15 +194,22 @@ bool well_conditioned(const Symmetric<B>& all, int lane, double limit) {
   return low > 0.0 && high <= limit * low;
 }
 
-// In the first of these supports from `k` on whose matrix is conditioned well enough, which is returned; kChoices:
-// none.
-template <int B>
-int first_good(const Conditioning<B>& all, const SupportChoice* choices, int k) {
-  for (; k < kChoices; ++k)
-    if (all.answer[k] == Conditioned::kYes ||
-        (all.answer[k] == Conditioned::kUnsure && well_conditioned(all.matrix, k, choices[k].limit)))
-      break;
-  return k;
+// Calls take(conditioning, choices, number) for each of the supports, in their order, whose matrix is conditioned well
+// enough, until it returns true; false where it never does.
+template <int B, std::size_t N, class F>
+bool any_support(const View& view, const std::array<SupportChoice, N>& supports, int least, F&& take) {
+  static_assert(N % kChoices == 0);
+  Conditioning<B> all;
+  for (std::size_t first = 0; first < N; first += kChoices) {
+    const SupportChoice* choices = &supports[first];
+    conditioned(view, choices, least, all);
+    for (int k = 0; k < kChoices; ++k)
+      if ((all.answer[k] == Conditioned::kYes ||
+           (all.answer[k] == Conditioned::kUnsure && well_conditioned(all.matrix, k, choices[k].limit))) &&
+          take(all, choices, k))
+        return true;
+  }
+  return false;
 }
 template <int B>
 void shape_functions(const ControlGrid& grid, const View& view, const Conditioning<B>& all,
@@ -214,8 +221,8 @@ void shape_functions(const ControlGrid& grid, const View& view, const Conditioni
 
 constexpr int kLeastQuadratic = 9, kLeastLinear = 4, kLeastPlane = 3;  // control points
 // In the order in which they are tried. A narrow strip is better conditioned in the smaller one of the last two.
-constexpr int kSmallSteps = 11, kTried = 16;  // the last three are none
-static_assert(kSmallestSupport + (kSmallSteps - 1) * kSupportStep == kLargeSupport && kTried % kChoices == 0);
+constexpr int kSmallSteps = 11, kTried = 16, kLinearTried = 8;  // the last three are none
+static_assert(kSmallestSupport + (kSmallSteps - 1) * kSupportStep == kLargeSupport);
 constexpr std::array<SupportChoice, kTried> kSupports = [] {
   std::array<SupportChoice, kTried> all;
   for (int k = 0; k < kTried; ++k) all[k] = {1.0, 0.0};
@@ -224,9 +231,9 @@ constexpr std::array<SupportChoice, kTried> kSupports = [] {
   return all;
 }();
 // Of a linear basis, up to the support `last`.
-constexpr std::array<SupportChoice, kChoices> linear_supports(double last, double limit) {
-  std::array<SupportChoice, kChoices> all;
-  for (int k = 0; k < kChoices; ++k) {
+constexpr std::array<SupportChoice, kLinearTried> linear_supports(double last, double limit) {
+  std::array<SupportChoice, kLinearTried> all;
+  for (int k = 0; k < kLinearTried; ++k) {
     const double d = kSmallestSupport + 2 * k * kSupportStep;
     all[k] = d <= last ? SupportChoice{d, limit} : SupportChoice{1.0, 0.0};
   }
@@ -259,21 +266,13 @@ MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2
 MlsPoint mls_point(const ControlGrid& grid, const Sight& sight) {
   const View view = sight.view(grid);
   MlsPoint point;
-  Conditioning<6> quadratic;
-  for (int first = 0; first < kTried; first += kChoices) {
-    conditioned(view, &kSupports[first], kLeastQuadratic, quadratic);
-    const int k = first_good(quadratic, &kSupports[first], 0);
-    if (k == kChoices) continue;
-    point.basis = MlsBasis::kQuadratic;
-    shape_functions(grid, view, quadratic, &kSupports[first], k, point.functions);
-    return point;
-  }
-  Conditioning<3> linear;
-  conditioned(view, kLinearSupports.data(), kLeastLinear, linear);
-  const int k = first_good(linear, kLinearSupports.data(), 0);
-  if (k == kChoices) return point;
-  point.basis = MlsBasis::kLinear;
-  shape_functions(grid, view, linear, kLinearSupports.data(), k, point.functions);
+  const auto take = [&](const auto& all, const SupportChoice* choices, int k) {
+    shape_functions(grid, view, all, choices, k, point.functions);
+    return true;
+  };
+  point.basis = any_support<6>(view, kSupports, kLeastQuadratic, take)      ? MlsBasis::kQuadratic
+                : any_support<3>(view, kLinearSupports, kLeastLinear, take) ? MlsBasis::kLinear
+                                                                            : MlsBasis::kNone;
   return point;
 }
 
@@ -282,16 +281,14 @@ MlsPoint face_point(const ControlGrid& grid, const Sight& sight) {
   if (point.basis != MlsBasis::kNone && amplification_of(grid, point.functions).value <= kFaceAmplification)
     return point;
   const View view = sight.view(grid);
-  const SupportChoice* choices = kFaceSupports.data();
-  Conditioning<3> planes;
-  conditioned(view, choices, kLeastPlane, planes);
+  const bool found =
+      any_support<3>(view, kFaceSupports, kLeastPlane, [&](const auto& all, const SupportChoice* choices, int k) {
+        shape_functions(grid, view, all, choices, k, point.functions);
+        const Amplification a = amplification_of(grid, point.functions);
+        return a.value <= kFaceAmplification && a.slope <= kFaceAmplification;
+      });
   point.basis = MlsBasis::kLinear;
-  for (int k = first_good(planes, choices, 0); k < kChoices; k = first_good(planes, choices, k + 1)) {
-    shape_functions(grid, view, planes, choices, k, point.functions);
-    const Amplification a = amplification_of(grid, point.functions);
-    if (a.value <= kFaceAmplification && a.slope <= kFaceAmplification) return point;
-  }
-  return {};
+  return found ? point : MlsPoint{};
 }
 
 }  // namespace sunder::shell

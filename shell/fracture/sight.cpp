@@ -27,8 +27,7 @@ struct Columns {
 // A bit for each column from `left` to `right`, the first one lowest.
 unsigned columns_between(const Columns& x, double left, double right) {
   FourMasks bits{};
-  for (int k = 0; k < kPacks; ++k)
-    bits |= (x.at[k] >= left) & (x.at[k] <= right) & (FourMasks{1, 2, 4, 8} << 4 * k);
+  for (int k = 0; k < kPacks; ++k) bits |= (x.at[k] >= left) & (x.at[k] <= right) & (FourMasks{1, 2, 4, 8} << 4 * k);
   return static_cast<unsigned>(bits[0] | bits[1] | bits[2] | bits[3]);
 }
 
