@@ -14,14 +14,13 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kIterations = 120;  // of the stable step, as a run takes
-constexpr int kTrials = 20;       // substeps that are timed
+constexpr int kTrials = 20;  // substeps that are timed
 
 /// The stable step of a shell by itself [s]; throws where it has none, or bodies are too fast for it.
 double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::size_t shell, ShellState& s) {
   const ShellSetup& shell_setup = setup.shells[shell];
   const ShellModel& m = shell_setup.model;
-  double step = stable_step(m, s, kIterations, 1, shell_setup.can_crack());
+  double step = stable_step(m, s, kStepIterations, 1, shell_setup.can_crack());
   if (m.has_fibres()) step = stable_step_with_fibres(step, setup.models());
   scene.check(std::isfinite(step), fmt::format("shells[{}].supports", shell),
               "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
@@ -127,7 +126,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   Stitching stitching(setup.stitches, models);
   if (!stitching.empty()) {
     stitching.tie(refs);
-    steps = joined_steps(refs, stitching, steps, can_crack, kIterations, 1);
+    steps = joined_steps(refs, stitching, steps, can_crack, kJoinedIterations, 1);
   }
   const double smallest = *std::min_element(steps.begin(), steps.end());
   double allowed = std::numeric_limits<double>::infinity(), memory = 0.0;

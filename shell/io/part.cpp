@@ -12,8 +12,8 @@ namespace sunder::shell {
 namespace {
 
 constexpr int kMeasureEvery = 4;  // windows: what cracks leave of the stable step is a little more than is taken of it
-constexpr int kStrainedWindows = 8;   // between two measurements of the stable step where there is damage
-constexpr int kLaterIterations = 16;  // of the stable step
+constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
+constexpr int kLaterIterations = 9;  // of the stable step: within 5 % about a new crack
 
 }  // namespace
 

@@ -21,8 +21,7 @@ namespace {
 
 constexpr double kLookInterval = 0.1;  // [s] of wall time between two looks at the peer
 constexpr int kPointsPerThread = 4000;
-constexpr double kPatience = 5.0;      // [s] of wall time that an interruption waits for the window's end
-constexpr int kFirstIterations = 120;  // of the stable step
+constexpr double kPatience = 5.0;  // [s] of wall time that an interruption waits for the window's end
 
 constexpr double kRoundOffStrain = 1e-12;  // what is stored below it is no energy that books could miss
 
@@ -132,7 +131,7 @@ void Run::start_shells() {
     if (setup.tips)  // what opens a face has first to relieve it
       for (double& strength : s.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
-    double stable = stable_step(m, s, kFirstIterations, options_.threads, cracks);
+    double stable = stable_step(m, s, kStepIterations, options_.threads, cracks);
     if (fibres_ && m.has_fibres()) stable = stable_step_with_fibres(stable, setup_.models());
     part.initial_step = part.smallest_step = stable;
     require(std::isfinite(stable),
@@ -164,7 +163,7 @@ void Run::start_shells() {
   std::vector<double> alone;
   for (const ShellPart& part : parts_) can_crack.push_back(part.setup->can_crack()), alone.push_back(part.initial_step);
   const std::vector<double> joined =
-      joined_steps(refs(), stitching_, alone, can_crack, kFirstIterations, options_.threads);
+      joined_steps(refs(), stitching_, alone, can_crack, kJoinedIterations, options_.threads);
   for (std::size_t k = 0; k < parts_.size(); ++k) parts_[k].initial_step = parts_[k].smallest_step = joined[k];
 }
 

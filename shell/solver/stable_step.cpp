@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 
+#include <Eigen/Eigenvalues>
+
 namespace sunder::shell {
 namespace {
 
@@ -27,7 +29,56 @@ struct Probed {
   std::vector<double> x, v, force, inverse_mass, at_rest;  // the last: forces at the present positions
 };
 
-/// 2 / sqrt(lambda_max) with the mode's first guess in the velocities.
+// Central differences with damping at the velocities half a step ago.
+double step_of(const ShellMaterial& m, double omega) {
+  const double damped = 0.5 * (m.stiffness_damping * omega + m.mass_damping / omega);
+  return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
+}
+
+/// The largest eigenvalue of M^-1 K by the method of Lanczos, in the scalar product of M, from the first guess in the
+/// velocities. Orthogonality that is lost on the way makes copies of what has converged, which do no harm here.
+template <class Forces>
+double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
+  ShellState& s = p.s;
+  p.at_rest = s.force;
+  const std::size_t plane = s.inverse_mass.size();
+  const double epsilon = kProbe * p.model.spacing * std::sqrt(static_cast<double>(p.model.control_points()));
+  std::vector<double>&v = s.v, before(v.size(), 0.0), next(v.size());
+  Eigen::VectorXd diagonal(iterations), beside(iterations);
+  const auto product = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (s.inverse_mass[i % plane] > 0.0) sum += a[i] * b[i] / s.inverse_mass[i % plane];
+    return sum;
+  };
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (s.inverse_mass[i % plane] == 0.0) v[i] = 0.0;
+  double length = std::sqrt(product(v, v));
+  int found = 0;
+  for (; found < iterations && length > 0.0; ++found) {
+    double norm = 0.0;
+    for (double& a : v) a /= length, norm += a * a;
+    norm = std::sqrt(norm);
+    for (std::size_t i = 0; i < v.size(); ++i) s.x[i] = p.x[i] + epsilon * (v[i] / norm);
+    forces();
+    for (std::size_t i = 0; i < v.size(); ++i)
+      next[i] = -(s.force[i] - p.at_rest[i]) * (norm / epsilon) * s.inverse_mass[i % plane];
+    diagonal[found] = product(v, next);
+    for (std::size_t i = 0; i < v.size(); ++i)
+      next[i] -= diagonal[found] * v[i] + (found > 0 ? beside[found - 1] * before[i] : 0.0);
+    length = std::sqrt(product(next, next));
+    beside[found] = length;
+    std::swap(before, v), std::swap(v, next);
+    if (!(length > 1e-6 * std::abs(diagonal[found]))) length = 0.0;  // all that the guess holds has been found
+  }
+  if (found == 0) return 0.0;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
+  eigen.computeFromTridiagonal(diagonal.head(found), beside.head(found - 1), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[found - 1];
+}
+
+/// 2 / sqrt(lambda_max) with the mode's first guess in the velocities. What follows others over a seam has no mass of
+/// its own in which K would be symmetric, so this is power iteration.
 template <class Forces>
 double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces) {
   double epsilon = std::numeric_limits<double>::infinity(), points = 0.0, lambda = 0.0;
@@ -61,13 +112,9 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
     lambda = std::sqrt(sum);
   }
   if (lambda <= 0.0) return std::numeric_limits<double>::infinity();
-  // central differences with damping at the velocities half a step ago
-  const double omega = std::sqrt(lambda);
-  double damped = 0.0;
-  for (const Probed& p : shells)
-    damped =
-        std::max(damped, 0.5 * (p.model.material.stiffness_damping * omega + p.model.material.mass_damping / omega));
-  return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
+  double step = std::numeric_limits<double>::infinity();
+  for (const Probed& p : shells) step = std::min(step, step_of(p.model.material, std::sqrt(lambda)));
+  return step;
 }
 
 }  // namespace
@@ -75,7 +122,7 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
 double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
                    const std::vector<Vec2>& around) {
   const auto forces = [&] { compute_forces(m, s, false, 0.0, threads); };
-  std::vector<Probed> shells{{ShellRef{&m, &s}, as_if_free}};
+  Probed shell{{&m, &s}, as_if_free};
   forces();
   const std::size_t plane = m.tables.plane;
   std::vector<char> start(plane, around.empty());
@@ -94,10 +141,10 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
   }
   std::mt19937_64 random(1);
   for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] = start[i % plane] ? noise(random) : 0.0;
-  const double step = iterate(shells, iterations, forces);
-  shells[0].force = std::move(shells[0].at_rest);  // callers go on with those of the present positions
-  shells[0].restore();
-  return step;
+  const double lambda = largest_eigenvalue(shell, iterations, forces);
+  shell.force = std::move(shell.at_rest);  // callers go on with those of the present positions
+  shell.restore();
+  return lambda > 0.0 ? step_of(m.material, std::sqrt(lambda)) : std::numeric_limits<double>::infinity();
 }
 
 double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int iterations, int threads,

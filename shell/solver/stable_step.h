@@ -6,8 +6,11 @@
 
 namespace sunder::shell {
 
-/// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by power
-/// iteration, which approaches from above. It starts from noise on the control points that lie within
+constexpr int kStepIterations = 60;     // to round-off of what matters, for patches of 200 elements a side too
+constexpr int kJoinedIterations = 120;  // of shells that hang together
+
+/// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by the method of
+/// Lanczos, which approaches from above. It starts from noise on the control points that lie within
 /// reach of `around` (everywhere where that is empty): a mode that a new crack or a lost mass made is
 /// local, and a vector kept from before would not contain it.
 /// `as_if_free`: supports are left out. A free edge halves the stable step of a clamped plate, and every
@@ -15,7 +18,7 @@ namespace sunder::shell {
 double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, bool as_if_free,
                    const std::vector<Vec2>& around = {});
 
-/// The same of shells that hang together; `as_if_free` of each.
+/// The same of shells that hang together, by power iteration; `as_if_free` of each.
 double stable_step(const std::vector<ShellRef>& shells, Stitching& stitching, int iterations, int threads,
                    const std::vector<char>& as_if_free);
 
