@@ -24,6 +24,16 @@ struct Columns {
   Four at[kPacks];
 };
 
+Columns columns_of(const ControlGrid& grid, int first, double x) {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  Columns c;
+  for (int i = 0; i < 4 * kPacks; ++i)
+    c.at[i / 4][i % 4] = first + i < 0               ? -kNone
+                         : first + i >= grid.columns ? kNone
+                                                     : (*grid.parameter)[first + i].x() - x;
+  return c;
+}
+
 // A bit for each column from `left` to `right`, the first one lowest.
 unsigned columns_between(const Columns& x, double left, double right) {
   FourMasks bits{};
@@ -63,28 +73,10 @@ View Sight::view(const ControlGrid& grid) const {
   return v;
 }
 
-void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
-  double x[4 * kPacks];
-  for (int i = 0; i < 4 * kPacks; ++i)
-    x[i] = column_ + i < 0               ? -std::numeric_limits<double>::infinity()
-           : column_ + i >= grid.columns ? std::numeric_limits<double>::infinity()
-                                         : (*grid.parameter)[column_ + i].x() - p_.x();
-  if (end - known_ <= kFew) {
-    for (int e = known_; e < end; ++e) hide(grid, x, cracks.edges()[e]);
-  } else {
-    const Vec2 reach = kLargestSupport * Vec2(grid.spacing_u, grid.spacing_v);
-    std::array<int, kRemembered> met;  // an edge comes once for each of its bins
-    met.fill(-1);
-    cracks.near_since(p_ - reach, p_ + reach, known_, [&](int e) {
-      if (e < end && std::exchange(met[e % kRemembered], e) != e) hide(grid, x, cracks.edges()[e]);
-    });
-  }
-  known_ = std::max(known_, end);
-}
-
 // An edge hides what lies beyond it in the wedge that it fills: three half planes, and of each row of control points
 // what is between two ends. Where round-off would decide, segments_meet does.
-void Sight::hide(const ControlGrid& grid, const double* offsets, const CrackEdge& e) {
+template <class F>
+void Sight::each_hidden(const ControlGrid& grid, const CrackEdge& e, F&& callback) const {
   const Vec2 low = e.long_a.cwiseMin(e.long_b) - p_, high = e.long_a.cwiseMax(e.long_b) - p_;
   const Vec2 reach = kBeyond * Vec2(grid.spacing_u, grid.spacing_v);
   if ((low.array() > reach.array()).any() || (-high.array() > reach.array()).any()) return;
@@ -103,8 +95,7 @@ void Sight::hide(const ControlGrid& grid, const double* offsets, const CrackEdge
   }
   const bool unsure = !(area > tiny && doubt < kMostDoubt * grid.spacing_u);
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  Columns x;
-  std::memcpy(&x, offsets, sizeof(x));
+  const Columns x = columns_of(grid, column_, p_.x());
   for (int j = 0; j < kAcross; ++j) {
     if (rows_[j] == 0) continue;
     const double row = (*grid.parameter)[(row_ + j) * grid.columns].y(), y = row - p_.y();
@@ -125,8 +116,35 @@ void Sight::hide(const ControlGrid& grid, const double* offsets, const CrackEdge
       const Vec2 q((*grid.parameter)[column_ + std::countr_zero(doubtful)].x(), row);
       if (segments_meet(p_, q, e.long_a, e.long_b)) hidden |= doubtful & -doubtful;
     }
-    rows_[j] = static_cast<std::uint16_t>(rows_[j] & ~hidden);
+    if (!callback(j, hidden)) return;
   }
+}
+
+void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
+  if (end <= known_) return;
+  const auto hide = [&](const CrackEdge& e) {
+    each_hidden(grid, e, [&](int j, unsigned hidden) {
+      rows_[j] = static_cast<std::uint16_t>(rows_[j] & ~hidden);
+      return true;
+    });
+  };
+  if (end - known_ <= kFew) {
+    for (int e = known_; e < end; ++e) hide(cracks.edges()[e]);
+  } else {
+    const Vec2 reach = kLargestSupport * Vec2(grid.spacing_u, grid.spacing_v);
+    std::array<int, kRemembered> met;  // an edge comes once for each of its bins
+    met.fill(-1);
+    cracks.near_since(p_ - reach, p_ + reach, known_, [&](int e) {
+      if (e < end && std::exchange(met[e % kRemembered], e) != e) hide(cracks.edges()[e]);
+    });
+  }
+  known_ = end;
+}
+
+bool Sight::loses(const ControlGrid& grid, const CrackEdge& edge) const {
+  bool any = false;
+  each_hidden(grid, edge, [&](int j, unsigned hidden) { return !(any = (hidden & rows_[j]) != 0); });
+  return any;
 }
 
 }  // namespace sunder::shell

@@ -46,6 +46,14 @@ class Sight {
   /// Takes in what the first `end` edges of the graph hide. None that it has taken in may be taken back.
   void update(const ControlGrid& grid, const CrackGraph& cracks, int end);
   const Vec2& point() const { return p_; }
+  /// Whether the edge hides any that is seen.
+  bool loses(const ControlGrid& grid, const CrackEdge& edge) const;
+  /// Sees no control point any more, until these are shown, which must be within the largest support.
+  void close() { rows_.fill(0); }
+  void show(const ControlGrid& grid, int control_point) {
+    const int j = control_point / grid.columns - row_, i = control_point % grid.columns - column_;
+    rows_[j] = static_cast<std::uint16_t>(rows_[j] | 1u << i);
+  }
   /// Whether two sights of one point are the same.
   bool sees_the_same(const Sight& other) const { return rows_ == other.rows_; }
   /// Calls back each control point that is seen, in rising order.
@@ -58,8 +66,10 @@ class Sight {
   View view(const ControlGrid& grid) const;
 
  private:
-  /// `offsets`: of each column from the point and one to spare.
-  void hide(const ControlGrid& grid, const double* offsets, const CrackEdge& edge);
+  /// Calls back rows with a bit for each control point that the edge hides, until false is returned. Not each of these
+  /// need have been seen.
+  template <class F>
+  void each_hidden(const ControlGrid& grid, const CrackEdge& edge, F&& callback) const;
 
   static constexpr int kReach = 7, kAcross = 2 * kReach + 1;  // one more than the support, rounded up
   static_assert(kAcross <= View::kMost);

@@ -41,10 +41,13 @@ const GatheredPoint& present_point(const ShellModel& m, const ShellState& s, int
 
 int sight_of(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
-  int& index = s.sight_of[static_cast<std::size_t>(block) * t.lanes + lane];
+  const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+  int& index = s.sight_of[gauss];
   if (index >= 0) return index;
   s.sights.emplace_back(control_grid(m), gauss_point(m.patch, t, block, lane).parameter, lane,
                         block / (t.gauss * t.gauss));
+  s.uses.push_back(s.sights.back());
+  if (s.point_of[gauss] >= 0) note_uses(m, s.points[s.point_of[gauss]].functions, s.uses.back());
   return index = static_cast<int>(s.sights.size()) - 1;
 }
 
@@ -83,6 +86,7 @@ void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
     s.damage.back().strength = s.strength[gauss];
   }
   s.point_of[gauss] = static_cast<int>(s.points.size()) - 1;
+  if (s.sight_of[gauss] >= 0) note_uses(m, s.points.back().functions, s.uses[s.sight_of[gauss]]);
 }
 
 // How far off the control points are that a point at p uses [spacings].
@@ -96,7 +100,7 @@ float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
 }
 
 // Gauss points that look across an edge.
-std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const ShellState& s, const CrackEdge& e) {
+std::vector<std::pair<int, int>> touched_points(const ShellModel& m, ShellState& s, const CrackEdge& e) {
   const RowTables& t = m.tables;
   const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
   const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
@@ -121,18 +125,13 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
         if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
           continue;
         const int point = s.point_of[gauss];
-        const bool left = orientation(e.long_a, e.long_b, g.parameter) >= 0.0;
-        const auto cut = [&](const Vec2& q) {  // segments_meet
-          return (orientation(e.long_a, e.long_b, q) >= 0.0) != left &&
-                 orientation(g.parameter, q, e.long_a) * orientation(g.parameter, q, e.long_b) <= 0.0;
-        };
         bool hit = false;  // what it does not use may hide: its functions are still as sound as they were
         if (point < 0)
           for (int k = 0; k < t.support() * t.support() && !hit; ++k)
-            hit = cut(m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()]);
-        else
-          for (std::size_t k = 0; k < s.points[point].functions.size() && !hit; ++k)
-            hit = cut(m.of_slot[s.points[point].functions[k].slot]);
+            hit = segments_meet(g.parameter, m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()],
+                                e.long_a, e.long_b);
+        else if (!s.points[point].functions.empty())
+          hit = s.uses[sight_of(m, s, block, lane)].loses(control_grid(m), e);
         if (hit) touched.push_back({block, lane});
       }
   }
@@ -143,6 +142,11 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, const Shell
 
 ControlGrid control_grid(const ShellModel& m) {
   return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
+}
+
+void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Sight& uses) {
+  uses.close();
+  for (const GatheredFunction& f : functions) uses.show(control_grid(m), m.tables.control_point(f.slot));
 }
 
 int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
@@ -297,19 +301,11 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = reach_of(m, g, s.sights[r.sight].point());
+    note_uses(m, g.functions, s.uses[r.sight]);
     s.points[point] = std::move(g);
   }
-  for (const int index : interlocks_near(m, s, first)) {
-    Interlock& lock = s.interlocks[index];
-    const CrackEdge& own = s.cracks.edges()[lock.edge];
-    const Vec2 middle = 0.5 * (own.a + own.b);
-    bool hit = false;
-    for (int k = first; k < end; ++k)
-      for (const auto* side : {&lock.plus, &lock.minus})
-        for (const GatheredFunction& n : *side)
-          hit = hit || segments_meet(middle, m.of_slot[n.slot], s.cracks.edges()[k].long_a, s.cracks.edges()[k].long_b);
-    if (hit) refasten(m, s, lock);
-  }
+  for (const int index : interlocks_near(m, s, first))
+    if (loses_sight(m, s, s.interlocks[index], first)) refasten(m, s, s.interlocks[index]);
   (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
   for (int k = first; k < end && interlock; ++k) {
     const CrackEdge& e = s.cracks.edges()[k];

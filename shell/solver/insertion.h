@@ -36,4 +36,7 @@ void insert_polyline(const ShellModel& model, ShellState& state, const std::vect
 
 ControlGrid control_grid(const ShellModel& model);
 
+/// `uses`, a sight of the same point, sees from now on just the control points of these functions.
+void note_uses(const ShellModel& model, const std::vector<GatheredFunction>& functions, Sight& uses);
+
 }  // namespace sunder::shell

@@ -91,24 +91,34 @@ double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const In
   return stiffness(m) * (mobility > most ? most / mobility : 1.0);
 }
 
-bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
+// Just beside the middle of its edge, on the plus side (0) or the minus side.
+Vec2 face(const ShellModel& m, const ShellState& s, const Interlock& lock, int side) {
   const CrackEdge& e = s.cracks.edges()[lock.edge];
-  const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x()), middle = 0.5 * (e.a + e.b);
+  const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x());
+  return 0.5 * (e.a + e.b) + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
+}
+
+bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   std::vector<GatheredFunction>* sides[2] = {&lock.plus, &lock.minus};
-  bool plane = false;
+  const ControlGrid grid = control_grid(m);
   for (int side = 0; side < 2; ++side) {
-    const Vec2 p = middle + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
+    const Vec2 p = face(m, s, lock, side);
     if (!m.patch.contains(p)) return false;
     Sight& sight = lock.sights[side];
-    if (!lock.looked) sight = {control_grid(m), p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
-    sight.update(control_grid(m), s.cracks, static_cast<int>(s.cracks.edges().size()));
-    const MlsPoint mls = face_point(control_grid(m), sight);
+    if (!lock.looked) sight = {grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
+    const Sight before = sight;
+    sight.update(grid, s.cracks, static_cast<int>(s.cracks.edges().size()));
+    if (lock.looked && sight.sees_the_same(before)) continue;
+    const MlsPoint mls = face_point(grid, sight);
     if (mls.basis == MlsBasis::kNone) return false;
-    plane = plane || mls.basis == MlsBasis::kLinear;
+    lock.planes[side] = mls.basis == MlsBasis::kLinear;
     sides[side]->clear();
     for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
+    lock.uses[side] = sight;
+    note_uses(m, *sides[side], lock.uses[side]);
   }
   lock.looked = true;
+  const bool plane = lock.planes[0] || lock.planes[1];
   lock.stiffness = std::min(lock.stiffness, plane ? stiffness_beside_plane(m, s, lock) : stiffness(m));
   return true;
 }
@@ -158,6 +168,21 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   lock.rest_area = gap.c;
   lock.rest = gap.components();  // one-sided shape functions do not meet to round-off
   return lock.rest.allFinite();
+}
+
+bool loses_sight(const ShellModel& m, const ShellState& s, Interlock& lock, int first) {
+  const ControlGrid grid = control_grid(m);
+  const int end = static_cast<int>(s.cracks.edges().size());
+  if (!lock.looked)  // since a checkpoint
+    for (int side = 0; side < 2; ++side) {
+      const Vec2 p = face(m, s, lock, side);
+      lock.uses[side] = {grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
+      note_uses(m, side == 0 ? lock.plus : lock.minus, lock.uses[side]);
+    }
+  for (int k = first; k < end; ++k)
+    for (const Sight& uses : lock.uses)
+      if (uses.loses(grid, s.cracks.edges()[k])) return true;
+  return false;
 }
 
 void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {

@@ -22,6 +22,9 @@ double closing_depth(const ShellModel& model);
 /// False where a side sees too few control points.
 bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
+/// Whether the edges from `first` on hide control points that a face uses.
+bool loses_sight(const ShellModel& model, const ShellState& state, Interlock& lock, int first);
+
 /// After another crack has cut its sight: new shape functions, the same extension. Where the faces then bear less, or
 /// one sees too little and lets go, what is no longer held is booked.
 void refasten(const ShellModel& model, ShellState& state, Interlock& lock);

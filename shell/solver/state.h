@@ -37,8 +37,11 @@ struct Interlock {
   double area = 0.0;         // [m^2]
   double stiffness = 1e300;  // [Pa/m]; never more than it was
   std::vector<GatheredFunction> plus, minus;
-  std::array<Sight, 2> sights{};  // of these sides; not part of checkpoints, as they can be found again
-  bool looked = false;            // they have been
+  // Of these sides, what they see and what their functions use, and whether these are planes. Not part of checkpoints,
+  // as they can be found again.
+  std::array<Sight, 2> sights{}, uses{};
+  std::array<bool, 2> planes{};
+  bool looked = false;  // they have been
   Vec3 rest = Vec3::Zero();       // gap without force: across, along, normal [m]
   double rest_area = 1.0;         // of the tangents' parallelogram when it was fastened
   bool holds = true;
@@ -103,6 +106,7 @@ struct ShellState {
   bool heals = true;                   // damage follows the present stress, else it stays at its maximum
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Sight> sights;  // of Gauss points that were near a new edge
+  std::vector<Sight> uses;    // of each of them: control points that the point's functions use, where it is gathered
   std::vector<int> sight_of;  // [block][lane]: index into sights, -1: none
   /// What edges on trial would leave of a point that sees so much. Those that are refused are tried again, longer or a
   /// little later, and mostly leave the same. Not part of checkpoints: it can be found again.
