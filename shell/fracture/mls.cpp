@@ -14,10 +14,10 @@
 namespace sunder::shell {
 namespace {
 
-typedef double Eight __attribute__((vector_size(64)));
-constexpr int kLanes = 8, kMostSeen = View::kMost * View::kMost, kMostPacks = (kMostSeen + kLanes - 1) / kLanes;
+typedef double Eight __attribute__((vector_size(64)));  // a column of a matrix
+constexpr int kLanes = kChoices, kMostSeen = View::kMost * View::kMost, kMostPacks = (kMostSeen + kLanes - 1) / kLanes;
 
-// Control points within a support, nearest first, eight to a pack.
+// Control points within a support, nearest first, in packs as wide as those of supports.
 struct Points {
   int count = 0, control_point[kMostSeen];
   alignas(64) double x[kMostPacks * kLanes], y[kMostPacks * kLanes];  // offsets in spacings
@@ -55,41 +55,35 @@ void sort_points(const View& view, double support, Points& out) {
   for (int k = out.count; k % kLanes != 0; ++k) out.x[k] = out.y[k] = kLargestSupport;  // of no weight
 }
 
-Eight positive(Eight a) { return a > 0.0 ? a : Eight{}; }
+Lanes positive(Lanes a) { return a > 0.0 ? a : Lanes{}; }
 
 struct Window {
-  Eight w, d, dd;
+  Lanes w, d, dd;
 };
 // Paper eq. 18 with its second branch corrected: w(1/2) = 1/6 from both sides, w(1) = 0; of -x. Both branches as a
 // difference of two powers.
-Window window(Eight x) {
-  const Eight right = x > 0.0 ? x : -x, a = positive(1.0 - right), b = positive(0.5 - right);
-  const Eight slope = 4.0 * (a * a - 4.0 * b * b);
+Window window(Lanes x) {
+  const Lanes right = x > 0.0 ? x : -x, a = positive(1.0 - right), b = positive(0.5 - right);
+  const Lanes slope = 4.0 * (a * a - 4.0 * b * b);
   return {4.0 / 3.0 * (a * a * a - 4.0 * b * b * b), x > 0.0 ? slope : -slope, 8.0 * (a - 4.0 * b)};
 }
 
-// The sum of each of eight.
-Eight sums_of(const Eight* a) {
-  Eight two[4], four[2];
-  for (int k = 0; k < 4; ++k)
-    two[k] = __builtin_shufflevector(a[2 * k], a[2 * k + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
-             __builtin_shufflevector(a[2 * k], a[2 * k + 1], 1, 9, 3, 11, 5, 13, 7, 15);
-  for (int k = 0; k < 2; ++k)
-    four[k] = __builtin_shufflevector(two[2 * k], two[2 * k + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
-              __builtin_shufflevector(two[2 * k], two[2 * k + 1], 2, 3, 10, 11, 6, 7, 14, 15);
-  return __builtin_shufflevector(four[0], four[1], 0, 1, 2, 3, 8, 9, 10, 11) +
-         __builtin_shufflevector(four[0], four[1], 4, 5, 6, 7, 12, 13, 14, 15);
+// The sum of the lanes, by halves.
+double sum_of(Lanes a) {
+  for (int half = kLanes / 2; half > 0; half /= 2)
+    for (int i = 0; i < half; ++i) a[i] += a[i + half];
+  return a[0];
 }
 
 template <int B>
 struct Basis {
-  Eight at[B];
-  Basis(Eight x, Eight y) {
-    at[0] = Eight{} + 1.0, at[1] = x, at[2] = y;
+  Lanes at[B];
+  Basis(Lanes x, Lanes y) {
+    at[0] = Lanes{} + 1.0, at[1] = x, at[2] = y;
     if constexpr (B == 6) at[3] = x * x, at[4] = x * y, at[5] = y * y;
   }
-  Eight dot(const Eight& g) const {
-    Eight sum = g[0] + g[1] * at[1];
+  Lanes dot(const Eight& g) const {
+    Lanes sum = g[0] + g[1] * at[1];
     for (int i = 2; i < B; ++i) sum += g[i] * at[i];
     return sum;
   }
@@ -98,8 +92,8 @@ struct Basis {
 // Sum of w p over the packs.
 template <int B>
 struct Sum {
-  Eight at[kLanes] = {};
-  void add(Eight w, const Basis<B>& p) {
+  Lanes at[B] = {};
+  void add(Lanes w, const Basis<B>& p) {
     at[0] += w;
     for (int i = 1; i < B; ++i) at[i] += w * p.at[i];
   }
@@ -116,7 +110,8 @@ struct Inverse {
   }
   // of e less a sum
   Eight solve(const Eight& e, const Sum<B>& sum) const {
-    const Eight r = e - sums_of(sum.at);
+    Eight r = e;
+    for (int i = 0; i < B; ++i) r[i] -= sum_of(sum.at[i]);
     Eight g = column[0] * r[0];
     for (int j = 1; j < B; ++j) g += column[j] * r[j];
     return g;
@@ -129,7 +124,7 @@ template <int B>
 void shape_functions(const Points& points, const Inverse<B>& inverse, double d, double su, double sv,
                      std::vector<MlsFunction>& out) {
   struct Pack {
-    Eight x, y, w, wx, wy, wxx, wyy, wxy, c, c1, c2;
+    Lanes x, y, w, wx, wy, wxx, wyy, wxy, c, c1, c2;
   };
   Pack packs[kMostPacks];
   const int count = (points.count + kLanes - 1) / kLanes;
@@ -137,7 +132,7 @@ void shape_functions(const Points& points, const Inverse<B>& inverse, double d, 
   Sum<B> r1, r2;
   for (int k = 0; k < count; ++k) {
     Pack& q = packs[k];
-    std::memcpy(&q.x, points.x + k * kLanes, sizeof(Eight)), std::memcpy(&q.y, points.y + k * kLanes, sizeof(Eight));
+    std::memcpy(&q.x, points.x + k * kLanes, sizeof(Lanes)), std::memcpy(&q.y, points.y + k * kLanes, sizeof(Lanes));
     q.x *= 1.0 / d, q.y *= 1.0 / d;
     const Window u = window(q.x), v = window(q.y);
     q.w = u.w * v.w, q.wx = u.d * v.w, q.wy = u.w * v.d;
@@ -165,7 +160,7 @@ void shape_functions(const Points& points, const Inverse<B>& inverse, double d, 
   for (int k = 0; k < count; ++k) {
     const Pack& q = packs[k];
     const Basis<B> p(q.x, q.y);
-    Eight n[6] = {};
+    Lanes n[6] = {};
     if constexpr (B == 6) {
       n[0] = q.c * q.w;
       n[1] = (q.c1 * q.w + q.c * q.wx) * iu, n[2] = (q.c2 * q.w + q.c * q.wy) * iv;

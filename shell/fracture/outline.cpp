@@ -12,12 +12,11 @@ namespace sunder::shell {
 Outline outline_of(const Triangulation& t, int piece) {
   Cdt cdt;
   std::map<std::pair<int, int>, int> edges;  // undirected edge -> how many of the piece's triangles have it
-  for (std::size_t i = 0; i < t.triangles.size(); ++i)
-    if (t.piece[i] == piece)
-      for (int k = 0; k < 3; ++k) {
-        const int a = t.triangles[i][(k + 1) % 3], b = t.triangles[i][(k + 2) % 3];
-        ++edges[{std::min(a, b), std::max(a, b)}];
-      }
+  for (const int i : t.triangles_of(piece))
+    for (int k = 0; k < 3; ++k) {
+      const int a = t.triangles[i][(k + 1) % 3], b = t.triangles[i][(k + 2) % 3];
+      ++edges[{std::min(a, b), std::max(a, b)}];
+    }
   for (const auto& [edge, count] : edges)
     if (count == 1) cdt.insert_constraint(point(t.vertices[edge.first]), point(t.vertices[edge.second]));
   for (auto it = cdt.all_faces_begin(); it != cdt.all_faces_end(); ++it) it->info() = -1;

@@ -110,6 +110,11 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
     if (number[root] < 0) number[root] = t.pieces++;
     t.piece[i] = number[root];
   }
+  t.first_of.assign(t.pieces + 1, 0), t.by_piece.resize(n);
+  for (const int piece : t.piece) ++t.first_of[piece + 1];
+  for (int k = 0; k < t.pieces; ++k) t.first_of[k + 1] += t.first_of[k];
+  std::vector<int> next(t.first_of.begin(), t.first_of.end() - 1);
+  for (int i = 0; i < n; ++i) t.by_piece[next[t.piece[i]]++] = i;
   Cdt::Face_handle hint;
   for (const Vec2& q : queries) {
     const Vec2 inside =

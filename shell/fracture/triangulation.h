@@ -2,6 +2,7 @@
 // The parameter domain cut by the cracks: a constrained Delaunay triangulation. Connected triangles are
 // the pieces; the same triangles are drawn and become collision shapes.
 #include <array>
+#include <span>
 #include <vector>
 
 #include "shell/fracture/crack_graph.h"
@@ -16,7 +17,13 @@ struct Triangulation {
   std::vector<std::array<char, 3>> crack;      // that edge is a crack (border: 0)
   std::vector<int> piece;                      // of each triangle, numbered from 0
   int pieces = 0;
-  std::vector<int> owner;  // piece of each query point
+  std::vector<int> owner;               // piece of each query point
+  std::vector<int> by_piece, first_of;  // triangles by their pieces; where those of each piece begin, and the end
+
+  /// Triangles of a piece, in rising order.
+  std::span<const int> triangles_of(int number) const {
+    return std::span(by_piece).subspan(first_of[number], first_of[number + 1] - first_of[number]);
+  }
 };
 
 /// Vertices: knots of the patch (but those almost on a crack), which pieces that are only counted and measured do not

@@ -11,7 +11,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kMeasureEvery = 4;  // windows: what cracks leave of the stable step is a little more than is taken of it
+// Substeps: what cracks leave of the stable step is a little more than is taken of it, and a step that is too long
+// shows within a hundred. A measurement costs ten.
+constexpr std::int64_t kMeasureEvery = 400;
 constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
 constexpr int kLaterIterations = 9;  // of the stable step: within 5 % about a new crack
 
@@ -53,11 +55,10 @@ std::shared_ptr<const Triangulation> ShellPart::triangulation(bool exact) {
 }
 
 void ShellPart::add_rubble(const Triangulation& t, int piece) {
-  for (std::size_t k = 0; k < t.triangles.size(); ++k)
-    if (t.piece[k] == piece) {
-      const auto& c = t.triangles[k];
-      rubble.push_back((t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0);
-    }
+  for (const int k : t.triangles_of(piece)) {
+    const auto& c = t.triangles[k];
+    rubble.push_back((t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0);
+  }
 }
 
 double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
@@ -98,18 +99,18 @@ void ShellPart::cut(double now, double until) {
     }
 }
 
-void ShellPart::measure_step(std::int64_t window, int threads) {
+void ShellPart::measure_step(std::int64_t window, std::int64_t substep, int threads) {
   const ShellModel& m = model();
   const auto& edges = state->cracks.edges();
   for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
   if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)  // what is damaged may be strained far
     for (const GatheredPoint& g : state->points)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
-  if (changed.empty() || window < next_measure) return;
+  if (changed.empty() || substep < next_measure) return;
   smallest_step =
       std::min(smallest_step, stable_step(m, *state, kLaterIterations, threads, setup->can_crack(), changed));
   changed.clear();
-  next_measure = window + kMeasureEvery;
+  next_measure = substep + kMeasureEvery;
 }
 
 }  // namespace sunder::shell

@@ -6,8 +6,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kPointLanes = 4;  // a point's x y z and a padding
-constexpr int kChunks = 4;      // fixed, so that sums do not depend on the number of threads
+constexpr int kChunks = 4;  // fixed, so that sums do not depend on the number of threads
 
 Forms<double> forms_of(const GatheredPoint& p, const Derivatives<double>& d) {
   Forms<double> f = surface_forms(d);
@@ -392,8 +391,9 @@ std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& 
 
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
-                        std::vector<double>& force, DamageLaw* damage, RowPlasticity* plastic) {
-  if (points.empty()) return 0.0;
+                        std::vector<double>& force, DamageLaw* damage, RowPlasticity* plastic,
+                        const PointsBeside& beside) {
+  if (points.empty() && !beside) return 0.0;
   const std::size_t plane = t.plane, size = kPointLanes * plane;
   scratch.resize((kChunks + 1) * size);
   double* x4 = scratch.data() + kChunks * size;
@@ -408,6 +408,7 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
     std::fill(own, own + size, 0.0);
     sums[c] = chunk(t, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks, x4, energy, stress, own,
                     damage, plastic, booked[c]);
+    if (beside) beside(c, kChunks, x4, own);
   }
   double sum = 0.0;
   for (int c = 0; c < kChunks; ++c) {

@@ -2,6 +2,7 @@
 // Internal forces at Gauss points with shape functions of their own: those that a crack has touched. Points that damage
 // may weaken are listed with them, and summed by the rows.
 #include <array>
+#include <functional>
 #include <vector>
 
 #include "shell/mechanics/point_damage.h"
@@ -43,6 +44,11 @@ struct DamageLaw {
   double dissipated = 0.0;  // out, without healing: what weakening took for good in this substep [J]
 };
 
+/// What else acts on control points, summed beside the points, in as many chunks: called for each of them, perhaps at
+/// once, with positions and forces of slots as x y z and a padding.
+using PointsBeside = std::function<void(int chunk, int chunks, const double* x4, double* force4)>;
+constexpr int kPointLanes = 4;  // a slot's x y z and a padding
+
 /// Adds the points' forces to `force` [3][plane]; returns their elastic energy [J] if `energy`.
 /// `damage` weakens tension by the present stress; where `stress` is recorded its history is kept. Where it
 /// heals it is elastic but softer: the energy is the full material's less what weakening spared. A crack
@@ -52,7 +58,8 @@ struct DamageLaw {
 /// Deterministic: a fixed number of chunks, summed in order. Stress as in row_forces.
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const std::vector<double>& x,
                         bool energy, SurfaceStress stress, int threads, std::vector<double>& scratch,
-                        std::vector<double>& force, DamageLaw* damage = nullptr, RowPlasticity* plastic = nullptr);
+                        std::vector<double>& force, DamageLaw* damage = nullptr, RowPlasticity* plastic = nullptr,
+                        const PointsBeside& beside = {});
 
 /// Adds `times` the force of one point, as it stands, to `force` [3][plane].
 void add_point_force(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double times,

@@ -57,8 +57,7 @@ struct Geometry {
 Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
   Geometry g;
   Mat3 about_origin = Mat3::Zero();
-  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
-    if (t.piece[i] != piece) continue;
+  for (const int i : t.triangles_of(piece)) {
     Vec3 c[3];
     for (int k = 0; k < 3; ++k) c[k] = m.patch.evaluate(t.vertices[t.triangles[i][k]]).x;
     const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
@@ -82,12 +81,11 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
                             std::size_t most) {
   std::vector<Vec2> border;
   Eigen::AlignedBox2d box;
-  for (std::size_t i = 0; i < t.triangles.size(); ++i)
-    if (t.piece[i] == piece.number)
-      for (int k = 0; k < 3; ++k)
-        if (t.crack[i][k])
-          border.push_back(0.5 * (t.vertices[t.triangles[i][(k + 1) % 3]] + t.vertices[t.triangles[i][(k + 2) % 3]])),
-              box.extend(border.back());
+  for (const int i : t.triangles_of(piece.number))
+    for (int k = 0; k < 3; ++k)
+      if (t.crack[i][k])
+        border.push_back(0.5 * (t.vertices[t.triangles[i][(k + 1) % 3]] + t.vertices[t.triangles[i][(k + 2) % 3]])),
+            box.extend(border.back());
   std::vector<std::pair<double, int>> found;
   std::size_t all = most;
   for (double reach = kNeighbours * m.spacing; found.size() < std::min(most, all); reach *= 2.0) {

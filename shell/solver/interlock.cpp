@@ -23,13 +23,15 @@ Vec2 direction(const ShellState& s, const Interlock& lock) {
   return (e.b - e.a).normalized();
 }
 
-Gap gap_of(const ShellState& s, const Interlock& lock) {
+// `position`: of a slot.
+template <class At>
+Gap gap_of(const ShellState& s, const Interlock& lock, At&& position) {
   Gap r;
   r.g = r.tu = r.tv = Vec3::Zero();
   for (int side = 0; side < 2; ++side) {
     Vec3 at = Vec3::Zero(), tu = Vec3::Zero(), tv = Vec3::Zero();
     for (const auto& f : side == 0 ? lock.plus : lock.minus) {
-      const Vec3 x = s.position(f.slot);
+      const Vec3 x = position(f.slot);
       at += f.n[0] * x, tu += f.n[1] * x, tv += f.n[2] * x;
     }
     r.g += side == 0 ? at : Vec3(-at);
@@ -41,6 +43,9 @@ Gap gap_of(const ShellState& s, const Interlock& lock) {
   r.c = c.norm(), r.d = d.norm();
   r.normal = c / r.c, r.along = d / r.d, r.across = r.normal.cross(r.along);
   return r;
+}
+Gap gap_of(const ShellState& s, const Interlock& lock) {
+  return gap_of(s, lock, [&](int slot) { return s.position(slot); });
 }
 
 // Faces that have turned against one another, or whose surroundings are crushed, do not key any more.
@@ -142,18 +147,21 @@ Push push_of(const ShellState& s, const Interlock& lock, const Gap& gap, const S
   return {on_gap, 0.5 * (gap.tv.cross(a) + p.x() * b), 0.5 * (a.cross(gap.tu) + p.y() * b)};
 }
 
-void spread(const Interlock& lock, const Push& push, std::vector<double>& force) {
-  const std::size_t plane = force.size() / 3;
+// `add`: to the force on a slot.
+template <class Add>
+void spread(const Interlock& lock, const Push& push, Add&& add) {
   for (int side = 0; side < 2; ++side)
-    for (const auto& f : side == 0 ? lock.plus : lock.minus) {
-      const Vec3 on = -((side == 0 ? f.n[0] : -f.n[0]) * push.value + f.n[1] * push.u + f.n[2] * push.v);
-      for (int d = 0; d < 3; ++d) force[d * plane + f.slot] += on[d];
-    }
+    for (const auto& f : side == 0 ? lock.plus : lock.minus)
+      add(f.slot, Vec3(-((side == 0 ? f.n[0] : -f.n[0]) * push.value + f.n[1] * push.u + f.n[2] * push.v)));
 }
 
 void add_force(const ShellState& s, const Interlock& lock, const Gap& gap, const Springs& springs, double times,
                std::vector<double>& force) {
-  if (!springs.bear.isZero(0.0)) spread(lock, push_of(s, lock, gap, springs, times), force);
+  if (springs.bear.isZero(0.0)) return;
+  const std::size_t plane = force.size() / 3;
+  spread(lock, push_of(s, lock, gap, springs, times), [&](int slot, const Vec3& on) {
+    for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
+  });
 }
 
 }  // namespace
@@ -198,21 +206,15 @@ void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {
   s.book.fracture += held * (stiff - (lock.holds ? lock.stiffness : 0.0));
 }
 
-double interlock_forces(const ShellModel& m, ShellState& s, bool advance, int threads) {
-  struct Found {
-    Push push;
-    double energy = 0.0;
-    bool acts = false;
-  };
-  std::vector<Interlock>& locks = s.interlocks;
-  thread_local std::vector<Found> found;
-  found.assign(locks.size(), {});
-  Found* all = found.data();
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (std::size_t i = 0; i < locks.size(); ++i) {
-    Interlock& lock = locks[i];
+void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chunk, int chunks, const double* x4,
+                      double* force4) {
+  const auto position = [&](int slot) { return Vec3(Eigen::Map<const Vec3>(x4 + kPointLanes * slot)); };
+  const auto add = [&](int slot, const Vec3& on) { Eigen::Map<Vec3>(force4 + kPointLanes * slot) += on; };
+  const std::size_t end = s.interlocks.size() * (chunk + 1) / chunks;
+  for (std::size_t i = s.interlocks.size() * chunk / chunks; i < end; ++i) {
+    Interlock& lock = s.interlocks[i];
     if (!lock.holds) continue;
-    const Gap gap = gap_of(s, lock);
+    const Gap gap = gap_of(s, lock, position);
     lock.opening = gap.components()[0] - lock.rest[0];
     if (advance) {
       if (lock.opening > 0.0) lock.depth = kTravels * std::abs(lock.opening - lock.was_open);
@@ -222,15 +224,15 @@ double interlock_forces(const ShellModel& m, ShellState& s, bool advance, int th
     // at full stiffness: one that is softer slips no further
     lock.shear = stiffness(m) * std::hypot(springs.bear[1], springs.bear[2]);
     lock.sound = sound(lock, gap);
-    all[i].energy = lock.stiffness * lock.area * springs.hold;
-    all[i].acts = !springs.bear.isZero(0.0);
-    if (all[i].acts) all[i].push = push_of(s, lock, gap, springs, 1.0);
+    lock.energy = lock.stiffness * lock.area * springs.hold;
+    if (!springs.bear.isZero(0.0)) spread(lock, push_of(s, lock, gap, springs, 1.0), add);
   }
+}
+
+double interlock_energy(const ShellState& s) {
   double energy = 0.0;
-  for (std::size_t i = 0; i < locks.size(); ++i) {  // in one order, whatever the threads
-    energy += all[i].energy;
-    if (all[i].acts) spread(locks[i], all[i].push, s.force);
-  }
+  for (const Interlock& lock : s.interlocks)
+    if (lock.holds) energy += lock.energy;
   return energy;
 }
 

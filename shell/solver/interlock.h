@@ -29,10 +29,13 @@ bool loses_sight(const ShellModel& model, const ShellState& state, Interlock& lo
 /// one sees too little and lets go, what is no longer held is booked.
 void refasten(const ShellModel& model, ShellState& state, Interlock& lock);
 
-/// Adds the forces to state.force; returns the energy [J]. `advance`: a substep begins here, and faces that are open
-/// take the depth of their next closing from how they have moved since the last one. A function of the gap in the frame
-/// of the deformed surface, so momentum and angular momentum are kept to round-off.
-double interlock_forces(const ShellModel& model, ShellState& state, bool advance, int threads);
+/// Adds the forces of one chunk of them (PointsBeside). `advance`: a substep begins here, and faces that are open take
+/// the depth of their next closing from how they have moved since the last one. A function of the gap in the frame of
+/// the deformed surface, so momentum and angular momentum are kept to round-off.
+void interlock_forces(const ShellModel& model, ShellState& state, bool advance, int chunk, int chunks, const double* x4,
+                      double* force4);
+/// As the last force found it [J].
+double interlock_energy(const ShellState& state);
 
 /// Lets go where the last force found faces opened or sheared too far (`all`: everywhere); books what the
 /// springs hold at the present positions.

@@ -117,12 +117,12 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   s.cracks.near(p, p, std::max(join, r.parallel_clearance), [&](int e) {
     Vec2 foot;
     const double distance = s.cracks.distance(p, e, foot);
-    if (distance > std::max(join, r.parallel_clearance) || !s.cracks.visible(p, foot + 0.02 * (p - foot), e))
-      return true;
     const CrackEdge& c = s.cracks.edges()[e];
-    if (distance < r.parallel_clearance && std::abs((c.b - c.a).normalized().dot(stress.crack)) > kParallel)
-      return !(shielded = true);
-    if (distance < join) join = distance, join_foot = foot, joins = true;
+    const bool shields =
+        distance < r.parallel_clearance && std::abs((c.b - c.a).normalized().dot(stress.crack)) > kParallel;
+    if (!(shields || distance < join) || !s.cracks.visible(p, foot + 0.02 * (p - foot), e)) return true;
+    if (shields) return !(shielded = true);
+    join = distance, join_foot = foot, joins = true;
     return true;
   });
   if (shielded) return 0;

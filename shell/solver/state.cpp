@@ -101,8 +101,13 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   double sum = row_forces(s.tables, s.x, energy, stress, threads, s.row_scratch, s.force, &plastic, &rows);
   s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
   DamageLaw law{&s.damage, s.brittleness, s.heals};
+  const auto faces = [&](int chunk, int chunks, const double* x4, double* force4) {
+    interlock_forces(m, s, stress_share > 0.0, chunk, chunks, x4, force4);
+  };
+  PointsBeside beside;
+  if (!s.interlocks.empty()) beside = std::ref(faces);  // which needs no memory
   sum += add_point_forces(s.tables, s.points, s.x, energy, stress, threads, s.point_scratch, s.force,
-                          s.brittleness > 0.0 ? &law : nullptr, s.yields() ? &plastic : nullptr);
+                          s.brittleness > 0.0 ? &law : nullptr, s.yields() ? &plastic : nullptr, beside);
   s.book.plastic += plastic.dissipated;
   s.book.healing -= law.healed, s.book.fracture += law.dissipated;
   if (m.laminated()) {
@@ -110,7 +115,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     sum += row_forces(s.interlayer, s.x, energy, {}, threads, s.row_scratch, s.interlayer_force);
     for (std::size_t i = 0; i < s.force.size(); ++i) s.force[i] += s.interlayer_force[i];
   }
-  s.interlock_energy = interlock_forces(m, s, stress_share > 0.0, threads);
+  s.interlock_energy = interlock_energy(s);
   if (!m.loads.empty()) {
     load_forces(m.loads, s.tables, s.points, s.time, s.x, threads, s.row_scratch, s.external);
     for (std::size_t i = 0; i < s.force.size(); ++i) s.force[i] += s.external[i];

@@ -41,13 +41,13 @@ struct Interlock {
   // as they can be found again.
   std::array<Sight, 2> sights{}, uses{};
   std::array<bool, 2> planes{};
-  bool looked = false;  // they have been
-  Vec3 rest = Vec3::Zero();       // gap without force: across, along, normal [m]
-  double rest_area = 1.0;         // of the tangents' parallelogram when it was fastened
+  bool looked = false;       // they have been
+  Vec3 rest = Vec3::Zero();  // gap without force: across, along, normal [m]
+  double rest_area = 1.0;    // of the tangents' parallelogram when it was fastened
   bool holds = true;
-  // as the force last found them: opening [m], shear traction that springs of full stiffness would bear [Pa], faces
-  // still fit
-  double opening = 0.0, shear = 0.0;
+  // as the force last found them: opening [m], shear traction that springs of full stiffness would bear [Pa], energy
+  // [J], faces still fit
+  double opening = 0.0, shear = 0.0, energy = 0.0;
   bool sound = true;
   double was_open = 0.0;  // opening where the last substep began [m]
   double depth = 0.0;     // of closing, where more than the least [m]

@@ -15,25 +15,19 @@ constexpr double kStep = 5.0 * kDegree;    // between two directions that are tr
 
 double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
 
-struct Sample {
-  double angle, weight;
-  double six[6];
+// Of the points around a start, weighted about one direction.
+struct Sums {
+  double six[6] = {}, weight = 0.0;
 };
 
-Drive drive_along(const std::vector<Sample>& samples, const CrackRules& r, const Start& start, double turn) {
-  double six[6] = {}, sum = 0.0;
-  for (const Sample& q : samples) {
-    const double w = q.weight * wedge(q.angle - turn);
-    sum += w;
-    for (int k = 0; k < 6; ++k) six[k] += w * q.six[k];
-  }
+Drive drive_along(const Sums& sums, const CrackRules& r, const Start& start, double turn) {
   Drive best;
   best.turn = turn;
-  if (!(sum > 0.0)) return best;
+  if (!(sums.weight > 0.0)) return best;
   const Vec2 c = turned(start.direction, turn);
   const double stretching = std::min(r.tip_strength, start.strength),
                bending = std::min(r.tip_bending_strength, start.strength);
-  const double low = across(six, c) / sum, high = across(six + 3, c) / sum;
+  const double low = across(sums.six, c) / sums.weight, high = across(sums.six + 3, c) / sums.weight;
   for (const int face : {-1, 1}) {
     if (face == -start.face && turn != 0.0) continue;
     const double here = face < 0 ? low : high, there = face < 0 ? high : low;
@@ -87,27 +81,40 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
 }
 
 Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start, Surroundings& known) {
-  thread_local std::vector<Sample> samples;
-  samples.clear();
-  for (const SeenPoint& q : known.seen(m, s.cracks, {start.p, r.tip_radius, start.direction, start.edge})) {
-    Sample here{q.angle, q.weight, {}};
-    if (!surface_stress_at(m, s, q.block, q.lane, here.six)) continue;
-    const double factor = m.strength_factor_at(q.block, q.lane);  // of what resists there
-    for (double& stress : here.six) stress /= factor;
-    samples.push_back(here);
-  }
   const int steps = static_cast<int>(std::ceil(start.most_turn / kStep - 1e-9));
-  Drive best = drive_along(samples, r, start, 0.0);
-  for (int k = 1; k <= steps; ++k)
-    for (const double sign : {-1.0, 1.0}) {
-      const Drive d = drive_along(samples, r, start, sign * start.most_turn * k / steps);
-      if (d.ratio > best.ratio) best = d;
+  const double step = steps > 0 ? start.most_turn / steps : 0.0;
+  thread_local std::vector<Sums> all;  // direction k of -steps .. steps at steps + k
+  all.assign(2 * steps + 1, {});
+  Sums* const ahead = &all[steps];
+  for (const SeenPoint& q : known.seen(m, s.cracks, {start.p, r.tip_radius, start.direction, start.edge})) {
+    double here[6];
+    if (!surface_stress_at(m, s, q.block, q.lane, here)) continue;
+    const double factor = m.strength_factor_at(q.block, q.lane);  // of what resists there
+    for (double& stress : here) stress /= factor;
+    // wedge(angle - turn) = wedge(angle) wedge(turn) exp(angle turn / kWedge^2), and wedge(turn) is common to all
+    const double straight = q.weight * wedge(q.angle), tilt = std::exp(q.angle * step / (kWedge * kWedge));
+    for (const int sign : {-1, 1}) {
+      const double times = sign < 0 ? 1.0 / tilt : tilt;
+      double w = straight;
+      for (int k = sign < 0 ? 1 : 0; k <= steps; ++k) {
+        if (k > 0) w *= times;
+        Sums& sum = ahead[sign * k];
+        sum.weight += w;
+        for (int c = 0; c < 6; ++c) sum.six[c] += w * here[c];
+      }
     }
-  if (steps == 0 || std::abs(best.turn) > start.most_turn * (1.0 - 0.5 / steps)) return best;
+  }
+  Drive best = drive_along(ahead[0], r, start, 0.0);
+  int at = 0;
+  for (int k = 1; k <= steps; ++k)
+    for (const int sign : {-1, 1}) {
+      const Drive d = drive_along(ahead[sign * k], r, start, sign * step * k);
+      if (d.ratio > best.ratio) best = d, at = sign * k;
+    }
+  if (std::abs(at) == steps) return best;
   // between the directions that were tried: the top of a parabola
-  const double step = start.most_turn / steps;
-  const double before = drive_along(samples, r, start, best.turn - step).ratio,
-               after = drive_along(samples, r, start, best.turn + step).ratio;
+  const double before = drive_along(ahead[at - 1], r, start, (at - 1) * step).ratio,
+               after = drive_along(ahead[at + 1], r, start, (at + 1) * step).ratio;
   const double bend = before - 2.0 * best.ratio + after;
   if (bend < 0.0) best.turn += 0.5 * step * std::clamp((before - after) / bend, -1.0, 1.0);
   return best;

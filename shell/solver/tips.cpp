@@ -17,7 +17,8 @@ constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatte
 constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0, 4.0};
 constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
 constexpr double kMet = 0.05;    // spacings between tips that have met
-constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
+constexpr std::size_t kFewTips = 8;
+constexpr double kApart = 2.0;  // spacings that a tip has run before it may join its own crack
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;  // of a crack from the end of a cut
 
 // A crack that opens one face runs across one that opened the other and still keys, for that one is closed
@@ -129,17 +130,29 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
   int inserted = 0;
   const std::size_t count = s.tips.size();
   s.surroundings.of_tip.resize(count);
+  const auto start_of = [&](const Tip& tip) {
+    Start start;
+    start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.face = tip.face;
+    start.most_turn = tip.grown > 0.0 ? r.turn : std::max(r.turn, tip.first_turn);
+    if (tip.grown < tip.flaw) start.strength = tip.strength;
+    return start;
+  };
+  // all at once, which is right until one of them runs
+  const std::size_t known = s.cracks.edges().size();
+  std::vector<Drive> drives(count);
+  std::vector<std::size_t> alive;
+  for (std::size_t i = 0; i < count; ++i)
+    if (s.tips[i].alive) alive.push_back(i);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(r.threads) if (r.threads > 1 && alive.size() > kFewTips)
+  for (const std::size_t i : alive) drives[i] = drive_at(m, s, r, start_of(s.tips[i]), s.surroundings.of_tip[i]);
   for (std::size_t i = 0; i < count; ++i) {
     Tip tip = s.tips[i];  // a copy: branching appends to the vector
     if (!tip.alive) {
       s.surroundings.of_tip[i] = {};
       continue;
     }
-    Start start;
-    start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.face = tip.face;
-    start.most_turn = tip.grown > 0.0 ? r.turn : std::max(r.turn, tip.first_turn);
-    if (tip.grown < tip.flaw) start.strength = tip.strength;
-    const Drive now = drive_at(m, s, r, start, s.surroundings.of_tip[i]);
+    const Drive now =
+        s.cracks.edges().size() == known ? drives[i] : drive_at(m, s, r, start_of(tip), s.surroundings.of_tip[i]);
     if (now.ratio <= 1.0) continue;
     tip.face = now.face;
     // Freund: energy release falls to zero at the Rayleigh speed; it balances the resistance at this speed
