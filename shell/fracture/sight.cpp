@@ -19,29 +19,29 @@ typedef double Four __attribute__((vector_size(32)));
 typedef std::int64_t FourMasks __attribute__((vector_size(32)));
 constexpr int kPacks = 4;
 
-// Offsets of columns from the point, which rise: infinite where the patch has none.
-struct Columns {
-  Four at[kPacks];
-};
-
-Columns columns_of(const ControlGrid& grid, int first, double x) {
-  constexpr double kNone = std::numeric_limits<double>::infinity();
-  Columns c;
-  for (int i = 0; i < 4 * kPacks; ++i)
-    c.at[i / 4][i % 4] = first + i < 0               ? -kNone
-                         : first + i >= grid.columns ? kNone
-                                                     : (*grid.parameter)[first + i].x() - x;
-  return c;
-}
-
 // A bit for each column from `left` to `right`, the first one lowest.
-unsigned columns_between(const Columns& x, double left, double right) {
+unsigned columns_between(const Four* x, double left, double right) {
   FourMasks bits{};
-  for (int k = 0; k < kPacks; ++k) bits |= (x.at[k] >= left) & (x.at[k] <= right) & (FourMasks{1, 2, 4, 8} << 4 * k);
+  for (int k = 0; k < kPacks; ++k) bits |= (x[k] >= left) & (x[k] <= right) & (FourMasks{1, 2, 4, 8} << 4 * k);
   return static_cast<unsigned>(bits[0] | bits[1] | bits[2] | bits[3]);
 }
 
 }  // namespace
+
+// Offsets of columns from the point, which rise: infinite where the patch has none.
+struct Sight::Columns {
+  Four at[kPacks];
+};
+
+Sight::Columns Sight::columns(const ControlGrid& grid) const {
+  constexpr double kNone = std::numeric_limits<double>::infinity();
+  Columns c;
+  for (int i = 0; i < 4 * kPacks; ++i)
+    c.at[i / 4][i % 4] = column_ + i < 0               ? -kNone
+                         : column_ + i >= grid.columns ? kNone
+                                                       : (*grid.parameter)[column_ + i].x() - p_.x();
+  return c;
+}
 
 Sight::Sight(const ControlGrid& grid, const Vec2& p, int span_u, int span_v)
     : p_(p), column_(span_u + 1 - kReach), row_(span_v + 1 - kReach) {
@@ -76,7 +76,7 @@ View Sight::view(const ControlGrid& grid) const {
 // An edge hides what lies beyond it in the wedge that it fills: three half planes, and of each row of control points
 // what is between two ends. Where round-off would decide, segments_meet does.
 template <class F>
-void Sight::each_hidden(const ControlGrid& grid, const CrackEdge& e, F&& callback) const {
+void Sight::each_hidden(const ControlGrid& grid, const Columns& x, const CrackEdge& e, F&& callback) const {
   const Vec2 low = e.long_a.cwiseMin(e.long_b) - p_, high = e.long_a.cwiseMax(e.long_b) - p_;
   const Vec2 reach = kBeyond * Vec2(grid.spacing_u, grid.spacing_v);
   if ((low.array() > reach.array()).any() || (-high.array() > reach.array()).any()) return;
@@ -95,7 +95,6 @@ void Sight::each_hidden(const ControlGrid& grid, const CrackEdge& e, F&& callbac
   }
   const bool unsure = !(area > tiny && doubt < kMostDoubt * grid.spacing_u);
   constexpr double kFar = std::numeric_limits<double>::infinity();
-  const Columns x = columns_of(grid, column_, p_.x());
   for (int j = 0; j < kAcross; ++j) {
     if (rows_[j] == 0) continue;
     const double row = (*grid.parameter)[(row_ + j) * grid.columns].y(), y = row - p_.y();
@@ -109,8 +108,8 @@ void Sight::each_hidden(const ControlGrid& grid, const CrackEdge& e, F&& callbac
         right = normals[k].x() > 0.0 ? right : std::min(right, end);
       }
       if (left - doubt > right + doubt) continue;
-      hidden = columns_between(x, left + doubt, right - doubt);
-      doubtful &= columns_between(x, left - doubt, right + doubt) & ~hidden;
+      hidden = columns_between(x.at, left + doubt, right - doubt);
+      doubtful &= columns_between(x.at, left - doubt, right + doubt) & ~hidden;
     }
     for (; doubtful; doubtful &= doubtful - 1) {
       const Vec2 q((*grid.parameter)[column_ + std::countr_zero(doubtful)].x(), row);
@@ -122,8 +121,9 @@ void Sight::each_hidden(const ControlGrid& grid, const CrackEdge& e, F&& callbac
 
 void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
   if (end <= known_) return;
+  const Columns x = columns(grid);
   const auto hide = [&](const CrackEdge& e) {
-    each_hidden(grid, e, [&](int j, unsigned hidden) {
+    each_hidden(grid, x, e, [&](int j, unsigned hidden) {
       rows_[j] = static_cast<std::uint16_t>(rows_[j] & ~hidden);
       return true;
     });
@@ -143,7 +143,7 @@ void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
 
 bool Sight::loses(const ControlGrid& grid, const CrackEdge& edge) const {
   bool any = false;
-  each_hidden(grid, edge, [&](int j, unsigned hidden) { return !(any = (hidden & rows_[j]) != 0); });
+  each_hidden(grid, columns(grid), edge, [&](int j, unsigned hidden) { return !(any = (hidden & rows_[j]) != 0); });
   return any;
 }
 

@@ -66,10 +66,12 @@ class Sight {
   View view(const ControlGrid& grid) const;
 
  private:
+  struct Columns;
+  Columns columns(const ControlGrid& grid) const;
   /// Calls back rows with a bit for each control point that the edge hides, until false is returned. Not each of these
   /// need have been seen.
   template <class F>
-  void each_hidden(const ControlGrid& grid, const CrackEdge& edge, F&& callback) const;
+  void each_hidden(const ControlGrid& grid, const Columns& x, const CrackEdge& edge, F&& callback) const;
 
   static constexpr int kReach = 7, kAcross = 2 * kReach + 1;  // one more than the support, rounded up
   static_assert(kAcross <= View::kMost);

@@ -42,7 +42,8 @@ bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
 double triangle_area(const Vec2& a, const Vec2& b, const Vec2& c) { return 0.5 * orientation(a, b, c); }
 
 Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackGraph& cracks,
-                          const std::vector<Vec2>& queries, double spacing, double crumb, bool knots) {
+                          const std::vector<Vec2>& queries, double spacing, double crumb,
+                          std::span<const Eigen::AlignedBox2d> knots_in) {
   Cdt cdt;
   const Vec2 low(u.begin(), v.begin()), high(u.end(), v.end());
   const Vec2 corners[4] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
@@ -52,9 +53,10 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
     if (clip(a, b, low, high) && (b - a).norm() > 1e-9 * spacing) cdt.insert_constraint(point(a), point(b));
   }
   Cdt::Face_handle beside;  // the last vertex, from where the next one is soon found
-  for (int j = 0; j <= v.spans() && knots; ++j)
+  for (int j = 0; j <= v.spans() && !knots_in.empty(); ++j)
     for (int i = 0; i <= u.spans(); ++i) {
       const Vec2 p(i < u.spans() ? u.span_begin(i) : u.end(), j < v.spans() ? v.span_begin(j) : v.end());
+      if (std::none_of(knots_in.begin(), knots_in.end(), [&](const auto& box) { return box.contains(p); })) continue;
       bool crowded = false;  // a vertex almost on a crack makes slivers
       cracks.near(p, p, 0.15 * spacing, [&](int e) {
         Vec2 foot;

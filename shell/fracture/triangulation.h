@@ -26,11 +26,12 @@ struct Triangulation {
   }
 };
 
-/// Vertices: knots of the patch (but those almost on a crack), which pieces that are only counted and measured do not
-/// need, and crack vertices. `queries` are located (points inside the domain). Pieces smaller than `crumb` [m^2] are
-/// joined to their largest neighbour.
+/// Vertices: crack vertices, and knots of the patch (but those almost on a crack) that lie in one of the boxes; pieces
+/// that are only counted and measured need none. `queries` are located (points inside the domain). Pieces smaller than
+/// `crumb` [m^2] are joined to their largest neighbour.
 Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackGraph& cracks,
-                          const std::vector<Vec2>& queries, double spacing, double crumb, bool knots = true);
+                          const std::vector<Vec2>& queries, double spacing, double crumb,
+                          std::span<const Eigen::AlignedBox2d> knots_in);
 
 double triangle_area(const Vec2& a, const Vec2& b, const Vec2& c);
 

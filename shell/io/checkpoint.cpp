@@ -44,7 +44,7 @@ void archive(A& a, DrawnMesh& m) {
 namespace {
 
 // Read only by the build that wrote it: plain structures lie in it as they lie in memory.
-const std::string kFirstLine = "sunder checkpoint 9, " __VERSION__ "\n";
+const std::string kFirstLine = "sunder checkpoint 10, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
 [[noreturn]] void bad(const std::string& path, const std::string& what) {

@@ -41,17 +41,17 @@ void ShellPart::mark_rubble(PartPieces& now) const {
   }
 }
 
-std::shared_ptr<const Triangulation> ShellPart::triangulation(bool exact) {
+std::shared_ptr<const Triangulation> ShellPart::counted() {
   const ShellModel& m = model();
-  const Patch& p = m.patch;
-  const Vec2 low(p.knots_u.begin(), p.knots_v.begin()), high(p.knots_u.end(), p.knots_v.end());
-  const std::size_t edges = state->cracks.edges().size();
-  const bool closed = loops.closed(state->cracks, low, high, m.spacing);
-  if (exact ? edges_drawn != edges || !triangulated : closed || !triangulated) {
-    triangulated = std::make_shared<Triangulation>(sunder::shell::triangulated(m, *state, exact));
-    edges_drawn = exact ? edges : kNone;
-  }
+  const Eigen::AlignedBox2d all = domain_of(m);
+  const bool closed = loops.closed(state->cracks, all.min(), all.max(), m.spacing);
+  if (closed || !triangulated)
+    triangulated = std::make_shared<Triangulation>(sunder::shell::triangulated(m, *state, {}));
   return triangulated;
+}
+
+std::shared_ptr<const Triangulation> ShellPart::drawn(std::span<const Eigen::AlignedBox2d> leaving) const {
+  return std::make_shared<Triangulation>(sunder::shell::triangulated(model(), *state, leaving));
 }
 
 void ShellPart::add_rubble(const Triangulation& t, int piece) {

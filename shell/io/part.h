@@ -35,9 +35,7 @@ struct ShellPart {
   std::size_t edges_seen = 0;                  // crack edges that the stable step knows
   std::int64_t next_measure = 0;               // substep from which the stable step may be measured again
   std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
-  static constexpr std::size_t kNone = static_cast<std::size_t>(-1);
-  std::shared_ptr<const Triangulation> triangulated;  // the last one
-  std::size_t edges_drawn = kNone;                    // how many it has where it is exact
+  std::shared_ptr<const Triangulation> triangulated;  // the last one that was counted
   CrackLoops loops;
   double initial_step = 0.0, smallest_step = 0.0;  // stable ones [s]
   double hertz_speed = 0.0;  // fastest that a sphere with Hertz contact and the shell have met [m/s]
@@ -56,13 +54,16 @@ struct ShellPart {
                     double window, std::int64_t now);
   /// Makes the cuts that are due before `until`, at time `now` [s].
   void cut(double now, double until);
-  /// Measures the stable step again where cracks have changed something; `window` counts windows.
+  /// Measures the stable step again where cracks have changed something; `window` counts windows, `substep`
+  /// substeps.
   void measure_step(std::int64_t window, std::int64_t substep, int threads);
   /// Pieces without control points that have left are gone.
   void mark_rubble(PartPieces& now) const;
-  /// Whose pieces are those of the present cracks. Fit to be drawn and to leave only where `exact`: else cracks that
-  /// have grown within a piece may be missing, and knots.
-  std::shared_ptr<const Triangulation> triangulation(bool exact);
+  /// Whose pieces are those of the present cracks, but cracks that have grown within a piece may be missing, and knots:
+  /// not fit to be drawn or to leave.
+  std::shared_ptr<const Triangulation> counted();
+  /// Of all present cracks, with knots in these boxes: fit to be drawn and to leave there.
+  std::shared_ptr<const Triangulation> drawn(std::span<const Eigen::AlignedBox2d> leaving) const;
   void add_rubble(const Triangulation& t, int piece);
   Eigen::AlignedBox3d box() const;  // of the control points that have not left
 };

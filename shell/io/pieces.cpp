@@ -27,7 +27,29 @@ void Run::check_handoff(const Totals& before, const Totals& after, const RigidBo
               "from the shell");
 }
 
-std::vector<PartPieces> Run::pieces_now(bool all, bool exact) {
+Run::PartBoxes Run::everywhere() const {
+  PartBoxes boxes;
+  for (const ShellPart& part : parts_) boxes.push_back({domain_of(part.model())});
+  return boxes;
+}
+
+Run::PartBoxes Run::boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,
+                             const std::vector<int>& roots) const {
+  PartBoxes boxes(parts_.size());
+  for (const int root : roots)
+    for (const auto& [k, i] : groups.at(root).members) {
+      if (now[k].whole) continue;
+      const Triangulation& t = *now[k].triangulation;
+      Eigen::AlignedBox2d& box = boxes[k].emplace_back();
+      for (const int triangle : t.triangles_of(now[k].pieces[i].number))
+        for (const int corner : t.triangles[triangle]) box.extend(t.vertices[corner]);
+      const Vec2 pad = Vec2::Constant(1e-3 * parts_[k].model().spacing);  // a knot may lie on its border
+      box = {box.min() - pad, box.max() + pad};
+    }
+  return boxes;
+}
+
+std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
   std::vector<PartPieces> out(parts_.size());
   std::vector<int> first, parent;
   for (std::size_t k = 0; k < parts_.size(); ++k) {
@@ -39,7 +61,7 @@ std::vector<PartPieces> Run::pieces_now(bool all, bool exact) {
       p.pieces.resize(1);
       p.pieces[0].held = !m.constraints.anchors.empty();
     } else {
-      p.triangulation = part.triangulation(exact);
+      p.triangulation = leaving.empty() ? part.counted() : part.drawn(leaving[k]);
       p.pieces = pieces_of(m, *part.state, *p.triangulation);
       part.mark_rubble(p);
     }
@@ -118,7 +140,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
   Stopwatch w(stage_s_["crack_update"]);
   for (ShellPart& part : parts_)
     if (all) release_interlocks(part.model(), *part.state, {}, true);
-  std::vector<PartPieces> now = pieces_now(all, false);
+  std::vector<PartPieces> now = pieces_now(all, {});
   std::map<int, Group> groups = groups_of(now);
   std::vector<int> leaving;
   const auto find_leaving = [&] {
@@ -128,7 +150,7 @@ std::vector<RigidBody> Run::take_off(bool all) {
         if (g.empty == empty && is_to_leave(now, g, all)) leaving.push_back(root);
   };
   find_leaving();
-  if (!leaving.empty()) now = pieces_now(all, true), groups = groups_of(now), find_leaving();
+  if (!leaving.empty()) now = pieces_now(all, boxes_of(now, groups, leaving)), groups = groups_of(now), find_leaving();
   fragments_ = static_cast<int>(groups.size());
   if (!leaving.empty()) {
     const double before = total_energy(dt_);
@@ -153,7 +175,7 @@ RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group, Totals& t
   const std::vector<ShellRef> shells = refs();
   for (const auto& [k, i] : group.members) {
     if (!now[k].whole) continue;
-    now[k].triangulation = parts_[k].triangulation(true);
+    now[k].triangulation = parts_[k].drawn(std::array{domain_of(parts_[k].model())});
     now[k].pieces = pieces_of(*shells[k].model, *shells[k].state, *now[k].triangulation);
     now[k].whole = false;
   }

@@ -68,7 +68,7 @@ void Run::freeze_shell(const std::string& why) {
   std::vector<RigidBody> births = take_off(true);
   const double before = total_energy(dt_);
   frozen_kinetic_ = 0.0, frozen_length_ = crack_length(), frozen_resistance_ = crack_resistance();
-  const std::vector<PartPieces> now = pieces_now(true, true);
+  const std::vector<PartPieces> now = pieces_now(true, everywhere());
   for (std::size_t k = 0; k < parts_.size(); ++k) {
     const ShellModel& m = parts_[k].model();
     ShellState& s = *parts_[k].state;

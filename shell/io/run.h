@@ -127,7 +127,13 @@ class Run {
     bool torn = false;   // of a shell that is not whole
   };
   /// `exact`: with all that cracks have cut into them, as what leaves needs.
-  std::vector<PartPieces> pieces_now(bool all, bool exact);
+  /// Of each shell, boxes in its parameters.
+  using PartBoxes = std::vector<std::vector<Eigen::AlignedBox2d>>;
+  /// Fit to leave in the boxes; nowhere, and cheaper, where there are none.
+  std::vector<PartPieces> pieces_now(bool all, const PartBoxes& leaving);
+  PartBoxes everywhere() const;
+  PartBoxes boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,
+                     const std::vector<int>& roots) const;
   std::map<int, Group> groups_of(const std::vector<PartPieces>& now) const;
   bool is_to_leave(const std::vector<PartPieces>& now, const Group& group, bool all);
   Totals shell_totals();

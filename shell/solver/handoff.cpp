@@ -264,7 +264,12 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     }
 }
 
-Triangulation triangulated(const ShellModel& m, const ShellState& s, bool knots) {
+Eigen::AlignedBox2d domain_of(const ShellModel& m) {
+  const auto &u = m.patch.knots_u, &v = m.patch.knots_v;
+  return {Vec2(u.begin(), v.begin()), Vec2(u.end(), v.end())};
+}
+
+Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<const Eigen::AlignedBox2d> knots_in) {
   std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
   for (Vec2& p : places)
     s.cracks.near(p, p, m.spacing, [&](int e) {
@@ -275,7 +280,7 @@ Triangulation triangulated(const ShellModel& m, const ShellState& s, bool knots)
       return true;
     });
   return triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing, 0.02 * m.spacing * m.spacing,
-                     knots);
+                     knots_in);
 }
 
 std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Triangulation& t) {

@@ -17,13 +17,16 @@ struct Piece {
   bool interlocked = false;  // still fastened to another piece
 };
 
-/// The present cracks; control points are the queries.
-Triangulation triangulated(const ShellModel& model, const ShellState& state, bool knots = true);
+/// All of a patch, in its parameters.
+Eigen::AlignedBox2d domain_of(const ShellModel& model);
+/// The present cracks, with knots in these boxes; control points are the queries.
+Triangulation triangulated(const ShellModel& model, const ShellState& state,
+                           std::span<const Eigen::AlignedBox2d> knots_in);
 /// The pieces of a triangulation as they are held, fastened and gone now.
 std::vector<Piece> pieces_of(const ShellModel& model, const ShellState& state, const Triangulation& t);
 /// Both.
 inline Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces) {
-  Triangulation t = triangulated(model, state);
+  Triangulation t = triangulated(model, state, std::array{domain_of(model)});
   pieces = pieces_of(model, state, t);
   return t;
 }
