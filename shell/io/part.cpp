@@ -12,8 +12,8 @@ namespace sunder::shell {
 namespace {
 
 // Substeps: what cracks leave of the stable step is a little more than is taken of it, and a step that is too long
-// shows within a hundred. A measurement costs ten.
-constexpr std::int64_t kMeasureEvery = 400;
+// shows within a hundred, so that measuring is for the margin. A measurement costs ten.
+constexpr std::int64_t kMeasureEvery = 800;
 constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
 constexpr int kLaterIterations = 9;  // of the stable step: within 5 % about a new crack
 

@@ -20,6 +20,7 @@ constexpr double kOffKnots = 1e-6;
 
 std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   std::vector<GatheredFunction> out;
+  out.reserve(p.functions.size());
   for (const MlsFunction& f : p.functions) out.push_back({m.tables.slot(f.control_point), f.n});
   return out;
 }
