@@ -61,7 +61,7 @@ std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
       p.pieces.resize(1);
       p.pieces[0].held = !m.constraints.anchors.empty();
     } else {
-      p.triangulation = leaving.empty() ? part.counted() : part.drawn(leaving[k]);
+      p.triangulation = leaving.empty() || leaving[k].empty() ? part.counted() : part.drawn(leaving[k]);
       p.pieces = pieces_of(m, *part.state, *p.triangulation);
       part.mark_rubble(p);
     }

@@ -129,7 +129,7 @@ class Run {
   /// `exact`: with all that cracks have cut into them, as what leaves needs.
   /// Of each shell, boxes in its parameters.
   using PartBoxes = std::vector<std::vector<Eigen::AlignedBox2d>>;
-  /// Fit to leave in the boxes; nowhere, and cheaper, where there are none.
+  /// Fit to leave in the boxes; of shells that have none, and of all where none are given, only counted.
   std::vector<PartPieces> pieces_now(bool all, const PartBoxes& leaving);
   PartBoxes everywhere() const;
   PartBoxes boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,

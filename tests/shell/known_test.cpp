@@ -105,6 +105,27 @@ TEST(CrackLoops, NoPieceIsAddedUnlessALoopHasClosed) {
     const Triangulation fine = pieces_of(all), coarse = pieces_of({});
     EXPECT_EQ(fine.pieces, coarse.pieces);
     EXPECT_LT(coarse.triangles.size(), fine.triangles.size());
+    // and so do knots in the box of one alone, to the triangle
+    for (int piece = 0; piece < fine.pieces; ++piece) {
+      const auto extent = [](const Triangulation& t, int number) {
+        Eigen::AlignedBox2d box;
+        double area = 0.0;
+        for (const int i : t.triangles_of(number)) {
+          const auto& c = t.triangles[i];
+          EXPECT_EQ(t.piece[i], number);
+          for (const int corner : c) box.extend(t.vertices[corner]);
+          area += triangle_area(t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]]);
+        }
+        return std::pair(box, area);
+      };
+      const auto owned = std::find(fine.owner.begin(), fine.owner.end(), piece);
+      if (owned == fine.owner.end()) continue;
+      const auto [box, area] = extent(fine, piece);
+      const Triangulation local = pieces_of(std::array{box});
+      const int number = local.owner[owned - fine.owner.begin()];
+      EXPECT_EQ(local.triangles_of(number).size(), fine.triangles_of(piece).size());
+      EXPECT_NEAR(extent(local, number).second, area, 1e-12);
+    }
     std::map<int, int> same;
     for (std::size_t k = 0; k < fine.owner.size(); ++k)
       EXPECT_EQ(same.try_emplace(fine.owner[k], coarse.owner[k]).first->second, coarse.owner[k]);
