@@ -11,11 +11,10 @@
 namespace sunder::shell {
 namespace {
 
-// Substeps: what cracks leave of the stable step is a little more than is taken of it, and a step that is too long
-// shows within a hundred, so that measuring is for the margin. A measurement costs ten.
+// Substeps: what cracks leave of the stable step is a little more than is taken of it. A step that is too long shows
+// within a hundred, so kCrackedStep is the guard, and measuring keeps the margin. A measurement costs ten.
 constexpr std::int64_t kMeasureEvery = 800;
 constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
-constexpr int kLaterIterations = 9;  // of the stable step: within 5 % about a new crack
 
 }  // namespace
 
@@ -103,12 +102,13 @@ void ShellPart::measure_step(std::int64_t window, std::int64_t substep, int thre
   const ShellModel& m = model();
   const auto& edges = state->cracks.edges();
   for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
-  if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)  // what is damaged may be strained far
+  const bool strained = setup->brittleness > 0.0 && window % kStrainedWindows == 0;
+  if (strained)  // what is damaged may be strained far
     for (const GatheredPoint& g : state->points)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
-  if (changed.empty() || substep < next_measure) return;
+  if (changed.empty() || (substep < next_measure && !strained)) return;
   smallest_step =
-      std::min(smallest_step, stable_step(m, *state, kLaterIterations, threads, setup->can_crack(), changed));
+      std::min(smallest_step, stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed));
   changed.clear();
   next_measure = substep + kMeasureEvery;
 }

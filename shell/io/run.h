@@ -126,7 +126,6 @@ class Run {
     bool bends = false;  // is large
     bool torn = false;   // of a shell that is not whole
   };
-  /// `exact`: with all that cracks have cut into them, as what leaves needs.
   /// Of each shell, boxes in its parameters.
   using PartBoxes = std::vector<std::vector<Eigen::AlignedBox2d>>;
   /// Fit to leave in the boxes; of shells that have none, and of all where none are given, only counted.

@@ -15,7 +15,7 @@ namespace sunder::shell {
 /// crack starts there: a crack that is born within a window must not find the step too large.
 constexpr double kCrackedStep = 0.8;
 
-/// Of the stable step, what a scene may ask for: power iteration finds it from above.
+/// Of the stable step, what a scene may ask for: iteration finds it from above.
 constexpr double kMostOfStable = 0.95;
 
 /// A shell of the scene, and how it breaks.

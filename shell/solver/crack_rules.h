@@ -20,7 +20,7 @@ struct CrackRules {
   double join = 0.0;                // a tip so near another crack or the border runs into it [m]
   double turn = 0.0;                // largest change of direction per edge [rad]
   double alike = 0.8;               // principal stresses nearer than this leave the direction to chance
-  int nucleations_per_look = 2;     // at tips
+  int nucleations_per_look = 2;     // new flaws, for each look at the tips since flaws were last asked
   double response_time = 0.0;       // stress is averaged over [s], so flaws need not be asked more often
   InterlockLaw faces;               // of fresh cracks
   bool interlock = true;

@@ -106,7 +106,7 @@ struct ShellState {
   bool heals = true;                   // damage follows the present stress, else it stays at its maximum
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Sight> sights;  // of Gauss points that were near a new edge
-  std::vector<Sight> uses;    // of each of them: control points that the point's functions use, where it is gathered
+  std::vector<Sight> uses;    // of each of them: control points that the functions of its entry in `points` use
   std::vector<int> sight_of;  // [block][lane]: index into sights, -1: none
   /// What edges on trial would leave of a point that sees so much. Those that are refused are tried again, longer or a
   /// little later, and mostly leave the same. Not part of checkpoints: it can be found again.

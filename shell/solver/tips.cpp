@@ -17,9 +17,10 @@ constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatte
 constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0, 4.0};
 constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
 constexpr double kMet = 0.05;    // spacings between tips that have met
-constexpr std::size_t kFewTips = 8;
-constexpr double kApart = 2.0;  // spacings that a tip has run before it may join its own crack
+constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;  // of a crack from the end of a cut
+
+constexpr std::size_t kFewTips = 8;  // that one thread looks at sooner than it shares them
 
 // A crack that opens one face runs across one that opened the other and still keys, for that one is closed
 // where this one opens: the radial cracks of a struck pane cross its rings.

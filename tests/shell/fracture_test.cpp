@@ -264,9 +264,9 @@ TEST(Mls, KeepsTheStableStepOfACutSheet) {
     EXPECT_GE(stable_step(m, s, 200, 1, true), 0.8 * intact) << angle << " degrees";
     const double whole = stable_step(m, s, 200, 1, true);
     EXPECT_NEAR(stable_step(m, s, 60, 1, true, {c}), whole, 0.1 * intact);
-    const double few = stable_step(m, s, 9, 1, true, {c});  // as a run takes: from above, and not far
+    const double few = stable_step(m, s, kLocalIterations, 1, true, {c});  // as a run takes: from above, and not far
     EXPECT_GE(few, (1.0 - 1e-6) * whole);
-    EXPECT_LE(few, 1.1 * whole);
+    EXPECT_LE(few, 1.1 * whole);  // a cut in twelve was 5 % off
   }
 }
 

@@ -261,3 +261,37 @@ TEST(Interlock, FacesBetweenCracksAreNoStifferThanTheirMassStands) {
   }
   EXPECT_GT(soft, 0);
 }
+
+// What faces remember of their sight is not in a checkpoint: whether they do, another crack leaves them the same.
+TEST(Interlock, FacesThatRememberTheirSightGoOnAsThoseThatLookAnew) {
+  const ShellModel m = sheet();
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  crack(m, s, {0.05, -0.002}, {0.05, 0.082});
+  disturb(s, m, 1e-5);
+  ShellState anew = s;
+  for (Interlock& lock : anew.interlocks) lock.looked = false, lock.sights = lock.uses = {}, lock.planes = {};
+  const std::vector<Interlock> before = s.interlocks;
+  for (ShellState* state : {&s, &anew}) {  // ends beside the first, and later crosses it
+    crack(m, *state, {0.03, 0.041}, {0.0495, 0.0415});
+    crack(m, *state, {0.0495, 0.0415}, {0.062, 0.043});
+  }
+  ASSERT_EQ(s.interlocks.size(), anew.interlocks.size());
+  int changed = 0, kept = 0;
+  for (std::size_t i = 0; i < s.interlocks.size(); ++i) {
+    const Interlock &a = s.interlocks[i], &b = anew.interlocks[i];
+    EXPECT_EQ(a.holds, b.holds);
+    EXPECT_EQ(a.stiffness, b.stiffness);
+    EXPECT_EQ(a.rest, b.rest);
+    for (const auto side : {&Interlock::plus, &Interlock::minus}) {
+      const auto same = [](const std::vector<GatheredFunction>& p, const std::vector<GatheredFunction>& q) {
+        return std::equal(p.begin(), p.end(), q.begin(), q.end(),
+                          [](const auto& f, const auto& g) { return f.slot == g.slot && f.n == g.n; });
+      };
+      EXPECT_TRUE(same(a.*side, b.*side)) << "edge " << a.edge;
+      if (i < before.size()) (same(a.*side, before[i].*side) ? kept : changed) += 1;
+    }
+  }
+  EXPECT_EQ(s.book.fracture, anew.book.fracture);
+  EXPECT_GT(changed, 0);
+  EXPECT_GT(kept, 0);
+}

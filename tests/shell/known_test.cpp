@@ -6,10 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/handoff.h"
-
 #include "shell/fracture/crack_loops.h"
 #include "shell/fracture/triangulation.h"
+#include "shell/solver/handoff.h"
 #include "shell/solver/surroundings.h"
 #include "tests/shell/fixtures.h"
 
