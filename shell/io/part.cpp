@@ -14,7 +14,9 @@ namespace {
 // Substeps: what cracks leave of the stable step is a little more than is taken of it. A step that is too long shows
 // within a hundred, so kCrackedStep is the guard, and measuring keeps the margin. A measurement costs ten.
 constexpr std::int64_t kMeasureEvery = 800;
-constexpr int kStrainedWindows = 8;  // between two measurements of the stable step where there is damage
+// Windows between two of a shell whose stiffness changes with what it bears, and where all that is damaged, which may
+// be strained far, is measured.
+constexpr int kMeasuredWindows = 4, kStrainedWindows = 8;
 
 }  // namespace
 
@@ -102,11 +104,11 @@ void ShellPart::measure_step(std::int64_t window, std::int64_t substep, int thre
   const ShellModel& m = model();
   const auto& edges = state->cracks.edges();
   for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
-  const bool strained = setup->brittleness > 0.0 && window % kStrainedWindows == 0;
-  if (strained)  // what is damaged may be strained far
+  if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)
     for (const GatheredPoint& g : state->points)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
-  if (changed.empty() || (substep < next_measure && !strained)) return;
+  const bool elastic = setup->brittleness <= 0.0 && !state->yields();
+  if (changed.empty() || (elastic ? substep < next_measure : window % kMeasuredWindows != 0)) return;
   smallest_step =
       std::min(smallest_step, stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed));
   changed.clear();

@@ -29,6 +29,10 @@ struct Probed {
   std::vector<double> x, v, force, inverse_mass, at_rest;  // the last: forces at the present positions
 };
 
+// Whether K is symmetric, and forces linear for small probes: layers that yield go on yielding one way only, and what
+// damage weakens is no gradient. Lanczos found a third of the stable step there.
+bool elastic(const ShellState& s) { return !s.yields() && s.brittleness <= 0.0; }
+
 // Central differences with damping at the velocities half a step ago.
 double step_of(const ShellMaterial& m, double omega) {
   const double damped = 0.5 * (m.stiffness_damping * omega + m.mass_damping / omega);
@@ -77,8 +81,7 @@ double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
   return eigen.eigenvalues()[found - 1];
 }
 
-/// 2 / sqrt(lambda_max) with the mode's first guess in the velocities. What follows others over a seam has no mass of
-/// its own in which K would be symmetric, so this is power iteration.
+/// 2 / sqrt(lambda_max) with the mode's first guess in the velocities, by power iteration.
 template <class Forces>
 double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces) {
   double epsilon = std::numeric_limits<double>::infinity(), points = 0.0, lambda = 0.0;
@@ -122,7 +125,7 @@ double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces
 double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
                    const std::vector<Vec2>& around) {
   const auto forces = [&] { compute_forces(m, s, false, 0.0, threads); };
-  Probed shell{{&m, &s}, as_if_free};
+  std::vector<Probed> shells{{ShellRef{&m, &s}, as_if_free}};
   forces();
   const std::size_t plane = m.tables.plane;
   std::vector<char> start(plane, around.empty());
@@ -141,10 +144,16 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
   }
   std::mt19937_64 random(1);
   for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] = start[i % plane] ? noise(random) : 0.0;
-  const double lambda = largest_eigenvalue(shell, iterations, forces);
-  shell.force = std::move(shell.at_rest);  // callers go on with those of the present positions
-  shell.restore();
-  return lambda > 0.0 ? step_of(m.material, std::sqrt(lambda)) : std::numeric_limits<double>::infinity();
+  double step = std::numeric_limits<double>::infinity();
+  if (elastic(s)) {
+    const double lambda = largest_eigenvalue(shells[0], iterations, forces);
+    if (lambda > 0.0) step = step_of(m.material, std::sqrt(lambda));
+  } else {
+    step = iterate(shells, 2 * iterations, forces);
+  }
+  shells[0].force = std::move(shells[0].at_rest);  // callers go on with those of the present positions
+  shells[0].restore();
+  return step;
 }
 
 double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int iterations, int threads,

@@ -11,11 +11,11 @@ constexpr int kLocalIterations = 9;     // about a new crack: mostly to 5 %
 constexpr int kJoinedIterations = 120;  // of shells that hang together
 
 /// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by the method of
-/// Lanczos, which approaches from above where K is symmetric. It starts from noise on the control points that lie
-/// within reach of `around` (everywhere where that is empty): a mode that a new crack or a lost mass made is local, and
-/// a vector kept from before would not contain it. `as_if_free`: supports are left out. A free edge halves the stable
-/// step of a clamped plate, and every crack makes free edges, so a shell that can crack is stepped as if it were free
-/// from the start.
+/// Lanczos, of shells that yield or are damaged by twice as many power iterations. Both approach it from above. It
+/// starts from noise on the control points that lie within reach of `around` (everywhere where that is empty): a mode
+/// that a new crack or a lost mass made is local, and a vector kept from before would not contain it. `as_if_free`:
+/// supports are left out. A free edge halves the stable step of a clamped plate, and every crack makes free edges, so a
+/// shell that can crack is stepped as if it were free from the start.
 double stable_step(const ShellModel& model, ShellState& state, int iterations, int threads, bool as_if_free,
                    const std::vector<Vec2>& around = {});
 
