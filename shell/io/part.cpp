@@ -108,11 +108,12 @@ void ShellPart::measure_step(std::int64_t window, std::int64_t substep, int thre
     for (const GatheredPoint& g : state->points)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
   const bool elastic = setup->brittleness <= 0.0 && !state->yields();
-  if (changed.empty() || (elastic ? substep < next_measure : window % kMeasuredWindows != 0)) return;
+  const std::int64_t now = elastic ? substep : window;
+  if (changed.empty() || now < next_measure) return;
   smallest_step =
       std::min(smallest_step, stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed));
   changed.clear();
-  next_measure = substep + kMeasureEvery;
+  next_measure = now + (elastic ? kMeasureEvery : kMeasuredWindows);
 }
 
 }  // namespace sunder::shell

@@ -33,7 +33,7 @@ struct ShellPart {
   std::map<int, std::int64_t> detached_since;  // lowest control point of a piece -> tick
   std::vector<Vec2> rubble;                    // centres of pieces without control points that have left
   std::size_t edges_seen = 0;                  // crack edges that the stable step knows
-  std::int64_t next_measure = 0;               // substep from which the stable step may be measured again
+  std::int64_t next_measure = 0;               // window or substep from which the stable step may be measured again
   std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
   std::shared_ptr<const Triangulation> triangulated;  // the last one that was counted
   CrackLoops loops;
