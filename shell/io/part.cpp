@@ -12,7 +12,7 @@ namespace sunder::shell {
 namespace {
 
 // Substeps: what cracks leave of the stable step is a little more than is taken of it. A step that is too long shows
-// within a hundred, so kCrackedStep is the guard, and measuring keeps the margin. A measurement costs ten.
+// within a hundred, so kCrackedStep is the guard, and measuring keeps the margin. A measurement costs 13.
 constexpr std::int64_t kMeasureEvery = 800;
 // Windows between two of a shell whose stiffness changes with what it bears, and where all that is damaged, which may
 // be strained far, is measured.

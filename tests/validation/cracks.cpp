@@ -91,7 +91,8 @@ void look(const ShellModel& m, ShellState& s, double intact, const std::vector<V
   w.sight += sight_errors(m, s);
   const double whole = stable_step(m, s, 200, 1, true);
   w.step = std::min(w.step, whole / intact);
-  w.local = std::max(w.local, stable_step(m, s, kLocalIterations, 1, true, around) / whole - 1.0);
+  // a run takes the least that it has measured, and that of the intact shell is the first
+  w.local = std::max(w.local, std::min(intact, stable_step(m, s, kLocalIterations, 1, true, around)) / whole - 1.0);
   w.rest = std::max(w.rest, largest_force(m, s));
 }
 
