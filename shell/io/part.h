@@ -33,7 +33,7 @@ struct ShellPart {
   std::map<int, std::int64_t> detached_since;  // lowest control point of a piece -> tick
   std::vector<Vec2> rubble;                    // centres of pieces without control points that have left
   std::size_t edges_seen = 0;                  // crack edges that the stable step knows
-  std::int64_t next_measure = 0;               // window or substep from which the stable step may be measured again
+  std::int64_t next_measure = 0;               // window from which the stable step may be measured again
   std::vector<Vec2> changed;  // where shape functions or masses have changed since it was last measured
   std::shared_ptr<const Triangulation> triangulated;  // the last one that was counted
   CrackLoops loops;
@@ -54,9 +54,8 @@ struct ShellPart {
                     double window, std::int64_t now);
   /// Makes the cuts that are due before `until`, at time `now` [s].
   void cut(double now, double until);
-  /// Measures the stable step again where cracks have changed something; `window` counts windows, `substep`
-  /// substeps.
-  void measure_step(std::int64_t window, std::int64_t substep, int threads);
+  /// Measures the stable step again where cracks have changed something; `window` counts windows.
+  void measure_step(std::int64_t window, int threads);
   /// Pieces without control points that have left are gone.
   void mark_rubble(PartPieces& now) const;
   /// Whose pieces are those of the present cracks, but cracks that have grown within a piece may be missing, and knots:

@@ -415,7 +415,7 @@ void Run::shell_window() {
   close_books(energy + books.lost() + engine_loss_);
   {
     Stopwatch w(stage_s_["crack_update"]);
-    for (ShellPart& part : parts_) part.measure_step(windows_, substeps_, options_.threads);
+    for (ShellPart& part : parts_) part.measure_step(windows_, options_.threads);
   }
   adapt_window();
   if (crack_length() > length)

@@ -7,7 +7,7 @@
 namespace sunder::shell {
 
 constexpr int kStepIterations = 60;     // to round-off of what matters, for patches of 200 elements a side too
-constexpr int kLocalIterations = 12;    // about a new crack: mostly to 4 %
+constexpr int kLocalIterations = 9;     // about a new crack: mostly to 5 %
 constexpr int kJoinedIterations = 120;  // of shells that hang together
 
 /// Largest stable step [s] about the present positions: 2 / sqrt(lambda_max of M^-1 K) by the method of
