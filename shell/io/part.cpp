@@ -12,7 +12,7 @@ namespace sunder::shell {
 namespace {
 
 // Windows between two measurements of the stable step: what cracks leave of it is a little more than is taken of it,
-// but not always. Every 800 substeps is too late: in a blast one crack then got a third of what all release out of
+// but not always. Every 800 substeps is too late: in a blast one crack then got a quarter of what all release out of
 // nothing.
 constexpr int kMeasureEvery = 4;
 constexpr int kStrainedWindows = 8;  // the same where there is damage
