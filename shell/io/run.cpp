@@ -316,13 +316,10 @@ void Run::crack(ShellPart& part, int k, int n, double dt) {
   const ShellSetup& setup = *part.setup;
   if (!setup.tips && setup.brittleness <= 0.0) return;
   Stopwatch w(stage_s_["crack_update"]);
-  const int every = crack_interval(setup.rules, dt), looks = looks_between_flaws(setup.rules, dt);
-  const int since = k % (looks * every) / every + 1;  // looks, this one too, at which no flaw was asked
+  const int every = crack_interval(setup.rules, dt);
   const bool due = k % every == every - 1 || k == n - 1;
-  const bool flaws = (due && since == looks) || k == n - 1;
   if (setup.tips && due)
-    grow_cracks(setup.model, *part.state, setup.rules, time() + (k + 1) * dt, (k % every + 1) * dt,
-                flaws ? since * setup.rules.nucleations_per_look : 0, random_);
+    grow_cracks(setup.model, *part.state, setup.rules, time() + (k + 1) * dt, (k % every + 1) * dt, random_);
   if (setup.brittleness > 0.0) {
     watch_stress(setup.model, *part.state);
     if (setup.extract_cracks && due) extract_cracks(setup.model, *part.state, time() + (k + 1) * dt);

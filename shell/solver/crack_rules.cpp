@@ -20,7 +20,7 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
   CrackRules r;
   r.tip_radius = tip_radius > 0.0 ? tip_radius : kRadius * l;
   r.advance = 0.75 * l;
-  r.rayleigh = m.rayleigh_speed(), r.response_time = m.response_time();
+  r.rayleigh = m.rayleigh_speed();
   const double toughness = std::sqrt(e * g / r.tip_radius);
   r.tip_strength = stretching_mean() * toughness;
   r.tip_bending_strength = bending_mean(m.material.poisson_ratio) * toughness;
@@ -37,10 +37,6 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
 
 int crack_interval(const CrackRules& r, double dt) {
   return std::max(1, static_cast<int>(0.5 * r.advance / (r.rayleigh * dt)));
-}
-
-int looks_between_flaws(const CrackRules& r, double dt) {
-  return std::max(1, static_cast<int>(r.response_time / (crack_interval(r, dt) * dt)));
 }
 
 double uniform(std::uint64_t& state) {

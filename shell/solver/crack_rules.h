@@ -20,9 +20,8 @@ struct CrackRules {
   double join = 0.0;                // a tip so near another crack or the border runs into it [m]
   double turn = 0.0;                // largest change of direction per edge [rad]
   double alike = 0.8;               // principal stresses nearer than this leave the direction to chance
-  int nucleations_per_look = 2;     // new flaws, for each look at the tips since flaws were last asked
-  double response_time = 0.0;       // stress is averaged over [s], so flaws need not be asked more often
-  InterlockLaw faces;               // of fresh cracks
+  int nucleations_per_step = 2;
+  InterlockLaw faces;  // of fresh cracks
   bool interlock = true;
   int threads = 1;  // that evaluate what an edge would do; results are the same for any number
 };
@@ -32,8 +31,6 @@ CrackRules make_crack_rules(const ShellModel& model, double tip_radius);
 
 /// Substeps between two looks at the cracks: a tip at full speed is seen twice on its way along an edge.
 int crack_interval(const CrackRules& rules, double dt);
-/// Looks at the cracks between two at where the strength is exceeded.
-int looks_between_flaws(const CrackRules& rules, double dt);
 
 /// Uniform in [0, 1); splitmix64.
 double uniform(std::uint64_t& state);

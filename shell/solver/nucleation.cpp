@@ -161,11 +161,11 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
 
 }  // namespace
 
-int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, int most, double time, std::uint64_t& random) {
+int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
   int inserted = 0, nucleated = 0, known = 0;
   std::vector<int> running;
   for (const Overstressed& o : overstressed_points(m, s, r.threads)) {
-    if (nucleated >= most) break;
+    if (nucleated >= r.nucleations_per_step) break;
     for (; known < static_cast<int>(s.tips.size()); ++known)
       if (s.tips[known].alive) running.push_back(known);
     const int edges = nucleate_at(m, s, r, running, o, time, random);

@@ -4,9 +4,8 @@
 
 namespace sunder::shell {
 
-/// Starts cracks, `most` at once, where a face exceeds the local strength, most overstressed first. Returns the number
-/// of edges inserted. `random` is advanced only where chance has to decide a direction.
-int nucleate(const ShellModel& model, ShellState& state, const CrackRules& rules, int most, double time,
-             std::uint64_t& random);
+/// Starts cracks where a face exceeds the local strength, most overstressed first. Returns the number of edges
+/// inserted. `random` is advanced only where chance has to decide a direction.
+int nucleate(const ShellModel& model, ShellState& state, const CrackRules& rules, double time, std::uint64_t& random);
 
 }  // namespace sunder::shell

@@ -204,10 +204,10 @@ void start_at_ends(const ShellModel& m, ShellState& s, int first, int last) {
   }
 }
 
-int grow_cracks(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt, int starts,
+int grow_cracks(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt,
                 std::uint64_t& random) {
   int inserted = grow_tips(m, s, r, time, dt);
-  if (starts > 0) inserted += nucleate(m, s, r, starts, time, random);
+  inserted += nucleate(m, s, r, time, random);
   if (!s.interlocks.empty()) release_interlocks(m, s, r.faces, false);
   return inserted;
 }

@@ -7,9 +7,9 @@ namespace sunder::shell {
 /// The open ends of a cut, edges `first` to before `last` of the graph, may run on from now on.
 void start_at_ends(const ShellModel& model, ShellState& state, int first, int last);
 
-/// Growth over the last `dt` seconds, and nucleation of `starts` cracks at most. `random` is advanced only where chance
-/// decides a direction. Returns the number of edges inserted.
-int grow_cracks(const ShellModel& model, ShellState& state, const CrackRules& rules, double time, double dt, int starts,
+/// Nucleation and growth over the last `dt` seconds. `random` is advanced only where chance decides a direction.
+/// Returns the number of edges inserted.
+int grow_cracks(const ShellModel& model, ShellState& state, const CrackRules& rules, double time, double dt,
                 std::uint64_t& random);
 
 }  // namespace sunder::shell
