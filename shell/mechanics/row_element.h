@@ -120,6 +120,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
       const double* value = &t.basis_u[static_cast<std::size_t>(a) * 3 * kSupport * lanes];
       const double *first = value + kSupport * lanes, *second = value + 2 * kSupport * lanes;
       const double* metric = &t.metric[t.at(block, kMetricFields, 0, 0)];
+      [[maybe_unused]] IntPack over{};
       for (int e = 0; e < lanes; e += kLanes) {
         const Pack area = load<Pack>(metric + kArea * lanes + e);
         // the next Gauss point's numbers, which no prefetcher of hardware expects: seven streams that change every row
@@ -233,10 +234,17 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
           }
           const Pack now[6] = {faces.low.c11,  faces.low.c22,  faces.low.c12,
                                faces.high.c11, faces.high.c22, faces.high.c12};
+          Pack recorded[6];
           for (int i = 0; i < 6; ++i) {
             const Pack mean = load<Pack>(s + i * lanes);
             const Pack kept = kLaw == LayerLaw::kYields ? select(area > 0.0, Pack{}, mean) : mean;  // folded: none
-            store<Pack>(s + i * lanes, select(summed, mean + stress.share * (now[i] - mean), kept));
+            recorded[i] = select(summed, mean + stress.share * (now[i] - mean), kept);
+            store<Pack>(s + i * lanes, recorded[i]);
+          }
+          if (stress.over) {
+            const Pack strength = kDoubt * load<Pack>(stress.strength->data() + t.at(block, 1, 0, e));
+            over |= (most_tension(recorded[0], recorded[1], recorded[2]) > strength) |
+                    (most_tension(recorded[3], recorded[4], recorded[5]) > strength);
           }
         }
         Derivatives<Pack> g = section_forces(d, forms, r, area);
@@ -265,6 +273,8 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
           }
         }
       }
+      if constexpr (kStress)
+        if (stress.over) (*stress.over)[block] = static_cast<char>(any(over));
     }
     for (int k = 0; k < 9; ++k) {
       const double *p0 = parts + k * reach, *p1 = p0 + 9 * reach - 1, *p2 = p0 + 18 * reach - 2;

@@ -20,43 +20,26 @@ struct Overstressed {
   int block, lane;
 };
 
-// Whether any of a row's points may be: sqrt(a^2 + b^2) <= |a| + |b| spares the root, and the rest runs in packs.
-bool may_be_over(const double* stress, const double* strength, int points, int lanes) {
-  constexpr double kRoundOff = 1e-12;
-  int over = 0;
-  for (int e = 0; e < points; ++e)
-    for (int face = 0; face < 2; ++face) {
-      const double *s11 = stress + 3 * face * lanes, *s22 = s11 + lanes, *s12 = s22 + lanes;
-      over += 0.5 * (s11[e] + s22[e]) + 0.5 * std::abs(s11[e] - s22[e]) + std::abs(s12[e]) >
-              (1.0 - kRoundOff) * strength[e];
-    }
-  return over > 0;
-}
-
-std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s, int threads) {
+std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s) {
   const RowTables& t = m.tables;
-  const auto stress_of = [&](int q) { return &s.surface_stress[t.at(q, 6, 0, 0)]; };
-  const auto strength_of = [&](int q) { return &s.strength[static_cast<std::size_t>(q) * t.lanes]; };
-  std::vector<char> doubtful(t.blocks());
-#pragma omp parallel for schedule(static) num_threads(threads) if (threads > 1)
-  for (int q = 0; q < t.blocks(); ++q) {
-    std::fill_n(s.c.begin() + static_cast<std::ptrdiff_t>(q) * t.lanes, t.spans_u, 0.0f);
-    doubtful[q] = may_be_over(stress_of(q), strength_of(q), t.spans_u, t.lanes);
-  }
+  if (s.marked.empty()) s.marked.assign(t.blocks(), 1);
   std::vector<Overstressed> over;
   for (int q = 0; q < t.blocks(); ++q) {
-    if (!doubtful[q]) continue;
-    const double *stress = stress_of(q), *strength = strength_of(q);
+    if (s.marked[q]) std::fill_n(s.c.begin() + static_cast<std::ptrdiff_t>(q) * t.lanes, t.spans_u, 0.0f);
+    s.marked[q] = 0;
+    if (!s.over.empty() && !s.over[q]) continue;
+    const double *stress = &s.surface_stress[t.at(q, 6, 0, 0)], *strength = &s.strength[t.at(q, 1, 0, 0)];
     for (int e = 0; e < t.spans_u; ++e) {
       double high = 0.0;
       for (int face = 0; face < 2; ++face) {
         const double* f = stress + 3 * face * t.lanes + e;
+        if (most_tension(f[0], f[t.lanes], f[2 * t.lanes]) <= kDoubt * strength[e]) continue;
         const double half = 0.5 * (f[0] - f[t.lanes]);
         high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::sqrt(half * half + f[2 * t.lanes] * f[2 * t.lanes]));
       }
       const std::size_t g = static_cast<std::size_t>(q) * t.lanes + e;
       if (high <= strength[e]) continue;
-      s.c[g] = 1.0f;
+      s.c[g] = 1.0f, s.marked[q] = 1;
       const int point = s.point_of[g];
       if (s.c_his[g] < 1.0f) s.c_his[g] = 1.0f;
       if (point >= 0 && s.points[point].kind != PointKind::kQuadratic) continue;
@@ -100,32 +83,26 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
                 const Overstressed& o, double time, std::uint64_t& random) {
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
+  KnownSurroundings::OfPoint& around = s.surroundings.at(
+      s.point_of.size(), static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane, most_bytes_seen(m, r.tip_radius));
+  const double reach = std::max(kJoin * m.spacing, r.parallel_clearance);
+  const std::vector<SeenEdge>& cracks = around.cracks.seen(s.cracks, p, reach, r.parallel_clearance, kParallel);
+  if (around.cracks.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
   double six[6];
   // of the surroundings: at one point of a few an element, the direction would be that of the lattice
-  if (near_a_tip(m, s, r, running, p)) return 0;
-  Surroundings& around = s.surroundings.at(
-      s.point_of.size(), static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane, most_bytes_seen(m, r.tip_radius));
-  if (!mean_stress(m, s, p, r.tip_radius, around, six)) return 0;
+  if (!mean_stress(m, s, p, r.tip_radius, around.points, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
   const bool alike = stress.low > r.alike * stress.high;  // then any direction is as good: scatter decides
   Vec2 join_foot;
   double join = kJoin * m.spacing;
-  bool joins = false, shielded = false;
+  bool joins = false;
   Vec2 along = stress.crack;
-  s.cracks.near(p, p, std::max(join, r.parallel_clearance), [&](int e) {
-    Vec2 foot;
-    const double distance = s.cracks.distance(p, e, foot);
-    const CrackEdge& c = s.cracks.edges()[e];
-    const bool shields =
-        distance < r.parallel_clearance && std::abs((c.b - c.a).normalized().dot(stress.crack)) > kParallel;
-    if (!(shields || distance < join) || !s.cracks.visible(p, foot + 0.02 * (p - foot), e)) return true;
-    if (shields) return !(shielded = true);
-    join = distance, join_foot = foot, joins = true;
-    return true;
-  });
-  if (shielded) return 0;
+  for (const SeenEdge& c : cracks) {
+    if (c.distance < r.parallel_clearance && std::abs(c.along.dot(stress.crack)) > kParallel) return 0;
+    if (c.distance < join) join = c.distance, join_foot = c.foot, joins = true;
+  }
   if (alike && !joins) along = turned(Vec2(1, 0), std::numbers::pi * uniform(random));
   // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
   // a wave passes, would leave the sheet full of cracks one edge long.
@@ -164,7 +141,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
   int inserted = 0, nucleated = 0, known = 0;
   std::vector<int> running;
-  for (const Overstressed& o : overstressed_points(m, s, r.threads)) {
+  for (const Overstressed& o : overstressed_points(m, s)) {
     if (nucleated >= r.nucleations_per_step) break;
     for (; known < static_cast<int>(s.tips.size()); ++known)
       if (s.tips[known].alive) running.push_back(known);

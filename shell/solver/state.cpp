@@ -93,7 +93,10 @@ RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
 
 double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
   SurfaceStress stress;
-  if (stress_share > 0.0) stress = {&s.surface_stress, stress_share};
+  if (stress_share > 0.0) {
+    s.over.resize(s.tables.blocks());
+    stress = {&s.surface_stress, stress_share, &s.strength, &s.over};
+  }
   RowPlasticity plastic;
   if (s.yields()) plastic = plasticity_of(m, s), plastic.advance = stress_share > 0.0;
   RowDamage rows;

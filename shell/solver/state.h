@@ -93,17 +93,19 @@ struct ShellState {
   std::vector<double> surface_stress;  // [block][6][lane]
   std::vector<double> strength;        // [block][lane], with its scatter
   std::vector<float> c, c_his;         // [block][lane]
-  std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: none do
-  std::vector<double> plastic_forms;   // and the forms at which they last moved on
-  std::vector<double> fibres;          // [block][lane][below, above][r13, r23, r33]; empty: none (solver/fibres.h)
-  RowTables tables;                    // as the model's, areas of gathered points taken out
-  RowTables interlayer;                // as the model's, areas of what has left taken out
-  std::vector<GatheredPoint> points;   // Gauss points that a crack has touched, or that damage may weaken
-  std::vector<int> point_of;           // [block][lane]: index into points, -1: none
-  std::vector<PointDamage> damage;     // of each of these points where damage drives the cracks, else empty
-  std::vector<char> watched;           // [block][lane]: damage may weaken the point, the rows sum it; empty: none
-  double brittleness = 0.0;            // H of eq. 9; 0: cracks are not driven by damage
-  bool heals = true;                   // damage follows the present stress, else it stays at its maximum
+  std::vector<char> over;       // [block]: 0 where no stress recorded is above the strength; not part of checkpoints
+  std::vector<char> marked;     // [block]: 0 where c is zero since the last look; empty: unknown
+  std::vector<double> plastic;  // states of layers that yield (RowPlasticity); empty: none do
+  std::vector<double> plastic_forms;  // and the forms at which they last moved on
+  std::vector<double> fibres;         // [block][lane][below, above][r13, r23, r33]; empty: none (solver/fibres.h)
+  RowTables tables;                   // as the model's, areas of gathered points taken out
+  RowTables interlayer;               // as the model's, areas of what has left taken out
+  std::vector<GatheredPoint> points;  // Gauss points that a crack has touched, or that damage may weaken
+  std::vector<int> point_of;          // [block][lane]: index into points, -1: none
+  std::vector<PointDamage> damage;    // of each of these points where damage drives the cracks, else empty
+  std::vector<char> watched;          // [block][lane]: damage may weaken the point, the rows sum it; empty: none
+  double brittleness = 0.0;           // H of eq. 9; 0: cracks are not driven by damage
+  bool heals = true;                  // damage follows the present stress, else it stays at its maximum
   CrackGraph cracks{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Sight> sights;  // of Gauss points that were near a new edge
   std::vector<Sight> uses;    // of each of them: control points that the functions of its entry in `points` use

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace sunder::shell {
 namespace {
 
-constexpr double kEye = 0.1;  // spacings ahead of the middle
+constexpr double kEye = 0.1;            // spacings ahead of the middle
+constexpr double kBeforeAnEdge = 0.02;  // of the distance from it: one that is seen to there is seen
 
 // Calls f(block, lane, offset from p) for each Gauss point within the radius.
 template <class F>
@@ -69,6 +71,37 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
   }
   look_ = look, known_ = end;
   return points_;
+}
+
+const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Vec2& p, double reach, double clearance,
+                                              double parallel) {
+  const int end = static_cast<int>(cracks.edges().size());
+  const Vec2 pad = Vec2::Constant(reach);
+  bool changed = false;  // what is new may also hide what is not
+  if (known_ < end) cracks.near_since(p - pad, p + pad, known_, [&](int) { changed = true; });
+  known_ = end;
+  if (!changed) return edges_;
+  thread_local std::vector<int> around;
+  around.clear();
+  cracks.near_since(p - pad, p + pad, 0, [](int e) { around.push_back(e); });
+  std::sort(around.begin(), around.end());
+  around.erase(std::unique(around.begin(), around.end()), around.end());
+  edges_.clear();
+  std::vector<double> angles;  // [0, pi)
+  for (const int e : around) {
+    Vec2 foot;
+    const double distance = cracks.distance(p, e, foot);
+    if (distance >= reach || !cracks.visible(p, foot + kBeforeAnEdge * (p - foot), e)) continue;
+    const CrackEdge& c = cracks.edges()[e];
+    edges_.push_back({distance, foot, (c.b - c.a).normalized()});
+    const Vec2& d = edges_.back().along;
+    if (distance < clearance) angles.push_back(std::atan2(d.y() < 0.0 ? -d.y() : d.y(), d.y() < 0.0 ? -d.x() : d.x()));
+  }
+  std::sort(angles.begin(), angles.end());
+  const double most = 2.0 * std::acos(parallel) - 1e-9;  // between two that shield all between them
+  shield_all_ = !angles.empty() && angles.front() + std::numbers::pi - angles.back() < most;
+  for (std::size_t k = 1; k < angles.size(); ++k) shield_all_ = shield_all_ && angles[k] - angles[k - 1] < most;
+  return edges_;
 }
 
 }  // namespace sunder::shell

@@ -40,15 +40,43 @@ class Surroundings {
   std::vector<SeenPoint> points_;
 };
 
+/// A crack edge that a point sees.
+struct SeenEdge {
+  double distance;  // [m]
+  Vec2 foot;        // nearest to the point
+  Vec2 along;       // unit vector
+};
+
+/// Which edges near a point it sees, kept in the same way.
+class NearCracks {
+ public:
+  /// Those within `reach` [m] of p, the oldest first. One less than `clearance` [m] off shields p from the stress
+  /// across directions whose cosine with it is above `parallel`. All but the graph are the same in each call.
+  const std::vector<SeenEdge>& seen(const CrackGraph& cracks, const Vec2& p, double reach, double clearance,
+                                    double parallel);
+  /// Of what `seen` has told last: whether it shields p in every direction.
+  bool shield_all() const { return shield_all_; }
+
+ private:
+  int known_ = 0;  // edges
+  bool shield_all_ = false;
+  std::vector<SeenEdge> edges_;
+};
+
 /// Surroundings that are looked at again and again. Not part of checkpoints: they can be found again.
 struct KnownSurroundings {
-  std::vector<Surroundings> of_tip, of_point;
+  struct OfPoint {
+    Surroundings points;
+    NearCracks cracks;
+  };
+  std::vector<Surroundings> of_tip;
+  std::vector<OfPoint> of_point;
   std::vector<int> index;  // [block][lane]: into of_point, -1: none; empty: none at all
 
   static constexpr std::size_t kMost = 64 << 20;  // [bytes]: all points are forgotten then
 
   /// Those of a Gauss point, for `each` bytes at most; until the next call.
-  Surroundings& at(std::size_t gauss_points, std::size_t gauss, std::size_t each) {
+  OfPoint& at(std::size_t gauss_points, std::size_t gauss, std::size_t each) {
     if (index.empty() || of_point.size() * each >= kMost) index.assign(gauss_points, -1), of_point.clear();
     if (index[gauss] < 0) index[gauss] = static_cast<int>(of_point.size()), of_point.emplace_back();
     return of_point[index[gauss]];
