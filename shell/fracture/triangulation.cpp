@@ -48,9 +48,21 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
   const Vec2 low(u.begin(), v.begin()), high(u.end(), v.end());
   const Vec2 corners[4] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
   for (int k = 0; k < 4; ++k) cdt.insert_constraint(point(corners[k]), point(corners[(k + 1) % 4]));
+  // Cracks have vertices in common, and their vertices are not far from the one before: no walk through the whole to
+  // find where a vertex belongs.
+  std::vector<Cdt::Vertex_handle> known(cracks.vertices().size());
+  Cdt::Vertex_handle last;
+  const auto inserted = [&](int vertex, const Vec2& p) {
+    const bool whole = p == cracks.vertices()[vertex];
+    if (whole && known[vertex] != Cdt::Vertex_handle()) return last = known[vertex];
+    last = cdt.insert(point(p), last != Cdt::Vertex_handle() ? last->face() : Cdt::Face_handle());
+    return whole ? known[vertex] = last : last;
+  };
   for (const CrackEdge& e : cracks.edges()) {
     Vec2 a = e.a, b = e.b;
-    if (clip(a, b, low, high) && (b - a).norm() > 1e-9 * spacing) cdt.insert_constraint(point(a), point(b));
+    if (!clip(a, b, low, high) || !((b - a).norm() > 1e-9 * spacing)) continue;
+    const Cdt::Vertex_handle from = inserted(e.from, a), to = inserted(e.to, b);
+    if (from != to) cdt.insert_constraint(from, to);
   }
   Cdt::Face_handle beside;  // the last vertex, from where the next one is soon found
   for (int j = 0; j <= v.spans() && !knots_in.empty(); ++j)

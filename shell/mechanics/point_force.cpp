@@ -293,13 +293,13 @@ void settle(const RowTables& t, const GatheredPoint& p, const std::vector<double
   keep_worst(d, loss, p.area);
 }
 
-void add_point_force(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, double times,
-                     std::vector<double>& force, const PointDamage* damage, double brittleness, bool heals,
-                     const RowPlasticity* plastic) {
-  if (p.kind == PointKind::kDead) return;
+std::optional<Derivatives<double>> point_force(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                                               double times, const PointDamage* damage, double brittleness, bool heals,
+                                               const RowPlasticity* plastic) {
+  if (p.kind == PointKind::kDead) return {};
   const Derivatives<double> d = gather(t, p, x);
   const Forms<double> f = forms_of(p, d);
-  if (!bears(f, p.metric, t.layers)) return;
+  if (!bears(f, p.metric, t.layers)) return {};
   Resultants<double> r;
   if (plastic) {
     auto states = plastic_states(t, *plastic, p);
@@ -313,9 +313,12 @@ void add_point_force(const RowTables& t, const GatheredPoint& p, const std::vect
   } else {
     r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
   }
-  if (!std::isfinite(r.n.c11 + r.n.c22 + r.m.c11 + r.m.c22)) return;
+  if (!std::isfinite(r.n.c11 + r.n.c22 + r.m.c11 + r.m.c22)) return {};
   if (p.kind == PointKind::kLinear) r.m = {0.0, 0.0, 0.0};
-  const Derivatives<double> g = section_forces(d, f, r, times * p.area);
+  return section_forces(d, f, r, times * p.area);
+}
+
+void spread(const RowTables& t, const GatheredPoint& p, const Derivatives<double>& g, std::vector<double>& force) {
   const Vector<double>* all[5] = {&g.u, &g.v, &g.uu, &g.vv, &g.uv};
   for (const GatheredFunction& n : p.functions)
     for (int k = 0; k < 5; ++k) {

@@ -3,6 +3,7 @@
 // may weaken are listed with them, and summed by the rows.
 #include <array>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "shell/mechanics/point_damage.h"
@@ -61,10 +62,14 @@ double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& po
                         std::vector<double>& force, DamageLaw* damage = nullptr, RowPlasticity* plastic = nullptr,
                         const PointsBeside& beside = {});
 
-/// Adds `times` the force of one point, as it stands, to `force` [3][plane].
-void add_point_force(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double times,
-                     std::vector<double>& force, const PointDamage* damage = nullptr, double brittleness = 0.0,
-                     bool heals = true, const RowPlasticity* plastic = nullptr);
+/// `times` the force of one point, as it stands, before its functions spread it. Nothing: it has none.
+std::optional<Derivatives<double>> point_force(const RowTables& t, const GatheredPoint& point,
+                                               const std::vector<double>& x, double times,
+                                               const PointDamage* damage = nullptr, double brittleness = 0.0,
+                                               bool heals = true, const RowPlasticity* plastic = nullptr);
+/// Adds what it is on the control points to `force` [3][plane].
+void spread(const RowTables& t, const GatheredPoint& point, const Derivatives<double>& of_point,
+            std::vector<double>& force);
 
 /// Elastic energy of one point [J].
 double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "shell/solver/interlock.h"
 
@@ -100,42 +101,63 @@ float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
   return static_cast<float>(reach * (1.0 + 1e-6));  // more than the rounding
 }
 
-// Gauss points that look across an edge.
-std::vector<std::pair<int, int>> touched_points(const ShellModel& m, ShellState& s, const CrackEdge& e) {
+// A Gauss point that may look across an edge.
+struct Candidate {
+  int block, lane;
+  bool unsure;  // what it uses is not noted yet
+};
+
+// Those of one row of elements; changes nothing. `low`, `high`: box of the edge and all that can look across it.
+std::vector<Candidate> candidates_in(const ShellModel& m, const ShellState& s, const CrackEdge& e, int f,
+                                     const Vec2& low, const Vec2& high) {
   const RowTables& t = m.tables;
+  const Vec2 edge_low = e.long_a.cwiseMin(e.long_b), edge_high = e.long_a.cwiseMax(e.long_b);
+  const int first_lane = m.patch.knots_u.span_of(low.x()), last_lane = m.patch.knots_u.span_of(high.x());
+  thread_local std::vector<char> beside;
+  beside.resize(last_lane + 1);
+  for (int lane = first_lane; lane <= last_lane; ++lane) {
+    // an element lies among its control points, and those in this box
+    const Vec2 &first = m.parameter[f * t.columns + lane],
+               &last = m.parameter[(f + t.degree) * t.columns + lane + t.degree];
+    beside[lane] = (first.array() <= edge_high.array()).all() && (last.array() >= edge_low.array()).all();
+  }
+  std::vector<Candidate> found;
+  for (int block = f * t.gauss * t.gauss; block < (f + 1) * t.gauss * t.gauss; ++block)
+    for (int lane = first_lane; lane <= last_lane; ++lane) {
+      const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+      const double reach = s.reach[gauss];
+      if (reach == 0.0 && !beside[lane]) continue;
+      const GaussPoint g = gauss_point(m.patch, t, block, lane);
+      const Vec2 gap = (edge_low - g.parameter).cwiseMax(g.parameter - edge_high);
+      if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
+        continue;
+      const int point = s.point_of[gauss];
+      bool hit = false, unsure = false;  // what it does not use may hide: its functions are still as sound as they were
+      if (point < 0) {
+        for (int k = 0; k < t.support() * t.support() && !hit; ++k)
+          hit = segments_meet(g.parameter, m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()],
+                              e.long_a, e.long_b);
+      } else if (!s.points[point].functions.empty()) {
+        unsure = s.sight_of[gauss] < 0;
+        hit = unsure || s.uses[s.sight_of[gauss]].loses(control_grid(m), e);
+      }
+      if (hit) found.push_back({block, lane, unsure});
+    }
+  return found;
+}
+
+// Gauss points that look across an edge, in rising order of blocks and lanes.
+std::vector<std::pair<int, int>> touched_points(const ShellModel& m, ShellState& s, const CrackEdge& e, int threads) {
   const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
   const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
-  const Vec2 edge_low = e.long_a.cwiseMin(e.long_b), edge_high = e.long_a.cwiseMax(e.long_b);
+  const int first = m.patch.knots_v.span_of(low.y()), end = m.patch.knots_v.span_of(high.y()) + 1;
+  std::vector<std::vector<Candidate>> rows(end - first);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (int f = first; f < end; ++f) rows[f - first] = candidates_in(m, s, e, f, low, high);
   std::vector<std::pair<int, int>> touched;
-  const int first_lane = m.patch.knots_u.span_of(low.x()), last_lane = m.patch.knots_u.span_of(high.x());
-  std::vector<char> beside(last_lane + 1);
-  for (int f = m.patch.knots_v.span_of(low.y()); f <= m.patch.knots_v.span_of(high.y()); ++f) {
-    for (int lane = first_lane; lane <= last_lane; ++lane) {
-      // an element lies among its control points, and those in this box
-      const Vec2 &first = m.parameter[f * t.columns + lane],
-                 &last = m.parameter[(f + t.degree) * t.columns + lane + t.degree];
-      beside[lane] = (first.array() <= edge_high.array()).all() && (last.array() >= edge_low.array()).all();
-    }
-    for (int block = f * t.gauss * t.gauss; block < (f + 1) * t.gauss * t.gauss; ++block)
-      for (int lane = first_lane; lane <= last_lane; ++lane) {
-        const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
-        const double reach = s.reach[gauss];
-        if (reach == 0.0 && !beside[lane]) continue;
-        const GaussPoint g = gauss_point(m.patch, t, block, lane);
-        const Vec2 gap = (edge_low - g.parameter).cwiseMax(g.parameter - edge_high);
-        if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
-          continue;
-        const int point = s.point_of[gauss];
-        bool hit = false;  // what it does not use may hide: its functions are still as sound as they were
-        if (point < 0)
-          for (int k = 0; k < t.support() * t.support() && !hit; ++k)
-            hit = segments_meet(g.parameter, m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()],
-                                e.long_a, e.long_b);
-        else if (!s.points[point].functions.empty())
-          hit = s.uses[sight_of(m, s, block, lane)].loses(control_grid(m), e);
-        if (hit) touched.push_back({block, lane});
-      }
-  }
+  for (const std::vector<Candidate>& row : rows)
+    for (const auto& [block, lane, unsure] : row)
+      if (!unsure || s.uses[sight_of(m, s, block, lane)].loses(control_grid(m), e)) touched.push_back({block, lane});
   return touched;
 }
 
@@ -177,7 +199,8 @@ struct Renewal {
   GatheredPoint own;               // what is not to be remembered
   GatheredPoint* point = nullptr;  // that, or the trial's
   PointDamage damage;
-  double before = 0.0, after = 0.0;  // elastic energy [J]
+  double before = 0.0, after = 0.0;                   // elastic energy [J]
+  std::optional<Derivatives<double>> lost, gained{};  // forces before, and less those after
 };
 
 // What becomes of it. Changes nothing of the state but the point's own trials and its sight, which the edges from
@@ -261,7 +284,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   const int end = static_cast<int>(s.cracks.edges().size());
   std::vector<std::pair<int, int>> touched;
   for (int k = first; k < end; ++k) {
-    const auto more = touched_points(m, s, s.cracks.edges()[k]);
+    const auto more = touched_points(m, s, s.cracks.edges()[k], threads);
     touched.insert(touched.end(), more.begin(), more.end());
   }
   if (end - first > 1) {
@@ -270,7 +293,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   }
   std::vector<Renewal> changed;
   for (const auto& [block, lane] : touched)
-    changed.push_back({block, lane, sight_of(m, s, block, lane), {}, nullptr, {}});
+    changed.push_back({.block = block, .lane = lane, .sight = sight_of(m, s, block, lane)});
   s.trials.resize(must_release ? s.sights.size() : 0);
   if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
     for (const auto& [block, lane] : touched) {
@@ -285,20 +308,27 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   s.interlock_of.resize(end, -1);
   RowPlasticity layers;
   if (s.yields()) layers = plasticity_of(m, s);
+  const bool damaged = s.brittleness > 0.0;
+  const auto force_of = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
+    return point_force(t, g, s.x, times, damage, s.brittleness, s.heals, s.yields() ? &layers : nullptr);
+  };
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
   for (Renewal& r : changed) {
     GatheredPoint made;
     const GatheredPoint& old = present_point(m, s, r.block, r.lane, made);
     const int known = s.point_of[static_cast<std::size_t>(r.block) * t.lanes + r.lane];
-    const auto bear = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
-      add_point_force(t, g, s.x, times, s.jumped(), damage, s.brittleness, s.heals, s.yields() ? &layers : nullptr);
-    };
-    bear(old, 1.0, s.damage.empty() || known < 0 ? nullptr : &s.damage[known]);
+    r.lost = force_of(old, 1.0, damaged && known >= 0 ? &s.damage[known] : nullptr);
+    if (s.yields()) settle(t, *r.point, s.x, layers);
+    r.gained = force_of(*r.point, -1.0, damaged ? &r.damage : nullptr);
+  }
+  for (Renewal& r : changed) {
+    GatheredPoint made;
+    if (r.lost) spread(t, present_point(m, s, r.block, r.lane, made), *r.lost, s.jumped());
+    if (r.gained) spread(t, *r.point, *r.gained, s.jumped());
     GatheredPoint g = std::move(*r.point);
     const int point = gather_point(m, s, g.block, g.lane);
     if (!s.trials.empty()) s.trials[r.sight] = {};
-    if (!s.damage.empty()) s.damage[point] = r.damage;
-    if (s.yields()) settle(t, g, s.x, plasticity_of(m, s));
-    bear(g, -1.0, s.damage.empty() ? nullptr : &s.damage[point]);
+    if (damaged) s.damage[point] = r.damage;
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = reach_of(m, g, s.sights[r.sight].point());

@@ -138,8 +138,15 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     if (tip.grown < tip.flaw) start.strength = tip.strength;
     return start;
   };
-  // all at once, which is right until one of them runs
-  const std::size_t known = s.cracks.edges().size();
+  // all at once, which is right until one of them runs nearby
+  const int known = static_cast<int>(s.cracks.edges().size());
+  const auto as_before = [&](const Vec2& p) {
+    // an edge changes what a tip sees, and what points bear that see across the edge
+    const Vec2 pad = Vec2::Constant(r.tip_radius) + kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+    bool same = true;
+    s.cracks.near_since(p - pad, p + pad, known, [&](int) { same = false; });
+    return same;
+  };
   std::vector<Drive> drives(count);
   std::vector<std::size_t> alive;
   for (std::size_t i = 0; i < count; ++i)
@@ -152,8 +159,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
       s.surroundings.of_tip[i] = {};
       continue;
     }
-    const Drive now =
-        s.cracks.edges().size() == known ? drives[i] : drive_at(m, s, r, start_of(tip), s.surroundings.of_tip[i]);
+    const Drive now = as_before(tip.p) ? drives[i] : drive_at(m, s, r, start_of(tip), s.surroundings.of_tip[i]);
     if (now.ratio <= 1.0) continue;
     tip.face = now.face;
     // Freund: energy release falls to zero at the Rayleigh speed; it balances the resistance at this speed
