@@ -91,6 +91,14 @@ void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
   if (s.sight_of[gauss] >= 0) note_uses(m, s.points.back().functions, s.uses[s.sight_of[gauss]]);
 }
 
+// The row kernel leaves the point out from now on.
+void leave_rows(const ShellModel& m, ShellState& s, int block, int lane) {
+  const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
+  s.tables.metric[m.tables.at(block, kMetricFields, kArea, lane)] = 0.0;
+  GatheredPoint& point = s.points[s.point_of[gauss]];
+  if (point.in_rows) point.in_rows = false, s.watched[gauss] = 0;
+}
+
 // How far off the control points are that a point at p uses [spacings].
 float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
   double reach = 0.0;
@@ -176,10 +184,8 @@ int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
   if (s.point_of[gauss] < 0) remember_point(m, s, block, lane);
-  const int index = s.point_of[gauss];
-  s.tables.metric[t.at(block, kMetricFields, kArea, lane)] = 0.0;  // the row kernel leaves it out from now on
-  if (s.points[index].in_rows) s.points[index].in_rows = false, s.watched[gauss] = 0;
-  return index;
+  leave_rows(m, s, block, lane);
+  return s.point_of[gauss];
 }
 
 void watch_point(const ShellModel& m, ShellState& s, int block, int lane) {
@@ -195,12 +201,15 @@ namespace {
 
 // A Gauss point that new edges touch.
 struct Renewal {
+  Renewal(int block, int lane, int sight) : block(block), lane(lane), sight(sight) {}
+
   int block, lane, sight;
   GatheredPoint own;               // what is not to be remembered
   GatheredPoint* point = nullptr;  // that, or the trial's
+  GatheredPoint made;              // as it was, where no crack had touched it
   PointDamage damage;
-  double before = 0.0, after = 0.0;                   // elastic energy [J]
-  std::optional<Derivatives<double>> lost, gained{};  // forces before, and less those after
+  double before = 0.0, after = 0.0;                 // elastic energy [J]
+  std::optional<Derivatives<double>> lost, gained;  // forces before, and less those after
 };
 
 // What becomes of it. Changes nothing of the state but the point's own trials and its sight, which the edges from
@@ -208,8 +217,7 @@ struct Renewal {
 void renew(const ShellModel& m, ShellState& s, int first, int end, double time, Renewal& r) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(r.block) * t.lanes + r.lane;
-  GatheredPoint made;
-  const GatheredPoint& old = present_point(m, s, r.block, r.lane, made);
+  const GatheredPoint& old = present_point(m, s, r.block, r.lane, r.made);
   const int point = s.point_of[gauss];
   PointDamage fresh;
   if (s.brittleness > 0.0) fresh.strength = s.strength[gauss];
@@ -276,6 +284,83 @@ std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int f
   return found;
 }
 
+// Puts what has become of the points in their places, and the change of their forces in the state's jump.
+void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, int threads) {
+  const RowTables& t = m.tables;
+  RowPlasticity layers;
+  if (s.yields()) layers = plasticity_of(m, s);
+  const bool damaged = s.brittleness > 0.0;
+  const auto force_of = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
+    return point_force(t, g, s.x, times, damage, s.brittleness, s.heals, s.yields() ? &layers : nullptr);
+  };
+  const auto index_of = [&](const Renewal& r) -> int& {
+    return s.point_of[static_cast<std::size_t>(r.block) * t.lanes + r.lane];
+  };
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
+  for (Renewal& r : changed) {
+    const int known = index_of(r);
+    const GatheredPoint& old = present_point(m, s, r.block, r.lane, r.made);
+    r.lost = force_of(old, 1.0, damaged && known >= 0 ? &s.damage[known] : nullptr);
+    if (s.yields()) settle(t, *r.point, s.x, layers);
+    r.gained = force_of(*r.point, -1.0, damaged ? &r.damage : nullptr);
+  }
+  for (Renewal& r : changed) {  // sums in one order
+    int& index = index_of(r);
+    if (r.lost) spread(t, index < 0 ? r.made : s.points[index], *r.lost, s.jumped());
+    if (r.gained) spread(t, *r.point, *r.gained, s.jumped());
+    if (index < 0) {
+      index = static_cast<int>(s.points.size());
+      s.points.emplace_back();
+      if (damaged) s.damage.emplace_back();
+    }
+    leave_rows(m, s, r.block, r.lane);
+  }
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
+  for (Renewal& r : changed) {
+    GatheredPoint& g = s.points[index_of(r)] = std::move(*r.point);
+    if (damaged) s.damage[index_of(r)] = r.damage;
+    if (!s.trials.empty()) s.trials[r.sight] = {};
+    if (g.kind == PointKind::kDead)
+      for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
+    s.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = reach_of(m, g, s.sights[r.sight].point());
+    note_uses(m, g.functions, s.uses[r.sight]);
+  }
+}
+
+// Faces that the edges from `first` on have cut off from what they use are fastened again, and where `interlock`, those
+// of these edges for the first time.
+void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, int threads) {
+  const int end = static_cast<int>(s.cracks.edges().size());
+  s.interlock_of.resize(end, -1);
+  const std::vector<int> near = interlocks_near(m, s, first);
+  std::vector<Refastened> again(near.size());
+  std::vector<Interlock> fresh(interlock ? end - first : 0);
+  std::vector<char> keyed(fresh.size());
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (std::size_t i = 0; i < fresh.size() + near.size(); ++i) {
+    if (i >= fresh.size()) {
+      Interlock& lock = s.interlocks[near[i - fresh.size()]];
+      if (loses_sight(m, s, lock, first)) again[i - fresh.size()] = refasten(m, s, lock);
+      continue;
+    }
+    Interlock& lock = fresh[i];
+    lock.edge = first + static_cast<int>(i);
+    const CrackEdge& e = s.cracks.edges()[lock.edge];
+    lock.area = (e.b - e.a).norm() * m.thickness;
+    keyed[i] = fasten(m, s, lock);
+  }
+  for (const Refastened& r : again) {
+    for (const auto& [slot, force] : r.jump)
+      for (int d = 0; d < 3; ++d) s.jumped()[d * m.tables.plane + slot] += force[d];
+    s.book.fracture += r.let_go;
+  }
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    if (!keyed[i]) continue;
+    s.interlock_of[first + i] = static_cast<int>(s.interlocks.size());
+    s.interlocks.push_back(std::move(fresh[i]));
+  }
+}
+
 // The edges from `first` on have just been added to the graph: what they touch gets new functions. False, and nothing
 // has changed, where they must release energy and do not.
 bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool interlock, bool must_release,
@@ -292,8 +377,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   }
   std::vector<Renewal> changed;
-  for (const auto& [block, lane] : touched)
-    changed.push_back({.block = block, .lane = lane, .sight = sight_of(m, s, block, lane)});
+  for (const auto& [block, lane] : touched) changed.emplace_back(block, lane, sight_of(m, s, block, lane));
   s.trials.resize(must_release ? s.sights.size() : 0);
   if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
     for (const auto& [block, lane] : touched) {
@@ -305,48 +389,9 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   double before = 0.0, after = 0.0;
   for (const Renewal& r : changed) before += r.before, after += r.after;
   if (must_release && after > before) return false;
-  s.interlock_of.resize(end, -1);
-  RowPlasticity layers;
-  if (s.yields()) layers = plasticity_of(m, s);
-  const bool damaged = s.brittleness > 0.0;
-  const auto force_of = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
-    return point_force(t, g, s.x, times, damage, s.brittleness, s.heals, s.yields() ? &layers : nullptr);
-  };
-#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
-  for (Renewal& r : changed) {
-    GatheredPoint made;
-    const GatheredPoint& old = present_point(m, s, r.block, r.lane, made);
-    const int known = s.point_of[static_cast<std::size_t>(r.block) * t.lanes + r.lane];
-    r.lost = force_of(old, 1.0, damaged && known >= 0 ? &s.damage[known] : nullptr);
-    if (s.yields()) settle(t, *r.point, s.x, layers);
-    r.gained = force_of(*r.point, -1.0, damaged ? &r.damage : nullptr);
-  }
-  for (Renewal& r : changed) {
-    GatheredPoint made;
-    if (r.lost) spread(t, present_point(m, s, r.block, r.lane, made), *r.lost, s.jumped());
-    if (r.gained) spread(t, *r.point, *r.gained, s.jumped());
-    GatheredPoint g = std::move(*r.point);
-    const int point = gather_point(m, s, g.block, g.lane);
-    if (!s.trials.empty()) s.trials[r.sight] = {};
-    if (damaged) s.damage[point] = r.damage;
-    if (g.kind == PointKind::kDead)
-      for (int f = 0; f < 6; ++f) s.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
-    s.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] = reach_of(m, g, s.sights[r.sight].point());
-    note_uses(m, g.functions, s.uses[r.sight]);
-    s.points[point] = std::move(g);
-  }
-  for (const int index : interlocks_near(m, s, first))
-    if (loses_sight(m, s, s.interlocks[index], first)) refasten(m, s, s.interlocks[index]);
+  relieve(m, s, changed, threads);
   (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
-  for (int k = first; k < end && interlock; ++k) {
-    const CrackEdge& e = s.cracks.edges()[k];
-    Interlock lock;
-    lock.edge = k;
-    lock.area = (e.b - e.a).norm() * m.thickness;
-    if (!fasten(m, s, lock)) continue;
-    s.interlock_of[k] = static_cast<int>(s.interlocks.size());
-    s.interlocks.push_back(std::move(lock));
-  }
+  key_faces(m, s, first, interlock, threads);
   if (first / kForget != end / kForget) s.trials.clear();  // what cracks have passed by is tried no more
   s.last_crack_time = time;
   s.last_force.clear();  // the next one differs by the crack, not by motion

@@ -193,17 +193,25 @@ bool loses_sight(const ShellModel& m, const ShellState& s, Interlock& lock, int 
   return false;
 }
 
-void refasten(const ShellModel& m, ShellState& s, Interlock& lock) {
+Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
+  Refastened r;
+  const auto bear = [&](const Gap& gap, const Springs& springs, double times) {
+    if (!springs.bear.isZero(0.0))
+      spread(lock, push_of(s, lock, gap, springs, times), [&](int slot, const Vec3& on) {
+        r.jump.push_back({slot, on});
+      });
+  };
   const Gap gap = gap_of(s, lock);
   const Vec3 before = gap.components() - lock.rest;
   const Springs springs = springs_of(m, gap, lock);
   const double held = lock.area * springs.hold, stiff = lock.stiffness;
-  add_force(s, lock, gap, springs, 1.0, s.jumped());
+  bear(gap, springs, 1.0);
   lock.holds = attach(m, s, lock);
   if (lock.holds) lock.rest = gap_of(s, lock).components() - before;
   lock.holds = lock.holds && lock.rest.allFinite();
-  if (lock.holds) add_force(s, lock, gap_of(s, lock), springs, -1.0, s.jumped());
-  s.book.fracture += held * (stiff - (lock.holds ? lock.stiffness : 0.0));
+  if (lock.holds) bear(gap_of(s, lock), springs, -1.0);
+  r.let_go = held * (stiff - (lock.holds ? lock.stiffness : 0.0));
+  return r;
 }
 
 void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chunk, int chunks, const double* x4,

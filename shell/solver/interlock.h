@@ -25,9 +25,13 @@ bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 /// Whether the edges from `first` on hide control points that a face uses.
 bool loses_sight(const ShellModel& model, const ShellState& state, Interlock& lock, int first);
 
-/// After another crack has cut its sight: new shape functions, the same extension. Where the faces then bear less, or
-/// one sees too little and lets go, what is no longer held is booked.
-void refasten(const ShellModel& model, ShellState& state, Interlock& lock);
+struct Refastened {
+  std::vector<std::pair<int, Vec3>> jump;  // of a slot, for the state's: the force before less that after [N]
+  double let_go = 0.0;                     // for the books [J]
+};
+/// After another crack has cut its sight: new shape functions, the same extension. The faces may then bear less, or one
+/// see too little and let go. Changes no other lock.
+Refastened refasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
 /// Adds the forces of one chunk of them (PointsBeside). `advance`: a substep begins here, and faces that are open take
 /// the depth of their next closing from how they have moved since the last one. A function of the gap in the frame of

@@ -29,21 +29,27 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
     s.marked[q] = 0;
     if (!s.over.empty() && !s.over[q]) continue;
     const double *stress = &s.surface_stress[t.at(q, 6, 0, 0)], *strength = &s.strength[t.at(q, 1, 0, 0)];
-    for (int e = 0; e < t.spans_u; ++e) {
-      double high = 0.0;
-      for (int face = 0; face < 2; ++face) {
-        const double* f = stress + 3 * face * t.lanes + e;
-        if (most_tension(f[0], f[t.lanes], f[2 * t.lanes]) <= kDoubt * strength[e]) continue;
-        const double half = 0.5 * (f[0] - f[t.lanes]);
-        high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::sqrt(half * half + f[2 * t.lanes] * f[2 * t.lanes]));
+    for (int first = 0; first < t.spans_u; first += kLanes) {
+      const auto field = [&](int k) { return load<Pack>(stress + k * t.lanes + first); };
+      const Pack doubtful = kDoubt * load<Pack>(strength + first);
+      if (!any((most_tension(field(0), field(1), field(2)) > doubtful) |
+               (most_tension(field(3), field(4), field(5)) > doubtful)))
+        continue;
+      for (int e = first; e < std::min(t.spans_u, first + kLanes); ++e) {
+        double high = 0.0;
+        for (int face = 0; face < 2; ++face) {
+          const double* f = stress + 3 * face * t.lanes + e;
+          const double half = 0.5 * (f[0] - f[t.lanes]);
+          high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::sqrt(half * half + f[2 * t.lanes] * f[2 * t.lanes]));
+        }
+        const std::size_t g = static_cast<std::size_t>(q) * t.lanes + e;
+        if (high <= strength[e]) continue;
+        s.c[g] = 1.0f, s.marked[q] = 1;
+        const int point = s.point_of[g];
+        if (s.c_his[g] < 1.0f) s.c_his[g] = 1.0f;
+        if (point >= 0 && s.points[point].kind != PointKind::kQuadratic) continue;
+        over.push_back({high / strength[e], q, e});
       }
-      const std::size_t g = static_cast<std::size_t>(q) * t.lanes + e;
-      if (high <= strength[e]) continue;
-      s.c[g] = 1.0f, s.marked[q] = 1;
-      const int point = s.point_of[g];
-      if (s.c_his[g] < 1.0f) s.c_his[g] = 1.0f;
-      if (point >= 0 && s.points[point].kind != PointKind::kQuadratic) continue;
-      over.push_back({high / strength[e], q, e});
     }
   }
   std::sort(over.begin(), over.end(), [](const Overstressed& a, const Overstressed& b) {
