@@ -249,6 +249,7 @@ void tear(const ShellModel& m, ShellState& s) {
     s.book.fracture += point_energy(m.tables, g, s.x, &d, s.brittleness, s.heals);
     gather_point(m, s, g.block, g.lane);
     g.kind = PointKind::kDead, g.functions.clear();
+    s.note_kind(g);
   }
 }
 

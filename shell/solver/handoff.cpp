@@ -235,6 +235,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
         if (!own[bears ? g.functions[0].slot : beside(f, lane)]) continue;
         if (g.in_rows) g.in_rows = false, s.watched[static_cast<std::size_t>(q) * t.lanes + lane] = 0;
         g.left = true, g.kind = PointKind::kDead, g.functions.clear();
+        s.note_kind(g);
         slack(q, lane);
         if (!s.damage.empty()) s.damage[i].history.fill(0.0f);  // what has left is no crack of what stands
       }

@@ -318,6 +318,7 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
 #pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
   for (Renewal& r : changed) {
     GatheredPoint& g = s.points[index_of(r)] = std::move(*r.point);
+    s.note_kind(g);
     if (damaged) s.damage[index_of(r)] = r.damage;
     if (!s.trials.empty()) s.trials[r.sight] = {};
     if (g.kind == PointKind::kDead)

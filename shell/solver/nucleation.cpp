@@ -31,24 +31,24 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
     const double *stress = &s.surface_stress[t.at(q, 6, 0, 0)], *strength = &s.strength[t.at(q, 1, 0, 0)];
     for (int first = 0; first < t.spans_u; first += kLanes) {
       const auto field = [&](int k) { return load<Pack>(stress + k * t.lanes + first); };
-      const Pack doubtful = kDoubt * load<Pack>(strength + first);
+      const Pack resists = load<Pack>(strength + first), doubtful = kDoubt * resists;
       if (!any((most_tension(field(0), field(1), field(2)) > doubtful) |
                (most_tension(field(3), field(4), field(5)) > doubtful)))
         continue;
-      for (int e = first; e < std::min(t.spans_u, first + kLanes); ++e) {
-        double high = 0.0;
-        for (int face = 0; face < 2; ++face) {
-          const double* f = stress + 3 * face * t.lanes + e;
-          const double half = 0.5 * (f[0] - f[t.lanes]);
-          high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::sqrt(half * half + f[2 * t.lanes] * f[2 * t.lanes]));
-        }
-        const std::size_t g = static_cast<std::size_t>(q) * t.lanes + e;
-        if (high <= strength[e]) continue;
+      const auto largest = [&](int face) {
+        const Pack s11 = field(3 * face), s22 = field(3 * face + 1), s12 = field(3 * face + 2);
+        const Pack half = 0.5 * (s11 - s22);
+        return 0.5 * (s11 + s22) + square_root(half * half + s12 * s12);
+      };
+      const Pack low = largest(0), high = largest(1), most = select(low > high, low, high);
+      const IntPack above = most > resists;
+      for (int lane = first; lane < std::min(t.spans_u, first + kLanes); ++lane) {
+        if (!above[lane - first]) continue;
+        const std::size_t g = static_cast<std::size_t>(q) * t.lanes + lane;
         s.c[g] = 1.0f, s.marked[q] = 1;
-        const int point = s.point_of[g];
         if (s.c_his[g] < 1.0f) s.c_his[g] = 1.0f;
-        if (point >= 0 && s.points[point].kind != PointKind::kQuadratic) continue;
-        over.push_back({high / strength[e], q, e});
+        if (s.kind(g) != PointKind::kQuadratic) continue;
+        over.push_back({most[lane - first] / resists[lane - first], q, lane});
       }
     }
   }

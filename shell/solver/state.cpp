@@ -75,6 +75,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
     s.fibres.assign(gauss * 6, 0.0);
     for (std::size_t i = 2; i < s.fibres.size(); i += 3) s.fibres[i] = 1.0;
   }
+  s.kind_of.assign(gauss, static_cast<char>(PointKind::kQuadratic));
   s.point_of.assign(gauss, -1), s.sight_of.assign(gauss, -1), s.reach.assign(gauss, 0.0f);
   s.tables = t, s.interlayer = m.interlayer;
   s.cracks = CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()},

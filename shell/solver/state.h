@@ -101,6 +101,7 @@ struct ShellState {
   RowTables tables;                   // as the model's, areas of gathered points taken out
   RowTables interlayer;               // as the model's, areas of what has left taken out
   std::vector<GatheredPoint> points;  // Gauss points that a crack has touched, or that damage may weaken
+  std::vector<char> kind_of;          // [block][lane]: PointKind of the entry in points, kQuadratic where there is none
   std::vector<int> point_of;          // [block][lane]: index into points, -1: none
   std::vector<PointDamage> damage;    // of each of these points where damage drives the cracks, else empty
   std::vector<char> watched;          // [block][lane]: damage may weaken the point, the rows sum it; empty: none
@@ -146,6 +147,10 @@ struct ShellState {
   std::vector<double> interlayer_force;
   double interlock_energy = 0.0;
 
+  PointKind kind(std::size_t gauss) const { return static_cast<PointKind>(kind_of[gauss]); }
+  void note_kind(const GatheredPoint& g) {
+    kind_of[static_cast<std::size_t>(g.block) * tables.lanes + g.lane] = static_cast<char>(g.kind);
+  }
   /// Gauss points of standing pieces that bear nothing any more.
   int rubble() const {
     return static_cast<int>(std::count_if(

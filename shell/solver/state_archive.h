@@ -45,6 +45,8 @@ void archive(A& a, ShellState& s) {
               s.points, s.point_of, s.damage, s.watched, s.brittleness, s.heals, s.cracks, s.reach, s.tips,
               s.interlocks, s.interlock_of, s.cut_done, s.last_crack_time, s.book, s.before, s.kicked, s.moving,
               s.affine, s.interlock_energy, s.jump);
+  if constexpr (A::kReading)
+    for (const GatheredPoint& g : s.points) s.note_kind(g);
 }
 
 }  // namespace sunder::shell

@@ -55,8 +55,7 @@ double mean_ahead(F&& opening) {
 }  // namespace
 
 bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int lane, double* six) {
-  const int point = s.point_of[static_cast<std::size_t>(block) * m.tables.lanes + lane];
-  if (point >= 0 && s.points[point].kind == PointKind::kDead) return false;
+  if (s.kind(static_cast<std::size_t>(block) * m.tables.lanes + lane) == PointKind::kDead) return false;
   for (int k = 0; k < 6; ++k) six[k] = s.surface_stress[m.tables.at(block, 6, k, lane)];
   return true;
 }
