@@ -318,14 +318,13 @@ std::optional<Derivatives<double>> point_force(const RowTables& t, const Gathere
   return section_forces(d, f, r, times * p.area);
 }
 
-void spread(const RowTables& t, const GatheredPoint& p, const Derivatives<double>& g, std::vector<double>& force) {
-  const Vector<double>* all[5] = {&g.u, &g.v, &g.uu, &g.vv, &g.uv};
-  for (const GatheredFunction& n : p.functions)
-    for (int k = 0; k < 5; ++k) {
-      force[n.slot] += n.n[k + 1] * all[k]->x;
-      force[t.plane + n.slot] += n.n[k + 1] * all[k]->y;
-      force[2 * t.plane + n.slot] += n.n[k + 1] * all[k]->z;
-    }
+void spread(const RowTables& t, const GatheredPoint& p, const Derivatives<double>& g, int k,
+            std::vector<double>& force) {
+  const auto along = [&](const Vector<double>& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
+  const double all[5] = {along(g.u), along(g.v), along(g.uu), along(g.vv), along(g.uv)};
+  double* const plane = force.data() + static_cast<std::size_t>(k) * t.plane;
+  for (const GatheredFunction& f : p.functions)
+    for (int i = 0; i < 5; ++i) plane[f.slot] += f.n[i + 1] * all[i];
 }
 
 double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const PointDamage* damage,

@@ -67,8 +67,8 @@ std::optional<Derivatives<double>> point_force(const RowTables& t, const Gathere
                                                const std::vector<double>& x, double times,
                                                const PointDamage* damage = nullptr, double brittleness = 0.0,
                                                bool heals = true, const RowPlasticity* plastic = nullptr);
-/// Adds what it is on the control points to `force` [3][plane].
-void spread(const RowTables& t, const GatheredPoint& point, const Derivatives<double>& of_point,
+/// Adds what it is on the control points in direction k to `force` [3][plane].
+void spread(const RowTables& t, const GatheredPoint& point, const Derivatives<double>& of_point, int k,
             std::vector<double>& force);
 
 /// Elastic energy of one point [J].

@@ -304,10 +304,15 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
     if (s.yields()) settle(t, *r.point, s.x, layers);
     r.gained = force_of(*r.point, -1.0, damaged ? &r.damage : nullptr);
   }
-  for (Renewal& r : changed) {  // sums in one order
+  std::vector<double>& jump = s.jumped();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (int k = 0; k < 3; ++k)
+    for (Renewal& r : changed) {  // sums in one order
+      if (r.lost) spread(t, index_of(r) < 0 ? r.made : s.points[index_of(r)], *r.lost, k, jump);
+      if (r.gained) spread(t, *r.point, *r.gained, k, jump);
+    }
+  for (Renewal& r : changed) {
     int& index = index_of(r);
-    if (r.lost) spread(t, index < 0 ? r.made : s.points[index], *r.lost, s.jumped());
-    if (r.gained) spread(t, *r.point, *r.gained, s.jumped());
     if (index < 0) {
       index = static_cast<int>(s.points.size());
       s.points.emplace_back();

@@ -66,7 +66,10 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
     points_within(m, look.p, look.radius, [&](int block, int lane, const Vec2& d) {
       const double angle = ahead.isZero(0.0) ? 0.0 : std::atan2(ahead.x() * d.y() - ahead.y() * d.x(), ahead.dot(d));
       if (std::abs(angle) > kBeside || hidden(look.p + d)) return;
-      points_.push_back({block, lane, d, angle, std::exp(-2.0 * d.squaredNorm() / (look.radius * look.radius))});
+      const double weight = std::exp(-2.0 * d.squaredNorm() / (look.radius * look.radius));
+      const bool one_way = !ahead.isZero(0.0);
+      points_.push_back({block, lane, d, angle, weight, one_way ? weight * wedge(angle) : 0.0,
+                         one_way ? wedge_tilt(angle, kTurnStep) : 0.0});
     });
   }
   look_ = look, known_ = end;

@@ -1,6 +1,7 @@
 #pragma once
 // Which Gauss points around a point no crack hides from it. Cracks only grow, so what is hidden stays hidden, and only
 // edges that are new since the last look are tested.
+#include <cmath>
 #include <numbers>
 #include <vector>
 
@@ -16,7 +17,16 @@ struct SeenPoint {
   Vec2 offset;    // from the middle [m]
   double angle;   // from the direction of the look [rad]
   double weight;  // exp(-2 r^2 / radius^2)
+  double ahead;   // weight times the wedge about the direction; of a look that has one
+  double tilt;    // factor of that for each kTurnStep that the wedge turns, but for one that all points have in common
 };
+
+constexpr double kWedge = 40.0 * (std::numbers::pi / 180.0);    // of the weight about a direction, a standard deviation
+constexpr double kTurnStep = 5.0 * (std::numbers::pi / 180.0);  // between two directions that are tried
+
+inline double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
+/// wedge(angle - turn) = wedge(angle) wedge(turn) exp(angle turn / kWedge^2).
+inline double wedge_tilt(double angle, double turn) { return std::exp(angle * turn / (kWedge * kWedge)); }
 
 /// From where one looks, and how far.
 struct Look {

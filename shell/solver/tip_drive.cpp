@@ -9,12 +9,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kWedge = 40.0 * kDegree;  // of the weight about a direction, one standard deviation
-constexpr double kStep = 5.0 * kDegree;    // between two directions that are tried
-
-double wedge(double angle) { return std::exp(-0.5 * angle * angle / (kWedge * kWedge)); }
-
 // Of the points around a start, weighted about one direction.
 struct Sums {
   double six[6] = {}, weight = 0.0;
@@ -80,7 +74,7 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
 }
 
 Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start, Surroundings& known) {
-  const int steps = static_cast<int>(std::ceil(start.most_turn / kStep - 1e-9));
+  const int steps = static_cast<int>(std::ceil(start.most_turn / kTurnStep - 1e-9));
   const double step = steps > 0 ? start.most_turn / steps : 0.0;
   thread_local std::vector<Sums> all;  // direction k of -steps .. steps at steps + k
   all.assign(2 * steps + 1, {});
@@ -89,9 +83,9 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
     double here[6];
     if (!surface_stress_at(m, s, q.block, q.lane, here)) continue;
     const double factor = m.strength_factor_at(q.block, q.lane);  // of what resists there
-    for (double& stress : here) stress /= factor;
-    // wedge(angle - turn) = wedge(angle) wedge(turn) exp(angle turn / kWedge^2), and wedge(turn) is common to all
-    const double straight = q.weight * wedge(q.angle), tilt = std::exp(q.angle * step / (kWedge * kWedge));
+    if (factor != 1.0)
+      for (double& stress : here) stress /= factor;
+    const double straight = q.ahead, tilt = step == kTurnStep ? q.tilt : wedge_tilt(q.angle, step);
     for (const int sign : {-1, 1}) {
       const double times = sign < 0 ? 1.0 / tilt : tilt;
       double w = straight;
