@@ -59,8 +59,8 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const std::array<
     double& mean = (*stress.values)[t.at(p.block, 6, k, p.lane)];
     s[k] = mean += stress.share * (now[k] - mean);
   }
-  if (stress.over && std::max(most_tension(s[0], s[1], s[2]), most_tension(s[3], s[4], s[5])) >
-                         kDoubt * (*stress.strength)[t.at(p.block, 1, 0, p.lane)])
+  if (stress.over &&
+      std::max(most_tension(s[0], s[1], s[2]), most_tension(s[3], s[4], s[5])) > kDoubt * (*stress.least)[p.block])
     tell_of(p, stress);
 }
 

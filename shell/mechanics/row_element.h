@@ -30,6 +30,18 @@ inline void keep_where(IntPack mask, Vector<Pack>& v) {
   v = {select(mask, v.x, Pack{}), select(mask, v.y, Pack{}), select(mask, v.z, Pack{})};
 }
 
+// Of a block's stress, [6][lane].
+inline bool any_tension_above(const double* stress, int lanes, double limit) {
+  Pack most{};
+  for (int e = 0; e < lanes; e += kLanes)
+    for (const int face : {0, 3}) {
+      const auto field = [&](int k) { return load<Pack>(stress + (face + k) * lanes + e); };
+      const Pack tension = most_tension(field(0), field(1), field(2));
+      most = select(tension > most, tension, most);
+    }
+  return any(most > limit);
+}
+
 // The damaged points of a pack: their resultants, and what they remember. `booked` gains what has healed, or was
 // dissipated where nothing heals, `spared` what weakening spares of the energy; `summed` loses points that are crushed.
 template <bool kEnergy, bool kStress, bool kHeals>
@@ -120,7 +132,6 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
       const double* value = &t.basis_u[static_cast<std::size_t>(a) * 3 * kSupport * lanes];
       const double *first = value + kSupport * lanes, *second = value + 2 * kSupport * lanes;
       const double* metric = &t.metric[t.at(block, kMetricFields, 0, 0)];
-      [[maybe_unused]] IntPack over{};
       for (int e = 0; e < lanes; e += kLanes) {
         const Pack area = load<Pack>(metric + kArea * lanes + e);
         // the next Gauss point's numbers, which no prefetcher of hardware expects: seven streams that change every row
@@ -234,17 +245,10 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
           }
           const Pack now[6] = {faces.low.c11,  faces.low.c22,  faces.low.c12,
                                faces.high.c11, faces.high.c22, faces.high.c12};
-          Pack recorded[6];
           for (int i = 0; i < 6; ++i) {
             const Pack mean = load<Pack>(s + i * lanes);
             const Pack kept = kLaw == LayerLaw::kYields ? select(area > 0.0, Pack{}, mean) : mean;  // folded: none
-            recorded[i] = select(summed, mean + stress.share * (now[i] - mean), kept);
-            store<Pack>(s + i * lanes, recorded[i]);
-          }
-          if (stress.over) {
-            const Pack strength = kDoubt * load<Pack>(stress.strength->data() + t.at(block, 1, 0, e));
-            over |= (most_tension(recorded[0], recorded[1], recorded[2]) > strength) |
-                    (most_tension(recorded[3], recorded[4], recorded[5]) > strength);
+            store<Pack>(s + i * lanes, select(summed, mean + stress.share * (now[i] - mean), kept));
           }
         }
         Derivatives<Pack> g = section_forces(d, forms, r, area);
@@ -274,7 +278,9 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
         }
       }
       if constexpr (kStress)
-        if (stress.over) (*stress.over)[block] = static_cast<char>(any(over));
+        if (stress.over)
+          (*stress.over)[block] =
+              any_tension_above(stress.values->data() + t.at(block, 6, 0, 0), lanes, kDoubt * (*stress.least)[block]);
     }
     for (int k = 0; k < 9; ++k) {
       const double *p0 = parts + k * reach, *p1 = p0 + 9 * reach - 1, *p2 = p0 + 18 * reach - 2;

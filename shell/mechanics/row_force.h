@@ -20,16 +20,16 @@ struct RowScratch {
 /// Piola-Kirchhoff stress in the patch's parameters, which are lengths, so Pa for small strain; of layers that yield
 /// the true stress.
 struct SurfaceStress {
-  std::vector<double>* values = nullptr;          // null: not recorded
-  double share = 1.0;                             // new value's share in the running mean
-  const std::vector<double>* strength = nullptr;  // [block][lane] [Pa]; null: no block is told of
-  std::vector<char>* over = nullptr;              // out, [block]: 0 where no tension recorded is above the strength
+  std::vector<double>* values = nullptr;       // null: not recorded
+  double share = 1.0;                          // new value's share in the running mean
+  const std::vector<double>* least = nullptr;  // [block], of the strengths there [Pa]; null: no block is told of
+  std::vector<char>* over = nullptr;           // out, [block]: 0 where no tension recorded is above that
 };
 
 /// No principal stress is above it: sqrt(a^2 + b^2) <= |a| + |b| spares the root.
 template <class T>
 T most_tension(const T& s11, const T& s22, const T& s12) {
-  return select(s11 > s22, s11, s22) + select(s12 > 0.0, s12, -s12);
+  return select(s11 > s22, s11, s22) + select(s12 > -s12, s12, -s12);
 }
 constexpr double kDoubt = 1.0 - 1e-12;  // of the strength: more than round-off below it is surely not over
 

@@ -92,11 +92,22 @@ RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
   return plastic;
 }
 
+// Of each block of Gauss points.
+std::vector<double> least_strengths(const ShellState& s) {
+  std::vector<double> least(s.tables.blocks());
+  for (int q = 0; q < s.tables.blocks(); ++q) {
+    const double* first = &s.strength[s.tables.at(q, 1, 0, 0)];
+    least[q] = *std::min_element(first, first + s.tables.spans_u);
+  }
+  return least;
+}
+
 double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
   SurfaceStress stress;
   if (stress_share > 0.0) {
     s.over.resize(s.tables.blocks());
-    stress = {&s.surface_stress, stress_share, &s.strength, &s.over};
+    if (s.least_strength.empty()) s.least_strength = least_strengths(s);
+    stress = {&s.surface_stress, stress_share, &s.least_strength, &s.over};
   }
   RowPlasticity plastic;
   if (s.yields()) plastic = plasticity_of(m, s), plastic.advance = stress_share > 0.0;

@@ -93,6 +93,7 @@ struct ShellState {
   std::vector<double> surface_stress;  // [block][6][lane]
   std::vector<double> strength;        // [block][lane], with its scatter
   std::vector<float> c, c_his;         // [block][lane]
+  std::vector<double> least_strength;  // [block]; empty: not looked for yet
   std::vector<char> over;       // [block]: 0 where no stress recorded is above the strength; not part of checkpoints
   std::vector<char> marked;     // [block]: 0 where c is zero since the last look; empty: unknown
   std::vector<double> plastic;  // states of layers that yield (RowPlasticity); empty: none do
