@@ -172,11 +172,13 @@ def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, fo
                         stdout=rigid_log, stderr=subprocess.STDOUT, start_new_session=True))
             where = ["--engine", rigid.in_process] if rigid.in_process else ["--endpoint", endpoint]
             program = executables.single if rigid.in_process else executables.shell
-            # Threads that spin while they wait for one another take the core that the other needs.
-            patient = {"OMP_WAIT_POLICY": "passive", **os.environ}
+            # Threads that spin while they wait for one another take the core that the other needs; those that sleep at
+            # once wake late, and a new crack edge is a few loops of tens of microseconds, which is what they spin for.
+            patient = {"OMP_WAIT_POLICY": "passive", "GOMP_SPINCOUNT": "2000"}
+            environment = os.environ if patient.keys() & os.environ.keys() else {**os.environ, **patient}
             processes.append(subprocess.Popen([str(program), *shell, *where, "--die-with-parent"],
                                               stdin=subprocess.DEVNULL, stdout=tee.child_end, stderr=tee.child_end,
-                                              start_new_session=True, env=patient))
+                                              start_new_session=True, env=environment))
             tee.started()
             ending = watch(processes[-1], processes[0] if rigid.command else None, interrupts)
             tee.join()

@@ -1,0 +1,147 @@
+// What a look at the cracks asks of flaws: where tension is above strength, and which cracks are near.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "shell/mechanics/principal.h"
+#include "shell/solver/insertion.h"
+#include "shell/solver/surroundings.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+constexpr double kParallel = 0.85;
+
+ShellModel sheet() {
+  ShellMaterial m = glass();
+  m.strength = 60e6, m.fracture_energy = 8.0;
+  return make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, m, 2, 2, {});
+}
+
+bool is_above(const ShellModel& m, const ShellState& s, int block, int lane) {
+  double six[6];
+  for (int k = 0; k < 6; ++k) six[k] = s.surface_stress[m.tables.at(block, 6, k, lane)];
+  const double high = std::max(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high);
+  return high > s.strength[m.tables.at(block, 1, 0, lane)];
+}
+
+}  // namespace
+
+TEST(Flaws, NoPointAboveItsStrengthIsInABlockThatIsNotTold) {
+  const ShellModel m = sheet();
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  std::mt19937_64 random(5);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (double& strength : s.strength) strength *= 1.0 + 0.4 * uniform(random);
+  insert_polyline(m, s, {{0.1, 0.04}, {0.11, 0.17}}, 0.0);
+  int above = 0, gathered = 0, quiet = 0;
+  for (int step = 0; step < 8; ++step) {
+    for (int k = 0; k < m.control_points(); ++k) {  // bends one side more and more, about the cut as well
+      const Vec2& p = m.parameter[k];
+      s.x[2 * m.tables.plane + m.tables.slot(k)] = 0.02 * step * p.y() * p.y() + 2e-6 * step * uniform(random);
+    }
+    compute_forces(m, s, false, 0.6, 1);
+    for (int q = 0; q < m.tables.blocks(); ++q) {
+      quiet += s.over[q] == 0;
+      for (int lane = 0; lane < m.tables.spans_u; ++lane) {
+        if (!is_above(m, s, q, lane)) continue;
+        EXPECT_TRUE(s.over[q]) << "step " << step << ", block " << q << ", lane " << lane;
+        ++above, gathered += s.point_of[m.tables.at(q, 1, 0, lane)] >= 0;
+      }
+    }
+  }
+  EXPECT_GT(above, 100);
+  EXPECT_GT(gathered, 10);
+  EXPECT_GT(quiet, 100);
+}
+
+// Where nothing but points beside a crack is in tension, they tell of their block themselves.
+TEST(Flaws, PointsBesideACrackTellOfTheirBlock) {
+  const ShellModel m = sheet();
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  insert_polyline(m, s, {{0.1, 0.04}, {0.11, 0.17}}, 0.0);
+  for (std::size_t g = 0; g < s.strength.size(); ++g) s.strength[g] = s.point_of[g] < 0 ? 1e12 : 1e5;
+  for (int k = 0; k < m.control_points(); ++k)
+    if ((m.parameter[k] - Vec2(0.1, 0.1)).norm() < 1.2 * m.spacing)
+      s.x[2 * m.tables.plane + m.tables.slot(k)] = m.parameter[k].x() < 0.1 ? 1e-5 : -1e-5;
+  compute_forces(m, s, false, 1.0, 1);
+  int told = 0;
+  for (int q = 0; q < m.tables.blocks(); ++q) {
+    bool above = false, others = false;  // of points that no crack has touched: any stress
+    for (int lane = 0; lane < m.tables.spans_u; ++lane) {
+      const bool beside = s.point_of[m.tables.at(q, 1, 0, lane)] >= 0;
+      above = above || (beside && is_above(m, s, q, lane));
+      for (int k = 0; k < 6 && !beside; ++k)
+        others = others || std::abs(s.surface_stress[m.tables.at(q, 6, k, lane)]) > 3e4;
+    }
+    if (!above || others) continue;
+    EXPECT_TRUE(s.over[q]) << "block " << q;
+    ++told;
+  }
+  EXPECT_GT(told, 5);
+}
+
+TEST(Flaws, KindsOfPointsAreThoseOfTheirEntries) {
+  const ShellModel m = sheet();
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  for (int k = 0; k < 4; ++k)  // a strip of less than a spacing leaves points that bear little or nothing
+    insert_polyline(m, s, {{0.03, 0.05 + 0.003 * k}, {0.17, 0.06 + 0.003 * k}}, 0.0);
+  int other = 0;
+  for (std::size_t g = 0; g < s.point_of.size(); ++g) {
+    const PointKind kind = s.point_of[g] < 0 ? PointKind::kQuadratic : s.points[s.point_of[g]].kind;
+    EXPECT_EQ(s.kind(g), kind) << "point " << g;
+    other += kind != PointKind::kQuadratic;
+  }
+  EXPECT_GT(other, 20);
+}
+
+TEST(NearCracks, KeptWhileCracksGrowAreThoseFoundAnew) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0.0, 0.2);
+  const double reach = 0.025, clearance = 0.02;
+  CrackGraph g({0, 0}, {0.2, 0.2}, 0.02, 1e-4);
+  std::vector<Vec2> points;
+  for (int i = 0; i < 80; ++i) points.emplace_back(uniform(random), uniform(random));
+  std::vector<NearCracks> kept(points.size());
+  int shielded = 0, open = 0;
+  for (int step = 0; step < 40; ++step) {
+    for (int k = 0; k < 12; ++k) {
+      const Vec2 a(uniform(random), uniform(random)), d(uniform(random) - 0.1, uniform(random) - 0.1);
+      const int from = g.add_vertex(a);
+      g.add_edge(from, g.add_vertex(a + 0.01 * d.normalized()), g.new_crack(), 0.0, 0);
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::vector<SeenEdge>& seen = kept[i].seen(g, points[i], reach, clearance, kParallel);
+      std::vector<SeenEdge> all;
+      for (int e = 0; e < static_cast<int>(g.edges().size()); ++e) {
+        Vec2 foot;
+        const double distance = g.distance(points[i], e, foot);
+        if (distance < reach && g.visible(points[i], foot + 0.02 * (points[i] - foot), e))
+          all.push_back({distance, foot, (g.edges()[e].b - g.edges()[e].a).normalized()});
+      }
+      ASSERT_EQ(seen.size(), all.size()) << "step " << step << ", point " << i;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        EXPECT_EQ(seen[k].distance, all[k].distance);
+        EXPECT_EQ(seen[k].foot, all[k].foot);
+        EXPECT_EQ(seen[k].along, all[k].along);
+      }
+      int unshielded = 0;  // of directions
+      for (int angle = 0; angle < 3600; ++angle) {
+        const Vec2 d(std::cos(angle * std::numbers::pi / 3600), std::sin(angle * std::numbers::pi / 3600));
+        unshielded += std::none_of(all.begin(), all.end(), [&](const SeenEdge& e) {
+          return e.distance < clearance && std::abs(e.along.dot(d)) > kParallel;
+        });
+      }
+      EXPECT_EQ(kept[i].shield_all(), unshielded == 0) << "step " << step << ", point " << i;
+      ++(kept[i].shield_all() ? shielded : open);
+    }
+  }
+  EXPECT_GT(shielded, 100);
+  EXPECT_GT(open, 100);
+}
