@@ -48,11 +48,6 @@ std::array<double, 6> linear_stress(const double* n, const double* m, double thi
   return six;
 }
 
-// Points of one block may be in two threads' chunks.
-void tell_of(const GatheredPoint& p, SurfaceStress stress) {
-  if (stress.over) std::atomic_ref((*stress.over)[p.block]).store(1, std::memory_order_relaxed);
-}
-
 void record_stress(const RowTables& t, const GatheredPoint& p, const std::array<double, 6>& now, SurfaceStress stress) {
   double s[6];
   for (int k = 0; k < 6; ++k) {
@@ -61,7 +56,8 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const std::array<
   }
   if (stress.over &&
       std::max(most_tension(s[0], s[1], s[2]), most_tension(s[3], s[4], s[5])) > kDoubt * (*stress.least)[p.block])
-    tell_of(p, stress);
+    // points of one block may be in two threads' chunks
+    std::atomic_ref((*stress.over)[p.block]).store(1, std::memory_order_relaxed);
 }
 
 // A field of a layer's plastic state at a point: change 11 22 12, strain.
@@ -179,7 +175,6 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     if (!sound[i] || !std::isfinite(n[0] + n[1] + m[0] + m[1])) {
       if (damaged) damaged[i]->fresh = true;
       if (plastic && plastic->advance) forget_forms(t, *plastic, *points[i]);
-      if (stress.values) tell_of(*points[i], stress);  // what was recorded before stands
       continue;
     }
     if constexpr (kEnergy) sum += points[i]->area * r.energy[i];

@@ -286,6 +286,7 @@ std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int f
 
 // Puts what has become of the points in their places, and the change of their forces in the state's jump.
 void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, int threads) {
+  if (changed.empty()) return;
   const RowTables& t = m.tables;
   RowPlasticity layers;
   if (s.yields()) layers = plasticity_of(m, s);
@@ -396,8 +397,8 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   for (const Renewal& r : changed) before += r.before, after += r.after;
   if (must_release && after > before) return false;
   relieve(m, s, changed, threads);
-  (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
   key_faces(m, s, first, interlock, threads);
+  (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
   if (first / kForget != end / kForget) s.trials.clear();  // what cracks have passed by is tried no more
   s.last_crack_time = time;
   s.last_force.clear();  // the next one differs by the crack, not by motion

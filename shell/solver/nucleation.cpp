@@ -89,14 +89,15 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
                 const Overstressed& o, double time, std::uint64_t& random) {
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
-  KnownSurroundings::OfPoint& around = s.surroundings.at(
-      s.point_of.size(), static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane, most_bytes_seen(m, r.tip_radius));
+  const std::size_t gauss = m.tables.at(o.block, 1, 0, o.lane), points = s.point_of.size();
+  NearCracks& beside = s.surroundings.cracks_of_point.at(points, gauss, kBytesOfCracks);
   const double reach = std::max(kJoin * m.spacing, r.parallel_clearance);
-  const std::vector<SeenEdge>& cracks = around.cracks.seen(s.cracks, p, reach, r.parallel_clearance, kParallel);
-  if (around.cracks.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
+  const std::vector<SeenEdge>& cracks = beside.seen(s.cracks, p, reach, r.parallel_clearance, kParallel);
+  if (beside.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
   double six[6];
   // of the surroundings: at one point of a few an element, the direction would be that of the lattice
-  if (!mean_stress(m, s, p, r.tip_radius, around.points, six)) return 0;
+  Surroundings& around = s.surroundings.of_point.at(points, gauss, most_bytes_seen(m, r.tip_radius));
+  if (!mean_stress(m, s, p, r.tip_radius, around, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
@@ -114,8 +115,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   // a wave passes, would leave the sheet full of cracks one edge long.
   Tip kind;
   // what drives is measured against the material's resistance
-  kind.strength =
-      s.strength[static_cast<std::size_t>(o.block) * m.tables.lanes + o.lane] / m.strength_factor_at(o.block, o.lane);
+  kind.strength = s.strength[gauss] / m.strength_factor_at(o.block, o.lane);
   kind.face = face;
   kind.flaw =
       m.material.youngs_modulus * m.material.fracture_energy / (std::numbers::pi * kind.strength * kind.strength);

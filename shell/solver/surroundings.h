@@ -73,25 +73,32 @@ class NearCracks {
   std::vector<SeenEdge> edges_;
 };
 
-/// Surroundings that are looked at again and again. Not part of checkpoints: they can be found again.
-struct KnownSurroundings {
-  struct OfPoint {
-    Surroundings points;
-    NearCracks cracks;
-  };
-  std::vector<Surroundings> of_tip;
-  std::vector<OfPoint> of_point;
-  std::vector<int> index;  // [block][lane]: into of_point, -1: none; empty: none at all
+/// What is known of Gauss points that are asked again and again.
+template <class T>
+class KnownOfPoints {
+ public:
+  /// Of a point, which takes about `each` bytes; until the next call.
+  T& at(std::size_t gauss_points, std::size_t gauss, std::size_t each) {
+    if (index_.empty() || known_.size() * each >= kMost) index_.assign(gauss_points, -1), known_.clear();
+    if (index_[gauss] < 0) index_[gauss] = static_cast<int>(known_.size()), known_.emplace_back();
+    return known_[index_[gauss]];
+  }
 
+ private:
   static constexpr std::size_t kMost = 64 << 20;  // [bytes]: all points are forgotten then
 
-  /// Those of a Gauss point, for `each` bytes at most; until the next call.
-  OfPoint& at(std::size_t gauss_points, std::size_t gauss, std::size_t each) {
-    if (index.empty() || of_point.size() * each >= kMost) index.assign(gauss_points, -1), of_point.clear();
-    if (index[gauss] < 0) index[gauss] = static_cast<int>(of_point.size()), of_point.emplace_back();
-    return of_point[index[gauss]];
-  }
+  std::vector<T> known_;
+  std::vector<int> index_;  // [block][lane]: into known_, -1: none; empty: none at all
 };
+
+/// Not part of checkpoints: they can be found again.
+struct KnownSurroundings {
+  std::vector<Surroundings> of_tip;
+  KnownOfPoints<Surroundings> of_point;
+  KnownOfPoints<NearCracks> cracks_of_point;
+};
+
+constexpr std::size_t kBytesOfCracks = 24 * sizeof(SeenEdge);  // most points see fewer edges nearby
 
 /// Of Gauss points within the radius [m].
 std::size_t most_bytes_seen(const ShellModel& model, double radius);
