@@ -1,6 +1,6 @@
 #pragma once
-// Which Gauss points around a point no crack hides from it. Cracks only grow, so what is hidden stays hidden, and only
-// edges that are new since the last look are tested.
+// Which Gauss points around a point no crack hides from it, and which crack edges it sees. Cracks only grow, so what is
+// hidden stays hidden, and only edges that are new since the last look are tested.
 #include <cmath>
 #include <numbers>
 #include <vector>

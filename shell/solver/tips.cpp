@@ -144,6 +144,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     // an edge changes what a tip sees, and what points bear that see across the edge
     const Vec2 pad = Vec2::Constant(r.tip_radius) + kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
     bool same = true;
+    if (static_cast<int>(s.cracks.edges().size()) == known) return same;
     s.cracks.near_since(p - pad, p + pad, known, [&](int) { same = false; });
     return same;
   };
