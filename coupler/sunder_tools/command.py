@@ -362,10 +362,11 @@ def _test(arguments: list[str]) -> int:
     ensure_built(all_targets=True)
     if not os.environ.get(BUILD_DIR_VARIABLE):  # nothing is installed then
         _get_packages()
-    command = ["ctest", "--test-dir", str(build_dir()), "--output-on-failure", "-j2", *arguments]
+    at_once = len(os.sched_getaffinity(0)) + 1  # some wait: for a process to start, for its peer, for a browser
+    command = ["ctest", "--test-dir", str(build_dir()), "--output-on-failure", f"-j{at_once}", *arguments]
     environment = {key: value for key, value in os.environ.items() if key != BUILD_DIR_VARIABLE}
     environment["PATH"] = "/usr/bin:/bin:" + environment.get("PATH", "")
-    environment["OMP_WAIT_POLICY"] = "passive"  # two tests run at once: threads that wait must leave the cores to the other
+    environment["OMP_WAIT_POLICY"] = "passive"  # tests run at once: threads that wait must leave the cores to the other
     status = subprocess.run(command, check=False, env=environment).returncode
     return DONE if status == 0 else CHECK_FAILED
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include <Eigen/Eigenvalues>
+#include "coupler/core/principal_axes.h"
 
 namespace sunder::shell {
 namespace {
@@ -25,8 +25,8 @@ constexpr double kSlender = 0.05;
 // Angular velocity that two fields have to be given for `couple`; false where they would have to spin too fast, having
 // no more than the moment of inertia `least` [kg m^2] about an axis of it.
 bool spin_for(const Mat3& inertia, double least, const Vec3& couple, Vec3& spin) {
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
-  const Vec3 parts = axes.eigenvectors().transpose() * couple, moments = axes.eigenvalues();
+  const auto [moments, axes] = principal_axes(inertia);
+  const Vec3 parts = axes.transpose() * couple;
   Vec3 turn = Vec3::Zero();
   for (int i = 0; i < 3; ++i) {
     if (moments[i] > least)
@@ -34,7 +34,7 @@ bool spin_for(const Mat3& inertia, double least, const Vec3& couple, Vec3& spin)
     else if (std::abs(parts[i]) > 1e-14 * couple.norm())
       return false;
   }
-  spin = axes.eigenvectors() * turn;
+  spin = axes * turn;
   return true;
 }
 

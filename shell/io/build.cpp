@@ -7,6 +7,7 @@
 
 #include <Eigen/Dense>
 
+#include "coupler/core/principal_axes.h"
 #include "coupler/scene/mesh.h"
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
@@ -37,10 +38,8 @@ void solid_properties(const scene::Solid& solid, double density, RigidBody& b) {
   second -= volume * offset * offset.transpose();
   b.mass = density * volume;
   const Mat3 inertia = density * (second.trace() * Mat3::Identity() - second);
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
-  Mat3 frame = axes.eigenvectors();
-  if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);
-  b.principal_inertia = axes.eigenvalues();
+  const auto [moments, frame] = principal_axes(inertia);
+  b.principal_inertia = moments;
   const auto placed = [&](std::vector<Vec3> corners) {
     for (Vec3& p : corners) p = frame.transpose() * (p - mean - offset);
     return corners;

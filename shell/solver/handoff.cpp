@@ -7,6 +7,7 @@
 #include <Eigen/Dense>
 
 #include "coupler/core/error.h"
+#include "coupler/core/principal_axes.h"
 
 namespace sunder::shell {
 namespace {
@@ -136,11 +137,11 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
     const Vec3 r = s.position(slot) - middle;
     second += s.mass[slot] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(second);
-  if (axes.eigenvalues()[0] < 1e-3 * axes.eigenvalues()[2]) return;  // in a line: it cannot take a spin
+  const auto [moments, axes] = principal_axes(second);
+  if (moments[0] < 1e-3 * moments[2]) return;  // in a line: it cannot take a spin
   const double share = 1.0 - std::sqrt(energy / rigid);
   const Vec3 p = share * linear, l = share * angular + (centre - middle).cross(p);
-  const Vec3 turn = axes.eigenvectors() * (axes.eigenvectors().transpose() * l).cwiseQuotient(axes.eigenvalues());
+  const Vec3 turn = axes * (axes.transpose() * l).cwiseQuotient(moments);
   for (const int slot : takers) s.add_velocity(slot, p / weight + turn.cross(s.position(slot) - middle));
   momentum -= p, angular -= share * angular;
 }
@@ -435,13 +436,11 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   for (const auto& [part, v] : sources) energy += 0.5 * part * (v - common).squaredNorm();
   return_excess(m, t, s, piece, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(),
                 momentum, angular);
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
-  Mat3 frame = axes.eigenvectors();
-  if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);
+  const auto [moments, frame] = principal_axes(inertia);
   RigidBody& b = out.body;
   b.id = id, b.name = fmt::format("shard_{}", id);
   b.mass = target;
-  b.principal_inertia = axes.eigenvalues();
+  b.principal_inertia = moments;
   b.motion.position = centre;
   b.motion.orientation = Quat(Mat3(rotation * frame)).normalized();
   b.motion.velocity = momentum / target;
@@ -474,10 +473,8 @@ Handoff joined(const std::vector<Handoff>& parts) {
                h.body.mass * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
     b.motion.angular_momentum += h.body.motion.angular_momentum + arm.cross(h.body.mass * h.body.motion.velocity);
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
-  Mat3 frame = axes.eigenvectors();
-  if (frame.determinant() < 0.0) frame.col(2) = -frame.col(2);
-  b.principal_inertia = axes.eigenvalues();
+  const auto [moments, frame] = principal_axes(inertia);
+  b.principal_inertia = moments;
   b.motion.orientation = Quat(frame).normalized();
   ConvexShape shape;
   for (const Handoff& h : parts) {

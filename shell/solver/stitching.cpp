@@ -7,9 +7,8 @@
 #include <numbers>
 #include <random>
 
-#include <Eigen/Eigenvalues>
-
 #include "coupler/core/error.h"
+#include "coupler/core/principal_axes.h"
 
 namespace sunder::shell {
 namespace {
@@ -286,11 +285,10 @@ double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const 
     const Vec3 arm = s.position(m.slot) - centre;
     inertia += s.mass[m.slot] * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
   }
-  const Eigen::SelfAdjointEigenSolver<Mat3> axes(inertia);
+  const auto [moments, axes] = principal_axes(inertia);
   Vec3 spin = Vec3::Zero();  // none about the line that all of them lie on
   for (int d = 0; d < 3; ++d)
-    if (axes.eigenvalues()[d] > kOnALine * axes.eigenvalues()[2])
-      spin += axes.eigenvectors().col(d).dot(turning) / axes.eigenvalues()[d] * axes.eigenvectors().col(d);
+    if (moments[d] > kOnALine * moments[2]) spin += axes.col(d).dot(turning) / moments[d] * axes.col(d);
   for (const Term& m : all) {
     ShellState& s = *shells[m.shell].state;
     const Vec3 change = spin.cross(s.position(m.slot) - centre);

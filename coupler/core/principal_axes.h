@@ -1,0 +1,16 @@
+#pragma once
+// Principal axes of inertia: one place for an eigensolver that takes long to compile.
+#include "coupler/core/vec.h"
+
+namespace sunder {
+
+/// A symmetric tensor as axes * moments.asDiagonal() * axes.transpose().
+struct PrincipalAxes {
+  Vec3 moments;  // ascending, in the tensor's unit
+  Mat3 axes;     // columns, right-handed: a rotation
+};
+
+/// Of a symmetric tensor; its lower triangle is read.
+PrincipalAxes principal_axes(const Mat3& tensor);
+
+}  // namespace sunder
