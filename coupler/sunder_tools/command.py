@@ -151,6 +151,8 @@ def make_parser() -> argparse.ArgumentParser:
     validate.add_argument("what", metavar="WHAT", help="shells, seams, cracks, contact, soft, coupling, engines or extremes")
     validate.add_argument("--case", metavar="NAME", help="this case only")
     validate.add_argument("--full", action="store_true", help="with extremes: the long rows as well")
+    validate.add_argument("--known", action="store_true",
+                          help="exit status 0 where nothing fails but what is known to, as far as tests/validation/known allows")
     validate.add_argument("--rigid", metavar="ENGINE", help="with engines: this one only, as 'run' takes it")
     validate.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the table as JSON")
     validate.add_argument("--plots", metavar="FILE.png", type=Path, help="plots of convergence")
@@ -400,7 +402,7 @@ def _dispatch(arguments: list[str]) -> int:
         if options.command == "bench":
             return measure.bench(options.pattern, options.report)
         return measure.validate(options.what, options.case, options.report, options.plots,
-                                options.pictures, options.rigid, options.full)
+                                options.pictures, options.rigid, options.full, options.known)
     if options.command == "sweep":
         ensure_built()  # and installed: what follows needs protobuf and numpy
         from sunder_lab import sweep
