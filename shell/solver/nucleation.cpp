@@ -71,6 +71,52 @@ bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, c
   return false;
 }
 
+// The Gauss point nearest to q of those in its element.
+std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
+  const int lane = m.patch.knots_u.span_of(q.x()), each = m.tables.gauss * m.tables.gauss;
+  int block = 0;
+  double nearest = 1e300;
+  for (int b = each * m.patch.knots_v.span_of(q.y()), end = b + each; b < end; ++b) {
+    const double away = (gauss_point(m.patch, m.tables, b, lane).parameter - q).squaredNorm();
+    if (away < nearest) nearest = away, block = b;
+  }
+  return {block, lane};
+}
+
+// Mean stress of what surrounds a Gauss point, as `mean_stress`. At one point of a few an element, a direction would be
+// that of the lattice.
+bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int block, int lane, double* six) {
+  Surroundings& around =
+      s.surroundings.of_point.at(s.point_of.size(), m.tables.at(block, 1, 0, lane), most_bytes_seen(m, r.tip_radius));
+  return mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, around, six);
+}
+
+// Whether the field opens, on a line of this half-length about p, a crack along it: the mean of the stress across it is
+// what counts, not the most at a point (Taylor's line method). A border or a crack that the line meets makes a crack
+// from there of it, which needs to be half as long; what bears less than that between two of them stays whole.
+bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const Vec2& p, const Vec2& along, int face,
+                 double half_length, double strength) {
+  constexpr double kFarthest = 1e6;  // spacings: no shell has so many
+  const int most = static_cast<int>(std::ceil(std::min(half_length / m.spacing, kFarthest)));
+  const double step = half_length / most;
+  double sum = 0.0;
+  int samples = 0;
+  const auto sample = [&](const Vec2& q) {
+    const auto [block, lane] = point_at(m, q);
+    double six[6];
+    if (!stress_around(m, s, r, block, lane, six)) return false;
+    sum += across(six + (face > 0 ? 3 : 0), along);
+    return ++samples, true;
+  };
+  sample(p);
+  for (const double sign : {-1.0, 1.0})
+    for (int k = 1; k <= most; ++k) {
+      const Vec2 q = p + sign * k * step * along;
+      if (!m.patch.contains(q) || !s.cracks.visible(p, q) || !sample(q)) break;
+    }
+  return samples > most && sum >= samples * strength;
+}
+
 // A new crack from `from` to `to`; its open end lives on.
 int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int from, const Vec2& to, const Tip& kind,
                 double time) {
@@ -95,9 +141,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const std::vector<SeenEdge>& cracks = beside.seen(s.cracks, p, reach, r.parallel_clearance, kParallel);
   if (beside.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
   double six[6];
-  // of the surroundings: at one point of a few an element, the direction would be that of the lattice
-  Surroundings& around = s.surroundings.of_point.at(points, gauss, most_bytes_seen(m, r.tip_radius));
-  if (!mean_stress(m, s, p, r.tip_radius, around, six)) return 0;
+  if (!stress_around(m, s, r, o.block, o.lane, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
@@ -117,15 +161,19 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   // what drives is measured against the material's resistance
   kind.strength = s.strength[gauss] / m.strength_factor_at(o.block, o.lane);
   kind.face = face;
-  kind.flaw =
-      m.material.youngs_modulus * m.material.fracture_energy / (std::numbers::pi * kind.strength * kind.strength);
+  const double low_across = across(six, along), high_across = across(six + 3, along);
+  const double half_length = critical_length(m.material, kind.strength, 0.5 * (low_across + high_across),
+                                             0.5 * std::abs(high_across - low_across));
+  kind.flaw = half_length;
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {
     Start start;
-    start.p = p, start.direction = sign * along, start.strength = kind.strength;
+    start.p = p, start.direction = sign * along, start.strength = kind.strength, start.grown = 0.0;
     strongest = std::max(strongest, drive_at(m, s, r, start).ratio);
   }
   if (strongest <= 1.0) return 0;
+  // where the grid resolves what a crack needs to run by its energy
+  if (half_length > m.spacing && !opens_along(m, s, r, p, along, face, half_length, kind.strength)) return 0;
   kind.crack = s.cracks.new_crack();
   if (joins) {
     const Vec2 d = (p - join_foot).dot(along) > 0.0 ? along : Vec2(-along);

@@ -14,13 +14,20 @@ struct Sums {
   double six[6] = {}, weight = 0.0;
 };
 
+// A crack that an even field of its strength opens is sharper the longer it is, as the root of its length: at the
+// critical length it needs the energy.
+double resistance(double sharp, const Start& start) {
+  if (start.grown >= 1.0 || start.strength >= sharp) return sharp;
+  const double blunt = start.strength * start.strength;
+  return std::sqrt(blunt + start.grown * (sharp * sharp - blunt));
+}
+
 Drive drive_along(const Sums& sums, const CrackRules& r, const Start& start, double turn) {
   Drive best;
   best.turn = turn;
   if (!(sums.weight > 0.0)) return best;
   const Vec2 c = turned(start.direction, turn);
-  const double stretching = std::min(r.tip_strength, start.strength),
-               bending = std::min(r.tip_bending_strength, start.strength);
+  const double stretching = resistance(r.tip_strength, start), bending = resistance(r.tip_bending_strength, start);
   const double low = across(sums.six, c) / sums.weight, high = across(sums.six + 3, c) / sums.weight;
   for (const int face : {-1, 1}) {
     if (face == -start.face && turn != 0.0) continue;
@@ -129,6 +136,13 @@ double bending_mean(double nu) {
     return (rr * s * s + tt * c * c + 2.0 * rt * s * c) / (4.0 * (3.0 + nu));
   });
   return mean / std::numbers::sqrt2 * std::sqrt(3.0 * (3.0 + nu) / (std::numbers::pi * (1.0 + nu)));
+}
+
+double critical_length(const ShellMaterial& material, double strength, double stretching, double bending) {
+  const double nu = material.poisson_ratio;
+  const double sum = std::max(0.0, stretching) + bending, bent = bending / sum, stretched = 1.0 - bent;
+  const double released = stretched * stretched + bent * bent * (1.0 + nu) / (3.0 * (3.0 + nu));
+  return material.youngs_modulus * material.fracture_energy / (std::numbers::pi * strength * strength * released);
 }
 
 }  // namespace sunder::shell

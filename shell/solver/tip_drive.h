@@ -16,7 +16,8 @@ struct Start {
   int edge = -1;            // that ends there
   double most_turn = 0.0;   // [rad]
   int face = 0;             // that has opened it: it turns to open that one only; 0: none yet
-  double strength = 1e300;  // of the material as long as the crack is shorter than a flaw [Pa]
+  double strength = 1e300;  // of the material where the crack has started [Pa]
+  double grown = 1.0;       // length over that at which energy alone resists: 0 strength alone, 1 energy alone
 };
 
 /// Mean stress over the points ahead on the crack's own side, weighted towards each direction within the turn; the one
@@ -31,6 +32,11 @@ Drive drive_at(const ShellModel& model, const ShellState& state, const CrackRule
 /// of sqrt(E G / radius): of a stretched sheet, and on the surface of a bent Kirchhoff-Love plate.
 double stretching_mean();
 double bending_mean(double poisson_ratio);
+
+/// Half-length [m] of a straight crack whose energy release in an even field is the fracture energy once the opened
+/// face is stressed to `strength` [Pa], of which `stretching` and `bending` are the parts, in any unit: E G_f / (pi
+/// strength^2) stretched, 3 (3 + nu) / (1 + nu) times as much bent (Williams 1961).
+double critical_length(const ShellMaterial& material, double strength, double stretching, double bending);
 
 /// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.
 bool surface_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* six);

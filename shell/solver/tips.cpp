@@ -135,7 +135,8 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     Start start;
     start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.face = tip.face;
     start.most_turn = tip.grown > 0.0 ? r.turn : std::max(r.turn, tip.first_turn);
-    if (tip.grown < tip.flaw) start.strength = tip.strength;
+    start.strength = tip.strength;
+    start.grown = tip.flaw > 0.0 ? std::min(1.0, (tip.grown + 0.5 * m.spacing) / tip.flaw) : 1.0;
     return start;
   };
   // all at once, which is right until one of them runs nearby

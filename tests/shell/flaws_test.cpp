@@ -8,7 +8,9 @@
 
 #include "shell/mechanics/principal.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/nucleation.h"
 #include "shell/solver/surroundings.h"
+#include "shell/solver/tip_drive.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -30,6 +32,40 @@ bool is_above(const ShellModel& m, const ShellState& s, int block, int lane) {
   const double high = std::max(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high);
   return high > s.strength[m.tables.at(block, 1, 0, lane)];
 }
+
+// A sheet drawn along x to 12 MPa within `half_width` [m] of y = 0.1 and to half of that beyond, with a strength of
+// 10 MPa about its middle; a stretched crack across needs a half-length of `spacings` for its energy.
+struct OverstressedBand {
+  OverstressedBand(double half_width, double spacings)
+      : m(sheet_that_needs(spacings)), s(make_state(m, Vec3::Zero(), 1)) {
+    for (int q = 0; q < m.tables.blocks(); ++q)
+      for (int lane = 0; lane < m.tables.spans_u; ++lane)
+        if ((gauss_point(m.patch, m.tables, q, lane).parameter - Vec2(0.1, 0.1)).norm() > m.spacing)
+          s.strength[m.tables.at(q, 1, 0, lane)] = 1e12;
+    for (int k = 0; k < m.control_points(); ++k) {
+      const Vec2& p = m.parameter[k];
+      const double beyond = std::clamp((std::abs(p.y() - 0.1) - half_width) / m.spacing + 0.5, 0.0, 1.0);
+      const double strain = (1.0 - 0.5 * beyond) * 12e6 / m.material.youngs_modulus;
+      s.x[m.tables.slot(k)] += strain * (p.x() - 0.1);
+      s.x[m.tables.plane + m.tables.slot(k)] -= m.material.poisson_ratio * strain * (p.y() - 0.1);
+    }
+  }
+  int start() {
+    compute_forces(m, s, false, 1.0, 1);
+    std::uint64_t random = 1;
+    return nucleate(m, s, make_crack_rules(m, 0.0), 0.0, random);
+  }
+
+  static ShellModel sheet_that_needs(double spacings) {
+    ShellMaterial material = glass();
+    material.strength = 10e6;
+    material.fracture_energy = std::numbers::pi * 1e14 * spacings * 0.005 / material.youngs_modulus;
+    return make_shell("p", plate(0.2, 0.2, 40, 40, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {});
+  }
+
+  ShellModel m;
+  ShellState s;
+};
 
 }  // namespace
 
@@ -99,6 +135,49 @@ TEST(Flaws, KindsOfPointsAreThoseOfTheirEntries) {
     other += kind != PointKind::kQuadratic;
   }
   EXPECT_GT(other, 20);
+}
+
+TEST(CriticalLength, IsGriffithsStretchedAndThatOfWilliamsFieldBent) {
+  ShellMaterial m = glass();
+  m.youngs_modulus = 70e9, m.poisson_ratio = 0.22, m.fracture_energy = 8.0;
+  EXPECT_NEAR(critical_length(m, 60e6, 2.0, 0.0), 4.95149e-5, 1e-10);
+  EXPECT_NEAR(critical_length(m, 60e6, 0.0, 3.0), 3.92061e-4, 1e-9);   // 3 (3 + nu) / (1 + nu) times as long
+  EXPECT_NEAR(critical_length(m, 60e6, -1.0, 3.0), 3.92061e-4, 1e-9);  // pressed as well: it opens by bending
+  // both release energy: half a stress by each
+  EXPECT_NEAR(1.0 / critical_length(m, 60e6, 1.0, 1.0), 0.25 / 4.95149e-5 + 0.25 / 3.92061e-4, 0.1);
+}
+
+TEST(Flaws, ACrackNeedsMoreThanItsStrengthTheLongerItIs) {
+  OverstressedBand band(0.04, 6.0);
+  compute_forces(band.m, band.s, false, 1.0, 1);
+  const CrackRules r = make_crack_rules(band.m, 0.0);
+  Start start;
+  start.p = {0.1, 0.1}, start.direction = {0.0, 1.0}, start.strength = 10e6;
+  std::vector<double> needed;  // stress over that which drives [Pa]
+  for (const double grown : {0.0, 0.5, 1.0, 2.0}) {
+    start.grown = grown;
+    needed.push_back(12e6 / drive_at(band.m, band.s, r, start).ratio);
+  }
+  EXPECT_NEAR(needed[0], 10e6, 1e5);
+  EXPECT_NEAR(needed[1] * needed[1], 0.5 * (needed[0] * needed[0] + needed[2] * needed[2]),
+              1e-9 * needed[2] * needed[2]);
+  EXPECT_NEAR(needed[2], r.tip_strength, 0.01 * r.tip_strength);
+  EXPECT_EQ(needed[2], needed[3]);
+  EXPECT_GT(r.tip_strength, 12e6);  // what opens a short crack would not open a sharp one here
+}
+
+TEST(Flaws, StartNoCrackWhereTooShortALineIsOverstressed) {
+  EXPECT_EQ(OverstressedBand(0.04, 6.0).start(), 1);
+  EXPECT_EQ(OverstressedBand(0.015, 6.0).start(), 0);  // half of the line that its energy asks for
+  EXPECT_EQ(OverstressedBand(0.015, 0.5).start(), 1);  // that is shorter than a spacing: the point alone counts
+}
+
+TEST(Flaws, StartNoCrackBetweenTwoThatAreTooClose) {
+  OverstressedBand one(0.04, 6.0), two(0.04, 6.0);
+  for (OverstressedBand* band : {&one, &two}) insert_polyline(band->m, band->s, {{0.05, 0.112}, {0.15, 0.1121}}, 0.0);
+  insert_polyline(two.m, two.s, {{0.05, 0.088}, {0.15, 0.0881}}, 0.0);
+  EXPECT_EQ(one.start(), 1);  // runs on from the other
+  EXPECT_EQ(two.start(), 0);
 }
 
 TEST(NearCracks, KeptWhileCracksGrowAreThoseFoundAnew) {
