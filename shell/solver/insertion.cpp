@@ -359,7 +359,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
   for (const Refastened& r : again) {
     for (const auto& [slot, force] : r.jump)
       for (int d = 0; d < 3; ++d) s.jumped()[d * m.tables.plane + slot] += force[d];
-    s.book.fracture += r.let_go;
+    s.release(r.let_go);
   }
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     if (!keyed[i]) continue;
@@ -398,7 +398,10 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   if (must_release && after > before) return false;
   relieve(m, s, changed, threads);
   key_faces(m, s, first, interlock, threads);
-  (after > before ? s.book.injected : s.book.fracture) += std::abs(after - before);
+  if (after > before)
+    s.book.injected += after - before;
+  else
+    s.release(before - after);
   if (first / kForget != end / kForget) s.trials.clear();  // what cracks have passed by is tried no more
   s.last_crack_time = time;
   s.last_force.clear();  // the next one differs by the crack, not by motion

@@ -251,7 +251,7 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     lock.holds = false;
     const Gap gap = gap_of(s, lock);
     const Springs springs = springs_of(m, gap, lock);
-    s.book.fracture += lock.stiffness * lock.area * springs.hold;
+    s.release(lock.stiffness * lock.area * springs.hold);
     add_force(s, lock, gap, springs, 1.0, s.jumped());
     s.last_force.clear();
   }

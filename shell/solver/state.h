@@ -22,8 +22,8 @@ struct Tip {
   double pending = 0.0;       // length that it may advance [m]
   double since_branch = 0.0;  // [m]
   double grown = 0.0;         // since it was born [m]
-  double strength = 1e300;    // of the flaw that it was born from [Pa], which resists until it has
-  double flaw = 0.0;          // grown so far [m]
+  double strength = 1e300;    // of the flaw that it was born from [Pa], which resists less and less until it has
+  double flaw = 0.0;          // grown so far [m]: half the critical length
   double first_turn = 0.0;    // most that its first edge may turn [rad]
   // while `pending` grew, weighted by speed: weight, turn [rad], drive
   double weight = 0.0, turn = 0.0, ratio = 0.0;
@@ -56,7 +56,7 @@ struct Interlock {
 /// Energies that left the mechanics, each booked where it went [J].
 struct EnergyBook {
   double fracture = 0.0;  // released when cracks were inserted and interlock broke, taken by damage that does not heal
-  double injected = 0.0;  // positive jumps at insertion
+  double injected = 0.0;  // by what cracks change in a moment, where it adds energy in all
   double contact = 0.0;   // inelastic and frictional, shell against bodies
   double handoff = 0.0;   // kinetic and elastic energy that a rigid piece cannot carry
   double external = 0.0;  // work of loads and of supports that move, counted as gained
@@ -137,6 +137,7 @@ struct ShellState {
   // [3][plane], the force of strains, faces and layers, not of loads, before less that after what cracks have changed
   // here; empty: none
   std::vector<double> jump;
+  double let_go = 0.0;  // stored energy that they have released with it, booked as fracture [J]
   // For velocities that go through the background grid; empty where they do not.
   std::vector<double> before;  // [3][plane], velocities before kick and contact
   std::vector<double> kicked;  // [3][plane], and after them
@@ -161,6 +162,8 @@ struct ShellState {
     if (jump.empty()) jump.assign(force.size(), 0.0);
     return jump;
   }
+  /// Of what cracks change here, which the next kick takes up with the rest.
+  void release(double energy) { let_go += energy, book.fracture += energy; }
   bool yields() const { return !plastic.empty(); }
   Vec3 position(int slot) const { return at(x, slot); }
   Vec3 velocity(int slot) const { return at(v, slot); }

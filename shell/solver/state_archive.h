@@ -44,7 +44,7 @@ void archive(A& a, ShellState& s) {
               s.strength, s.c, s.c_his, s.plastic, s.plastic_forms, s.fibres, s.tables.metric, s.interlayer.metric,
               s.points, s.point_of, s.damage, s.watched, s.brittleness, s.heals, s.cracks, s.reach, s.tips,
               s.interlocks, s.interlock_of, s.cut_done, s.last_crack_time, s.book, s.before, s.kicked, s.moving,
-              s.affine, s.interlock_energy, s.jump);
+              s.affine, s.interlock_energy, s.jump, s.let_go);
   if constexpr (A::kReading)
     for (const GatheredPoint& g : s.points) s.note_kind(g);
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "shell/solver/hertz.h"
 
@@ -274,9 +275,10 @@ void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
   if (std::all_of(shells.begin(), shells.end(), [](const ShellRef& r) { return r.state->jump.empty(); })) return;
   std::vector<std::vector<double>> jumps;
   // m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still
-  double moving = 0.0, square = 0.0, still = 0.0;
+  double moving = 0.0, square = 0.0, still = 0.0, let_go = 0.0;
   for (const ShellRef& r : shells) {
-    const ShellState& s = *r.state;
+    ShellState& s = *r.state;
+    let_go += std::exchange(s.let_go, 0.0);
     const std::vector<double>& jump = jumps.emplace_back(free_jump(*r.model, *r.state, dt));
     for (std::size_t k = 0; k < jump.size(); ++k) {
       if (jump[k] == 0.0) continue;
@@ -298,7 +300,8 @@ void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
   }
   const double gained = (share - 1.0) * moving + share * (share * square + still);
   EnergyBook& book = shells.front().state->book;
-  (gained > 0.0 ? book.injected : book.fracture) += std::abs(gained);
+  const double added = std::max(0.0, gained - let_go);
+  book.injected += added, book.fracture += added - gained;
 }
 
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {

@@ -64,7 +64,8 @@ struct TransferRules {
 /// positions, which a substep of `dt` led to: that half kick is made one by the force before, so that the velocity
 /// there is what it was. What leapfrog keeps (kinetic_energy) mostly falls by that, and what is lost is booked with
 /// what the cracks released. Where it would rise, only the share of the change is taken that keeps it; what even so is
-/// gained is booked as injected, both in the first shell's book. Shells that hang together have one share. `kick`
+/// gained is taken from what the same cracks have released, and booked as injected where it is more, both in the first
+/// shell's book. Shells that hang together have one share. `kick`
 /// begins with it for a shell alone; before it energies and momenta are those of no moment.
 void take_up_jump(const std::vector<ShellRef>& shells, double dt);
 /// v += dt (f/m + gravity) and damping; force must be that of the present positions. Stiffness damping is

@@ -152,6 +152,35 @@ TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
     }
 }
 
+// What half a kick gains is taken from what the same cracks have let go; only where it is more has the crack added it.
+TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
+  const ShellModel m = sheet(0.0);
+  double gained = 0.0;
+  for (const double let_go : {0.0, 0.4, 2.0}) {  // of what is gained
+    ShellState s = moving(m);
+    insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
+    EXPECT_GT(s.let_go, 0.0);
+    EXPECT_EQ(s.let_go, s.book.fracture);
+    // a force that pulls on along the jump, which no share of it can make up for
+    compute_forces(m, s, true, 0.0, 1);
+    for (double& v : s.v) v = 0.0;
+    for (std::size_t k = 0; k < s.force.size(); ++k) s.force[k] = s.jump[k];
+    for (std::size_t k = 0; k < s.jump.size(); ++k)
+      s.v[k] = -0.3 * kStep * s.inverse_mass[k % m.tables.plane] * s.jump[k];
+    const double fracture = s.book.fracture, injected = s.book.injected;
+    s.let_go = let_go * gained;
+    take_up_jump({{&m, &s}}, kStep);
+    const double added = s.book.injected - injected, lost = s.book.fracture - fracture;
+    if (let_go == 0.0) {
+      gained = added;
+      EXPECT_GT(gained, 0.0);
+    }
+    EXPECT_NEAR(added, std::max(0.0, 1.0 - let_go) * gained, 1e-12 * gained);
+    EXPECT_NEAR(added - lost, gained, 1e-9 * gained);  // the book closes in any case
+    EXPECT_EQ(s.let_go, 0.0);
+  }
+}
+
 // Control points that supports hold, tie together or drive, where cracks reach them.
 TEST(Jump, BesideSupportsTheBooksCloseToo) {
   const ShellModel m =
