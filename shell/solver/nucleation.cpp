@@ -91,32 +91,6 @@ bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int 
   return mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, around, six);
 }
 
-// Whether the field opens, on a line of this half-length about p, a crack along it: the mean of the stress across it is
-// what counts, not the most at a point (Taylor's line method). A border or a crack that the line meets makes a crack
-// from there of it, which needs to be half as long; what bears less than that between two of them stays whole.
-bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const Vec2& p, const Vec2& along, int face,
-                 double half_length, double strength) {
-  constexpr double kFarthest = 1e6;  // spacings: no shell has so many
-  const int most = static_cast<int>(std::ceil(std::min(half_length / m.spacing, kFarthest)));
-  const double step = half_length / most;
-  double sum = 0.0;
-  int samples = 0;
-  const auto sample = [&](const Vec2& q) {
-    const auto [block, lane] = point_at(m, q);
-    double six[6];
-    if (!stress_around(m, s, r, block, lane, six)) return false;
-    sum += across(six + (face > 0 ? 3 : 0), along);
-    return ++samples, true;
-  };
-  sample(p);
-  for (const double sign : {-1.0, 1.0})
-    for (int k = 1; k <= most; ++k) {
-      const Vec2 q = p + sign * k * step * along;
-      if (!m.patch.contains(q) || !s.cracks.visible(p, q) || !sample(q)) break;
-    }
-  return samples > most && sum >= samples * strength;
-}
-
 // A new crack from `from` to `to`; its open end lives on.
 int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int from, const Vec2& to, const Tip& kind,
                 double time) {
@@ -164,6 +138,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const double low_across = across(six, along), high_across = across(six + 3, along);
   const double half_length = critical_length(m.material, kind.strength, 0.5 * (low_across + high_across),
                                              0.5 * std::abs(high_across - low_across));
+  if (!std::isfinite(half_length)) return 0;  // nothing opens a crack along it
   kind.flaw = half_length;
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {
@@ -191,6 +166,30 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
 }
 
 }  // namespace
+
+bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const Vec2& p, const Vec2& along, int face,
+                 double half_length, double strength) {
+  constexpr double kFarthest = 1e6;  // spacings: no shell has so many
+  const int most = static_cast<int>(std::ceil(std::min(half_length / m.spacing, kFarthest)));
+  const double step = half_length / most;
+  double sum = 0.0;
+  int samples = 0;
+  const auto sample = [&](const Vec2& q) {
+    const auto [block, lane] = point_at(m, q);
+    double six[6];
+    if (!stress_around(m, s, r, block, lane, six)) return false;
+    sum += across(six + (face > 0 ? 3 : 0), along) / m.strength_factor_at(block, lane);
+    return ++samples, true;
+  };
+  sample(p);
+  for (const double sign : {-1.0, 1.0})
+    for (int k = 1; k <= most; ++k) {
+      const Vec2 q = p + sign * k * step * along;
+      if (!m.patch.contains(q) || !s.cracks.visible(p, q) || !sample(q)) break;
+    }
+  const double over = sum / (samples * strength);  // energy grows with its square
+  return over >= 1.0 && over * over * samples > most;
+}
 
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
   int inserted = 0, nucleated = 0, known = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "shell/mechanics/principal.h"
@@ -140,7 +141,9 @@ double bending_mean(double nu) {
 
 double critical_length(const ShellMaterial& material, double strength, double stretching, double bending) {
   const double nu = material.poisson_ratio;
-  const double sum = std::max(0.0, stretching) + bending, bent = bending / sum, stretched = 1.0 - bent;
+  const double sum = std::max(0.0, stretching) + bending;
+  if (!(sum > 0.0)) return std::numeric_limits<double>::infinity();
+  const double bent = bending / sum, stretched = 1.0 - bent;
   const double released = stretched * stretched + bent * bent * (1.0 + nu) / (3.0 * (3.0 + nu));
   return material.youngs_modulus * material.fracture_energy / (std::numbers::pi * strength * strength * released);
 }

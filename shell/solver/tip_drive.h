@@ -35,7 +35,7 @@ double bending_mean(double poisson_ratio);
 
 /// Half-length [m] of a straight crack whose energy release in an even field is the fracture energy once the opened
 /// face is stressed to `strength` [Pa], of which `stretching` and `bending` are the parts, in any unit: E G_f / (pi
-/// strength^2) stretched, 3 (3 + nu) / (1 + nu) times as much bent (Williams 1961).
+/// strength^2) stretched, 3 (3 + nu) / (1 + nu) times as much bent (Williams 1961). Infinite where neither opens it.
 double critical_length(const ShellMaterial& material, double strength, double stretching, double bending);
 
 /// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.
