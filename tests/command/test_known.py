@@ -42,6 +42,15 @@ class Lists(unittest.TestCase):
             self.assertIn(word, str(caught.exception))
             self.assertIn(f"known.txt:{3 if word == 'twice' else 2}: 'share'", str(caught.exception))
 
+    def test_what_is_no_text_is_refused(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "known.txt"
+            path.write_bytes(b"share 0.6 \xff\n")
+            for bad in (path, Path(folder)):
+                with self.assertRaises(errors.CommandError) as caught:
+                    known.read_known(bad)
+                self.assertIn(f"{bad}: cannot be read as UTF-8 text", str(caught.exception))
+
     def test_the_lists_of_the_repository_can_be_read_and_name_a_kind(self) -> None:
         lists = sorted(known.KNOWN.glob("*"))
         self.assertIn("cracks.txt", [path.name for path in lists])
@@ -61,7 +70,7 @@ class Judging(unittest.TestCase):
         self.assertIn("coarse grid", lines[0])
 
     def test_beyond_that_without_a_number_and_unlisted_it_fails(self) -> None:
-        for bad in (row("share", 0.61, 0.15), row("share", None, 0.15), row("share", float("nan"), 0.15),
+        for bad in ({**row("share", None, 0.0), "tolerance": None}, row("share", 0.61, 0.15), row("share", None, 0.15), row("share", float("nan"), 0.15),
                     row("other", 0.5, 0.15)):
             good, lines = known.judge([bad], GAPS, every=False)
             self.assertFalse(good, bad)
