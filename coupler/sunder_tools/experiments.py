@@ -191,6 +191,7 @@ EXPERIMENTS = {"shells": (
     Experiment("refinement", "cracks and residual speed on three grids", _later("impacts", "refinement")),
     Experiment("snapped", "pieces of a plate that cracks as its fracture energy asks, on three grids: how many, how large",
                _later("impacts", "snapped")),
+    Experiment("tough", "the same of a pane that shatters, on grids that resolve how cracks start", _later("impacts", "tough")),
     Experiment("pieces", "the same of a struck pane, whose strength no grid resolves", _later("impacts", "pieces")),
 ), "coupling": (
     Experiment("scenes", "impulses and births of every shipped scene with bodies, with every engine",

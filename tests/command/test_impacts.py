@@ -80,7 +80,7 @@ class Books(unittest.TestCase):
 
 class Registry(unittest.TestCase):
     def test_every_experiment_that_comes_later_exists(self) -> None:
-        for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "pieces")),
+        for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "pieces")),
                               (crack_books, ("books", "many")),
                               (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share"))):
             for name in names:
