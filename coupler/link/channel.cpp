@@ -169,8 +169,12 @@ void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
     refusal = with_keys ? "it has no keys: start it with --keys DIR" : "it wants keys: give --keys DIR";
   else if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL)
     refusal = "what it answers is not for us: it is no rigid process, or has other keys";
-  else if (++closed_on_us >= kMostClosed && with_keys)  // a server that cannot read us does not say so
-    refusal = "it closes the connection at our first word: our rigid.pub is not of its rigid.key, or it has no --keys";
+  else if (++closed_on_us >= kMostClosed)  // a server that cannot read us does not say so, or what it says is lost
+    refusal = with_keys
+                  ? "it closes the connection at our first word: our rigid.pub is not of its rigid.key, or it has "
+                    "no --keys"
+                  : "it closes the connection at our first word: it wants keys, so give --keys DIR, or it is no "
+                    "rigid process";
 }
 
 // The first message tells which of the connections is the peer's.
@@ -259,6 +263,8 @@ void Channel::Sockets::fail_if_lost() const {
         fmt::format("{} is gone: its connection closed, or it answered no heartbeat for {} ms, without a goodbye", peer,
                     kHeartbeatTimeoutMs));
 }
+
+int Channel::turned_away() const { return s_->turned_away; }
 
 void Channel::check_peer() {
   if (!s_->left_words()) s_->fail_if_lost();  // what it said last is read first: it may be why

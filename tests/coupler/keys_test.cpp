@@ -72,14 +72,19 @@ std::string free_endpoint() {
 struct Server {
   std::string endpoint = free_endpoint(), said;
   std::atomic<double> clock{0.0};
-  std::atomic<int> answered{0};
+  std::atomic<int> answered{0}, turned_away{0};
   std::thread thread;
   explicit Server(const std::string& keys)
       : thread([this, keys] {
           said = thrown([&] {
             rigid::FreeFlight engine;
             Session session(engine);
-            Channel channel(Channel::Role::kBind, endpoint, keys, [this] { return clock.load(); });
+            Channel* here = nullptr;
+            Channel channel(Channel::Role::kBind, endpoint, keys, [&] {
+              if (here) turned_away = here->turned_away();
+              return clock.load();
+            });
+            here = &channel;
             while (!session.over()) {
               const std::string reply = session.answer(channel.receive(30.0));
               if (!session.abandoned()) channel.send(reply);
@@ -89,6 +94,10 @@ struct Server {
           });
         }) {}
   ~Server() { end(); }
+  // A client may know that it is not admitted before the other side does.
+  void wait_until_it_turns_one_away() const {
+    for (int i = 0; i < 3000 && turned_away == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
   std::string end() {
     clock = 1e6;
     if (thread.joinable()) thread.join();
@@ -240,7 +249,7 @@ TEST(EncryptedSession, IsNotForOthers) {
       {"a wrong server key", keys, misled, "our rigid.pub is not of its rigid.key", "expects another rigid.pub"},
       {"keys of another pair of machines", keys, others, "our rigid.pub is not of its rigid.key",
        "expects another rigid.pub"},
-      {"a client without keys", keys, "", "it wants keys: give --keys", "came to nothing"},
+      {"a client without keys", keys, "", "give --keys", "came to nothing"},
       {"a server without keys", "", keys, "--keys", "came to nothing"},
   };
   for (const auto& c : cases) {
@@ -249,6 +258,7 @@ TEST(EncryptedSession, IsNotForOthers) {
     const std::string told = session(server.endpoint, c.shell);
     EXPECT_EQ(told.rfind("not_admitted: the rigid process", 0), 0u) << told;
     EXPECT_SAYS(told, c.told);
+    server.wait_until_it_turns_one_away();
     const std::string noticed = server.end();
     EXPECT_EQ(server.answered, 0);
     EXPECT_EQ(noticed.rfind("not_admitted: the shell process did not connect", 0), 0u) << noticed;
