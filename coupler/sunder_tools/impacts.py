@@ -13,6 +13,8 @@ import numpy as np
 from .build import Executables
 from .crack_check import Graph
 from .crack_paths import grown, last_graph
+from .frames import SHELL, list_frames
+from .meshes import reference_points
 from .patterns import (anova, chance_of_distance, distance, harmonic, lengths, off_circle, power_law, quantile_bounds,
                        radial_crossings, upper_bound)
 from .pictures import write_contact_sheet
@@ -200,6 +202,7 @@ class Shattering:
     grids: tuple[int, int, int]  # elements along the plate
     settings: tuple[str, ...]
     compared: tuple[tuple[str, float], ...]  # share of the mean by which the last two grids may differ
+    in_place: bool = False  # sizes of those that are still in place too, but for the largest, which its border holds
 
 
 # A heavy ball snaps a plate of acrylic into sectors: its cracks take what their area asks.
@@ -211,15 +214,28 @@ SNAPPED = Shattering("snapped", "acrylic.textproto", "plate", "pellet", (44, 66,
 STRUCK = Shattering("pieces", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (),
                     (("count", 0.1), ("length", 0.1), ("area_off", 0.1), ("residual_speed", 0.05)))
 
-# A pane that shatters though its grids resolve the length that a crack needs for its energy: 4 mm where it is bent.
+# A pane that shatters though its grids resolve the length that a crack needs for its energy: 4 mm where it is bent. Most
+# of its pieces are still in place at the end.
 TOUGH = Shattering("tough", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (
-    "materials[glass].strength=60e6", "materials[glass].fracture_energy=80", "bodies[ball].twist.linear.z=-30"),
-    STRUCK.compared)
+    "materials[glass].strength=60e6", "materials[glass].fracture_energy=80", "bodies[ball].sphere.radius_m=0.01",
+    "bodies[ball].pose.position.z=0.01051", "bodies[ball].twist.linear.z=-10", "end_time_s=3e-4"),
+    (("count", 0.1), ("length", 0.1), ("taken", 0.1), ("residual_speed", 0.05)), in_place=True)
+
+
+def _in_place(folder: Path) -> np.ndarray:
+    """Areas at rest of the pieces that the shell process has still at the end, but for the largest [m^2]."""
+    mesh = list_frames(folder)[-1].read(SHELL)
+    if mesh is None:
+        return np.zeros(0)
+    corner = reference_points(mesh)[mesh.triangles]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    _, piece = np.unique(mesh.of_triangles("fragment", 0), return_inverse=True)
+    return np.sort(np.bincount(piece, area))[:-1]
 
 
 def _shattered(executables: Executables, what: Shattering, elements: int, seed: int,
                picture: Path | None) -> tuple[dict, np.ndarray]:
-    """What is compared of one run, and the areas of the pieces that came off [m^2]."""
+    """What is compared of one run, and the areas of its pieces [m^2]: of those that came off, or of all."""
     chance = random.Random(seed)
     reach = 0.5 * SIDE / what.grids[0]  # the same places on all grids
     beside = [f"bodies[{what.ball}].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
@@ -227,13 +243,14 @@ def _shattered(executables: Executables, what: Shattering, elements: int, seed: 
             f"shells[{what.shell}].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
         run, probe = read_run(folder), list(csv.reader((folder / "probes.csv").open()))
         areas = np.array([float(row["area [m^2]"]) for row in csv.DictReader((folder / "shards.csv").open())])
+        kept = _in_place(folder) if what.in_place else np.zeros(0)
         if picture is not None:
             shutil.copy(write_contact_sheet(folder), picture)
             print(f"picture          {picture}", flush=True)
     return {"count": float(run["counts"]["fragments"]), "length": run["cracks"]["length_m"],
             "residual_speed": -float(probe[-1][probe[0].index(f"{what.ball}_vz [m/s]")]), "area_off": float(areas.sum()),
             "taken": run["cracks"]["taken_relative"] or 0.0, "residual": run["energy"]["residual_relative"],
-            "seconds": seconds}, areas
+            "seconds": seconds}, np.concatenate([areas, kept])
 
 
 def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None:
@@ -260,7 +277,8 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
             for key in ("count", "length", "taken", "area_off", "residual_speed"))
             + f"; largest energy residual {max(abs(r['residual']) for r in found[elements]):.1e}")
         bounds = [quantile_bounds(sizes[elements], share) for share in QUANTILES]
-        table.lines.append(f"{name} {spacing:.2f} mm: quartiles of the area of {len(every)} that came off " + ", ".join(
+        table.lines.append(f"{name} {spacing:.2f} mm: quartiles of the area of {len(every)} "
+            + ("in all but the largest " if what.in_place else "that came off ") + ", ".join(
             f"{q:.2f} ({low:.2f} to {high:.2f})" for q, low, high in bounds)
             + f" mm^2; the median is {bounds[1][0] / spacing ** 2:.1f} squared spacings")
     last = what.grids[1:]

@@ -85,10 +85,18 @@ std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
 
 // Mean stress of what surrounds a Gauss point, as `mean_stress`. At one point of a few an element, a direction would be
 // that of the lattice.
-bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int block, int lane, double* six) {
-  Surroundings& around =
-      s.surroundings.of_point.at(s.point_of.size(), m.tables.at(block, 1, 0, lane), most_bytes_seen(m, r.tip_radius));
-  return mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, around, six);
+bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int block, int lane, double time,
+                   double* six) {
+  const std::size_t gauss = m.tables.at(block, 1, 0, lane);
+  KnownMean& mean = s.surroundings.mean_of_point.at(s.point_of.size(), gauss, sizeof(KnownMean));
+  if (mean.time != time || mean.edges != s.cracks.edges().size()) {  // many lines run over the same points
+    Surroundings& around = s.surroundings.of_point.at(s.point_of.size(), gauss, most_bytes_seen(m, r.tip_radius));
+    mean.found =
+        mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, around, mean.six);
+    mean.time = time, mean.edges = s.cracks.edges().size();
+  }
+  std::copy_n(mean.six, 6, six);
+  return mean.found;
 }
 
 // A new crack from `from` to `to`; its open end lives on.
@@ -106,6 +114,27 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
   return 1;
 }
 
+// Of what a crack of this half-length relieves, the share that no other crack does.
+double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, double half_length) {
+  return s.surroundings.ground_of_point.at(s.point_of.size(), gauss, sizeof(OwnGround))
+      .share(m, s.cracks, p, kRelieved * half_length);
+}
+
+// Whether so little ground is left about a point that its own stress, the most nearby, opens no crack there. Asked
+// before what is about it is looked at, which takes much longer.
+bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, const Vec2& p, std::size_t gauss) {
+  double here[6];
+  if (!surface_stress_at(m, s, o.block, o.lane, here)) return true;
+  const Principal low = principal(here[0], here[1], here[2]), high = principal(here[3], here[4], here[5]);
+  const Vec2& along = high.high > low.high ? high.crack : low.crack;
+  const double a = across(here, along), b = across(here + 3, along);
+  const double strength = s.strength[gauss] / m.strength_factor_at(o.block, o.lane);
+  const double half_length = critical_length(m.material, strength, 0.5 * (a + b), 0.5 * std::abs(b - a));
+  if (!(half_length > m.spacing) || !std::isfinite(half_length)) return false;
+  const double energy = o.ratio * o.ratio;
+  return 2.0 * energy * energy * ground_of(m, s, p, gauss, half_length) < 1.0;  // of the shortest line
+}
+
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
                 const Overstressed& o, double time, std::uint64_t& random) {
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
@@ -113,9 +142,9 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   NearCracks& beside = s.surroundings.cracks_of_point.at(points, gauss, kBytesOfCracks);
   const double reach = std::max(kJoin * m.spacing, r.parallel_clearance);
   const std::vector<SeenEdge>& cracks = beside.seen(s.cracks, p, reach, r.parallel_clearance, kParallel);
-  if (beside.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
+  if (beside.shield_all() || near_a_tip(m, s, r, running, p) || lacks_ground(m, s, o, p, gauss)) return 0;
   double six[6];
-  if (!stress_around(m, s, r, o.block, o.lane, six)) return 0;
+  if (!stress_around(m, s, r, o.block, o.lane, time, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
@@ -140,6 +169,10 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
                                              0.5 * std::abs(high_across - low_across));
   if (!std::isfinite(half_length)) return 0;  // nothing opens a crack along it
   kind.flaw = half_length;
+  // where the grid resolves what a crack needs to run by its energy
+  if (half_length > m.spacing &&
+      !opens_along(m, s, r, p, along, face, {half_length, kind.strength, ground_of(m, s, p, gauss, half_length)}, time))
+    return 0;
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {
     Start start;
@@ -147,8 +180,6 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
     strongest = std::max(strongest, drive_at(m, s, r, start).ratio);
   }
   if (strongest <= 1.0) return 0;
-  // where the grid resolves what a crack needs to run by its energy
-  if (half_length > m.spacing && !opens_along(m, s, r, p, along, face, half_length, kind.strength)) return 0;
   kind.crack = s.cracks.new_crack();
   if (joins) {
     const Vec2 d = (p - join_foot).dot(along) > 0.0 ? along : Vec2(-along);
@@ -168,16 +199,16 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
 }  // namespace
 
 bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const Vec2& p, const Vec2& along, int face,
-                 double half_length, double strength) {
+                 const Flaw& flaw, double time) {
   constexpr double kFarthest = 1e6;  // spacings: no shell has so many
-  const int most = static_cast<int>(std::ceil(std::min(half_length / m.spacing, kFarthest)));
-  const double step = half_length / most;
+  const int most = static_cast<int>(std::ceil(std::min(flaw.half_length / m.spacing, kFarthest)));
+  const double step = flaw.half_length / most;
   double sum = 0.0;
   int samples = 0;
   const auto sample = [&](const Vec2& q) {
     const auto [block, lane] = point_at(m, q);
     double six[6];
-    if (!stress_around(m, s, r, block, lane, six)) return false;
+    if (!stress_around(m, s, r, block, lane, time, six)) return false;
     sum += across(six + (face > 0 ? 3 : 0), along) / m.strength_factor_at(block, lane);
     return ++samples, true;
   };
@@ -187,8 +218,8 @@ bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const 
       const Vec2 q = p + sign * k * step * along;
       if (!m.patch.contains(q) || !s.cracks.visible(p, q) || !sample(q)) break;
     }
-  const double over = sum / (samples * strength);  // energy grows with its square
-  return over >= 1.0 && over * over * samples > most;
+  const double over = sum / (samples * flaw.strength);  // energy grows with its square
+  return over >= 1.0 && over * over * samples > most && over * over * flaw.ground * (2 * most + 1) >= samples;
 }
 
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {

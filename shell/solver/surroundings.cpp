@@ -1,14 +1,33 @@
 #include "shell/solver/surroundings.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <numbers>
+
+#include "shell/mechanics/principal.h"
 
 namespace sunder::shell {
 namespace {
 
 constexpr double kEye = 0.1;            // spacings ahead of the middle
 constexpr double kBeforeAnEdge = 0.02;  // of the distance from it: one that is seen to there is seen
+
+constexpr int kWays = 16, kRings = 4;  // of samples of the ground about a point
+constexpr double kSameRadius = 0.1;    // of it
+
+// Of the unit circle, each at the middle of an equal area.
+const std::array<Vec2, kWays * kRings>& ground_samples() {
+  static const auto samples = [] {
+    std::array<Vec2, kWays * kRings> s;
+    for (int k = 0; k < kWays * kRings; ++k)
+      s[k] = std::sqrt((k / kWays + 0.5) / kRings) *
+             turned(Vec2(1, 0), 2.0 * std::numbers::pi / kWays * (k % kWays + 0.5));
+    return s;
+  }();
+  return samples;
+}
 
 // Calls f(block, lane, offset from p) for each Gauss point within the radius.
 template <class F>
@@ -74,6 +93,28 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
   }
   look_ = look, known_ = end;
   return points_;
+}
+
+double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, double radius) {
+  static_assert(kWays * kRings == 64);
+  const auto& samples = ground_samples();
+  const auto left_of = [](std::uint64_t owned, int k) { return owned & ~(std::uint64_t{1} << k); };
+  if (std::abs(radius - radius_) > kSameRadius * radius) {
+    radius_ = radius, known_ = 0, owned_ = ~std::uint64_t{0};
+    for (int k = 0; k < 64; ++k)
+      if (!m.patch.contains(p + radius * samples[k])) owned_ = left_of(owned_, k);
+  }
+  const int end = static_cast<int>(cracks.edges().size());
+  if (owned_ != 0 && known_ < end)
+    for (const int e : edges_around(cracks, p, 2.0 * radius_, -1, known_))
+      for (std::uint64_t left = owned_; left != 0; left &= left - 1) {
+        const int k = std::countr_zero(left);
+        const Vec2 offset = radius_ * samples[k];
+        Vec2 foot;
+        if (cracks.distance(p + offset, e, foot) < offset.norm()) owned_ = left_of(owned_, k);
+      }
+  known_ = end;
+  return std::popcount(owned_) / 64.0;
 }
 
 const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Vec2& p, double reach, double clearance,

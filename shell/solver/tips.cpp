@@ -172,7 +172,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
       tip.pending -= r.advance;
       const Vec2 d = turned(tip.direction, tip.turn / tip.weight);
       int edges = 0;
-      if (tip.ratio / tip.weight > r.branch_ratio && tip.since_branch > r.branch_spacing &&
+      if (tip.ratio / tip.weight > r.branch_ratio && tip.since_branch > std::max(r.branch_spacing, 2.0 * tip.flaw) &&
           room_to_branch(s, r, s.tips[i], m.spacing)) {
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;

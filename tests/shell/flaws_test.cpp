@@ -46,10 +46,10 @@ struct OverstressedBand {
       s.x[m.tables.plane + m.tables.slot(k)] -= m.material.poisson_ratio * strain * (p.y() - 0.1);
     }
   }
-  bool opens() {
+  bool opens(double ground = 1.0) {
     compute_forces(m, s, false, 1.0, 1);
     return opens_along(m, s, make_crack_rules(m, 0.0), {0.1, 0.1}, {0.0, 1.0}, 1,
-                       critical_length(m.material, 10e6, 1.0, 0.0), 10e6);
+                       {critical_length(m.material, 10e6, 1.0, 0.0), 10e6, ground}, 0.0);
   }
 
   static ShellModel sheet_that_needs(double spacings) {
@@ -167,6 +167,52 @@ TEST(Flaws, OpenNothingWhereTooShortALineIsOverstressed) {
   EXPECT_TRUE(OverstressedBand(0.04, 6.0).opens());
   EXPECT_FALSE(OverstressedBand(0.015, 6.0).opens());  // half of the line that its energy asks for
   EXPECT_TRUE(OverstressedBand(0.015, 0.5).opens());   // all of it
+}
+
+TEST(Flaws, NeedMoreStressWhereOtherCracksHaveTheGround) {
+  OverstressedBand band(0.04, 6.0);  // 1.2 times the strength: 1.44 times the energy
+  EXPECT_TRUE(band.opens(0.75));
+  EXPECT_FALSE(band.opens(0.65));
+}
+
+// Against samples of the circle by the thousand, each asked by itself; edges may come one by one.
+TEST(Flaws, GroundIsWhatIsNearerToThemThanToACrack) {
+  const ShellModel m = sheet();  // 0.2 m
+  const double radius = 0.03;
+  for (const Vec2& p : {Vec2(0.1, 0.1), Vec2(0.012, 0.09), Vec2(0.004, 0.197)}) {
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    OwnGround kept;
+    const std::vector<std::vector<Vec2>> cracks = {{{0.12, 0.05}, {0.11, 0.15}},
+                                                   {{0.02, 0.08}, {0.06, 0.085}},
+                                                   {{0.103, 0.06}, {0.1, 0.094}},
+                                                   {{0.01, 0.186}, {0.04, 0.188}}};
+    double before = 1.0;
+    for (std::size_t c = 0; c <= cracks.size(); ++c) {
+      int own = 0, all = 0;
+      for (double x = -radius; x <= radius; x += radius / 60)
+        for (double y = -radius; y <= radius; y += radius / 60) {
+          const double away = std::hypot(x, y);
+          if (away > radius) continue;
+          const Vec2 q = p + Vec2(x, y);
+          bool mine = q.minCoeff() >= 0.0 && q.maxCoeff() <= 0.2;
+          for (std::size_t e = 0; e < s.cracks.edges().size() && mine; ++e) {
+            const CrackEdge& edge = s.cracks.edges()[e];
+            const Vec2 d = edge.b - edge.a;
+            mine = (q - edge.a - std::clamp((q - edge.a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm() >= away;
+          }
+          own += mine, ++all;
+        }
+      OwnGround fresh;
+      const double share = kept.share(m, s.cracks, p, radius);
+      EXPECT_NEAR(share, static_cast<double>(own) / all, 0.06) << p.transpose() << ", " << c << " cracks";
+      EXPECT_EQ(share, fresh.share(m, s.cracks, p, radius));
+      EXPECT_LE(share, before);
+      before = share;
+      if (c < cracks.size()) insert_polyline(m, s, cracks[c], 0.0);
+    }
+    EXPECT_LT(before, 0.7);
+    EXPECT_GT(kept.share(m, s.cracks, p, 0.1 * radius), before);  // a shorter crack relieves less
+  }
 }
 
 TEST(Flaws, OpenWhereTheStrengthIsAShareOfTheMaterialsAsElsewhere) {
