@@ -15,7 +15,7 @@ constexpr double kEye = 0.1;            // spacings ahead of the middle
 constexpr double kBeforeAnEdge = 0.02;  // of the distance from it: one that is seen to there is seen
 
 constexpr int kWays = 16, kRings = 4;  // of samples of the ground about a point
-constexpr double kSameRadius = 0.1;    // of it
+constexpr double kRung = 0.1;          // between radii that are told apart, of them
 
 // Of the unit circle, each at the middle of an equal area.
 const std::array<Vec2, kWays * kRings>& ground_samples() {
@@ -99,10 +99,12 @@ double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec
   static_assert(kWays * kRings == 64);
   const auto& samples = ground_samples();
   const auto left_of = [](std::uint64_t owned, int k) { return owned & ~(std::uint64_t{1} << k); };
-  if (std::abs(radius - radius_) > kSameRadius * radius) {
-    radius_ = radius, known_ = 0, owned_ = ~std::uint64_t{0};
+  // on a ladder, so that nothing depends on which radius was asked for before
+  const double rung = std::exp(kRung * std::round(std::log(radius) / kRung));
+  if (rung != radius_) {
+    radius_ = rung, known_ = 0, owned_ = ~std::uint64_t{0};
     for (int k = 0; k < 64; ++k)
-      if (!m.patch.contains(p + radius * samples[k])) owned_ = left_of(owned_, k);
+      if (!m.patch.contains(p + radius_ * samples[k])) owned_ = left_of(owned_, k);
   }
   const int end = static_cast<int>(cracks.edges().size());
   if (owned_ != 0 && known_ < end)

@@ -78,7 +78,7 @@ class NearCracks {
 class OwnGround {
  public:
   /// The share of a circle about p that lies in the patch and nearer to p than to any edge, whose crack relieves it. In
-  /// parts of 64. Found anew where the radius [m] has changed by more than a tenth, else as for the one before.
+  /// parts of 64. The radius [m] is rounded to steps of a tenth, and the ground found anew where it is another.
   double share(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, double radius);
 
  private:
