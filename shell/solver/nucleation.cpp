@@ -114,14 +114,14 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
   return 1;
 }
 
-// Of what a crack of this half-length relieves, the share that no other crack does.
+// The share of ground for a crack of this half-length that no other crack relieves.
 double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, double half_length) {
   return s.surroundings.ground_of_point.at(s.point_of.size(), gauss, sizeof(OwnGround))
       .share(m, s.cracks, p, kRelieved * half_length);
 }
 
-// Whether so little ground is left about a point that its own stress, the most nearby, opens no crack there. Asked
-// before what is about it is looked at, which takes much longer.
+// Whether so little ground is left about a point that it is not worth a look at what is about it, which takes much
+// longer. A rule of its own, not a bound of `opens_along`: it goes by the stress at the point, not its mean on a line.
 bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, const Vec2& p, std::size_t gauss) {
   double here[6];
   if (!surface_stress_at(m, s, o.block, o.lane, here)) return true;
@@ -132,7 +132,7 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   const double half_length = critical_length(m.material, strength, 0.5 * (a + b), 0.5 * std::abs(b - a));
   if (!(half_length > m.spacing) || !std::isfinite(half_length)) return false;
   const double energy = o.ratio * o.ratio;
-  return 2.0 * energy * energy * ground_of(m, s, p, gauss, half_length) < 1.0;  // of the shortest line
+  return 2.0 * energy * energy * ground_of(m, s, p, gauss, half_length) < 1.0;  // of about the shortest line
 }
 
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
