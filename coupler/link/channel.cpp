@@ -173,7 +173,7 @@ void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
     refusal = with_keys
                   ? "it closes the connection at our first word: our rigid.pub is not of its rigid.key, or it has "
                     "no --keys"
-                  : "it closes the connection at our first word: it wants keys, so give --keys DIR, or it is no "
+                  : "it closes the connection at our first word: it wants keys: give --keys DIR, or it is no "
                     "rigid process";
 }
 

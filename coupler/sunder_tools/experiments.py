@@ -192,6 +192,7 @@ EXPERIMENTS = {"shells": (
     Experiment("snapped", "pieces of a plate that cracks as its fracture energy asks, on three grids: how many, how large",
                _later("impacts", "snapped")),
     Experiment("tough", "the same of a pane that shatters, on grids that resolve how cracks start", _later("impacts", "tough")),
+    Experiment("heavy", "the same under a larger and slower ball, all pieces: off or in place", _later("impacts", "heavy")),
     Experiment("pieces", "the same of a struck pane, whose strength no grid resolves", _later("impacts", "pieces")),
 ), "coupling": (
     Experiment("scenes", "impulses and births of every shipped scene with bodies, with every engine",

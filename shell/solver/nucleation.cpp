@@ -14,6 +14,7 @@ namespace {
 constexpr double kParallel = 0.85;  // cosine: a crack at a steeper angle does not relieve this one
 constexpr double kBehind = 0.5;     // spacings
 constexpr double kJoin = 1.5;       // spacings: a crack that starts so near another starts on it
+constexpr double kFarthest = 1e6;   // spacings: no shell has so many
 
 struct Overstressed {
   double ratio;
@@ -114,10 +115,14 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
   return 1;
 }
 
+// Who asks for the ground of a point: for the stress there, or for its mean, whose length may be another.
+enum Asker { kPoint, kMean };
+
 // The share of ground for a crack of this half-length that no other crack relieves.
-double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, double half_length) {
-  return s.surroundings.ground_of_point.at(s.point_of.size(), gauss, sizeof(OwnGround))
-      .share(m, s.cracks, p, kRelieved * half_length);
+double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, double half_length,
+                 Asker asker) {
+  auto& grounds = s.surroundings.grounds_of_point.at(s.point_of.size(), gauss, 2 * sizeof(OwnGround));
+  return grounds[asker].share(m, s.cracks, p, kRelieved * std::min(half_length, kFarthest * m.spacing));
 }
 
 // Whether so little ground is left about a point that it is not worth a look at what is about it, which takes much
@@ -131,8 +136,9 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   const double strength = s.strength[gauss] / m.strength_factor_at(o.block, o.lane);
   const double half_length = critical_length(m.material, strength, 0.5 * (a + b), 0.5 * std::abs(b - a));
   if (!(half_length > m.spacing) || !std::isfinite(half_length)) return false;
-  const double energy = o.ratio * o.ratio;
-  return 2.0 * energy * energy * ground_of(m, s, p, gauss, half_length) < 1.0;  // of about the shortest line
+  // were this the mean on a line: 1 / energy of its half, the shortest that opens
+  const double energy = o.ratio * o.ratio, most = std::ceil(std::min(half_length / m.spacing, kFarthest));
+  return energy * energy * ground_of(m, s, p, gauss, half_length, kPoint) * (2.0 + 1.0 / most) < 1.0;
 }
 
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
@@ -171,7 +177,8 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   kind.flaw = half_length;
   // where the grid resolves what a crack needs to run by its energy
   if (half_length > m.spacing &&
-      !opens_along(m, s, r, p, along, face, {half_length, kind.strength, ground_of(m, s, p, gauss, half_length)}, time))
+      !opens_along(m, s, r, p, along, face, {half_length, kind.strength, ground_of(m, s, p, gauss, half_length, kMean)},
+                   time))
     return 0;
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {
@@ -200,7 +207,6 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
 
 bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const Vec2& p, const Vec2& along, int face,
                  const Flaw& flaw, double time) {
-  constexpr double kFarthest = 1e6;  // spacings: no shell has so many
   const int most = static_cast<int>(std::ceil(std::min(flaw.half_length / m.spacing, kFarthest)));
   const double step = flaw.half_length / most;
   double sum = 0.0;

@@ -1,6 +1,7 @@
 #pragma once
 // Which Gauss points around a point no crack hides from it, and which crack edges it sees. Cracks only grow, so what is
 // hidden stays hidden, and only edges that are new since the last look are tested.
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
@@ -118,7 +119,7 @@ struct KnownSurroundings {
   std::vector<Surroundings> of_tip;
   KnownOfPoints<Surroundings> of_point;
   KnownOfPoints<NearCracks> cracks_of_point;
-  KnownOfPoints<OwnGround> ground_of_point;
+  KnownOfPoints<std::array<OwnGround, 2>> grounds_of_point;
   KnownOfPoints<KnownMean> mean_of_point;
 };
 

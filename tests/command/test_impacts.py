@@ -3,11 +3,14 @@ from __future__ import annotations
 
 import contextlib
 import io
+import tempfile
 import unittest
+from pathlib import Path
 
 import numpy as np
 
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from .synthetic import write_vtp
 from sunder_tools import crack_books, crack_paths, experiments, impacts, trials
 from sunder_tools.crack_check import Graph
 
@@ -78,9 +81,27 @@ class Books(unittest.TestCase):
         self.assertTrue(np.isnan(trials.injected({"energy": {"crack_injected": 0.0, "dissipated_fracture": 0.0}})))
 
 
+class Pieces(unittest.TestCase):
+    def test_in_place_are_measured_at_rest_and_without_the_largest(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            entries = ""
+            for k, fragments in enumerate(([0, 0, 0, 0], [4, 4, 7, 9])):
+                points = np.array([[0, 0, 0], [2, 0, 0], [2, 1, 0], [0, 1, 0], [2, 3, 0]], float)
+                moved = np.array([[0, 0, 5.0 * j] for j in range(5)])
+                write_vtp(folder / f"shell_{k}.vtp", points + moved,
+                          np.array([[0, 1, 2], [0, 2, 3], [3, 2, 4], [0, 1, 2]]),
+                          point_data={"displacement": moved}, cell_data={"fragment": np.array(fragments, float)})
+                entries += f'<DataSet timestep="{k}" part="0" file="shell_{k}.vtp"/>'
+            (folder / "frames.pvd").write_text(f"<VTKFile><Collection>{entries}</Collection></VTKFile>")
+            found = impacts._in_place(folder)
+        self.assertEqual(len(found), 2)
+        np.testing.assert_allclose(found, [1.0, 2.0], rtol=1e-6)  # of 1, 2 and 2 m^2
+
+
 class Registry(unittest.TestCase):
     def test_every_experiment_that_comes_later_exists(self) -> None:
-        for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "pieces")),
+        for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "heavy", "pieces")),
                               (crack_books, ("books", "many")),
                               (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share"))):
             for name in names:

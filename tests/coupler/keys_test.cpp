@@ -249,7 +249,7 @@ TEST(EncryptedSession, IsNotForOthers) {
       {"a wrong server key", keys, misled, "our rigid.pub is not of its rigid.key", "expects another rigid.pub"},
       {"keys of another pair of machines", keys, others, "our rigid.pub is not of its rigid.key",
        "expects another rigid.pub"},
-      {"a client without keys", keys, "", "give --keys", "came to nothing"},
+      {"a client without keys", keys, "", "it wants keys: give --keys", "came to nothing"},
       {"a server without keys", "", keys, "--keys", "came to nothing"},
   };
   for (const auto& c : cases) {
