@@ -115,14 +115,27 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
   return 1;
 }
 
+// Of the crack along a direction that a field of this shape would open at the strength.
+struct Critical {
+  double half_length;  // [m]; infinite: none
+  double ground;       // radius [m]
+};
+
+Critical critical_across(const ShellModel& m, double strength, const double* six, const Vec2& along) {
+  const double low = across(six, along), high = across(six + 3, along);
+  const double stretching = 0.5 * (low + high), bending = 0.5 * std::abs(high - low);
+  const double half_length = critical_length(m.material, strength, stretching, bending);
+  return {half_length, ground_radius(m.material, half_length, stretching, bending)};
+}
+
 // Who asks for the ground of a point: for the stress there, or for its mean, whose length may be another.
 enum Asker { kPoint, kMean };
 
-// The share of ground for a crack of this half-length that no other crack relieves.
-double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, double half_length,
+// The share of the ground that a crack needs for its energy that no other crack relieves.
+double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, const Critical& crack,
                  Asker asker) {
   auto& grounds = s.surroundings.grounds_of_point.at(s.point_of.size(), gauss, 2 * sizeof(OwnGround));
-  return grounds[asker].share(m, s.cracks, p, kRelieved * std::min(half_length, kFarthest * m.spacing));
+  return grounds[asker].share(m, s.cracks, p, std::min(crack.ground, kFarthest * m.spacing));
 }
 
 // Whether so little ground is left about a point that it is not worth a look at what is about it, which takes much
@@ -132,13 +145,12 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   if (!surface_stress_at(m, s, o.block, o.lane, here)) return true;
   const Principal low = principal(here[0], here[1], here[2]), high = principal(here[3], here[4], here[5]);
   const Vec2& along = high.high > low.high ? high.crack : low.crack;
-  const double a = across(here, along), b = across(here + 3, along);
   const double strength = s.strength[gauss] / m.strength_factor_at(o.block, o.lane);
-  const double half_length = critical_length(m.material, strength, 0.5 * (a + b), 0.5 * std::abs(b - a));
-  if (!(half_length > m.spacing) || !std::isfinite(half_length)) return false;
+  const Critical crack = critical_across(m, strength, here, along);
+  if (!(crack.half_length > m.spacing) || !std::isfinite(crack.half_length)) return false;
   // were this the mean on a line: 1 / energy of its half, the shortest that opens
-  const double energy = o.ratio * o.ratio, most = std::ceil(std::min(half_length / m.spacing, kFarthest));
-  return energy * energy * ground_of(m, s, p, gauss, half_length, kPoint) * (2.0 + 1.0 / most) < 1.0;
+  const double energy = o.ratio * o.ratio, most = std::ceil(std::min(crack.half_length / m.spacing, kFarthest));
+  return energy * energy * ground_of(m, s, p, gauss, crack, kPoint) * (2.0 + 1.0 / most) < 1.0;
 }
 
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
@@ -170,14 +182,12 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   // what drives is measured against the material's resistance
   kind.strength = s.strength[gauss] / m.strength_factor_at(o.block, o.lane);
   kind.face = face;
-  const double low_across = across(six, along), high_across = across(six + 3, along);
-  const double half_length = critical_length(m.material, kind.strength, 0.5 * (low_across + high_across),
-                                             0.5 * std::abs(high_across - low_across));
-  if (!std::isfinite(half_length)) return 0;  // nothing opens a crack along it
-  kind.flaw = half_length;
+  const Critical crack = critical_across(m, kind.strength, six, along);
+  if (!std::isfinite(crack.half_length)) return 0;  // nothing opens a crack along it
+  kind.flaw = crack.half_length;
   // where the grid resolves what a crack needs to run by its energy
-  if (half_length > m.spacing &&
-      !opens_along(m, s, r, p, along, face, {half_length, kind.strength, ground_of(m, s, p, gauss, half_length, kMean)},
+  if (crack.half_length > m.spacing &&
+      !opens_along(m, s, r, p, along, face, {crack.half_length, kind.strength, ground_of(m, s, p, gauss, crack, kMean)},
                    time))
     return 0;
   double strongest = 0.0;

@@ -1,7 +1,5 @@
 #pragma once
 // Cracks that start: by the strength of the faces, and only where they would run on.
-#include <numbers>
-
 #include "shell/solver/crack_rules.h"
 
 namespace sunder::shell {
@@ -14,12 +12,8 @@ int nucleate(const ShellModel& model, ShellState& state, const CrackRules& rules
 struct Flaw {
   double half_length = 0.0;  // of a line in an even field of `strength` that has the energy for a crack [m]
   double strength = 0.0;     // [Pa]
-  double ground = 1.0;       // share that is its own (OwnGround) of a circle of kRelieved times the half-length
+  double ground = 1.0;       // share that is its own (OwnGround) of the circle of ground_radius
 };
-/// A crack of half-length a in a sheet stretched by s releases pi a^2 s^2 / E, which is stored in so large a circle.
-/// What a bent one releases is stored in a circle of sqrt(2 (1 + nu) / (3 + nu)), 0.87 times the half-length: for those
-/// this is 2.6 times the area, a choice that `validate cracks --case tough` was measured with.
-constexpr double kRelieved = std::numbers::sqrt2;
 
 /// Whether the field at `time` [s] opens, on a line of the flaw's half-length about p, a crack along it on a face: the
 /// mean of the stress across it over the share of the material's strength there must reach the strength, not the most

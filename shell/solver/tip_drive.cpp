@@ -54,6 +54,20 @@ double mean_ahead(F&& opening) {
   return kRadial * sum / weight;
 }
 
+// Energies of a field that stretches and bends, over those of one that only stretches as much as the opened face.
+struct Opening {
+  double released = 0.0;  // by a crack; 0: nothing opens it
+  double stored = 0.0;
+};
+
+Opening opening_of(const ShellMaterial& material, double stretching, double bending) {
+  const double sum = std::max(0.0, stretching) + bending, nu = material.poisson_ratio;
+  if (!(sum > 0.0)) return {};
+  const double bent = bending / sum, stretched = 1.0 - bent;
+  return {stretched * stretched + bent * bent * (1.0 + nu) / (3.0 * (3.0 + nu)),
+          stretched * stretched + bent * bent / 3.0};
+}
+
 }  // namespace
 
 bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int lane, double* six) {
@@ -140,12 +154,15 @@ double bending_mean(double nu) {
 }
 
 double critical_length(const ShellMaterial& material, double strength, double stretching, double bending) {
-  const double nu = material.poisson_ratio;
-  const double sum = std::max(0.0, stretching) + bending;
-  if (!(sum > 0.0)) return std::numeric_limits<double>::infinity();
-  const double bent = bending / sum, stretched = 1.0 - bent;
-  const double released = stretched * stretched + bent * bent * (1.0 + nu) / (3.0 * (3.0 + nu));
-  return material.youngs_modulus * material.fracture_energy / (std::numbers::pi * strength * strength * released);
+  const Opening opening = opening_of(material, stretching, bending);
+  if (!(opening.released > 0.0)) return std::numeric_limits<double>::infinity();
+  return material.youngs_modulus * material.fracture_energy /
+         (std::numbers::pi * strength * strength * opening.released);
+}
+
+double ground_radius(const ShellMaterial& material, double half_length, double stretching, double bending) {
+  const Opening opening = opening_of(material, stretching, bending);
+  return opening.stored > 0.0 ? half_length * std::sqrt(4.0 * opening.released / opening.stored) : half_length;
 }
 
 }  // namespace sunder::shell

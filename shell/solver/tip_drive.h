@@ -37,6 +37,10 @@ double bending_mean(double poisson_ratio);
 /// face is stressed to `strength` [Pa], of which `stretching` and `bending` are the parts, in any unit: E G_f / (pi
 /// strength^2) stretched, 3 (3 + nu) / (1 + nu) times as much bent (Williams 1961). Infinite where neither opens it.
 double critical_length(const ShellMaterial& material, double strength, double stretching, double bending);
+/// Radius [m] of the circle in which such a field stores what a crack of the critical half-length a costs: 2 a G_f,
+/// which is 2 pi a^2 strength^2 / E of strength^2 / (2 E), stretched: 2 a; bent sqrt(4 (1 + nu) / (3 + nu)) a, 1.23 a.
+/// (Until it is critical a crack releases half of that.) As much as the half-length where nothing opens it.
+double ground_radius(const ShellMaterial& material, double half_length, double stretching, double bending);
 
 /// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.
 bool surface_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* six);
