@@ -273,6 +273,9 @@ RunSetup build(const scene::LoadedScene& scene) {
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
   }
   if (m.has_seams()) r.stitches = make_stitches(scene, r);
+  for (const Seam& seam : r.stitches.seams)
+    if (seam.join == Join::kClamped)
+      r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
     RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);

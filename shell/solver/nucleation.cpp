@@ -89,11 +89,11 @@ std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
 bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int block, int lane, double time,
                    double* six) {
   const std::size_t gauss = m.tables.at(block, 1, 0, lane);
-  KnownMean& mean = s.surroundings.mean_of_point.at(s.point_of.size(), gauss, sizeof(KnownMean));
+  KnownMean& mean =
+      s.surroundings.mean_of_point.at(s.point_of.size(), gauss, sizeof(KnownMean) + most_bytes_seen(m, r.tip_radius));
   if (mean.time != time || mean.edges != s.cracks.edges().size()) {  // many lines run over the same points
-    Surroundings& around = s.surroundings.of_point.at(s.point_of.size(), gauss, most_bytes_seen(m, r.tip_radius));
     mean.found =
-        mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, around, mean.six);
+        mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, mean.around, mean.six);
     mean.time = time, mean.edges = s.cracks.edges().size();
   }
   std::copy_n(mean.six, 6, six);
@@ -128,14 +128,10 @@ Critical critical_across(const ShellModel& m, double strength, const double* six
   return {half_length, ground_radius(m.material, half_length, stretching, bending)};
 }
 
-// Who asks for the ground of a point: for the stress there, or for its mean, whose length may be another.
-enum Asker { kPoint, kMean };
-
 // The share of the ground that a crack needs for its energy that no other crack relieves.
-double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, const Critical& crack,
-                 Asker asker) {
-  auto& grounds = s.surroundings.grounds_of_point.at(s.point_of.size(), gauss, 2 * sizeof(OwnGround));
-  return grounds[asker].share(m, s.cracks, p, std::min(crack.ground, kFarthest * m.spacing));
+double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, const Critical& crack) {
+  return s.surroundings.ground_of_point.at(s.point_of.size(), gauss, sizeof(OwnGround))
+      .share(m, s.cracks, p, std::min(crack.ground, kFarthest * m.spacing));
 }
 
 // Whether so little ground is left about a point that it is not worth a look at what is about it, which takes much
@@ -150,17 +146,19 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   if (!(crack.half_length > m.spacing) || !std::isfinite(crack.half_length)) return false;
   // were this the mean on a line: 1 / energy of its half, the shortest that opens
   const double energy = o.ratio * o.ratio, most = std::ceil(std::min(crack.half_length / m.spacing, kFarthest));
-  return energy * energy * ground_of(m, s, p, gauss, crack, kPoint) * (2.0 + 1.0 / most) < 1.0;
+  return energy * energy * ground_of(m, s, p, gauss, crack) * (2.0 + 1.0 / most) < 1.0;
 }
 
+// `refused`: the field does not open a crack of this flaw, which is longer than a spacing.
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
-                const Overstressed& o, double time, std::uint64_t& random) {
+                const Overstressed& o, double time, std::uint64_t& random, bool& refused) {
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
   const std::size_t gauss = m.tables.at(o.block, 1, 0, o.lane), points = s.point_of.size();
   NearCracks& beside = s.surroundings.cracks_of_point.at(points, gauss, kBytesOfCracks);
   const double reach = std::max(kJoin * m.spacing, r.parallel_clearance);
   const std::vector<SeenEdge>& cracks = beside.seen(s.cracks, p, reach, r.parallel_clearance, kParallel);
-  if (beside.shield_all() || near_a_tip(m, s, r, running, p) || lacks_ground(m, s, o, p, gauss)) return 0;
+  if (beside.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
+  if (lacks_ground(m, s, o, p, gauss)) return refused = true, 0;
   double six[6];
   if (!stress_around(m, s, r, o.block, o.lane, time, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
@@ -187,8 +185,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   kind.flaw = crack.half_length;
   // where the grid resolves what a crack needs to run by its energy
   if (crack.half_length > m.spacing &&
-      !opens_along(m, s, r, p, along, face, {crack.half_length, kind.strength, ground_of(m, s, p, gauss, crack, kMean)},
-                   time))
+      !opens_along(m, s, r, p, along, face, {crack.half_length, kind.strength, ground_of(m, s, p, gauss, crack)}, time))
     return 0;
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {
@@ -241,11 +238,19 @@ bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const 
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
   int inserted = 0, nucleated = 0, known = 0;
   std::vector<int> running;
+  const int each = m.tables.gauss * m.tables.gauss;
+  thread_local std::vector<char> refused;  // [v][u]: a flaw of the element, whose most overstressed comes first
+  refused.assign(static_cast<std::size_t>(m.tables.blocks() / each) * m.tables.spans_u, 0);
   for (const Overstressed& o : overstressed_points(m, s)) {
     if (nucleated >= r.nucleations_per_step) break;
+    // one that is longer than the element speaks for its others
+    char& spoken = refused[static_cast<std::size_t>(o.block / each) * m.tables.spans_u + o.lane];
+    if (spoken != 0) continue;
     for (; known < static_cast<int>(s.tips.size()); ++known)
       if (s.tips[known].alive) running.push_back(known);
-    const int edges = nucleate_at(m, s, r, running, o, time, random);
+    bool now = false;
+    const int edges = nucleate_at(m, s, r, running, o, time, random, now);
+    spoken = now ? 1 : 0;
     inserted += edges;
     nucleated += edges > 0;
   }

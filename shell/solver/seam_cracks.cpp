@@ -67,9 +67,9 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
       if (tip.alive || tip.crossed || tip.edge < 0) continue;
       tip.crossed = true;
       const CrackEdge& last = shells[k].state->cracks.edges()[tip.edge];
-      const Vec2 end = tip.p;  // tips are added below
+      const Tip from = tip;  // tips are added below
       Exit exit;
-      if (!exit_of(m, tip.vertex == last.to ? last.a : last.b, end, exit)) continue;
+      if (!exit_of(m, from.vertex == last.to ? last.a : last.b, from.p, exit)) continue;
       each_seam(seams, k, exit, [&](const Seam& seam, int other, double) {
         if (!can_crack[other]) return;
         const ShellModel& n = *shells[other].model;
@@ -79,17 +79,21 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
         Vec3 along, inward, along_there, inward_there;
         frame(exit.edge, here, along, inward), frame(edge, there, along_there, inward_there);
         const Vec3 d = (exit.direction.x() * here.u + exit.direction.y() * here.v).normalized();
-        const Vec3 on = d.dot(along) * along - d.dot(inward) * inward_there;  // the same angle to the seam
+        const Vec3 way_on = d.dot(along) * along - d.dot(inward) * inward_there;  // the same angle to the seam
         Eigen::Matrix<double, 3, 2> tangents;
         tangents << there.u, there.v;
-        const Vec2 way = (tangents.transpose() * tangents).ldlt().solve(tangents.transpose() * on).normalized();
+        const Vec2 way = (tangents.transpose() * tangents).ldlt().solve(tangents.transpose() * way_on).normalized();
         ShellState& s = *shells[other].state;
         const int before = static_cast<int>(s.cracks.edges().size());
         insert_polyline(n, s, {at, at + n.spacing * way}, time);
         const std::size_t first = s.tips.size();
         start_at_ends(n, s, before, static_cast<int>(s.cracks.edges().size()));
-        // it has run on at once, and waits as long as that would have taken it
-        for (std::size_t t = first; t < s.tips.size(); ++t) s.tips[t].pending = -n.spacing - (end - exit.at).norm();
+        for (std::size_t t = first; t < s.tips.size(); ++t) {
+          Tip& on = s.tips[t];
+          // it has run on at once, and waits as long as that would have taken it
+          on.pending = -n.spacing - (from.p - exit.at).norm();
+          on.strength = from.strength, on.flaw = from.flaw, on.grown = from.grown, on.since_branch = from.since_branch;
+        }
         ++count;
       });
     }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <numbers>
 
+#include "shell/geometry/edges.h"
 #include "shell/mechanics/principal.h"
 
 namespace sunder::shell {
@@ -14,19 +14,58 @@ namespace {
 constexpr double kEye = 0.1;            // spacings ahead of the middle
 constexpr double kBeforeAnEdge = 0.02;  // of the distance from it: one that is seen to there is seen
 
-constexpr int kWays = 16, kRings = 4;  // of samples of the ground about a point
-constexpr double kRung = 0.1;          // between radii that are told apart, of them
+constexpr double kFar = 1e30;          // [m]: no end
+constexpr double kSpare = 1.25;        // of a radius that is asked for: a little more costs no other look at all edges
+constexpr double kWhole = 1.0 - 1e-6;  // of a radius: whether edges far off were looked at must not tell
 
-// Of the unit circle, each at the middle of an equal area.
-const std::array<Vec2, kWays * kRings>& ground_samples() {
-  static const auto samples = [] {
-    std::array<Vec2, kWays * kRings> s;
-    for (int k = 0; k < kWays * kRings; ++k)
-      s[k] = std::sqrt((k / kWays + 0.5) / kRings) *
-             turned(Vec2(1, 0), 2.0 * std::numbers::pi / kWays * (k % kWays + 0.5));
-    return s;
+// From a flaw along ground_ways() to where its ground ends [m].
+using Rays = std::array<float, OwnGround::kWays>;
+
+const std::array<Vec2, OwnGround::kWays>& ground_ways() {
+  static const auto ways = [] {
+    std::array<Vec2, OwnGround::kWays> w;
+    for (int k = 0; k < OwnGround::kWays; ++k)
+      w[k] = turned(Vec2(1, 0), 2.0 * std::numbers::pi / OwnGround::kWays * (k + 0.5));
+    return w;
   }();
-  return samples;
+  return ways;
+}
+
+// Of a segment from a to b, seen from the origin.
+struct Line {
+  Line(const Vec2& a, const Vec2& b) : along((b - a).normalized()), across(-along.y(), along.x()) {
+    if (across.dot(a) < 0.0) across = -across;
+    away = across.dot(a), first = along.dot(a), last = along.dot(b);
+  }
+  Vec2 along, across;        // unit vectors; across: away from the origin
+  double away, first, last;  // [m]
+};
+
+// Ends rays where they meet a cut.
+void end_at_cut(const Vec2& a, const Vec2& b, Rays& rays) {
+  const Line line(a, b);
+  for (int k = 0; k < OwnGround::kWays; ++k) {
+    const double towards = line.across.dot(ground_ways()[k]), end = line.away / towards;
+    const double foot = end * line.along.dot(ground_ways()[k]);
+    if (towards > 0.0 && foot >= line.first && foot <= line.last) rays[k] = std::min(rays[k], static_cast<float>(end));
+  }
+}
+
+// Ends rays where they become nearer to a crack than to the origin. What is nearer to the origin is convex, so they
+// leave it once: where they are as near to the line, if its foot is on the segment, or to the end beyond which it is.
+void end_at_crack(const Vec2& a, const Vec2& b, Rays& rays) {
+  const Line line(a, b);
+  for (int k = 0; k < OwnGround::kWays; ++k) {
+    const Vec2& way = ground_ways()[k];
+    double end = line.away / std::max(1.0 + line.across.dot(way), 1e-12);
+    const double foot = end * line.along.dot(way);
+    if (!(foot >= line.first && foot <= line.last)) {
+      const Vec2& tip = foot < line.first ? a : b;
+      const double ahead = tip.dot(way);
+      end = ahead > 0.0 ? 0.5 * tip.squaredNorm() / ahead : kFar;
+    }
+    rays[k] = std::min(rays[k], static_cast<float>(end));
+  }
 }
 
 // Calls f(block, lane, offset from p) for each Gauss point within the radius.
@@ -63,7 +102,7 @@ const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, do
 
 std::size_t most_bytes_seen(const ShellModel& m, double radius) {
   const double side = (2.0 * radius / m.spacing + 1.0) * m.tables.gauss;  // of a square, in Gauss points
-  return static_cast<std::size_t>(side * side) * sizeof(SeenPoint);
+  return static_cast<std::size_t>(side * side) * sizeof(Neighbours::Seen);
 }
 
 const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const CrackGraph& cracks, const Look& look) {
@@ -95,28 +134,62 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
   return points_;
 }
 
+const std::vector<Neighbours::Seen>& Neighbours::seen(const ShellModel& m, const CrackGraph& cracks, const Vec2& p,
+                                                      double radius) {
+  const int end = static_cast<int>(cracks.edges().size());
+  if (radius == radius_ && known_ == end) return points_;
+  if (radius == radius_) {
+    const std::vector<int>& between = edges_around(cracks, p, radius, -1, known_);
+    const auto hidden = [&](const Seen& q) {
+      const Vec2 to = p + (gauss_point(m.patch, m.tables, q.block, q.lane).parameter - p);
+      return std::any_of(between.begin(), between.end(), [&](int e) {
+        return segments_meet(p, to, cracks.edges()[e].long_a, cracks.edges()[e].long_b);
+      });
+    };
+    if (!between.empty()) std::erase_if(points_, hidden);
+  } else {
+    Surroundings all;
+    points_.clear();
+    for (const SeenPoint& q : all.seen(m, cracks, {p, radius})) points_.push_back({q.block, q.lane, q.weight});
+    points_.shrink_to_fit();
+  }
+  radius_ = radius, known_ = end;
+  return points_;
+}
+
 double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, double radius) {
-  static_assert(kWays * kRings == 64);
-  const auto& samples = ground_samples();
-  const auto left_of = [](std::uint64_t owned, int k) { return owned & ~(std::uint64_t{1} << k); };
-  // on a ladder, so that nothing depends on which radius was asked for before
-  const double rung = std::exp(kRung * std::round(std::log(radius) / kRung));
-  if (rung != radius_) {
-    radius_ = rung, known_ = 0, owned_ = ~std::uint64_t{0};
-    for (int k = 0; k < 64; ++k)
-      if (!m.patch.contains(p + radius_ * samples[k])) owned_ = left_of(owned_, k);
+  if (radius > reach_) {
+    reach_ = kSpare * radius, known_ = 0;
+    const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+    const auto border = [&](int edge, double at) {
+      return (m.joined & edge) ? (edge == kUMin || edge == kVMin ? -kFar : kFar) : at;
+    };
+    const Vec2 low(border(kUMin, ku.begin() - p.x()), border(kVMin, kv.begin() - p.y()));
+    const Vec2 high(border(kUMax, ku.end() - p.x()), border(kVMax, kv.end() - p.y()));
+    for (int k = 0; k < kWays; ++k) {
+      const Vec2& way = ground_ways()[k];
+      const Vec2 end = (way.array() > 0.0).select(high, low).array() / way.array();
+      rays_[k] = static_cast<float>(std::max(0.0, end.minCoeff()));
+    }
   }
   const int end = static_cast<int>(cracks.edges().size());
-  if (owned_ != 0 && known_ < end)
-    for (const int e : edges_around(cracks, p, 2.0 * radius_, -1, known_))
-      for (std::uint64_t left = owned_; left != 0; left &= left - 1) {
-        const int k = std::countr_zero(left);
-        const Vec2 offset = radius_ * samples[k];
-        Vec2 foot;
-        if (cracks.distance(p + offset, e, foot) < offset.norm()) owned_ = left_of(owned_, k);
-      }
+  if (known_ < end) {  // an edge may come twice
+    const Vec2 far = Vec2::Constant(2.0 * reach_);
+    cracks.near_since(p - far, p + far, known_, [&](int e) {
+      const CrackEdge& c = cracks.edges()[e];
+      if (c.face == 0)
+        end_at_cut(c.long_a - p, c.long_b - p, rays_);
+      else
+        end_at_crack(c.a - p, c.b - p, rays_);
+    });
+  }
   known_ = end;
-  return std::popcount(owned_) / 64.0;
+  double own = 0.0;
+  for (const float ray : rays_) {
+    const double part = ray / radius;
+    own += part < kWhole ? part * part : 1.0;
+  }
+  return own / kWays;
 }
 
 const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Vec2& p, double reach, double clearance,

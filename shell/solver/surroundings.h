@@ -3,7 +3,6 @@
 // hidden stays hidden, and only edges that are new since the last look are tested.
 #include <array>
 #include <cmath>
-#include <cstdint>
 #include <numbers>
 #include <vector>
 
@@ -52,6 +51,22 @@ class Surroundings {
   std::vector<SeenPoint> points_;
 };
 
+/// The same all about a point, for many of these: less is kept of each.
+class Neighbours {
+ public:
+  struct Seen {
+    int block, lane;
+    double weight;  // exp(-2 r^2 / radius^2)
+  };
+  /// p is the same in each call.
+  const std::vector<Seen>& seen(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, double radius);
+
+ private:
+  double radius_ = -1.0;
+  int known_ = 0;  // edges
+  std::vector<Seen> points_;
+};
+
 /// A crack edge that a point sees.
 struct SeenEdge {
   double distance;  // [m]
@@ -78,14 +93,17 @@ class NearCracks {
 /// The ground that a crack would have to itself, kept in the same way.
 class OwnGround {
  public:
-  /// The share of a circle about p that lies in the patch and nearer to p than to any edge, whose crack relieves it. In
-  /// parts of 64. The radius [m] is rounded to steps of a tenth, and the ground found anew where it is another.
+  static constexpr int kWays = 16;
+
+  /// The share of a circle about p, of `radius` [m], by sectors: what lies nearer to p than to any crack, which
+  /// relieves the rest, and before cuts and the patch's border. Beyond an edge that is joined to another patch lies
+  /// ground of its own whatever cracks there. What was asked before changes nothing.
   double share(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, double radius);
 
  private:
-  double radius_ = -1.0;
-  int known_ = 0;            // edges
-  std::uint64_t owned_ = 0;  // samples of equal area, 16 directions in each of four rings
+  double reach_ = -1.0;            // radius for which edges are known [m]
+  int known_ = 0;                  // edges
+  std::array<float, kWays> rays_;  // from p to where its ground ends [m]
 };
 
 /// What is known of Gauss points that are asked again and again.
@@ -112,20 +130,20 @@ struct KnownMean {
   std::size_t edges = 0;
   bool found = false;
   double six[6];
+  Neighbours around;
 };
 
 /// Not part of checkpoints: they can be found again.
 struct KnownSurroundings {
   std::vector<Surroundings> of_tip;
-  KnownOfPoints<Surroundings> of_point;
   KnownOfPoints<NearCracks> cracks_of_point;
-  KnownOfPoints<std::array<OwnGround, 2>> grounds_of_point;
+  KnownOfPoints<OwnGround> ground_of_point;
   KnownOfPoints<KnownMean> mean_of_point;
 };
 
 constexpr std::size_t kBytesOfCracks = 24 * sizeof(SeenEdge);  // most points see fewer edges nearby
 
-/// Of Gauss points within the radius [m].
+/// Of neighbours within the radius [m].
 std::size_t most_bytes_seen(const ShellModel& model, double radius);
 
 }  // namespace sunder::shell

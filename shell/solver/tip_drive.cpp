@@ -76,11 +76,11 @@ bool surface_stress_at(const ShellModel& m, const ShellState& s, int block, int 
   return true;
 }
 
-bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double radius, Surroundings& known,
+bool mean_stress(const ShellModel& m, const ShellState& s, const Vec2& p, double radius, Neighbours& known,
                  double* six) {
   std::fill(six, six + 6, 0.0);
   double sum = 0.0;
-  for (const SeenPoint& q : known.seen(m, s.cracks, {p, radius})) {
+  for (const Neighbours::Seen& q : known.seen(m, s.cracks, p, radius)) {
     double here[6];
     if (!surface_stress_at(m, s, q.block, q.lane, here)) continue;
     sum += q.weight;

@@ -46,7 +46,7 @@ double ground_radius(const ShellMaterial& material, double half_length, double s
 bool surface_stress_at(const ShellModel& model, const ShellState& state, int block, int lane, double* six);
 
 /// The same, mean over the points within `radius` [m] that `p` sees, weight exp(-2 r^2 / radius^2).
-bool mean_stress(const ShellModel& model, const ShellState& state, const Vec2& p, double radius, Surroundings& known,
+bool mean_stress(const ShellModel& model, const ShellState& state, const Vec2& p, double radius, Neighbours& known,
                  double* six);
 
 /// Normal stress on a crack along q, of 11 22 12.

@@ -184,3 +184,31 @@ TEST(Surroundings, AreTheSameWhetherKeptOrFoundAnew) {
   look.p += Vec2(0.013, 0.004);
   expect_same(known.seen(m, w.graph, look), Surroundings().seen(m, w.graph, look));
 }
+
+TEST(Neighbours, AreWhatSurroundsAPointWhetherKeptOrFoundAnew) {
+  const ShellModel m = sheet();
+  Wanderers w{m, {Vec2::Zero(), Vec2(kSide, kSide), 0.02, 1e-4}, std::mt19937_64(5)};
+  std::vector<std::pair<Vec2, Neighbours>> kept;
+  for (int k = 0; k < 40; ++k) kept.push_back({{w.uniform(0.0, kSide), w.uniform(0.0, kSide)}, {}});
+  w.start();
+  std::size_t most = 0, least = 1000000;
+  for (int step = 0; step < 400; ++step) {
+    w.step();
+    if (step % 7 != 0) continue;
+    for (auto& [p, known] : kept) {
+      // now a larger circle, now the first again
+      const double radius = (step % 91 == 0 ? 3.5 : 2.5) * m.spacing;
+      const auto& near = known.seen(m, w.graph, p, radius);
+      Surroundings anew;
+      const auto& around = anew.seen(m, w.graph, {p, radius});
+      ASSERT_EQ(near.size(), around.size());
+      most = std::max(most, near.size()), least = std::min(least, near.size());
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        EXPECT_EQ(near[i].block, around[i].block);
+        EXPECT_EQ(near[i].lane, around[i].lane);
+        EXPECT_EQ(near[i].weight, around[i].weight);
+      }
+    }
+  }
+  EXPECT_LT(3 * least, most);  // cracks did hide some
+}
