@@ -67,3 +67,17 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
   expect_refusal(scene("seams {}", "supports { edges: U_MIN kind: CLAMPED }"), "seams",
                  {"a support of shell 'wing' holds its seam with shell 'pane'", "give both of them"});
 }
+
+// A flaw's ground goes on there.
+TEST(SceneSeams, TellShellsWhichOfTheirEdgesGoOnInAnother) {
+  const auto joined = [](const std::string& seams) {
+    const std::string path = own_file("seam_scene.textproto");
+    std::ofstream(path) << scene(seams);
+    const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
+    std::remove(path.c_str());
+    return std::pair(setup.shells[0].model.joined, setup.shells[1].model.joined);
+  };
+  EXPECT_EQ(joined("seams {}"), (std::pair<int, int>(sunder::shell::kUMax, sunder::shell::kUMin)));
+  EXPECT_EQ(joined("seams { rules { first: \"pane\" second: \"wing\" kind: HINGE } }"), std::pair(0, 0));
+  EXPECT_EQ(joined(""), std::pair(0, 0));
+}
