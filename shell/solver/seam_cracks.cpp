@@ -92,7 +92,11 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
           Tip& on = s.tips[t];
           // it has run on at once, and waits as long as that would have taken it
           on.pending = -n.spacing - (from.p - exit.at).norm();
-          on.strength = from.strength, on.flaw = from.flaw, on.grown = from.grown, on.since_branch = from.since_branch;
+          // shorter than a whole crack: no less so; else it may turn as sharply as one that starts, which rights the
+          // edge that it has run blindly
+          if (from.grown < 2.0 * from.flaw)
+            on.strength = from.strength, on.flaw = from.flaw, on.grown = from.grown,
+            on.since_branch = from.since_branch;
         }
         ++count;
       });

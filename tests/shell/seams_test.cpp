@@ -436,24 +436,27 @@ TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
 
 // A young crack that resists by its flaw's strength is as young beyond the seam.
 TEST(SeamCracks, GoOnAsWhatTheyWere) {
-  Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12))});
-  insert_polyline(s.models[0], s.states[0], {{0.6, 0.5}, {1.0, 0.52}}, 0.0);
-  const CrackGraph& cracks = s.states[0].cracks;
-  Tip tip;
-  tip.direction = Vec2(1.0, 0.05).normalized();
-  for (const CrackEdge& e : cracks.edges())  // the one that leaves the patch
-    if (tip.edge < 0 && e.b.x() > 1.0)
-      tip.edge = static_cast<int>(&e - cracks.edges().data()), tip.vertex = e.to, tip.p = e.b;
-  tip.alive = false;
-  tip.strength = 7e6, tip.flaw = 0.9, tip.grown = 0.4, tip.since_branch = 0.3;
-  s.states[0].tips.push_back(tip);
-  EXPECT_EQ(carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0), 1);
-  ASSERT_EQ(s.states[1].tips.size(), 1u);
-  const Tip& on = s.states[1].tips[0];
-  EXPECT_TRUE(on.alive);
-  EXPECT_EQ(on.strength, 7e6);
-  EXPECT_EQ(on.flaw, 0.9);
-  EXPECT_EQ(on.grown, 0.4);
-  EXPECT_EQ(on.since_branch, 0.3);
-  EXPECT_LT(on.pending, 0.0);
+  for (const double grown : {0.4, 2.0}) {
+    Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12))});
+    insert_polyline(s.models[0], s.states[0], {{0.6, 0.5}, {1.0, 0.52}}, 0.0);
+    const CrackGraph& cracks = s.states[0].cracks;
+    Tip tip;
+    tip.direction = Vec2(1.0, 0.05).normalized();
+    for (const CrackEdge& e : cracks.edges())  // the one that leaves the patch
+      if (tip.edge < 0 && e.b.x() > 1.0)
+        tip.edge = static_cast<int>(&e - cracks.edges().data()), tip.vertex = e.to, tip.p = e.b;
+    tip.alive = false;
+    tip.strength = 7e6, tip.flaw = 0.9, tip.grown = grown, tip.since_branch = 0.3;
+    s.states[0].tips.push_back(tip);
+    EXPECT_EQ(carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0), 1);
+    ASSERT_EQ(s.states[1].tips.size(), 1u);
+    const Tip& on = s.states[1].tips[0];
+    EXPECT_TRUE(on.alive);
+    const bool young = grown < 1.8;  // a whole crack
+    EXPECT_EQ(on.strength, young ? 7e6 : Tip().strength);
+    EXPECT_EQ(on.flaw, young ? 0.9 : 0.0);
+    EXPECT_EQ(on.grown, young ? 0.4 : 0.0);
+    EXPECT_EQ(on.since_branch, young ? 0.3 : 0.0);
+    EXPECT_LT(on.pending, 0.0);
+  }
 }
