@@ -202,7 +202,7 @@ class Shattering:
     grids: tuple[int, int, int]  # elements along the plate
     settings: tuple[str, ...]
     compared: tuple[tuple[str, float], ...]  # share of the mean by which the last two grids may differ
-    in_place: bool = False  # sizes of those that are still in place too, but for the largest, which its border holds
+    in_place: bool = False  # sizes of those that are still in place too, but for the largest; and without what is left at the border
 
 
 # A heavy ball snaps a plate of acrylic into sectors: its cracks take what their area asks.
@@ -225,20 +225,32 @@ HEAVY = Shattering("heavy", "struck_glass.textproto", "pane", "ball", (40, 56, 8
     "bodies[ball].twist.linear.z=-10", "end_time_s=3e-4"), (*STRUCK.compared, ("taken", 0.1)), in_place=True)
 
 
-def _in_place(folder: Path) -> np.ndarray:
-    """Areas at rest of the pieces that the shell process has still at the end, but for the largest [m^2]."""
+def _in_place(folder: Path, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Areas at rest [m^2] of the pieces that the shell process has still at the end, but for the largest: of those that
+    reach further than `spacing` [m] from the border of the plate, and of those that do not. A clamped plate breaks
+    along its border, where it is bent most, and stress is known no nearer to it than at the outermost Gauss points:
+    what is left between is the narrower the finer the grid, and no piece in the end."""
     mesh = list_frames(folder)[-1].read(SHELL)
     if mesh is None:
-        return np.zeros(0)
-    corner = reference_points(mesh)[mesh.triangles]
-    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+        return np.zeros(0), np.zeros(0)
+    points = reference_points(mesh)[:, :2]
+    corner = points[mesh.triangles]
+    a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    low, high = points.min(axis=0), points.max(axis=0)
+    samples = np.concatenate([corner, corner.mean(axis=1, keepdims=True)], axis=1)  # (triangles, 4, 2)
+    inside = np.minimum(samples - low, high - samples).min(axis=2).max(axis=1)
     _, piece = np.unique(mesh.of_triangles("fragment", 0), return_inverse=True)
-    return np.sort(np.bincount(piece, area))[:-1]
+    areas, depth = np.bincount(piece, area), np.zeros(piece.max() + 1)
+    np.maximum.at(depth, piece, inside)
+    others = np.arange(len(areas)) != areas.argmax()
+    return np.sort(areas[others & (depth > spacing)]), np.sort(areas[others & (depth <= spacing)])
 
 
 def _shattered(executables: Executables, what: Shattering, elements: int, seed: int,
-               picture: Path | None) -> tuple[dict, np.ndarray]:
-    """What is compared of one run, and the areas of its pieces [m^2]: of those that came off, or of all."""
+               picture: Path | None) -> tuple[dict, np.ndarray, np.ndarray]:
+    """What is compared of one run, the areas of its pieces [m^2]: of those that came off, or of all; and of these all
+    but what is left at the border."""
     chance = random.Random(seed)
     reach = 0.5 * SIDE / what.grids[0]  # the same places on all grids
     beside = [f"bodies[{what.ball}].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
@@ -246,14 +258,14 @@ def _shattered(executables: Executables, what: Shattering, elements: int, seed: 
             f"shells[{what.shell}].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
         run, probe = read_run(folder), list(csv.reader((folder / "probes.csv").open()))
         areas = np.array([float(row["area [m^2]"]) for row in csv.DictReader((folder / "shards.csv").open())])
-        kept = _in_place(folder) if what.in_place else np.zeros(0)
+        kept, left = _in_place(folder, SIDE / elements) if what.in_place else (np.zeros(0), np.zeros(0))
         if picture is not None:
             shutil.copy(write_contact_sheet(folder), picture)
             print(f"picture          {picture}", flush=True)
     return {"count": float(run["counts"]["fragments"]), "length": run["cracks"]["length_m"],
             "residual_speed": -float(probe[-1][probe[0].index(f"{what.ball}_vz [m/s]")]), "area_off": float(areas.sum()),
             "taken": run["cracks"]["taken_relative"] or 0.0, "residual": run["energy"]["residual_relative"],
-            "seconds": seconds}, np.concatenate([areas, kept])
+            "seconds": seconds}, np.concatenate([areas, kept, left]), np.concatenate([areas, kept])
 
 
 def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None:
@@ -262,13 +274,15 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
     name = what.name
     found: dict[int, list[dict]] = {}
     sizes: dict[int, list[np.ndarray]] = {}
+    inside: dict[int, list[np.ndarray]] = {}
     for elements in what.grids:
         spacing = 1e3 * SIDE / elements  # [mm]
         picture = table.pictures / f"{name}_{elements}.png" if table.pictures is not None else None
         runs = [_shattered(executables, what, elements, seed, picture if seed == 1 else None)
                 for seed in range(1, SEEDS + 1)]
-        found[elements] = [numbers for numbers, _ in runs]
-        sizes[elements] = [areas * 1e6 for _, areas in runs if len(areas)]  # [mm^2]
+        found[elements] = [numbers for numbers, _, _ in runs]
+        sizes[elements] = [areas * 1e6 for _, areas, _ in runs if len(areas)]  # [mm^2]
+        inside[elements] = [areas * 1e6 for _, _, areas in runs if len(areas)]
         every = np.sort(np.concatenate(sizes[elements]))
         table.curves.append({"name": f"{spacing:.2f} mm", "panel": f"{name}: share that is no larger",
                              "x_label": "area [mm^2]", "y_label": "share", "x": every.tolist(),
@@ -293,11 +307,23 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
         table.curves.append({"name": f"{name}: {key}", "x_label": "spacing [mm]", "y_label": f"{key} {BARS}",
                              "x": [1e3 * SIDE / elements for elements in what.grids], "y": mean, "logarithmic": False,
                              "half": [_bar(of[elements]) for elements in what.grids], "from_zero": True})
-    apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(what.grids, last)]
-    chance = chance_of_distance(sizes[last[0]], sizes[last[1]])
-    table.add(f"{name}_sizes_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
-    table.lines.append(f"{name}: distributions of areas are {apart[0]:.2f} and {apart[1]:.2f} apart from grid to grid; "
-                       f"chance of so much between the last two if they are of one kind {chance:.3f}")
+    _sizes(table, name, "sizes", sizes, what.grids)
+    if what.in_place:
+        left = [np.mean([len(a) - len(b) for a, b in zip(sizes[elements], inside[elements])]) for elements in what.grids]
+        table.lines.append(f"{name}: left at the border, no further from it than a spacing: "
+                           f"{', '.join(f'{n:.1f}' for n in left)} of these in a run")
+        _sizes(table, name, "sizes_inside", inside, what.grids)
+
+
+def _sizes(table: Table, name: str, key: str, sizes: dict[int, list[np.ndarray]], grids: tuple[int, ...]) -> None:
+    """Whether the last two grids differ in the sizes of their pieces, `sizes` [mm^2] of every run."""
+    apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(grids, grids[1:])]
+    chance = chance_of_distance(sizes[grids[1]], sizes[grids[2]])
+    table.add(f"{name}_{key}_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
+    medians = ", ".join(f"{np.median(np.concatenate(sizes[elements])):.2f}" for elements in grids)
+    table.lines.append(f"{name}: {key.replace('_', ' ')}, medians {medians} mm^2; distributions of areas are {apart[0]:.2f} "
+                       f"and {apart[1]:.2f} apart from grid to grid; chance of so much between the last two if they are of "
+                       f"one kind {chance:.3f}")
 
 
 def snapped(table: Table, executables: Executables) -> None:
