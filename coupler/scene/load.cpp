@@ -127,6 +127,31 @@ std::string LoadedScene::file_beside(const std::string& field, const std::string
   return file;
 }
 
+namespace {
+
+// Adds what is in the files that a message names, each beside the scene: with another image or mesh it is another
+// scene.
+void add_files(const pb::Message& m, const std::filesystem::path& folder, Sha256& hash) {
+  const pb::Reflection& r = *m.GetReflection();
+  std::vector<const pb::FieldDescriptor*> fields;
+  r.ListFields(m, &fields);
+  for (const pb::FieldDescriptor* f : fields) {
+    if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING && !f->is_repeated() && f->name() == "path") {
+      const std::filesystem::path file = folder / r.GetString(m, f);
+      std::error_code none;
+      std::stringstream content;
+      if (std::filesystem::is_regular_file(file, none)) content << std::ifstream(file, std::ios::binary).rdbuf();
+      hash.add(content.str());
+    }
+    if (f->cpp_type() != pb::FieldDescriptor::CPPTYPE_MESSAGE) continue;
+    const int count = f->is_repeated() ? r.FieldSize(m, f) : 1;
+    for (int i = 0; i < count; ++i)
+      add_files(f->is_repeated() ? r.GetRepeatedMessage(m, f, i) : r.GetMessage(m, f), folder, hash);
+  }
+}
+
+}  // namespace
+
 LoadedScene load(const std::string& path, const std::vector<std::string>& settings) {
   LoadedScene scene;
   scene.path = path;
@@ -147,6 +172,7 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   pb::TextFormat::PrintToString(scene.message, &canonical);
   Sha256 hash;
   hash.add(canonical);
+  add_files(scene.message, std::filesystem::path(path).parent_path(), hash);
   scene.hash = hash.hex();
   validate(scene);
   return scene;

@@ -19,7 +19,7 @@ class LoadedScene {
 
   proto::Scene message;
   std::string path;
-  std::string hash;                   // SHA-256 of the message as text, settings included
+  std::string hash;                   // SHA-256 of the message as text, settings included, and of files that it names
   std::vector<std::string> settings;  // name.path=value, that changed the file's message
 
   /// Throws Error (bad_scene) at the place of `field` ("shells[0].plate.size_x_m"), or at the nearest

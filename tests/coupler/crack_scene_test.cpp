@@ -257,3 +257,22 @@ TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {
   EXPECT_EQ(refusal(text, {"materials[glass].fracture_energy=1393"}).kind, "accepted");
   expect_refusal(text, "fracture.mode", {"a narrower damage_width_m"}, {set, "fracture.damage_width_m=0.05"});
 }
+
+TEST(StrengthMap, IsPartOfWhatSceneItIs) {
+  const auto hash = [](const std::string& pixels) {
+    const MapFile map("P5 2 2 255\n" + pixels);
+    const std::string path = own_file("crack_scene.textproto");
+    std::ofstream(path) << scene(map.field(), kStrong);
+    const std::string found = sunder::scene::load(path, {}).hash;
+    std::remove(path.c_str());
+    return found;
+  };
+  EXPECT_EQ(hash("abcd"), hash("abcd"));
+  EXPECT_NE(hash("abcd"), hash("abcc"));
+}
+
+TEST(Cut, WithMorePointsThanAShellCouldTellIsRefused) {
+  std::string points;
+  for (int k = 0; k <= 20000; ++k) points += fmt::format("points {{ u: {} v: 0.1 }} ", 0.1 + 1e-5 * k);
+  expect_refusal(scene("cuts { " + points + "}"), "shells[0].cuts[0]", {"has 20001 points", "at most 20000"});
+}
