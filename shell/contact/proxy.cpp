@@ -7,41 +7,6 @@
 #include <Eigen/Dense>
 
 namespace sunder::shell {
-namespace {
-
-// Planes of the hull of a few corners: every triple that has all others on one side.
-template <class Plane>
-std::vector<Plane> hull_planes(const std::vector<Vec3>& corners) {
-  std::vector<Plane> planes;
-  double size = 0.0;
-  for (const Vec3& c : corners) size = std::max(size, (c - corners[0]).norm());
-  const double tolerance = 1e-7 * size;
-  const int n = static_cast<int>(corners.size());
-  for (int i = 0; i < n; ++i)
-    for (int j = i + 1; j < n; ++j)
-      for (int k = j + 1; k < n; ++k) {
-        Vec3 normal = (corners[j] - corners[i]).cross(corners[k] - corners[i]);
-        const double length = normal.norm();
-        if (length < tolerance * size) continue;
-        normal /= length;
-        double low = 0.0, high = 0.0;
-        for (const Vec3& c : corners) {
-          const double s = normal.dot(c - corners[i]);
-          low = std::min(low, s), high = std::max(high, s);
-        }
-        if (high > tolerance && low < -tolerance) continue;
-        if (high > tolerance) normal = -normal;
-        const double offset = normal.dot(corners[i]);
-        const bool known = std::any_of(planes.begin(), planes.end(), [&](const Plane& p) {
-          return p.normal.dot(normal) > 1.0 - 1e-10 && std::abs(p.offset - offset) < 10.0 * tolerance;
-        });
-        if (!known) planes.push_back({normal, offset});
-      }
-  return planes;
-}
-
-}  // namespace
-
 Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass, double friction, double restitution) {
   const double v_n = n.dot(v_rel);
   if (v_n >= 0.0) return Vec3::Zero();  // separating
@@ -68,7 +33,7 @@ Proxy::Proxy(RigidBody b) : body(std::move(b)) {
   if (const auto* s = std::get_if<ConvexShape>(&body.shape)) {
     if (s->surface) solid_ = std::make_shared<const SolidDistance>(*s->surface);
     for (const auto& part : s->parts) {
-      if (!solid_) parts_.push_back(hull_planes<Plane>(part));
+      if (!solid_) parts_.push_back(hull_planes(part));
       for (const Vec3& c : part) radius_ = std::max(radius_, c.norm());
     }
   }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "shell/contact/hull.h"
 #include "shell/contact/solid_distance.h"
 
 namespace sunder::shell {
@@ -45,11 +46,7 @@ class Proxy {
   void apply(const Vec3& world, const Vec3& j);
 
  private:
-  struct Plane {
-    Vec3 normal;    // outward, body coordinates
-    double offset;  // normal . x <= offset inside
-  };
-  std::vector<std::vector<Plane>> parts_;
+  std::vector<std::vector<Plane>> parts_;       // in body coordinates
   std::shared_ptr<const SolidDistance> solid_;  // in their place; copies of a proxy share it
   double radius_ = 0.0;
 };

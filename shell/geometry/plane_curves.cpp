@@ -119,6 +119,29 @@ std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing) {
   return out;
 }
 
+std::vector<Vec2> thinned(const std::vector<Vec2>& p, double tolerance) {
+  const std::size_t last = p.size() - 1;
+  std::vector<char> stays(p.size(), 0);
+  stays.front() = stays.back() = 1;
+  std::vector<std::pair<std::size_t, std::size_t>> open{{0, last}};
+  int corners = p.front() == p.back() ? 0 : 2;  // of a closed one two more than the point where it begins
+  while (!open.empty()) {
+    const auto [a, b] = open.back();
+    open.pop_back();
+    std::size_t furthest = a;
+    double most = corners < 2 ? -1.0 : tolerance;
+    for (std::size_t k = a + 1; k < b; ++k)
+      if (const double away = (p[k] - nearest(p[k], p[a], p[b])).norm(); away > most) most = away, furthest = k;
+    if (furthest == a) continue;
+    stays[furthest] = 1, ++corners;
+    open.push_back({furthest, b}), open.push_back({a, furthest});
+  }
+  std::vector<Vec2> out;
+  for (std::size_t k = 0; k <= last; ++k)
+    if (stays[k]) out.push_back(p[k]);
+  return out;
+}
+
 std::optional<Meeting> meets_itself(const std::vector<Vec2>& p, double tolerance) {
   const int count = static_cast<int>(p.size()) - 1;
   const bool closed = count > 1 && p.front() == p.back();

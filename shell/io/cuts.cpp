@@ -1,5 +1,6 @@
 #include "shell/io/cuts.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "shell/geometry/plane_curves.h"
@@ -9,6 +10,8 @@ namespace {
 
 constexpr double kSame = 1e-9;          // spacings: points so close are one
 constexpr double kMostEdges = 2e4;      // of a curve
+constexpr double kShortestEdge = 0.5;   // spacings: a polyline that has shorter ones loses points
+constexpr double kSag = 0.01;           // spacings: of a point that is left out, from the line
 constexpr double kSmallestRound = 0.5;  // spacings: radius of a circle, and distance of a spiral's turns
 
 Vec2 to_vec2(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
@@ -60,6 +63,9 @@ constexpr const char* kItself =
 std::vector<Vec2> polyline(const scene::LoadedScene& scene, const proto::Cut& m, const Domain& d,
                            const std::string& field) {
   std::vector<Vec2> points;
+  scene.check(m.points_size() <= kMostEdges, field,
+              "has {} points; at most {:.0f}: an element is {:.3g} m long, and tells none that are much closer",
+              m.points_size(), kMostEdges, d.spacing);
   for (int k = 0; k < m.points_size(); ++k) {
     const std::string own = fmt::format("{}.points[{}]", field, k);
     points.push_back(inside(scene, own, d, to_vec2(m.points(k)), "lies at"));
@@ -74,7 +80,12 @@ std::vector<Vec2> polyline(const scene::LoadedScene& scene, const proto::Cut& m,
                fmt::format("the segment from here to points[{}] meets that from points[{}] to points[{}] at ({:.6g}, "
                            "{:.6g}); {}",
                            hit->second + 1, hit->first, hit->first + 1, hit->at.x(), hit->at.y(), kItself));
-  return points;
+  // drawn more finely than the shell can tell: edges would cost much and change nothing
+  double shortest = d.spacing;
+  for (std::size_t k = 1; k < points.size(); ++k) shortest = std::min(shortest, (points[k] - points[k - 1]).norm());
+  if (shortest >= kShortestEdge * d.spacing) return points;
+  std::vector<Vec2> fewer = thinned(points, kSag * d.spacing);
+  return meets_itself(fewer, kSame * d.spacing) ? points : fewer;
 }
 
 std::vector<Vec2> sampled(const scene::LoadedScene& scene, const PlaneCurve& curve, const Domain& d,

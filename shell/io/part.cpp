@@ -5,6 +5,7 @@
 
 #include "shell/solver/hertz.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/tips.h"
 

@@ -9,15 +9,10 @@
 namespace sunder::shell {
 namespace {
 
-constexpr std::size_t kTrials = 8;                // remembered of a point
-constexpr int kForget = 128;                      // edges after which all are forgotten
-constexpr double kMostGain = 4.0;                 // of a point's energy when its functions change
-constexpr double kAtBorder = 0.1;                 // spacings: a cut that ends so close to the border runs out
-constexpr double kOnACrack = 0.02, kPast = 2e-3;  // spacings: a cut that ends so close to a crack ends on it
-constexpr double kFreeEnergy = 1e-4;              // of E per volume: that of a strain of 1.4 %
-// Control points of a uniform cubic patch lie on knots, where a cut at round numbers runs, and round-off would put one
-// on either side of it, edge by edge. Spacings off, each is clearly on one.
-constexpr double kOffKnots = 1e-6;
+constexpr std::size_t kTrials = 8;    // remembered of a point
+constexpr int kForget = 128;          // edges after which all are forgotten
+constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
+constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
 
 std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   std::vector<GatheredFunction> out;
@@ -430,43 +425,6 @@ int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>
   for (int k = 0; k < added; ++k) s.cracks.undo_edge();
   for (std::size_t k = 0; k < edges.size(); ++k) s.cracks.undo_vertex();
   return -1;
-}
-
-void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>& points, double time) {
-  const int crack = s.cracks.new_crack();
-  const auto run_out = [&](Vec2 end, const Vec2& from) {
-    const Vec2 d = (end - from).normalized();
-    // an end on another crack goes a little past it, so that no gap is left
-    double nearest = kOnACrack * m.spacing;
-    Vec2 landed = end;
-    s.cracks.near(end, end, nearest, [&](int e) {
-      Vec2 foot;
-      const double distance = s.cracks.edges()[e].crack == crack ? nearest : s.cracks.distance(end, e, foot);
-      if (distance < nearest) nearest = distance, landed = foot + kPast * m.spacing * d;
-      return true;
-    });
-    // at the border it goes on over it, by more than visibility needs
-    if (landed == end && !m.patch.contains(end + kAtBorder * m.spacing * d)) landed = end + 1.01 * m.spacing * d;
-    return landed;
-  };
-  const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
-  const bool closed = points.size() > 2 && points.front() == points.back();
-  int first = -1, last = -1;
-  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
-    Vec2 a = points[i] + off, b = points[i + 1] + off;
-    const bool at_end = i + 2 == points.size();
-    if (i == 0 && !closed) a = run_out(a, b);
-    if (at_end && !closed) b = run_out(b, points[i] + off);
-    const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
-    if (last < 0) first = last = s.cracks.add_vertex(a);
-    for (int k = 1; k <= pieces; ++k) {
-      const int next = at_end && closed && k == pieces
-                           ? first
-                           : s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
-      insert_edge(m, s, last, next, crack, time, 0, false);
-      last = next;
-    }
-  }
 }
 
 }  // namespace sunder::shell

@@ -29,11 +29,6 @@ int gather_point(const ShellModel& model, ShellState& state, int block, int lane
 /// The Gauss point may be damaged from now on: it is listed in state.points, and the row kernel goes on summing it.
 void watch_point(const ShellModel& model, ShellState& state, int block, int lane);
 
-/// Cuts along a polyline in parameter space, in edges of about one spacing; ends within a tenth of a spacing
-/// of the border run out over it, ends on another crack (to a fiftieth of a spacing) just past it. Where the last
-/// point is exactly the first the cut is closed, and ends in the vertex where it began.
-void insert_polyline(const ShellModel& model, ShellState& state, const std::vector<Vec2>& points, double time);
-
 ControlGrid control_grid(const ShellModel& model);
 
 /// `uses`, a sight of the same point, sees from now on just the control points of these functions.

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/tips.h"
 
 namespace sunder::shell {

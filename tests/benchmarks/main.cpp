@@ -18,6 +18,7 @@
 #include "tests/benchmarks/two_processes.h"
 // the counting type must be known before the templates that it runs
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/step.h"
 
 namespace {

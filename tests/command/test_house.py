@@ -54,7 +54,7 @@ class House(unittest.TestCase):
 
     def test_libraries_are_named_where_they_belong(self) -> None:
         homes = {r"zmq": {"coupler/link/channel.cpp", "coupler/link/keys.cpp"}, r"CGAL/": {"shell/fracture/cdt.h", "shell/fracture/outline.cpp",
-                                                            "shell/fracture/medial_axis.cpp",
+                                                            "shell/fracture/medial_axis.cpp", "shell/contact/hull.cpp",
                                                             "coupler/scene/closed_surface.cpp",
                                                             "coupler/scene/convex_parts.cpp"},
                  r".*\.hxx$": {"shell/io/cad_file.cpp"}}  # OpenCASCADE

@@ -7,6 +7,7 @@
 
 #include "shell/solver/hertz.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "tests/shell/fixtures.h"
 
 namespace {

@@ -6,6 +6,7 @@
 #include "shell/geometry/builders.h"
 #include "shell/io/audit.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;

@@ -9,6 +9,7 @@
 #include "shell/io/probes.h"
 #include "shell/solver/handoff.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/relaxation.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"

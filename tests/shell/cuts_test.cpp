@@ -1,11 +1,13 @@
 // Curves as cuts: how they are sampled, where they meet themselves, and what they cut off.
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include <gtest/gtest.h>
 
 #include "shell/geometry/plane_curves.h"
 #include "shell/solver/handoff.h"
+#include "shell/solver/polyline.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -159,4 +161,64 @@ TEST(ClosedCut, OfTwoCirclesThatCrossMakesALens) {
   for (const double x : {0.08, 0.12}) insert_polyline(m, s, crack_points(circle_curve({x, 0.1}, 0.05), m.spacing), 0.0);
   std::vector<Piece> pieces;
   EXPECT_EQ(partition(m, s, pieces).pieces, 4);  // two moons, the lens and the sheet around
+}
+
+// A triangle as three cuts between the same corners, in any order and direction, frees it as one closed cut does.
+TEST(CutsThatMeet, AreJoined) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> at(0.03, 0.17);
+  for (const int degree : {2, 3}) {
+    const ShellModel m = pane(degree);
+    const auto pieces_of = [&](const std::vector<std::vector<Vec2>>& cuts) {
+      ShellState s = make_state(m, Vec3::Zero(), 0);
+      for (const auto& cut : cuts) insert_polyline(m, s, cut, 0.0);
+      std::vector<Piece> pieces;
+      return partition(m, s, pieces).pieces;
+    };
+    for (int n = 0; n < 30; ++n) {
+      Vec2 a(at(random), at(random)), b(at(random), at(random)), c(at(random), at(random));
+      if (std::abs((b - a).x() * (c - a).y() - (b - a).y() * (c - a).x()) < 1e-3) continue;
+      EXPECT_EQ(pieces_of({{a, b, c, a}}), 2);
+      EXPECT_EQ(pieces_of({{a, b, c}, {c, a}}), 2) << n;
+      EXPECT_EQ(pieces_of({{a, c}, {a, b, c}}), 2) << n;
+      EXPECT_EQ(pieces_of({{b, a}, {b, c}, {a, c}}), 2) << n;
+      EXPECT_EQ(pieces_of({{b, a}, {a, c}, {b, a}, {c, b}}), 2) << n;  // one of them twice
+      // the third side ends on the first two; then it is there before them
+      const Vec2 p = a + 0.31 * (b - a), q = c + 0.43 * (b - c);
+      EXPECT_EQ(pieces_of({{a, b, c}, {p, q}}), 2) << n;
+      EXPECT_EQ(pieces_of({{p, q}, {a, b, c}}), 2) << n;
+      EXPECT_EQ(pieces_of({{p, q}, {c, b}, {b, a}}), 2) << n;
+      // a side in two that meet head-on
+      EXPECT_EQ(pieces_of({{a, p}, {p, b}, {b, c, a}}), 2) << n;
+    }
+  }
+}
+
+TEST(CutsThatMeet, HaveNoEdgeTwice) {
+  const ShellModel m = pane();
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const std::vector<Vec2> cut{{0.05, 0.06}, {0.13, 0.08}, {0.14, 0.15}};
+  insert_polyline(m, s, cut, 0.0);
+  const std::size_t edges = s.cracks.edges().size();
+  const double length = s.cracks.total_length();
+  insert_polyline(m, s, cut, 0.0);
+  insert_polyline(m, s, {cut.rbegin(), cut.rend()}, 0.0);
+  EXPECT_EQ(s.cracks.edges().size(), edges);
+  EXPECT_EQ(s.cracks.total_length(), length);
+}
+
+TEST(Thinned, LeavesOutWhatIsWithinTheTolerance) {
+  const std::vector<Vec2> corner{{0, 0}, {1, 1e-3}, {2, -1e-3}, {3, 0}, {3, 1}, {3.001, 2}, {3, 3}};
+  EXPECT_EQ(thinned(corner, 0.01), (std::vector<Vec2>{{0, 0}, {3, 0}, {3, 3}}));
+  EXPECT_EQ(thinned(corner, 1e-6), corner);
+  std::vector<Vec2> circle;
+  for (int k = 0; k <= 2000; ++k)
+    circle.emplace_back(std::cos(k * std::numbers::pi / 1000), std::sin(k * std::numbers::pi / 1000));
+  circle.back() = circle.front();
+  const std::vector<Vec2> fewer = thinned(circle, 1e-3);
+  EXPECT_EQ(fewer.front(), fewer.back());
+  EXPECT_LT(fewer.size(), 150u);
+  for (std::size_t k = 0; k + 1 < fewer.size(); ++k)  // the sagitta of every chord
+    EXPECT_LE(1.0 - (0.5 * (fewer[k] + fewer[k + 1])).norm(), 1.001e-3);
+  EXPECT_EQ(thinned({{0, 0}, {1e-5, 0}, {1e-5, 1e-5}, {0, 0}}, 1.0).size(), 4u);  // still goes round something
 }

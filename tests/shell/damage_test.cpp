@@ -9,6 +9,7 @@
 #include "shell/solver/damage_cracks.h"
 #include "shell/solver/damage_lattice.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/tips.h"
 #include "tests/shell/fixtures.h"
 

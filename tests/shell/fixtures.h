@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {

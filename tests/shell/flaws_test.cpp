@@ -9,6 +9,7 @@
 #include "shell/mechanics/principal.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/nucleation.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/surroundings.h"
 #include "shell/solver/tip_drive.h"
 #include "shell/solver/tips.h"

@@ -7,6 +7,7 @@
 #include "shell/mechanics/principal.h"
 #include "shell/solver/handoff.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "shell/solver/tips.h"

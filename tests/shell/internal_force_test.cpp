@@ -7,6 +7,7 @@
 #include "shell/mechanics/section.h"
 #include "shell/solver/compression.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/state.h"
 #include "shell/solver/step.h"

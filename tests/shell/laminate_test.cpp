@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/io/probes.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/relaxation.h"
 #include "tests/shell/fixtures.h"
 

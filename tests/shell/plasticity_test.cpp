@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/io/probes.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/relaxation.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"

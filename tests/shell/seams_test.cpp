@@ -9,6 +9,7 @@
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/seam_cracks.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"

@@ -8,6 +8,7 @@
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/relaxation.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"

@@ -8,6 +8,7 @@
 #include "shell/geometry/builders.h"
 #include "shell/solver/handoff.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/stable_step.h"
 #include "shell/solver/step.h"
 #include "tests/validation/cases.h"

@@ -7,6 +7,7 @@
 #include "shell/geometry/builders.h"
 #include "shell/mechanics/principal.h"
 #include "shell/solver/insertion.h"
+#include "shell/solver/polyline.h"
 #include "shell/solver/relaxation.h"
 #include "shell/solver/tip_drive.h"
 #include "shell/solver/tips.h"
