@@ -129,6 +129,33 @@ std::string LoadedScene::file_beside(const std::string& field, const std::string
 
 namespace {
 
+// A number in the place of an enumerator's name is accepted by the parser, whatever it is.
+void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std::string& inside) {
+  const pb::Reflection& r = *m.GetReflection();
+  std::vector<const pb::FieldDescriptor*> fields;
+  r.ListFields(m, &fields);
+  for (const pb::FieldDescriptor* f : fields) {
+    const int count = f->is_repeated() ? r.FieldSize(m, f) : 1;
+    for (int i = 0; i < count; ++i) {
+      std::string field = inside.empty() ? f->name() : inside + "." + f->name();
+      if (f->is_repeated()) field += fmt::format("[{}]", i);
+      if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_ENUM) {
+        const int value = f->is_repeated() ? r.GetRepeatedEnumValue(m, f, i) : r.GetEnumValue(m, f);
+        std::vector<std::string> names;
+        for (int k = 0; k < f->enum_type()->value_count(); ++k)
+          if (const std::string& name = f->enum_type()->value(k)->name(); !name.ends_with("UNSPECIFIED"))
+            names.push_back(name);
+        const std::string last = names.back();
+        names.pop_back();
+        scene.check(f->enum_type()->FindValueByNumber(value) != nullptr, field, "is {}; {} or {}", value,
+                    fmt::join(names, ", "), last);
+      }
+      if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
+        check_enumerators(scene, f->is_repeated() ? r.GetRepeatedMessage(m, f, i) : r.GetMessage(m, f), field);
+    }
+  }
+}
+
 // Adds what is in the files that a message names, each beside the scene: with another image or mesh it is another
 // scene.
 void add_files(const pb::Message& m, const std::filesystem::path& folder, Sha256& hash) {
@@ -174,6 +201,7 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   hash.add(canonical);
   add_files(scene.message, std::filesystem::path(path).parent_path(), hash);
   scene.hash = hash.hex();
+  check_enumerators(scene, scene.message, "");
   validate(scene);
   return scene;
 }

@@ -145,8 +145,6 @@ class Reader {
 Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
   scene.check(!mesh.has_scale() || (std::isfinite(mesh.scale()) && mesh.scale() > 0.0), field + ".scale",
               "is {}; must be positive", mesh.scale());
-  scene.check(proto::Mesh::Surface_IsValid(mesh.surface()), field + ".surface", "is {}; HULL or EXACT",
-              static_cast<int>(mesh.surface()));
   const File file = Reader(scene, field, mesh).read();
   if (mesh.surface() == proto::Mesh::HULL) return hull_solid(scene, field, mesh.path(), file.points);
   Solid solid;

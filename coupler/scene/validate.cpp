@@ -254,10 +254,6 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   positive(s, f + ".thickness_m", shell.has_thickness_m(), shell.thickness_m(), "m");
   s.check(!shell.has_layers() || (shell.layers() >= 2 && shell.layers() <= 16), f + ".layers",
           "is {}; 2 to 16 (one layer has no bending stiffness; bending: LINEAR has, without layers)", shell.layers());
-  s.check(proto::Shell::StressModel_IsValid(shell.stress_model()), f + ".stress_model",
-          "is {}; PLANE_STRESS, PAPER_PROJECTION, JGT17 or GHF18", static_cast<int>(shell.stress_model()));
-  s.check(proto::Shell::Bending_IsValid(shell.bending()), f + ".bending", "is {}; LAYERED or LINEAR",
-          static_cast<int>(shell.bending()));
   s.check(shell.bending() == proto::Shell::LAYERED || !shell.has_layers(), f + ".layers",
           "are given, but bending LINEAR has none; leave one of them out");
   if (shell.has_interlayer()) interlayer(s, f, shell);
@@ -389,8 +385,6 @@ void validate(const LoadedScene& s) {
   s.check(!m.has_time_step_safety() || (m.time_step_safety() > 0.0 && m.time_step_safety() <= 1.0), "time_step_safety",
           "is {}; a share of the stable step, above 0 and at most 1", m.time_step_safety());
   finite(s, "gravity", m.gravity());
-  s.check(proto::GridTransfer::Kind_IsValid(m.transfer().kind()), "transfer.kind", "is {}; DIRECT, FLIP, APIC or PIC",
-          static_cast<int>(m.transfer().kind()));
   s.check(!m.transfer().has_grid_spacing_m() || m.transfer().kind() != proto::GridTransfer::DIRECT,
           "transfer.grid_spacing_m", "is for kind FLIP, APIC or PIC; name one of them, or leave it out");
   if (m.transfer().has_grid_spacing_m())

@@ -63,8 +63,6 @@ void seams(const LoadedScene& s) {
                           [&, &name = name](const proto::Shell& shell) { return shell.name() == name; }),
               f + field, "'{}' is no shell of this scene", name);
     s.check(r.first() != r.second(), f + ".second", "is '{}' as well; a seam is between two shells", r.second());
-    s.check(proto::SeamRule::Kind_IsValid(r.kind()), f + ".kind", "is {}; CLAMPED, HINGE or OPEN",
-            static_cast<int>(r.kind()));
     s.check(pairs.insert(std::minmax(r.first(), r.second())).second, f, "says again how '{}' and '{}' hang together",
             r.first(), r.second());
   }
@@ -78,8 +76,6 @@ void validate_coupling(const LoadedScene& s) {
   for (int i = 0; i < m.joints_size(); ++i) joint(s, fmt::format("joints[{}]", i), m.joints(i), names);
   seams(s);
   const proto::Coupling& c = m.coupling();
-  s.check(proto::Coupling::Scheme_IsValid(c.scheme()), "coupling.scheme",
-          "is {}; PROXY, EXPORTED, ITERATED, STAGGERED or LAGGED", static_cast<int>(c.scheme()));
   if (c.has_export_above()) {
     s.check(c.scheme() == proto::Coupling::PROXY, "coupling.export_above", "is for scheme PROXY; leave it out");
     s.check(c.export_above() > 0.0, "coupling.export_above", "is {}, must be positive", c.export_above());

@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 from .build import build_dir, ensure_built
@@ -46,8 +47,12 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     if known and what in ("engines", "extremes"):
         raise CommandError(f"--known: not with 'validate {what}', which "
                            + ("always judges so" if what == "engines" else "has nothing that is known to fail"), BAD_INPUT)
+    if case == "":
+        raise CommandError("--case: empty; name a case, or leave it out for all", BAD_INPUT)
     if report is not None:
         _can_write(report)
+    if plots is not None and what not in ("engines", "extremes"):
+        _can_plot(plots)
     if what == "extremes":
         if plots is not None or pictures is not None:
             raise CommandError("validate extremes: draws nothing; leave --plots and --pictures out", BAD_INPUT)
@@ -58,6 +63,7 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
         return _engines(case, report, rigid)
     if pictures is not None:
         _make_folder(pictures)
+    started = time.time()
     gaps = read_known(KNOWN / f"{what}.txt")
     runs = EXPERIMENTS.get(what, ())
     chosen = tuple(e for e in runs if case in (None, e.name))
@@ -84,6 +90,8 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
         print("\n".join(lines), flush=True)
     if known and status in (DONE, CHECK_FAILED):
         status = DONE if good else CHECK_FAILED
+    if pictures is not None and all(p.stat().st_mtime < started for p in pictures.iterdir()):
+        print("picture          none: these cases draw none", flush=True)
     curves = found.pop("curves")
     if report is not None:
         _write(report, json.dumps(_without_nan(found), indent=1) + "\n")
@@ -138,10 +146,20 @@ def bench(pattern: str | None, report: Path | None) -> int:
 
 def _can_write(path: Path) -> None:
     """A place that cannot be written is known before the minutes are spent; what is there stays."""
+    new = not path.exists()
     try:
         path.open("a").close()
+        if new:
+            path.unlink()
     except OSError as error:
         raise CommandError(f"cannot write {path}: {error.strerror or error}", BAD_INPUT) from None
+
+
+def _can_plot(path: Path) -> None:
+    from PIL import Image
+    if path.suffix.lower() not in Image.registered_extensions():
+        raise CommandError(f"--plots: cannot write {path}: '{path.suffix}' is no image's ending; end it in .png", BAD_INPUT)
+    _can_write(path)
 
 
 def _make_folder(path: Path) -> None:

@@ -11,6 +11,8 @@ namespace {
 constexpr double kMade = 0.02;   // of the most energy there was: what has no business to be made, or is missing
 constexpr double kGiven = 0.05;  // overlaps that are let go give a little
 constexpr double kUncertain = 0.1, kFrozen = 0.1;
+constexpr double kAdded = 0.01;  // of what fracture took
+constexpr double kNoted = 1e-3;  // of the most energy there was: what is less is no matter
 
 // Of what lies between a and b: cracks that leave the shell end a little beyond its border.
 double length_within(const Patch& patch, const Vec2& a, const Vec2& b) {
@@ -55,6 +57,11 @@ std::vector<std::string> doubts(const Audit& audit) {
   if (share(-b.healing) > kMade)
     out.push_back(
         fmt::format("damage that healed has made {:.1f} % of the energy there was", 100.0 * share(-b.healing)));
+  if (b.injected > kAdded * b.fracture && share(b.injected) > kNoted)
+    out.push_back(
+        fmt::format("cracks have added {:.1f} % of the energy that fracture took, at places and in moments where they "
+                    "should only take: refine{}",
+                    100.0 * b.injected / b.fracture, audit.keeps_damage ? ", or let damage heal" : ""));
   if (share(-b.handoff) > kMade)
     out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
                               100.0 * share(-b.handoff), audit.grid_transfer ? ": the grid glues what is cut" : ""));

@@ -16,6 +16,7 @@ struct Audit {
   double coupling = 0.0;       // uncertain by windows in which the shell pushes what the engine holds
   double frozen = 0.0;         // kinetic, of the shell when it was frozen
   bool grid_transfer = false;  // velocities go through a background grid
+  bool keeps_damage = false;   // which does not heal
 };
 
 /// What the cracks that ran by themselves should take, by the material's fracture energy and their area in the shell

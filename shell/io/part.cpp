@@ -91,13 +91,16 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
 }
 
 void ShellPart::cut(double now, double until) {
+  std::vector<std::pair<int, int>> made;  // edges from, to before
   for (std::size_t i = 0; i < setup->cuts.size(); ++i)
     if (!state->cut_done[i] && setup->cuts[i].time <= until) {
       const int before = static_cast<int>(state->cracks.edges().size());
       insert_polyline(model(), *state, setup->cuts[i].points, now);
-      if (setup->tips) start_at_ends(model(), *state, before, static_cast<int>(state->cracks.edges().size()));
+      made.emplace_back(before, static_cast<int>(state->cracks.edges().size()));
       state->cut_done[i] = 1;
     }
+  if (setup->tips)  // once all are there: an end on another is not open
+    for (const auto& [first, last] : made) start_at_ends(model(), *state, first, last);
 }
 
 void ShellPart::measure_step(std::int64_t window, int threads) {

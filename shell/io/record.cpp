@@ -153,8 +153,10 @@ void Run::write_shards() const {
 }
 
 std::vector<std::string> Run::warnings() const {
-  std::vector<std::string> out =
-      doubts({book(), energy_scale_, residual_, contact_given_, residual_sum_, frozen_kinetic_, has_grid_transfer()});
+  const bool keeps =
+      std::any_of(setup_.shells.begin(), setup_.shells.end(), [](const ShellSetup& s) { return !s.healing; });
+  std::vector<std::string> out = doubts(
+      {book(), energy_scale_, residual_, contact_given_, residual_sum_, frozen_kinetic_, has_grid_transfer(), keeps});
   if (const std::string thick = too_thick(setup_.shells, setup_.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   return out;

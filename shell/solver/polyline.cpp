@@ -59,6 +59,19 @@ bool has_edge(const CrackGraph& cracks, int from, int to) {
   return found;
 }
 
+// Whether all of the element at p has come off: there is nothing to cut.
+bool has_left(const ShellModel& m, const ShellState& s, const Vec2& p) {
+  if (!m.patch.contains(p)) return false;
+  const int lane = m.patch.knots_u.span_of(p.x()), each = m.tables.gauss * m.tables.gauss;
+  const int first = each * m.patch.knots_v.span_of(p.y());
+  for (int block = first; block < first + each; ++block) {
+    const int point = s.point_of[static_cast<std::size_t>(block) * m.tables.lanes + lane];
+    if (point >= 0 ? !s.points[point].left : s.tables.metric[m.tables.at(block, kMetricFields, kArea, lane)] != 0.0)
+      return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>& points, double time) {
@@ -92,7 +105,9 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
     for (int k = 1; k <= pieces; ++k) {
       const int to = k == pieces ? next : s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
-      if (to != last && !has_edge(s.cracks, last, to)) insert_edge(m, s, last, to, crack, time, 0, false);
+      const Vec2 middle = 0.5 * (s.cracks.vertices()[last] + s.cracks.vertices()[to]);
+      if (to != last && !has_edge(s.cracks, last, to) && !has_left(m, s, middle))
+        insert_edge(m, s, last, to, crack, time, 0, false);
       last = to;
     }
   };

@@ -63,7 +63,22 @@ class Measuring(unittest.TestCase):
         self.assertIn("there is shells, seams, cracks", self.said.getvalue())
         self.assertEqual(command.main(["validate", "shells", "--json", str(self.folder / "no" / "table.json")]), 2)
         self.assertEqual(command.main(["validate", "shells", "--plots", str(self.folder / "plots.cheese")]), 2)
+        self.assertIn("'.cheese' is no image's ending", self.said.getvalue())
+        self.assertEqual(command.main(["validate", "shells", "--case", ""]), 2)
+        self.assertFalse((self.folder / "arguments").exists())  # all this before anything is run
         self.assertEqual(command.main(["bench", "--json", str(self.folder / "no" / "bench.json")]), 2)
+
+    def test_an_unknown_case_leaves_no_file(self) -> None:
+        self.program("sunder-validate", "raise SystemExit(2)")
+        table = self.folder / "table.json"
+        self.assertEqual(command.main(["validate", "shells", "--case", "cheese", "--json", str(table)]), 2)
+        self.assertFalse(table.exists())
+
+    def test_it_is_said_where_nothing_is_drawn(self) -> None:
+        self.validator(0)
+        with contextlib.redirect_stdout(io.StringIO()) as out:
+            command.main(["validate", "shells", "--pictures", str(self.folder / "pictures")])
+        self.assertIn("none: these cases draw none", out.getvalue())
 
     def test_a_program_that_is_missing_or_dies_is_named(self) -> None:
         self.assertEqual(command.main(["validate", "shells"]), 2)

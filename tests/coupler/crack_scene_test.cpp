@@ -276,3 +276,8 @@ TEST(Cut, WithMorePointsThanAShellCouldTellIsRefused) {
   for (int k = 0; k <= 20000; ++k) points += fmt::format("points {{ u: {} v: 0.1 }} ", 0.1 + 1e-5 * k);
   expect_refusal(scene("cuts { " + points + "}"), "shells[0].cuts[0]", {"has 20001 points", "at most 20000"});
 }
+
+TEST(Enumerators, ThatAreNoneAreRefused) {
+  expect_refusal(scene("", "", "fracture { mode: 7 }\n"), "fracture.mode", {"is 7", "TIPS", "DAMAGE"});
+  expect_refusal(scene("supports { edges: 9 kind: CLAMPED }"), "shells[0].supports[0].edges[0]", {"is 9", "ALL"});
+}

@@ -54,6 +54,15 @@ TEST(Audit, EnergyThatIsMissingOrMadeIsNamedWithItsShare) {
   EXPECT_NE(said(a).find("contact has given back 400.0 %"), std::string::npos);
   a = sound(), a.book.healing = -3.0;
   EXPECT_NE(said(a).find("healed has made 3.0 %"), std::string::npos);
+  a = sound(), a.book.fracture = 10.0, a.book.injected = 0.12;
+  EXPECT_NE(said(a).find("added 1.2 % of the energy that fracture took"), std::string::npos);
+  EXPECT_EQ(said(a).find("heal"), std::string::npos);
+  a.keeps_damage = true;
+  EXPECT_NE(said(a).find("or let damage heal"), std::string::npos);
+  a.book.injected = 0.09;
+  EXPECT_TRUE(doubts(a).empty());
+  a.book.injected = 0.12, a.scale = 1000.0;  // too little to matter
+  EXPECT_TRUE(doubts(a).empty());
   a = sound(), a.book.handoff = -3.0;
   EXPECT_NE(said(a).find("3.0 % more energy"), std::string::npos);
   EXPECT_EQ(said(a).find("grid"), std::string::npos);

@@ -222,3 +222,18 @@ TEST(Thinned, LeavesOutWhatIsWithinTheTolerance) {
     EXPECT_LE(1.0 - (0.5 * (fewer[k] + fewer[k + 1])).norm(), 1.001e-3);
   EXPECT_EQ(thinned({{0, 0}, {1e-5, 0}, {1e-5, 1e-5}, {0, 0}}, 1.0).size(), 4u);  // still goes round something
 }
+
+TEST(Cut, LeavesAloneWhatHasComeOff) {
+  const ShellModel m = pane();
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  insert_polyline(m, s, {{0.053, 0.052}, {0.147, 0.051}, {0.146, 0.148}, {0.052, 0.149}, {0.053, 0.052}}, 0.0);
+  std::vector<Piece> pieces;
+  ASSERT_EQ(partition(m, s, pieces).pieces, 2);
+  remove_piece(m, s, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1]);
+  const std::size_t edges = s.cracks.edges().size();
+  insert_polyline(m, s, {{0.083, 0.084}, {0.117, 0.085}, {0.1, 0.11}, {0.083, 0.084}}, 0.0);
+  EXPECT_EQ(s.cracks.edges().size(), edges);
+  insert_polyline(m, s, {{0.0, 0.1}, {0.2, 0.103}}, 0.0);  // what stands is cut on either side
+  EXPECT_GT(s.cracks.edges().size(), edges + 8);
+  EXPECT_LT(s.cracks.edges().size(), edges + 18);
+}
