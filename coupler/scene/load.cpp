@@ -159,16 +159,20 @@ void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std
 // Adds what is in the files that a message names, each beside the scene: with another image or mesh it is another
 // scene.
 void add_files(const pb::Message& m, const std::filesystem::path& folder, Sha256& hash) {
+  namespace fs = std::filesystem;
+  std::error_code none;
   const pb::Reflection& r = *m.GetReflection();
   std::vector<const pb::FieldDescriptor*> fields;
   r.ListFields(m, &fields);
   for (const pb::FieldDescriptor* f : fields) {
     if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING && !f->is_repeated() && f->name() == "path") {
-      const std::filesystem::path file = folder / r.GetString(m, f);
-      std::error_code none;
-      std::stringstream content;
-      if (std::filesystem::is_regular_file(file, none)) content << std::ifstream(file, std::ios::binary).rdbuf();
-      hash.add(content.str());
+      const fs::path file = fs::weakly_canonical(folder / r.GetString(m, f), none);
+      const bool beside = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
+      if (beside && fs::is_regular_file(file, none)) {  // else it is refused where it is used
+        std::ifstream in(file, std::ios::binary);
+        for (std::string part(1 << 16, '\0'); in.read(part.data(), part.size()) || in.gcount() > 0;)
+          hash.add(part.data(), static_cast<std::size_t>(in.gcount()));
+      }
     }
     if (f->cpp_type() != pb::FieldDescriptor::CPPTYPE_MESSAGE) continue;
     const int count = f->is_repeated() ? r.FieldSize(m, f) : 1;
@@ -199,7 +203,7 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   pb::TextFormat::PrintToString(scene.message, &canonical);
   Sha256 hash;
   hash.add(canonical);
-  add_files(scene.message, std::filesystem::path(path).parent_path(), hash);
+  add_files(scene.message, std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path(), hash);
   scene.hash = hash.hex();
   check_enumerators(scene, scene.message, "");
   validate(scene);

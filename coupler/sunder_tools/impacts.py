@@ -275,6 +275,7 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
     found: dict[int, list[dict]] = {}
     sizes: dict[int, list[np.ndarray]] = {}
     inside: dict[int, list[np.ndarray]] = {}
+    left: list[float] = []
     for elements in what.grids:
         spacing = 1e3 * SIDE / elements  # [mm]
         picture = table.pictures / f"{name}_{elements}.png" if table.pictures is not None else None
@@ -283,6 +284,7 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
         found[elements] = [numbers for numbers, _, _ in runs]
         sizes[elements] = [areas * 1e6 for _, areas, _ in runs if len(areas)]  # [mm^2]
         inside[elements] = [areas * 1e6 for _, _, areas in runs if len(areas)]
+        left.append(float(np.mean([len(every) - len(areas) for _, every, areas in runs])))
         every = np.sort(np.concatenate(sizes[elements]))
         table.curves.append({"name": f"{spacing:.2f} mm", "panel": f"{name}: share that is no larger",
                              "x_label": "area [mm^2]", "y_label": "share", "x": every.tolist(),
@@ -309,7 +311,6 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
                              "half": [_bar(of[elements]) for elements in what.grids], "from_zero": True})
     _sizes(table, name, "sizes", sizes, what.grids)
     if what.in_place:
-        left = [np.mean([len(a) - len(b) for a, b in zip(sizes[elements], inside[elements])]) for elements in what.grids]
         table.lines.append(f"{name}: left at the border, no further from it than a spacing: "
                            f"{', '.join(f'{n:.1f}' for n in left)} of these in a run")
         _sizes(table, name, "sizes_inside", inside, what.grids)

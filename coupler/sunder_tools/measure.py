@@ -146,7 +146,7 @@ def bench(pattern: str | None, report: Path | None) -> int:
 
 def _can_write(path: Path) -> None:
     """A place that cannot be written is known before the minutes are spent; what is there stays."""
-    new = not path.exists()
+    new = not os.path.lexists(path)
     try:
         path.open("a").close()
         if new:
@@ -157,7 +157,7 @@ def _can_write(path: Path) -> None:
 
 def _can_plot(path: Path) -> None:
     from PIL import Image
-    if path.suffix.lower() not in Image.registered_extensions():
+    if Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE:
         raise CommandError(f"--plots: cannot write {path}: '{path.suffix}' is no image's ending; end it in .png", BAD_INPUT)
     _can_write(path)
 

@@ -30,11 +30,11 @@ std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing);
 /// point of a closed curve is exactly the first.
 std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing);
 
-/// Segments k, from points[k] to points[k + 1], that meet elsewhere than in the end that neighbours share.
 /// The polyline without points that lie within `tolerance` of what is left (Douglas and Peucker 1973). Both ends stay;
 /// of a closed one, whose last point is exactly the first, at least three corners.
 std::vector<Vec2> thinned(const std::vector<Vec2>& points, double tolerance);
 
+/// Segments k, from points[k] to points[k + 1], that meet elsewhere than in the end that neighbours share.
 struct Meeting {
   int first, second;
   Vec2 at;

@@ -58,10 +58,10 @@ std::vector<std::string> doubts(const Audit& audit) {
     out.push_back(
         fmt::format("damage that healed has made {:.1f} % of the energy there was", 100.0 * share(-b.healing)));
   if (b.injected > kAdded * b.fracture && share(b.injected) > kNoted)
-    out.push_back(
-        fmt::format("cracks have added {:.1f} % of the energy that fracture took, at places and in moments where they "
-                    "should only take: refine{}",
-                    100.0 * b.injected / b.fracture, audit.keeps_damage ? ", or let damage heal" : ""));
+    out.push_back(fmt::format(
+        "cracks have added {:.1f} % of the energy that fracture took, at places and in moments where they "
+        "should only take: refine{}",
+        100.0 * b.injected / std::max(b.fracture, b.injected), audit.keeps_damage ? ", or let damage heal" : ""));
   if (share(-b.handoff) > kMade)
     out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
                               100.0 * share(-b.handoff), audit.grid_transfer ? ": the grid glues what is cut" : ""));

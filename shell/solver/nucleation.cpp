@@ -149,7 +149,7 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   return energy * energy * ground_of(m, s, p, gauss, crack) * (2.0 + 1.0 / most) < 1.0;
 }
 
-// `refused`: the field does not open a crack of this flaw, which is longer than a spacing.
+// `refused`: there is no ground for a crack of this flaw, which is longer than a spacing.
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
                 const Overstressed& o, double time, std::uint64_t& random, bool& refused) {
   const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
@@ -243,7 +243,7 @@ int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double tim
   refused.assign(static_cast<std::size_t>(m.tables.blocks() / each) * m.tables.spans_u, 0);
   for (const Overstressed& o : overstressed_points(m, s)) {
     if (nucleated >= r.nucleations_per_step) break;
-    // one that is longer than the element speaks for its others
+    // one that lacks ground speaks for the element's others
     char& spoken = refused[static_cast<std::size_t>(o.block / each) * m.tables.spans_u + o.lane];
     if (spoken != 0) continue;
     for (; known < static_cast<int>(s.tips.size()); ++known)

@@ -100,14 +100,14 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
   const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
   const bool closed = points.size() > 2 && points.front() == points.back();
   int first = -1, last = -1;
+  std::vector<std::pair<int, int>> edges;  // all are found before one changes which points have come off
   const auto go_to = [&](int next) {
     const Vec2 a = s.cracks.vertices()[last], b = s.cracks.vertices()[next];
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
     for (int k = 1; k <= pieces; ++k) {
       const int to = k == pieces ? next : s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
-      const Vec2 middle = 0.5 * (s.cracks.vertices()[last] + s.cracks.vertices()[to]);
-      if (to != last && !has_edge(s.cracks, last, to) && !has_left(m, s, middle))
-        insert_edge(m, s, last, to, crack, time, 0, false);
+      const Vec2 &p = s.cracks.vertices()[last], &q = s.cracks.vertices()[to];
+      if (!(has_left(m, s, p) && has_left(m, s, 0.5 * (p + q)) && has_left(m, s, q))) edges.emplace_back(last, to);
       last = to;
     }
   };
@@ -121,6 +121,8 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
     for (const int v : over) go_to(v);
     go_to(at_end && closed ? first : vertex_at(b));
   }
+  for (const auto& [from, to] : edges)
+    if (from != to && !has_edge(s.cracks, from, to)) insert_edge(m, s, from, to, crack, time, 0, false);
 }
 
 }  // namespace sunder::shell

@@ -201,7 +201,8 @@ void start_at_ends(const ShellModel& m, ShellState& s, int first, int last) {
     bool open = m.patch.contains(p);
     g.near(p, p, 0.1 * m.spacing, [&](int other) {
       Vec2 foot;
-      if (std::abs(other - edge) > 1 && g.distance(p, other, foot) < 0.1 * m.spacing) open = false;
+      const bool next = other >= first && other < last && std::abs(other - edge) <= 1;  // of the same cut
+      if (!next && g.distance(p, other, foot) < 0.1 * m.spacing) open = false;
       return open;
     });
     if (!open) continue;

@@ -8,6 +8,7 @@
 #include "shell/geometry/plane_curves.h"
 #include "shell/solver/handoff.h"
 #include "shell/solver/polyline.h"
+#include "shell/solver/tips.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -225,15 +226,31 @@ TEST(Thinned, LeavesOutWhatIsWithinTheTolerance) {
 
 TEST(Cut, LeavesAloneWhatHasComeOff) {
   const ShellModel m = pane();
+  for (const double left : {0.0495, 0.0527, 0.056}) {  // the last edges before the hole end anywhere beside it
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    insert_polyline(m, s, {{left, 0.052}, {0.147, 0.051}, {0.146, 0.148}, {left, 0.149}, {left, 0.052}}, 0.0);
+    std::vector<Piece> pieces;
+    ASSERT_EQ(partition(m, s, pieces).pieces, 2);
+    remove_piece(m, s, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1]);
+    const std::size_t edges = s.cracks.edges().size();
+    insert_polyline(m, s, {{0.083, 0.084}, {0.117, 0.085}, {0.1, 0.11}, {0.083, 0.084}}, 0.0);
+    EXPECT_EQ(s.cracks.edges().size(), edges);
+    insert_polyline(m, s, {{0.0, 0.1}, {0.2, 0.103}}, 0.0);  // what stands is cut on either side
+    EXPECT_LT(s.cracks.edges().size(), edges + 18);
+    EXPECT_EQ(partition(m, s, pieces).pieces, 3) << left;
+  }
+}
+
+TEST(Cut, EndsThatMeetAreNotOpen) {
+  const ShellModel m = pane();
   ShellState s = make_state(m, Vec3::Zero(), 0);
-  insert_polyline(m, s, {{0.053, 0.052}, {0.147, 0.051}, {0.146, 0.148}, {0.052, 0.149}, {0.053, 0.052}}, 0.0);
-  std::vector<Piece> pieces;
-  ASSERT_EQ(partition(m, s, pieces).pieces, 2);
-  remove_piece(m, s, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1]);
-  const std::size_t edges = s.cracks.edges().size();
-  insert_polyline(m, s, {{0.083, 0.084}, {0.117, 0.085}, {0.1, 0.11}, {0.083, 0.084}}, 0.0);
-  EXPECT_EQ(s.cracks.edges().size(), edges);
-  insert_polyline(m, s, {{0.0, 0.1}, {0.2, 0.103}}, 0.0);  // what stands is cut on either side
-  EXPECT_GT(s.cracks.edges().size(), edges + 8);
-  EXPECT_LT(s.cracks.edges().size(), edges + 18);
+  insert_polyline(m, s, {{0.05, 0.06}, {0.1, 0.11}}, 0.0);
+  const int first = static_cast<int>(s.cracks.edges().size());
+  insert_polyline(m, s, {{0.1, 0.11}, {0.16, 0.09}}, 0.0);
+  const int all = static_cast<int>(s.cracks.edges().size());
+  start_at_ends(m, s, 0, first);
+  start_at_ends(m, s, first, all);
+  ASSERT_EQ(s.tips.size(), 2u);
+  EXPECT_LT((s.tips[0].p - Vec2(0.05, 0.06)).norm(), 1e-9);
+  EXPECT_LT((s.tips[1].p - Vec2(0.16, 0.09)).norm(), 1e-9);
 }
