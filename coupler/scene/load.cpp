@@ -129,6 +129,14 @@ std::string LoadedScene::file_beside(const std::string& field, const std::string
 
 namespace {
 
+std::string names_of(const pb::EnumDescriptor& type) {
+  std::string names;
+  for (int k = 0, last = type.value_count() - 1; k <= last; ++k)
+    if (!type.value(k)->name().ends_with("UNSPECIFIED"))
+      names += (names.empty() ? "" : k == last ? " or " : ", ") + type.value(k)->name();
+  return names;
+}
+
 // A number in the place of an enumerator's name is accepted by the parser, whatever it is.
 void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std::string& inside) {
   const pb::Reflection& r = *m.GetReflection();
@@ -141,14 +149,8 @@ void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std
       if (f->is_repeated()) field += fmt::format("[{}]", i);
       if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_ENUM) {
         const int value = f->is_repeated() ? r.GetRepeatedEnumValue(m, f, i) : r.GetEnumValue(m, f);
-        std::vector<std::string> names;
-        for (int k = 0; k < f->enum_type()->value_count(); ++k)
-          if (const std::string& name = f->enum_type()->value(k)->name(); !name.ends_with("UNSPECIFIED"))
-            names.push_back(name);
-        const std::string last = names.back();
-        names.pop_back();
-        scene.check(f->enum_type()->FindValueByNumber(value) != nullptr, field, "is {}; {} or {}", value,
-                    fmt::join(names, ", "), last);
+        if (f->enum_type()->FindValueByNumber(value) == nullptr)
+          scene.fail(field, fmt::format("is {}; {}", value, names_of(*f->enum_type())));
       }
       if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
         check_enumerators(scene, f->is_repeated() ? r.GetRepeatedMessage(m, f, i) : r.GetMessage(m, f), field);

@@ -202,7 +202,7 @@ class Shattering:
     grids: tuple[int, int, int]  # elements along the plate
     settings: tuple[str, ...]
     compared: tuple[tuple[str, float], ...]  # share of the mean by which the last two grids may differ
-    in_place: bool = False  # sizes of those that are still in place too, but for the largest; and without what is left at the border
+    in_place: bool = False  # sizes of all but the largest, also those in place; and without what is left at the border
 
 
 # A heavy ball snaps a plate of acrylic into sectors: its cracks take what their area asks.

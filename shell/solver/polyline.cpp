@@ -83,7 +83,7 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
     Vec2 landed = end;
     s.cracks.near(end, end, nearest, [&](int e) {
       Vec2 foot;
-      const double distance = s.cracks.edges()[e].crack == crack ? nearest : s.cracks.distance(end, e, foot);
+      const double distance = s.cracks.distance(end, e, foot);  // none is its own yet
       if (distance < nearest) nearest = distance, landed = foot + kPast * m.spacing * d;
       return true;
     });
