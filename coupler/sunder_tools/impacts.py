@@ -27,6 +27,7 @@ ELEMENTS = 80
 SEEDS = 8
 COUNTED_AT = 4e-3  # [m]: four thicknesses from the impact radial cracks are counted
 LEAST_CHANCE = 0.01
+MOST_STRIPS = 0.5  # at the border, in a run
 SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
 
 
@@ -227,9 +228,8 @@ HEAVY = Shattering("heavy", "struck_glass.textproto", "pane", "ball", (40, 56, 8
 
 def _in_place(folder: Path, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """Areas at rest [m^2] of the pieces that the shell process has still at the end, but for the largest: of those that
-    reach further than `spacing` [m] from the border of the plate, and of those that do not. A clamped plate breaks
-    along its border, where it is bent most, and stress is known no nearer to it than at the outermost Gauss points:
-    what is left between is the narrower the finer the grid, and no piece in the end."""
+    reach further than `spacing` [m] from the border of the plate, and of those that do not: strips, of which a crack
+    along a clamp leaves none."""
     mesh = list_frames(folder)[-1].read(SHELL)
     if mesh is None:
         return np.zeros(0), np.zeros(0)
@@ -313,6 +313,7 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
     if what.in_place:
         table.lines.append(f"{name}: left at the border, no further from it than a spacing: "
                            f"{', '.join(f'{n:.1f}' for n in left)} of these in a run")
+        table.add(f"{name}_strips_at_the_border", max(left), 0.0, MOST_STRIPS, 0.0)
         _sizes(table, name, "sizes_inside", inside, what.grids)
 
 

@@ -8,6 +8,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kOnBorder = 1e-3;  // spacings from the border: what is nearer lies on it, and parts no strip of it
+
 // The part of ab inside the box; false where there is none.
 bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
   struct Hit {
@@ -52,6 +54,12 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
   // find where a vertex belongs.
   std::vector<Cdt::Vertex_handle> known(cracks.vertices().size());
   Cdt::Vertex_handle last;
+  const auto on_border = [&](Vec2 p) {
+    for (int k = 0; k < 2; ++k)
+      for (const double border : {low[k], high[k]})
+        if (std::abs(p[k] - border) < kOnBorder * spacing) p[k] = border;
+    return p;
+  };
   const auto inserted = [&](int vertex, const Vec2& p) {
     const bool whole = p == cracks.vertices()[vertex];
     if (whole && known[vertex] != Cdt::Vertex_handle()) return last = known[vertex];
@@ -59,7 +67,7 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
     return whole ? known[vertex] = last : last;
   };
   for (const CrackEdge& e : cracks.edges()) {
-    Vec2 a = e.a, b = e.b;
+    Vec2 a = on_border(e.a), b = on_border(e.b);
     if (!clip(a, b, low, high) || !((b - a).norm() > 1e-9 * spacing)) continue;
     const Cdt::Vertex_handle from = inserted(e.from, a), to = inserted(e.to, b);
     if (from != to) cdt.insert_constraint(from, to);
@@ -91,13 +99,22 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
   t.neighbours.resize(n), t.crack.resize(n);
   std::vector<std::array<int, 3>> across(n);
   DisjointSets sets(n);
+  const auto cracked = [&](Cdt::Face_handle face, int k) {  // an edge of the border
+    const auto &a = face->vertex(Cdt::ccw(k))->point(), &b = face->vertex(Cdt::cw(k))->point();
+    const Vec2 middle(0.5 * (a.x() + b.x()), 0.5 * (a.y() + b.y()));
+    bool found = false;
+    Vec2 foot;
+    cracks.near(middle, middle, kOnBorder * spacing,
+                [&](int e) { return found = cracks.distance(middle, e, foot) < kOnBorder * spacing, !found; });
+    return found;
+  };
   for (auto it = cdt.finite_faces_begin(); it != cdt.finite_faces_end(); ++it)
     for (int k = 0; k < 3; ++k) {
       const int i = it->info(), other = it->neighbor(k)->info();
       const bool constrained = it->is_constrained(k);
       across[i][k] = other;
       t.neighbours[i][k] = constrained ? -1 : other;
-      t.crack[i][k] = constrained && other >= 0;
+      t.crack[i][k] = constrained && (other >= 0 || cracked(it, k));
       if (!constrained && other >= 0) sets.join(i, other);
     }
   // crumbs that joins leave where they cross what they join: part of the largest piece beside them

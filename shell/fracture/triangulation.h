@@ -14,7 +14,7 @@ struct Triangulation {
   std::vector<Vec2> vertices;
   std::vector<std::array<int, 3>> triangles;   // counter-clockwise
   std::vector<std::array<int, 3>> neighbours;  // across the edge opposite a corner; -1: crack or border
-  std::vector<std::array<char, 3>> crack;      // that edge is a crack (border: 0)
+  std::vector<std::array<char, 3>> crack;      // that edge is a crack (border: 0, unless a crack runs on it)
   std::vector<int> piece;                      // of each triangle, numbered from 0
   int pieces = 0;
   std::vector<int> owner;               // piece of each query point

@@ -4,32 +4,9 @@
 
 #include "coupler/core/body.h"
 #include "shell/fracture/outline.h"
-#include "shell/solver/state.h"
+#include "shell/solver/pieces.h"
 
 namespace sunder::shell {
-
-struct Piece {
-  int number = 0;     // in the triangulation
-  double area = 0.0;  // at rest [m^2]
-  std::vector<int> control_points;
-  bool held = false;         // a support holds it
-  bool gone = false;         // handed off before
-  bool interlocked = false;  // still fastened to another piece
-};
-
-/// All of a patch, in its parameters.
-Eigen::AlignedBox2d domain_of(const ShellModel& model);
-/// The present cracks, with knots in these boxes; control points are the queries.
-Triangulation triangulated(const ShellModel& model, const ShellState& state,
-                           std::span<const Eigen::AlignedBox2d> knots_in);
-/// The pieces of a triangulation as they are held, fastened and gone now.
-std::vector<Piece> pieces_of(const ShellModel& model, const ShellState& state, const Triangulation& t);
-/// Both.
-inline Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces) {
-  Triangulation t = triangulated(model, state, std::array{domain_of(model)});
-  pieces = pieces_of(model, state, t);
-  return t;
-}
 
 /// What is drawn of a body that was a piece: the thickened outline, body coordinates [m].
 struct DrawnMesh {

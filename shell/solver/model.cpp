@@ -61,6 +61,8 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       m.rest[static_cast<std::size_t>(d) * t.plane + t.slot(i)] = m.patch.control_points[i][d];
   m.held.assign(t.plane, 0);
   m.constraints = make_constraints(m.patch, supports, t.stride, "shell '" + name + "'");
+  for (const Support& s : supports)
+    if (s.clamped && s.symmetry < 0 && s.axes[0] && s.axes[1] && s.axes[2]) m.clamped |= s.edges;
   m.loads = prepare_loads(m.patch, t, loads, "shell '" + name + "'");
   std::vector<int> axes(t.plane, 0);
   for (const auto& slots : m.constraints.held)

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "shell/mechanics/principal.h"
+#include "shell/solver/clamp.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/tip_drive.h"
 
@@ -152,7 +153,8 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
 // `refused`: there is no ground for a crack of this flaw, which is longer than a spacing.
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
                 const Overstressed& o, double time, std::uint64_t& random, bool& refused) {
-  const Vec2 p = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
+  const Vec2 flaw = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
+  Vec2 p = flaw;  // where the crack starts
   const std::size_t gauss = m.tables.at(o.block, 1, 0, o.lane), points = s.point_of.size();
   NearCracks& beside = s.surroundings.cracks_of_point.at(points, gauss, kBytesOfCracks);
   const double reach = std::max(kJoin * m.spacing, r.parallel_clearance);
@@ -174,6 +176,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
     if (c.distance < join) join = c.distance, join_foot = c.foot, joins = true;
   }
   if (alike && !joins) along = turned(Vec2(1, 0), std::numbers::pi * uniform(random));
+  if (const auto clamp = clamped_border(m, p, along); clamp && !joins) p = clamp->foot, along = clamp->along;
   // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
   // a wave passes, would leave the sheet full of cracks one edge long.
   Tip kind;
@@ -185,7 +188,8 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   kind.flaw = crack.half_length;
   // where the grid resolves what a crack needs to run by its energy
   if (crack.half_length > m.spacing &&
-      !opens_along(m, s, r, p, along, face, {crack.half_length, kind.strength, ground_of(m, s, p, gauss, crack)}, time))
+      !opens_along(m, s, r, p, along, face, {crack.half_length, kind.strength, ground_of(m, s, flaw, gauss, crack)},
+                   time))
     return 0;
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {

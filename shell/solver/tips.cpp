@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "shell/mechanics/principal.h"
+#include "shell/solver/clamp.h"
 #include "shell/solver/insertion.h"
 #include "shell/solver/nucleation.h"
 #include "shell/solver/tip_drive.h"
@@ -36,11 +37,13 @@ struct Way {
   bool ends;  // on another crack or past the border
 };
 
-// The next edge of a tip along d, `length` long; ends on what lies within reach.
-Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, const Tip& tip, const Vec2& d,
+// The next edge of a tip along `wanted`, `length` long; ends on what lies within reach.
+Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, const Tip& tip, const Vec2& wanted,
               double length) {
   const Vec2 a = tip.p;
-  Vec2 b = a + length * d;
+  Vec2 d = wanted, b = a + length * d;
+  const std::optional<ClampedBorder> clamp = clamped_border(m, b, d);
+  if (clamp) b = clamp->foot, length = (b - a).norm(), d = (b - a) / length;
   bool ends = false;
   const double reach = length + r.join;
   double nearest = 2.0;
@@ -74,7 +77,8 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
     });
     if (ends) b = best + past * (best - a).normalized();
   }
-  if (!ends && hit < 0 && !m.patch.contains(a + reach * d)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
+  const Vec2 beyond = clamp ? Vec2(b + r.join * clamp->along) : Vec2(a + reach * d);
+  if (!ends && hit < 0 && !m.patch.contains(beyond)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
   return {b, ends};
 }
 
@@ -173,7 +177,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
       const Vec2 d = turned(tip.direction, tip.turn / tip.weight);
       int edges = 0;
       if (tip.ratio / tip.weight > r.branch_ratio && tip.since_branch > std::max(r.branch_spacing, 2.0 * tip.flaw) &&
-          room_to_branch(s, r, s.tips[i], m.spacing)) {
+          !clamped_border(m, tip.p, d) && room_to_branch(s, r, s.tips[i], m.spacing)) {
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
         one.since_branch = twin.since_branch = 0.0;
