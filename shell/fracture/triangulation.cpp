@@ -8,8 +8,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kOnBorder = 1e-3;  // spacings from the border: what is nearer lies on it, and parts no strip of it
-
 // The part of ab inside the box; false where there is none.
 bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
   struct Hit {
@@ -57,7 +55,7 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
   const auto on_border = [&](Vec2 p) {
     for (int k = 0; k < 2; ++k)
       for (const double border : {low[k], high[k]})
-        if (std::abs(p[k] - border) < kOnBorder * spacing) p[k] = border;
+        if (std::abs(p[k] - border) < kAtBorder * spacing) p[k] = border;
     return p;
   };
   const auto inserted = [&](int vertex, const Vec2& p) {
@@ -104,8 +102,8 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
     const Vec2 middle(0.5 * (a.x() + b.x()), 0.5 * (a.y() + b.y()));
     bool found = false;
     Vec2 foot;
-    cracks.near(middle, middle, kOnBorder * spacing,
-                [&](int e) { return found = cracks.distance(middle, e, foot) < kOnBorder * spacing, !found; });
+    cracks.near(middle, middle, kAtBorder * spacing,
+                [&](int e) { return found = cracks.distance(middle, e, foot) < kAtBorder * spacing, !found; });
     return found;
   };
   for (auto it = cdt.finite_faces_begin(); it != cdt.finite_faces_end(); ++it)

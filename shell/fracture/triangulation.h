@@ -10,6 +10,9 @@
 
 namespace sunder::shell {
 
+/// What is nearer to the border lies on it, and parts no strip of it [spacings].
+constexpr double kAtBorder = 1e-3;
+
 struct Triangulation {
   std::vector<Vec2> vertices;
   std::vector<std::array<int, 3>> triangles;   // counter-clockwise

@@ -113,8 +113,9 @@ std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) con
       g.bends = g.bends || now[k].whole ||
                 (!p.control_points.empty() && p.area > kSmallPiece * std::pow(parts_[k].model().spacing, 2));
       g.empty = g.empty && p.control_points.empty() && !now[k].whole;
-      g.torn = g.torn || std::any_of(now[k].group.begin(), now[k].group.end(),
-                                     [&, own = now[k].group[i]](int other) { return other != own; });
+      g.torn = g.torn || p.parted ||
+               std::any_of(now[k].group.begin(), now[k].group.end(),
+                           [&, own = now[k].group[i]](int other) { return other != own; });
     }
   return groups;
 }

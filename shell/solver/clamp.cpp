@@ -7,9 +7,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kNear = 1.0;  // spacings: what an element that is bent quadratically cannot tell
 constexpr double kParallel = 0.85;  // cosine, as of cracks that shield one another
-constexpr double kAway = 0.3;      // sine: a step between two directions that a tip tries
+constexpr double kAway = 0.3;       // sine; more than a tip turns at once: what runs on the border stays there
 
 struct Border {
   int axis;         // across it
@@ -25,14 +24,12 @@ Border border_of(const Patch& p, int edge) {
 
 }  // namespace
 
-std::optional<ClampedBorder> clamped_border(const ShellModel& m, const Vec2& p, const Vec2& direction) {
+std::optional<ClampedBorder> clamped_border(const ShellModel& m, const Vec2& p, const Vec2& direction, double reach) {
   for (const int edge : kEdges) {
     if (!(m.clamped & edge)) continue;
     const Border b = border_of(m.patch, edge);
     const double inwards = b.sign * direction[b.axis], along = direction[1 - b.axis];
-    if (b.sign * (p[b.axis] - b.at) >= kNear * (b.axis == 0 ? m.spacing_u : m.spacing_v) ||
-        std::abs(along) < kParallel || inwards > kAway)
-      continue;
+    if (b.sign * (p[b.axis] - b.at) > reach || std::abs(along) < kParallel || inwards > kAway) continue;
     ClampedBorder out{p, Vec2::Zero()};
     out.foot[b.axis] = b.at + b.sign * kOnBorder * m.spacing;
     out.along[1 - b.axis] = along < 0.0 ? -1.0 : 1.0;
@@ -41,7 +38,15 @@ std::optional<ClampedBorder> clamped_border(const ShellModel& m, const Vec2& p, 
   return std::nullopt;
 }
 
-bool parted_from_clamp(const ShellModel& m, const CrackGraph& cracks, int control_point) {
+Vec2 met_at(const ClampedBorder& border, const Vec2& p, const Vec2& way) {
+  const int axis = border.along.x() == 0.0 ? 0 : 1;
+  Vec2 out = p + (border.foot[axis] - p[axis]) / way[axis] * way;
+  out[axis] = border.foot[axis];
+  return out;
+}
+
+int parted_from_clamp(const ShellModel& m, const CrackGraph& cracks, int control_point) {
+  if (m.laminated()) return -1;
   const Vec2& p = m.parameter[control_point];
   for (const int edge : kEdges) {
     if (!(m.clamped & edge)) continue;
@@ -49,9 +54,9 @@ bool parted_from_clamp(const ShellModel& m, const CrackGraph& cracks, int contro
     if (std::abs(p[b.axis] - b.at) > kOnBorder * m.spacing) continue;
     Vec2 q = p;
     q[b.axis] += b.sign * 2.0 * kOnBorder * m.spacing;
-    if (!cracks.visible(p, q)) return true;
+    if (!cracks.visible(p, q)) return control_point + (b.axis == 0 ? 1 : m.patch.columns()) * static_cast<int>(b.sign);
   }
-  return false;
+  return -1;
 }
 
 }  // namespace sunder::shell

@@ -8,6 +8,7 @@
 
 #include "coupler/core/error.h"
 #include "coupler/core/principal_axes.h"
+#include "shell/solver/clamp.h"
 
 namespace sunder::shell {
 namespace {
@@ -21,10 +22,17 @@ constexpr std::size_t kEvery = std::numeric_limits<std::size_t>::max();
 constexpr double kPartTolerance = 0.1;  // spacings squared that a convex part may add to a piece's outline
 constexpr double kLastMass = 0.02;      // where that is not enough, as when the last pieces leave
 
+// Mass that stays with a control point from which pieces take. Nothing uses one that a crack along a clamped border has
+// parted from them: what it has left is theirs.
+double kept_by(const ShellModel& m, const Triangulation& t, int slot, double share) {
+  return t.owner[m.tables.control_point(slot)] < 0 ? 0.0 : share * m.mass[slot];
+}
+
 // The smallest masses to take from the nearest control points that stay (negative: to give) so that they sum
 // to `mass` and their first moment about the centre to `moment`. Empty where those points cannot spare them.
-std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, const std::vector<int>& beside,
-                                     double mass, const Vec3& moment, const Vec3& centre) {
+std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, const Triangulation& t,
+                                     const std::vector<int>& beside, double mass, const Vec3& moment,
+                                     const Vec3& centre) {
   Eigen::VectorXd wanted(4);
   wanted << mass, moment / m.spacing;
   for (std::size_t n = 12; n / 2 < beside.size() && n <= kNearest; n *= 2) {
@@ -37,7 +45,7 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
     const Eigen::VectorXd parts = a.completeOrthogonalDecomposition().solve(wanted);
     bool fits = (a * parts - wanted).norm() <= 1e-3 * wanted.norm();  // a bent piece's points need not all fit
     for (Eigen::Index k = 0; k < count && fits; ++k)
-      fits = parts[k] <= s.mass[beside[k]] - kLeastMass * m.mass[beside[k]] && -parts[k] <= m.mass[beside[k]];
+      fits = parts[k] <= s.mass[beside[k]] - kept_by(m, t, beside[k], kLeastMass) && -parts[k] <= m.mass[beside[k]];
     if (!fits) continue;
     std::vector<double> out(parts.data(), parts.data() + count);
     double sum = 0.0;
@@ -216,6 +224,10 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     s.inverse_mass[slot] = 0.0, s.mass[slot] = 0.0;
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
+  for (int i = 0; i < m.control_points(); ++i) {  // nothing uses these, but points may be nearest to them
+    const int inside = parted_from_clamp(m, s.cracks, i);
+    if (inside >= 0 && own[t.slot(inside)]) own[t.slot(i)] = 1;
+  }
   const auto slack = [&](int block, int lane) {
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
   };
@@ -351,27 +363,23 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
       const Vec3 old = s.velocity(slot);
       s.add_velocity(slot, (s.mass[slot] * old + part * v) / (s.mass[slot] + part) - old);
     }
-    receive(slot, -part, s.inverse_mass[slot] > 0.0 ? v : Vec3(Vec3::Zero()));  // what is held takes no momentum
-  };
-  const auto velocity_of = [&](int slot) -> Vec3 {  // the one it goes on with
-    return m.held[slot] ? Vec3(Vec3::Zero()) : s.velocity(slot);
+    receive(slot, -part, s.inverse_mass[slot] > 0.0 ? v : s.velocity(slot));  // what is held moves as before
   };
   Vec3 moment = Vec3::Zero();  // what the piece's masses miss about its centre [kg m]
   for (const int slot : slots) moment -= s.mass[slot] * (s.position(slot) - centre);
-  const std::vector<double> parts = balancing_masses(m, s, beside, missing, moment, centre);
+  const std::vector<double> parts = balancing_masses(m, s, t, beside, missing, moment, centre);
   if (!parts.empty()) {
     const Vec3 v = mass > 0.0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero());
     for (std::size_t k = 0; k < parts.size(); ++k)
-      parts[k] >= 0.0 ? receive(beside[k], parts[k], velocity_of(beside[k])) : give(beside[k], -parts[k], v);
+      parts[k] >= 0.0 ? receive(beside[k], parts[k], s.velocity(beside[k])) : give(beside[k], -parts[k], v);
     missing = 0.0;
   } else if (missing > 0.0) {
     beside = neighbours(m, s, t, piece, kEvery);
     for (const double least : {kLeastMass, kLastMass})
       for (const int slot : beside) {
-        const double kept = s.inverse_mass[slot] > 0.0 || least == kLeastMass ? least : 0.0;  // what is held needs none
-        const double part = std::min(missing, s.mass[slot] - kept * m.mass[slot]);
+        const double part = std::min(missing, s.mass[slot] - kept_by(m, t, slot, least));
         if (part <= 0.0) continue;
-        receive(slot, part, velocity_of(slot));
+        receive(slot, part, s.velocity(slot));
         missing -= part;
       }
   } else if (missing < 0.0 && !beside.empty()) {

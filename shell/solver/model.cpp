@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shell/geometry/edges.h"
 #include "shell/mechanics/point_force.h"
 
 namespace sunder::shell {
@@ -61,8 +62,6 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       m.rest[static_cast<std::size_t>(d) * t.plane + t.slot(i)] = m.patch.control_points[i][d];
   m.held.assign(t.plane, 0);
   m.constraints = make_constraints(m.patch, supports, t.stride, "shell '" + name + "'");
-  for (const Support& s : supports)
-    if (s.clamped && s.symmetry < 0 && s.axes[0] && s.axes[1] && s.axes[2]) m.clamped |= s.edges;
   m.loads = prepare_loads(m.patch, t, loads, "shell '" + name + "'");
   std::vector<int> axes(t.plane, 0);
   for (const auto& slots : m.constraints.held)
@@ -71,6 +70,12 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
     for (const auto& slots : driven.slots)
       for (const int slot : slots) ++axes[slot];
   for (int i = 0; i < t.plane; ++i) m.held[i] = axes[i] >= 3;
+  const auto holds = [&](int edge, int depth) {
+    const std::vector<int> row = edge_row(m.patch, edge, depth);
+    return std::all_of(row.begin(), row.end(), [&](int i) { return m.held[t.slot(i)] != 0; });
+  };
+  for (const int edge : kEdges)
+    if (holds(edge, 0) && holds(edge, 1)) m.clamped |= edge;
   m.of_slot.assign(t.plane, Vec2::Zero());
   for (int i = 0; i < m.control_points(); ++i) {
     m.parameter.push_back(m.patch.greville(i));

@@ -40,7 +40,7 @@ struct ShellModel {
   ShellMaterial material;
   std::uint32_t contact_group = 0;
   int clamped = 0;  // EdgeBit: edges that are held with their slopes along all axes
-  int joined = 0;  // EdgeBit: edges that go on in another shell, but for hinges
+  int joined = 0;   // EdgeBit: edges that go on in another shell, but for hinges
   RowTables tables{};
   // Of the interlayer, whose functions are those of the uncut patch whatever cracks; without points where there is
   // none.

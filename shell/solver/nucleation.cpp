@@ -167,16 +167,19 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
   const bool alike = stress.low > r.alike * stress.high;  // then any direction is as good: scatter decides
-  Vec2 join_foot;
+  Vec2 join_foot, join_way;
   double join = kJoin * m.spacing;
   bool joins = false;
   Vec2 along = stress.crack;
   for (const SeenEdge& c : cracks) {
     if (c.distance < r.parallel_clearance && std::abs(c.along.dot(stress.crack)) > kParallel) return 0;
-    if (c.distance < join) join = c.distance, join_foot = c.foot, joins = true;
+    if (c.distance < join) join = c.distance, join_foot = c.foot, join_way = c.along, joins = true;
   }
   if (alike && !joins) along = turned(Vec2(1, 0), std::numbers::pi * uniform(random));
-  if (const auto clamp = clamped_border(m, p, along); clamp && !joins) p = clamp->foot, along = clamp->along;
+  if (const auto clamp = clamped_border(m, p, along, m.spacing)) {
+    p = clamp->foot, along = clamp->along;
+    if (joins) join_foot = met_at(*clamp, join_foot, join_way);
+  }
   // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
   // a wave passes, would leave the sheet full of cracks one edge long.
   Tip kind;

@@ -27,7 +27,7 @@ Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<c
   Triangulation t = triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks, places, m.spacing,
                                 kCrumb * m.spacing * m.spacing, knots_in);
   for (int i = 0; i < m.control_points(); ++i)
-    if (parted_from_clamp(m, s.cracks, i)) t.owner[i] = -1;
+    if (parted_from_clamp(m, s.cracks, i) >= 0) t.owner[i] = -1;
   return t;
 }
 
@@ -42,7 +42,11 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
   std::vector<char> anchored(m.tables.plane, 0);
   for (const int slot : m.constraints.anchors) anchored[slot] = 1;
   for (int i = 0; i < m.control_points(); ++i) {
-    if (t.owner[i] < 0) continue;
+    if (t.owner[i] < 0) {
+      const int beside = parted_from_clamp(m, s.cracks, i);
+      if (beside >= 0 && t.owner[beside] >= 0) pieces[t.owner[beside]].parted = true;
+      continue;
+    }
     Piece& p = pieces[t.owner[i]];
     p.control_points.push_back(i);
     p.held = p.held || anchored[m.tables.slot(i)];

@@ -15,6 +15,7 @@ struct Piece {
   std::vector<int> control_points;
   bool held = false;         // a support holds it
   bool gone = false;         // handed off before
+  bool parted = false;       // a crack along a clamped border has parted some of it from there
   bool interlocked = false;  // still fastened to another piece
 };
 

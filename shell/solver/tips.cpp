@@ -19,6 +19,7 @@ constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0, 4.0};
 constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
 constexpr double kMet = 0.05;    // spacings between tips that have met
 constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
+constexpr double kOnto = 0.5;  // of an edge: a tip so near a clamped border that it follows is on it with the next one
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;  // of a crack from the end of a cut
 
 constexpr std::size_t kFewTips = 8;  // that one thread looks at sooner than it shares them
@@ -34,7 +35,8 @@ bool crosses(const ShellState& s, int edge, const Tip& tip, const Vec2& d) {
 
 struct Way {
   Vec2 to;
-  bool ends;  // on another crack or past the border
+  bool ends;                  // on another crack or past the border
+  std::optional<Vec2> along;  // a clamped border, as it goes on
 };
 
 // The next edge of a tip along `wanted`, `length` long; ends on what lies within reach.
@@ -42,8 +44,12 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
               double length) {
   const Vec2 a = tip.p;
   Vec2 d = wanted, b = a + length * d;
-  const std::optional<ClampedBorder> clamp = clamped_border(m, b, d);
-  if (clamp) b = clamp->foot, length = (b - a).norm(), d = (b - a) / length;
+  const std::optional<ClampedBorder> clamp = clamped_border(m, a, d, kOnto * length);
+  if (clamp) {
+    const double across = (a - clamp->foot).norm();
+    b = clamp->foot + std::sqrt(length * length - across * across) * clamp->along;
+    d = (b - a).normalized();
+  }
   bool ends = false;
   const double reach = length + r.join;
   double nearest = 2.0;
@@ -54,7 +60,12 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
     if (e == tip.edge || c.from == tip.vertex || c.to == tip.vertex) return true;
     const Vec2 q = c.long_b - c.long_a, o = c.long_a - a;
     const double det = q.x() * far.y() - far.x() * q.y();
-    if (std::abs(det) < 1e-30) return true;
+    if (std::abs(det) < 1e-12 * q.norm() * reach) {  // on one line: tips that run along a border meet head on
+      if (std::abs(o.x() * d.y() - o.y() * d.x()) > 1e-9 * m.spacing) return true;
+      const double end = std::min(o.dot(d), (o + q).dot(d)) / reach;
+      if (end > 1e-6 && end <= 1.0 && end < nearest) nearest = end, hit = e;
+      return true;
+    }
     const double along = (q.x() * o.y() - o.x() * q.y()) / det, across = (far.x() * o.y() - o.x() * far.y()) / det;
     if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest) nearest = along, hit = e;
     return true;
@@ -79,7 +90,7 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
   }
   const Vec2 beyond = clamp ? Vec2(b + r.join * clamp->along) : Vec2(a + reach * d);
   if (!ends && hit < 0 && !m.patch.contains(beyond)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
-  return {b, ends};
+  return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }
 
 // Each tip runs one edge along its direction, all or none. Returns edges inserted.
@@ -105,7 +116,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     const Vec2 b = ways[k].to, step = b - tip.p;
     tip.since_branch += step.norm(), tip.grown += step.norm();
     tip.edge = first + static_cast<int>(k), tip.vertex = s.cracks.edges()[tip.edge].to;
-    tip.direction = step.normalized(), tip.p = b;
+    tip.direction = ways[k].along.value_or(step.normalized()), tip.p = b;
     tip.weight = tip.turn = tip.ratio = 0.0;
     tip.pending -= length - r.advance;
     if (!ways[k].ends) continue;
@@ -177,7 +188,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
       const Vec2 d = turned(tip.direction, tip.turn / tip.weight);
       int edges = 0;
       if (tip.ratio / tip.weight > r.branch_ratio && tip.since_branch > std::max(r.branch_spacing, 2.0 * tip.flaw) &&
-          !clamped_border(m, tip.p, d) && room_to_branch(s, r, s.tips[i], m.spacing)) {
+          !clamped_border(m, tip.p, d, kOnto * r.advance) && room_to_branch(s, r, s.tips[i], m.spacing)) {
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
         one.since_branch = twin.since_branch = 0.0;

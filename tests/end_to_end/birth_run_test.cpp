@@ -70,3 +70,31 @@ TEST(Birth, AnEngineOfSinglePrecisionMayRoundAndNoMore) {
   worse.rounds = true, worse.momentum = 1e-3;
   EXPECT_EQ(run_text(kCutPane, worse, {}).rfind("ledger: window ", 0), 0u);
 }
+
+// Nothing else parts: there is one piece all the time, and it leaves because the clamp no longer holds it.
+TEST(Birth, OfAPlateThatBreaksOffItsClampLeavesNothingBehind) {
+  const std::string plate =
+      "name: \"plate\" end_time_s: 8e-3 window_s: 1e-4 gravity {}\n"
+      "materials { name: \"glass\" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 strength: 80e6\n"
+      "  fracture_energy: 20 }\n"
+      "shells { name: \"pane\" material: \"glass\" thickness_m: 0.004\n"
+      "  plate { size_x_m: 0.2 size_y_m: 0.1 elements_x: 20 elements_y: 10 }\n"
+      "  strength_regions { factor: 0.5 low { u: 0 v: 0 } high { u: 0.01 v: 0.1 } }\n"
+      "  supports { edges: U_MIN kind: CLAMPED } loads { pressure: 3.2e3 } }\n"
+      "fracture { mode: TIPS seed: 1 quiet_time_s: 1 latest_freeze_s: 1 }\n"
+      "output { frame_interval_s: 1e9 checkpoint_interval_s: 0 }\n";
+  rigid::FreeFlight engine;
+  double first = -1.0, mass = 0.0;
+  std::size_t bodies = 0;
+  EXPECT_EQ(run_text(plate, engine,
+                     [&](double time, double, const auto& all) {
+                       if (first < 0.0 && !all.empty()) first = time;
+                       bodies = all.size(), mass = 0.0;
+                       for (const RigidBody* body : all) mass += body->mass;
+                     }),
+            "");
+  EXPECT_GT(first, 0.0);
+  EXPECT_LT(first, 7e-3);
+  EXPECT_EQ(bodies, 1u);
+  EXPECT_NEAR(mass, 2500 * 0.004 * 0.02, 1e-9);
+}

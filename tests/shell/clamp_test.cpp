@@ -1,8 +1,10 @@
 // Cracks beside a clamped border run on it, and leave no strip.
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
+#include "shell/geometry/edges.h"
 #include "shell/solver/clamp.h"
 #include "shell/solver/handoff.h"
 #include "shell/solver/tips.h"
@@ -15,21 +17,34 @@ namespace {
 
 constexpr double kSide = 0.2;
 
-ShellModel held_at_left(bool clamped) {
+struct Held {
+  int edge = kUMin, degree = 2, elements_u = 20, elements_v = 20;
+  bool clamped = true;
+};
+
+ShellModel held_plate(const Held& what) {
   ShellMaterial g = glass();
   g.strength = 4e6, g.fracture_energy = 0.3;
   Support support;
-  support.edges = kUMin, support.clamped = clamped;
-  return make_shell("p", plate(kSide, kSide, 20, 20, Vec3(0.5 * kSide, 0.5 * kSide, 0), Quat::Identity()), 0.004, g, 2,
-                    2, {support});
+  support.edges = what.edge, support.clamped = what.clamped;
+  const Patch p = plate(kSide, kSide, what.elements_u, what.elements_v, Vec3(0.5 * kSide, 0.5 * kSide, 0),
+                        Quat::Identity(), what.degree);
+  return make_shell("p", p, 0.004, g, 2, what.degree, {support});
 }
 
-// Bent as a plate that is clamped at x = 0 and drawn up at the other end, most at the border; cracked until all rests.
+// From the edge that is held [m].
+double depth(const Held& what, const Vec2& p) {
+  const double along = what.edge < kVMin ? p.x() : p.y();
+  return what.edge == kUMin || what.edge == kVMin ? along : kSide - along;
+}
+
+// Bent as a plate that is clamped along one edge and drawn up at the other, most at the border; cracked until all
+// rests.
 struct Cracked {
-  explicit Cracked(bool clamped) : m(held_at_left(clamped)), s(make_state(m, Vec3::Zero(), 1)) {
+  explicit Cracked(const Held& what) : held(what), m(held_plate(what)), s(make_state(m, Vec3(1, 2, 3), 1)) {
     const CrackRules r = make_crack_rules(m, 0.0);
     for (int k = 0; k < m.control_points(); ++k) {
-      const double x = m.parameter[k].x();
+      const double x = depth(what, m.parameter[k]);
       if (!m.held[m.tables.slot(k)]) s.x[2 * m.tables.plane + m.tables.slot(k)] = 0.03 * x * x * (3.0 * kSide - x);
     }
     std::uint64_t random = 1;
@@ -40,7 +55,13 @@ struct Cracked {
     t = triangulated(m, s, {});
     pieces = pieces_of(m, s, t);
   }
+  double mass_at_border() const {
+    double sum = 0.0;
+    for (const int i : edge_row(m.patch, held.edge, 0)) sum += s.mass[m.tables.slot(i)];
+    return sum;
+  }
 
+  Held held;
   ShellModel m;
   ShellState s;
   Triangulation t;
@@ -50,58 +71,134 @@ struct Cracked {
 }  // namespace
 
 TEST(ClampedBorder, IsFollowedByWhatIsBesideItAndNearlyParallel) {
-  const ShellModel m = held_at_left(true);
+  const ShellModel m = held_plate({});
   const double h = m.spacing;
-  const auto border = clamped_border(m, {0.3 * h, 0.1}, Vec2(0.1, -1.0).normalized());
+  const auto border = clamped_border(m, {0.3 * h, 0.1}, Vec2(0.1, -1.0).normalized(), h);
   ASSERT_TRUE(border);
   EXPECT_DOUBLE_EQ(border->foot.x(), kOnBorder * h);
   EXPECT_DOUBLE_EQ(border->foot.y(), 0.1);
   EXPECT_EQ(border->along, Vec2(0.0, -1.0));
-  EXPECT_TRUE(clamped_border(m, {-0.1 * h, 0.1}, {0.0, 1.0}));                    // ran over it
-  EXPECT_FALSE(clamped_border(m, {1.1 * h, 0.1}, {0.0, 1.0}));                    // too far in
-  EXPECT_FALSE(clamped_border(m, {0.3 * h, 0.1}, Vec2(-1.0, 1.0).normalized()));  // meets it
-  EXPECT_FALSE(clamped_border(m, {0.3 * h, 0.1}, Vec2(0.4, 1.0).normalized()));   // leaves it
-  EXPECT_FALSE(clamped_border(m, {kSide - 0.3 * h, 0.1}, {0.0, 1.0}));            // free
-  EXPECT_FALSE(clamped_border(held_at_left(false), {0.3 * h, 0.1}, {0.0, 1.0}));  // hinged
+  EXPECT_EQ(met_at(*border, {h, 0.1}, Vec2(1.0, 1.0).normalized()).x(), border->foot.x());
+  EXPECT_NEAR(met_at(*border, {h, 0.1}, Vec2(1.0, 1.0).normalized()).y(), 0.1 - (1.0 - kOnBorder) * h, 1e-15);
+  EXPECT_TRUE(clamped_border(m, {-0.1 * h, 0.1}, {0.0, 1.0}, h));                           // ran over it
+  EXPECT_FALSE(clamped_border(m, {1.1 * h, 0.1}, {0.0, 1.0}, h));                           // too far in
+  EXPECT_FALSE(clamped_border(m, {0.3 * h, 0.1}, Vec2(-1.0, 1.0).normalized(), h));         // meets it
+  EXPECT_FALSE(clamped_border(m, {0.3 * h, 0.1}, Vec2(0.4, 1.0).normalized(), h));          // leaves it
+  EXPECT_FALSE(clamped_border(m, {kSide - 0.3 * h, 0.1}, {0.0, 1.0}, h));                   // free
+  EXPECT_FALSE(clamped_border(held_plate({.clamped = false}), {0.3 * h, 0.1}, {0, 1}, h));  // hinged
 }
 
 TEST(ClampedBorder, BreaksWithoutAStripAndThenHoldsNothing) {
-  const Cracked c(true);
-  double on = 0.0;
-  for (const CrackEdge& e : c.s.cracks.edges())
-    if (std::max(e.a.x(), e.b.x()) < 1e-3 * c.m.spacing) on += std::abs(e.b.y() - e.a.y());
-  EXPECT_GT(on, 0.99 * kSide);
-  for (const CrackEdge& e : c.s.cracks.edges())  // nor does any run beside it
-    EXPECT_FALSE(e.a.x() < c.m.spacing && e.b.x() < c.m.spacing && e.a.x() > 1e-3 * c.m.spacing &&
-                 e.b.x() > 1e-3 * c.m.spacing)
-        << e.a.transpose() << "  " << e.b.transpose();
-  double area = 0.0;
-  for (const Piece& p : c.pieces) {
-    area += p.area;
-    EXPECT_FALSE(p.held);
-    double depth = 0.0;
-    for (const int i : c.t.triangles_of(p.number))
-      for (const int k : c.t.triangles[i]) depth = std::max(depth, c.t.vertices[k].x());
-    EXPECT_GT(depth, c.m.spacing);
+  for (const Held& what : {Held{}, Held{.edge = kUMax}, Held{.edge = kVMin}, Held{.edge = kVMax}, Held{.degree = 3},
+                           Held{.elements_u = 26}, Held{.elements_v = 32}}) {
+    const std::string label =
+        fmt::format("edge {}, degree {}, {} x {}", what.edge, what.degree, what.elements_u, what.elements_v);
+    const Cracked c(what);
+    const double across = what.edge < kVMin ? c.m.spacing_u : c.m.spacing_v;
+    double on = 0.0;
+    for (const CrackEdge& e : c.s.cracks.edges()) {
+      const double a = depth(what, e.a), b = depth(what, e.b);
+      if (std::max(a, b) < kAtBorder * c.m.spacing)
+        on += (e.b - e.a).norm();
+      else  // nor does any run beside it
+        EXPECT_GT(std::max(a, b), 0.5 * across) << label << ": " << e.a.transpose() << "  " << e.b.transpose();
+    }
+    const bool whole = what.elements_u == what.elements_v;  // else a bit is left, before which tips rest in this bend
+    EXPECT_GT(on, (whole ? 0.99 : 0.85) * kSide) << label;
+    double area = 0.0;
+    for (const Piece& p : c.pieces) {
+      double inside = 0.0;
+      for (const int i : c.t.triangles_of(p.number))
+        for (const int k : c.t.triangles[i]) inside = std::max(inside, depth(what, c.t.vertices[k]));
+      EXPECT_GT(inside, across) << label;
+      EXPECT_TRUE(!whole || !p.held) << label;
+      area += p.area;
+    }
+    EXPECT_NEAR(area, kSide * kSide, 1e-12) << label;
   }
-  EXPECT_NEAR(area, kSide * kSide, 1e-12);
 }
 
 TEST(ClampedBorder, OfAHingedPlateIsNone) {
-  const Cracked c(false);
+  const Cracked c({.clamped = false});
   ASSERT_FALSE(c.s.cracks.edges().empty());
   for (const CrackEdge& e : c.s.cracks.edges()) EXPECT_GT(std::max(e.a.x(), e.b.x()), 0.1 * c.m.spacing);
 }
 
-// What has broken off along the clamp takes the mass that the support still has of it.
-TEST(ClampedBorder, WhatBreaksOffThereWeighsWhatItDid) {
-  Cracked c(true);
-  const Totals before = totals(c.m, c.s);
-  double mass = 0.0;
-  for (const Piece& p : c.pieces) {
-    const Handoff h = hand_off(c.m, c.s, c.t, p, 7, 0.0);
-    mass += h.body.mass;
-    EXPECT_NEAR(h.body.mass, c.m.material.density * c.m.thickness * p.area, 1e-9 * before.mass);
+// However long: a strip of 60 spacings is more than a crumb.
+TEST(ClampedBorder, IsThatOfThePieceWhereACrackRunsOnIt) {
+  Support support;
+  support.edges = kVMin;
+  ShellMaterial material = glass();
+  for (const bool laminated : {false, true}) {
+    if (laminated) material.interlayer = {0.001, 1100, 1e7, 0.4};
+    const ShellModel m = make_shell("p", plate(0.6, 0.1, 60, 10, Vec3(0.3, 0.05, 0), Quat::Identity()), 0.004, material,
+                                    2, 2, {support});
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    insert_polyline(m, s, {{-0.01, kOnBorder * m.spacing}, {0.61, kOnBorder * m.spacing}}, 0.0);
+    std::vector<Piece> pieces;
+    partition(m, s, pieces);
+    ASSERT_EQ(pieces.size(), 1u);
+    EXPECT_EQ(pieces[0].held, laminated);  // what is between still hangs on it
+    EXPECT_EQ(pieces[0].parted, !laminated);
+    EXPECT_EQ(pieces[0].control_points.size(), (laminated ? 12u : 11u) * 62u);
   }
-  EXPECT_NEAR(before.mass - totals(c.m, c.s).mass, mass, 1e-12 * before.mass);
+}
+
+// A tip turns no more than it may and is on the border; with the next edge it runs along it.
+TEST(ClampedBorder, IsReachedByATipInOneEdge) {
+  const ShellModel m = held_plate({});
+  for (const double depth : {0.1, 0.3, 0.6}) {  // spacings
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    for (int k = 0; k < m.control_points(); ++k) {
+      const double x = m.parameter[k].x();
+      if (!m.held[m.tables.slot(k)]) s.x[2 * m.tables.plane + m.tables.slot(k)] = 0.2 * x * x;
+    }
+    std::fill(s.strength.begin(), s.strength.end(), 1e12);  // nothing else cracks
+    insert_polyline(m, s, {{depth * m.spacing, -0.01}, {depth * m.spacing, 0.05}}, 0.0);
+    start_at_ends(m, s, 0, static_cast<int>(s.cracks.edges().size()));
+    ASSERT_EQ(s.tips.size(), 1u);
+    s.tips[0].first_turn = 0.0;
+    const CrackRules r = make_crack_rules(m, 0.0);
+    std::uint64_t random = 1;
+    int last = s.tips[0].edge, edges = 0;
+    for (int look = 0; look < 60 && s.tips[0].alive; ++look) {
+      compute_forces(m, s, false, 1.0, 1);
+      grow_cracks(m, s, r, 1e-6 * look, 0.3 * r.advance / r.rayleigh, random);
+      if (s.tips[0].edge == last) continue;
+      last = s.tips[0].edge;
+      if (++edges == 1) continue;
+      const CrackEdge& e = s.cracks.edges()[last];
+      if (depth < 0.5 * r.advance / m.spacing) {
+        EXPECT_LT(std::max(e.a.x(), e.b.x()), kAtBorder * m.spacing) << depth << ", edge " << edges;
+      } else if (edges == 2) {
+        EXPECT_GT(e.a.x(), 0.4 * m.spacing) << "goes its own way";
+      }
+    }
+    EXPECT_GT(edges, 3) << depth;
+  }
+}
+
+// What has broken off along the clamp takes the mass that the support still has of it, with the support's motion.
+TEST(ClampedBorder, WhatBreaksOffThereWeighsWhatItDid) {
+  for (const double speed : {0.0, 5.0}) {
+    Cracked c({});
+    for (const auto& held : c.m.constraints.held[2])
+      c.s.v[2 * c.m.tables.plane + held] = speed;  // as if it were driven
+    for (const Piece& p : c.pieces) {
+      const Totals before = totals(c.m, c.s);
+      const double at_border = c.mass_at_border();
+      const Handoff h = hand_off(c.m, c.s, c.t, p, 7, 0.0);
+      const RigidBody& b = h.body;
+      EXPECT_NEAR(b.mass, c.m.material.density * c.m.thickness * p.area, 1e-9 * before.mass);
+      const Totals after = totals(c.m, c.s);
+      EXPECT_NEAR(before.mass - after.mass, b.mass, 1e-12 * before.mass);
+      const Vec3 momentum = after.momentum + b.mass * b.motion.velocity - before.momentum;
+      EXPECT_LT(momentum.norm(), 1e-12 * before.momentum_scale) << speed;
+      if (&p == &c.pieces[0]) {
+        EXPECT_GT(at_border - c.mass_at_border(), 0.5 * h.mass_moved);  // before what is further off
+      }
+    }
+    EXPECT_NEAR(c.mass_at_border(), 0.0, 1e-12);
+    for (const GatheredPoint& g : c.s.points) EXPECT_TRUE(g.left);
+  }
 }
