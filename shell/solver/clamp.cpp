@@ -38,10 +38,20 @@ std::optional<ClampedBorder> clamped_border(const ShellModel& m, const Vec2& p, 
   return std::nullopt;
 }
 
-Vec2 met_at(const ClampedBorder& border, const Vec2& p, const Vec2& way) {
+std::optional<ClampedBorder> clamped_start(const ShellModel& m, const CrackGraph& cracks, const Vec2& p,
+                                           const Vec2& along) {
+  for (const double sign : {1.0, -1.0}) {
+    const auto border = clamped_border(m, p, sign * along, m.spacing);
+    if (border && cracks.visible(p, border->foot)) return border;
+  }
+  return std::nullopt;
+}
+
+std::optional<Vec2> met_at(const ClampedBorder& border, const Vec2& p, const Vec2& way, double reach) {
   const int axis = border.along.x() == 0.0 ? 0 : 1;
   Vec2 out = p + (border.foot[axis] - p[axis]) / way[axis] * way;
   out[axis] = border.foot[axis];
+  if (!((out - border.foot).norm() <= reach)) return std::nullopt;
   return out;
 }
 

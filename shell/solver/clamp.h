@@ -19,13 +19,19 @@ struct ClampedBorder {
   Vec2 along;  // unit vector, as the direction has it
 };
 
-/// The clamped border no further than `reach` [m] from p, or beyond which p lies, that a crack from there along
-/// `direction` (unit vector) follows: nearly parallel to it, and not away from it.
+/// The clamped border no further than `reach` [m] from p, or beyond which p lies, that a tip there follows which runs
+/// along `direction` (unit vector): nearly parallel to it, and not away from it.
 std::optional<ClampedBorder> clamped_border(const ShellModel& model, const Vec2& p, const Vec2& direction,
                                             double reach);
 
-/// Where a crack through `p` along `way` (unit vector) meets the line of a clamped border.
-Vec2 met_at(const ClampedBorder& border, const Vec2& p, const Vec2& way);
+/// The one on which a line at p along `along` (unit vector, either way) starts that is within a spacing of it, nearly
+/// parallel and sees it.
+std::optional<ClampedBorder> clamped_start(const ShellModel& model, const CrackGraph& cracks, const Vec2& p,
+                                           const Vec2& along);
+
+/// Where a crack through `p` along `way` (unit vector) meets the line of a clamped border; nothing beyond `reach` [m]
+/// from the foot.
+std::optional<Vec2> met_at(const ClampedBorder& border, const Vec2& p, const Vec2& way, double reach);
 
 /// Of a control point of a clamped border from which a crack along it has parted the patch: the one beside it inside.
 /// -1: of all others, and where an interlayer still hangs on the border.

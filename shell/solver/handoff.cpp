@@ -51,6 +51,7 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
     double sum = 0.0;
     for (const double p : out) sum += p;
     out[0] += mass - sum;  // the mass is exact
+    if (out[0] > s.mass[beside[0]] - kept_by(m, t, beside[0], kLeastMass)) continue;
     return out;
   }
   return {};
@@ -225,7 +226,8 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
   for (int i = 0; i < m.control_points(); ++i) {  // nothing uses these, but points may be nearest to them
-    const int inside = parted_from_clamp(m, s.cracks, i);
+    int inside = parted_from_clamp(m, s.cracks, i);
+    for (int next = inside; next >= 0; next = parted_from_clamp(m, s.cracks, next)) inside = next;  // of a corner
     if (inside >= 0 && own[t.slot(inside)]) own[t.slot(i)] = 1;
   }
   const auto slack = [&](int block, int lane) {

@@ -176,9 +176,10 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
     if (c.distance < join) join = c.distance, join_foot = c.foot, join_way = c.along, joins = true;
   }
   if (alike && !joins) along = turned(Vec2(1, 0), std::numbers::pi * uniform(random));
-  if (const auto clamp = clamped_border(m, p, along, m.spacing)) {
-    p = clamp->foot, along = clamp->along;
-    if (joins) join_foot = met_at(*clamp, join_foot, join_way);
+  if (const auto clamp = clamped_start(m, s.cracks, flaw, along)) {
+    const auto met = joins ? met_at(*clamp, join_foot, join_way, kJoin * m.spacing) : std::nullopt;
+    if (!joins || (met && m.patch.contains(*met))) p = clamp->foot, along = clamp->along;
+    if (met && p != flaw) join_foot = *met;
   }
   // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
   // a wave passes, would leave the sheet full of cracks one edge long.

@@ -43,7 +43,7 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
   for (const int slot : m.constraints.anchors) anchored[slot] = 1;
   for (int i = 0; i < m.control_points(); ++i) {
     if (t.owner[i] < 0) {
-      const int beside = parted_from_clamp(m, s.cracks, i);
+      const int beside = parted_from_clamp(m, s.cracks, i);  // that of a corner is parted as well
       if (beside >= 0 && t.owner[beside] >= 0) pieces[t.owner[beside]].parted = true;
       continue;
     }

@@ -62,7 +62,7 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
     const double det = q.x() * far.y() - far.x() * q.y();
     if (std::abs(det) < 1e-12 * q.norm() * reach) {  // on one line: tips that run along a border meet head on
       if (std::abs(o.x() * d.y() - o.y() * d.x()) > 1e-9 * m.spacing) return true;
-      const double end = std::min(o.dot(d), (o + q).dot(d)) / reach;
+      const double end = std::min((c.a - a).dot(d), (c.b - a).dot(d)) / reach;
       if (end > 1e-6 && end <= 1.0 && end < nearest) nearest = end, hit = e;
       return true;
     }
@@ -83,12 +83,15 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
       const bool own = c.crack == tip.crack || (c.crack == tip.sibling && tip.since_branch < kApart * m.spacing);
       if (own && ((c.a - a).norm() < kApart * m.spacing || (c.b - a).norm() < kApart * m.spacing)) return true;
       const double distance = s.cracks.distance(b, e, foot);
+      if (clamp && std::abs((foot - b).dot(Vec2(clamp->along.y(), clamp->along.x()))) > kMet * m.spacing) return true;
       if (distance < snap && (foot - b).dot(d) > -0.1 * m.spacing) snap = distance, best = foot, ends = true;
       return true;
     });
     if (ends) b = best + past * (best - a).normalized();
   }
-  const Vec2 beyond = clamp ? Vec2(b + r.join * clamp->along) : Vec2(a + reach * d);
+  // one that comes onto the border goes on along it before it may leave at a corner
+  const bool lands = clamp && std::abs(clamp->along.dot(d)) < 1.0 - 1e-9;
+  const Vec2 beyond = lands ? b : clamp ? Vec2(b + r.join * clamp->along) : Vec2(a + reach * d);
   if (!ends && hit < 0 && !m.patch.contains(beyond)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
   return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }

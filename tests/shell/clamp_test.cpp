@@ -1,5 +1,6 @@
 // Cracks beside a clamped border run on it, and leave no strip.
 #include <cmath>
+#include <numbers>
 #include <string>
 
 #include <gtest/gtest.h>
@@ -78,14 +79,41 @@ TEST(ClampedBorder, IsFollowedByWhatIsBesideItAndNearlyParallel) {
   EXPECT_DOUBLE_EQ(border->foot.x(), kOnBorder * h);
   EXPECT_DOUBLE_EQ(border->foot.y(), 0.1);
   EXPECT_EQ(border->along, Vec2(0.0, -1.0));
-  EXPECT_EQ(met_at(*border, {h, 0.1}, Vec2(1.0, 1.0).normalized()).x(), border->foot.x());
-  EXPECT_NEAR(met_at(*border, {h, 0.1}, Vec2(1.0, 1.0).normalized()).y(), 0.1 - (1.0 - kOnBorder) * h, 1e-15);
+  const Vec2 aslant = Vec2(1.0, 1.0).normalized();
+  const auto met = met_at(*border, {h, 0.1}, aslant, 1.1 * h);
+  ASSERT_TRUE(met);
+  EXPECT_EQ(met->x(), border->foot.x());
+  EXPECT_NEAR(met->y(), 0.1 - (1.0 - kOnBorder) * h, 1e-15);
+  EXPECT_FALSE(met_at(*border, {h, 0.1}, aslant, 0.9 * h));
+  EXPECT_FALSE(met_at(*border, {h, 0.1}, {0.0, 1.0}, h));                                   // never
   EXPECT_TRUE(clamped_border(m, {-0.1 * h, 0.1}, {0.0, 1.0}, h));                           // ran over it
   EXPECT_FALSE(clamped_border(m, {1.1 * h, 0.1}, {0.0, 1.0}, h));                           // too far in
   EXPECT_FALSE(clamped_border(m, {0.3 * h, 0.1}, Vec2(-1.0, 1.0).normalized(), h));         // meets it
   EXPECT_FALSE(clamped_border(m, {0.3 * h, 0.1}, Vec2(0.4, 1.0).normalized(), h));          // leaves it
   EXPECT_FALSE(clamped_border(m, {kSide - 0.3 * h, 0.1}, {0.0, 1.0}, h));                   // free
   EXPECT_FALSE(clamped_border(held_plate({.clamped = false}), {0.3 * h, 0.1}, {0, 1}, h));  // hinged
+}
+
+TEST(ClampedBorder, IsThatOfLinesBesideItWhateverTheirSense) {
+  for (const int edge : kEdges) {
+    const ShellModel m = held_plate({.edge = edge});
+    const double at = edge == kUMin || edge == kVMin ? 0.3 * m.spacing : kSide - 0.3 * m.spacing;
+    const Vec2 p = edge < kVMin ? Vec2(at, 0.1) : Vec2(0.1, at);
+    for (const double degrees : {-40.0, -30.0, -20.0, 0.0, 20.0, 30.0, 40.0})
+      for (const double half_turn : {0.0, 180.0}) {
+        const double angle = (degrees + half_turn + (edge < kVMin ? 90.0 : 0.0)) * std::numbers::pi / 180.0;
+        EXPECT_EQ(clamped_start(m, CrackGraph({0, 0}, {kSide, kSide}, m.spacing, 1e-4), p,
+                                Vec2(std::cos(angle), std::sin(angle)))
+                      .has_value(),
+                  std::abs(degrees) < 32.0)
+            << "edge " << edge << ", " << degrees << " degrees";
+      }
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    const Vec2 border = edge < kVMin ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0), along(border.y(), border.x());
+    const Vec2 between = p + (at < 0.1 ? -0.1 : 0.1) * m.spacing * border;
+    insert_polyline(m, s, {between - 0.02 * along, between + 0.02 * along}, 0.0);
+    EXPECT_FALSE(clamped_start(m, s.cracks, p, along)) << "edge " << edge << ", does not see it";
+  }
 }
 
 TEST(ClampedBorder, BreaksWithoutAStripAndThenHoldsNothing) {
@@ -144,7 +172,7 @@ TEST(ClampedBorder, IsThatOfThePieceWhereACrackRunsOnIt) {
   }
 }
 
-// A tip turns no more than it may and is on the border; with the next edge it runs along it.
+// One that is further off than half an edge goes its own way.
 TEST(ClampedBorder, IsReachedByATipInOneEdge) {
   const ShellModel m = held_plate({});
   for (const double depth : {0.1, 0.3, 0.6}) {  // spacings
