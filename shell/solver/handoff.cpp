@@ -225,15 +225,16 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     s.inverse_mass[slot] = 0.0, s.mass[slot] = 0.0;
     for (int d = 0; d < 3; ++d) s.v[d * plane + slot] = 0.0;
   }
-  for (int i = 0; i < m.control_points(); ++i) {  // nothing uses these, but points may be nearest to them
-    int inside = parted_from_clamp(m, s.cracks, i);
-    for (int next = inside; next >= 0; next = parted_from_clamp(m, s.cracks, next)) inside = next;  // of a corner
-    if (inside >= 0 && own[t.slot(inside)]) own[t.slot(i)] = 1;
-  }
   const auto slack = [&](int block, int lane) {
     for (int k = 0; k < 6; ++k) s.surface_stress[t.at(block, 6, k, lane)] = 0.0;
   };
   if (piece.control_points.empty()) return;
+  // nothing uses what a crack has parted from a clamp, but points may be nearest to it
+  for (int i = 0; m.clamped != 0 && i < m.control_points(); ++i) {
+    int inside = parted_from_clamp(m, s.cracks, i);
+    for (int next = inside; next >= 0; next = parted_from_clamp(m, s.cracks, next)) inside = next;  // of a corner
+    if (inside >= 0 && own[t.slot(inside)]) own[t.slot(i)] = 1;
+  }
   // what is nearest to one of its control points, or reaches one, is no further off
   Vec2 low = m.parameter[piece.control_points[0]], high = low;
   for (const int i : piece.control_points) low = low.cwiseMin(m.parameter[i]), high = high.cwiseMax(m.parameter[i]);

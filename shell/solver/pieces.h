@@ -21,8 +21,8 @@ struct Piece {
 
 /// All of a patch, in its parameters.
 Eigen::AlignedBox2d domain_of(const ShellModel& model);
-/// The present cracks, with knots in these boxes; control points are the queries. One
-/// that a crack along a clamped border has parted from the patch is in no piece.
+/// The present cracks, with knots in these boxes; control points are the queries.
+/// A border control point from which a crack along a clamp has parted the patch is in no piece.
 Triangulation triangulated(const ShellModel& model, const ShellState& state,
                            std::span<const Eigen::AlignedBox2d> knots_in);
 /// The pieces of a triangulation as they are held, fastened and gone now.
