@@ -15,6 +15,8 @@ namespace {
 constexpr double kParallel = 0.85;  // cosine: a crack at a steeper angle does not relieve this one
 constexpr double kBehind = 0.5;     // spacings
 constexpr double kJoin = 1.5;       // spacings: a crack that starts so near another starts on it
+constexpr double kCoarse = 8.0;     // spacings: of a circle so many times larger every so many elements are looked at
+constexpr double kRoundOff = 1e-9;  // of a spacing, or of a step along a line
 constexpr double kFarthest = 1e6;   // spacings: no shell has so many
 
 struct Overstressed {
@@ -120,19 +122,20 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
 struct Critical {
   double half_length;  // [m]; infinite: none
   double ground;       // radius [m]
+  double stored;       // by that field at the strength, of stored_by [Pa^2]
 };
 
 Critical critical_across(const ShellModel& m, double strength, const double* six, const Vec2& along) {
   const double low = across(six, along), high = across(six + 3, along);
   const double stretching = 0.5 * (low + high), bending = 0.5 * std::abs(high - low);
   const double half_length = critical_length(m.material, strength, stretching, bending);
-  return {half_length, ground_radius(m.material, half_length, stretching, bending)};
+  const double sum = std::max(0.0, stretching) + bending;
+  return {half_length, std::min(ground_radius(m.material, half_length, stretching, bending), kFarthest * m.spacing),
+          sum > 0.0 ? strength * strength * stored_by(stretching / sum, bending / sum) : 0.0};
 }
 
-// The share of the ground that a crack needs for its energy that no other crack relieves.
-double ground_of(const ShellModel& m, ShellState& s, const Vec2& p, std::size_t gauss, const Critical& crack) {
-  return s.surroundings.ground_of_point.at(s.point_of.size(), gauss, sizeof(OwnGround))
-      .share(m, s.cracks, p, std::min(crack.ground, kFarthest * m.spacing));
+OwnGround& ground_of(ShellState& s, std::size_t gauss) {
+  return s.surroundings.ground_of_point.at(s.point_of.size(), gauss, sizeof(OwnGround));
 }
 
 // Whether so little ground is left about a point that it is not worth a look at what is about it, which takes much
@@ -146,8 +149,8 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   const Critical crack = critical_across(m, strength, here, along);
   if (!(crack.half_length > m.spacing) || !std::isfinite(crack.half_length)) return false;
   // were this the mean on a line: 1 / energy of its half, the shortest that opens
-  const double energy = o.ratio * o.ratio, most = std::ceil(std::min(crack.half_length / m.spacing, kFarthest));
-  return energy * energy * ground_of(m, s, p, gauss, crack) * (2.0 + 1.0 / most) < 1.0;
+  const double energy = o.ratio * o.ratio, ground = ground_of(s, gauss).share(m, s.cracks, p, crack.ground);
+  return energy * energy * ground * 2.0 < 1.0;
 }
 
 // `refused`: there is no ground for a crack of this flaw, which is longer than a spacing.
@@ -190,11 +193,15 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const Critical crack = critical_across(m, kind.strength, six, along);
   if (!std::isfinite(crack.half_length)) return 0;  // nothing opens a crack along it
   kind.flaw = crack.half_length;
-  // where the grid resolves what a crack needs to run by its energy
-  if (crack.half_length > m.spacing &&
-      !opens_along(m, s, r, p, along, face, {crack.half_length, kind.strength, ground_of(m, s, flaw, gauss, crack)},
-                   time))
-    return 0;
+  if (crack.half_length > m.spacing) {  // the grid resolves what a crack needs to run by its energy
+    OwnGround& own = ground_of(s, gauss);
+    const double share = own.share(m, s.cracks, flaw, crack.ground);
+    const FlawLine line = line_through(m, s.cracks, p, along, crack.half_length);
+    if (!opens_along(m, s, r, line, face, {crack.half_length, kind.strength, share}, time)) return 0;
+    const double factor = m.strength_factor_at(o.block, o.lane), even = factor * factor * crack.stored;
+    const double stored = stored_in_ground(m, s, own, crack.ground, flaw, along, face, even);
+    if (2.0 * crack.half_length * stored < line.length()) return 0;
+  }
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {
     Start start;
@@ -220,27 +227,64 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
 
 }  // namespace
 
-bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const Vec2& p, const Vec2& along, int face,
+FlawLine line_through(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, const Vec2& along,
+                      double half_length) {
+  const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()), high(m.patch.knots_u.end(), m.patch.knots_v.end());
+  const auto free = [&](const Vec2& way) {
+    double most = std::min(half_length, kFarthest * m.spacing);
+    for (int k = 0; k < 2; ++k)
+      if (way[k] != 0.0) most = std::min(most, std::max(0.0, ((way[k] > 0.0 ? high : low)[k] - p[k]) / way[k]));
+    const Vec2 to = p + most * way;
+    double before = most;
+    cracks.near(p, to, 0.0, [&](int e) {
+      const CrackEdge& c = cracks.edges()[e];
+      const Vec2 edge = c.long_b - c.long_a, from = c.long_a - p;
+      const double across = way.x() * edge.y() - way.y() * edge.x(), off = way.x() * from.y() - way.y() * from.x();
+      if (std::max(std::abs(across), std::abs(off)) < kRoundOff * m.spacing) {  // on one line, as along a clamp
+        const double first = std::min(from.dot(way), (c.long_b - p).dot(way));
+        if (std::max(from.dot(way), (c.long_b - p).dot(way)) > 0.0) before = std::min(before, std::max(0.0, first));
+        return true;
+      }
+      if (!segments_meet(p, to, c.long_a, c.long_b)) return true;
+      if (across != 0.0) before = std::min(before, std::max(0.0, (from.x() * edge.y() - from.y() * edge.x()) / across));
+      return true;
+    });
+    return before;
+  };
+  return {p, along, free(along), free(-along)};
+}
+
+bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const FlawLine& line, int face,
                  const Flaw& flaw, double time) {
-  const int most = static_cast<int>(std::ceil(std::min(flaw.half_length / m.spacing, kFarthest)));
-  const double step = flaw.half_length / most;
+  const double step = flaw.half_length / std::ceil(std::min(flaw.half_length / m.spacing, kFarthest));
   double sum = 0.0;
   int samples = 0;
-  const auto sample = [&](const Vec2& q) {
-    const auto [block, lane] = point_at(m, q);
+  for (int k = -static_cast<int>(line.behind / step + kRoundOff); k * step <= line.ahead + kRoundOff * step; ++k) {
+    const auto [block, lane] = point_at(m, line.p + k * step * line.along);
     double six[6];
-    if (!stress_around(m, s, r, block, lane, time, six)) return false;
-    sum += across(six + (face > 0 ? 3 : 0), along) / m.strength_factor_at(block, lane);
-    return ++samples, true;
-  };
-  sample(p);
-  for (const double sign : {-1.0, 1.0})
-    for (int k = 1; k <= most; ++k) {
-      const Vec2 q = p + sign * k * step * along;
-      if (!m.patch.contains(q) || !s.cracks.visible(p, q) || !sample(q)) break;
-    }
+    if (stress_around(m, s, r, block, lane, time, six))  // else nothing bears there
+      sum += across(six + (face > 0 ? 3 : 0), line.along) / m.strength_factor_at(block, lane);
+    ++samples;
+  }
   const double over = sum / (samples * flaw.strength);  // energy grows with its square
-  return over >= 1.0 && over * over * samples > most && over * over * flaw.ground * (2 * most + 1) >= samples;
+  return over >= 1.0 && over * over * line.length() >= flaw.half_length &&
+         over * over * flaw.ground * 2.0 * flaw.half_length >= line.length();
+}
+
+double stored_in_ground(const ShellModel& m, const ShellState& s, OwnGround& own, double radius, const Vec2& p,
+                        const Vec2& along, int face, double even) {
+  const double share = own.share(m, s.cracks, p, radius), reach = std::min(radius, own.reach());
+  const int every = std::max(1, static_cast<int>(reach / (kCoarse * m.spacing)));
+  double sum = 0.0, all = 0.0;
+  points_within(m, p, reach, every, [&](int block, int lane, const Vec2& offset, double area) {
+    if (!own.holds(offset)) return;
+    all += area;
+    double six[6];
+    if (!surface_stress_at(m, s, block, lane, six)) return;
+    const double low = across(six, along), high = across(six + 3, along);
+    if ((face > 0 ? high : low) > 0.0) sum += area * stored_by(0.5 * (low + high), 0.5 * (high - low));
+  });
+  return all > 0.0 ? share * sum / (all * even) : 0.0;
 }
 
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {

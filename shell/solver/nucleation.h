@@ -15,13 +15,31 @@ struct Flaw {
   double ground = 1.0;       // share that is its own (OwnGround) of the circle of ground_radius
 };
 
-/// Whether the field at `time` [s] opens, on a line of the flaw's half-length about p, a crack along it on a face: the
-/// mean of the stress across it over the share of the material's strength there must reach the strength, not the most
-/// at a point (Taylor's line method). A border or a crack that the line meets makes a crack from there of it, which
-/// needs to be half as long at the strength, and less where there is more stress. Where other cracks relieve some of
-/// the ground the square of the stress must make up for it, or the line be shorter. A flaw right beside a crack has
-/// hardly any ground, so where lengths are resolved cracks seldom start on one another.
-bool opens_along(const ShellModel& model, ShellState& state, const CrackRules& rules, const Vec2& p, const Vec2& along,
-                 int face, const Flaw& flaw, double time);
+/// Where a crack from a flaw would be: all of its line that is free.
+struct FlawLine {
+  Vec2 p, along;         // the flaw, a unit vector
+  double ahead, behind;  // how far it goes from p before it meets a crack or the border [m]
+  double length() const { return ahead + behind; }
+};
+
+/// The line along `along` through p, at most `half_length` [m] each way.
+FlawLine line_through(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, const Vec2& along,
+                      double half_length);
+
+/// Whether the field at `time` [s] opens a crack along the line of a flaw on a face: the mean of the stress across it
+/// over the share of the material's strength there must reach the strength, not the most at a point (Taylor's line
+/// method). A border or a crack that the line meets makes a crack from there of it, which needs to be half as long at
+/// the strength, and less where there is more stress. Where other cracks relieve some of the ground the square of the
+/// stress must make up for it, or the line be shorter. A flaw right beside a crack has hardly any ground, so where
+/// lengths are resolved cracks seldom start on one another.
+bool opens_along(const ShellModel& model, ShellState& state, const CrackRules& rules, const FlawLine& line, int face,
+                 const Flaw& flaw, double time);
+
+/// What the field stores by the stress across a direction, in the ground `own` of p, over what an even field, `even`
+/// [Pa^2] of stored_by, stores in the whole circle of `radius` [m] (ground_radius). Points where the face is pressed
+/// count for nothing; what lies beyond a joined edge counts as the mean of this side. No crack starts where less is
+/// stored than its line costs: a field that is high along the line alone stores less than the line lets one believe.
+double stored_in_ground(const ShellModel& model, const ShellState& state, OwnGround& own, double radius, const Vec2& p,
+                        const Vec2& along, int face, double even);
 
 }  // namespace sunder::shell

@@ -68,20 +68,6 @@ void end_at_crack(const Vec2& a, const Vec2& b, Rays& rays) {
   }
 }
 
-// Calls f(block, lane, offset from p) for each Gauss point within the radius.
-template <class F>
-void points_within(const ShellModel& m, const Vec2& p, double radius, F&& f) {
-  const RowTables& t = m.tables;
-  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
-  for (int j = kv.span_of(p.y() - radius); j <= kv.span_of(p.y() + radius); ++j)
-    for (int i = ku.span_of(p.x() - radius); i <= ku.span_of(p.x() + radius); ++i)
-      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
-        const int block = j * t.gauss * t.gauss + sub;
-        const Vec2 d = gauss_point(m.patch, t, block, i).parameter - p;
-        if (d.squaredNorm() <= radius * radius) f(block, i, d);
-      }
-}
-
 // Edges from `first` on that can stand between points within `radius` of p, each once, but `skip`.
 const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, double radius, int skip, int first) {
   thread_local std::vector<int> found;
@@ -121,7 +107,7 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
   } else {
     points_.clear();
     const Vec2& ahead = look.direction;
-    points_within(m, look.p, look.radius, [&](int block, int lane, const Vec2& d) {
+    points_within(m, look.p, look.radius, 1, [&](int block, int lane, const Vec2& d, double /*area*/) {
       const double angle = ahead.isZero(0.0) ? 0.0 : std::atan2(ahead.x() * d.y() - ahead.y() * d.x(), ahead.dot(d));
       if (std::abs(angle) > kBeside || hidden(look.p + d)) return;
       const double weight = std::exp(-2.0 * d.squaredNorm() / (look.radius * look.radius));
@@ -158,8 +144,8 @@ const std::vector<Neighbours::Seen>& Neighbours::seen(const ShellModel& m, const
 }
 
 double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, double radius) {
-  if (radius > reach_) {
-    reach_ = kSpare * radius, known_ = 0;
+  if (radius > asked_) {
+    asked_ = kSpare * radius, known_ = 0;
     const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
     const auto border = [&](int edge, double at) {
       return (m.joined & edge) ? (edge == kUMin || edge == kVMin ? -kFar : kFar) : at;
@@ -174,7 +160,7 @@ double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec
   }
   const int end = static_cast<int>(cracks.edges().size());
   if (known_ < end) {  // an edge may come twice
-    const Vec2 far = Vec2::Constant(2.0 * reach_);
+    const Vec2 far = Vec2::Constant(2.0 * asked_);
     cracks.near_since(p - far, p + far, known_, [&](int e) {
       const CrackEdge& c = cracks.edges()[e];
       if (c.face == 0)
@@ -190,6 +176,12 @@ double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec
     own += part < kWhole ? part * part : 1.0;
   }
   return own / kWays;
+}
+
+bool OwnGround::holds(const Vec2& offset) const {
+  const double turns = std::atan2(offset.y(), offset.x()) / (2.0 * std::numbers::pi);
+  const int way = std::min(kWays - 1, static_cast<int>(kWays * (turns < 0.0 ? turns + 1.0 : turns)));
+  return offset.norm() <= rays_[way];
 }
 
 const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Vec2& p, double reach, double clearance,

@@ -1,6 +1,7 @@
 #pragma once
 // Which Gauss points around a point no crack hides from it, and which crack edges it sees. Cracks only grow, so what is
 // hidden stays hidden, and only edges that are new since the last look are tested.
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -99,12 +100,35 @@ class OwnGround {
   /// relieves the rest, and before cuts and the patch's border. Beyond an edge that is joined to another patch lies
   /// ground of its own whatever cracks there. What was asked before changes nothing.
   double share(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, double radius);
+  /// Of the ground that `share` has told of last: whether an offset from p [m] lies in it, and how far it reaches [m].
+  bool holds(const Vec2& offset) const;
+  double reach() const { return *std::max_element(rays_.begin(), rays_.end()); }
 
  private:
-  double reach_ = -1.0;            // radius for which edges are known [m]
+  double asked_ = -1.0;            // radius for which edges are known [m]
   int known_ = 0;                  // edges
   std::array<float, kWays> rays_;  // from p to where its ground ends [m]
 };
+
+/// Calls f(block, lane, offset from p [m], its parameter area [m^2]) for each Gauss point within the radius [m] of
+/// every so many elements each way, that of p among them.
+template <class F>
+void points_within(const ShellModel& m, const Vec2& p, double radius, int every, F&& f) {
+  const RowTables& t = m.tables;
+  const auto first = [&](const KnotVector& k, double at) {
+    const int low = k.span_of(at - radius);
+    return low + (k.span_of(at) - low) % every;
+  };
+  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+  for (int j = first(kv, p.y()); j <= kv.span_of(p.y() + radius); j += every)
+    for (int i = first(ku, p.x()); i <= ku.span_of(p.x() + radius); i += every)
+      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
+        const int block = j * t.gauss * t.gauss + sub;
+        const GaussPoint q = gauss_point(m.patch, t, block, i);
+        const Vec2 d = q.parameter - p;
+        if (d.squaredNorm() <= radius * radius) f(block, i, d, q.weight);
+      }
+}
 
 /// What is known of Gauss points that are asked again and again.
 template <class T>

@@ -64,8 +64,7 @@ Opening opening_of(const ShellMaterial& material, double stretching, double bend
   const double sum = std::max(0.0, stretching) + bending, nu = material.poisson_ratio;
   if (!(sum > 0.0)) return {};
   const double bent = bending / sum, stretched = 1.0 - bent;
-  return {stretched * stretched + bent * bent * (1.0 + nu) / (3.0 * (3.0 + nu)),
-          stretched * stretched + bent * bent / 3.0};
+  return {stretched * stretched + bent * bent * (1.0 + nu) / (3.0 * (3.0 + nu)), stored_by(stretched, bent)};
 }
 
 }  // namespace
@@ -158,6 +157,11 @@ double critical_length(const ShellMaterial& material, double strength, double st
   if (!(opening.released > 0.0)) return std::numeric_limits<double>::infinity();
   return material.youngs_modulus * material.fracture_energy /
          (std::numbers::pi * strength * strength * opening.released);
+}
+
+double stored_by(double stretching, double bending) {
+  const double stretched = std::max(0.0, stretching);
+  return stretched * stretched + bending * bending / 3.0;
 }
 
 double ground_radius(const ShellMaterial& material, double half_length, double stretching, double bending) {

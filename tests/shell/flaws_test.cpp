@@ -13,7 +13,7 @@
 #include "shell/solver/surroundings.h"
 #include "shell/solver/tip_drive.h"
 #include "shell/solver/tips.h"
-#include "tests/shell/fixtures.h"
+#include "tests/shell/critical_sheet.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -50,15 +50,9 @@ struct OverstressedBand {
   }
   bool opens(double ground = 1.0) {
     compute_forces(m, s, false, 1.0, 1);
-    return opens_along(m, s, make_crack_rules(m, 0.0), {0.1, 0.1}, {0.0, 1.0}, 1,
-                       {critical_length(m.material, 10e6, 1.0, 0.0), 10e6, ground}, 0.0);
-  }
-
-  static ShellModel sheet_that_needs(double spacings) {
-    ShellMaterial material = glass();
-    material.strength = 10e6;
-    material.fracture_energy = std::numbers::pi * 1e14 * spacings * 0.005 / material.youngs_modulus;
-    return make_shell("p", plate(0.2, 0.2, 40, 40, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {});
+    const double half_length = critical_length(m.material, 10e6, 1.0, 0.0);
+    return opens_along(m, s, make_crack_rules(m, 0.0), line_through(m, s.cracks, {0.1, 0.1}, {0.0, 1.0}, half_length),
+                       1, {half_length, 10e6, ground}, 0.0);
   }
 
   ShellModel m;
