@@ -3,9 +3,12 @@ from __future__ import annotations
 
 import csv
 import math
+import os
 import random
 import shutil
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from itertools import repeat
 from pathlib import Path
 
 import numpy as np
@@ -268,6 +271,10 @@ def _shattered(executables: Executables, what: Shattering, elements: int, seed: 
             "seconds": seconds}, np.concatenate([areas, kept, left]), np.concatenate([areas, kept])
 
 
+def _one_thread() -> None:
+    os.environ["OMP_NUM_THREADS"] = "1"  # results are the same for any number
+
+
 def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None:
     """On three grids, eight seeds each: pieces, their sizes, cracks and the ball. The last two grids must agree as in
     `refinement`; sizes by the distance of their distributions over whole runs."""
@@ -279,8 +286,9 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
     for elements in what.grids:
         spacing = 1e3 * SIDE / elements  # [mm]
         picture = table.pictures / f"{name}_{elements}.png" if table.pictures is not None else None
-        runs = [_shattered(executables, what, elements, seed, picture if seed == 1 else None)
-                for seed in range(1, SEEDS + 1)]
+        with ProcessPoolExecutor(len(os.sched_getaffinity(0)), initializer=_one_thread) as pool:  # a run a processor
+            runs = list(pool.map(_shattered, repeat(executables), repeat(what), repeat(elements), range(1, SEEDS + 1),
+                                 [picture] + [None] * (SEEDS - 1)))
         found[elements] = [numbers for numbers, _, _ in runs]
         sizes[elements] = [areas * 1e6 for _, areas, _ in runs if len(areas)]  # [mm^2]
         inside[elements] = [areas * 1e6 for _, _, areas in runs if len(areas)]

@@ -15,7 +15,7 @@ namespace {
 constexpr double kParallel = 0.85;  // cosine: a crack at a steeper angle does not relieve this one
 constexpr double kBehind = 0.5;     // spacings
 constexpr double kJoin = 1.5;       // spacings: a crack that starts so near another starts on it
-constexpr double kCoarse = 8.0;     // spacings: of a circle so many times larger every so many elements are looked at
+constexpr int kSampled = 16;        // elements each way that are enough for what a large ground stores
 constexpr double kRoundOff = 1e-9;  // of a spacing, or of a step along a line
 constexpr double kFarthest = 1e6;   // spacings: no shell has so many
 
@@ -101,6 +101,20 @@ bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int 
   }
   std::copy_n(mean.six, 6, six);
   return mean.found;
+}
+
+// Mean along a line of what resists there, over the material's fracture energy: it goes with the square of the
+// strength.
+double mean_resistance(const ShellModel& m, const FlawLine& line) {
+  const int steps = static_cast<int>(std::ceil(std::min(line.length() / m.spacing, kFarthest))) + 1;
+  double sum = 0.0;
+  for (int k = 0; k < steps; ++k) {
+    const double at = (k + 0.5) / steps * line.length() - line.behind;
+    const auto [block, lane] = point_at(m, line.p + at * line.along);
+    const double factor = m.strength_factor_at(block, lane);
+    sum += factor * factor;
+  }
+  return sum / steps;
 }
 
 // A new crack from `from` to `to`; its open end lives on.
@@ -198,9 +212,9 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
     const double share = own.share(m, s.cracks, flaw, crack.ground);
     const FlawLine line = line_through(m, s.cracks, p, along, crack.half_length);
     if (!opens_along(m, s, r, line, face, {crack.half_length, kind.strength, share}, time)) return 0;
-    const double factor = m.strength_factor_at(o.block, o.lane), even = factor * factor * crack.stored;
+    const double even = crack.stored * mean_resistance(m, line);
     const double stored = stored_in_ground(m, s, own, crack.ground, flaw, along, face, even);
-    if (2.0 * crack.half_length * stored < line.length()) return 0;
+    if (!(2.0 * crack.half_length * stored >= line.length())) return 0;
   }
   double strongest = 0.0;
   for (const double sign : {-1.0, 1.0}) {
@@ -274,16 +288,20 @@ bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const 
 double stored_in_ground(const ShellModel& m, const ShellState& s, OwnGround& own, double radius, const Vec2& p,
                         const Vec2& along, int face, double even) {
   const double share = own.share(m, s.cracks, p, radius), reach = std::min(radius, own.reach());
-  const int every = std::max(1, static_cast<int>(reach / (kCoarse * m.spacing)));
+  const auto every = [&](const KnotVector& k, double at) {
+    return std::max(1, (k.span_of(at + reach) - k.span_of(at - reach)) / kSampled);
+  };
   double sum = 0.0, all = 0.0;
-  points_within(m, p, reach, every, [&](int block, int lane, const Vec2& offset, double area) {
-    if (!own.holds(offset)) return;
-    all += area;
-    double six[6];
-    if (!surface_stress_at(m, s, block, lane, six)) return;
-    const double low = across(six, along), high = across(six + 3, along);
-    if ((face > 0 ? high : low) > 0.0) sum += area * stored_by(0.5 * (low + high), 0.5 * (high - low));
-  });
+  points_within(m, p, reach, every(m.patch.knots_u, p.x()), every(m.patch.knots_v, p.y()),
+                [&](int block, int lane, const Vec2& offset, double area) {
+                  if (!own.holds(offset)) return;
+                  all += area;
+                  double six[6];
+                  if (!surface_stress_at(m, s, block, lane, six)) return;
+                  const double low = across(six, along), high = across(six + 3, along);
+                  const double opens = face > 0 ? high : low, stretching = 0.5 * (low + high);
+                  if (opens > 0.0) sum += area * stored_by(stretching, stretching > 0.0 ? 0.5 * (high - low) : opens);
+                });
   return all > 0.0 ? share * sum / (all * even) : 0.0;
 }
 

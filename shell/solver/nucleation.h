@@ -11,7 +11,7 @@ int nucleate(const ShellModel& model, ShellState& state, const CrackRules& rules
 /// What a flaw asks of the field about it.
 struct Flaw {
   double half_length = 0.0;  // of a line in an even field of `strength` that has the energy for a crack [m]
-  double strength = 0.0;     // [Pa]
+  double strength = 0.0;     // of its material, before any share of it there [Pa]
   double ground = 1.0;       // share that is its own (OwnGround) of the circle of ground_radius
 };
 
@@ -35,10 +35,13 @@ FlawLine line_through(const ShellModel& model, const CrackGraph& cracks, const V
 bool opens_along(const ShellModel& model, ShellState& state, const CrackRules& rules, const FlawLine& line, int face,
                  const Flaw& flaw, double time);
 
-/// What the field stores by the stress across a direction, in the ground `own` of p, over what an even field, `even`
-/// [Pa^2] of stored_by, stores in the whole circle of `radius` [m] (ground_radius). Points where the face is pressed
-/// count for nothing; what lies beyond a joined edge counts as the mean of this side. No crack starts where less is
-/// stored than its line costs: a field that is high along the line alone stores less than the line lets one believe.
+/// What the field stores by the stress across a direction, in the ground `own` of p, over what an even field stores in
+/// the whole circle of `radius` [m] (ground_radius). `even` > 0 is stored_by of that field at the flaw's strength,
+/// times the square of the share of the strength along the line, with which what a crack costs goes [Pa^2]. Points
+/// where the face is pressed count for nothing, and where only it is pulled, the mean over the thickness being pressed,
+/// its own stress counts as bending. What lies beyond a joined edge counts as the mean of this side; a large ground is
+/// sampled. No crack starts where less is stored than its line costs: a field that is high along the line alone stores
+/// less than the line lets one believe.
 double stored_in_ground(const ShellModel& model, const ShellState& state, OwnGround& own, double radius, const Vec2& p,
                         const Vec2& along, int face, double even);
 

@@ -107,7 +107,7 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
   } else {
     points_.clear();
     const Vec2& ahead = look.direction;
-    points_within(m, look.p, look.radius, 1, [&](int block, int lane, const Vec2& d, double /*area*/) {
+    points_within(m, look.p, look.radius, 1, 1, [&](int block, int lane, const Vec2& d, double /*area*/) {
       const double angle = ahead.isZero(0.0) ? 0.0 : std::atan2(ahead.x() * d.y() - ahead.y() * d.x(), ahead.dot(d));
       if (std::abs(angle) > kBeside || hidden(look.p + d)) return;
       const double weight = std::exp(-2.0 * d.squaredNorm() / (look.radius * look.radius));

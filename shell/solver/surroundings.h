@@ -111,17 +111,17 @@ class OwnGround {
 };
 
 /// Calls f(block, lane, offset from p [m], its parameter area [m^2]) for each Gauss point within the radius [m] of
-/// every so many elements each way, that of p among them.
+/// every so many elements along u and along v, that of p among them.
 template <class F>
-void points_within(const ShellModel& m, const Vec2& p, double radius, int every, F&& f) {
+void points_within(const ShellModel& m, const Vec2& p, double radius, int every_u, int every_v, F&& f) {
   const RowTables& t = m.tables;
-  const auto first = [&](const KnotVector& k, double at) {
+  const auto first = [&](const KnotVector& k, double at, int every) {
     const int low = k.span_of(at - radius);
     return low + (k.span_of(at) - low) % every;
   };
   const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
-  for (int j = first(kv, p.y()); j <= kv.span_of(p.y() + radius); j += every)
-    for (int i = first(ku, p.x()); i <= ku.span_of(p.x() + radius); i += every)
+  for (int j = first(kv, p.y(), every_v); j <= kv.span_of(p.y() + radius); j += every_v)
+    for (int i = first(ku, p.x(), every_u); i <= ku.span_of(p.x() + radius); i += every_u)
       for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
         const int block = j * t.gauss * t.gauss + sub;
         const GaussPoint q = gauss_point(m.patch, t, block, i);

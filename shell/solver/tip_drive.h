@@ -41,8 +41,8 @@ double critical_length(const ShellMaterial& material, double strength, double st
 /// which is 2 pi a^2 strength^2 / E of strength^2 / (2 E), stretched: 2 a; bent sqrt(4 (1 + nu) / (3 + nu)) a, 1.23 a.
 /// (Until it is critical a crack releases half of that.) As much as the half-length where nothing opens it.
 double ground_radius(const ShellMaterial& material, double half_length, double stretching, double bending);
-/// What stress across a line stores, its even part and the part of the faces that bends [Pa], over thickness / (2 E),
-/// of a sheet of any Poisson's ratio [Pa^2]. What is pressed counts for nothing.
+/// What stress across a line alone stores, whatever Poisson's ratio, over thickness / (2 E) [Pa^2]: its mean over the
+/// thickness and what bending adds on a face [Pa]. A mean that presses counts for nothing.
 double stored_by(double stretching, double bending);
 
 /// Cauchy stress of the lower, then of the upper face: 11 22 12 each [Pa]. False where the point bears nothing.

@@ -78,6 +78,10 @@ TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
     EXPECT_NEAR(stored(1, u, stored_by(10e6, 0.0)), 1.44, 1e-9);
     fill(0.0, everywhere);  // half and half
     EXPECT_NEAR(stored(1, u, stored_by(5e6, 5e6)), 1.44, 1e-9);
+    fill(-11.0, everywhere);  // pulled by 12 MPa on its face, though all in all it is pressed
+    EXPECT_NEAR(stored(1, u, bent), 1.44, 1e-9);
+    fill(-1.0 / 3.0, everywhere);  // 4 MPa stretch it, 8 bend it
+    EXPECT_NEAR(stored(1, u, 1e14), 0.16 + 0.64 / 3.0, 1e-9);
     // in a strip of half the circle's width, and half as much beyond, which is pressed on one side
     fill(-1.0, [&](const Vec2& q) {
       return std::abs(q.y() - p.y()) < 0.5 * radius ? 12e6 : q.y() > p.y() ? 6e6 : -6e6;
