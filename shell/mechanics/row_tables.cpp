@@ -88,8 +88,7 @@ GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int la
   const GaussRule& rule = gauss_rule(t.gauss);
   const int row = block / t.gauss, a = block % t.gauss, f = row / t.gauss, b = row % t.gauss;
   const double lu = patch.knots_u.span_length(lane), lv = patch.knots_v.span_length(f);
-  return {{patch.knots_u.span_begin(lane) + 0.5 * (1.0 + rule.point[a]) * lu,
-           patch.knots_v.span_begin(f) + 0.5 * (1.0 + rule.point[b]) * lv},
+  return {{gauss_parameter(patch.knots_u, rule, lane, a), gauss_parameter(patch.knots_v, rule, f, b)},
           0.25 * lu * lv * rule.weight[a] * rule.weight[b]};
 }
 

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "shell/geometry/patch.h"
+#include "shell/geometry/quadrature.h"
 #include "shell/mechanics/plane_stress.h"
 
 namespace sunder::shell {
@@ -74,5 +75,10 @@ struct GaussPoint {
   double weight;
 };
 GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane);
+
+/// Its parameter along one direction: point k of a span.
+inline double gauss_parameter(const KnotVector& knots, const GaussRule& rule, int span, int k) {
+  return knots.span_begin(span) + 0.5 * (1.0 + rule.point[k]) * knots.span_length(span);
+}
 
 }  // namespace sunder::shell

@@ -77,14 +77,19 @@ bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, c
 
 // The Gauss point nearest to q of those in its element.
 std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
-  const int lane = m.patch.knots_u.span_of(q.x()), each = m.tables.gauss * m.tables.gauss;
-  int block = 0;
-  double nearest = 1e300;
-  for (int b = each * m.patch.knots_v.span_of(q.y()), end = b + each; b < end; ++b) {
-    const double away = (gauss_point(m.patch, m.tables, b, lane).parameter - q).squaredNorm();
-    if (away < nearest) nearest = away, block = b;
-  }
-  return {block, lane};
+  const GaussRule& rule = gauss_rule(m.tables.gauss);
+  const auto nearest = [&](const KnotVector& knots, int span, double at) {
+    int best = 0;
+    double least = 1e300;
+    for (int k = 0; k < m.tables.gauss; ++k) {
+      const double away = std::abs(gauss_parameter(knots, rule, span, k) - at);
+      if (away < least) least = away, best = k;
+    }
+    return best;
+  };
+  const int lane = m.patch.knots_u.span_of(q.x()), row = m.patch.knots_v.span_of(q.y());
+  const int a = nearest(m.patch.knots_u, lane, q.x()), b = nearest(m.patch.knots_v, row, q.y());
+  return {(row * m.tables.gauss + b) * m.tables.gauss + a, lane};
 }
 
 // Mean stress of what surrounds a Gauss point, as `mean_stress`. At one point of a few an element, a direction would be

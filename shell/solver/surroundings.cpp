@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "shell/geometry/edges.h"
 #include "shell/mechanics/principal.h"
@@ -179,9 +180,15 @@ double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec
 }
 
 bool OwnGround::holds(const Vec2& offset) const {
-  const double turns = std::atan2(offset.y(), offset.x()) / (2.0 * std::numbers::pi);
-  const int way = std::min(kWays - 1, static_cast<int>(kWays * (turns < 0.0 ? turns + 1.0 : turns)));
-  return offset.norm() <= rays_[way];
+  // its sector, by quadrant: this is asked far too often for an arc tangent
+  static_assert(kWays == 16);
+  static const double first = std::tan(std::numbers::pi / 8.0);
+  double x = offset.x(), y = offset.y();
+  int way = 0;
+  for (; way < kWays && !(x > 0.0 && y >= 0.0); way += kWays / 4) x = std::exchange(y, -x);
+  way += y >= x ? (first * y >= x ? 3 : 2) : (y >= first * x ? 1 : 0);
+  const double ray = rays_[way % kWays];
+  return offset.squaredNorm() <= ray * ray;
 }
 
 const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Vec2& p, double reach, double clearance,

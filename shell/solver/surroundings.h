@@ -120,14 +120,19 @@ void points_within(const ShellModel& m, const Vec2& p, double radius, int every_
     return low + (k.span_of(at) - low) % every;
   };
   const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+  const GaussRule& rule = gauss_rule(t.gauss);
   for (int j = first(kv, p.y(), every_v); j <= kv.span_of(p.y() + radius); j += every_v)
-    for (int i = first(ku, p.x(), every_u); i <= ku.span_of(p.x() + radius); i += every_u)
-      for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
-        const int block = j * t.gauss * t.gauss + sub;
-        const GaussPoint q = gauss_point(m.patch, t, block, i);
-        const Vec2 d = q.parameter - p;
-        if (d.squaredNorm() <= radius * radius) f(block, i, d, q.weight);
+    for (int i = first(ku, p.x(), every_u); i <= ku.span_of(p.x() + radius); i += every_u) {
+      const double lu = ku.span_length(i), lv = kv.span_length(j);
+      for (int b = 0; b < t.gauss; ++b) {
+        const double y = gauss_parameter(kv, rule, j, b) - p.y();
+        for (int a = 0; a < t.gauss; ++a) {
+          const Vec2 d(gauss_parameter(ku, rule, i, a) - p.x(), y);
+          if (d.squaredNorm() <= radius * radius)
+            f((j * t.gauss + b) * t.gauss + a, i, d, 0.25 * lu * lv * rule.weight[a] * rule.weight[b]);
+        }
       }
+    }
 }
 
 /// What is known of Gauss points that are asked again and again.
