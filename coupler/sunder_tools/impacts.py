@@ -30,6 +30,7 @@ ELEMENTS = 80
 SEEDS = 8
 COUNTED_AT = 4e-3  # [m]: four thicknesses from the impact radial cracks are counted
 LEAST_CHANCE = 0.01
+FEWEST_RADIALS = 3.0  # in a round pane, on the mean: of fewer neither their number nor their directions tell much
 MOST_STRIPS = 0.5  # at the border, in a run
 SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
 
@@ -114,6 +115,8 @@ def round_pane(table: Table, executables: Executables) -> None:
                            f"{radials.std(ddof=1):.1f}")
     every = np.array(groups["harmonic"]).reshape(-1)
     table.add("round_pane_harmonic_bound", upper_bound(every), 0.0, 0.3, seconds)
+    table.add("round_pane_radials_at_least", min(float(np.real(groups["radials"]).mean()), FEWEST_RADIALS), FEWEST_RADIALS,
+              0.0, 0.0)
     for name, values in groups.items():
         chance = anova([np.array(v) for v in values])[1]
         table.add(f"round_pane_{name}_depends", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)

@@ -10,10 +10,25 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kSmallPiece = 30.0;  // spacings squared: too small to bend, leaves at once
-constexpr double kSettle = 40.0;      // a larger piece stays while a wave passes so many spacings: its cracks may
-                                      // still branch
+constexpr double kSettle = 40.0;      // a larger piece stays while a wave passes so many spacings, and again from its
+                                      // last crack on: that may still branch
+constexpr double kSeen = 0.98;        // of the way to a crack edge: what is seen to there sees it
 
 double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
+
+// Whether edges from `first` on have grown in a piece or along its border: within a spacing of a control point of it.
+bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Piece& p, int first) {
+  const Vec2 reach = Vec2::Constant(m.spacing);
+  return std::any_of(p.control_points.begin(), p.control_points.end(), [&](int i) {
+    const Vec2& at = m.parameter[i];
+    bool found = false;
+    cracks.near_since(at - reach, at + reach, first, [&](int e) {
+      Vec2 foot;
+      found = found || (cracks.distance(at, e, foot) < m.spacing && cracks.visible(at, at + kSeen * (foot - at), e));
+    });
+    return found;
+  });
+}
 
 }  // namespace
 
@@ -121,16 +136,25 @@ std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) con
 }
 
 bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool all) {
-  const auto [k, i] = g.members.front();
-  const Piece& p = now[k].pieces[i];
+  const auto [front, number] = g.members.front();
+  const Piece& p = now[front].pieces[number];
   if (p.held || p.gone || p.interlocked) return false;
   if (all) return true;
   if (!g.torn) return false;  // nothing has separated: a free shell stays a shell
   if (g.empty || !g.bends) return true;
   const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
-  const auto [since, fresh] = parts_[k].detached_since.try_emplace(lowest, tick_);
-  const ShellModel& m = parts_[k].model();
-  return static_cast<double>(tick_ - since->second) * setup_.tick >= kSettle * m.spacing / m.wave_speed();
+  const auto [since, fresh] = parts_[front].detached_since.try_emplace(lowest, tick_);
+  const double settle = kSettle * parts_[front].model().spacing / parts_[front].model().wave_speed();
+  if (static_cast<double>(tick_ - since->second) * setup_.tick < settle) return false;
+  const double lately = time() + window_ticks_ * setup_.tick - settle;
+  return std::none_of(g.members.begin(), g.members.end(), [&](const auto& member) {
+    const ShellPart& part = parts_[member.first];
+    const std::vector<CrackEdge>& edges = part.state->cracks.edges();
+    const auto first = std::partition_point(edges.begin(), edges.end(), [&](auto& e) { return e.time <= lately; });
+    return first != edges.end() &&
+           has_cracked(part.model(), part.state->cracks, now[member.first].pieces[member.second],
+                       static_cast<int>(first - edges.begin()));
+  });
 }
 
 std::vector<RigidBody> Run::take_off(bool all) {
