@@ -8,6 +8,7 @@ struct Drive {
   double ratio = 0.0;  // sqrt(energy release / fracture energy)
   double turn = 0.0;   // towards the direction that opens most [rad]
   int face = 0;        // that it opens first, -1 or +1
+  double bent = 0.0;   // share of bending in the energy release
 };
 
 /// Where a crack may go on from.
@@ -21,8 +22,8 @@ struct Start {
 };
 
 /// Mean stress over the points ahead on the crack's own side, weighted towards each direction within the turn; the one
-/// across which it pulls most (maximum hoop stress, Erdogan and Sih 1963). Energy releases of stretching and bending
-/// add; compression closes the face that bending opens. Ratio 0 where nothing bears.
+/// across which it pulls most (maximum hoop stress, Erdogan and Sih 1963), less what the lattice turns it by. Energy
+/// releases of stretching and bending add; compression closes the face that bending opens. Ratio 0 where nothing bears.
 Drive drive_at(const ShellModel& model, const ShellState& state, const CrackRules& rules, const Start& start);
 /// The same, with what was seen from there before.
 Drive drive_at(const ShellModel& model, const ShellState& state, const CrackRules& rules, const Start& start,

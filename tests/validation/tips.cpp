@@ -50,16 +50,17 @@ std::vector<Load> loads(Pull pull) {
 }
 
 struct Found {
-  double k1 = 0.0;    // sqrt(energy release) over that of a crack across the stress in an endless sheet
-  double turn = 0.0;  // [rad]
+  double k1 = 0.0;             // sqrt(energy release) over that of a crack across the stress in an endless sheet
+  double turn = 0.0;           // either way [rad]
+  double anticlockwise = 0.0;  // of both tips, on the mean [rad]
 };
 
-Found crack_under(Pull pull, int elements, double angle, int threads) {
+// `beside`: the crack's middle from that of the sheet, in spacings; off the lattice, as cracks are.
+Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2& beside = Vec2(0.31, 0.17)) {
   const ShellModel m = make_shell("sheet", plate(kSide, kSide, elements, elements, Vec3::Zero(), Quat::Identity()),
                                   kThickness, glass(), 2, 2, {}, loads(pull));
   ShellState s = make_state(m, Vec3::Zero(), 1);
-  // off the lattice by a part of a spacing, as cracks are
-  const Vec2 c(0.5 * kSide + 0.31 * m.spacing, 0.5 * kSide + 0.17 * m.spacing), d(std::cos(angle), std::sin(angle));
+  const Vec2 c = Vec2::Constant(0.5 * kSide) + m.spacing * beside, d(std::cos(angle), std::sin(angle));
   insert_polyline(m, s, {c - kHalfCrack * d, c + kHalfCrack * d}, 0.0);
   start_at_ends(m, s, 0, static_cast<int>(s.cracks.edges().size()));
   RelaxationRules rules;
@@ -78,6 +79,7 @@ Found crack_under(Pull pull, int elements, double angle, int threads) {
                              ? 1e-2 * kStress * std::sqrt(kHalfCrack * kPi * (1.0 + nu) / (3.0 * (3.0 + nu)))
                              : kStress * std::sqrt(kPi * kHalfCrack);
     found.k1 += root / known / s.tips.size(), found.turn += std::abs(drive.turn) / s.tips.size();
+    found.anticlockwise += drive.turn / s.tips.size();
   }
   return found;
 }
@@ -90,6 +92,8 @@ std::pair<double, double> kinked(double k1, double k2) {
 
 void energy_release(Report& r, int threads) {
   constexpr double kDegree = kPi / 180.0;
+  constexpr int kPlaces = 32;                     // in an element, spread evenly (Roberts' sequence)
+  constexpr double kPlastic = 0.754877666246693;  // 1 over the plastic number
   // The mean over R sees the field beyond the singular one as well, 1 + 3 r / 4 a of it: some tenth too much at R = a
   // / 4.
   for (const auto& [pull, name] : {std::pair{Pull::kAllRound, "stretched"}, std::pair{Pull::kBending, "bent"}})
@@ -103,6 +107,19 @@ void energy_release(Report& r, int threads) {
         r.lines.push_back(
             fmt::format("{} at {:.0f} degrees, {}: turns by {:.1f} degrees", name, angle, elements, f.turn / kDegree));
       }
+  // Midway between an axis and a diagonal of the lattice, on the mean over where in an element the crack is.
+  for (const auto& [pull, name] : {std::pair{Pull::kAllRound, "stretched"}, std::pair{Pull::kBending, "bent"}}) {
+    const double start = seconds_now();
+    double sum = 0.0, squares = 0.0;
+    for (int k = 0; k < kPlaces; ++k) {
+      const Vec2 beside(std::fmod(0.5 + k * kPlastic, 1.0), std::fmod(0.5 + k * kPlastic * kPlastic, 1.0));
+      const double turn = crack_under(pull, 48, 22.5 * kDegree, threads, beside).anticlockwise / kDegree;
+      sum += turn, squares += turn * turn;
+    }
+    const double mean = sum / kPlaces, error = std::sqrt((squares / kPlaces - mean * mean) / (kPlaces - 1));
+    r.add(fmt::format("{}_lattice_turns", name), mean, 0.0, 3.0, seconds_now() - start);
+    r.lines.push_back(fmt::format("{}: the lattice turns by {:.1f} +- {:.1f} degrees", name, mean, error));
+  }
   for (const double angle : {30.0, 45.0, 60.0}) {
     const double start = seconds_now(), a = angle * kDegree;
     const Found f = crack_under(Pull::kOneWay, 128, a, threads);

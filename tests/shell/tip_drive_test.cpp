@@ -1,0 +1,60 @@
+// Which way a tip goes on in a field that is the same everywhere.
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "shell/mechanics/principal.h"
+#include "shell/solver/tip_drive.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+// The turn [rad] of a tip at `angle` that may turn by `most`, in a sheet pulled by 1 MPa across `across`; of that on
+// the lower face the share `lower`: 1 stretched, -1 bent.
+double turn_of(double angle, double across, double lower, double most) {
+  ShellMaterial material = glass();
+  material.strength = 60e6, material.fracture_energy = 8.0;
+  const ShellModel m =
+      make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  compute_forces(m, s, false, 1.0, 1);
+  const Vec2 pull = turned(Vec2(0, 1), across);
+  const double upper[3] = {1e6 * pull.x() * pull.x(), 1e6 * pull.y() * pull.y(), 1e6 * pull.x() * pull.y()};
+  for (int q = 0; q < m.tables.blocks(); ++q)
+    for (int lane = 0; lane < m.tables.spans_u; ++lane)
+      for (int k = 0; k < 3; ++k) {
+        s.surface_stress[m.tables.at(q, 6, k, lane)] = lower * upper[k];
+        s.surface_stress[m.tables.at(q, 6, 3 + k, lane)] = upper[k];
+      }
+  Start start;
+  start.p = {0.1033, 0.0971}, start.direction = turned(Vec2(1, 0), angle), start.most_turn = most;
+  return drive_at(m, s, make_crack_rules(m, 0.0), start).turn;
+}
+
+}  // namespace
+
+TEST(TipDrive, TakesOffWhatTheLatticeTurnsABentCrackBy) {
+  for (const double degrees : {0.0, 22.5, 45.0, 67.5, 90.0, -22.5, 157.5}) {
+    const double angle = degrees * kDegree, off = -3.7 * kDegree * std::sin(4.0 * angle);
+    EXPECT_NEAR(turn_of(angle, angle, -1.0, 80.0 * kDegree), off, 0.01 * kDegree) << degrees;
+    EXPECT_NEAR(turn_of(angle, angle, 1.0, 80.0 * kDegree), 0.0, 0.01 * kDegree) << degrees;
+  }
+  const double half = turn_of(22.5 * kDegree, 22.5 * kDegree, 0.0, 80.0 * kDegree);  // one face pulled
+  EXPECT_LT(half, -0.5 * kDegree);
+  EXPECT_GT(half, -3.2 * kDegree);
+}
+
+TEST(TipDrive, TurnsNoFurtherThanItMayAndOnlyThenByThat) {
+  const double angle = 22.5 * kDegree, most = 10.0 * kDegree;
+  // the field is 12 degrees on, of which 3.7 are the lattice's
+  EXPECT_NEAR(turn_of(angle, angle + 12.0 * kDegree, -1.0, most), 8.3 * kDegree, 0.1 * kDegree);
+  EXPECT_NEAR(turn_of(angle, angle + 30.0 * kDegree, -1.0, most), most, 1e-12);
+  EXPECT_NEAR(turn_of(angle, angle - 30.0 * kDegree, -1.0, most), -most, 1e-12);
+  EXPECT_EQ(turn_of(angle, angle, -1.0, 0.0), 0.0);
+}
