@@ -8,6 +8,7 @@ import numpy as np
 
 from .build import Executables
 from .crack_check import Graph, graph_of
+from .crack_pictures import draw_cracks
 from .frames import CRACKS, list_frames
 from .report import read_run
 from .trials import Table, add_books, kept_run
@@ -99,16 +100,22 @@ def front_speed(graph: Graph, until: float) -> tuple[float, float]:
     return float((front[-1] - front[0]) / (when[-1] - when[0])), fastest
 
 
+def _draw(table: Table, name: str, graphs: list[Graph], extent: tuple[float, float], size: int = 400) -> None:
+    if table.pictures is not None:
+        draw_cracks(table.pictures / f"{name}.png", [graphs], extent, size)
+
+
 def branching(table: Table, executables: Executables) -> None:
     """scenes/branching.textproto at 2, 1 and 0.5 mm, and at 1 mm with the branch ratio a tenth lower and higher."""
     rayleigh = 2112.0  # [m/s]
-    x, y = [], []
+    x, y, graphs = [], [], []
     for elements, ratio in ((50, None), (100, None), (200, None), (100, 0.9), (100, 1.1)):
         settings = [f"shells[strip].plate.elements_x={elements}", f"shells[strip].plate.elements_y={elements * 2 // 5}"]
         if ratio is not None:
             settings.append(f"fracture.branch_ratio={ratio * math.sqrt(2.0):.6f}")
         with kept_run(executables, "branching.textproto", settings) as (folder, seconds):
-            graph, run = grown(last_graph(folder)), read_run(folder)
+            graphs.append(last_graph(folder))
+            graph, run = grown(graphs[-1]), read_run(folder)
         start = float(graph.born.min())
         place, when = first_division(graph)
         stays, later = lasting_division(graph, 0.051, 0.095)
@@ -126,16 +133,19 @@ def branching(table: Table, executables: Executables) -> None:
             table.add(f"branching_{elements}_us", when * 1e6, 35.0, 0.2858, seconds)  # 25 to 45
             add_books(table, f"branching_{elements}", run)
             x.append(100.0 / elements), y.append(when * 1e6)
+    _draw(table, "branching", graphs, (0.1, 0.04))
     table.curves.append({"name": "crack divides", "x_label": "spacing [mm]", "y_label": "time [us]", "x": x, "y": y,
                          "logarithmic": False})
 
 
 def kalthoff(table: Table, executables: Executables) -> None:
     """scenes/kalthoff.textproto on three grids: direction from the notch's end to the far end of its crack."""
+    graphs = []
     for elements in (75, 100, 150):
         with kept_run(executables, "kalthoff.textproto", [
                 f"shells[plate].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
-            graph, run = grown(last_graph(folder)), read_run(folder)
+            graphs.append(last_graph(folder))
+            graph, run = grown(graphs[-1]), read_run(folder)
         notch = np.array([0.05, 0.025])
         points = leaving(graph, notch)
         away = np.linalg.norm(points - notch, axis=1)
@@ -145,13 +155,16 @@ def kalthoff(table: Table, executables: Executables) -> None:
         table.lines.append(f"kalthoff, {100.0 / elements:.2g} mm: starts at {graph.born.min() * 1e6:.1f} us, "
                            f"{away.max() * 1e3:.0f} mm away at the end; the first {RUN * 1e3:.0f} mm run at "
                            f"{math.degrees(math.atan2(far[1], far[0])):.1f} degrees")
+    _draw(table, "kalthoff", graphs, (0.1, 0.1))
 
 
 def modes(table: Table, executables: Executables) -> None:
     """The crack of a sheet drawn apart stays in line with the notch; that of a sheared one turns by 70.5 degrees."""
+    graphs = []
     for scene in ("mode_one", "mode_two"):
         with kept_run(executables, f"{scene}.textproto", []) as (folder, seconds):
-            graph, run = grown(last_graph(folder)), read_run(folder)
+            graphs.append(last_graph(folder))
+            graph, run = grown(graphs[-1]), read_run(folder)
         add_books(table, scene, run)
         notch, spacing = np.array([0.1, 0.1013]), 0.004
         middle = graph.ends.mean(axis=1)
@@ -161,13 +174,14 @@ def modes(table: Table, executables: Executables) -> None:
             off = float((np.abs(middle[:, 1] - notch[1]) * length)[ahead].sum() / length[ahead].sum())
             table.add("mode_one_off_line_spacings", off / spacing, 0.0, 3.0, seconds)
             reached = float(graph.ends[..., 0][ahead].max()) if ahead.any() else notch[0]
-            table.add("mode_one_crossed", (reached - notch[0]) / (0.2 - notch[0]), 1.0, 0.05, 0.0)
+            table.add("mode_one_crossed", min((reached - notch[0]) / (0.2 - notch[0]), 1.0), 1.0, 0.02, 0.0)
         else:
             near = (np.linalg.norm(middle - notch, axis=1) < 5.0 * spacing) & (middle[:, 1] < notch[1])
             points = graph.ends[near].reshape(-1, 2)
             far = points[np.argmax(np.linalg.norm(points - notch, axis=1))] - notch
             table.add("mode_two_turn_degrees", math.degrees(math.atan2(-far[1], far[0])), 70.5, 0.15, seconds)
             table.lines.append("mode_two: largest hoop stress of pure shear is at 70.5 degrees (Erdogan and Sih 1963)")
+    _draw(table, "modes", graphs, (0.2, 0.2))
 
 
 def pressed_plate(table: Table, executables: Executables) -> None:
@@ -185,6 +199,7 @@ def pressed_plate(table: Table, executables: Executables) -> None:
     table.add("pressed_off_diagonal_degrees", math.degrees(off), 0.0, 22.5, seconds)  # 45 where there is no order
     table.add("pressed_corners", len({(x > 0, y > 0) for x, y in place[corner]}), 4.0, 0.0, 0.0)
     add_books(table, "pressed", run)
+    _draw(table, "pressed_plate", [graph], (0.5, 0.5), 800)
     table.lines.append(f"pressed_plate: {len(length)} edges, {run['counts']['fragments']} fragments, "
                        f"{length[corner].sum() / length.sum():.2f} of the length near the corners")
 

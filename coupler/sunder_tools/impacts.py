@@ -16,13 +16,14 @@ import numpy as np
 from .build import Executables
 from .crack_check import Graph
 from .crack_paths import grown, last_graph
+from .crack_pictures import draw_cracks
 from .frames import SHELL, list_frames
 from .meshes import reference_points
 from .patterns import (anova, chance_of_distance, distance, harmonic, lengths, off_circle, power_law, quantile_bounds,
                        radial_crossings, upper_bound)
 from .pictures import write_contact_sheet
 from .report import read_run
-from .trials import Table, kept_run
+from .trials import MOST_MISSING, Table, kept_run
 
 SIDE = 0.06       # [m] of the plate of scenes/acrylic.textproto
 ROUND = 0.03      # [m] of that of scenes/round_pane.textproto
@@ -65,23 +66,9 @@ def _struck(executables: Executables, scene: str, seed: int,
         return (graph if graph is not None and len(graph) else None), read_run(folder), back, seconds
 
 
-def _picture(path: Path, rows: list[list[Graph | None]], side: float) -> None:
-    """Crack lines of many runs, small, a row a list; late ones red."""
-    from PIL import Image, ImageDraw
-    size = 200
-    image = Image.new("RGB", (size * max(map(len, rows)), size * len(rows)), "white")
-    draw = ImageDraw.Draw(image)
-    for j, row in enumerate(rows):
-        for i, graph in enumerate(row):
-            draw.rectangle([i * size, j * size, (i + 1) * size, (j + 1) * size], outline="#cccccc")
-            if graph is None:
-                continue
-            last = float(graph.born.max())
-            for ends, born in zip(graph.ends, graph.born):
-                at = [(i * size + u / side * size, (j + 1) * size - v / side * size) for u, v in ends]
-                draw.line(at, fill=(int(255 * born / last), 0, int(255 * (1.0 - born / last))))
-    image.save(path)
-    print(f"picture          {path}", flush=True)
+def _add_energy(table: Table, name: str, residuals: list[float]) -> None:
+    """Row NAME_energy, as `add_books` has it, of the worst of many runs."""
+    table.add(f"{name}_energy", max(residuals, key=abs), 0.0, MOST_MISSING, 0.0)
 
 
 def round_pane(table: Table, executables: Executables) -> None:
@@ -89,16 +76,17 @@ def round_pane(table: Table, executables: Executables) -> None:
     centre, radius = np.array([0.5 * ROUND, 0.5 * ROUND]), 0.0135
     names = ("harmonic", "harmonic_in_the_room", "length", "radials")
     groups: dict[str, list[list[complex]]] = {name: [] for name in names}
-    seconds, rows = 0.0, []
+    seconds, rows, residuals = 0.0, [], []
     for degrees in (0, 15, 30, 45):
         half = 0.5 * math.radians(degrees)
         found: dict[str, list[complex]] = {name: [] for name in groups}
         rows.append([])
         for seed in range(1, SEEDS + 1):
-            graph, _, _, took = _struck(executables, "round_pane.textproto", seed + 100 * degrees, [
+            graph, run, _, took = _struck(executables, "round_pane.textproto", seed + 100 * degrees, [
                 f"shells[plate].plate.pose.orientation.w={math.cos(half):.15g}",
                 f"shells[plate].plate.pose.orientation.z={math.sin(half):.15g}"])
             seconds += took
+            residuals.append(run["energy"]["residual_relative"])
             rows[-1].append(graph)
             ends = np.zeros((0, 2, 2)) if graph is None else graph.ends
             ends = ends[off_circle(ends, centre, radius, 1e-3)]
@@ -118,6 +106,7 @@ def round_pane(table: Table, executables: Executables) -> None:
     table.add("round_pane_harmonic_bound", upper_bound(every), 0.0, 0.3, seconds)
     table.add("round_pane_radials_at_least", min(float(np.real(groups["radials"]).mean()), FEWEST_RADIALS), FEWEST_RADIALS,
               0.0, 0.0)
+    _add_energy(table, "round_pane", residuals)
     for name, values in groups.items():
         chance = anova([np.array(v) for v in values])[1]
         table.add(f"round_pane_{name}_depends", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
@@ -125,20 +114,21 @@ def round_pane(table: Table, executables: Executables) -> None:
     table.lines.append(f"round_pane: mean harmonic of all {len(every)} runs {every.mean():.3f}; of one run some "
                        f"{np.abs(every).mean():.2f}, as few arms have")
     if table.pictures is not None:
-        _picture(table.pictures / "round_pane.png", rows, ROUND)
+        draw_cracks(table.pictures / "round_pane.png", rows, (ROUND, ROUND))
 
 
 def impact_speed(table: Table, executables: Executables) -> None:
     """scenes/acrylic.textproto at seven speeds over a factor of eight, eight seeds each."""
     centre = np.array([0.5 * SIDE, 0.5 * SIDE])
-    means, errors, rows, x, y, seconds = {}, {}, [], [], [], 0.0
+    means, errors, rows, x, y, residuals, seconds = {}, {}, [], [], [], [], 0.0
     for speed in SPEEDS:
         counts, row = [], []
         for seed in range(1, SEEDS + 1):
-            graph, _, _, took = _struck(executables, "acrylic.textproto", seed, [
+            graph, run, _, took = _struck(executables, "acrylic.textproto", seed, [
                 f"bodies[pellet].twist.linear.z=-{speed}"]
                 + [f"shells[plate].plate.elements_{axis}={ELEMENTS}" for axis in "xy"])
             seconds += took
+            residuals.append(run["energy"]["residual_relative"])
             row.append(graph)
             counts.append(0 if graph is None else len(radial_crossings(graph.ends, centre, COUNTED_AT)))
         rows.append(row)
@@ -157,6 +147,7 @@ def impact_speed(table: Table, executables: Executables) -> None:
     table.add("impact_speed_exponent", fit.exponent, 0.5, 0.5, seconds)
     table.add("impact_speed_at_22", means[22], 4.0, 0.5, 0.0)
     table.add("impact_speed_at_57", means[57], 8.0, 0.5, 0.0)
+    _add_energy(table, "impact_speed", residuals)
     table.lines.append(f"impact_speed: exponent up to {most} m/s, where cracks are most, {fit.exponent:.2f}, +- "
                        f"{fit.half:.2f} (95 %); over all speeds {every.exponent:.2f}, +- {every.half:.2f}; published 0.5, "
                        f"4 cracks at 22 m/s and 8 at 57 (Vandenberghe, Vermorel, Villermaux 2013), {BETWEEN_PUBLISHED:.2f} "
@@ -169,7 +160,7 @@ def impact_speed(table: Table, executables: Executables) -> None:
     table.curves.append({"name": "square root", "x": [float(s) for s in SPEEDS],
                          "y": [4.0 * 2.0 ** 0.5 * (s * s / (22.0 * 57.0)) ** 0.25 for s in SPEEDS], **axes})
     if table.pictures is not None:
-        _picture(table.pictures / "impact_speed.png", rows, SIDE)
+        draw_cracks(table.pictures / "impact_speed.png", rows, (SIDE, SIDE))
 
 
 def refinement(table: Table, executables: Executables) -> None:
@@ -178,7 +169,7 @@ def refinement(table: Table, executables: Executables) -> None:
     found: dict[int, dict[str, list[float]]] = {}
     grids = (50, 75, 110)
     for elements in grids:
-        here: dict[str, list[float]] = {"length": [], "fragments": [], "residual_speed": [], "fracture": []}
+        here: dict[str, list[float]] = {"length": [], "fragments": [], "residual_speed": [], "fracture": [], "residual": []}
         seconds = 0.0
         for seed in range(1, SEEDS + 1):
             graph, run, back, took = _struck(executables, "acrylic.textproto", seed, [
@@ -188,6 +179,7 @@ def refinement(table: Table, executables: Executables) -> None:
             here["fragments"].append(float(run["counts"]["fragments"]))
             here["residual_speed"].append(-back)
             here["fracture"].append(run["energy"]["dissipated_fracture"])
+            here["residual"].append(run["energy"]["residual_relative"])
         found[elements] = here
         table.lines.append(f"refinement {SIDE / elements * 1e3:.2f} mm: " + ", ".join(
             f"{name} {np.mean(v):.4g} +- {np.std(v, ddof=1):.2g}" for name, v in here.items()))
@@ -198,6 +190,7 @@ def refinement(table: Table, executables: Executables) -> None:
         table.curves.append({"name": f"refinement: {name}", "x_label": "spacing [mm]", "y_label": f"{name} {BARS}",
                              "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False,
                              "half": [_bar(found[elements][name]) for elements in grids], "from_zero": True})
+    _add_energy(table, "refinement", [r for elements in grids for r in found[elements]["residual"]])
 
 
 QUANTILES = (0.25, 0.5, 0.75)
@@ -324,6 +317,7 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
         table.curves.append({"name": f"{name}: {key}", "x_label": "spacing [mm]", "y_label": f"{key} {BARS}",
                              "x": [1e3 * SIDE / elements for elements in what.grids], "y": mean, "logarithmic": False,
                              "half": [_bar(of[elements]) for elements in what.grids], "from_zero": True})
+    _add_energy(table, name, [r["residual"] for elements in what.grids for r in found[elements]])
     _sizes(table, name, "sizes", sizes, what.grids)
     if what.in_place:
         table.lines.append(f"{name}: left at the border, no further from it than a spacing: "

@@ -10,6 +10,8 @@ from PIL import Image
 
 from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
 from .synthetic import SyntheticRun, write_vtp
+from sunder_tools.crack_check import Graph
+from sunder_tools.crack_pictures import draw_cracks
 from sunder_tools.frames import choose_frames, list_frames
 from sunder_tools.pictures import SHEET, time_text, write_contact_sheet
 from sunder_tools.raster import orthographic_camera, perspective_camera, rasterise
@@ -21,6 +23,20 @@ class InAFolder(unittest.TestCase):
         temporary = tempfile.TemporaryDirectory()
         self.addCleanup(temporary.cleanup)
         self.folder = Path(temporary.name)
+
+
+class CrackLines(InAFolder):
+    def test_are_grey_where_cut_blue_where_early_and_red_where_late(self) -> None:
+        ends = np.array([[[0.0, 0.25], [1.0, 0.25]], [[0.0, 0.5], [1.0, 0.5]], [[0.0, 0.75], [1.0, 0.75]]])
+        graph = Graph(ends, np.zeros((3, 2, 3)), np.arange(3), np.array([0.0, 1e-3, 2e-3]))
+        draw_cracks(self.folder / "lines.png", [[graph, None], [None, graph]], (2.0, 1.0), size=80)
+        with Image.open(self.folder / "lines.png") as image:
+            self.assertEqual(image.size, (160, 80))
+            for x, y in ((0, 0), (80, 40)):  # v is up
+                self.assertEqual(image.getpixel((x + 20, y + 30)), (153, 153, 153))
+                self.assertEqual(image.getpixel((x + 20, y + 20)), (0, 0, 255))
+                self.assertEqual(image.getpixel((x + 20, y + 10)), (255, 0, 0))
+                self.assertEqual(image.getpixel((x + 60, y + 20)), (255, 255, 255))
 
 
 class VtpReader(InAFolder):
