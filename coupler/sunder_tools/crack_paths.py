@@ -173,7 +173,7 @@ def modes(table: Table, executables: Executables) -> None:
             ahead = (middle[:, 0] > notch[0]) & (np.abs(middle[:, 1] - notch[1]) < 0.05)
             off = float((np.abs(middle[:, 1] - notch[1]) * length)[ahead].sum() / length[ahead].sum())
             table.add("mode_one_off_line_spacings", off / spacing, 0.0, 3.0, seconds)
-            reached = float(graph.ends[..., 0][ahead].max()) if ahead.any() else notch[0]
+            reached = float(leaving(graph, notch)[:, 0].max())
             table.add("mode_one_crossed", min((reached - notch[0]) / (0.2 - notch[0]), 1.0), 1.0, 0.02, 0.0)
         else:
             near = (np.linalg.norm(middle - notch, axis=1) < 5.0 * spacing) & (middle[:, 1] < notch[1])

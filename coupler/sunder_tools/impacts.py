@@ -68,7 +68,7 @@ def _struck(executables: Executables, scene: str, seed: int,
 
 def _add_energy(table: Table, name: str, residuals: list[float]) -> None:
     """Row NAME_energy, as `add_books` has it, of the worst of many runs."""
-    table.add(f"{name}_energy", max(residuals, key=abs), 0.0, MOST_MISSING, 0.0)
+    table.add(f"{name}_energy", float(np.abs(residuals).max()), 0.0, MOST_MISSING, 0.0)
 
 
 def round_pane(table: Table, executables: Executables) -> None:

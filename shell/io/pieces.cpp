@@ -12,22 +12,22 @@ namespace {
 constexpr double kSmallPiece = 30.0;  // spacings squared: too small to bend, leaves at once
 constexpr double kSettle = 40.0;      // a larger piece stays while a wave passes so many spacings, and again from its
                                       // last crack on: that may still branch
-constexpr double kSeen = 0.98;        // of the way to a crack edge: what is seen to there sees it
 
 double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
 
-// Whether edges from `first` on have grown in a piece or along its border: within a spacing of a control point of it.
-bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Piece& p, int first) {
-  const Vec2 reach = Vec2::Constant(m.spacing);
-  return std::any_of(p.control_points.begin(), p.control_points.end(), [&](int i) {
-    const Vec2& at = m.parameter[i];
-    bool found = false;
-    cracks.near_since(at - reach, at + reach, first, [&](int e) {
-      Vec2 foot;
-      found = found || (cracks.distance(at, e, foot) < m.spacing && cracks.visible(at, at + kSeen * (foot - at), e));
-    });
-    return found;
-  });
+// Whether edges from `first` on have grown in a piece or along its border: one of the control points of the element
+// that their middle lies in is of it, and sees that.
+bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Triangulation& t, int piece, int first) {
+  const int each = m.tables.support();
+  for (int e = first; e < static_cast<int>(cracks.edges().size()); ++e) {
+    const Vec2 middle = 0.5 * (cracks.edges()[e].a + cracks.edges()[e].b);
+    const int column = m.patch.knots_u.span_of(middle.x()), row = m.patch.knots_v.span_of(middle.y());
+    for (int k = 0; k < each * each; ++k) {
+      const int point = (row + k / each) * m.patch.columns() + column + k % each;
+      if (t.owner[point] == piece && cracks.visible(m.parameter[point], middle, e)) return true;
+    }
+  }
+  return false;
 }
 
 }  // namespace
@@ -144,7 +144,9 @@ bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool a
   if (g.empty || !g.bends) return true;
   const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
   const auto [since, fresh] = parts_[front].detached_since.try_emplace(lowest, tick_);
-  const double settle = kSettle * parts_[front].model().spacing / parts_[front].model().wave_speed();
+  double settle = 0.0;
+  for (const auto& [k, i] : g.members)
+    settle = std::max(settle, kSettle * parts_[k].model().spacing / parts_[k].model().wave_speed());
   if (static_cast<double>(tick_ - since->second) * setup_.tick < settle) return false;
   const double lately = time() + window_ticks_ * setup_.tick - settle;
   return std::none_of(g.members.begin(), g.members.end(), [&](const auto& member) {
@@ -152,8 +154,8 @@ bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool a
     const std::vector<CrackEdge>& edges = part.state->cracks.edges();
     const auto first = std::partition_point(edges.begin(), edges.end(), [&](auto& e) { return e.time <= lately; });
     return first != edges.end() &&
-           has_cracked(part.model(), part.state->cracks, now[member.first].pieces[member.second],
-                       static_cast<int>(first - edges.begin()));
+           has_cracked(part.model(), part.state->cracks, *now[member.first].triangulation,
+                       now[member.first].pieces[member.second].number, static_cast<int>(first - edges.begin()));
   });
 }
 

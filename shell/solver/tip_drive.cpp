@@ -11,8 +11,9 @@ namespace sunder::shell {
 namespace {
 
 // The field of a bent crack that lies between an axis and a diagonal of the lattice opens directions nearer to the
-// diagonal: by so much times sin(4 angle), on the mean over where the tip is in its element, and as much with any
-// radius. A stretched one has no such turn (`validate cracks --case energy_release`, rows `..._lattice_turns`).
+// diagonal: by so much times sin(4 angle), on the mean over where the tip is in its element, as measured on square
+// elements of degree 2. A stretched one has no such turn. `validate cracks --case energy_release` has what is left of
+// it (rows `..._lattice_turns`).
 constexpr double kToDiagonal = 3.7 * std::numbers::pi / 180.0;
 
 // Of the points around a start, weighted about one direction.
@@ -139,8 +140,18 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
     if (bend < 0.0) best.turn += 0.5 * step * std::clamp((before - after) / bend, -1.0, 1.0);
   }
   const double angle = std::atan2(start.direction.y() / m.spacing_v, start.direction.x() / m.spacing_u);
-  best.turn -= kToDiagonal * best.bent * std::sin(4.0 * angle);
-  best.turn = std::clamp(best.turn, -start.most_turn, start.most_turn);
+  const double off = kToDiagonal * best.bent * std::sin(4.0 * angle), wanted = best.turn - off;
+  const double turn = std::clamp(wanted, -start.most_turn, start.most_turn);
+  if (turn != wanted && steps > 0) {  // what drives it is what it finds as far round as it may turn
+    const double at_most = (turn + off) / step;
+    const int low = std::clamp(static_cast<int>(std::floor(at_most)), -steps, steps - 1);
+    const Drive before = drive_along(ahead[low], r, start, low * step),
+                after = drive_along(ahead[low + 1], r, start, (low + 1) * step);
+    const double part = at_most - low;
+    best = part < 0.5 ? before : after;
+    best.ratio = (1.0 - part) * before.ratio + part * after.ratio;
+  }
+  best.turn = turn;
   return best;
 }
 

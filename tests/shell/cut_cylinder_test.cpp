@@ -18,7 +18,7 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kRoundOff = 1e-13;  // of the sums' own magnitudes
+constexpr double kRoundOff = 1e-12;  // of the sums' own magnitudes
 
 void expect_the_same(const Totals& now, const Totals& before, const char* when) {
   EXPECT_NEAR(now.mass, before.mass, kRoundOff * before.mass) << when;

@@ -15,9 +15,9 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
-// The turn [rad] of a tip at `angle` that may turn by `most`, in a sheet pulled by 1 MPa across `across`; of that on
+// What drives a tip at `angle` that may turn by `most`, in a sheet pulled by 1 MPa across `across`; of that on
 // the lower face the share `lower`: 1 stretched, -1 bent.
-double turn_of(double angle, double across, double lower, double most) {
+Drive drive_of(double angle, double across, double lower, double most) {
   ShellMaterial material = glass();
   material.strength = 60e6, material.fracture_energy = 8.0;
   const ShellModel m =
@@ -34,7 +34,11 @@ double turn_of(double angle, double across, double lower, double most) {
       }
   Start start;
   start.p = {0.1033, 0.0971}, start.direction = turned(Vec2(1, 0), angle), start.most_turn = most;
-  return drive_at(m, s, make_crack_rules(m, 0.0), start).turn;
+  return drive_at(m, s, make_crack_rules(m, 0.0), start);
+}
+
+double turn_of(double angle, double across, double lower, double most) {
+  return drive_of(angle, across, lower, most).turn;
 }
 
 }  // namespace
@@ -57,4 +61,13 @@ TEST(TipDrive, TurnsNoFurtherThanItMayAndOnlyThenByThat) {
   EXPECT_NEAR(turn_of(angle, angle + 30.0 * kDegree, -1.0, most), most, 1e-12);
   EXPECT_NEAR(turn_of(angle, angle - 30.0 * kDegree, -1.0, most), -most, 1e-12);
   EXPECT_EQ(turn_of(angle, angle, -1.0, 0.0), 0.0);
+  // and is driven by what it finds there: stress across a direction goes with the squared cosine
+  const double whole = drive_of(angle, angle, 1.0, most).ratio, bent = drive_of(angle, angle, -1.0, most).ratio;
+  for (const double sign : {-1.0, 1.0}) {
+    EXPECT_NEAR(drive_of(angle, angle + sign * 30.0 * kDegree, 1.0, most).ratio,
+                whole * std::pow(std::cos(20.0 * kDegree), 2), 1e-6 * whole);
+    const double away = 30.0 * kDegree - sign * 3.7 * kDegree - most;  // of the direction as the lattice shows it
+    EXPECT_NEAR(drive_of(angle, angle + sign * 30.0 * kDegree, -1.0, most).ratio, bent * std::pow(std::cos(away), 2),
+                3e-3 * bent);
+  }
 }

@@ -117,7 +117,7 @@ void energy_release(Report& r, int threads) {
       sum += turn, squares += turn * turn;
     }
     const double mean = sum / kPlaces, error = std::sqrt((squares / kPlaces - mean * mean) / (kPlaces - 1));
-    r.add(fmt::format("{}_lattice_turns", name), mean, 0.0, 3.0, seconds_now() - start);
+    r.add(fmt::format("{}_lattice_turns", name), mean, 0.0, 2.0, seconds_now() - start);
     r.lines.push_back(fmt::format("{}: the lattice turns by {:.1f} +- {:.1f} degrees", name, mean, error));
   }
   for (const double angle : {30.0, 45.0, 60.0}) {
