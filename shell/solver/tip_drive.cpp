@@ -12,8 +12,8 @@ namespace {
 
 // The field of a bent crack that lies between an axis and a diagonal of the lattice opens directions nearer to the
 // diagonal: by so much times sin(4 angle), on the mean over where the tip is in its element, as measured on square
-// elements of degree 2. A stretched one has no such turn. `validate cracks --case energy_release` has what is left of
-// it (rows `..._lattice_turns`).
+// elements of degree 2. A stretched one turns less, and to the axis. `validate cracks --case energy_release` has what
+// is left of it (rows `..._lattice_turns`).
 constexpr double kToDiagonal = 3.7 * std::numbers::pi / 180.0;
 
 // Of the points around a start, weighted about one direction.
