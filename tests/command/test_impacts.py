@@ -103,6 +103,15 @@ class Pieces(unittest.TestCase):
         np.testing.assert_allclose(at_border, [2.0, 4.0], rtol=1e-6)
 
 
+class Energy(unittest.TestCase):
+    def test_is_that_of_the_worst_run_and_fails_where_one_has_none(self) -> None:
+        for residuals, good in (([1e-3, -9e-3], True), ([1e-3, -2e-2, 0.0], False), ([0.0, float("nan"), 0.0], False)):
+            table = trials.Table()
+            with contextlib.redirect_stdout(io.StringIO()):
+                impacts._add_energy(table, "series", residuals)
+            self.assertEqual([(row["name"], row["pass"]) for row in table.rows], [("series_energy", good)])
+
+
 class Registry(unittest.TestCase):
     def test_every_experiment_that_comes_later_exists(self) -> None:
         for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "heavy", "pieces")),

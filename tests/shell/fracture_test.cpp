@@ -12,9 +12,11 @@
 #include "shell/solver/step.h"
 #include "shell/solver/tips.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/prisms.h"
 
 using namespace sunder;
 using namespace sunder::shell;
+using sunder::test::volume_of_prisms;
 
 namespace {
 
@@ -219,15 +221,8 @@ TEST(HandOff, CarriesMassMomentumAndAngularMomentum) {
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(after[4 + d] + l[d], before[4 + d], 1e-12);
   for (const int slot : h.donors) EXPECT_GE(s.mass[slot], 0.5 * m.mass[slot] * (1 - 1e-12));
   // volume of the convex parts: that of the piece, each part may add a tenth of a squared spacing
-  double volume = 0.0;
-  for (const auto& part : std::get<ConvexShape>(h.body.shape).parts) {
-    double area = 0.0;
-    for (std::size_t k = 2; k + 2 < part.size(); k += 2)
-      area += 0.5 * (part[k] - part[0]).cross(part[k + 2] - part[0]).norm();
-    volume += area * (part[1] - part[0]).norm();
-  }
   EXPECT_NEAR(
-      volume, 0.004 * piece.area,
+      volume_of_prisms(std::get<ConvexShape>(h.body.shape)), 0.004 * piece.area,
       0.1 * m.spacing * m.spacing * 0.004 * static_cast<double>(std::get<ConvexShape>(h.body.shape).parts.size()));
 }
 

@@ -10,9 +10,11 @@
 #include "shell/solver/polyline.h"
 #include "shell/solver/step.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/prisms.h"
 
 using namespace sunder;
 using namespace sunder::shell;
+using sunder::test::volume_of_prisms;
 
 namespace {
 
@@ -69,20 +71,11 @@ TEST(NestedPieces, LeaveOneByOneWithTheirMassInertiaAndSpin) {
         polar_moment_within(area == ring ? kOuter : kInner) - (area == ring ? polar_moment_within(kInner) : 0.0);
     EXPECT_NEAR(h.body.principal_inertia.maxCoeff(), per_area * polar, 2e-3 * per_area * polar) << area;
     EXPECT_LT((h.body.motion.position - centre).norm(), 0.02 * m.spacing);
-    // a ring that turns stays where it is, and its hole turns with it
+    // lumped masses have another moment of inertia than the piece: 1.5 % where it is 12 spacings wide
     EXPECT_NEAR(h.body.angular_velocity().z(), kSpin, 0.02 * kSpin) << area;
     EXPECT_LT(h.body.motion.velocity.norm(), 0.01 * kSpin * kOuter);
-    // nothing of its solid lies in the hole of the ring
-    if (area == ring) {
-      double volume = 0.0;
-      for (const auto& part : std::get<ConvexShape>(h.body.shape).parts) {
-        double face = 0.0;
-        for (std::size_t k = 2; k + 2 < part.size(); k += 2)
-          face += 0.5 * (part[k] - part[0]).cross(part[k + 2] - part[0]).norm();
-        volume += face * (part[1] - part[0]).norm();
-      }
-      EXPECT_NEAR(volume, kThickness * area, 0.02 * kThickness * area);
-    }
+    // convex parts may cut corners, by far less than the 27 % that a filled hole adds to the ring
+    EXPECT_NEAR(volume_of_prisms(std::get<ConvexShape>(h.body.shape)), kThickness * area, 0.02 * kThickness * area);
   }
   partition(m, s, pieces);
   for (const Piece& p : pieces) EXPECT_TRUE(p.gone);
