@@ -148,7 +148,7 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
     const Drive before = drive_along(ahead[low], r, start, low * step),
                 after = drive_along(ahead[low + 1], r, start, (low + 1) * step);
     const double part = at_most - low;
-    best = part < 0.5 ? before : after;
+    best = before.ratio > after.ratio ? before : after;  // the weaker may be closed, and then has no face
     best.ratio = (1.0 - part) * before.ratio + part * after.ratio;
   }
   best.turn = turn;
