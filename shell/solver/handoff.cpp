@@ -127,30 +127,40 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
   const double rigid = 0.5 * linear.squaredNorm() / mass + 0.5 * angular.dot(inertia.ldlt().solve(angular));
   if (rigid <= energy) return;
   std::vector<int> takers;
-  const auto take = [&](const std::vector<int>& from) {
+  const auto take = [&](const std::vector<int>& from, std::size_t most) {
     takers.clear();
-    for (std::size_t k = 0; k < from.size() && takers.size() < kTakers; ++k)
+    for (std::size_t k = 0; k < from.size() && takers.size() < most; ++k)
       if (s.inverse_mass[from[k]] > 0.0 &&
           (takers.empty() || t.owner[m.tables.control_point(from[k])] == t.owner[m.tables.control_point(takers[0])]))
         takers.push_back(from[k]);
+    return takers.size() == most;
   };
-  take(beside);
-  if (takers.size() < kTakers) take(neighbours(m, s, t, piece, kEvery));
-  if (takers.size() < 4) return;
   Vec3 middle = Vec3::Zero();
   double weight = 0.0;
-  for (const int slot : takers) weight += s.mass[slot], middle += s.mass[slot] * s.position(slot);
-  middle /= weight;
-  Mat3 second = Mat3::Zero();
-  for (const int slot : takers) {
-    const Vec3 r = s.position(slot) - middle;
-    second += s.mass[slot] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+  PrincipalAxes spin;
+  const auto can_spin = [&] {
+    weight = 0.0, middle.setZero();
+    for (const int slot : takers) weight += s.mass[slot], middle += s.mass[slot] * s.position(slot);
+    middle /= weight;
+    Mat3 second = Mat3::Zero();
+    for (const int slot : takers) {
+      const Vec3 r = s.position(slot) - middle;
+      second += s.mass[slot] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+    }
+    spin = principal_axes(second);
+    return spin.moments[0] >= 1e-3 * spin.moments[2];  // not in a line, as those beside a long strip are
+  };
+  std::vector<int> all;
+  for (std::size_t most = kTakers;; most *= 2) {
+    if (all.empty() && !take(beside, most)) all = neighbours(m, s, t, piece, kEvery);
+    const bool more = all.empty() || take(all, most);
+    if (takers.size() < 4) return;
+    if (can_spin()) break;
+    if (!more) return;
   }
-  const auto [moments, axes] = principal_axes(second);
-  if (moments[0] < 1e-3 * moments[2]) return;  // in a line: it cannot take a spin
   const double share = 1.0 - std::sqrt(energy / rigid);
   const Vec3 p = share * linear, l = share * angular + (centre - middle).cross(p);
-  const Vec3 turn = axes * (axes.transpose() * l).cwiseQuotient(moments);
+  const Vec3 turn = spin.axes * (spin.axes.transpose() * l).cwiseQuotient(spin.moments);
   for (const int slot : takers) s.add_velocity(slot, p / weight + turn.cross(s.position(slot) - middle));
   momentum -= p, angular -= share * angular;
 }

@@ -295,6 +295,30 @@ TEST(HandOff, ASmallPieceIsNoFasterThanWhatItIsMadeOf) {
   EXPECT_GT(small, 20);
 }
 
+// Beside a strip along the border the nearest control points lie in one row, which cannot take a spin about itself.
+TEST(HandOff, ALongStripLeavesWithNoMoreEnergyThanThereWas) {
+  const ShellModel m = sheet();
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  const double x = m.patch.knots_u.end() - 0.01 * m.spacing;
+  insert_polyline(m, s, {{x, 0.0}, {x, m.patch.knots_v.end()}}, 0.0);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
+  for (int i = 0; i < m.control_points(); ++i)
+    s.add_velocity(m.tables.slot(i), Vec3(uniform(random), uniform(random), uniform(random)));
+  compute_forces(m, s, false, 0.0, 1);
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, s, pieces);
+  ASSERT_EQ(t.pieces, 2);
+  const double before = kinetic_energy(m, s, 0.0);
+  const Totals all = totals(m, s);
+  const RigidBody b = hand_off(m, s, t, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1], 7, 0.0).body;
+  EXPECT_LE(kinetic_energy(m, s, 0.0) + b.kinetic_energy(), 1.01 * before);
+  const Totals left = totals(m, s);
+  const Vec3 spin = b.motion.angular_momentum + b.mass * b.motion.position.cross(b.motion.velocity);
+  EXPECT_LT((left.momentum + b.mass * b.motion.velocity - all.momentum).norm(), 1e-12 * all.momentum_scale);
+  EXPECT_LT((left.angular + spin - all.angular).norm(), 1e-12 * all.angular_scale);
+}
+
 TEST(HandOff, TheLastPieceTakesAllThatIsLeft) {
   const ShellModel m = sheet();
   for (const double share : {0.99, 1.0 + 1e-9, 1.01}) {  // what pieces before it have left it, too little or too much
