@@ -3,7 +3,8 @@
     cd coupler && python3 -m sunder_tools.crack_check RUN_FOLDER
 
 An earlier crack edge must be an edge of every later frame, a new one must hang on what was there or belong to a
-crack that starts, where a crack ends at another there must be no gap, and no crack runs on top of another.
+crack that starts, where a crack ends at another there must be no gap, and no crack runs on top of another. Each shell
+of a run has cracks of its own: what goes on over a seam starts there.
 """
 from __future__ import annotations
 
@@ -83,32 +84,52 @@ def graph_of(mesh: PolyData, where: str) -> Graph:
 
 
 def check_folder(folder: Path) -> Findings:
-    """Checks all frames of a run folder. Raises VtpError, OSError."""
-    graphs: list[tuple[float, Graph]] = []
-    spacing, border = 0.0, np.zeros((0, 2, 3))
+    """Checks all frames of a run folder, shell by shell. Raises VtpError, OSError."""
+    graphs: dict[int, list[tuple[float, Graph]]] = {}
+    sides: dict[int, tuple[float, np.ndarray]] = {}
     for frame in list_frames(folder):
         lines = frame.read(CRACKS)
         if lines is None:
             continue
-        if not graphs:
-            shell = frame.read(SHELL)
-            if shell is None:
+        if not sides:
+            first = frame.read(SHELL)
+            if first is None:
                 raise VtpError(f"{folder}: the first frame has crack lines but no shell")
-            spacing, border = element_side(shell), border_of(shell)
-        graphs.append((frame.time_s, graph_of(lines, str(frame.files[CRACKS]))))
-    return check_graphs(graphs, spacing, border)
+            of = first.of_triangles("shell", 0)
+            for number in np.unique(of).astype(int).tolist():
+                sides[number] = (element_side(first, of == number), border_of(first, of == number))
+        graph, of = graph_of(lines, str(frame.files[CRACKS])), np.asarray(lines.cell_data.get("shell", 0)).astype(int)
+        if not np.isin(of, list(sides)).all():
+            raise VtpError(f"{frame.files[CRACKS]}: a crack of a shell that the first frame has not")
+        for number in sides:
+            graphs.setdefault(number, []).append((frame.time_s, _some(graph, np.broadcast_to(of == number, len(graph)))))
+    found = Findings()
+    for number, (spacing, border) in sides.items():
+        of_shell = check_graphs(graphs[number], spacing, border)
+        if len(sides) > 1:
+            of_shell.notes = [f"shell {number}, {note}" for note in of_shell.notes]
+        found = joined(found, of_shell)
+    return found
 
 
-def element_side(shell: PolyData) -> float:
-    """Side of a square element [m]: two triangles are one."""
-    corner = reference_points(shell)[shell.triangles]
+def joined(a: Findings, b: Findings) -> Findings:
+    """Of two shells of a run: faults and counts together, frames and those that grew as the shell with the most has."""
+    return Findings(max(a.frames, b.frames), max(a.growing, b.growing), *(
+        getattr(a, name) + getattr(b, name) for name in (
+            "edges", "cracks", "starts", "lost", "unconnected", "gaps", "apart", "doubled")),
+        notes=(a.notes + b.notes)[:MOST_NOTES])
+
+
+def element_side(shell: PolyData, of: np.ndarray | None = None) -> float:
+    """Side of a square element [m]: two triangles are one. `of`: which triangles (n,), all where it is not given."""
+    corner = reference_points(shell)[shell.triangles if of is None else shell.triangles[of]]
     return float(np.sqrt(np.median(np.linalg.norm(
         np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1))))
 
 
-def border_of(shell: PolyData) -> np.ndarray:
-    """(k, 2, 3) sides of triangles that no other triangle shares [m], at rest."""
-    sides = np.sort(shell.triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
+def border_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
+    """(k, 2, 3) sides of triangles that no other triangle shares [m], at rest. `of`: which triangles (n,)."""
+    sides = np.sort(shell.triangles[of][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     pairs, count = np.unique(sides, axis=0, return_counts=True)
     return reference_points(shell)[pairs[count == 1]]
 

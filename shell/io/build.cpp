@@ -276,6 +276,13 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (const Seam& seam : r.stitches.seams)
     if (seam.join == Join::kClamped)
       r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;
+  for (std::size_t k = 0; k < r.shells.size(); ++k) {
+    int seamed = 0;
+    for (const Seam& seam : r.stitches.seams)
+      seamed |= (seam.first == static_cast<int>(k) ? seam.first_edge : 0) |
+                (seam.second == static_cast<int>(k) ? seam.second_edge : 0);
+    for (PrescribedCut& cut : r.shells[k].cuts) settle_edges(scene, r.shells[k].model, seamed, cut);
+  }
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
     RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);

@@ -2,8 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "shell/geometry/edges.h"
 #include "shell/geometry/plane_curves.h"
+#include "shell/solver/clamp.h"
 
 namespace sunder::shell {
 namespace {
@@ -107,18 +110,81 @@ std::vector<Vec2> sampled(const scene::LoadedScene& scene, const PlaneCurve& cur
   return points;
 }
 
+// The edge on which both points lie, 0: none; points outside by round-off are on it.
+int edge_of(const Domain& d, const Vec2& a, const Vec2& b) {
+  for (const int edge : kEdges) {
+    const int axis = edge < kVMin ? 0 : 1;
+    const double at = edge == kUMin || edge == kVMin ? d.low[axis] : d.high[axis];
+    if (std::max(std::abs(a[axis] - at), std::abs(b[axis] - at)) <= kSame * d.spacing) return edge;
+  }
+  return 0;
+}
+
+// The cut without what lies on edges of the patch.
+PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time, const std::string& field) {
+  PrescribedCut out;
+  out.time = time;
+  const std::size_t segments = points.size() - 1;
+  std::vector<int> on(segments);
+  for (std::size_t k = 0; k < segments; ++k) on[k] = edge_of(d, points[k], points[k + 1]);
+  const auto first = std::find_if(on.begin(), on.end(), [](int edge) { return edge != 0; });
+  if (first == on.end()) {
+    out.lines.push_back(std::move(points));
+    return out;
+  }
+  // a closed one is gone round from the first segment that is on an edge
+  const std::size_t start = points.front() == points.back() ? first - on.begin() : 0;
+  std::vector<Vec2> line;
+  for (std::size_t i = 0; i < segments; ++i) {
+    const std::size_t k = (start + i) % segments;
+    const Vec2 &a = points[k], &b = points[k + 1];
+    if (on[k] == 0) {
+      if (line.empty()) line.push_back(a);
+      line.push_back(b);
+      continue;
+    }
+    if (!line.empty()) out.lines.push_back(std::exchange(line, {}));
+    const int axis = on[k] < kVMin ? 1 : 0;
+    const double length = d.high[axis] - d.low[axis];
+    const double from = (a[axis] - d.low[axis]) / length, to = (b[axis] - d.low[axis]) / length;
+    out.on_edges.push_back({on[k], std::min(from, to), std::max(from, to), fmt::format("{}.points[{}]", field, k)});
+  }
+  if (!line.empty()) out.lines.push_back(std::move(line));
+  return out;
+}
+
 }  // namespace
+
+void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, PrescribedCut& cut) {
+  std::vector<EdgeCut> seams;
+  for (const EdgeCut& e : cut.on_edges) {
+    if (seamed & e.edge) {
+      seams.push_back(e);
+      continue;
+    }
+    scene.check(
+        (model.clamped & e.edge) != 0, e.field,
+        "the segment from here lies on an edge of the patch that is neither a seam nor clamped: there is nothing "
+        "to part; leave it out");
+    const double inside = (e.edge == kUMin || e.edge == kVMin ? 1.0 : -1.0) * kOnBorder * model.spacing;
+    std::vector<Vec2> line{edge_point(model.patch, e.edge, e.from), edge_point(model.patch, e.edge, e.to)};
+    for (Vec2& p : line) p[e.edge < kVMin ? 0 : 1] += inside;
+    cut.lines.push_back(std::move(line));
+  }
+  cut.on_edges = std::move(seams);
+}
 
 PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, const ShellModel& model,
                        const std::string& field) {
   const Domain d(model);
+  const auto whole = [&](std::vector<Vec2> points) { return divided(d, std::move(points), m.time_s(), field); };
   const double least = kSmallestRound * d.spacing;
   if (m.has_circle()) {
     const double radius = m.circle().radius_m();
     scene.check(radius >= least, field + ".circle.radius_m",
                 "is {} m, less than half a spacing of the shell, {:.3g} m; take a larger one, or more elements", radius,
                 least);
-    return {sampled(scene, circle_curve(to_vec2(m.circle().center()), radius), d, field + ".circle"), m.time_s()};
+    return whole(sampled(scene, circle_curve(to_vec2(m.circle().center()), radius), d, field + ".circle"));
   }
   if (m.has_spiral()) {
     const auto& s = m.spiral();
@@ -127,16 +193,15 @@ PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, con
                 "is {}: turns {:.3g} m apart, less than half a spacing of the shell, {:.3g} m; take fewer, or more "
                 "elements",
                 s.turns(), apart, least);
-    return {sampled(scene, spiral_curve(to_vec2(s.center()), s.inner_radius_m(), s.outer_radius_m(), s.turns()), d,
-                    field + ".spiral"),
-            m.time_s()};
+    return whole(sampled(scene, spiral_curve(to_vec2(s.center()), s.inner_radius_m(), s.outer_radius_m(), s.turns()), d,
+                         field + ".spiral"));
   }
   if (m.has_curve()) {
     const auto& c = m.curve();
     std::vector<Vec2> points;
     for (const auto& p : c.points()) points.push_back(to_vec2(p));
-    return {sampled(scene, spline_curve(points, c.has_degree() ? c.degree() : 3, c.closed()), d, field + ".curve"),
-            m.time_s()};
+    return whole(
+        sampled(scene, spline_curve(points, c.has_degree() ? c.degree() : 3, c.closed()), d, field + ".curve"));
   }
   std::vector<Vec2> points = polyline(scene, m, d, field);
   scene.check(
@@ -144,7 +209,7 @@ PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, con
       "goes round no Gauss point of the shell, whose spacing is {:.3g} m: nothing would come off; take a larger "
       "one, or more elements",
       d.spacing);
-  return {std::move(points), m.time_s()};
+  return whole(std::move(points));
 }
 
 }  // namespace sunder::shell

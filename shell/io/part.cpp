@@ -90,17 +90,20 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
   return step;
 }
 
-void ShellPart::cut(double now, double until) {
+std::vector<EdgeCut> ShellPart::cut(double now, double until) {
+  std::vector<EdgeCut> on_edges;
   std::vector<std::pair<int, int>> made;  // edges from, to before
   for (std::size_t i = 0; i < setup->cuts.size(); ++i)
     if (!state->cut_done[i] && setup->cuts[i].time <= until) {
       const int before = static_cast<int>(state->cracks.edges().size());
-      insert_polyline(model(), *state, setup->cuts[i].points, now);
+      for (const auto& line : setup->cuts[i].lines) insert_polyline(model(), *state, line, now);
+      on_edges.insert(on_edges.end(), setup->cuts[i].on_edges.begin(), setup->cuts[i].on_edges.end());
       made.emplace_back(before, static_cast<int>(state->cracks.edges().size()));
       state->cut_done[i] = 1;
     }
   if (setup->tips)  // once all are there: an end on another is not open
     for (const auto& [first, last] : made) start_at_ends(model(), *state, first, last);
+  return on_edges;
 }
 
 void ShellPart::measure_step(std::int64_t window, int threads) {

@@ -52,8 +52,8 @@ struct ShellPart {
   /// stable step gains or loses by chance, and of many such changes there comes a gain. `now` counts windows.
   double with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
                     double window, std::int64_t now);
-  /// Makes the cuts that are due before `until`, at time `now` [s].
-  void cut(double now, double until);
+  /// Makes the cuts that are due before `until`, at time `now` [s]. Returns what they open of seams.
+  std::vector<EdgeCut> cut(double now, double until);
   /// Measures the stable step again where cracks have changed something; `window` counts windows.
   void measure_step(std::int64_t window, int threads);
   /// Pieces without control points that have left are gone.

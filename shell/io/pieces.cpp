@@ -5,6 +5,7 @@
 
 #include "shell/io/run.h"
 #include "shell/solver/interlock.h"
+#include "shell/solver/near_tiles.h"
 
 namespace sunder::shell {
 namespace {
@@ -75,6 +76,7 @@ std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
     if (p.whole) {
       p.pieces.resize(1);
       p.pieces[0].held = !m.constraints.anchors.empty();
+      p.pieces[0].gone = part.state->gone[m.tables.slot(0)] != 0;
     } else {
       p.triangulation = leaving.empty() || leaving[k].empty() ? part.counted() : part.drawn(leaving[k]);
       p.pieces = pieces_of(m, *part.state, *p.triangulation);
@@ -119,6 +121,11 @@ std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
 
 std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) const {
   std::map<int, Group> groups;
+  std::vector<std::vector<char>> were_one;  // shells, as the scene has them
+  if (stitching_.parted()) were_one = components(now.size(), setup_.stitches.seams);
+  const auto in_another = [&](std::size_t shell, int own) {
+    return std::any_of(now[shell].group.begin(), now[shell].group.end(), [own](int other) { return other != own; });
+  };
   for (std::size_t k = 0; k < now.size(); ++k)
     for (std::size_t i = 0; i < now[k].pieces.size(); ++i) {
       Group& g = groups[now[k].group[i]];
@@ -128,9 +135,10 @@ std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) con
       g.bends = g.bends || now[k].whole ||
                 (!p.control_points.empty() && p.area > kSmallPiece * std::pow(parts_[k].model().spacing, 2));
       g.empty = g.empty && p.control_points.empty() && !now[k].whole;
-      g.torn = g.torn || p.parted ||
-               std::any_of(now[k].group.begin(), now[k].group.end(),
-                           [&, own = now[k].group[i]](int other) { return other != own; });
+      const int own = now[k].group[i];
+      g.torn = g.torn || p.parted || in_another(k, own);
+      for (std::size_t other = 0; other < were_one.size() && !g.torn; ++other)
+        g.torn = were_one[k][other] != 0 && in_another(other, own);
     }
   return groups;
 }
@@ -161,8 +169,9 @@ bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool a
 
 std::vector<RigidBody> Run::take_off(bool all) {
   std::vector<RigidBody> births;
-  if (!all && std::all_of(parts_.begin(), parts_.end(),
-                          [](const ShellPart& part) { return part.state->cracks.edges().empty(); }))
+  if (!all && !stitching_.parted() && std::all_of(parts_.begin(), parts_.end(), [](const ShellPart& part) {
+        return part.state->cracks.edges().empty();
+      }))
     return births;
   Stopwatch w(stage_s_["crack_update"]);
   for (ShellPart& part : parts_)

@@ -379,7 +379,11 @@ void Run::shell_window() {
   const double window_start = wall_clock(), update_before = stage_s_["crack_update"], length = crack_length();
   {
     Stopwatch w(stage_s_["crack_update"]);
-    for (ShellPart& part : parts_) part.state->time = time(), part.cut(time(), time() + 0.5 * window);
+    for (std::size_t k = 0; k < parts_.size(); ++k) {
+      parts_[k].state->time = time();
+      for (const EdgeCut& e : parts_[k].cut(time(), time() + 0.5 * window))
+        open_seams(setup_.stitches.seams, refs(), stitching_, static_cast<int>(k), e.edge, e.from, e.to);
+    }
   }
   open_window(window);
   window_start_wall_ = window_start;

@@ -124,7 +124,7 @@ class Run {
     std::vector<std::pair<std::size_t, std::size_t>> members;
     bool empty = true;   // no control point
     bool bends = false;  // is large
-    bool torn = false;   // of a shell that is not whole
+    bool torn = false;   // of a shell that is in pieces, or off one that it was joined to
   };
   /// Of each shell, boxes in its parameters.
   using PartBoxes = std::vector<std::vector<Eigen::AlignedBox2d>>;

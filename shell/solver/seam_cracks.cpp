@@ -48,6 +48,29 @@ void each_seam(const std::vector<Seam>& seams, int shell, const Exit& exit, F&& 
   }
 }
 
+// Calls back with each seam that the edge comes near enough to for passing between it and the control points beside it,
+// and the shares of its first edge that the edge lies beside.
+template <class F>
+void each_seam_beside(const std::vector<Seam>& seams, int shell, const ShellModel& m, const CrackEdge& e,
+                      F&& callback) {
+  for (const Seam& seam : seams)
+    for (const bool first : {true, false}) {
+      if ((first ? seam.first : seam.second) != shell) continue;
+      const int edge = first ? seam.first_edge : seam.second_edge, across = edge < kVMin ? 0 : 1;
+      const KnotVector &over = across == 0 ? m.patch.knots_u : m.patch.knots_v,
+                       &along = across == 0 ? m.patch.knots_v : m.patch.knots_u;
+      const double border = edge == kUMin || edge == kVMin ? over.begin() : over.end();
+      if (std::min(std::abs(e.a[across] - border), std::abs(e.b[across] - border)) > m.longest_element) continue;
+      const auto share = [&](double at) {
+        const double own = (at - along.begin()) / (along.end() - along.begin());
+        return !first && seam.reversed ? 1.0 - own : own;
+      };
+      const double pad = m.spacing / (along.end() - along.begin());  // sight is blocked just beyond an end, too
+      const double a = share(e.a[1 - across]), b = share(e.b[1 - across]);
+      callback(seam, std::min(a, b) - pad, std::max(a, b) + pad);
+    }
+}
+
 // Unit vectors of the surface at rest at a point of an edge: along it, and into the patch.
 void frame(int edge, const SurfacePoint& x, Vec3& along, Vec3& inward) {
   along = (edge < kVMin ? x.v : x.u).normalized();
@@ -107,15 +130,30 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
   for (int k = 0; k < static_cast<int>(shells.size()); ++k) {
     const auto& edges = shells[k].state->cracks.edges();
     std::int64_t& seen = stitching.edges_seen()[k];
-    for (; seen < static_cast<std::int64_t>(edges.size()); ++seen)
+    for (; seen < static_cast<std::int64_t>(edges.size()); ++seen) {
+      const CrackEdge& e = edges[seen];
+      each_seam_beside(seams, k, *shells[k].model, e, [&](const Seam& seam, double low, double high) {
+        stitching.part_beside(shells, seam, k, low, high);
+      });
       for (const bool back : {true, false}) {
-        const CrackEdge& e = edges[seen];
         Exit exit;
         if (!exit_of(*shells[k].model, back ? e.b : e.a, back ? e.a : e.b, exit)) continue;
         each_seam(seams, k, exit, [&](const Seam& seam, int, double share) { stitching.part(shells, seam, share); });
       }
+    }
   }
   return count;
+}
+
+void open_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,
+                int edge, double from, double to) {
+  constexpr double kAtEnds = 1e-9;  // of the edge: round-off
+  for (const Seam& seam : seams) {
+    const bool first = seam.first == shell && seam.first_edge == edge;
+    if (!first && !(seam.second == shell && seam.second_edge == edge)) continue;
+    const bool back = !first && seam.reversed;
+    stitching.open(shells, seam, (back ? 1.0 - to : from) - kAtEnds, (back ? 1.0 - from : to) + kAtEnds);
+  }
 }
 
 }  // namespace sunder::shell

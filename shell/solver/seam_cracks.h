@@ -11,4 +11,8 @@ namespace sunder::shell {
 int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, const std::vector<char>& can_crack,
              Stitching& stitching, double time);
 
+/// Lets go of all that the seams on an edge of a shell tie from share `from` of the edge to `to`.
+void open_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,
+                int edge, double from, double to);
+
 }  // namespace sunder::shell

@@ -209,25 +209,20 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
   follow(shells);
 }
 
-void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
-  // which side of the crack; 0: of neither patch
-  const auto side = [&](const Term& m) {
-    if (m.shell != seam.first && m.shell != seam.second) return 0;
-    const int edge = m.shell == seam.first ? seam.first_edge : seam.second_edge, axis = edge < kVMin ? 1 : 0;
-    const ShellModel& model = *shells[m.shell].model;
-    const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
-    const Vec2 at = model.of_slot[m.slot];
-    const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
-    const double share = m.shell == seam.second && seam.reversed ? 1.0 - own : own;
-    // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
-    const bool clear = shells[m.shell].state->cracks.visible(at, edge_point(model.patch, edge, own));
-    return (share < t) == clear ? -1 : 1;
-  };
-  const auto across = [&](const Term& a, const auto& others) {
-    const int own = side(a);
-    return std::any_of(others.begin(), others.end(),
-                       [&](const Term& m) { return std::abs(m.weight) > kLooseWeight && own * side(m) < 0; });
-  };
+Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m) {
+  if (m.shell != seam.first && m.shell != seam.second) return {};
+  const int edge = m.shell == seam.first ? seam.first_edge : seam.second_edge, axis = edge < kVMin ? 1 : 0;
+  const ShellModel& model = *shells[m.shell].model;
+  const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
+  const Vec2 at = model.of_slot[m.slot];
+  const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
+  const Vec2 foot = edge_point(model.patch, edge, own);
+  return {true, shells[m.shell].state->cracks.visible(at, foot), at == foot,
+          m.shell == seam.second && seam.reversed ? 1.0 - own : own};
+}
+
+template <class F>
+void Stitching::part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across) {
   for (Tie& tie : ties_) {
     const bool of_seam = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {
       return (m.shell == seam.first || m.shell == seam.second) && m.shell != tie.shell;
@@ -236,6 +231,45 @@ void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, doub
       shells[tie.shell].state->book.fracture += let_go(shells, tie);
   }
   for (Brace& b : braces_) b.holds = b.holds && !across(b.ends[0], b.ends);
+}
+
+void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
+  // which side of the crack; 0: of neither patch
+  const auto side = [&](const Term& m) {
+    const Foot foot = foot_of(shells, seam, m);
+    // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
+    return !foot.exists ? 0 : (foot.share < t) == foot.clear ? -1 : 1;
+  };
+  part_where(shells, seam, [&](const Term& a, const auto& others) {
+    const int own = side(a);
+    return std::any_of(others.begin(), others.end(),
+                       [&](const Term& m) { return std::abs(m.weight) > kLooseWeight && own * side(m) < 0; });
+  });
+}
+
+void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high) {
+  // Where knots do not match, a control point hangs on several: it is off when most of it is, and not where the crack
+  // is yet to come.
+  part_where(shells, seam, [&](const Term&, const auto& hangs_on) {
+    double off = 0.0, all = 0.0;
+    for (const Term& m : hangs_on) {
+      const Foot foot = foot_of(shells, seam, m);
+      if (m.shell != shell || foot.on_seam) continue;
+      all += std::abs(m.weight);
+      if (foot.share >= low && foot.share <= high && !foot.clear) off += std::abs(m.weight);
+    }
+    return off > 0.5 * all;
+  });
+}
+
+void Stitching::open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high) {
+  const auto within = [&](const Term& m) {
+    const Foot foot = foot_of(shells, seam, m);
+    return foot.exists && std::abs(m.weight) > kLooseWeight && foot.share >= low && foot.share <= high;
+  };
+  part_where(shells, seam, [&](const Term& a, const auto& others) {
+    return within(a) || std::any_of(others.begin(), others.end(), within);
+  });
 }
 
 double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {

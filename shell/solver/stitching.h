@@ -1,5 +1,6 @@
 #pragma once
 // Shells that hang together along seams: control points that follow others, and creases that keep their angle.
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -64,6 +65,15 @@ class Stitching {
   /// Where a crack crosses a seam, at share `t` of its first edge: control points that follow others beyond it are let
   /// go.
   void part(const std::vector<ShellRef>& shells, const Seam& seam, double t);
+  /// Where a crack of `shell` runs along a seam, from share `low` of its first edge to `high`: what hangs on control
+  /// points that it has hidden from the seam is let go.
+  void part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high);
+  /// Lets go of all that a seam ties from share `low` of its first edge to `high`.
+  void open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high);
+  /// Something has been let go.
+  bool parted() const {
+    return std::any_of(ties_.begin(), ties_.end(), [](const Tie& t) { return !t.holds; });
+  }
 
   template <class A>
   friend void archive(A& a, Stitching& s) {
@@ -96,6 +106,15 @@ class Stitching {
     double length = 0.0;      // at rest [m]
     bool holds = true;
   };
+  /// Of a control point of a seam's patches: where it is beside the seam as a share of the first edge, whether it sees
+  /// that place, and whether it is there itself.
+  struct Foot {
+    bool exists = false, clear = true, on_seam = false;
+    double share = 0.0;
+  };
+  static Foot foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& term);
+  template <class F>
+  void part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across);
   /// Returns the kinetic energy that is lost [J].
   double let_go(const std::vector<ShellRef>& shells, Tie& tie);
   static double turn(const std::vector<ShellRef>& shells, const Tie& tie, const Vec3& turning);

@@ -112,8 +112,10 @@ TEST(Cut, TakesSettingsAndKeepsItsTime) {
   const std::string text = scene("cuts { time_s: 0.25 circle { center { u: 0.25 v: 0.25 } radius_m: 0.1 } }");
   const auto cut = built(text, {"shells[pane].cuts[0].circle.radius_m=0.2"}).shells[0].cuts[0];
   EXPECT_EQ(cut.time, 0.25);
-  EXPECT_EQ(cut.points.front(), cut.points.back());
-  for (const Vec2& p : cut.points) EXPECT_NEAR((p - Vec2(0.25, 0.25)).norm(), 0.2, 1e-12);
+  ASSERT_EQ(cut.lines.size(), 1u);
+  EXPECT_TRUE(cut.on_edges.empty());
+  EXPECT_EQ(cut.lines[0].front(), cut.lines[0].back());
+  for (const Vec2& p : cut.lines[0]) EXPECT_NEAR((p - Vec2(0.25, 0.25)).norm(), 0.2, 1e-12);
   expect_refusal(text, "shells[0].cuts[0].circle", {"set by --set"}, {"shells[pane].cuts[0].circle.radius_m=0.3"});
 }
 

@@ -81,3 +81,32 @@ TEST(SceneSeams, TellShellsWhichOfTheirEdgesGoOnInAnother) {
   EXPECT_EQ(joined("seams { rules { first: \"pane\" second: \"wing\" kind: HINGE } }"), std::pair(0, 0));
   EXPECT_EQ(joined(""), std::pair(0, 0));
 }
+
+// A seam is opened; a clamped edge is parted just inside; the rectangle's other three sides are one line.
+TEST(SceneCuts, OnEdgesOfThePatchPartWhatHangsThere) {
+  const std::string rectangle =
+      "cuts { points { u: 0 v: 0.1 } points { u: 0 v: 0.4 } points { u: 0.2 v: 0.4 } points { u: 0.2 v: 0.1 } "
+      "points { u: 0 v: 0.1 } }";
+  const auto cut = [&](const std::string& seams, const std::string& more) {
+    const std::string path = own_file("edge_cut_scene.textproto");
+    std::ofstream(path) << scene(seams, rectangle + more);
+    const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
+    std::remove(path.c_str());
+    return setup.shells[1].cuts.at(0);
+  };
+  const auto opened = cut("seams {}", "");
+  ASSERT_EQ(opened.on_edges.size(), 1u);
+  EXPECT_EQ(opened.on_edges[0].edge, sunder::shell::kUMin);
+  EXPECT_DOUBLE_EQ(opened.on_edges[0].from, 0.2);
+  EXPECT_DOUBLE_EQ(opened.on_edges[0].to, 0.8);
+  ASSERT_EQ(opened.lines.size(), 1u);
+  EXPECT_EQ(opened.lines[0].size(), 4u);
+  EXPECT_EQ(opened.lines[0].front(), sunder::Vec2(0.0, 0.4));
+  EXPECT_EQ(opened.lines[0].back(), sunder::Vec2(0.0, 0.1));
+  const auto parted = cut("", " supports { edges: U_MIN kind: CLAMPED }");
+  EXPECT_TRUE(parted.on_edges.empty());
+  ASSERT_EQ(parted.lines.size(), 2u);
+  for (const sunder::Vec2& p : parted.lines[1]) EXPECT_NEAR(p.x(), 5e-4 * 0.5 / 16, 1e-12);
+  expect_refusal(scene("", rectangle), "shells[1].cuts[0].points[0]",
+                 {"lies on an edge of the patch that is neither a seam nor clamped", "leave it out"});
+}

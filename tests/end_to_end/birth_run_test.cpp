@@ -1,4 +1,7 @@
 // What an engine makes of a piece as it is born is compared with what the shell has lost.
+#include <algorithm>
+
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include "rigid/engine/free_flight.h"
@@ -50,6 +53,35 @@ TEST(Birth, AnEngineThatKeepsWhatItIsGivenIsTaken) {
   std::size_t bodies = 0;
   EXPECT_EQ(run_text(kCutPane, engine, [&](double, double, const auto& all) { bodies = all.size(); }), "");
   EXPECT_EQ(bodies, 1u);
+}
+
+// On the seam, beside it where no control point is between, and beside it where some are: a strip then comes off.
+TEST(Birth, PlatesThatACutAlongTheirSeamPartsAreTwoBodies) {
+  for (const bool matching : {true, false})
+    for (const double beside : {0.0, 5e-6, 0.003}) {
+      std::string text =
+          "name: \"joined\" end_time_s: 1e-3 window_s: 1e-5\n"
+          "materials { name: \"plaster\" density: 1000 youngs_modulus: 3e9 poisson_ratio: 0.2 }\n"
+          "fracture { mode: CUTS }\noutput { frame_interval_s: 1e9 checkpoint_interval_s: 0 }\nseams {}\n";
+      for (const int k : {0, 1})
+        text += fmt::format(
+            "shells {{ name: \"p{}\" material: \"plaster\" thickness_m: 0.002 plate {{ size_x_m: 0.2 size_y_m: 0.2\n"
+            "  elements_x: 20 elements_y: {} pose {{ position {{ x: {} }} }} }} velocity {{ x: {} z: 3 }} {} }}\n",
+            k, k == 1 && !matching ? 27 : 20, 0.2 * k, k,
+            k == 0 ? fmt::format("cuts {{ points {{ u: {0} v: 0 }} points {{ u: {0} v: 0.2 }} }}", 0.2 - beside) : "");
+      rigid::FreeFlight engine;
+      std::vector<double> mass, speed;
+      EXPECT_EQ(run_text(text, engine,
+                         [&](double, double, const auto& all) {
+                           mass.clear(), speed.clear();
+                           for (const auto& b : all) mass.push_back(b->mass), speed.push_back(b->motion.velocity.x());
+                         }),
+                "");
+      ASSERT_EQ(mass.size(), beside == 0.003 ? 3u : 2u) << matching << " " << beside;
+      EXPECT_NEAR(*std::max_element(mass.begin(), mass.end()), 0.08, 1e-9);
+      EXPECT_GT(*std::max_element(speed.begin(), speed.end()), 0.98);
+      EXPECT_LT(*std::min_element(speed.begin(), speed.end()), 0.02);
+    }
 }
 
 TEST(Birth, OneThatLosesMassMomentumOrSpinStopsTheRun) {

@@ -9,8 +9,6 @@
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/seam_cracks.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
@@ -408,56 +406,5 @@ TEST(Stitching, ASupportAlongASeamOfOneShellOnlyIsRefused) {
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("a support of shell 'a' holds its seam with shell 'b'"), std::string::npos);
-  }
-}
-
-TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
-  for (const bool matching : {true, false}) {
-    Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, matching ? 12 : 17))});
-    // the crack crosses at 0.52: what is four elements off stays tied
-    const auto far = [&](int shell, int slot) {
-      return std::abs(s.models[shell].of_slot[slot].y() - 0.52) > 4.0 / 12.0;
-    };
-    int before = 0, after = 0, across = 0;
-    s.stitching.each_link([&](int a, int i, int, int) { before += far(a, i); });
-    insert_polyline(s.models[0], s.states[0], {{0.0, 0.31}, {1.0, 0.52}}, 0.0);
-    insert_polyline(s.models[1], s.states[1], {{0.0, 0.52}, {1.0, 0.73}}, 0.0);
-    carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
-    const auto above = [&](int shell, int slot) {
-      const Vec2 g = s.models[shell].of_slot[slot];
-      return g.y() > (shell == 0 ? 0.31 : 0.52) + 0.21 * g.x();
-    };
-    s.stitching.each_link(
-        [&](int a, int i, int b, int j) { after += far(a, i), across += above(a, i) != above(b, j); });
-    EXPECT_EQ(across, 0);
-    EXPECT_GT(before, 10);
-    EXPECT_EQ(after, before);
-  }
-}
-
-// A young crack that resists by its flaw's strength is as young beyond the seam.
-TEST(SeamCracks, GoOnAsWhatTheyWere) {
-  for (const double grown : {0.4, 2.0}) {
-    Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12))});
-    insert_polyline(s.models[0], s.states[0], {{0.6, 0.5}, {1.0, 0.52}}, 0.0);
-    const CrackGraph& cracks = s.states[0].cracks;
-    Tip tip;
-    tip.direction = Vec2(1.0, 0.05).normalized();
-    for (const CrackEdge& e : cracks.edges())  // the one that leaves the patch
-      if (tip.edge < 0 && e.b.x() > 1.0)
-        tip.edge = static_cast<int>(&e - cracks.edges().data()), tip.vertex = e.to, tip.p = e.b;
-    tip.alive = false;
-    tip.strength = 7e6, tip.flaw = 0.9, tip.grown = grown, tip.since_branch = 0.3;
-    s.states[0].tips.push_back(tip);
-    EXPECT_EQ(carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0), 1);
-    ASSERT_EQ(s.states[1].tips.size(), 1u);
-    const Tip& on = s.states[1].tips[0];
-    EXPECT_TRUE(on.alive);
-    const bool young = grown < 1.8;  // a whole crack
-    EXPECT_EQ(on.strength, young ? 7e6 : Tip().strength);
-    EXPECT_EQ(on.flaw, young ? 0.9 : 0.0);
-    EXPECT_EQ(on.grown, young ? 0.4 : 0.0);
-    EXPECT_EQ(on.since_branch, young ? 0.3 : 0.0);
-    EXPECT_LT(on.pending, 0.0);
   }
 }

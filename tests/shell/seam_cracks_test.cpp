@@ -1,0 +1,169 @@
+// Cracks at seams: over them, along them, and cuts that open them.
+#include <algorithm>
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "shell/geometry/builders.h"
+#include "shell/solver/polyline.h"
+#include "shell/solver/seam_cracks.h"
+#include "tests/shell/fixtures.h"
+#include "tests/shell/stitched.h"
+
+namespace {
+
+using namespace sunder;
+using namespace sunder::shell;
+
+Patch flat(double x0, double x1, double y0, double y1, int nx, int ny) {
+  return plate(x1 - x0, y1 - y0, nx, ny, Vec3(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0), Quat::Identity());
+}
+
+ShellModel model(const Patch& p) { return make_shell("p", p, 0.01, glass(), 2, p.degree(), {}); }
+
+// Two plates side by side, twelve elements and as many or seventeen along their seam at x = 1.
+Stitched two_plates(bool matching) {
+  return Stitched({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, matching ? 12 : 17))});
+}
+
+int links(const Stitched& s) {
+  int count = 0;
+  s.stitching.each_link([&](int, int, int, int) { ++count; });
+  return count;
+}
+
+Vec3 momentum(const ShellState& s) {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < s.mass.size(); ++i) sum += s.mass[i] * s.velocity(static_cast<int>(i));
+  return sum;
+}
+
+// Lets it move, the second plate away from the first, and returns how much of its momentum that loses.
+double lost_momentum(Stitched& s) {
+  for (std::size_t i = 0; i < s.states[1].mass.size(); ++i)
+    s.states[1].add_velocity(static_cast<int>(i), Vec3(1.0, 0.2, 0.3));
+  s.stitching.follow(s.refs());
+  const Vec3 before = momentum(s.states[1]);
+  const double dt = 0.5 * s.stable();
+  for (int k = 0; k < 200; ++k) s.forces(), s.advance(dt);
+  return (momentum(s.states[1]) - before).norm() / before.norm();
+}
+
+}  // namespace
+
+TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
+  for (const bool matching : {true, false}) {
+    Stitched s = two_plates(matching);
+    // the crack crosses at 0.52: what is four elements off stays tied
+    const auto far = [&](int shell, int slot) {
+      return std::abs(s.models[shell].of_slot[slot].y() - 0.52) > 4.0 / 12.0;
+    };
+    int before = 0, after = 0, across = 0;
+    s.stitching.each_link([&](int a, int i, int, int) { before += far(a, i); });
+    insert_polyline(s.models[0], s.states[0], {{0.0, 0.31}, {1.0, 0.52}}, 0.0);
+    insert_polyline(s.models[1], s.states[1], {{0.0, 0.52}, {1.0, 0.73}}, 0.0);
+    carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
+    const auto above = [&](int shell, int slot) {
+      const Vec2 g = s.models[shell].of_slot[slot];
+      return g.y() > (shell == 0 ? 0.31 : 0.52) + 0.21 * g.x();
+    };
+    s.stitching.each_link(
+        [&](int a, int i, int b, int j) { after += far(a, i), across += above(a, i) != above(b, j); });
+    EXPECT_EQ(across, 0);
+    EXPECT_GT(before, 10);
+    EXPECT_EQ(after, before);
+  }
+}
+
+// A young crack that resists by its flaw's strength is as young beyond the seam.
+TEST(SeamCracks, GoOnAsWhatTheyWere) {
+  for (const double grown : {0.4, 2.0}) {
+    Stitched s = two_plates(true);
+    insert_polyline(s.models[0], s.states[0], {{0.6, 0.5}, {1.0, 0.52}}, 0.0);
+    const CrackGraph& cracks = s.states[0].cracks;
+    Tip tip;
+    tip.direction = Vec2(1.0, 0.05).normalized();
+    for (const CrackEdge& e : cracks.edges())  // the one that leaves the patch
+      if (tip.edge < 0 && e.b.x() > 1.0)
+        tip.edge = static_cast<int>(&e - cracks.edges().data()), tip.vertex = e.to, tip.p = e.b;
+    tip.alive = false;
+    tip.strength = 7e6, tip.flaw = 0.9, tip.grown = grown, tip.since_branch = 0.3;
+    s.states[0].tips.push_back(tip);
+    EXPECT_EQ(carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0), 1);
+    ASSERT_EQ(s.states[1].tips.size(), 1u);
+    const Tip& on = s.states[1].tips[0];
+    EXPECT_TRUE(on.alive);
+    const bool young = grown < 1.8;  // a whole crack
+    EXPECT_EQ(on.strength, young ? 7e6 : Tip().strength);
+    EXPECT_EQ(on.flaw, young ? 0.9 : 0.0);
+    EXPECT_EQ(on.grown, young ? 0.4 : 0.0);
+    EXPECT_EQ(on.since_branch, young ? 0.3 : 0.0);
+    EXPECT_LT(on.pending, 0.0);
+  }
+}
+
+TEST(SeamCracks, WhatHangsTogetherSharesMomentum) {
+  Stitched s = two_plates(true);
+  EXPECT_GT(lost_momentum(s), 0.1);  // which is what the tests below tell from none
+}
+
+// As far beside the seam as the control points that it hangs on and less, in either plate.
+TEST(SeamCracks, AlongASeamPartWhatHangsAcrossThem) {
+  for (const bool matching : {true, false})
+    for (const int shell : {0, 1})
+      for (const double beside : {1e-3, 0.3, 0.45}) {  // spacings
+        Stitched s = two_plates(matching);
+        EXPECT_GT(links(s), 20);
+        const double u = shell == 0 ? 1.0 - beside / 12.0 : beside / 12.0;
+        insert_polyline(s.models[shell], s.states[shell], {{u, 0.0}, {u, 1.0}}, 0.0);
+        carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
+        // control points of the strip that the crack leaves may hang on the other plate
+        s.stitching.each_link([&](int a, int i, int b, int j) {
+          if (a == b) return;
+          const int own = a == shell ? i : j;
+          EXPECT_LT(std::abs(s.models[shell].of_slot[own].x() - (shell == 0 ? 1.0 : 0.0)), beside / 12.0);
+        });
+        EXPECT_LT(lost_momentum(s), 1e-12) << matching << " " << shell << " " << beside;
+      }
+}
+
+// Half of the way along: what is an element and more off its end stays as it is, before it and behind.
+TEST(SeamCracks, AlongAPartOfASeamPartNoMoreThanThat) {
+  for (const bool matching : {true, false}) {
+    Stitched s = two_plates(matching);
+    insert_polyline(s.models[0], s.states[0], {{1.0 - 0.3 / 12.0, 0.0}, {1.0 - 0.3 / 12.0, 0.5}}, 0.0);
+    const auto ahead = [&] {
+      int count = 0;
+      s.stitching.each_link([&](int a, int i, int, int) { count += s.models[a].of_slot[i].y() > 0.5 + 4.0 / 12.0; });
+      return count;
+    };
+    const int before = ahead();
+    carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
+    EXPECT_GT(before, 5);
+    EXPECT_EQ(ahead(), before);
+    s.stitching.each_link([&](int a, int i, int b, int j) {
+      if (a == b) return;
+      EXPECT_GT(std::max(s.models[a].of_slot[i].y(), s.models[b].of_slot[j].y()), 0.5 - 1.0 / 12.0);
+    });
+  }
+}
+
+TEST(SeamCracks, ACutOnASeamOpensItAsFarAsItGoes) {
+  for (const bool matching : {true, false})
+    for (const int shell : {0, 1}) {
+      Stitched s = two_plates(matching);
+      open_seams(s.stitches.seams, s.refs(), s.stitching, shell, shell == 0 ? kUMax : kUMin, 0.25, 0.75);
+      int left = 0;
+      s.stitching.each_link([&](int a, int i, int b, int j) {
+        if (a == b) return;
+        ++left;
+        for (const double y : {s.models[a].of_slot[i].y(), s.models[b].of_slot[j].y()})
+          EXPECT_TRUE(y < 0.25 || y > 0.75) << y;
+      });
+      EXPECT_GT(left, 10);
+      open_seams(s.stitches.seams, s.refs(), s.stitching, shell, shell == 0 ? kUMax : kUMin, 0.0, 1.0);
+      EXPECT_EQ(links(s), 0);
+      EXPECT_TRUE(s.stitching.parted());
+      EXPECT_LT(lost_momentum(s), 1e-12);
+    }
+}
