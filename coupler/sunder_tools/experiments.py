@@ -200,6 +200,7 @@ EXPERIMENTS = {"shells": (
     Experiment("glass", "the glass scene with every engine that has hulls and contact", _later("engine_glass", "glass")),
 ), "seams": (
     Experiment("crack", "a crack over a seam runs as in the single patch", _later("seam_runs", "crack")),
+    Experiment("follow", "a crack along a seam runs as in the single patch", _later("seam_runs", "follow")),
     Experiment("piece", "a piece over a seam leaves as one body", _later("seam_runs", "piece")),
 )}
 

@@ -163,9 +163,18 @@ def impact_speed(table: Table, executables: Executables) -> None:
         draw_cracks(table.pictures / "impact_speed.png", rows, (SIDE, SIDE))
 
 
+def _add_convergence(table: Table, name: str, of: list[list[float]], part: float, seconds: float) -> list[float]:
+    """Rows of what three grids give, runs by grid, coarse first: the last two must agree to `part` of the mean, the first
+    and the last to twice that, each and twice the standard error of their difference. Returns the means."""
+    mean = [float(np.mean(values)) for values in of]
+    for row, first, share in ((name, 1, part), (f"{name}_over_three", 0, 2.0 * part)):
+        error = math.sqrt((np.var(of[first], ddof=1) + np.var(of[2], ddof=1)) / SEEDS) / max(abs(mean[first]), 1e-300)
+        table.add(row, mean[2], mean[first], share + 2.0 * error, seconds if first == 1 else 0.0)
+    return mean
+
+
 def refinement(table: Table, executables: Executables) -> None:
-    """scenes/acrylic.textproto at 40 m/s on three grids, eight seeds each: what comes of it. The last two must agree
-    to a part of the mean and twice the standard error of their difference."""
+    """scenes/acrylic.textproto at 40 m/s on three grids, eight seeds each: what comes of it."""
     found: dict[int, dict[str, list[float]]] = {}
     grids = (50, 75, 110)
     for elements in grids:
@@ -184,9 +193,7 @@ def refinement(table: Table, executables: Executables) -> None:
         table.lines.append(f"refinement {SIDE / elements * 1e3:.2f} mm: " + ", ".join(
             f"{name} {np.mean(v):.4g} +- {np.std(v, ddof=1):.2g}" for name, v in here.items()))
     for name, part in (("length", 0.1), ("residual_speed", 0.05)):
-        mean = [float(np.mean(found[elements][name])) for elements in grids]
-        error = math.sqrt(sum(np.var(found[elements][name], ddof=1) / SEEDS for elements in grids[1:])) / mean[1]
-        table.add(f"refinement_{name}", mean[2], mean[1], part + 2.0 * error, seconds)
+        mean = _add_convergence(table, f"refinement_{name}", [found[elements][name] for elements in grids], part, seconds)
         table.curves.append({"name": f"refinement: {name}", "x_label": "spacing [mm]", "y_label": f"{name} {BARS}",
                              "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False,
                              "half": [_bar(found[elements][name]) for elements in grids], "from_zero": True})
@@ -276,8 +283,8 @@ def _one_thread() -> None:
 
 
 def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None:
-    """On three grids, eight seeds each: pieces, their sizes, cracks and the ball. The last two grids must agree as in
-    `refinement`; sizes by the distance of their distributions over whole runs."""
+    """On three grids, eight seeds each: pieces, their sizes, cracks and the ball. Numbers must agree as
+    `_add_convergence` has it, sizes of the last two grids by the distance of their distributions over whole runs."""
     name = what.name
     found: dict[int, list[dict]] = {}
     sizes: dict[int, list[np.ndarray]] = {}
@@ -308,12 +315,10 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
             + ("in all but the largest " if what.in_place else "that came off ") + ", ".join(
             f"{q:.2f} ({low:.2f} to {high:.2f})" for q, low, high in bounds)
             + f" mm^2; the median is {bounds[1][0] / spacing ** 2:.1f} squared spacings")
-    last = what.grids[1:]
+    last = what.grids[2]
     for key, part in what.compared:
         of = {elements: [r[key] for r in found[elements]] for elements in what.grids}
-        mean = [float(np.mean(of[elements])) for elements in what.grids]
-        error = math.sqrt(sum(np.var(of[elements], ddof=1) / SEEDS for elements in last)) / mean[1]
-        table.add(f"{name}_{key}", mean[2], mean[1], part + 2.0 * error, sum(r["seconds"] for r in found[last[1]]))
+        mean = _add_convergence(table, f"{name}_{key}", list(of.values()), part, sum(r["seconds"] for r in found[last]))
         table.curves.append({"name": f"{name}: {key}", "x_label": "spacing [mm]", "y_label": f"{key} {BARS}",
                              "x": [1e3 * SIDE / elements for elements in what.grids], "y": mean, "logarithmic": False,
                              "half": [_bar(of[elements]) for elements in what.grids], "from_zero": True})

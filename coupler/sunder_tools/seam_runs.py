@@ -105,6 +105,64 @@ def crack(table: Table, executables: Executables) -> None:
                            f"{run['energy']['dissipated_fracture']:.1e} J")
 
 
+HEIGHTS = (0.1013, 0.1003, 0.0997)  # [m] of the notch, 0.33 and 0.08 elements above the seam and as far below
+PATH = (0.11, 0.12, 0.14, 0.16, 0.18, 0.196)  # [m] along it
+MOST_OFF = 1.5  # elements from the notch's line: the single patch's crack wanders 1.7
+
+
+def along_text(notch: float, parts: list[tuple[float, float, int]], name: str) -> str:
+    """Scene of scenes/mode_one.textproto, its sheet divided along the crack's way: (from [m], to [m], elements along x)."""
+    text = HEAD.format(name=name, end=1.5e-3, strength=STRENGTH, mode="TIPS", more="branch_ratio: 5", frames=5e-5)
+    for number, (low, high, along) in enumerate(parts):
+        across = round((high - low) / SIDE * ELEMENTS)
+        cut = f"cuts {{ points {{ u: 0 v: {notch - low!r} }} points {{ u: 0.1 v: {notch - low!r} }} }}"
+        text += f"""shells {{ name: "part{number}" material: "plaster" thickness_m: 0.002
+  plate {{ size_x_m: {SIDE} size_y_m: {high - low!r} elements_x: {along} elements_y: {across}
+    pose {{ position {{ x: {0.5 * SIDE} y: {0.5 * (low + high)!r} }} }} }}
+  {"supports { edges: V_MIN kind: SIMPLY_SUPPORTED }" if low == 0.0 else ""}
+  {"supports { edges: V_MAX kind: SIMPLY_SUPPORTED motion { time_s: 0 displacement {} }"
+   " motion { time_s: 2e-3 displacement { y: 2e-4 } } }" if high == SIDE else ""}
+  {cut if low <= notch < high else ""} }}
+"""
+    return text + ("seams {}\n" if len(parts) > 1 else "")
+
+
+def follow(table: Table, executables: Executables) -> None:
+    """A crack whose way is a seam, or within an element of one, against a sheet in one patch."""
+    middle, planes = 0.5 * SIDE, np.array(PATH)
+    late: dict[str, list[float]] = {"matching": [], "other_knots": []}
+    off: dict[str, list[float]] = {"matching": [], "other_knots": []}
+    most, fewest, spent = 0.0, math.inf, 0.0
+    for notch in HEIGHTS:
+        with run_text(executables, along_text(notch, [(0.0, SIDE, ELEMENTS)], "single")) as (folder, seconds):
+            height, when = crossings(folder, planes)
+        table.lines.append(f"follow, one patch, notch at {1e3 * notch:.1f} mm: " + _course(height - notch, when))
+        arrival, spent = when[-1], spent + seconds
+        for name, along in (("matching", ELEMENTS), ("other_knots", ELEMENTS + 7)):
+            with run_text(executables, along_text(notch, [(0.0, middle, ELEMENTS), (middle, SIDE, along)], name)) as (
+                    folder, seconds):
+                height, when = crossings(folder, planes)
+                run = read_run(folder)
+            spent += seconds
+            late[name].append(when[-1] / arrival), off[name].append(float(np.abs(height - notch).max()) * ELEMENTS / SIDE)
+            most = max(most, run["energy"]["crack_injected"] / run["energy"]["dissipated_fracture"])
+            fewest = min(fewest, run["counts"]["fragments"])
+            table.add(f"follow_{name}_{1e4 * notch:.0f}_energy_residual", run["energy"]["residual_relative"], 0.0, 0.01, 0.0)
+            table.lines.append(f"follow, {name}: " + _course(height - notch, when) + f"; {run['counts']['fragments']} pieces, "
+                               f"injected {run['energy']['crack_injected']:.1e} of "
+                               f"{run['energy']['dissipated_fracture']:.1e} J")
+    worst = max(late["matching"], key=lambda ratio: abs(ratio - 1.0))
+    table.add("follow_matching_arrival", worst, 1.0, 0.1, spent)
+    table.add("follow_matching_off_path_spacings", max(off["matching"]), 0.0, MOST_OFF, 0.0)
+    table.add("follow_pieces_at_least", min(fewest, 2.0), 2.0, 0.0, 0.0)  # whatever the knots: it parts the sheet
+    table.add("follow_injected", most, 0.0, 0.01, 0.0)
+
+
+def _course(off: np.ndarray, when: np.ndarray) -> str:
+    return ("off the notch's line " + " ".join(f"{1e3 * y:+.1f}" for y in off) + " mm, at "
+            + " ".join(f"{1e6 * t:.0f}" for t in when) + " us")
+
+
 def cut_text(across: int, free: bool) -> str:
     """Two plates with a seam at x = 0.2 m, and a cut in each that together take out a piece over the seam."""
     text = HEAD.format(name="cut_out", end=2e-3, strength=STRENGTH, mode="CUTS", more="latest_freeze_s: 1.9e-3", frames=1e-3)

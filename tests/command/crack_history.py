@@ -26,8 +26,8 @@ def history() -> list[tuple[float, list[Edge]]]:
     return [(t, [e for _, new in STAGES[:k + 1] for e in new]) for k, (t, _) in enumerate(STAGES)]
 
 
-def write_history(folder: Path, frames: list[tuple[float, list[Edge]]]) -> None:
-    """Frames of the sheet and its cracks; an element is damaged once a crack comes within a spacing of its middle."""
+def write_history(folder: Path, frames: list[tuple[float, list[Edge]]], shells: int = 1) -> None:
+    """Frames of so many such sheets, one above the other, and their cracks; an element is damaged once a crack comes within a spacing of its middle."""
     axis = np.linspace(0.0, SIDE, 11)
     x, y = np.meshgrid(axis, axis)
     index = np.arange(121).reshape(11, 11)
@@ -43,11 +43,18 @@ def write_history(folder: Path, frames: list[tuple[float, list[Edge]]]) -> None:
         along = [e[0] + s * (e[1] - e[0]) for e in ends.reshape(-1, 2, 2) for s in np.linspace(0.0, 1.0, 5)]
         near = [np.linalg.norm(middle - p, axis=1) < SPACING for p in along]
         damaged = np.any(near, axis=0) if near else np.zeros(len(triangles), bool)
-        write_vtp(folder / f"frames/shell_{k}.vtp", points, triangles, cell_data={"c_his": damaged.astype(float)})
-        write_vtp(folder / f"frames/cracks_{k}.vtp", np.clip(flat, 0.0, SIDE),
-                  segments=np.arange(len(ends)).reshape(-1, 2), point_data={"parameter": flat},
-                  cell_data={"crack": np.array([e[2] for e in edges], int),
-                             "time": np.array([e[3] for e in edges], float)}, floats="f8")
+        every = range(shells)
+        sheets = [points + [0.0, 0.0, SIDE * n] for n in every]
+        write_vtp(folder / f"frames/shell_{k}.vtp", np.concatenate(sheets),
+                  np.concatenate([triangles + n * len(points) for n in every]),
+                  cell_data={"c_his": np.tile(damaged.astype(float), shells),
+                             "shell": np.repeat(np.arange(float(shells)), len(triangles))})
+        write_vtp(folder / f"frames/cracks_{k}.vtp",
+                  np.concatenate([np.clip(flat, 0.0, SIDE) + [0.0, 0.0, SIDE * n] for n in every]),
+                  segments=np.arange(shells * len(ends)).reshape(-1, 2), point_data={"parameter": np.tile(flat, (shells, 1))},
+                  cell_data={"crack": np.tile(np.array([e[2] for e in edges], int), shells),
+                             "shell": np.repeat(np.arange(float(shells)), len(edges)),
+                             "time": np.tile(np.array([e[3] for e in edges], float), shells)}, floats="f8")
         entries += [f'<DataSet timestep="{time_s}" part="{part}" file="frames/{name}_{k}.vtp"/>'
                     for part, name in ((0, "shell"), (1, "cracks"))]
     (folder / "frames.pvd").write_text(f"<VTKFile><Collection>{''.join(entries)}</Collection></VTKFile>")

@@ -96,6 +96,17 @@ class CrackCheck(unittest.TestCase):
         self.frames[4][1].append(((-0.1, 5.02), (1.0, 5.8), 3, 3.5))
         self.assertEqual(self.faults(), (0, 0, 0, 0, 0))
 
+    def test_cracks_of_two_shells_are_none_of_one_another(self) -> None:
+        write_history(self.folder, self.frames, shells=2)
+        found = crack_check.check_folder(self.folder)
+        self.assertEqual(found.faults(), 0, found.notes)  # on one sheet they would run on top of each other
+        self.assertEqual((found.frames, found.growing, found.edges, found.cracks, found.starts), (5, 4, 16, 6, 4))
+        del self.frames[3][1][1]
+        write_history(self.folder, self.frames, shells=2)
+        found = crack_check.check_folder(self.folder)
+        self.assertEqual(found.lost, 4)
+        self.assertTrue(found.notes[0].startswith("shell 0, at ") and found.notes[-1].startswith("shell 1, at "))
+
     def test_frames_without_parameters_are_refused(self) -> None:
         write_history(self.folder, self.frames)
         write_vtp(self.folder / "frames/cracks_0.vtp", [])

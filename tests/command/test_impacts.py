@@ -112,6 +112,23 @@ class Energy(unittest.TestCase):
             self.assertEqual([(row["name"], row["pass"]) for row in table.rows], [("series_energy", good)])
 
 
+class Convergence(unittest.TestCase):
+    def passed(self, *means: float, scatter: float = 1e-3) -> list[bool]:
+        table = trials.Table()
+        spread = np.array([-1.0, 1.0] * (impacts.SEEDS // 2))
+        with contextlib.redirect_stdout(io.StringIO()):
+            found = impacts._add_convergence(table, "count", [(m * (1.0 + scatter * spread)).tolist() for m in means], 0.1, 1.0)
+        np.testing.assert_allclose(found, means)
+        self.assertEqual([row["name"] for row in table.rows], ["count", "count_over_three"])
+        return [bool(row["pass"]) for row in table.rows]
+
+    def test_asks_for_the_last_step_and_for_the_trend(self) -> None:
+        self.assertEqual(self.passed(50.0, 54.0, 56.0), [True, True])
+        self.assertEqual(self.passed(50.0, 54.0, 62.0), [False, False])
+        self.assertEqual(self.passed(50.0, 60.0, 65.0), [True, False])  # whose scatter hides no such rise
+        self.assertEqual(self.passed(50.0, 60.0, 65.0, scatter=0.2), [True, True])
+
+
 class Registry(unittest.TestCase):
     def test_every_experiment_that_comes_later_exists(self) -> None:
         for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "heavy", "pieces")),
