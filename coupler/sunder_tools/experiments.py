@@ -120,24 +120,26 @@ STAYS = 3.0       # without cracks: at least this
 
 
 def over_stretch(table: Table, executables: Executables) -> None:
-    """scenes/over_stretch.textproto as it is, with maximum damage, and with that and no cracks; the paper's Fig. 4."""
+    """scenes/over_stretch.textproto as it is, with maximum damage, and both without cracks; the paper's Fig. 4."""
     from .stretch import separated_at, stretched_at, write_stretched  # numpy and PIL only now
     found = []
     parted = 0.0
     for name, words, settings in (
             ("healing", "damage heals", []),
             ("maximum", "maximum damage", ["fracture.healing=false"]),
-            ("uncut", "maximum damage, nothing is cut", ["fracture.healing=false", "fracture.extract_cracks=false"])):
+            ("uncut", "damage heals, nothing is cut", ["fracture.extract_cracks=false"]),
+            ("maximum_uncut", "maximum damage, nothing is cut", ["fracture.healing=false", "fracture.extract_cracks=false"])):
+        cut = not name.endswith("uncut")
         with kept_run(executables, "over_stretch.textproto", settings) as (folder, seconds):
             run = read_run(folder)
-            if name != "uncut":
-                parted = separated_at(folder)  # the same motion parts all three
+            if cut:
+                parted = separated_at(folder)  # the same motion parts all four
             one = stretched_at(folder, parted + AFTER_S)
-            before = stretched_at(folder, parted - 0.1).largest() if name != "uncut" else math.nan
+            before = stretched_at(folder, parted - 0.1).largest() if cut else math.nan
         found.append((words, one))
         largest = one.largest() if run["time"]["frozen_at_s"] is None else math.nan
-        if name == "uncut":
-            table.add("over_stretch_uncut_at_least", min(largest, STAYS), STAYS, 0.0, seconds)
+        if not cut:
+            table.add(f"over_stretch_{name}_at_least", min(largest, STAYS), STAYS, 0.0, seconds)
         else:
             table.add(f"over_stretch_{name}", largest, 1.0, COMES_BACK, seconds)
         table.lines.append(f"over_stretch {words}: {largest:.4g} at {one.time_s:.2g} s, {AFTER_S:g} s after it parted; "
@@ -147,7 +149,8 @@ def over_stretch(table: Table, executables: Executables) -> None:
                            f"{run['energy']['dissipated_fracture']:.1e} J")
     table.lines.append("over_stretch: what is fully damaged is cut in the substep in which that completes, one Gauss "
                        "point to either side of the crack; nothing pulls on it then, so that maximum damage does not "
-                       "over-stretch either, only damage without a crack does")
+                       "over-stretch either. Damage without a crack does, and whether it heals changes nothing: a band that "
+                       "is pulled on never lets go. It is the cut, not healing, that lets what was stretched come back")
     if table.pictures is not None:
         write_stretched(found, table.pictures / "over_stretch.png")
         print(f"picture          {table.pictures / 'over_stretch.png'}", flush=True)
