@@ -12,6 +12,7 @@ from typing import Iterator
 import numpy as np
 
 from .build import Executables
+from .columns import read_columns
 from .crack_paths import grown, last_graph
 from .report import read_run
 from .run import launch_once
@@ -129,38 +130,41 @@ def along_text(notch: float, parts: list[tuple[float, float, int]], name: str) -
 
 def follow(table: Table, executables: Executables) -> None:
     """A crack whose way is a seam, or within an element of one, against a sheet in one patch."""
-    middle, planes = 0.5 * SIDE, np.array(PATH)
-    late: dict[str, list[float]] = {"matching": [], "other_knots": []}
-    off: dict[str, list[float]] = {"matching": [], "other_knots": []}
-    most, fewest, spent = 0.0, math.inf, 0.0
+    middle, planes, knots = 0.5 * SIDE, np.array(PATH), ("matching", "other_knots")
+    late, off = [], []  # of matching knots; NaN where the crack is not seen everywhere
+    through = dict.fromkeys(knots, 0)
+    most, spent = 0.0, 0.0
     for notch in HEIGHTS:
         with run_text(executables, along_text(notch, [(0.0, SIDE, ELEMENTS)], "single")) as (folder, seconds):
             height, when = crossings(folder, planes)
-        table.lines.append(f"follow, one patch, notch at {1e3 * notch:.1f} mm: " + _course(height - notch, when))
+            stored = read_columns(folder / "series.csv")["elastic [J]"].max()
+            table.lines.append(f"follow, one patch, notch at {1e3 * notch:.1f} mm: "
+                               + _course(height - notch, when, read_run(folder)))
         arrival, spent = when[-1], spent + seconds
-        for name, along in (("matching", ELEMENTS), ("other_knots", ELEMENTS + 7)):
-            with run_text(executables, along_text(notch, [(0.0, middle, ELEMENTS), (middle, SIDE, along)], name)) as (
-                    folder, seconds):
+        for name, along in zip(knots, (ELEMENTS, ELEMENTS + 7)):
+            parts = [(0.0, middle, ELEMENTS), (middle, SIDE, along)]
+            with run_text(executables, along_text(notch, parts, name)) as (folder, seconds):
                 height, when = crossings(folder, planes)
-                run = read_run(folder)
+                run, elastic = read_run(folder), read_columns(folder / "series.csv")["elastic [J]"]
             spent += seconds
-            late[name].append(when[-1] / arrival), off[name].append(float(np.abs(height - notch).max()) * ELEMENTS / SIDE)
+            through[name] += bool(elastic[-1] < stored)  # a sheet that is not parted is pulled on and stores four times that
+            if name == "matching":
+                late.append(when[-1] / arrival), off.append(np.abs(height - notch).max() * ELEMENTS / SIDE)
             most = max(most, run["energy"]["crack_injected"] / run["energy"]["dissipated_fracture"])
-            fewest = min(fewest, run["counts"]["fragments"])
             table.add(f"follow_{name}_{1e4 * notch:.0f}_energy_residual", run["energy"]["residual_relative"], 0.0, 0.01, 0.0)
-            table.lines.append(f"follow, {name}: " + _course(height - notch, when) + f"; {run['counts']['fragments']} pieces, "
-                               f"injected {run['energy']['crack_injected']:.1e} of "
-                               f"{run['energy']['dissipated_fracture']:.1e} J")
-    worst = max(late["matching"], key=lambda ratio: abs(ratio - 1.0))
+            table.lines.append(f"follow, {name}: " + _course(height - notch, when, run))
+    worst = float(late[int(np.argmax(np.abs(np.array(late) - 1.0)))])  # NaN where there is one
     table.add("follow_matching_arrival", worst, 1.0, 0.1, spent)
-    table.add("follow_matching_off_path_spacings", max(off["matching"]), 0.0, MOST_OFF, 0.0)
-    table.add("follow_pieces_at_least", min(fewest, 2.0), 2.0, 0.0, 0.0)  # whatever the knots: it parts the sheet
+    table.add("follow_matching_off_path_spacings", float(np.max(off)), 0.0, MOST_OFF, 0.0)
+    for name in knots:
+        table.add(f"follow_{name}_through", through[name], float(len(HEIGHTS)), 0.0, 0.0)
     table.add("follow_injected", most, 0.0, 0.01, 0.0)
 
 
-def _course(off: np.ndarray, when: np.ndarray) -> str:
+def _course(off: np.ndarray, when: np.ndarray, run: dict) -> str:
     return ("off the notch's line " + " ".join(f"{1e3 * y:+.1f}" for y in off) + " mm, at "
-            + " ".join(f"{1e6 * t:.0f}" for t in when) + " us")
+            + " ".join(f"{1e6 * t:.0f}" for t in when) + f" us; {run['counts']['fragments']} pieces; fracture took "
+            f"{run['energy']['dissipated_fracture']:.1e} J, cracks added {run['energy']['crack_injected']:.1e}")
 
 
 def cut_text(across: int, free: bool) -> str:

@@ -276,12 +276,19 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (const Seam& seam : r.stitches.seams)
     if (seam.join == Join::kClamped)
       r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;
+  std::vector<std::pair<int, int>> beside;
+  for (const Seam& seam : r.stitches.seams)
+    if (r.shells[seam.first].can_crack() != r.shells[seam.second].can_crack())
+      beside.emplace_back(seam.first, seam.second);
+  for (const auto& [a, b] : beside) r.shells[a].seam_may_part = r.shells[b].seam_may_part = true;
   for (std::size_t k = 0; k < r.shells.size(); ++k) {
     int seamed = 0;
     for (const Seam& seam : r.stitches.seams)
       seamed |= (seam.first == static_cast<int>(k) ? seam.first_edge : 0) |
                 (seam.second == static_cast<int>(k) ? seam.second_edge : 0);
-    for (PrescribedCut& cut : r.shells[k].cuts) settle_edges(scene, r.shells[k].model, seamed, cut);
+    std::vector<PrescribedCut>& cuts = r.shells[k].cuts;
+    for (std::size_t i = 0; i < cuts.size(); ++i)
+      settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", k, i), cuts[i]);
   }
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);

@@ -121,7 +121,7 @@ int edge_of(const Domain& d, const Vec2& a, const Vec2& b) {
 }
 
 // The cut without what lies on edges of the patch.
-PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time, const std::string& field) {
+PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time) {
   PrescribedCut out;
   out.time = time;
   const std::size_t segments = points.size() - 1;
@@ -147,7 +147,7 @@ PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time, co
     const int axis = on[k] < kVMin ? 1 : 0;
     const double length = d.high[axis] - d.low[axis];
     const double from = (a[axis] - d.low[axis]) / length, to = (b[axis] - d.low[axis]) / length;
-    out.on_edges.push_back({on[k], std::min(from, to), std::max(from, to), fmt::format("{}.points[{}]", field, k)});
+    out.on_edges.push_back({on[k], std::min(from, to), std::max(from, to)});
   }
   if (!line.empty()) out.lines.push_back(std::move(line));
   return out;
@@ -155,21 +155,32 @@ PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time, co
 
 }  // namespace
 
-void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, PrescribedCut& cut) {
+void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, const std::string& field,
+                  PrescribedCut& cut) {
   std::vector<EdgeCut> seams;
   for (const EdgeCut& e : cut.on_edges) {
-    if (seamed & e.edge) {
-      seams.push_back(e);
+    const Vec2 from = edge_point(model.patch, e.edge, e.from), to = edge_point(model.patch, e.edge, e.to);
+    const std::vector<int> row = edge_row(model.patch, e.edge, 0);
+    const bool held = std::any_of(row.begin() + 1, row.end() - 1,
+                                  [&](int point) { return model.held[model.tables.slot(point)] != 0; });
+    if (model.clamped & e.edge) {
+      const double inside = (e.edge == kUMin || e.edge == kVMin ? 1.0 : -1.0) * kOnBorder * model.spacing;
+      std::vector<Vec2> line{from, to};
+      for (Vec2& p : line) p[e.edge < kVMin ? 0 : 1] += inside;
+      cut.lines.push_back(std::move(line));
       continue;
     }
     scene.check(
-        (model.clamped & e.edge) != 0, e.field,
-        "the segment from here lies on an edge of the patch that is neither a seam nor clamped: there is nothing "
-        "to part; leave it out");
-    const double inside = (e.edge == kUMin || e.edge == kVMin ? 1.0 : -1.0) * kOnBorder * model.spacing;
-    std::vector<Vec2> line{edge_point(model.patch, e.edge, e.from), edge_point(model.patch, e.edge, e.to)};
-    for (Vec2& p : line) p[e.edge < kVMin ? 0 : 1] += inside;
-    cut.lines.push_back(std::move(line));
+        !held, field,
+        "lies on an edge of the patch from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g}) that a support holds without its "
+        "slope: nothing bends there, and a support lets go of nothing; cut half an element inside, or leave the "
+        "support out",
+        from.x(), from.y(), to.x(), to.y());
+    scene.check((seamed & e.edge) != 0, field,
+                "lies on an edge of the patch from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g}), on which nothing hangs: it is "
+                "no seam that fastens and not clamped; leave that side out, an end on the border runs out there",
+                from.x(), from.y(), to.x(), to.y());
+    seams.push_back(e);
   }
   cut.on_edges = std::move(seams);
 }
@@ -177,7 +188,7 @@ void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int 
 PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, const ShellModel& model,
                        const std::string& field) {
   const Domain d(model);
-  const auto whole = [&](std::vector<Vec2> points) { return divided(d, std::move(points), m.time_s(), field); };
+  const auto whole = [&](std::vector<Vec2> points) { return divided(d, std::move(points), m.time_s()); };
   const double least = kSmallestRound * d.spacing;
   if (m.has_circle()) {
     const double radius = m.circle().radius_m();

@@ -12,7 +12,6 @@ namespace sunder::shell {
 struct EdgeCut {
   int edge = 0;                 // EdgeBit
   double from = 0.0, to = 0.0;  // shares of the edge, `from` the smaller
-  std::string field;            // where it says so
 };
 
 struct PrescribedCut {
@@ -27,7 +26,8 @@ PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& cut, c
                        const std::string& field);
 
 /// What lies on edges opens `seamed` ones (EdgeBits); along clamped ones it is a cut as near to them as cracks run.
-/// Throws Error where it lies on another edge: there is nothing to part.
-void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, PrescribedCut& cut);
+/// Throws Error where it lies on another edge: there is nothing to part. `field` is that of the cut.
+void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, const std::string& field,
+                  PrescribedCut& cut);
 
 }  // namespace sunder::shell

@@ -75,6 +75,7 @@ std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
     p.whole = part.state->cracks.edges().empty() && !all;
     if (p.whole) {
       p.pieces.resize(1);
+      p.pieces[0].area = domain_of(m).volume();
       p.pieces[0].held = !m.constraints.anchors.empty();
       p.pieces[0].gone = part.state->gone[m.tables.slot(0)] != 0;
     } else {
@@ -187,7 +188,8 @@ std::vector<RigidBody> Run::take_off(bool all) {
   };
   find_leaving();
   if (!leaving.empty()) now = pieces_now(all, boxes_of(now, groups, leaving)), groups = groups_of(now), find_leaving();
-  fragments_ = static_cast<int>(groups.size());
+  fragments_ = handed_off_;
+  for (const auto& [root, g] : groups) fragments_ += !now[g.members[0].first].pieces[g.members[0].second].gone;
   if (!leaving.empty()) {
     const double before = total_energy(dt_);
     Totals totals_now = shell_totals();

@@ -32,8 +32,9 @@ struct ShellSetup {
   TransferRules transfer{};
   double fibre_spacing = 0.0;   // of the grid, as the scene asks for it [m]
   std::vector<double> hertz{};  // stiffness of each body against it [N/m^1.5]; 0: impulses
+  bool seam_may_part = false;   // with a shell that can crack
 
-  bool can_crack() const { return tips || brittleness > 0.0 || !cuts.empty(); }
+  bool can_crack() const { return tips || brittleness > 0.0 || !cuts.empty() || seam_may_part; }
 };
 
 /// `field` is that of the shell; stiffnesses of Hertz contacts are left to the caller. Throws Error with the field that

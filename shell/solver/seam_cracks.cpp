@@ -60,7 +60,8 @@ void each_seam_beside(const std::vector<Seam>& seams, int shell, const ShellMode
       const KnotVector &over = across == 0 ? m.patch.knots_u : m.patch.knots_v,
                        &along = across == 0 ? m.patch.knots_v : m.patch.knots_u;
       const double border = edge == kUMin || edge == kVMin ? over.begin() : over.end();
-      if (std::min(std::abs(e.a[across] - border), std::abs(e.b[across] - border)) > m.longest_element) continue;
+      const double reach = std::abs(m.parameter[edge_row(m.patch, edge, 1)[0]][across] - border);
+      if (std::min(std::abs(e.a[across] - border), std::abs(e.b[across] - border)) > reach) continue;
       const auto share = [&](double at) {
         const double own = (at - along.begin()) / (along.end() - along.begin());
         return !first && seam.reversed ? 1.0 - own : own;

@@ -210,27 +210,43 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
 }
 
 Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m) {
-  if (m.shell != seam.first && m.shell != seam.second) return {};
-  const int edge = m.shell == seam.first ? seam.first_edge : seam.second_edge, axis = edge < kVMin ? 1 : 0;
+  constexpr int kRows = 2;  // that a seam ties: its own, and the one beside it
   const ShellModel& model = *shells[m.shell].model;
-  const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
-  const Vec2 at = model.of_slot[m.slot];
-  const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
-  const Vec2 foot = edge_point(model.patch, edge, own);
-  return {true, shells[m.shell].state->cracks.visible(at, foot), at == foot,
-          m.shell == seam.second && seam.reversed ? 1.0 - own : own};
+  const int point = model.tables.control_point(m.slot), columns = model.patch.columns();
+  const int column = point % columns, row = point / columns;
+  for (const bool first : {true, false}) {
+    const int edge = first ? seam.first_edge : seam.second_edge;
+    const int depth = edge == kUMin   ? column
+                      : edge == kUMax ? columns - 1 - column
+                      : edge == kVMin ? row
+                                      : model.patch.rows() - 1 - row;
+    if (m.shell != (first ? seam.first : seam.second) || depth >= kRows) continue;
+    const int axis = edge < kVMin ? 1 : 0;
+    const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
+    const Vec2 at = model.of_slot[m.slot];
+    const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
+    return {first ? 1 : 2, shells[m.shell].state->cracks.visible(at, edge_point(model.patch, edge, own)), depth == 0,
+            !first && seam.reversed ? 1.0 - own : own};
+  }
+  return {};
 }
 
 template <class F>
 void Stitching::part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across) {
+  // what it ties of both patches; of other seams that meet it at its ends no more than a corner is
+  const auto of_both = [&](const auto& terms, int sides) {
+    for (const Term& m : terms) sides |= foot_of(shells, seam, m).side;
+    return sides == 3;
+  };
+  double lost = 0.0;
   for (Tie& tie : ties_) {
-    const bool of_seam = std::any_of(tie.on.begin(), tie.on.end(), [&](const Master& m) {
-      return (m.shell == seam.first || m.shell == seam.second) && m.shell != tie.shell;
-    });
-    if (tie.holds && of_seam && across({tie.shell, tie.slot, 1.0}, tie.on))
-      shells[tie.shell].state->book.fracture += let_go(shells, tie);
+    const Term own{tie.shell, tie.slot, 1.0};
+    const Foot foot = foot_of(shells, seam, own);
+    if (tie.holds && foot.on_seam && of_both(tie.on, foot.side) && across(own, tie.on)) lost += let_go(shells, tie);
   }
-  for (Brace& b : braces_) b.holds = b.holds && !across(b.ends[0], b.ends);
+  EnergyBook& book = shells[seam.first].state->book;
+  (lost < 0.0 ? book.injected : book.fracture) += std::abs(lost);
+  for (Brace& b : braces_) b.holds = b.holds && !(of_both(b.ends, 0) && across(b.ends[0], b.ends));
 }
 
 void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
@@ -238,7 +254,7 @@ void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, doub
   const auto side = [&](const Term& m) {
     const Foot foot = foot_of(shells, seam, m);
     // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
-    return !foot.exists ? 0 : (foot.share < t) == foot.clear ? -1 : 1;
+    return foot.side == 0 ? 0 : (foot.share < t) == foot.clear ? -1 : 1;
   };
   part_where(shells, seam, [&](const Term& a, const auto& others) {
     const int own = side(a);
@@ -254,7 +270,7 @@ void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& sea
     double off = 0.0, all = 0.0;
     for (const Term& m : hangs_on) {
       const Foot foot = foot_of(shells, seam, m);
-      if (m.shell != shell || foot.on_seam) continue;
+      if (m.shell != shell || foot.side == 0 || foot.on_seam) continue;
       all += std::abs(m.weight);
       if (foot.share >= low && foot.share <= high && !foot.clear) off += std::abs(m.weight);
     }
@@ -265,7 +281,7 @@ void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& sea
 void Stitching::open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high) {
   const auto within = [&](const Term& m) {
     const Foot foot = foot_of(shells, seam, m);
-    return foot.exists && std::abs(m.weight) > kLooseWeight && foot.share >= low && foot.share <= high;
+    return foot.side != 0 && std::abs(m.weight) > kLooseWeight && foot.share >= low && foot.share <= high;
   };
   part_where(shells, seam, [&](const Term& a, const auto& others) {
     return within(a) || std::any_of(others.begin(), others.end(), within);

@@ -106,10 +106,11 @@ class Stitching {
     double length = 0.0;      // at rest [m]
     bool holds = true;
   };
-  /// Of a control point of a seam's patches: where it is beside the seam as a share of the first edge, whether it sees
-  /// that place, and whether it is there itself.
+  /// Of a control point of the rows that a seam ties: where it is beside it as a share of the first edge, whether it
+  /// sees that place, and whether it is there itself.
   struct Foot {
-    bool exists = false, clear = true, on_seam = false;
+    int side = 0;  // 1: of the first patch, 2: of the second, 0: of no such row
+    bool clear = true, on_seam = false;
     double share = 0.0;
   };
   static Foot foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& term);

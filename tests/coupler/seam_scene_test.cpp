@@ -92,6 +92,8 @@ TEST(SceneCuts, OnEdgesOfThePatchPartWhatHangsThere) {
     std::ofstream(path) << scene(seams, rectangle + more);
     const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
     std::remove(path.c_str());
+    // what it is joined to gets a free edge: its step is to allow for that
+    EXPECT_EQ(setup.shells[0].can_crack(), !seams.empty());
     return setup.shells[1].cuts.at(0);
   };
   const auto opened = cut("seams {}", "");
@@ -107,6 +109,9 @@ TEST(SceneCuts, OnEdgesOfThePatchPartWhatHangsThere) {
   EXPECT_TRUE(parted.on_edges.empty());
   ASSERT_EQ(parted.lines.size(), 2u);
   for (const sunder::Vec2& p : parted.lines[1]) EXPECT_NEAR(p.x(), 5e-4 * 0.5 / 16, 1e-12);
-  expect_refusal(scene("", rectangle), "shells[1].cuts[0].points[0]",
-                 {"lies on an edge of the patch that is neither a seam nor clamped", "leave it out"});
+  for (const char* seams : {"", "seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }"})
+    expect_refusal(scene(seams, rectangle), "shells[1].cuts[0]",
+                   {"from (0, 0.1) to (0, 0.4), on which nothing hangs", "leave that side out"});
+  expect_refusal(scene("", rectangle + " supports { edges: U_MIN kind: SIMPLY_SUPPORTED }"), "shells[1].cuts[0]",
+                 {"a support holds without its slope", "leave the support out"});
 }

@@ -127,6 +127,38 @@ TEST(SeamCracks, AlongASeamPartWhatHangsAcrossThem) {
       }
 }
 
+// Three in a row: whatever parts the first seam, fastened in any way or not straight, leaves the second as it is; and
+// four that meet at a corner: what hangs on the two others stays.
+TEST(SeamCracks, PartTheSeamThatTheyAreAtAndNoOther) {
+  const auto links_to = [](const Stitched& s, int shell) {
+    int count = 0;
+    s.stitching.each_link([&](int a, int, int b, int) { count += (a != b) && (a >= shell || b >= shell); });
+    return count;
+  };
+  for (const bool hinge : {false, true})
+    for (const bool opened : {false, true}) {
+      Stitched row({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12)), model(flat(2, 3, 0, 1, 12, 17))},
+                   hinge ? Join::kHinge : Join::kClamped);
+      Stitched square({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12)),
+                       model(flat(0, 1, 1, 2, 12, 12)), model(flat(1, 2, 1, 2, 12, 12))},
+                      hinge ? Join::kHinge : Join::kClamped);
+      for (Stitched* s : {&row, &square}) {
+        const int before = links_to(*s, 2), all = links_to(*s, 0);
+        if (opened) {
+          open_seams(s->stitches.seams, s->refs(), s->stitching, 0, kUMax, 0.0, 1.0);
+        } else {
+          const double u = 1.0 - 0.3 / 12.0;
+          insert_polyline(s->models[0], s->states[0], {{u, 0.0}, {u, 1.0}}, 0.0);
+          carry_on(s->stitches.seams, s->refs(), {1, 1, 1, 1}, s->stitching, 0.0);
+        }
+        // a crack within a plate does not part a hinge, on whose far side the strip stays
+        EXPECT_LT(links_to(*s, 0), opened || !hinge ? all - 10 : all + 1);
+        // of the square the two other plates still hang on one another and on these, but for the corner
+        EXPECT_GE(links_to(*s, 2), before - (s == &square ? 8 : 0)) << hinge << opened << (s == &square);
+      }
+    }
+}
+
 // Half of the way along: what is an element and more off its end stays as it is, before it and behind.
 TEST(SeamCracks, AlongAPartOfASeamPartNoMoreThanThat) {
   for (const bool matching : {true, false}) {
