@@ -161,8 +161,7 @@ void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int 
   for (const EdgeCut& e : cut.on_edges) {
     const Vec2 from = edge_point(model.patch, e.edge, e.from), to = edge_point(model.patch, e.edge, e.to);
     const std::vector<int> row = edge_row(model.patch, e.edge, 0);
-    const bool held = std::any_of(row.begin() + 1, row.end() - 1,
-                                  [&](int point) { return model.held[model.tables.slot(point)] != 0; });
+    const bool held = model.held[model.tables.slot(row[row.size() / 2])] != 0;
     if (model.clamped & e.edge) {
       const double inside = (e.edge == kUMin || e.edge == kVMin ? 1.0 : -1.0) * kOnBorder * model.spacing;
       std::vector<Vec2> line{from, to};

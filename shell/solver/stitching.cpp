@@ -17,6 +17,7 @@ constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here o
                                                    // them, flatter ones how far the seam is off the line between these
 constexpr double kFlat = 1e-3;                     // of the rows' distance: a seam no further off is a smooth one
 constexpr double kOnALine = 1e-9;    // of the largest moment of inertia, that points on a line have about it
+constexpr double kOnePlace = 1e-3;   // spacings: control points no further apart have no arm to turn by
 constexpr int kSweeps = 12;          // over creases that share control points
 constexpr double kMet = 1e-13;       // of a length: round-off
 constexpr double kLeastMass = 0.25;  // of its own, that a control point keeps when another is let go
@@ -314,26 +315,40 @@ double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
 }
 
 // All that moves of a control point and those that it followed gets a common spin, which has angular momentum
-// `turning` and no momentum. Returns the kinetic energy that this adds.
+// `turning` and no momentum; where these are at one place, as at a crease, all of its shell does: no spin of theirs
+// makes up for what is off by the seam's tolerance. Returns the kinetic energy that this adds.
 double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const Vec3& turning) {
-  std::vector<Term> all{{t.shell, t.slot, 1.0}};
-  all.insert(all.end(), t.on.begin(), t.on.end());
-  all.erase(std::remove_if(all.begin(), all.end(),
-                           [&](const Term& m) { return !(shells[m.shell].state->inverse_mass[m.slot] > 0.0); }),
-            all.end());
+  std::vector<Term> all;
   double mass = 0.0, added = 0.0;
-  Vec3 centre = Vec3::Zero();
-  for (const Term& m : all) {
-    const ShellState& s = *shells[m.shell].state;
-    mass += s.mass[m.slot], centre += s.mass[m.slot] * s.position(m.slot);
-  }
-  if (all.size() < 2) return 0.0;
-  centre /= mass;
-  Mat3 inertia = Mat3::Zero();
-  for (const Term& m : all) {
-    const ShellState& s = *shells[m.shell].state;
-    const Vec3 arm = s.position(m.slot) - centre;
-    inertia += s.mass[m.slot] * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+  Vec3 centre;
+  Mat3 inertia;
+  const auto gather = [&](int shell, int slot) {
+    if (shells[shell].state->inverse_mass[slot] > 0.0 && shells[shell].state->mass[slot] > 0.0)
+      all.push_back({shell, slot, 1.0});
+  };
+  const auto weigh = [&] {
+    mass = 0.0, centre.setZero(), inertia.setZero();
+    for (const Term& m : all) {
+      const ShellState& s = *shells[m.shell].state;
+      mass += s.mass[m.slot], centre += s.mass[m.slot] * s.position(m.slot);
+    }
+    centre /= mass;
+    for (const Term& m : all) {
+      const ShellState& s = *shells[m.shell].state;
+      const Vec3 arm = s.position(m.slot) - centre;
+      inertia += s.mass[m.slot] * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+    }
+  };
+  gather(t.shell, t.slot);
+  for (const Master& m : t.on) gather(m.shell, m.slot);
+  if (all.empty()) return 0.0;
+  weigh();
+  if (inertia.trace() <= mass * std::pow(kOnePlace * shells[t.shell].model->spacing, 2)) {
+    all.clear();
+    for (std::size_t slot = 0; slot < shells[t.shell].state->mass.size(); ++slot)
+      gather(t.shell, static_cast<int>(slot));
+    if (all.size() < 2) return 0.0;
+    weigh();
   }
   const auto [moments, axes] = principal_axes(inertia);
   Vec3 spin = Vec3::Zero();  // none about the line that all of them lie on

@@ -335,6 +335,27 @@ TEST(Stitching, LettingGoKeepsMassMomentumAndAngularMomentum) {
   EXPECT_GT(links, 0);  // the others hang together still
 }
 
+// Where knots match, what follows at a crease or a hinge is where what it follows is, to the seam's tolerance: no arm
+// to turn by.
+TEST(Stitching, LettingGoAtOnePlaceChangesNothing) {
+  for (const Join join : {Join::kClamped, Join::kHinge}) {
+    Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(plate(1.0, 1.0, 12, 12, Vec3(1.0, 0.5, 0.5),
+                                                             Quat(Eigen::AngleAxisd(-1.5707963, Vec3::UnitY()))))},
+               join);
+    for (ShellState& state : s.states)
+      for (std::size_t i = 0; i < state.mass.size(); ++i) state.add_velocity(static_cast<int>(i), Vec3(1, 0, 3));
+    s.stitching.follow(s.refs());
+    const auto before = s.sums();
+    EXPECT_TRUE(s.stitching.release(s.refs(), [](int, int) { return true; }));
+    const auto after = s.sums();
+    EXPECT_LT((after.momentum - before.momentum).norm(), 1e-13 * before.momentum_scale);
+    EXPECT_LT((after.angular - before.angular).norm(), 1e-13 * before.angular_scale);
+    for (const ShellState& state : s.states)
+      for (std::size_t i = 0; i < state.mass.size(); ++i)
+        EXPECT_LT(state.mass[i] * (state.velocity(static_cast<int>(i)) - Vec3(1, 0, 3)).norm(), 1e-9);
+  }
+}
+
 TEST(Stitching, CreasesKeepTheirAngleAndMakeNoMomentum) {
   for (const double degrees : {5.0, 40.0, 90.0, 160.0}) {
     const Quat bend(Eigen::AngleAxisd(-degrees * std::numbers::pi / 180.0, Vec3::UnitY()));
