@@ -92,7 +92,7 @@ TEST(SceneCuts, OnEdgesOfThePatchPartWhatHangsThere) {
     std::ofstream(path) << scene(seams, rectangle + more);
     const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
     std::remove(path.c_str());
-    // what it is joined to gets a free edge: its step is to allow for that
+    // what it is joined to gets a free edge, and its step allows for that
     EXPECT_EQ(setup.shells[0].can_crack(), !seams.empty());
     return setup.shells[1].cuts.at(0);
   };

@@ -402,6 +402,41 @@ TEST(ExtractCracks, BroadDamageStartsOneCrackAcrossTheLargestStress) {
   EXPECT_GT(s.cracks.total_length(), 3.0 * m.spacing);
 }
 
+// Bent to a fold along y: the stretched face is torn, the pressed one is sound, and the crack goes through both.
+TEST(ExtractCracks, UnderBendingTheStretchedFaceDecides) {
+  const ShellModel m = panel(40, 0.2);
+  for (const double up : {1.0, -1.0}) {
+    ShellState s = damaging(m);
+    const double band = 2.0 * m.spacing, curvature = 44.0 * kStrength / kYoung / m.thickness;
+    const auto bend = [&](double share) {  // turns by `curvature` over the band in the middle
+      for (int i = 0; i < m.control_points(); ++i) {
+        const int slot = m.tables.slot(i);
+        const double x = m.rest[slot], from = -0.5 * band, within = std::clamp(x - from, 0.0, band);
+        const double k = share * curvature, angle = k * within, after = std::max(0.0, x - from - band);
+        s.x[slot] = std::min(x, from) + std::sin(angle) / k + std::cos(angle) * after;
+        s.x[2 * m.tables.plane + slot] = up * ((1.0 - std::cos(angle)) / k + std::sin(angle) * after);
+      }
+    };
+    for (int step = 1; step <= 40; ++step) {
+      bend(step / 40.0);
+      compute_forces(m, s, false, 1.0, 1);
+      watch_stress(m, s);
+    }
+    compute_forces(m, s, false, 1.0, 1);
+    float stretched = 0.0f, pressed = 0.0f;
+    for (const PointDamage& d : s.damage) {
+      stretched = std::max(stretched, d.history[up > 0.0 ? 0 : 1]);
+      pressed = std::max(pressed, d.history[up > 0.0 ? 1 : 0]);
+    }
+    EXPECT_EQ(stretched, 1.0f);
+    EXPECT_EQ(pressed, 0.0f);
+    for (int k = 0; k < 20; ++k) extract_cracks(m, s, 0.0);
+    for (double y = 0.02; y < 0.29; y += 0.02) EXPECT_FALSE(s.cracks.visible({0.13, y}, {0.17, y})) << up << " " << y;
+    for (const CrackEdge& e : s.cracks.edges())
+      EXPECT_LT(std::max(std::abs(e.a.x() - 0.15), std::abs(e.b.x() - 0.15)), 1.5 * m.spacing);
+  }
+}
+
 // An end that has met a stem lies just past it: it must not walk along it, however it leans.
 TEST(ExtractCracks, AnEndThatHasJoinedAStemIsNotOpen) {
   for (const double lean : {0.0, 0.03, 0.06, 0.12}) {
