@@ -21,6 +21,7 @@ from .vtp import PolyData, VtpError
 TOUCH = 1e-6       # spacings: round-off. Joints overshoot by 2e-3, so lines that are meant to meet cross
 GAP = 0.05         # spacings: nearer than this without touching is a gap, not two cracks
 ON_TOP = 0.02      # spacings: an edge that is so close to an earlier one over half its length cuts nothing new
+OF_LENGTH = 0.1    # or that share of itself where it is shorter, as where a crack crosses two others beside their joint
 SAMPLES = 10       # of an edge
 AT_BORDER = 1e-3   # spacings: an end so close to the border has run out
 MOST_NOTES = 12    # faults told one by one
@@ -264,7 +265,8 @@ def _doubled(found: Findings, now: Graph, fresh: np.ndarray, spacing: float, tim
         a, b = now.ends[order[k]]
         others = now.ends[order[:k]]
         others = others[_distance(0.5 * (a + b), others) < np.linalg.norm(b - a) + ON_TOP * spacing]
-        on_top = [_distance(a + s * (b - a), others).min(initial=np.inf) < ON_TOP * spacing for s in share]
+        close = min(ON_TOP * spacing, OF_LENGTH * float(np.linalg.norm(b - a)))
+        on_top = [_distance(a + s * (b - a), others).min(initial=np.inf) < close for s in share]
         if sum(on_top) > SAMPLES // 2:
             found.doubled += 1
             _note(found, time_s, f"an edge of crack {now.crack[order[k]]} at {_place(a)} runs on top of another")

@@ -92,6 +92,15 @@ class CrackCheck(unittest.TestCase):
         self.frames[4][1][-1] = ((3.0, 5.4), (4.0, 5.1), 3, 3.6)  # beside it
         self.assertEqual(self.found().doubled, 0)
 
+    def test_a_short_edge_between_two_that_meet_is_not_on_top_of_them(self) -> None:
+        # a crack that crosses both branches of the fork, 0.04 and less off their joint
+        crossing = [((3.0, 5.2), (3.03, 5.3905), 3, 3.5), ((3.03, 5.3905), (3.045, 5.4295), 3, 3.6),
+                    ((3.045, 5.4295), (3.2, 5.9), 3, 3.7)]
+        self.frames[4][1].extend(crossing)
+        self.assertEqual(self.faults(), (0, 0, 0, 0, 0))
+        self.frames[4][1][-2:] = [((3.03, 5.3905), (3.07, 5.3725), 3, 3.6)]  # as short, along a branch
+        self.assertEqual(self.found().doubled, 1)
+
     def test_ends_beyond_the_border_are_no_gap(self) -> None:
         self.frames[4][1].append(((-0.1, 5.02), (1.0, 5.8), 3, 3.5))
         self.assertEqual(self.faults(), (0, 0, 0, 0, 0))
