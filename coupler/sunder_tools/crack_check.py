@@ -80,14 +80,14 @@ def graph_of(mesh: PolyData, where: str) -> Graph:
     if any(len(line) != 2 for line in mesh.lines):
         raise VtpError(f"{where}: a crack line that is not one edge")
     pairs = mesh.segments()
-    return Graph(mesh.point_data["parameter"][pairs][:, :, :2] + 0.0, mesh.points[pairs],  # + 0.0: no minus zero
+    return Graph(mesh.point_data["parameter"][pairs][:, :, :2] + 0.0, reference_points(mesh)[pairs],  # + 0.0: no minus zero
                  np.asarray(mesh.cell_data["crack"]).astype(int), np.asarray(mesh.cell_data["time"], float))
 
 
 def check_folder(folder: Path) -> Findings:
     """Checks all frames of a run folder, shell by shell. Raises VtpError, OSError."""
     graphs: dict[int, list[tuple[float, Graph]]] = {}
-    sides: dict[int, tuple[float, np.ndarray]] = {}
+    sides: dict[int, tuple[float, np.ndarray, np.ndarray]] = {}
     for frame in list_frames(folder):
         lines = frame.read(CRACKS)
         if lines is None:
@@ -98,15 +98,16 @@ def check_folder(folder: Path) -> Findings:
                 raise VtpError(f"{folder}: the first frame has crack lines but no shell")
             of = first.of_triangles("shell", 0)
             for number in np.unique(of).astype(int).tolist():
-                sides[number] = (element_side(first, of == number), border_of(first, of == number))
+                own = of == number
+                sides[number] = (element_side(first, own), border_of(first, own), bulge_of(first, own))
         graph, of = graph_of(lines, str(frame.files[CRACKS])), np.asarray(lines.cell_data.get("shell", 0)).astype(int)
         if not np.isin(of, list(sides)).all():
             raise VtpError(f"{frame.files[CRACKS]}: a crack of a shell that the first frame has not")
         for number in sides:
             graphs.setdefault(number, []).append((frame.time_s, _some(graph, np.broadcast_to(of == number, len(graph)))))
     found = Findings()
-    for number, (spacing, border) in sides.items():
-        of_shell = check_graphs(graphs[number], spacing, border)
+    for number, (spacing, border, bulge) in sides.items():
+        of_shell = check_graphs(graphs[number], spacing, border, bulge)
         if len(sides) > 1:
             of_shell.notes = [f"shell {number}, {note}" for note in of_shell.notes]
         found = joined(found, of_shell)
@@ -130,13 +131,34 @@ def element_side(shell: PolyData, of: np.ndarray | None = None) -> float:
 
 def border_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
     """(k, 2, 3) sides of triangles that no other triangle shares [m], at rest. `of`: which triangles (n,)."""
+    return reference_points(shell)[_outer_sides(shell, of)]
+
+
+def _outer_sides(shell: PolyData, of: np.ndarray) -> np.ndarray:
+    """(k, 2) points of the sides of triangles `of` that no other of them shares."""
     sides = np.sort(shell.triangles[of][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     pairs, count = np.unique(sides, axis=0, return_counts=True)
-    return reference_points(shell)[pairs[count == 1]]
+    return pairs[count == 1]
 
 
-def check_graphs(graphs: list[tuple[float, Graph]], spacing: float, border: np.ndarray) -> Findings:
-    """Checks graphs in order of time. `spacing`: side of an element [m]; `border`: (k, 2, 3) segments [m]."""
+def bulge_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
+    """(k,) how far a curved border may be off the sides of `border_of` [m]: twice what an arc through its neighbours is."""
+    points, sides = reference_points(shell), _outer_sides(shell, of)
+    ends: dict[int, list[int]] = {}
+    for a, b in sides.tolist():
+        ends.setdefault(a, []).append(b), ends.setdefault(b, []).append(a)
+    bend = np.zeros(len(points))
+    for point, beside in ends.items():
+        if len(beside) == 2:
+            back, ahead = points[beside[0]] - points[point], points[beside[1]] - points[point]
+            if back @ ahead < -0.7 * np.linalg.norm(back) * np.linalg.norm(ahead):  # else a corner
+                bend[point] = 0.25 * np.linalg.norm(back + ahead)
+    return bend[sides].max(axis=1, initial=0.0)
+
+
+def check_graphs(graphs: list[tuple[float, Graph]], spacing: float, border: np.ndarray, bulge: np.ndarray) -> Findings:
+    """Checks graphs in order of time. `spacing`: side of an element [m]; `border`: (k, 2, 3) segments [m], which the
+    sheet's own border is off by up to `bulge` (k,) [m]."""
     found = Findings()
     gaps: set[bytes] = set()
     apart: set[int] = set()
@@ -153,7 +175,7 @@ def check_graphs(graphs: list[tuple[float, Graph]], spacing: float, border: np.n
         found.growing += bool(fresh.any())
         if fresh.any():
             _doubled(found, now, fresh, spacing, time_s)
-            for end, text in _gaps(now, spacing, border):
+            for end, text in _gaps(now, spacing, border, bulge):
                 if end not in gaps:
                     gaps.add(end)
                     _note(found, time_s, text)
@@ -233,7 +255,7 @@ def _attach(found: Findings, before: Graph, now: Graph, fresh: np.ndarray, spaci
     found.starts += len(starting)
 
 
-def _gaps(now: Graph, spacing: float, border: np.ndarray) -> list[tuple[bytes, str]]:
+def _gaps(now: Graph, spacing: float, border: np.ndarray, bulge: np.ndarray) -> list[tuple[bytes, str]]:
     """End vertices that come close to an edge without touching it or what it hangs on there."""
     number = now.vertices()
     degree = np.bincount(number.ravel()) if len(now) else np.zeros(0, int)
@@ -242,7 +264,7 @@ def _gaps(now: Graph, spacing: float, border: np.ndarray) -> list[tuple[bytes, s
         end = now.ends[i, k]
         near = _distance(end, now.ends) < GAP * spacing
         near[i] = False
-        if not near.any() or _distance(now.rest[i, k], border).min(initial=np.inf) < AT_BORDER * spacing:
+        if not near.any() or (_distance(now.rest[i, k], border) < bulge + AT_BORDER * spacing).any():
             continue
         near = np.flatnonzero(near)
         # what the end's own edge meets there, and what hangs on that, has been reached

@@ -86,12 +86,13 @@ FEWEST_GROWING = 10  # frames with new edges; fewer would prove little
 
 
 def consistency(table: Table, executables: Executables) -> None:
-    """Cracks of both modes over time, judged by the written frames alone; and the paper's Fig. 8."""
+    """Cracks of both modes over time, and those of joined shells, judged by the written frames alone; and Fig. 8."""
     from .crack_check import check_folder  # numpy and PIL only now
     from .stages import FINE, find_stages, write_stages
     glass = ["shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=1.5e-3"]
-    for name, settings in (("torn_sheet", ["end_time_s=1e-3"]), ("glass", glass)):
-        with kept_run(executables, f"{name}.textproto", settings + DENSE) as (folder, seconds):
+    for name, settings in (("torn_sheet", ["end_time_s=1e-3", *DENSE]), ("glass", [*glass, *DENSE]),
+                           ("impactor_small", ["output.shell_frame_interval_s=5e-4"])):
+        with kept_run(executables, f"{name}.textproto", settings) as (folder, seconds):
             found = check_folder(folder)
             proven = found.growing >= FEWEST_GROWING
             for what, count in (("lost", found.lost), ("unconnected", found.unconnected), ("gaps", found.gaps),

@@ -13,7 +13,7 @@ from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
 from .crack_history import STAGES, Edge, history, write_history
 from .synthetic import write_vtp
 from sunder_tools import crack_check
-from sunder_tools.vtp import VtpError
+from sunder_tools.vtp import VtpError, read_vtp
 
 
 class CrackCheck(unittest.TestCase):
@@ -115,6 +115,31 @@ class CrackCheck(unittest.TestCase):
         found = crack_check.check_folder(self.folder)
         self.assertEqual(found.lost, 4)
         self.assertTrue(found.notes[0].startswith("shell 0, at ") and found.notes[-1].startswith("shell 1, at "))
+
+    def test_lines_that_went_with_their_sheet_are_where_they_were_at_rest(self) -> None:
+        move = np.array([[0.3, 0.2, 0.1], [0.4, 0.2, 0.1]])
+        ends = np.array([[0.0, 0.05, 0.0], [0.01, 0.05, 0.0]])
+        write_vtp(self.folder / "lines.vtp", ends + move, segments=np.array([[0, 1]]), floats="f8",
+                  point_data={"parameter": ends, "displacement": move},
+                  cell_data={"crack": np.zeros(1, int), "time": np.zeros(1)})
+        graph = crack_check.graph_of(read_vtp(self.folder / "lines.vtp"), "lines")
+        np.testing.assert_allclose(graph.rest[0], ends, atol=1e-12)
+
+    def test_a_curved_border_is_off_its_sides_by_less_than_is_allowed_for(self) -> None:
+        angle = np.linspace(0.0, 1.0, 11)
+        points = np.concatenate([r * np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], -1) for r in (1.0, 2.0)])
+        a = np.arange(10)
+        triangles = np.concatenate([np.stack([a, a + 11, a + 12], -1), np.stack([a, a + 12, a + 1], -1)])
+        write_vtp(self.folder / "arc.vtp", points, triangles, floats="f8")
+        sheet = read_vtp(self.folder / "arc.vtp")
+        every = np.ones(len(triangles), bool)
+        border, bulge = crack_check.border_of(sheet, every), crack_check.bulge_of(sheet, every)
+        radius = np.linalg.norm(border, axis=2).mean(axis=1)
+        straight = np.abs(radius - 1.5) < 0.1  # the two ends
+        self.assertEqual(straight.sum(), 2)
+        np.testing.assert_allclose(bulge[straight], 0.0, atol=1e-12)  # corners are no bend
+        sagitta = radius[~straight] * (1.0 - np.cos(0.05))
+        self.assertTrue((bulge[~straight] > sagitta).all() and (bulge[~straight] < 2.1 * sagitta).all())
 
     def test_frames_without_parameters_are_refused(self) -> None:
         write_history(self.folder, self.frames)
