@@ -152,7 +152,7 @@ def bulge_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
         if len(beside) == 2:
             back, ahead = points[beside[0]] - points[point], points[beside[1]] - points[point]
             if back @ ahead < -0.7 * np.linalg.norm(back) * np.linalg.norm(ahead):  # else a corner
-                bend[point] = 0.25 * np.linalg.norm(back + ahead)
+                bend[point] = 0.5 * np.linalg.norm(np.cross(back, ahead)) / np.linalg.norm(ahead - back)
     return bend[sides].max(axis=1, initial=0.0)
 
 

@@ -161,7 +161,11 @@ void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int 
   for (const EdgeCut& e : cut.on_edges) {
     const Vec2 from = edge_point(model.patch, e.edge, e.from), to = edge_point(model.patch, e.edge, e.to);
     const std::vector<int> row = edge_row(model.patch, e.edge, 0);
-    const bool held = model.held[model.tables.slot(row[row.size() / 2])] != 0;
+    int held = 0, all = 0;  // control points along it
+    for (const int point : row) {
+      const Vec2& at = model.parameter[point];
+      if ((at - from).dot(at - to) <= 0.0) ++all, held += model.held[model.tables.slot(point)] != 0;
+    }
     if (model.clamped & e.edge) {
       const double inside = (e.edge == kUMin || e.edge == kVMin ? 1.0 : -1.0) * kOnBorder * model.spacing;
       std::vector<Vec2> line{from, to};
@@ -170,7 +174,7 @@ void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int 
       continue;
     }
     scene.check(
-        !held, field,
+        all == 0 || held < all, field,
         "lies on an edge of the patch from ({:.6g}, {:.6g}) to ({:.6g}, {:.6g}) that a support holds without its "
         "slope: nothing bends there, and a support lets go of nothing; cut half an element inside, or leave the "
         "support out",

@@ -128,21 +128,24 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
     }
   }
   // cracks of any origin part what the seam ties across them, those that have just gone on too
+  bool parted = false;
   for (int k = 0; k < static_cast<int>(shells.size()); ++k) {
     const auto& edges = shells[k].state->cracks.edges();
     std::int64_t& seen = stitching.edges_seen()[k];
     for (; seen < static_cast<std::int64_t>(edges.size()); ++seen) {
       const CrackEdge& e = edges[seen];
       each_seam_beside(seams, k, *shells[k].model, e, [&](const Seam& seam, double low, double high) {
-        stitching.part_beside(shells, seam, k, low, high);
+        stitching.part_beside(shells, seam, k, low, high), parted = true;
       });
       for (const bool back : {true, false}) {
         Exit exit;
         if (!exit_of(*shells[k].model, back ? e.b : e.a, back ? e.a : e.b, exit)) continue;
-        each_seam(seams, k, exit, [&](const Seam& seam, int, double share) { stitching.part(shells, seam, share); });
+        each_seam(seams, k, exit,
+                  [&](const Seam& seam, int, double share) { stitching.part(shells, seam, share), parted = true; });
       }
     }
   }
+  if (parted) stitching.settle_corners(shells, seams);
   return count;
 }
 
@@ -155,6 +158,7 @@ void open_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& she
     const bool back = !first && seam.reversed;
     stitching.open(shells, seam, (back ? 1.0 - to : from) - kAtEnds, (back ? 1.0 - from : to) + kAtEnds);
   }
+  stitching.settle_corners(shells, seams);
 }
 
 }  // namespace sunder::shell

@@ -210,7 +210,7 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
   follow(shells);
 }
 
-Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m) {
+Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m, bool look) {
   constexpr int kRows = 2;  // that a seam ties: its own, and the one beside it
   const ShellModel& model = *shells[m.shell].model;
   const int point = model.tables.control_point(m.slot), columns = model.patch.columns();
@@ -226,34 +226,97 @@ Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Se
     const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
     const Vec2 at = model.of_slot[m.slot];
     const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
-    return {first ? 1 : 2, shells[m.shell].state->cracks.visible(at, edge_point(model.patch, edge, own)), depth == 0,
-            !first && seam.reversed ? 1.0 - own : own};
+    return {first ? 1 : 2, !look || shells[m.shell].state->cracks.visible(at, edge_point(model.patch, edge, own)),
+            depth == 0, !first && seam.reversed ? 1.0 - own : own};
   }
   return {};
 }
 
+bool Stitching::ties_both(const std::vector<ShellRef>& shells, const Seam& seam, const std::vector<Term>& terms) {
+  int sides = 0;
+  for (const Term& m : terms) sides |= foot_of(shells, seam, m, false).side;
+  return sides == 3;
+}
+
+std::vector<Stitching::Term> Stitching::named(const Tie& tie) {
+  std::vector<Term> terms{{tie.shell, tie.slot, 1.0}};
+  terms.insert(terms.end(), tie.on.begin(), tie.on.end());
+  return terms;
+}
+
+bool Stitching::at_corner(const std::vector<ShellRef>& shells, const Tie& tie) {
+  const ShellModel& m = *shells[tie.shell].model;
+  const int point = m.tables.control_point(tie.slot), column = point % m.patch.columns(),
+            row = point / m.patch.columns();
+  return (column == 0 || column == m.patch.columns() - 1) && (row == 0 || row == m.patch.rows() - 1);
+}
+
 template <class F>
 void Stitching::part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across) {
-  // what it ties of both patches; of other seams that meet it at its ends no more than a corner is
-  const auto of_both = [&](const auto& terms, int sides) {
-    for (const Term& m : terms) sides |= foot_of(shells, seam, m).side;
-    return sides == 3;
-  };
   double lost = 0.0;
   for (Tie& tie : ties_) {
     const Term own{tie.shell, tie.slot, 1.0};
-    const Foot foot = foot_of(shells, seam, own);
-    if (tie.holds && foot.on_seam && of_both(tie.on, foot.side) && across(own, tie.on)) lost += let_go(shells, tie);
+    if (!tie.holds || at_corner(shells, tie) || !foot_of(shells, seam, own, false).on_seam) continue;
+    if (ties_both(shells, seam, named(tie)) && across(own, tie.on)) lost += let_go(shells, tie);
   }
-  EnergyBook& book = shells[seam.first].state->book;
+  book_lost(shells, seam.first, lost);
+  for (Brace& b : braces_) b.holds = b.holds && !(ties_both(shells, seam, b.ends) && across(b.ends[0], b.ends));
+}
+
+void Stitching::book_lost(const std::vector<ShellRef>& shells, int shell, double lost) {
+  EnergyBook& book = shells[shell].state->book;
   (lost < 0.0 ? book.injected : book.fracture) += std::abs(lost);
-  for (Brace& b : braces_) b.holds = b.holds && !(of_both(b.ends, 0) && across(b.ends[0], b.ends));
+}
+
+void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams) {
+  const auto rest = [&](int shell, int slot) -> Vec3 {
+    return shells[shell].state->at(shells[shell].model->rest, slot);
+  };
+  // whether what a seam ties next to the end of it that is at x still holds; true where none is
+  const auto holds_at = [&](const Seam& seam, const Vec3& x, bool& is_there) {
+    const ShellModel& m = *shells[seam.first].model;
+    const std::vector<int> row = edge_row(m.patch, seam.first_edge, 0);
+    const double start = (rest(seam.first, m.tables.slot(row.front())) - x).norm(),
+                 end = (rest(seam.first, m.tables.slot(row.back())) - x).norm();
+    is_there = std::min(start, end) < 0.5 * m.spacing;
+    const double corner = start < end ? 0.0 : 1.0;
+    double nearest = std::numeric_limits<double>::infinity();
+    bool holds = true;
+    for (const Tie& tie : ties_) {
+      const Foot foot = foot_of(shells, seam, {tie.shell, tie.slot, 1.0}, false);
+      if (!foot.on_seam || at_corner(shells, tie) || std::abs(foot.share - corner) > nearest) continue;
+      if (!ties_both(shells, seam, named(tie))) continue;
+      holds = (std::abs(foot.share - corner) < nearest || holds) && tie.holds;
+      nearest = std::abs(foot.share - corner);
+    }
+    return holds;
+  };
+  for (Tie& tie : ties_) {
+    if (!tie.holds || !at_corner(shells, tie)) continue;
+    std::vector<int> together;  // shells that it names, and those that they reach over seams that hold there
+    std::vector<char> is_named(shells.size(), 0), reached(shells.size(), 0);
+    for (const Term& m : named(tie))
+      if (std::abs(m.weight) > kLooseWeight) is_named[m.shell] = 1;
+    const Vec3 x = rest(tie.shell, tie.slot);
+    together.push_back(tie.shell), reached[tie.shell] = 1;
+    for (std::size_t k = 0; k < together.size(); ++k)
+      for (const Seam& seam : seams) {
+        if (seam.first != together[k] && seam.second != together[k]) continue;
+        const int other = seam.first == together[k] ? seam.second : seam.first;
+        bool is_there = false;
+        if (reached[other] || !holds_at(seam, x, is_there) || !is_there) continue;
+        reached[other] = 1, together.push_back(other);
+      }
+    bool whole = true;
+    for (std::size_t k = 0; k < shells.size(); ++k) whole = whole && (!is_named[k] || reached[k]);
+    if (!whole) book_lost(shells, tie.shell, let_go(shells, tie));
+  }
 }
 
 void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
   // which side of the crack; 0: of neither patch
   const auto side = [&](const Term& m) {
-    const Foot foot = foot_of(shells, seam, m);
+    const Foot foot = foot_of(shells, seam, m, true);
     // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
     return foot.side == 0 ? 0 : (foot.share < t) == foot.clear ? -1 : 1;
   };
@@ -270,7 +333,7 @@ void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& sea
   part_where(shells, seam, [&](const Term&, const auto& hangs_on) {
     double off = 0.0, all = 0.0;
     for (const Term& m : hangs_on) {
-      const Foot foot = foot_of(shells, seam, m);
+      const Foot foot = foot_of(shells, seam, m, true);
       if (m.shell != shell || foot.side == 0 || foot.on_seam) continue;
       all += std::abs(m.weight);
       if (foot.share >= low && foot.share <= high && !foot.clear) off += std::abs(m.weight);
@@ -281,7 +344,7 @@ void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& sea
 
 void Stitching::open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high) {
   const auto within = [&](const Term& m) {
-    const Foot foot = foot_of(shells, seam, m);
+    const Foot foot = foot_of(shells, seam, m, false);
     return foot.side != 0 && std::abs(m.weight) > kLooseWeight && foot.share >= low && foot.share <= high;
   };
   part_where(shells, seam, [&](const Term& a, const auto& others) {
@@ -341,13 +404,12 @@ double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const 
   };
   gather(t.shell, t.slot);
   for (const Master& m : t.on) gather(m.shell, m.slot);
-  if (all.empty()) return 0.0;
+  if (all.size() < 2) return 0.0;
   weigh();
   if (inertia.trace() <= mass * std::pow(kOnePlace * shells[t.shell].model->spacing, 2)) {
     all.clear();
     for (std::size_t slot = 0; slot < shells[t.shell].state->mass.size(); ++slot)
       gather(t.shell, static_cast<int>(slot));
-    if (all.size() < 2) return 0.0;
     weigh();
   }
   const auto [moments, axes] = principal_axes(inertia);

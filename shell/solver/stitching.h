@@ -70,6 +70,9 @@ class Stitching {
   void part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high);
   /// Lets go of all that a seam ties from share `low` of its first edge to `high`.
   void open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high);
+  /// After these: at a corner of patches the shells that meet there stay together while seams that go out from it, each
+  /// to its next control points, hold them together.
+  void settle_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams);
   /// Something has been let go.
   bool parted() const {
     return std::any_of(ties_.begin(), ties_.end(), [](const Tie& t) { return !t.holds; });
@@ -113,7 +116,11 @@ class Stitching {
     bool clear = true, on_seam = false;
     double share = 0.0;
   };
-  static Foot foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& term);
+  static Foot foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& term, bool look);
+  static bool ties_both(const std::vector<ShellRef>& shells, const Seam& seam, const std::vector<Term>& terms);
+  static std::vector<Term> named(const Tie& tie);
+  static bool at_corner(const std::vector<ShellRef>& shells, const Tie& tie);
+  static void book_lost(const std::vector<ShellRef>& shells, int shell, double lost);
   template <class F>
   void part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across);
   /// Returns the kinetic energy that is lost [J].

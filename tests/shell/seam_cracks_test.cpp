@@ -159,6 +159,27 @@ TEST(SeamCracks, PartTheSeamThatTheyAreAtAndNoOther) {
     }
 }
 
+// Of four that meet at a corner each comes off over its two seams, and the others still hang together.
+TEST(SeamCracks, PartACornerOnceNothingElseHoldsItThere) {
+  for (const Join join : {Join::kClamped, Join::kHinge})
+    for (const int off : {0, 1, 2, 3}) {
+      Stitched s({model(flat(0, 1, 0, 1, 12, 12)), model(flat(1, 2, 0, 1, 12, 12)), model(flat(0, 1, 1, 2, 12, 12)),
+                  model(flat(1, 2, 1, 2, 12, 12))},
+                 join);
+      const auto links_between = [&](bool own) {
+        int count = 0;
+        s.stitching.each_link([&](int a, int, int b, int) { count += a != b && (a == off || b == off) == own; });
+        return count;
+      };
+      const int others = links_between(false);
+      open_seams(s.stitches.seams, s.refs(), s.stitching, off, off % 2 == 0 ? kUMax : kUMin, 0.0, 1.0);
+      EXPECT_GT(links_between(true), 10);
+      open_seams(s.stitches.seams, s.refs(), s.stitching, off, off < 2 ? kVMax : kVMin, 0.0, 1.0);
+      EXPECT_EQ(links_between(true), 0) << off << " " << int(join);
+      EXPECT_GE(links_between(false), others - 6) << off << " " << int(join);  // but for the corner
+    }
+}
+
 // Half of the way along: what is an element and more off its end stays as it is, before it and behind.
 TEST(SeamCracks, AlongAPartOfASeamPartNoMoreThanThat) {
   for (const bool matching : {true, false}) {
