@@ -272,13 +272,13 @@ void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::v
   const auto rest = [&](int shell, int slot) -> Vec3 {
     return shells[shell].state->at(shells[shell].model->rest, slot);
   };
-  // whether what a seam ties next to the end of it that is at x still holds; true where none is
-  const auto holds_at = [&](const Seam& seam, const Vec3& x, bool& is_there) {
+  // whether an end of the seam is at x, and what it ties next to that still holds; a seam without such ties does
+  const auto holds_at = [&](const Seam& seam, const Vec3& x) {
     const ShellModel& m = *shells[seam.first].model;
     const std::vector<int> row = edge_row(m.patch, seam.first_edge, 0);
     const double start = (rest(seam.first, m.tables.slot(row.front())) - x).norm(),
                  end = (rest(seam.first, m.tables.slot(row.back())) - x).norm();
-    is_there = std::min(start, end) < 0.5 * m.spacing;
+    if (std::min(start, end) >= 0.5 * m.spacing) return false;
     const double corner = start < end ? 0.0 : 1.0;
     double nearest = std::numeric_limits<double>::infinity();
     bool holds = true;
@@ -303,8 +303,7 @@ void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::v
       for (const Seam& seam : seams) {
         if (seam.first != together[k] && seam.second != together[k]) continue;
         const int other = seam.first == together[k] ? seam.second : seam.first;
-        bool is_there = false;
-        if (reached[other] || !holds_at(seam, x, is_there) || !is_there) continue;
+        if (reached[other] || !holds_at(seam, x)) continue;
         reached[other] = 1, together.push_back(other);
       }
     bool whole = true;
