@@ -27,7 +27,8 @@ def history() -> list[tuple[float, list[Edge]]]:
 
 
 def write_history(folder: Path, frames: list[tuple[float, list[Edge]]], shells: int = 1) -> None:
-    """Frames of so many such sheets, one above the other, and their cracks; an element is damaged once a crack comes within a spacing of its middle."""
+    """Frames of so many such sheets, one above the other, and their cracks; an element is damaged once a crack comes
+    within a spacing of its middle."""
     axis = np.linspace(0.0, SIDE, 11)
     x, y = np.meshgrid(axis, axis)
     index = np.arange(121).reshape(11, 11)

@@ -140,7 +140,7 @@ class CrackCheck(unittest.TestCase):
         np.testing.assert_allclose(bulge[straight], 0.0, atol=1e-12)  # corners are no bend
         sagitta = radius[~straight] * (1.0 - np.cos(0.05))
         self.assertTrue((bulge[~straight] > sagitta).all() and (bulge[~straight] < 2.1 * sagitta).all())
-        uneven = points + [0.0, 0.0, 0.0]
+        uneven = points.copy()
         uneven[:, :2] = np.stack([np.tile(angle ** 2, 2), np.repeat([0.0, 1.0], 11)], -1)
         write_vtp(self.folder / "strip.vtp", uneven, triangles, floats="f8")
         np.testing.assert_allclose(crack_check.bulge_of(read_vtp(self.folder / "strip.vtp"), every), 0.0, atol=1e-12)
