@@ -1,7 +1,7 @@
 // sunder-shell: the fracture solver's process; owns the loop, asks the rigid side once a window.
 #include "coupler/link/channel.h"
 #include "coupler/link/recording.h"
-#include "shell/io/program.h"
+#include "shell/run/program.h"
 
 namespace {
 

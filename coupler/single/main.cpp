@@ -1,7 +1,7 @@
 // sunder-single: shell and engine in one process, for tests and to measure what the border between them costs.
 #include "coupler/link/host.h"
 #include "rigid/engine/engine.h"
-#include "shell/io/program.h"
+#include "shell/run/program.h"
 
 namespace {
 

@@ -12,8 +12,8 @@
 #include "shell/contact/proxy.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
-#include "shell/solver/hertz.h"
-#include "shell/solver/stitching.h"
+#include "shell/solver/contact/hertz.h"
+#include "shell/solver/joining/stitching.h"
 
 namespace sunder::shell {
 namespace {

@@ -7,9 +7,10 @@
 #include <memory>
 
 #include "shell/contact/proxy.h"
-#include "shell/solver/fibres.h"
-#include "shell/solver/hertz.h"
-#include "shell/solver/stable_step.h"
+#include "shell/solver/contact/fibres.h"
+#include "shell/solver/contact/hertz.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/stable_step.h"
 
 namespace sunder::shell {
 namespace {
@@ -103,8 +104,8 @@ std::string size_lines(const ShellModel& m, double step) {
 }
 
 double megabytes(const ShellState& s) {
-  return 1e-6 * (2.0 * 8.0 * s.tables.metric.size() +
-                 8.0 * (s.surface_stress.size() + 12.0 * static_cast<double>(s.x.size())));
+  return 1e-6 * (2.0 * 8.0 * s.cracked.tables.metric.size() +
+                 8.0 * (s.layers.surface_stress.size() + 12.0 * static_cast<double>(s.motion.x.size())));
 }
 
 }  // namespace

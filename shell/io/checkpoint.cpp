@@ -3,8 +3,8 @@
 #include <fstream>
 
 #include "coupler/core/hash.h"
-#include "shell/io/run.h"
 #include "shell/io/vtp.h"
+#include "shell/run/run.h"
 #include "shell/solver/state_archive.h"
 
 namespace sunder {

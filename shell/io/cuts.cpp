@@ -6,7 +6,7 @@
 
 #include "shell/geometry/edges.h"
 #include "shell/geometry/plane_curves.h"
-#include "shell/solver/clamp.h"
+#include "shell/solver/cracking/clamp.h"
 
 namespace sunder::shell {
 namespace {

@@ -10,7 +10,7 @@
 
 #include "coupler/core/error.h"
 #include "shell/io/vtp.h"
-#include "shell/solver/insertion.h"
+#include "shell/solver/cracking/insertion.h"
 
 namespace sunder::shell {
 namespace {
@@ -28,12 +28,12 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
   const ShapeFunctions f = m.patch.shape_functions(p);
   bool clear = true;
   for (int k = 0; k < f.count() && clear && near_crack; ++k)
-    clear = s.cracks.visible(p, m.parameter[f.row(k) * m.tables.columns + f.column(k)]);
+    clear = s.cracks.graph.visible(p, m.parameter[f.row(k) * m.tables.columns + f.column(k)]);
   if (clear) {
     for (int k = 0; k < f.count(); ++k) add(f.value[k], f.row(k) * m.tables.stride + f.column(k));
     return c;
   }
-  const MlsPoint mls = mls_point(control_grid(m), s.cracks, p, f.span_u, f.span_v);
+  const MlsPoint mls = mls_point(control_grid(m), s.cracks.graph, p, f.span_u, f.span_v);
   if (mls.basis != MlsBasis::kNone) {
     for (const MlsFunction& n : mls.functions) add(n.n[0], m.tables.slot(n.control_point));
     return c;
@@ -43,7 +43,7 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
   double distance = 1e300;
   for (int k = 0; k < f.count(); ++k) {
     const int i = f.row(k) * m.tables.columns + f.column(k);
-    const double d = (m.parameter[i] - p).squaredNorm() + (s.cracks.visible(p, m.parameter[i]) ? 0.0 : 1.0);
+    const double d = (m.parameter[i] - p).squaredNorm() + (s.cracks.graph.visible(p, m.parameter[i]) ? 0.0 : 1.0);
     if (d < distance) distance = d, nearest = i;
   }
   const int slot = m.tables.slot(nearest);
@@ -85,9 +85,9 @@ double most_stretch(const ShellModel& m, const ShellState& s, const Vec2& p) {
   const int lane = m.patch.knots_u.span_of(p.x()), f = m.patch.knots_v.span_of(p.y()), points = t.gauss * t.gauss;
   int dead = 0, touched = 0;
   for (int sub = 0; sub < points; ++sub) {
-    const int point = s.point_of[static_cast<std::size_t>(f * points + sub) * t.lanes + lane];
-    if (point < 0 || s.points[point].in_rows) continue;
-    ++touched, dead += s.points[point].kind == PointKind::kDead;
+    const int point = s.cracked.point_of[static_cast<std::size_t>(f * points + sub) * t.lanes + lane];
+    if (point < 0 || s.cracked.gathered[point].in_rows) continue;
+    ++touched, dead += s.cracked.gathered[point].kind == PointKind::kDead;
   }
   return 2 * dead > points ? kRubble : touched > 0 ? kTouched : std::numeric_limits<double>::infinity();
 }
@@ -121,9 +121,9 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   std::vector<char> near(t.vertices.size(), 0);
   for (std::size_t i = 0; i < near.size(); ++i)
     if (!m.laminated())  // an interlayer goes on as the patch does
-      s.cracks.near(t.vertices[i], t.vertices[i], 2.0 * m.spacing, [&](int e) {
+      s.cracks.graph.near(t.vertices[i], t.vertices[i], 2.0 * m.spacing, [&](int e) {
         Vec2 foot;
-        if (s.cracks.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
+        if (s.cracks.graph.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
         return !near[i];
       });
   // A vertex on a crack stands once for each fan of triangles that hang together around it.
@@ -157,7 +157,8 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
     mesh.polygons.push_back(polygon);
     const int lane = m.patch.knots_u.span_of(centre.x()), f = m.patch.knots_v.span_of(centre.y());
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
-    damage.values.push_back(s.c[g]), history.values.push_back(s.c_his[g]), fragment.values.push_back(t.piece[i]);
+    damage.values.push_back(s.layers.c[g]), history.values.push_back(s.layers.c_his[g]),
+        fragment.values.push_back(t.piece[i]);
   }
   mesh.point_data = {velocity, displacement};
   mesh.cell_data = {damage, history, fragment};
@@ -182,7 +183,7 @@ VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   // interlayer they go with it: it is one surface, which no piece leaves.
   VtpArray displacement{"displacement", 3, {}};
   VtpArray parameter{"parameter", 3, {}};  // of the graph itself, beyond the border too; third component 0
-  for (const CrackEdge& e : s.cracks.edges()) {
+  for (const CrackEdge& e : s.cracks.graph.edges()) {
     std::vector<int> line;
     for (const bool first : {true, false}) {
       const Vec2& p = first ? e.a : e.b;

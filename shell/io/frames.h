@@ -7,7 +7,7 @@
 #include "coupler/core/body.h"
 #include "shell/io/probes.h"
 #include "shell/soft/soft_bodies.h"
-#include "shell/solver/handoff.h"
+#include "shell/solver/parting/handoff.h"
 
 namespace sunder::shell {
 

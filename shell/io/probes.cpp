@@ -16,7 +16,8 @@ Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
   const std::size_t plane = m.tables.plane;
   const auto add = [&](int d, int slot) {
     // what follows others over a seam has no mass, and its force is theirs
-    if (!s.gone[slot] && s.mass[slot] > 0.0) sum[d] -= s.force[d * plane + slot] + s.mass[slot] * gravity[d];
+    if (!s.motion.detached[slot] && s.motion.mass[slot] > 0.0)
+      sum[d] -= s.motion.force[d * plane + slot] + s.motion.mass[slot] * gravity[d];
   };
   for (int d = 0; d < 3; ++d) {
     for (const int slot : m.constraints.held[d]) add(d, slot);
@@ -34,16 +35,17 @@ std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s)
     for (int e = 0; e < t.spans_u; ++e) {
       const GaussPoint g = gauss_point(m.patch, t, q, e);
       if (g.weight == 0.0) continue;
-      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
-      if (point >= 0 && (s.points[point].kind == PointKind::kDead || s.points[point].left)) continue;
+      const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
+      if (point >= 0 && (s.cracked.gathered[point].kind == PointKind::kDead || s.cracked.gathered[point].left))
+        continue;
       if (point < 0) uncut.functions = patch_functions(m.patch, g.parameter, t.stride);
-      const GatheredPoint& p = point < 0 ? uncut : s.points[point];
-      if (s.gone[p.functions[0].slot]) continue;
+      const GatheredPoint& p = point < 0 ? uncut : s.cracked.gathered[point];
+      if (s.motion.detached[p.functions[0].slot]) continue;
       const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
       const auto measure = [&](const std::vector<double>& x) {
         return 1.0 / surface_forms(gather(t, p, x)).inverse_area;
       };
-      rest += area, now += area * measure(s.x) / measure(m.rest);
+      rest += area, now += area * measure(s.motion.x) / measure(m.rest);
     }
   return {rest, now};
 }

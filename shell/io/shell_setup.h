@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "shell/io/cuts.h"
-#include "shell/solver/crack_rules.h"
-#include "shell/solver/near_tiles.h"
-#include "shell/solver/step.h"
+#include "shell/solver/contact/near_tiles.h"
+#include "shell/solver/cracking/crack_rules.h"
+#include "shell/solver/stepping/grid_transfer.h"
 
 namespace sunder::shell {
 

@@ -1,9 +1,9 @@
 #include "shell/soft/soft_contact.h"
 
+#include "shell/solver/contact/rigid_contact.h"
+
 #include <algorithm>
 #include <cmath>
-
-#include "shell/solver/step.h"
 
 namespace sunder::shell {
 namespace {
@@ -98,14 +98,14 @@ void SoftContact::refresh(const std::vector<SoftRef>& soft, const std::vector<Sh
         Eigen::AlignedBox3d box;
         for (int j = f; j <= f + t.degree; ++j)
           for (int i = lane; i <= lane + t.degree; ++i)
-            if (!s.gone[j * t.stride + i]) box.extend(s.position(j * t.stride + i));
+            if (!s.motion.detached[j * t.stride + i]) box.extend(s.position(j * t.stride + i));
         if (!near(box)) continue;
         for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
           const int block = f * t.gauss * t.gauss + sub;
           const double area = t.metric[t.at(block, kMetricFields, kArea, lane)];
           if (area == 0.0) continue;
           sample_functions(m, s, block, lane, values);
-          if (values.empty() || s.gone[values[0].slot]) continue;
+          if (values.empty() || s.motion.detached[values[0].slot]) continue;
           Sample& q = samples_.emplace_back();
           q.owner = k, q.thickness = m.thickness, q.reach = m.longest_element / t.gauss;
           for (const GatheredFunction& g : values) q.functions.emplace_back(g.slot, g.n[0]);
@@ -213,7 +213,7 @@ void SoftContact::push(const Press& p, const Vec3& j, const std::vector<SoftRef>
     return;
   }
   ShellState& s = *shells[p.against->owner].state;
-  for (const auto& [slot, value] : p.against->functions) s.add_velocity(slot, -value * s.inverse_mass[slot] * j);
+  for (const auto& [slot, value] : p.against->functions) s.add_velocity(slot, -value * s.motion.inverse_mass[slot] * j);
 }
 
 int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRef>& shells, double dt, double elapsed,
@@ -260,9 +260,9 @@ int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRe
       } else {
         const ShellState& other = *shells[q->owner].state;
         for (const auto& [slot, value] : q->functions) {
-          const double mobility = other.inverse_mass[slot];
+          const double mobility = other.motion.inverse_mass[slot];
           along += value * value * mobility, all += 3.0 * value * value * mobility;
-          p.back -= (value * 0.5 * shell_dt * mobility) * other.at(other.force, slot);
+          p.back -= (value * 0.5 * shell_dt * mobility) * other.at(other.motion.force, slot);
         }
         p.friction = friction_[i][shells[q->owner].model->contact_group];
       }

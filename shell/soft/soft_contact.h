@@ -8,7 +8,7 @@
 
 #include "shell/soft/press.h"
 #include "shell/soft/soft_state.h"
-#include "shell/solver/stitching.h"
+#include "shell/solver/joining/stitching.h"
 
 namespace sunder::shell {
 

@@ -14,17 +14,17 @@ void check_compression(const ShellModel& m, const ShellState& s) {
     for (int e = 0; e < t.spans_u; ++e) {
       const GaussPoint g = gauss_point(m.patch, t, q, e);
       if (g.weight == 0.0) continue;
-      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
+      const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
       GatheredPoint uncut;
-      if (point >= 0 && s.points[point].kind != PointKind::kQuadratic) continue;
+      if (point >= 0 && s.cracked.gathered[point].kind != PointKind::kQuadratic) continue;
       if (point < 0) {
         uncut.functions = patch_functions(m.patch, g.parameter, t.stride);
         const double* metric = &t.metric[t.at(q, kMetricFields, 0, e)];
         uncut.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
                         {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
       }
-      const GatheredPoint& p = point < 0 ? uncut : s.points[point];
-      const Forms<double> f = surface_forms(gather(t, p, s.x));
+      const GatheredPoint& p = point < 0 ? uncut : s.cracked.gathered[point];
+      const Forms<double> f = surface_forms(gather(t, p, s.motion.x));
       for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
         const Sym2<double> c = at_height(f.a, f.b, t.layers.zeta[l]), a = reference_at(p.metric, t.layers, l);
         const double area = std::sqrt(std::max(0.0, determinant(c) / determinant(a)));

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shell/solver/insertion.h"
+#include "shell/solver/cracking/insertion.h"
 
 namespace sunder::shell {
 namespace {
@@ -19,7 +19,7 @@ struct Gap {
 };
 
 Vec2 direction(const ShellState& s, const Interlock& lock) {
-  const CrackEdge& e = s.cracks.edges()[lock.edge];
+  const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
   return (e.b - e.a).normalized();
 }
 
@@ -91,14 +91,14 @@ Springs springs_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
 double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const Interlock& lock) {
   double mobility = 0.0;  // of the gap [1/kg]
   for (const auto* side : {&lock.plus, &lock.minus})
-    for (const GatheredFunction& f : *side) mobility += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
+    for (const GatheredFunction& f : *side) mobility += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
   const double most = kMostMobility / (m.material.density * m.spacing * lock.area);
   return stiffness(m) * (mobility > most ? most / mobility : 1.0);
 }
 
 // Just beside the middle of its edge, on the plus side (0) or the minus side.
 Vec2 face(const ShellModel& m, const ShellState& s, const Interlock& lock, int side) {
-  const CrackEdge& e = s.cracks.edges()[lock.edge];
+  const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
   const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x());
   return 0.5 * (e.a + e.b) + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
 }
@@ -112,7 +112,7 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
     Sight& sight = lock.sights[side];
     if (!lock.looked) sight = {grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
     const Sight before = sight;
-    sight.update(grid, s.cracks, static_cast<int>(s.cracks.edges().size()));
+    sight.update(grid, s.cracks.graph, static_cast<int>(s.cracks.graph.edges().size()));
     if (lock.looked && sight.sees_the_same(before)) continue;
     const MlsPoint mls = face_point(grid, sight);
     if (mls.basis == MlsBasis::kNone) return false;
@@ -180,7 +180,7 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 
 bool loses_sight(const ShellModel& m, const ShellState& s, Interlock& lock, int first) {
   const ControlGrid grid = control_grid(m);
-  const int end = static_cast<int>(s.cracks.edges().size());
+  const int end = static_cast<int>(s.cracks.graph.edges().size());
   if (!lock.looked)  // since a checkpoint
     for (int side = 0; side < 2; ++side) {
       const Vec2 p = face(m, s, lock, side);
@@ -189,7 +189,7 @@ bool loses_sight(const ShellModel& m, const ShellState& s, Interlock& lock, int 
     }
   for (int k = first; k < end; ++k)
     for (const Sight& uses : lock.uses)
-      if (uses.loses(grid, s.cracks.edges()[k])) return true;
+      if (uses.loses(grid, s.cracks.graph.edges()[k])) return true;
   return false;
 }
 
@@ -218,9 +218,9 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
                       double* force4) {
   const auto position = [&](int slot) { return Vec3(Eigen::Map<const Vec3>(x4 + kPointLanes * slot)); };
   const auto add = [&](int slot, const Vec3& on) { Eigen::Map<Vec3>(force4 + kPointLanes * slot) += on; };
-  const std::size_t end = s.interlocks.size() * (chunk + 1) / chunks;
-  for (std::size_t i = s.interlocks.size() * chunk / chunks; i < end; ++i) {
-    Interlock& lock = s.interlocks[i];
+  const std::size_t end = s.cracks.interlocks.size() * (chunk + 1) / chunks;
+  for (std::size_t i = s.cracks.interlocks.size() * chunk / chunks; i < end; ++i) {
+    Interlock& lock = s.cracks.interlocks[i];
     if (!lock.holds) continue;
     const Gap gap = gap_of(s, lock, position);
     lock.opening = gap.components()[0] - lock.rest[0];
@@ -239,21 +239,21 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
 
 double interlock_energy(const ShellState& s) {
   double energy = 0.0;
-  for (const Interlock& lock : s.interlocks)
+  for (const Interlock& lock : s.cracks.interlocks)
     if (lock.holds) energy += lock.energy;
   return energy;
 }
 
 void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
-  for (Interlock& lock : s.interlocks) {
+  for (Interlock& lock : s.cracks.interlocks) {
     if (!lock.holds) continue;
     if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
     lock.holds = false;
     const Gap gap = gap_of(s, lock);
     const Springs springs = springs_of(m, gap, lock);
     s.release(lock.stiffness * lock.area * springs.hold);
-    add_force(s, lock, gap, springs, 1.0, s.jumped());
-    s.last_force.clear();
+    add_force(s, lock, gap, springs, 1.0, s.discontinuity());
+    s.motion.last_force.clear();
   }
 }
 

@@ -37,16 +37,21 @@ void archive(A& a, CrackGraph& g) {
   if constexpr (A::kReading) g.restore(vertices, edges, cracks, length);
 }
 
-/// `s` is a state of the same model; what a substep needs only within itself is left as it is.
+/// Members that a kind of state lists in its saved().
+template <class A, class Kind>
+requires requires(Kind& kind) {
+  kind.saved([](auto&...) {});
+}
+void archive(A& a, Kind& kind) {
+  kind.saved([&a](auto&... members) { archive_all(a, members...); });
+}
+
+/// `s` is a state of the same model; caches and scratch stay as they are.
 template <class A>
 void archive(A& a, ShellState& s) {
-  archive_all(a, s.x, s.v, s.force, s.time, s.external, s.last_force, s.mass, s.inverse_mass, s.gone, s.surface_stress,
-              s.strength, s.c, s.c_his, s.plastic, s.plastic_forms, s.fibres, s.tables.metric, s.interlayer.metric,
-              s.points, s.point_of, s.damage, s.watched, s.brittleness, s.heals, s.cracks, s.reach, s.tips,
-              s.interlocks, s.interlock_of, s.cut_done, s.last_crack_time, s.book, s.before, s.kicked, s.moving,
-              s.affine, s.interlock_energy, s.jump, s.let_go);
+  archive_all(a, s.motion, s.layers, s.cracks, s.cracked, s.book);
   if constexpr (A::kReading)
-    for (const GatheredPoint& g : s.points) s.note_kind(g);
+    for (const GatheredPoint& g : s.cracked.gathered) s.cracked.note_kind(g);
 }
 
 }  // namespace sunder::shell

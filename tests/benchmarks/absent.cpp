@@ -17,8 +17,10 @@
 #include "coupler/link/host.h"
 #include "coupler/scene/load.h"
 #include "rigid/engine/engine.h"
-#include "shell/io/run.h"
-#include "shell/solver/stable_step.h"
+#include "shell/run/run.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/temporary_folder.h"
 
 namespace {

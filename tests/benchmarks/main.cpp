@@ -13,13 +13,14 @@
 #include <omp.h>
 
 #include "coupler/core/error.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/kick_drift.h"
 #include "tests/benchmarks/absent.h"
 #include "tests/benchmarks/counting.h"
 #include "tests/benchmarks/two_processes.h"
 // the counting type must be known before the templates that it runs
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
 
 namespace {
 
@@ -49,8 +50,8 @@ std::unique_ptr<Sheet> sheet(int across, int along, double strength = 0.0, doubl
   for (int i = 0; i < s->model.control_points(); ++i) {
     const int slot = s->model.tables.slot(i);
     const Vec3 x = s->state.position(slot);
-    s->state.x[slot] *= 1.0 + strain;
-    s->state.x[2 * plane + slot] = 1e-5 * std::sin(40.0 * x.x()) * std::cos(30.0 * x.y());
+    s->state.motion.x[slot] *= 1.0 + strain;
+    s->state.motion.x[2 * plane + slot] = 1e-5 * std::sin(40.0 * x.x()) * std::cos(30.0 * x.y());
   }
   s->layer_points = static_cast<double>(s->model.tables.gauss_points()) * kLayers;
   return s;
@@ -90,7 +91,7 @@ void scalar_reference(benchmark::State& b, Sheet& s) {
   for (auto _ : b) {
     std::fill(out.begin(), out.end(), 0.0);
     for (const GatheredPoint& p : points) {
-      const Derivatives<double> d = gather(t, p, s.state.x);
+      const Derivatives<double> d = gather(t, p, s.state.motion.x);
       const Forms<double> f = surface_forms(d);
       const Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
       const Derivatives<double> g = section_forces(d, f, r, p.area);
@@ -140,7 +141,7 @@ double operations_per_gauss_point(const Sheet& s) {
   const ReferenceMetric<Counting> ref{{field(kA11), field(kA22), field(kA12)}, {field(kB11), field(kB22), field(kB12)}};
   GatheredPoint p;
   p.functions = patch_functions(s.model.patch, gauss_point(s.model.patch, t, block, lane).parameter, t.stride);
-  const Derivatives<double> d = gather(t, p, s.state.x);
+  const Derivatives<double> d = gather(t, p, s.state.motion.x);
   const auto vector = [](const Vector<double>& v) { return Vector<Counting>{v.x, v.y, v.z}; };
   const Derivatives<Counting> c{vector(d.u), vector(d.v), vector(d.uu), vector(d.vv), vector(d.uv)};
   Counting::operations = 0;
@@ -186,7 +187,7 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
   const auto small = sheet(32, 20), middle = sheet(100, 100), large = sheet(280, 279);
   const auto cubic = sheet(66, 67, 0.0, 1e-4, 3);  // as many layer points as the middle one
   const auto damaged = sheet(60, 60, 7e6, 1.5e-4), sound = sheet(60, 60);
-  damaged->state.brittleness = 0.5;
+  damaged->state.layers.brittleness = 0.5;
   const RowTables& t = damaged->model.tables;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) watch_point(damaged->model, damaged->state, q, e);
@@ -236,7 +237,7 @@ void measure_kernels(const std::string& filter, std::map<std::string, double>& o
   if (seconds("step_2") > 0.0 && seconds("step_1") > 0.0)
     out["thread_speedup_2"] = seconds("step_1") / seconds("step_2");
   if (seconds("force_cut") > 0.0 && seconds("force_sound") > 0.0) {  // what is left of the rows costs as without cuts
-    const double gathered = static_cast<double>(cut->state.points.size()) * kLayers;
+    const double gathered = static_cast<double>(cut->state.cracked.gathered.size()) * kLayers;
     out["force_ns_per_layer_point_mls"] =
         1e9 * (seconds("force_cut") - seconds("force_sound") * (1.0 - gathered / cut->layer_points)) / gathered;
   }

@@ -5,9 +5,13 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/hertz.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
+#include "shell/solver/contact/hertz.h"
+#include "shell/solver/contact/rigid_contact.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/grid_transfer.h"
+#include "shell/solver/stepping/kick_drift.h"
 #include "tests/shell/fixtures.h"
 
 namespace {
@@ -45,7 +49,7 @@ long allocated(const ShellModel& m, ShellState& s, double hertz, Transfer kind) 
   const std::vector<ContactCoefficients> coefficients{{0.5, 0.0, hertz}};
   ContactCandidates candidates;
   const TransferRules rules{kind, m.spacing, false};
-  if (kind != Transfer::kDirect) s.before = s.v;
+  if (kind != Transfer::kDirect) s.motion.before = s.motion.v;
   const double dt = 2e-7;
   long before = 0;
   int touched = 0;
@@ -83,8 +87,8 @@ TEST(Substep, AllocatesNothing) {
         ShellState s = make_state(m, Vec3::Zero(), 1);
         if (g.yield_stress == 0.0) insert_polyline(m, s, {{0.0, 0.071}, {0.083, 0.093}}, 0.0);
         if (g.strength > 0.0) {
-          s.brittleness = 0.4, s.heals = hertz == 0.0;
-          s.damage.resize(s.points.size());
+          s.layers.brittleness = 0.4, s.layers.heals = hertz == 0.0;
+          s.cracked.damage.resize(s.cracked.gathered.size());
           for (int lane = 0; lane < 20; ++lane) watch_point(m, s, 40, lane);
         }
         EXPECT_EQ(allocated(m, s, hertz, kind), 0)

@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "shell/geometry/builders.h"
-#include "shell/io/audit.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
+#include "shell/run/audit.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -91,9 +91,10 @@ TEST(Audit, CracksShouldTakeTheirFractureEnergyWhereTheyRanAndCutsNothing) {
   insert_polyline(m, s, {{0.05, 0.02}, {0.15, 0.02}}, 0.0);
   EXPECT_EQ(crack_resistance(m, s), 0.0);
   for (const double v : {0.055, 0.155})  // 8 mm each, the second where half of the strength is left
-    extend_cracks(m, s, {{s.cracks.add_vertex({0.1, v}), {0.108, v}, s.cracks.new_crack(), 1}}, 0.0, false);
+    extend_cracks(m, s, {{s.cracks.graph.add_vertex({0.1, v}), {0.108, v}, s.cracks.graph.new_crack(), 1}}, 0.0, false);
   EXPECT_NEAR(crack_resistance(m, s), 10.0 * 0.004 * 0.008 * (1.0 + 0.25), 1e-15);
   // one that runs out counts as far as the border
-  extend_cracks(m, s, {{s.cracks.add_vertex({0.194, 0.055}), {0.21, 0.063}, s.cracks.new_crack(), 1}}, 0.0, false);
+  extend_cracks(m, s, {{s.cracks.graph.add_vertex({0.194, 0.055}), {0.21, 0.063}, s.cracks.graph.new_crack(), 1}}, 0.0,
+                false);
   EXPECT_NEAR(crack_resistance(m, s), 10.0 * 0.004 * (0.008 * (1.0 + 0.25) + std::hypot(0.006, 0.003)), 1e-15);
 }

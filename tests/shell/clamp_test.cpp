@@ -6,9 +6,10 @@
 #include <gtest/gtest.h>
 
 #include "shell/geometry/edges.h"
-#include "shell/solver/clamp.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/tips.h"
+#include "shell/solver/cracking/clamp.h"
+#include "shell/solver/cracking/tips.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -46,7 +47,8 @@ struct Cracked {
     const CrackRules r = make_crack_rules(m, 0.0);
     for (int k = 0; k < m.control_points(); ++k) {
       const double x = depth(what, m.parameter[k]);
-      if (!m.held[m.tables.slot(k)]) s.x[2 * m.tables.plane + m.tables.slot(k)] = 0.03 * x * x * (3.0 * kSide - x);
+      if (!m.held[m.tables.slot(k)])
+        s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = 0.03 * x * x * (3.0 * kSide - x);
     }
     std::uint64_t random = 1;
     for (int look = 0; look < 200; ++look) {
@@ -58,7 +60,7 @@ struct Cracked {
   }
   double mass_at_border() const {
     double sum = 0.0;
-    for (const int i : edge_row(m.patch, held.edge, 0)) sum += s.mass[m.tables.slot(i)];
+    for (const int i : edge_row(m.patch, held.edge, 0)) sum += s.motion.mass[m.tables.slot(i)];
     return sum;
   }
 
@@ -112,7 +114,7 @@ TEST(ClampedBorder, IsThatOfLinesBesideItWhateverTheirSense) {
     const Vec2 border = edge < kVMin ? Vec2(1.0, 0.0) : Vec2(0.0, 1.0), along(border.y(), border.x());
     const Vec2 between = p + (at < 0.1 ? -0.1 : 0.1) * m.spacing * border;
     insert_polyline(m, s, {between - 0.02 * along, between + 0.02 * along}, 0.0);
-    EXPECT_FALSE(clamped_start(m, s.cracks, p, along)) << "edge " << edge << ", does not see it";
+    EXPECT_FALSE(clamped_start(m, s.cracks.graph, p, along)) << "edge " << edge << ", does not see it";
   }
 }
 
@@ -124,7 +126,7 @@ TEST(ClampedBorder, BreaksWithoutAStripAndThenHoldsNothing) {
     const Cracked c(what);
     const double across = what.edge < kVMin ? c.m.spacing_u : c.m.spacing_v;
     double on = 0.0;
-    for (const CrackEdge& e : c.s.cracks.edges()) {
+    for (const CrackEdge& e : c.s.cracks.graph.edges()) {
       const double a = depth(what, e.a), b = depth(what, e.b);
       if (std::max(a, b) < kAtBorder * c.m.spacing)
         on += (e.b - e.a).norm();
@@ -148,8 +150,8 @@ TEST(ClampedBorder, BreaksWithoutAStripAndThenHoldsNothing) {
 
 TEST(ClampedBorder, OfAHingedPlateIsNone) {
   const Cracked c({.clamped = false});
-  ASSERT_FALSE(c.s.cracks.edges().empty());
-  for (const CrackEdge& e : c.s.cracks.edges()) EXPECT_GT(std::max(e.a.x(), e.b.x()), 0.1 * c.m.spacing);
+  ASSERT_FALSE(c.s.cracks.graph.edges().empty());
+  for (const CrackEdge& e : c.s.cracks.graph.edges()) EXPECT_GT(std::max(e.a.x(), e.b.x()), 0.1 * c.m.spacing);
 }
 
 // However long: a strip of 60 spacings is more than a crumb.
@@ -179,23 +181,23 @@ TEST(ClampedBorder, IsReachedByATipInOneEdge) {
     ShellState s = make_state(m, Vec3::Zero(), 1);
     for (int k = 0; k < m.control_points(); ++k) {
       const double x = m.parameter[k].x();
-      if (!m.held[m.tables.slot(k)]) s.x[2 * m.tables.plane + m.tables.slot(k)] = 0.2 * x * x;
+      if (!m.held[m.tables.slot(k)]) s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = 0.2 * x * x;
     }
-    std::fill(s.strength.begin(), s.strength.end(), 1e12);  // nothing else cracks
+    std::fill(s.layers.strength.begin(), s.layers.strength.end(), 1e12);  // nothing else cracks
     insert_polyline(m, s, {{depth * m.spacing, -0.01}, {depth * m.spacing, 0.05}}, 0.0);
-    start_at_ends(m, s, 0, static_cast<int>(s.cracks.edges().size()));
-    ASSERT_EQ(s.tips.size(), 1u);
-    s.tips[0].first_turn = 0.0;
+    start_at_ends(m, s, 0, static_cast<int>(s.cracks.graph.edges().size()));
+    ASSERT_EQ(s.cracks.tips.size(), 1u);
+    s.cracks.tips[0].first_turn = 0.0;
     const CrackRules r = make_crack_rules(m, 0.0);
     std::uint64_t random = 1;
-    int last = s.tips[0].edge, edges = 0;
-    for (int look = 0; look < 60 && s.tips[0].alive; ++look) {
+    int last = s.cracks.tips[0].edge, edges = 0;
+    for (int look = 0; look < 60 && s.cracks.tips[0].alive; ++look) {
       compute_forces(m, s, false, 1.0, 1);
       grow_cracks(m, s, r, 1e-6 * look, 0.3 * r.advance / r.rayleigh, random);
-      if (s.tips[0].edge == last) continue;
-      last = s.tips[0].edge;
+      if (s.cracks.tips[0].edge == last) continue;
+      last = s.cracks.tips[0].edge;
       if (++edges == 1) continue;
-      const CrackEdge& e = s.cracks.edges()[last];
+      const CrackEdge& e = s.cracks.graph.edges()[last];
       if (depth < 0.5 * r.advance / m.spacing) {
         EXPECT_LT(std::max(e.a.x(), e.b.x()), kAtBorder * m.spacing) << depth << ", edge " << edges;
       } else if (edges == 2) {
@@ -211,7 +213,7 @@ TEST(ClampedBorder, WhatBreaksOffThereWeighsWhatItDid) {
   for (const double speed : {0.0, 5.0}) {
     Cracked c({});
     for (const auto& held : c.m.constraints.held[2])
-      c.s.v[2 * c.m.tables.plane + held] = speed;  // as if it were driven
+      c.s.motion.v[2 * c.m.tables.plane + held] = speed;  // as if it were driven
     for (const Piece& p : c.pieces) {
       const Totals before = totals(c.m, c.s);
       const double at_border = c.mass_at_border();
@@ -227,6 +229,6 @@ TEST(ClampedBorder, WhatBreaksOffThereWeighsWhatItDid) {
       }
     }
     EXPECT_NEAR(c.mass_at_border(), 0.0, 1e-12);
-    for (const GatheredPoint& g : c.s.points) EXPECT_TRUE(g.left);
+    for (const GatheredPoint& g : c.s.cracked.gathered) EXPECT_TRUE(g.left);
   }
 }

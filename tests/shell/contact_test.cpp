@@ -5,10 +5,13 @@
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
-#include "shell/solver/hertz.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/stable_step.h"
+#include "shell/solver/contact/hertz.h"
+#include "shell/solver/contact/rigid_contact.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -118,7 +121,7 @@ TEST(HertzContact, DoesNotReachAcrossACrack) {
   ShellState s = make_state(m, Vec3::Zero(), 1);
   insert_polyline(m, s, {{0.1, 0.0}, {0.1, 0.2}}, 0.0);
   for (int i = 0; i < m.control_points(); ++i)  // the half at x > 0 is drawn away
-    if (m.parameter[i].x() > 0.1) s.x[m.tables.slot(i)] += 0.05;
+    if (m.parameter[i].x() > 0.1) s.motion.x[m.tables.slot(i)] += 0.05;
   std::vector<Proxy> bodies{ball(0.01, 7800, Vec3(0.0045, 0.003, 0.0119), Vec3::Zero())};
   const std::vector<ContactCoefficients> coefficients{{0.5, 0.0, 1e9}};
   ContactCandidates candidates;

@@ -7,12 +7,13 @@
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/relaxation.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/statics/relaxation.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -30,7 +31,7 @@ Patch cubic_plate(int across, int along) { return plate(0.5, 0.4, across, along,
 
 double largest_force(const ShellState& s) {
   double largest = 0.0;
-  for (const double f : s.force) largest = std::max(largest, std::abs(f));
+  for (const double f : s.motion.force) largest = std::max(largest, std::abs(f));
   return largest;
 }
 
@@ -98,9 +99,9 @@ TEST(CubicPatch, DerivativesAreThoseOfItsPosition) {
     const SurfacePoint s = p.evaluate(q);
     // as for quadratic patches: truncation 1e-10 of third derivatives, round-off 1e-16 / e^2 = 1e-6
     EXPECT_LT((s.u - (at(e, 0) - at(-e, 0)) / (2 * e)).norm(), 1e-8);
-    EXPECT_LT((s.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-8);
-    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
-    EXPECT_LT((s.vv - (at(0, e) - 2 * s.x + at(0, -e)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.motion.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-8);
+    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.motion.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.vv - (at(0, e) - 2 * s.motion.x + at(0, -e)) / (e * e)).norm(), 2e-5);
     EXPECT_LT((s.uv - (at(e, e) - at(e, -e) - at(-e, e) + at(-e, -e)) / (4 * e * e)).norm(), 2e-5);
   }
 }
@@ -186,7 +187,7 @@ TEST(CubicShell, FeelsNoForceAtRestAndUnderRigidMotionCracksIncluded) {
       ShellState s = make_state(m, Vec3::Zero(), 0);
       const Vec2 end(m.patch.knots_u.end(), m.patch.knots_v.end());
       if (cut) insert_polyline(m, s, {{0.0, 0.31 * end.y()}, {0.6 * end.x(), 0.62 * end.y()}}, 0.0);
-      EXPECT_EQ(s.points.empty(), !cut);
+      EXPECT_EQ(s.cracked.gathered.empty(), !cut);
       // a strain of 1e-12 times the membrane stiffness over an element
       const double limit = 1e-12 * 70e9 * 0.004 * m.spacing * 30.0;
       compute_forces(m, s, false, 0.0, 1);
@@ -194,7 +195,7 @@ TEST(CubicShell, FeelsNoForceAtRestAndUnderRigidMotionCracksIncluded) {
       const Quat q = rotation_from_vector(Vec3(0.3, -0.7, 0.5));
       for (int i = 0; i < m.control_points(); ++i) {
         const Vec3 x = q * s.position(m.tables.slot(i)) + Vec3(1, 2, 3);
-        for (int d = 0; d < 3; ++d) s.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = x[d];
+        for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = x[d];
       }
       compute_forces(m, s, false, 0.0, 1);
       EXPECT_LT(largest_force(s), limit);
@@ -237,9 +238,9 @@ TEST(CubicShell, IsTheSameForAnyNumberOfThreads) {
   insert_polyline(m, s, {{0.0, 0.11}, {0.31, 0.27}}, 0.0);
   disturb(s, m, 1e-3);
   compute_forces(m, s, false, 0.0, 1);
-  const std::vector<double> one = s.force;
+  const std::vector<double> one = s.motion.force;
   compute_forces(m, s, false, 0.0, 3);
-  EXPECT_EQ(one, s.force);
+  EXPECT_EQ(one, s.motion.force);
 }
 
 TEST(CubicShell, HalvesApartFeelNoForceAndAreTwoPieces) {
@@ -249,7 +250,7 @@ TEST(CubicShell, HalvesApartFeelNoForceAndAreTwoPieces) {
   std::vector<Piece> pieces;
   EXPECT_EQ(partition(m, s, pieces).pieces, 2);
   for (int i = 0; i < m.control_points(); ++i)
-    if (orientation({0.231, 0.0}, {0.268, 0.4}, m.parameter[i]) < 0.0) s.x[m.tables.slot(i)] += 0.01;
+    if (orientation({0.231, 0.0}, {0.268, 0.4}, m.parameter[i]) < 0.0) s.motion.x[m.tables.slot(i)] += 0.01;
   compute_forces(m, s, false, 0.0, 1);
   EXPECT_LT(largest_force(s), 1e-12 * 70e9 * 0.004 * m.spacing * 30.0);
 }
@@ -266,7 +267,7 @@ TEST(CubicShell, ACutAlongKnotsPutsEachControlPointOnOneSide) {
   const int inner = pieces[0].area < pieces[1].area ? 0 : 1;
   EXPECT_NEAR(pieces[inner].area, 0.01, 1e-12);
   for (int i = 0; i < m.control_points(); ++i)
-    if (t.owner[i] == inner) s.x[m.tables.slot(i)] += 0.01;
+    if (t.owner[i] == inner) s.motion.x[m.tables.slot(i)] += 0.01;
   compute_forces(m, s, false, 0.0, 1);
   EXPECT_LT(largest_force(s), 1e-12 * 70e9 * 0.004 * m.spacing * 30.0);
 }

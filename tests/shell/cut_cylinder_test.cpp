@@ -7,10 +7,11 @@
 #include <gtest/gtest.h>
 
 #include "shell/geometry/builders.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;

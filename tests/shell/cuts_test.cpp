@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 #include "shell/geometry/plane_curves.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/tips.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/cracking/tips.h"
+#include "shell/solver/parting/handoff.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -148,7 +148,7 @@ TEST(ClosedCut, SeparatesWhereItBeginsBesideTheBorder) {
   const std::vector<Vec2> square{{0.195, 0.1}, {0.1, 0.15}, {0.05, 0.1}, {0.1, 0.05}, {0.195, 0.1}};
   ShellState s = make_state(m, Vec3::Zero(), 0);
   insert_polyline(m, s, square, 0.0);
-  EXPECT_EQ(s.cracks.vertices().size(), s.cracks.edges().size());  // one ring
+  EXPECT_EQ(s.cracks.graph.vertices().size(), s.cracks.graph.edges().size());  // one ring
   std::vector<Piece> pieces;
   EXPECT_EQ(partition(m, s, pieces).pieces, 2);
   std::vector<Vec2> open = square;
@@ -200,12 +200,12 @@ TEST(CutsThatMeet, HaveNoEdgeTwice) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
   const std::vector<Vec2> cut{{0.05, 0.06}, {0.13, 0.08}, {0.14, 0.15}};
   insert_polyline(m, s, cut, 0.0);
-  const std::size_t edges = s.cracks.edges().size();
-  const double length = s.cracks.total_length();
+  const std::size_t edges = s.cracks.graph.edges().size();
+  const double length = s.cracks.graph.total_length();
   insert_polyline(m, s, cut, 0.0);
   insert_polyline(m, s, {cut.rbegin(), cut.rend()}, 0.0);
-  EXPECT_EQ(s.cracks.edges().size(), edges);
-  EXPECT_EQ(s.cracks.total_length(), length);
+  EXPECT_EQ(s.cracks.graph.edges().size(), edges);
+  EXPECT_EQ(s.cracks.graph.total_length(), length);
 }
 
 TEST(Thinned, LeavesOutWhatIsWithinTheTolerance) {
@@ -232,11 +232,11 @@ TEST(Cut, LeavesAloneWhatHasComeOff) {
     std::vector<Piece> pieces;
     ASSERT_EQ(partition(m, s, pieces).pieces, 2);
     remove_piece(m, s, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1]);
-    const std::size_t edges = s.cracks.edges().size();
+    const std::size_t edges = s.cracks.graph.edges().size();
     insert_polyline(m, s, {{0.083, 0.084}, {0.117, 0.085}, {0.1, 0.11}, {0.083, 0.084}}, 0.0);
-    EXPECT_EQ(s.cracks.edges().size(), edges);
+    EXPECT_EQ(s.cracks.graph.edges().size(), edges);
     insert_polyline(m, s, {{0.0, 0.1}, {0.2, 0.103}}, 0.0);  // what stands is cut on either side
-    EXPECT_LT(s.cracks.edges().size(), edges + 18);
+    EXPECT_LT(s.cracks.graph.edges().size(), edges + 18);
     EXPECT_EQ(partition(m, s, pieces).pieces, 3) << left;
   }
 }
@@ -245,12 +245,12 @@ TEST(Cut, EndsThatMeetAreNotOpen) {
   const ShellModel m = pane();
   ShellState s = make_state(m, Vec3::Zero(), 0);
   insert_polyline(m, s, {{0.05, 0.06}, {0.1, 0.11}}, 0.0);
-  const int first = static_cast<int>(s.cracks.edges().size());
+  const int first = static_cast<int>(s.cracks.graph.edges().size());
   insert_polyline(m, s, {{0.1, 0.11}, {0.16, 0.09}}, 0.0);
-  const int all = static_cast<int>(s.cracks.edges().size());
+  const int all = static_cast<int>(s.cracks.graph.edges().size());
   start_at_ends(m, s, 0, first);
   start_at_ends(m, s, first, all);
-  ASSERT_EQ(s.tips.size(), 2u);
-  EXPECT_LT((s.tips[0].p - Vec2(0.05, 0.06)).norm(), 1e-9);
-  EXPECT_LT((s.tips[1].p - Vec2(0.16, 0.09)).norm(), 1e-9);
+  ASSERT_EQ(s.cracks.tips.size(), 2u);
+  EXPECT_LT((s.cracks.tips[0].p - Vec2(0.05, 0.06)).norm(), 1e-9);
+  EXPECT_LT((s.cracks.tips[1].p - Vec2(0.16, 0.09)).norm(), 1e-9);
 }

@@ -46,13 +46,13 @@ struct Felt {
   double sum = 0.0, torque_sum = 0.0, power = 0.0;
 };
 Felt felt(Pile& l) {
-  for (const ShellRef& r : l.shells) r.state->force.assign(r.state->force.size(), 0.0);
+  for (const ShellRef& r : l.shells) r.state->motion.force.assign(r.state->motion.force.size(), 0.0);
   l.fibres->add_forces(l.shells);
   Felt out;
   for (const ShellRef& r : l.shells)
     for (int i = 0; i < r.model->control_points(); ++i) {
       const int slot = r.model->tables.slot(i);
-      const Vec3 f = r.state->at(r.state->force, slot), x = r.state->position(slot);
+      const Vec3 f = r.state->at(r.state->motion.force, slot), x = r.state->position(slot);
       out.force += f, out.torque += x.cross(f), out.sum += f.norm(), out.torque_sum += x.norm() * f.norm();
       out.power += f.dot(r.state->velocity(slot));
     }
@@ -194,7 +194,7 @@ TEST(Fibres, ForcesDoTheWorkThatIsStoredAndSlips) {
     std::vector<ShellState> kept{*l.states[0], *l.states[1]};
     const double tiny = 1e-5 * dt;  // differences: error of that order, and 1e-15 of the energy over tiny
     for (const ShellRef& r : l.shells)
-      for (std::size_t i = 0; i < r.state->x.size(); ++i) r.state->x[i] += tiny * r.state->v[i];
+      for (std::size_t i = 0; i < r.state->motion.x.size(); ++i) r.state->motion.x[i] += tiny * r.state->motion.v[i];
     l.fibres->advance(l.shells, tiny);
     const double after = l.fibres->energy() + l.states[0]->book.contact + l.states[1]->book.contact;
     EXPECT_NEAR((after - before) / tiny, -f.power, 1e-3 * std::abs(f.power)) << k;
@@ -220,8 +220,10 @@ TEST(Fibres, KeepTheirStateInRigidMotion) {
         const int slot = r.model->tables.slot(i);
         const Vec3 v = spin.cross(r.state->position(slot)) + Vec3(7, 8, 9);
         for (int d = 0; d < 3; ++d)
-          r.state->v[d * r.state->mass.size() + slot] = v[d],
-                                                r.state->x[d * r.state->mass.size() + slot] += 1e-5 * v[d];
+          r.state->motion.v[d * r.state->motion.mass.size() + slot] = v[d],
+                                                              r.state->motion
+                                                                  .x[d * r.state->motion.mass.size() + slot] +=
+                                                              1e-5 * v[d];
       }
     // the gradient of v as it is at the new place: positions moved by (1 + dt w x), which is no rotation but in limit
     l.fibres->advance(l.shells, 1e-5);
@@ -256,9 +258,9 @@ TEST(Fibres, StableStepBoundsThatOfStacks) {
     const auto press = [&](double by, double dt) {
       for (int k = 0; k < c.layers; ++k) {
         ShellState& s = *l.states[k];
-        const std::size_t plane = s.mass.size();
+        const std::size_t plane = s.motion.mass.size();
         for (std::size_t i = 0; i < plane; ++i)
-          if (s.mass[i] > 0.0) s.v[2 * plane + i] = -by * k / dt, s.x[2 * plane + i] -= by * k;
+          if (s.motion.mass[i] > 0.0) s.motion.v[2 * plane + i] = -by * k / dt, s.motion.x[2 * plane + i] -= by * k;
       }
       l.fibres->advance(l.shells, dt);
     };
@@ -266,31 +268,34 @@ TEST(Fibres, StableStepBoundsThatOfStacks) {
     const double bound = l.step();
     std::vector<std::vector<double>> x, force, fibres;
     l.forces();
-    for (const auto& s : l.states) x.push_back(s->x), force.push_back(s->force), fibres.push_back(s->fibres);
+    for (const auto& s : l.states)
+      x.push_back(s->motion.x), force.push_back(s->motion.force), fibres.push_back(s->layers.fibres);
     std::mt19937_64 random(3);
     for (const auto& s : l.states)
-      for (std::size_t i = 0; i < s->v.size(); ++i)
-        s->v[i] = s->mass[i % s->mass.size()] > 0.0 ? uniform(random, -1.0, 1.0) : 0.0;
+      for (std::size_t i = 0; i < s->motion.v.size(); ++i)
+        s->motion.v[i] = s->motion.mass[i % s->motion.mass.size()] > 0.0 ? uniform(random, -1.0, 1.0) : 0.0;
     double lambda = 0.0;
     for (int it = 0; it < 60; ++it) {
       double norm = 0.0;
       for (const auto& s : l.states)
-        for (const double v : s->v) norm += v * v;
+        for (const double v : s->motion.v) norm += v * v;
       norm = std::sqrt(norm);
       const double dt = 1e-8;
       for (std::size_t k = 0; k < l.states.size(); ++k) {
         ShellState& s = *l.states[k];
-        s.fibres = fibres[k];
-        for (std::size_t i = 0; i < s.v.size(); ++i) s.v[i] *= 10.0 / norm, s.x[i] = x[k][i] + dt * s.v[i];
+        s.layers.fibres = fibres[k];
+        for (std::size_t i = 0; i < s.motion.v.size(); ++i)
+          s.motion.v[i] *= 10.0 / norm, s.motion.x[i] = x[k][i] + dt * s.motion.v[i];
       }
       l.fibres->advance(l.shells, dt);
       l.forces();
       double sum = 0.0;
       for (std::size_t k = 0; k < l.states.size(); ++k) {
         ShellState& s = *l.states[k];
-        for (std::size_t i = 0; i < s.v.size(); ++i) {
-          s.v[i] = -(s.force[i] - force[k][i]) / dt * s.inverse_mass[i % s.mass.size()] / 10.0;
-          sum += s.v[i] * s.v[i];
+        for (std::size_t i = 0; i < s.motion.v.size(); ++i) {
+          s.motion.v[i] =
+              -(s.motion.force[i] - force[k][i]) / dt * s.motion.inverse_mass[i % s.motion.mass.size()] / 10.0;
+          sum += s.motion.v[i] * s.motion.v[i];
         }
       }
       lambda = std::sqrt(sum);
@@ -338,7 +343,7 @@ TEST(Fibres, ASheetFoldedOnItselfDoesNotPassThrough) {
     ShellState& s = *l.states[0];
     fold_up(m, s, [](double) { return 0.0; });
     for (int i = 0; i < m.control_points(); ++i)
-      if (m.rest[m.tables.slot(i)] < -kFoldFlat) s.v[m.tables.slot(i)] = speed;
+      if (m.rest[m.tables.slot(i)] < -kFoldFlat) s.motion.v[m.tables.slot(i)] = speed;
     l.join(m.longest_element);
     const double dt = 0.5 * l.step();
     double nearest = 1.0, pressed = 0.0;

@@ -4,8 +4,9 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -35,7 +36,8 @@ inline void disturb(ShellState& s, const ShellModel& m, double size) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(-size, size);
   for (int i = 0; i < m.control_points(); ++i)
-    for (int d = 0; d < 3; ++d) s.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += uniform(random);
+    for (int d = 0; d < 3; ++d)
+      s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += uniform(random);
 }
 
 constexpr double kFoldFlat = 0.1;  // half of what fold_up() leaves flat [m]
@@ -48,28 +50,29 @@ void fold_up(const ShellModel& m, ShellState& s, Speed&& speed) {
     const int slot = m.tables.slot(i);
     const double x = m.rest[slot], bent = std::max(0.0, std::abs(x) - kFoldFlat), side = x < 0.0 ? -1.0 : 1.0;
     const double radius = 0.12, angle = std::min(bent / radius, 1.6), straight = bent - radius * angle;
-    s.x[slot] = side * (std::min(std::abs(x), kFoldFlat) + radius * std::sin(angle) + straight * std::cos(angle));
-    s.x[2 * static_cast<std::size_t>(m.tables.plane) + slot] =
+    s.motion.x[slot] =
+        side * (std::min(std::abs(x), kFoldFlat) + radius * std::sin(angle) + straight * std::cos(angle));
+    s.motion.x[2 * static_cast<std::size_t>(m.tables.plane) + slot] =
         radius * (1.0 - std::cos(angle)) + straight * std::sin(angle);
-    if (straight > 1e-9) s.v[slot] = -side * speed(straight);  // within the turn it is round-off
+    if (straight > 1e-9) s.motion.v[slot] = -side * speed(straight);  // within the turn it is round-off
   }
 }
 
 inline void expect_gradient(const ShellModel& m, ShellState& s) {
   compute_forces(m, s, false, 0.0, 1);
-  const std::vector<double> force = s.force;
+  const std::vector<double> force = s.motion.force;
   double scale = 0.0;
   for (const double f : force) scale = std::max(scale, std::abs(f));
   const double epsilon = 1e-6 * m.spacing;
   for (int i = 0; i < m.control_points(); i += 3)
     for (int d = 0; d < 3; ++d) {
       const std::size_t k = d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i);
-      const double x = s.x[k];
-      s.x[k] = x + epsilon;
+      const double x = s.motion.x[k];
+      s.motion.x[k] = x + epsilon;
       const double high = compute_forces(m, s, true, 0.0, 1);
-      s.x[k] = x - epsilon;
+      s.motion.x[k] = x - epsilon;
       const double low = compute_forces(m, s, true, 0.0, 1);
-      s.x[k] = x;
+      s.motion.x[k] = x;
       // central differences: O(epsilon^2) plus round-off of the energy over epsilon
       EXPECT_NEAR(force[k], -(high - low) / (2.0 * epsilon), 1e-5 * scale)
           << "control point " << i << " direction " << d;
@@ -83,7 +86,7 @@ struct Balance {
 inline Balance balance(const ShellModel& m, const ShellState& s) {
   Balance b;
   for (int i = 0; i < m.control_points(); ++i) {
-    const Vec3 f = s.at(s.force, m.tables.slot(i));
+    const Vec3 f = s.at(s.motion.force, m.tables.slot(i));
     b.force += f, b.torque += s.position(m.tables.slot(i)).cross(f), b.scale += f.norm();
   }
   return b;

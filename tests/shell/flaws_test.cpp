@@ -7,12 +7,13 @@
 #include <gtest/gtest.h>
 
 #include "shell/mechanics/principal.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/nucleation.h"
-#include "shell/solver/polyline.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/nucleation.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/cracking/tip_drive.h"
+#include "shell/solver/cracking/tips.h"
+#include "shell/solver/forces.h"
 #include "shell/solver/surroundings.h"
-#include "shell/solver/tip_drive.h"
-#include "shell/solver/tips.h"
 #include "tests/shell/critical_sheet.h"
 
 using namespace sunder;
@@ -30,9 +31,9 @@ ShellModel sheet() {
 
 bool is_above(const ShellModel& m, const ShellState& s, int block, int lane) {
   double six[6];
-  for (int k = 0; k < 6; ++k) six[k] = s.surface_stress[m.tables.at(block, 6, k, lane)];
+  for (int k = 0; k < 6; ++k) six[k] = s.layers.surface_stress[m.tables.at(block, 6, k, lane)];
   const double high = std::max(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high);
-  return high > s.strength[m.tables.at(block, 1, 0, lane)];
+  return high > s.layers.strength[m.tables.at(block, 1, 0, lane)];
 }
 
 // A sheet drawn along x to 12 MPa within `half_width` [m] of y = 0.1 and to half of that beyond; a stretched crack
@@ -44,15 +45,16 @@ struct OverstressedBand {
       const Vec2& p = m.parameter[k];
       const double beyond = std::clamp((std::abs(p.y() - 0.1) - half_width) / m.spacing + 0.5, 0.0, 1.0);
       const double strain = (1.0 - 0.5 * beyond) * times * 12e6 / m.material.youngs_modulus;
-      s.x[m.tables.slot(k)] += strain * (p.x() - 0.1);
-      s.x[m.tables.plane + m.tables.slot(k)] -= m.material.poisson_ratio * strain * (p.y() - 0.1);
+      s.motion.x[m.tables.slot(k)] += strain * (p.x() - 0.1);
+      s.motion.x[m.tables.plane + m.tables.slot(k)] -= m.material.poisson_ratio * strain * (p.y() - 0.1);
     }
   }
   bool opens(double ground = 1.0) {
     compute_forces(m, s, false, 1.0, 1);
     const double half_length = critical_length(m.material, 10e6, 1.0, 0.0);
-    return opens_along(m, s, make_crack_rules(m, 0.0), line_through(m, s.cracks, {0.1, 0.1}, {0.0, 1.0}, half_length),
-                       1, {half_length, 10e6, ground}, 0.0);
+    return opens_along(m, s, make_crack_rules(m, 0.0),
+                       line_through(m, s.cracks.graph, {0.1, 0.1}, {0.0, 1.0}, half_length), 1,
+                       {half_length, 10e6, ground}, 0.0);
   }
 
   ShellModel m;
@@ -66,21 +68,21 @@ TEST(Flaws, NoPointAboveItsStrengthIsInABlockThatIsNotTold) {
   ShellState s = make_state(m, Vec3::Zero(), 1);
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (double& strength : s.strength) strength *= 1.0 + 0.4 * uniform(random);
+  for (double& strength : s.layers.strength) strength *= 1.0 + 0.4 * uniform(random);
   insert_polyline(m, s, {{0.1, 0.04}, {0.11, 0.17}}, 0.0);
   int above = 0, gathered = 0, quiet = 0;
   for (int step = 0; step < 8; ++step) {
     for (int k = 0; k < m.control_points(); ++k) {  // bends one side more and more, about the cut as well
       const Vec2& p = m.parameter[k];
-      s.x[2 * m.tables.plane + m.tables.slot(k)] = 0.02 * step * p.y() * p.y() + 2e-6 * step * uniform(random);
+      s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = 0.02 * step * p.y() * p.y() + 2e-6 * step * uniform(random);
     }
     compute_forces(m, s, false, 0.6, 1);
     for (int q = 0; q < m.tables.blocks(); ++q) {
-      quiet += s.over[q] == 0;
+      quiet += s.caches.over[q] == 0;
       for (int lane = 0; lane < m.tables.spans_u; ++lane) {
         if (!is_above(m, s, q, lane)) continue;
-        EXPECT_TRUE(s.over[q]) << "step " << step << ", block " << q << ", lane " << lane;
-        ++above, gathered += s.point_of[m.tables.at(q, 1, 0, lane)] >= 0;
+        EXPECT_TRUE(s.caches.over[q]) << "step " << step << ", block " << q << ", lane " << lane;
+        ++above, gathered += s.cracked.point_of[m.tables.at(q, 1, 0, lane)] >= 0;
       }
     }
   }
@@ -94,22 +96,23 @@ TEST(Flaws, PointsBesideACrackTellOfTheirBlock) {
   const ShellModel m = sheet();
   ShellState s = make_state(m, Vec3::Zero(), 1);
   insert_polyline(m, s, {{0.1, 0.04}, {0.11, 0.17}}, 0.0);
-  for (std::size_t g = 0; g < s.strength.size(); ++g) s.strength[g] = s.point_of[g] < 0 ? 1e12 : 1e5;
+  for (std::size_t g = 0; g < s.layers.strength.size(); ++g)
+    s.layers.strength[g] = s.cracked.point_of[g] < 0 ? 1e12 : 1e5;
   for (int k = 0; k < m.control_points(); ++k)
     if ((m.parameter[k] - Vec2(0.1, 0.1)).norm() < 1.2 * m.spacing)
-      s.x[2 * m.tables.plane + m.tables.slot(k)] = m.parameter[k].x() < 0.1 ? 1e-5 : -1e-5;
+      s.motion.x[2 * m.tables.plane + m.tables.slot(k)] = m.parameter[k].x() < 0.1 ? 1e-5 : -1e-5;
   compute_forces(m, s, false, 1.0, 1);
   int told = 0;
   for (int q = 0; q < m.tables.blocks(); ++q) {
     bool above = false, others = false;  // of points that no crack has touched: any stress
     for (int lane = 0; lane < m.tables.spans_u; ++lane) {
-      const bool beside = s.point_of[m.tables.at(q, 1, 0, lane)] >= 0;
+      const bool beside = s.cracked.point_of[m.tables.at(q, 1, 0, lane)] >= 0;
       above = above || (beside && is_above(m, s, q, lane));
       for (int k = 0; k < 6 && !beside; ++k)
-        others = others || std::abs(s.surface_stress[m.tables.at(q, 6, k, lane)]) > 3e4;
+        others = others || std::abs(s.layers.surface_stress[m.tables.at(q, 6, k, lane)]) > 3e4;
     }
     if (!above || others) continue;
-    EXPECT_TRUE(s.over[q]) << "block " << q;
+    EXPECT_TRUE(s.caches.over[q]) << "block " << q;
     ++told;
   }
   EXPECT_GT(told, 5);
@@ -121,9 +124,10 @@ TEST(Flaws, KindsOfPointsAreThoseOfTheirEntries) {
   for (int k = 0; k < 4; ++k)  // a strip of less than a spacing leaves points that bear little or nothing
     insert_polyline(m, s, {{0.03, 0.05 + 0.003 * k}, {0.17, 0.06 + 0.003 * k}}, 0.0);
   int other = 0;
-  for (std::size_t g = 0; g < s.point_of.size(); ++g) {
-    const PointKind kind = s.point_of[g] < 0 ? PointKind::kQuadratic : s.points[s.point_of[g]].kind;
-    EXPECT_EQ(s.kind(g), kind) << "point " << g;
+  for (std::size_t g = 0; g < s.cracked.point_of.size(); ++g) {
+    const PointKind kind =
+        s.cracked.point_of[g] < 0 ? PointKind::kQuadratic : s.cracked.gathered[s.cracked.point_of[g]].kind;
+    EXPECT_EQ(s.cracked.kind(g), kind) << "point " << g;
     other += kind != PointKind::kQuadratic;
   }
   EXPECT_GT(other, 20);
@@ -213,8 +217,8 @@ TEST(Flaws, GroundIsWhatIsNearerToThemThanToACrackAndBeforeCuts) {
             if (away > radius) continue;
             const Vec2 q = p + Vec2(x, y);
             bool mine = q.minCoeff() >= 0.0 && q.x() <= 0.2 && (joined != 0 || q.y() <= 0.2);
-            for (std::size_t e = 0; e < s.cracks.edges().size() && mine; ++e) {
-              const CrackEdge& edge = s.cracks.edges()[e];
+            for (std::size_t e = 0; e < s.cracks.graph.edges().size() && mine; ++e) {
+              const CrackEdge& edge = s.cracks.graph.edges()[e];
               const Vec2 d = edge.b - edge.a;
               mine =
                   edge.face == 0
@@ -224,20 +228,20 @@ TEST(Flaws, GroundIsWhatIsNearerToThemThanToACrackAndBeforeCuts) {
             own += mine, ++all;
           }
         OwnGround fresh;
-        const double share = kept.share(m, s.cracks, p, radius);
+        const double share = kept.share(m, s.cracks.graph, p, radius);
         OwnGround other;  // what was asked before decides nothing: runs may be resumed
-        for (const double times : {0.917, 0.3, 2.5}) other.share(m, s.cracks, p, times * radius);
+        for (const double times : {0.917, 0.3, 2.5}) other.share(m, s.cracks.graph, p, times * radius);
         EXPECT_NEAR(share, static_cast<double>(own) / all, 0.05) << p.transpose() << ", " << c << " edges";
-        EXPECT_EQ(share, other.share(m, s.cracks, p, radius));
-        EXPECT_EQ(share, fresh.share(m, s.cracks, p, radius));
+        EXPECT_EQ(share, other.share(m, s.cracks.graph, p, radius));
+        EXPECT_EQ(share, fresh.share(m, s.cracks.graph, p, radius));
         EXPECT_LE(share, before);
         before = share;
         if (c == edges.size()) break;
-        const int from = s.cracks.add_vertex(edges[c].first), to = s.cracks.add_vertex(edges[c].second);
-        s.cracks.add_edge(from, to, s.cracks.new_crack(), 0.0, c < 4 ? 1 : 0);  // cracks, then cuts
+        const int from = s.cracks.graph.add_vertex(edges[c].first), to = s.cracks.graph.add_vertex(edges[c].second);
+        s.cracks.graph.add_edge(from, to, s.cracks.graph.new_crack(), 0.0, c < 4 ? 1 : 0);  // cracks, then cuts
       }
       EXPECT_LT(before, 0.6);
-      EXPECT_GT(kept.share(m, s.cracks, p, 0.1 * radius), before);  // a shorter crack relieves less
+      EXPECT_GT(kept.share(m, s.cracks.graph, p, 0.1 * radius), before);  // a shorter crack relieves less
     }
 }
 
@@ -249,17 +253,17 @@ TEST(Flaws, StartOnlyWhereTheyHaveTheGround) {
   std::uint64_t random = 1;
   for (int look = 0; look < 200; ++look) {
     compute_forces(band.m, band.s, false, 1.0, 1);
-    const std::size_t before = band.s.cracks.edges().size();
-    const CrackGraph older = band.s.cracks;
+    const std::size_t before = band.s.cracks.graph.edges().size();
+    const CrackGraph older = band.s.cracks.graph;
     nucleate(band.m, band.s, rules, 1e-6 * look, random);
-    if (band.s.cracks.edges().size() == before) break;
-    const CrackEdge& e = band.s.cracks.edges()[before];
+    if (band.s.cracks.graph.edges().size() == before) break;
+    const CrackEdge& e = band.s.cracks.graph.edges()[before];
     const double half_length = critical_length(band.m.material, 10e6, 1.0, 0.0);
     OwnGround ground;
     EXPECT_GE(1.3 * ground.share(band.m, older, 0.5 * (e.a + e.b), 2.0 * half_length), 0.5) << "edge " << before;
-    for (Tip& tip : band.s.tips) tip.alive = false;
+    for (Tip& tip : band.s.cracks.tips) tip.alive = false;
   }
-  EXPECT_GT(band.s.cracks.edges().size(), 4u);
+  EXPECT_GT(band.s.cracks.graph.edges().size(), 4u);
 }
 
 // In the field of a crack that opens with four times the energy that it takes; one divides at twice.
@@ -274,20 +278,21 @@ TEST(Tips, DivideOnlyAfterTheLengthOfAWholeCrack) {
       const Vec2 d = m.parameter[k] - Vec2(0.1, 0.08);
       const double angle = std::atan2(-d.x(), d.y()), sine = std::sin(0.5 * angle), cosine = std::cos(0.5 * angle);
       const double u = 0.5 * k1 / shear * std::sqrt(d.norm() / (2.0 * std::numbers::pi));
-      s.x[m.tables.slot(k)] -= u * sine * (kappa + 1.0 - 2.0 * cosine * cosine);
-      s.x[m.tables.plane + m.tables.slot(k)] += u * cosine * (kappa - 1.0 + 2.0 * sine * sine);
+      s.motion.x[m.tables.slot(k)] -= u * sine * (kappa + 1.0 - 2.0 * cosine * cosine);
+      s.motion.x[m.tables.plane + m.tables.slot(k)] += u * cosine * (kappa - 1.0 + 2.0 * sine * sine);
     }
     compute_forces(m, s, false, 1.0, 1);
-    start_at_ends(m, s, 0, static_cast<int>(s.cracks.edges().size()));
-    EXPECT_EQ(s.tips.size(), 1u);
-    s.tips[0].since_branch = since, s.tips[0].flaw = flaw, s.tips[0].grown = 1.0, s.tips[0].first_turn = 0.0;
+    start_at_ends(m, s, 0, static_cast<int>(s.cracks.graph.edges().size()));
+    EXPECT_EQ(s.cracks.tips.size(), 1u);
+    s.cracks.tips[0].since_branch = since, s.cracks.tips[0].flaw = flaw, s.cracks.tips[0].grown = 1.0,
+    s.cracks.tips[0].first_turn = 0.0;
     const CrackRules r = make_crack_rules(m, 0.0);
     std::uint64_t random = 1;
-    std::fill(s.strength.begin(), s.strength.end(), 1e12);  // nothing else cracks
-    for (int looks = 0; looks < 100 && s.tips[0].grown == 1.0; ++looks)
+    std::fill(s.layers.strength.begin(), s.layers.strength.end(), 1e12);  // nothing else cracks
+    for (int looks = 0; looks < 100 && s.cracks.tips[0].grown == 1.0; ++looks)
       grow_cracks(m, s, r, 0.0, 0.3 * r.advance / r.rayleigh, random);
-    EXPECT_GT(s.tips[0].grown, 1.0);
-    return s.tips.size();
+    EXPECT_GT(s.cracks.tips[0].grown, 1.0);
+    return s.cracks.tips.size();
   };
   EXPECT_EQ(tips_after_an_edge(0.0, 0.09), 2u);   // 9 spacings
   EXPECT_EQ(tips_after_an_edge(0.0, 0.07), 1u);   // 7
@@ -297,11 +302,11 @@ TEST(Tips, DivideOnlyAfterTheLengthOfAWholeCrack) {
 
 TEST(Flaws, OpenWhereTheStrengthIsAShareOfTheMaterialsAsElsewhere) {
   OverstressedBand weak(0.04, 6.0);
-  weak.m.strength_factor.assign(weak.s.strength.size(), 0.5f);
+  weak.m.strength_factor.assign(weak.s.layers.strength.size(), 0.5f);
   for (int k = 0; k < weak.m.control_points(); ++k)
     for (int d = 0; d < 2; ++d)
-      weak.s.x[d * weak.m.tables.plane + weak.m.tables.slot(k)] =
-          0.5 * (weak.s.x[d * weak.m.tables.plane + weak.m.tables.slot(k)] + weak.m.parameter[k][d]);
+      weak.s.motion.x[d * weak.m.tables.plane + weak.m.tables.slot(k)] =
+          0.5 * (weak.s.motion.x[d * weak.m.tables.plane + weak.m.tables.slot(k)] + weak.m.parameter[k][d]);
   EXPECT_TRUE(weak.opens());
 }
 

@@ -5,12 +5,12 @@
 
 #include "shell/fracture/outline.h"
 #include "shell/mechanics/principal.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
-#include "shell/solver/tips.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/cracking/tips.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/prisms.h"
 
@@ -76,7 +76,7 @@ TEST(CrackGraph, EarlierEdgesAreASubsetOfLaterOnes) {
   std::vector<CrackEdge> before;
   for (int i = 0; i < 6; ++i) {
     insert_polyline(m, s, {{uniform(random), uniform(random)}, {uniform(random), uniform(random)}}, 1e-5 * i);
-    const auto& edges = s.cracks.edges();
+    const auto& edges = s.cracks.graph.edges();
     ASSERT_GE(edges.size(), before.size());
     for (std::size_t k = 0; k < before.size(); ++k) {
       EXPECT_EQ(edges[k].a, before[k].a);
@@ -199,8 +199,8 @@ TEST(HandOff, CarriesMassMomentumAndAngularMomentum) {
     std::array<double, 7> sum{};
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
-      const Vec3 p = s.mass[slot] * s.velocity(slot), l = s.position(slot).cross(p);
-      sum[0] += s.mass[slot];
+      const Vec3 p = s.motion.mass[slot] * s.velocity(slot), l = s.position(slot).cross(p);
+      sum[0] += s.motion.mass[slot];
       for (int d = 0; d < 3; ++d) sum[1 + d] += p[d], sum[4 + d] += l[d];
     }
     return sum;
@@ -219,7 +219,7 @@ TEST(HandOff, CarriesMassMomentumAndAngularMomentum) {
   EXPECT_NEAR(after[0] + h.body.mass, before[0], 1e-13);
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(after[1 + d] + p[d], before[1 + d], 1e-12);
   for (int d = 0; d < 3; ++d) EXPECT_NEAR(after[4 + d] + l[d], before[4 + d], 1e-12);
-  for (const int slot : h.donors) EXPECT_GE(s.mass[slot], 0.5 * m.mass[slot] * (1 - 1e-12));
+  for (const int slot : h.donors) EXPECT_GE(s.motion.mass[slot], 0.5 * m.mass[slot] * (1 - 1e-12));
   // volume of the convex parts: that of the piece, each part may add a tenth of a squared spacing
   EXPECT_NEAR(
       volume_of_prisms(std::get<ConvexShape>(h.body.shape)), 0.004 * piece.area,
@@ -238,7 +238,7 @@ TEST(HandOff, LosesNoMomentumToAForceThatStillPullsAcross) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, closed, pieces);
   ASSERT_EQ(t.pieces, 2);
-  for (int i = 0; i < m.control_points(); ++i) s.x[m.tables.slot(i)] *= 1.001;
+  for (int i = 0; i < m.control_points(); ++i) s.motion.x[m.tables.slot(i)] *= 1.001;
   compute_forces(m, s, false, 0.0, 1);
   const Totals before = totals(m, s);
   const Handoff h = hand_off(m, s, t, pieces[0].area < pieces[1].area ? pieces[0] : pieces[1], 7, 1e-6);
@@ -323,7 +323,7 @@ TEST(HandOff, TheLastPieceTakesAllThatIsLeft) {
   const ShellModel m = sheet();
   for (const double share : {0.99, 1.0 + 1e-9, 1.01}) {  // what pieces before it have left it, too little or too much
     ShellState s = make_state(m, Vec3(3, -2, 5), 1);
-    for (int i = 0; i < m.control_points(); ++i) s.mass[m.tables.slot(i)] *= share;
+    for (int i = 0; i < m.control_points(); ++i) s.motion.mass[m.tables.slot(i)] *= share;
     compute_forces(m, s, false, 0.0, 1);
     std::vector<Piece> pieces;
     const Triangulation t = partition(m, s, pieces);
@@ -375,15 +375,16 @@ TEST(ExtendCracks, ThatWouldAddEnergyIsRefusedAndChangesNothing) {
   ShellState s = make_state(m, Vec3::Zero(), 1);
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (double& x : s.x) x += 1e-5 * uniform(random);
+  for (double& x : s.motion.x) x += 1e-5 * uniform(random);
   ShellState forgetful = s;  // of what was tried before: the same comes of it
   int refused = 0, taken = 0;
   for (int k = 0; k < 60; ++k) {
     const Vec2 from(0.1 + 0.06 * uniform(random), 0.1 + 0.06 * uniform(random));
     const Vec2 to = from + 0.75 * m.spacing * turned(Vec2(1, 0), 3.0 * uniform(random));
-    const int vertex = s.cracks.add_vertex(from);
-    const std::size_t edges = s.cracks.edges().size(), vertices = s.cracks.vertices().size(), points = s.points.size();
-    const double length = s.cracks.total_length(), energy = compute_forces(m, s, true, 0.0, 1);
+    const int vertex = s.cracks.graph.add_vertex(from);
+    const std::size_t edges = s.cracks.graph.edges().size(), vertices = s.cracks.graph.vertices().size(),
+                      points = s.cracked.gathered.size();
+    const double length = s.cracks.graph.total_length(), energy = compute_forces(m, s, true, 0.0, 1);
     const int edge = extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false);
     forgetful.cracks.add_vertex(from), forgetful.trials.clear();
     EXPECT_EQ(extend_cracks(m, forgetful, {{vertex, to, k, 1}}, 0.0, false), edge);
@@ -391,17 +392,17 @@ TEST(ExtendCracks, ThatWouldAddEnergyIsRefusedAndChangesNothing) {
       EXPECT_LT(extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false), 0);
     }
     EXPECT_EQ(compute_forces(m, forgetful, true, 0.0, 1), compute_forces(m, s, true, 0.0, 1));
-    EXPECT_EQ(forgetful.force, s.force);
+    EXPECT_EQ(forgetful.force, s.motion.force);
     EXPECT_EQ(s.book.injected, 0.0);
     if (edge >= 0) {
       EXPECT_LE(compute_forces(m, s, true, 0.0, 1), energy * (1.0 + 1e-12));
       ++taken;
       continue;
     }
-    EXPECT_EQ(s.cracks.edges().size(), edges);
-    EXPECT_EQ(s.cracks.vertices().size(), vertices);
-    EXPECT_EQ(s.points.size(), points);
-    EXPECT_NEAR(s.cracks.total_length(), length, 1e-15);
+    EXPECT_EQ(s.cracks.graph.edges().size(), edges);
+    EXPECT_EQ(s.cracks.graph.vertices().size(), vertices);
+    EXPECT_EQ(s.cracked.gathered.size(), points);
+    EXPECT_NEAR(s.cracks.graph.total_length(), length, 1e-15);
     EXPECT_EQ(compute_forces(m, s, true, 0.0, 1), energy);
     ++refused;
   }

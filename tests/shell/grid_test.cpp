@@ -7,8 +7,10 @@
 
 #include "shell/grid/kernel.h"
 #include "shell/grid/transfer.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/grid_transfer.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -127,9 +129,9 @@ TEST(GridTransfer, BooksWhatItLoses) {
         ShellState s = make_state(m, Vec3(1, 0, 2), 0);
         const std::size_t plane = m.tables.plane;
         for (int i = 0; i < m.control_points(); ++i)
-          s.v[2 * plane + m.tables.slot(i)] += std::cos(12.0 * m.parameter[i].x());
+          s.motion.v[2 * plane + m.tables.slot(i)] += std::cos(12.0 * m.parameter[i].x());
         constrain(m, s, 1.0);
-        if (kind != Transfer::kDirect) s.before = s.v;
+        if (kind != Transfer::kDirect) s.motion.before = s.motion.v;
         const TransferRules rules{kind, m.spacing, false};
         const double dt = 0.25 * stable_step(m, s, 100, 1, false);
         const auto energy = [&] { return compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt); };

@@ -4,9 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/nucleation.h"
+#include "shell/solver/cracking/nucleation.h"
+#include "shell/solver/cracking/tip_drive.h"
+#include "shell/solver/forces.h"
 #include "shell/solver/surroundings.h"
-#include "shell/solver/tip_drive.h"
 #include "tests/shell/critical_sheet.h"
 
 using namespace sunder;
@@ -25,29 +26,30 @@ TEST(Ground, LinesEndAtCracksAndAtTheBorder) {
   const ShellModel m = sheet();  // 0.2 m
   ShellState s = make_state(m, Vec3::Zero(), 1);
   const Vec2 p(0.08, 0.11), along = Vec2(3, 4).normalized();
-  const FlawLine alone = line_through(m, s.cracks, p, along, 0.02);
+  const FlawLine alone = line_through(m, s.cracks.graph, p, along, 0.02);
   EXPECT_EQ(alone.ahead, 0.02);
   EXPECT_EQ(alone.behind, 0.02);
-  const FlawLine whole = line_through(m, s.cracks, p, along, 1e9);
+  const FlawLine whole = line_through(m, s.cracks.graph, p, along, 1e9);
   EXPECT_NEAR(whole.ahead, 0.09 / 0.8, 1e-12);  // to v = 0.2
   EXPECT_NEAR(whole.behind, 0.08 / 0.6, 1e-12);
   const auto crack = [&](const Vec2& a, const Vec2& b) {
-    s.cracks.add_edge(s.cracks.add_vertex(a), s.cracks.add_vertex(b), s.cracks.new_crack(), 0.0, 1);
+    s.cracks.graph.add_edge(s.cracks.graph.add_vertex(a), s.cracks.graph.add_vertex(b), s.cracks.graph.new_crack(), 0.0,
+                            1);
   };
   crack({0.14, 0.02}, {0.14, 0.2});  // crosses ahead at 0.1 m
   crack({0.1, 0.12}, {0.13, 0.14});  // beside
   crack({0.11, 0.1}, {0.11, 0.16});  // crosses ahead at 0.05 m
   crack({0.02, 0.08}, {0.1, 0.08});  // behind at 0.03 / 0.8 m
-  const FlawLine between = line_through(m, s.cracks, p, along, 1.0);
+  const FlawLine between = line_through(m, s.cracks.graph, p, along, 1.0);
   EXPECT_NEAR(between.ahead, 0.05, 1e-12);
   EXPECT_NEAR(between.behind, 0.0375, 1e-12);
   EXPECT_EQ(between.length(), between.ahead + between.behind);
-  EXPECT_EQ(line_through(m, s.cracks, p, along, 0.03).length(), 0.06);
+  EXPECT_EQ(line_through(m, s.cracks.graph, p, along, 0.03).length(), 0.06);
   crack({0.1, 0.01}, {0.13, 0.01});  // on its line ahead, beside it and over it
-  EXPECT_NEAR(line_through(m, s.cracks, {0.04, 0.01}, {1.0, 0.0}, 0.1).ahead, 0.06, 0.01 * m.spacing);
-  EXPECT_EQ(line_through(m, s.cracks, {0.04, 0.01}, {-1.0, 0.0}, 0.03).ahead, 0.03);
-  EXPECT_EQ(line_through(m, s.cracks, {0.04, 0.0101}, {1.0, 0.0}, 0.1).ahead, 0.1);
-  EXPECT_EQ(line_through(m, s.cracks, {0.11, 0.01}, {1.0, 0.0}, 0.1).length(), 0.0);
+  EXPECT_NEAR(line_through(m, s.cracks.graph, {0.04, 0.01}, {1.0, 0.0}, 0.1).ahead, 0.06, 0.01 * m.spacing);
+  EXPECT_EQ(line_through(m, s.cracks.graph, {0.04, 0.01}, {-1.0, 0.0}, 0.03).ahead, 0.03);
+  EXPECT_EQ(line_through(m, s.cracks.graph, {0.04, 0.0101}, {1.0, 0.0}, 0.1).ahead, 0.1);
+  EXPECT_EQ(line_through(m, s.cracks.graph, {0.11, 0.01}, {1.0, 0.0}, 0.1).length(), 0.0);
 }
 
 // Stress is written into the points, as no sheet need bear it.
@@ -61,7 +63,7 @@ TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
       for (int q = 0; q < m.tables.blocks(); ++q)
         for (int lane = 0; lane < m.tables.spans_u; ++lane)
           for (int k = 0; k < 6; ++k)
-            s.surface_stress[m.tables.at(q, 6, k, lane)] =
+            s.layers.surface_stress[m.tables.at(q, 6, k, lane)] =
                 k % 3 == 1 ? (k < 3 ? below : 1.0) * above(gauss_point(m.patch, m.tables, q, lane).parameter) : 0.0;
     };
     const auto stored = [&](int face, const Vec2& along, double even) {
@@ -94,10 +96,10 @@ TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
     }
     // of what a crack relieves nothing counts
     const double below = 0.07;
-    const int from = s.cracks.add_vertex({0.0, below}), to = s.cracks.add_vertex({0.2, below});
-    s.cracks.add_edge(from, to, s.cracks.new_crack(), 0.0, 1);
+    const int from = s.cracks.graph.add_vertex({0.0, below}), to = s.cracks.graph.add_vertex({0.2, below});
+    s.cracks.graph.add_edge(from, to, s.cracks.graph.new_crack(), 0.0, 1);
     OwnGround own;
-    const double share = own.share(m, s.cracks, p, radius);
+    const double share = own.share(m, s.cracks.graph, p, radius);
     const double past = 0.012;  // where it ends by its middle line a sector's sides reach so much further
     EXPECT_LT(share, 0.8);
     fill(-1.0, [&](const Vec2& q) { return (q - p).norm() > std::abs(q.y() - below) + past ? 1e12 : 12e6; });
@@ -112,9 +114,9 @@ TEST(Ground, StoredInALargeGroundIsTheSame) {
   for (int q = 0; q < m.tables.blocks(); ++q)
     for (int lane = 0; lane < m.tables.spans_u; ++lane) {
       const Vec2 p = gauss_point(m.patch, m.tables, q, lane).parameter;
-      s.surface_stress[m.tables.at(q, 6, 3, lane)] =
+      s.layers.surface_stress[m.tables.at(q, 6, 3, lane)] =
           10e6 * std::cos(8.0 * (p.x() - 0.1)) * std::cos(8.0 * (p.y() - 0.1));
-      s.surface_stress[m.tables.at(q, 6, 0, lane)] = -s.surface_stress[m.tables.at(q, 6, 3, lane)];
+      s.layers.surface_stress[m.tables.at(q, 6, 0, lane)] = -s.layers.surface_stress[m.tables.at(q, 6, 3, lane)];
     }
   for (const double radius : {0.03, 0.09}) {  // 6 and 18 spacings: all, every other
     double sum = 0.0;
@@ -149,17 +151,17 @@ TEST(Ground, StartOnlyWhereTheirGroundStoresTheEnergy) {
       }
     ShellState s = make_state(m, Vec3::Zero(), 1);
     compute_forces(m, s, false, 1.0, 1);
-    s.over.assign(s.over.size(), 1);
+    s.caches.over.assign(s.caches.over.size(), 1);
     for (int q = 0; q < m.tables.blocks(); ++q)
       for (int lane = 0; lane < m.tables.spans_u; ++lane) {
         const Vec2 p = at(q, lane);
         const double stress = std::abs(p.x() - 0.1) < sheet.half_width ? sheet.stress : sheet.beside;
-        for (int k = 0; k < 6; ++k) s.surface_stress[m.tables.at(q, 6, k, lane)] = k % 3 == 0 ? stress : 0.0;
-        if (sheet.border_only && p.y() > 0.005) s.strength[m.tables.at(q, 1, 0, lane)] = 1e12;
+        for (int k = 0; k < 6; ++k) s.layers.surface_stress[m.tables.at(q, 6, k, lane)] = k % 3 == 0 ? stress : 0.0;
+        if (sheet.border_only && p.y() > 0.005) s.layers.strength[m.tables.at(q, 1, 0, lane)] = 1e12;
       }
     const CrackRules r = make_crack_rules(m, 0.0);
     const double half_length = critical_length(m.material, 10e6, 1.0, 0.0);
-    EXPECT_TRUE(opens_along(m, s, r, line_through(m, s.cracks, {0.1, 0.1}, {0.0, 1.0}, half_length), 1,
+    EXPECT_TRUE(opens_along(m, s, r, line_through(m, s.cracks.graph, {0.1, 0.1}, {0.0, 1.0}, half_length), 1,
                             {half_length, 10e6, 1.0}, 0.0));
     std::uint64_t random = 1;
     return nucleate(m, s, r, 0.0, random) > 0;

@@ -1,10 +1,11 @@
 #include "shell/solver/interlock.h"
+#include "shell/solver/forces.h"
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/insertion.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -14,11 +15,11 @@ namespace {
 
 // A straight crack whose faces bear on one another.
 void crack(const ShellModel& m, ShellState& s, const Vec2& a, const Vec2& b) {
-  const int number = s.cracks.new_crack();
+  const int number = s.cracks.graph.new_crack();
   const int pieces = static_cast<int>(std::ceil((b - a).norm() / m.spacing));
-  int last = s.cracks.add_vertex(a);
+  int last = s.cracks.graph.add_vertex(a);
   for (int k = 1; k <= pieces; ++k) {
-    const int next = s.cracks.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
+    const int next = s.cracks.graph.add_vertex(a + (b - a) * (static_cast<double>(k) / pieces));
     insert_edge(m, s, last, next, number, 0.0, 1, true);
     last = next;
   }
@@ -26,8 +27,8 @@ void crack(const ShellModel& m, ShellState& s, const Vec2& a, const Vec2& b) {
 
 void forces_of_faces(const ShellModel& m, ShellState& s) {
   std::vector<double> scratch;
-  s.force.assign(s.force.size(), 0.0);
-  add_point_forces(m.tables, {}, s.x, false, {}, 1, scratch, s.force, nullptr, nullptr,
+  s.motion.force.assign(s.motion.force.size(), 0.0);
+  add_point_forces(m.tables, {}, s.motion.x, false, {}, 1, scratch, s.motion.force, nullptr, nullptr,
                    [&](int chunk, int chunks, const double* x4, double* force4) {
                      interlock_forces(m, s, false, chunk, chunks, x4, force4);
                    });
@@ -47,7 +48,7 @@ ShellModel bent() {
 
 // Faces that close softly all through what disturb(1e-3) presses together.
 void soften(ShellState& s) {
-  for (Interlock& lock : s.interlocks) lock.depth = 5e-3;
+  for (Interlock& lock : s.cracks.interlocks) lock.depth = 5e-3;
 }
 
 ShellModel sheet() {
@@ -60,7 +61,7 @@ ShellModel sheet() {
 void part(const ShellModel& m, ShellState& s, const Vec3& by) {
   for (int i = 0; i < m.control_points(); ++i)
     if (m.parameter[i].x() > 0.05)
-      for (int d = 0; d < 3; ++d) s.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += by[d];
+      for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += by[d];
 }
 
 ShellState halves(const ShellModel& m) {
@@ -73,7 +74,7 @@ ShellState halves(const ShellModel& m) {
 int between_close_cracks(const ShellModel& m, ShellState& s) {
   crack(m, s, {0.047, 0.0203}, {0.047, 0.0603});
   crack(m, s, {0.055, 0.0203}, {0.055, 0.0603});
-  const int parallel = static_cast<int>(s.cracks.edges().size());
+  const int parallel = static_cast<int>(s.cracks.graph.edges().size());
   crack(m, s, {0.047, 0.0403}, {0.055, 0.0403});
   return parallel;
 }
@@ -85,10 +86,10 @@ TEST(Interlock, StartsWithoutForceInABentSheetToo) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
   disturb(s, m, 1e-3);
   crack(m, s, {0.1, 0.3}, {0.9, 0.6});
-  ASSERT_GT(s.interlocks.size(), 2u);
-  for (const Interlock& lock : s.interlocks) EXPECT_TRUE(lock.holds);
+  ASSERT_GT(s.cracks.interlocks.size(), 2u);
+  for (const Interlock& lock : s.cracks.interlocks) EXPECT_TRUE(lock.holds);
   const double before = compute_forces(m, s, true, 0.0, 1);
-  EXPECT_LT(s.interlock_energy, 1e-20 * before);
+  EXPECT_LT(s.cracks.interlock_energy, 1e-20 * before);
 }
 
 TEST(Interlock, ForceIsMinusTheGradientOfEnergy) {
@@ -98,7 +99,7 @@ TEST(Interlock, ForceIsMinusTheGradientOfEnergy) {
   soften(s);
   disturb(s, m, 1e-3);
   compute_forces(m, s, true, 0.0, 1);
-  ASSERT_GT(s.interlock_energy, 0.0);
+  ASSERT_GT(s.cracks.interlock_energy, 0.0);
   expect_gradient(m, s);
 }
 
@@ -133,11 +134,11 @@ TEST(Interlock, BearsPressureAndShearButNoTension) {
   for (const auto& c : cases) {
     ShellState s = halves(m);
     double area = 0.0;  // of the whole cut, 4 mm x 80 mm and the overhang of 4 mm
-    for (const Interlock& lock : s.interlocks) area += lock.area;
+    for (const Interlock& lock : s.cracks.interlocks) area += lock.area;
     EXPECT_NEAR(area, 0.004 * 0.08, 0.004 * m.spacing);
     part(m, s, c.by);
     compute_forces(m, s, true, 0.0, 1);
-    EXPECT_NEAR(s.interlock_energy, c.energy * k * area, 1e-6 * k * area * (c.energy + soft * soft));
+    EXPECT_NEAR(s.cracks.interlock_energy, c.energy * k * area, 1e-6 * k * area * (c.energy + soft * soft));
   }
 }
 
@@ -150,8 +151,8 @@ TEST(Interlock, BeatingFacesMakeNoEnergy) {
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
       const double x = m.parameter[i].x(), y = m.parameter[i].y();
-      if (x < 1e-6 || x > 0.1 - 1e-6) s.inverse_mass[slot] = 0.0;
-      s.v[slot] = speed * (x < 0.05 ? x : x - 0.1) / 0.05 * (0.7 + 0.3 * std::cos(200.0 * y));
+      if (x < 1e-6 || x > 0.1 - 1e-6) s.motion.inverse_mass[slot] = 0.0;
+      s.motion.v[slot] = speed * (x < 0.05 ? x : x - 0.1) / 0.05 * (0.7 + 0.3 * std::cos(200.0 * y));
     }
     const double dt = 0.8 * stable_step(m, s, 100, 1, true);
     double first = 0.0, last = 0.0;  // sums of energies: each alone is off by what leapfrog keeps instead
@@ -161,7 +162,7 @@ TEST(Interlock, BeatingFacesMakeNoEnergy) {
       kick(m, s, Vec3::Zero(), dt, dt);
       drift(m, s, dt);
       int now = 0;
-      for (const Interlock& lock : s.interlocks) now += lock.opening < 0.0;
+      for (const Interlock& lock : s.cracks.interlocks) now += lock.opening < 0.0;
       changes += now != closed, closed = now;
       if (n % 20 != 19 || (n >= kPart && n < kSteps - kPart)) continue;
       (n < kPart ? first : last) += compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
@@ -176,7 +177,7 @@ TEST(Interlock, LetsGoWhenOpenedOrShearedTooFarAndBooksWhatItHeld) {
   const InterlockLaw law{1e-4, 1e6};
   const auto holding = [](const ShellState& s) {
     int n = 0;
-    for (const Interlock& lock : s.interlocks) n += lock.holds;
+    for (const Interlock& lock : s.cracks.interlocks) n += lock.holds;
     return n;
   };
   ShellState s = halves(m);
@@ -194,7 +195,7 @@ TEST(Interlock, LetsGoWhenOpenedOrShearedTooFarAndBooksWhatItHeld) {
   s = halves(m);
   part(m, s, {0, 0, 1.1e6 * m.spacing / m.material.youngs_modulus});
   compute_forces(m, s, true, 0.0, 1);
-  const double held = s.interlock_energy;
+  const double held = s.cracks.interlock_energy;
   release_interlocks(m, s, law, false);
   EXPECT_EQ(holding(s), 0);
   EXPECT_NEAR(s.book.fracture - booked, held, 1e-12 * held);
@@ -205,10 +206,10 @@ TEST(Interlock, KeepsItsEnergyWhenAnotherCrackCutsItsSight) {
   ShellState s = halves(m);
   part(m, s, {-1e-6, 0, 1e-6});
   compute_forces(m, s, true, 0.0, 1);
-  const double before = s.interlock_energy;
+  const double before = s.cracks.interlock_energy;
   crack(m, s, {0.03, 0.041}, {0.0495, 0.0415});
   compute_forces(m, s, true, 0.0, 1);
-  EXPECT_NEAR(s.interlock_energy, before, 1e-9 * before);  // the new crack's own springs start without force
+  EXPECT_NEAR(s.cracks.interlock_energy, before, 1e-9 * before);  // the new crack's own springs start without force
 }
 
 // Between two cracks 1.6 spacings apart no basis is sound enough for a Gauss point; faces there bear all the same.
@@ -216,12 +217,12 @@ TEST(Interlock, FacesBetweenCracksThatAreCloseBear) {
   const ShellModel m = sheet();
   ShellState s = make_state(m, Vec3::Zero(), 0);
   between_close_cracks(m, s);
-  ASSERT_EQ(s.interlocks.size(), s.cracks.edges().size());
+  ASSERT_EQ(s.cracks.interlocks.size(), s.cracks.graph.edges().size());
   int planes = 0;
-  for (const Interlock& lock : s.interlocks) {
+  for (const Interlock& lock : s.cracks.interlocks) {
     EXPECT_TRUE(lock.holds);
     for (const auto* side : {&lock.plus, &lock.minus}) {
-      const CrackEdge& e = s.cracks.edges()[lock.edge];
+      const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
       Vec2 at = Vec2::Zero();
       bool plane = true;
       for (const GatheredFunction& f : *side) at += f.n[0] * m.of_slot[f.slot], plane = plane && f.n[3] == 0.0;
@@ -232,7 +233,7 @@ TEST(Interlock, FacesBetweenCracksThatAreCloseBear) {
   EXPECT_GT(planes, 0);
   disturb(s, m, 1e-5);
   ASSERT_GT(compute_forces(m, s, true, 0.0, 1), 0.0);
-  ASSERT_GT(s.interlock_energy, 0.0);
+  ASSERT_GT(s.cracks.interlock_energy, 0.0);
   expect_gradient(m, s);
   forces_of_faces(m, s);
   const Balance b = balance(m, s);
@@ -246,14 +247,14 @@ TEST(Interlock, FacesBetweenCracksAreNoStifferThanTheirMassStands) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
   for (int i = 0; i < m.control_points(); ++i)
     if (m.parameter[i].x() > 0.047 && m.parameter[i].x() < 0.055)
-      s.mass[m.tables.slot(i)] *= 0.01, s.inverse_mass[m.tables.slot(i)] *= 100.0;
+      s.motion.mass[m.tables.slot(i)] *= 0.01, s.motion.inverse_mass[m.tables.slot(i)] *= 100.0;
   const int before = between_close_cracks(m, s);
   int soft = 0;
-  for (const Interlock& lock : s.interlocks) {
+  for (const Interlock& lock : s.cracks.interlocks) {
     if (lock.edge < before) continue;
     double mobility = 0.0;
     for (const auto* side : {&lock.plus, &lock.minus})
-      for (const GatheredFunction& f : *side) mobility += f.n[0] * f.n[0] * s.inverse_mass[f.slot];
+      for (const GatheredFunction& f : *side) mobility += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
     // one spring between two masses: omega^2 = k A / m, in those of the fastest wave over a spacing
     const double omega = std::sqrt(lock.stiffness * lock.area * mobility) * m.spacing / m.wave_speed();
     EXPECT_LT(omega, 2.1);
@@ -270,15 +271,15 @@ TEST(Interlock, FacesThatRememberTheirSightGoOnAsThoseThatLookAnew) {
   disturb(s, m, 1e-5);
   ShellState anew = s;
   for (Interlock& lock : anew.interlocks) lock.looked = false, lock.sights = lock.uses = {}, lock.planes = {};
-  const std::vector<Interlock> before = s.interlocks;
+  const std::vector<Interlock> before = s.cracks.interlocks;
   for (ShellState* state : {&s, &anew}) {  // ends beside the first, and later crosses it
     crack(m, *state, {0.03, 0.041}, {0.0495, 0.0415});
     crack(m, *state, {0.0495, 0.0415}, {0.062, 0.043});
   }
-  ASSERT_EQ(s.interlocks.size(), anew.interlocks.size());
+  ASSERT_EQ(s.cracks.interlocks.size(), anew.interlocks.size());
   int changed = 0, kept = 0;
-  for (std::size_t i = 0; i < s.interlocks.size(); ++i) {
-    const Interlock &a = s.interlocks[i], &b = anew.interlocks[i];
+  for (std::size_t i = 0; i < s.cracks.interlocks.size(); ++i) {
+    const Interlock &a = s.cracks.interlocks[i], &b = anew.interlocks[i];
     EXPECT_EQ(a.holds, b.holds);
     EXPECT_EQ(a.stiffness, b.stiffness);
     EXPECT_EQ(a.rest, b.rest);

@@ -3,9 +3,10 @@
 
 #include <random>
 
-#include "shell/solver/insertion.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/forces.h"
 #include "shell/solver/interlock.h"
-#include "shell/solver/step.h"
+#include "shell/solver/stepping/kick_drift.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
@@ -25,8 +26,8 @@ ShellModel sheet(double yield_stress = 0.0, std::vector<Support> supports = {}) 
 }
 
 int insert(const ShellModel& m, ShellState& s, const Vec2& a, const Vec2& b) {
-  const int from = s.cracks.add_vertex(a), to = s.cracks.add_vertex(b);
-  return insert_edge(m, s, from, to, s.cracks.new_crack(), 0.0, 1, true);
+  const int from = s.cracks.graph.add_vertex(a), to = s.cracks.graph.add_vertex(b);
+  return insert_edge(m, s, from, to, s.cracks.graph.new_crack(), 0.0, 1, true);
 }
 
 void step(const ShellModel& m, ShellState& s, int times) {
@@ -48,7 +49,7 @@ double energy(const ShellModel& m, ShellState& s) {
 // In motion, strained all over, a crack with faces that bear in it, and another one about to cross its surroundings.
 ShellState moving(const ShellModel& m, double brittleness = 0.0, bool heals = true) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
-  s.brittleness = brittleness, s.heals = heals;
+  s.layers.brittleness = brittleness, s.layers.heals = heals;
   insert(m, s, {0.0312, 0.0305}, {0.0351, 0.0331});
   disturb(s, m, 5e-6);
   step(m, s, 40);
@@ -76,16 +77,16 @@ TEST(Jump, IsTheForceBeforeLessThatAfter) {
     const ShellModel m = sheet(c.yield_stress);
     ShellState s = moving(m, c.brittleness, c.heals);
     compute_forces(m, s, true, 0.0, 1);
-    const std::vector<double> before = s.force;
-    ASSERT_TRUE(s.jump.empty());
+    const std::vector<double> before = s.motion.force;
+    ASSERT_TRUE(s.cracks.force_discontinuity.empty());
     ASSERT_GE(insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318}), 0);  // crosses the faces' sight
-    ASSERT_FALSE(s.jump.empty());
+    ASSERT_FALSE(s.cracks.force_discontinuity.empty());
     release_interlocks(m, s, {}, true);
     compute_forces(m, s, true, 0.0, 1);
     double changed = 0.0, off = 0.0;
     for (std::size_t k = 0; k < before.size(); ++k) {
-      changed = std::max(changed, std::abs(before[k] - s.force[k]));
-      off = std::max(off, std::abs(before[k] - s.force[k] - s.jump[k]));
+      changed = std::max(changed, std::abs(before[k] - s.motion.force[k]));
+      off = std::max(off, std::abs(before[k] - s.motion.force[k] - s.cracks.force_discontinuity[k]));
     }
     EXPECT_GT(changed, 1e-2 * largest(before)) << c.name;
     EXPECT_LT(off, 1e-11 * largest(before)) << c.name;
@@ -101,7 +102,7 @@ TEST(Jump, TakenUpItKeepsEnergyAndMomenta) {
       linear = angular = Vec3::Zero();
       for (int i = 0; i < m.control_points(); ++i) {
         const int slot = m.tables.slot(i);
-        const Vec3 p = s.mass[slot] * s.velocity(slot);
+        const Vec3 p = s.motion.mass[slot] * s.velocity(slot);
         linear += p, angular += s.position(slot).cross(p);
       }
     };
@@ -109,11 +110,11 @@ TEST(Jump, TakenUpItKeepsEnergyAndMomenta) {
     momenta(linear, angular);
     double scale = 0.0;
     for (int i = 0; i < m.control_points(); ++i)
-      scale += s.mass[m.tables.slot(i)] * s.velocity(m.tables.slot(i)).norm();
+      scale += s.motion.mass[m.tables.slot(i)] * s.velocity(m.tables.slot(i)).norm();
     insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
     release_interlocks(m, s, {}, true);
     EXPECT_NEAR(energy(m, s), before, 1e-10 * before) << c.name;
-    EXPECT_TRUE(s.jump.empty());
+    EXPECT_TRUE(s.cracks.force_discontinuity.empty());
     momenta(then_linear, then_angular);
     EXPECT_LT((then_linear - linear).norm(), 1e-13 * scale) << c.name;
     EXPECT_LT((then_angular - angular).norm(), 1e-14 * scale) << c.name;  // arms of 0.1 m
@@ -126,21 +127,21 @@ TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
     for (const double towards : {1.0, -1.0}) {  // as it moves, and back
       const ShellModel m = sheet(c.yield_stress);
       ShellState s = moving(m, c.brittleness, c.heals);
-      for (double& v : s.v) v *= towards;
+      for (double& v : s.motion.v) v *= towards;
       insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
       release_interlocks(m, s, {}, true);
       compute_forces(m, s, true, 0.0, 1);
-      const std::vector<double> then = s.v, jump = s.jump;
+      const std::vector<double> then = s.motion.v, jump = s.cracks.force_discontinuity;
       const EnergyBook book = s.book;
       take_up_jump({{&m, &s}}, kStep);
       double along = 0.0, all = 0.0;
       for (std::size_t k = 0; k < jump.size(); ++k) {
-        const double half = 0.5 * kStep * s.inverse_mass[k % m.tables.plane] * jump[k];
-        along += half * (s.v[k] - then[k]), all += half * half;
+        const double half = 0.5 * kStep * s.motion.inverse_mass[k % m.tables.plane] * jump[k];
+        along += half * (s.motion.v[k] - then[k]), all += half * half;
       }
       const double share = along / all;
       for (std::size_t k = 0; k < jump.size(); ++k)
-        EXPECT_NEAR(s.v[k] - then[k], share * 0.5 * kStep * s.inverse_mass[k % m.tables.plane] * jump[k],
+        EXPECT_NEAR(s.motion.v[k] - then[k], share * 0.5 * kStep * s.motion.inverse_mass[k % m.tables.plane] * jump[k],
                     1e-12 * largest(then));
       if (towards > 0.0) {
         EXPECT_NEAR(share, 1.0, 1e-9) << c.name;
@@ -159,16 +160,16 @@ TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
   for (const double let_go : {0.0, 0.4, 2.0}) {  // of what is gained
     ShellState s = moving(m);
     insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
-    EXPECT_GT(s.let_go, 0.0);
-    EXPECT_EQ(s.let_go, s.book.fracture);
+    EXPECT_GT(s.cracks.released, 0.0);
+    EXPECT_EQ(s.cracks.released, s.book.fracture);
     // a force that pulls on along the jump, which no share of it can make up for
     compute_forces(m, s, true, 0.0, 1);
-    for (double& v : s.v) v = 0.0;
-    for (std::size_t k = 0; k < s.force.size(); ++k) s.force[k] = s.jump[k];
-    for (std::size_t k = 0; k < s.jump.size(); ++k)
-      s.v[k] = -0.3 * kStep * s.inverse_mass[k % m.tables.plane] * s.jump[k];
+    for (double& v : s.motion.v) v = 0.0;
+    for (std::size_t k = 0; k < s.motion.force.size(); ++k) s.motion.force[k] = s.cracks.force_discontinuity[k];
+    for (std::size_t k = 0; k < s.cracks.force_discontinuity.size(); ++k)
+      s.motion.v[k] = -0.3 * kStep * s.motion.inverse_mass[k % m.tables.plane] * s.cracks.force_discontinuity[k];
     const double fracture = s.book.fracture, injected = s.book.injected;
-    s.let_go = let_go * gained;
+    s.cracks.released = let_go * gained;
     take_up_jump({{&m, &s}}, kStep);
     const double added = s.book.injected - injected, lost = s.book.fracture - fracture;
     if (let_go == 0.0) {
@@ -177,7 +178,7 @@ TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
     }
     EXPECT_NEAR(added, std::max(0.0, 1.0 - let_go) * gained, 1e-12 * gained);
     EXPECT_NEAR(added - lost, gained, 1e-9 * gained);  // the book closes in any case
-    EXPECT_EQ(s.let_go, 0.0);
+    EXPECT_EQ(s.cracks.released, 0.0);
   }
 }
 

@@ -8,7 +8,7 @@
 
 #include "shell/fracture/crack_loops.h"
 #include "shell/fracture/triangulation.h"
-#include "shell/solver/handoff.h"
+#include "shell/solver/parting/handoff.h"
 #include "shell/solver/surroundings.h"
 #include "tests/shell/fixtures.h"
 

@@ -2,8 +2,9 @@
 #include <gtest/gtest.h>
 
 #include "shell/io/probes.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/relaxation.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/statics/relaxation.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -75,7 +76,7 @@ TEST(Laminate, HalvesThatPartFeelTheInterlayerAlone) {
     for (int d = 0; d < 3; ++d)
       if (m.parameter[i].x() > cut) {
         const std::size_t k = d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i);
-        s.x[k] += apart[d], alone.x[k] += apart[d];
+        s.motion.x[k] += apart[d], alone.x[k] += apart[d];
       }
   const double energy = compute_forces(m, s, true, 0.0, 1), expected = compute_forces(core, alone, true, 0.0, 1);
   ASSERT_GT(expected, 0.0);

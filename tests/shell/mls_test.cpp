@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/fracture/mls.h"
-#include "shell/solver/insertion.h"
+#include "shell/solver/cracking/insertion.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;

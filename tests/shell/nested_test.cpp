@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/handoff.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/prisms.h"
 

@@ -3,10 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "shell/solver/fibres.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/contact/fibres.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 
 namespace sunder::shell {
 

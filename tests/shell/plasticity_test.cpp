@@ -4,10 +4,11 @@
 #include <gtest/gtest.h>
 
 #include "shell/io/probes.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/relaxation.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/statics/relaxation.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -80,13 +81,13 @@ TEST(Plasticity, ABarYieldsHardensAndKeepsItsPermanentStrain) {
   rules.tolerance = 1e-7;
   const auto stress = [&] {  // the supports pull at both ends: half of the forces' magnitude
     double sum = 0.0;
-    for (const int slot : m.constraints.driven[0].slots[0]) sum -= s.force[slot];
+    for (const int slot : m.constraints.driven[0].slots[0]) sum -= s.motion.force[slot];
     return -sum / (0.2 * 0.002);
   };
   double highest = 0.0, work = 0.0, before = 0.0;
   constexpr int kSteps = 50;
   for (int k = 1; k <= kSteps; ++k) {
-    s.time = static_cast<double>(k) / kSteps;
+    s.motion.time = static_cast<double>(k) / kSteps;
     ASSERT_TRUE(relax(m, s, rules).converged) << k;
     const double now = std::abs(stress());
     work += 0.5 * (now + before) * strain / kSteps * 0.2 * 0.002;
@@ -98,7 +99,7 @@ TEST(Plasticity, ABarYieldsHardensAndKeepsItsPermanentStrain) {
   EXPECT_NEAR((stored + s.book.plastic) / work, 1.0, 0.02);  // fifty steps of the trapezoidal rule
   EXPECT_GT(s.book.plastic, 0.5 * work);
   const double plastic = strain - highest / e;
-  s.time = 2.0 - plastic / strain;  // back to where it should be without stress
+  s.motion.time = 2.0 - plastic / strain;  // back to where it should be without stress
   ASSERT_TRUE(relax(m, s, rules).converged);
   EXPECT_LT(std::abs(stress()), 0.03 * yield);
 }
@@ -115,7 +116,7 @@ TEST(Plasticity, BooksCloseWhileAStripIsDrawnOut) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
   const double dt = 0.8 * stable_step(m, s, 150, 1, false);
   double worst = 0.0;
-  for (int k = 0; s.time < 2e-3; ++k) {
+  for (int k = 0; s.motion.time < 2e-3; ++k) {
     if (k % 20 == 10) {
       const double energy = compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
       worst = std::max(worst, std::abs(energy - 0.5 * dt * external_power(m, s) + s.book.lost()));
@@ -148,7 +149,8 @@ void deform(const ShellModel& m, ShellState& s, double e, double k) {
     const std::vector<double>& knots = m.patch.knots_u.knots();
     const int column = i % m.tables.columns;
     const double square = (knots[column + 1] - 0.5) * (knots[column + 2] - 0.5);
-    s.x[slot] = (1.0 + e) * x.x(), s.x[plane + slot] = x.y(), s.x[2 * plane + slot] = 0.5 * k * square;
+    s.motion.x[slot] = (1.0 + e) * x.x(), s.motion.x[plane + slot] = x.y(),
+    s.motion.x[2 * plane + slot] = 0.5 * k * square;
   }
 }
 
@@ -205,7 +207,7 @@ TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {
     compute_forces(m, s, false, 1.0, 1);
     const int block = m.tables.blocks() / 2, lane = m.tables.spans_u / 2;
     const auto mises = [&](int face) {
-      const auto at = [&](int k) { return s.surface_stress[m.tables.at(block, 6, 3 * face + k, lane)]; };
+      const auto at = [&](int k) { return s.layers.surface_stress[m.tables.at(block, 6, 3 * face + k, lane)]; };
       return std::sqrt(at(0) * at(0) - at(0) * at(1) + at(1) * at(1) + 3.0 * at(2) * at(2));
     };
     for (const int face : {0, 1})

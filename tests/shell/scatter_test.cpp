@@ -22,7 +22,7 @@ std::vector<double> strengths(double modulus, std::uint64_t seed) {
   const ShellState s = make_state(m, Vec3::Zero(), seed);
   std::vector<double> all;
   for (int q = 0; q < m.tables.blocks(); ++q)
-    for (int lane = 0; lane < m.tables.spans_u; ++lane) all.push_back(s.strength[m.tables.at(q, 1, 0, lane)]);
+    for (int lane = 0; lane < m.tables.spans_u; ++lane) all.push_back(s.layers.strength[m.tables.at(q, 1, 0, lane)]);
   return all;
 }
 

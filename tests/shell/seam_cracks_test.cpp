@@ -5,8 +5,8 @@
 #include <gtest/gtest.h>
 
 #include "shell/geometry/builders.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/seam_cracks.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/joining/seam_cracks.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
@@ -34,7 +34,7 @@ int links(const Stitched& s) {
 
 Vec3 momentum(const ShellState& s) {
   Vec3 sum = Vec3::Zero();
-  for (std::size_t i = 0; i < s.mass.size(); ++i) sum += s.mass[i] * s.velocity(static_cast<int>(i));
+  for (std::size_t i = 0; i < s.motion.mass.size(); ++i) sum += s.motion.mass[i] * s.velocity(static_cast<int>(i));
   return sum;
 }
 

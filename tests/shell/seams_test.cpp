@@ -9,6 +9,7 @@
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
+#include "shell/solver/stepping/kick_drift.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
@@ -44,8 +45,8 @@ ShellModel model(const Patch& p, const std::string& name = "p", const std::vecto
 // Weights sum to 1, what is followed follows nothing, and it all agrees with where the control points are at rest.
 void expect_sound(const std::vector<Patch>& patches, const Stitches& s, double least) {
   std::set<PatchPoint> follow;
-  for (const Dependence& d : s.points) EXPECT_TRUE(follow.insert(d.point).second);
-  for (const Dependence& d : s.points) {
+  for (const Dependence& d : s.cracked.gathered) EXPECT_TRUE(follow.insert(d.point).second);
+  for (const Dependence& d : s.cracked.gathered) {
     double sum = 0.0;
     Vec3 x = Vec3::Zero();
     for (const auto& [p, weight] : d.on) {
@@ -85,8 +86,8 @@ TEST(Seams, MatchingOnesAreFoundSmoothWhereverTheParametersRun) {
       EXPECT_NEAR(s.seams[0].length, 1.0, 1e-12);
       EXPECT_NEAR(s.seams[0].angle, 0.0, 1e-6);  // of an arc cosine near 1
       expect_sound(patches, s, -1e-12);
-      EXPECT_EQ(s.points.size(), 2u * (5 + degree));
-      for (const Dependence& d : s.points) EXPECT_EQ(d.on.size(), 2u);  // the point to either side
+      EXPECT_EQ(s.cracked.gathered.size(), 2u * (5 + degree));
+      for (const Dependence& d : s.cracked.gathered) EXPECT_EQ(d.on.size(), 2u);  // the point to either side
     }
 }
 
@@ -98,7 +99,7 @@ TEST(Seams, OfKnotsThatDoNotMatchFollowWithinAnElementOrTwo) {
       ASSERT_EQ(s.seams.size(), 1u);
       expect_sound(patches, s, -1.5);
       const double reach = 2.0 * (degree + 1) / std::min(a, b);
-      for (const Dependence& d : s.points)
+      for (const Dependence& d : s.cracked.gathered)
         for (const auto& [p, weight] : d.on)
           EXPECT_LT(std::abs(patches[p.patch].control_points[p.point].y() -
                              patches[d.point.patch].control_points[d.point.point].y()),
@@ -115,7 +116,7 @@ TEST(Seams, FinerSideIsTheCoarserOneWithKnotsInserted) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     std::vector<std::vector<Vec3>> moved{patches[0].control_points, patches[1].control_points};
     for (Vec3& x : moved[0]) x += Vec3(uniform(random), uniform(random), uniform(random));
-    for (const Dependence& d : s.points) {
+    for (const Dependence& d : s.cracked.gathered) {
       ASSERT_EQ(d.point.patch, 1);
       Vec3 x = Vec3::Zero();
       for (const auto& [p, weight] : d.on) x += weight * moved[p.patch][p.point];
@@ -163,7 +164,7 @@ TEST(Seams, FourPatchesAtACornerAgreeOnIt) {
     EXPECT_EQ(s.seams.size(), 4u);
     expect_sound(patches, s, matching ? -1e-12 : -1.5);
     std::vector<std::vector<std::pair<PatchPoint, double>>> corner;
-    for (const Dependence& d : s.points)
+    for (const Dependence& d : s.cracked.gathered)
       if (is_at(patches, d.point, Vec3(1, 1, 0))) corner.push_back(d.on);
     ASSERT_EQ(corner.size(), 4u);  // all follow the control points within
     for (const auto& on : corner) {
@@ -183,7 +184,7 @@ TEST(Seams, ThreePatchesAtTheCornerOfACubeShareIt) {
   expect_sound(patches, s, -1.5);
   std::set<PatchPoint> lead;
   int follow = 0;
-  for (const Dependence& d : s.points)
+  for (const Dependence& d : s.cracked.gathered)
     if (is_at(patches, d.point, Vec3::Zero())) {
       ++follow;
       ASSERT_EQ(d.on.size(), 1u);
@@ -245,8 +246,8 @@ TEST(Stitching, ImpulsesKeepMomentumAndTheirWorkIsBooked) {
   const auto energy = [&] {
     double sum = 0.0;
     for (const ShellState& state : s.states)
-      for (std::size_t i = 0; i < state.mass.size(); ++i)
-        sum += 0.5 * state.mass[i] * state.velocity(static_cast<int>(i)).squaredNorm();
+      for (std::size_t i = 0; i < state.motion.mass.size(); ++i)
+        sum += 0.5 * state.motion.mass[i] * state.velocity(static_cast<int>(i)).squaredNorm();
     return sum;
   };
   const auto before = s.sums();
@@ -259,8 +260,8 @@ TEST(Stitching, ImpulsesKeepMomentumAndTheirWorkIsBooked) {
       const int slot = s.models[k].tables.slot(i);
       const Vec3 j = 0.1 * any();
       // as contact does: it knows the velocity before its impulse, and what the control point yields
-      state.book.contact -= j.dot(state.velocity(slot)) + 0.5 * state.inverse_mass[slot] * j.squaredNorm();
-      state.add_velocity(slot, state.inverse_mass[slot] * j);
+      state.book.contact -= j.dot(state.velocity(slot)) + 0.5 * state.motion.inverse_mass[slot] * j.squaredNorm();
+      state.add_velocity(slot, state.motion.inverse_mass[slot] * j);
       given += j, turning += state.position(slot).cross(j);
     }
   s.stitching.share_impulses(s.refs());
@@ -343,7 +344,7 @@ TEST(Stitching, LettingGoAtOnePlaceChangesNothing) {
                                                              Quat(Eigen::AngleAxisd(-1.5707963, Vec3::UnitY()))))},
                join);
     for (ShellState& state : s.states)
-      for (std::size_t i = 0; i < state.mass.size(); ++i) state.add_velocity(static_cast<int>(i), Vec3(1, 0, 3));
+      for (std::size_t i = 0; i < state.motion.mass.size(); ++i) state.add_velocity(static_cast<int>(i), Vec3(1, 0, 3));
     s.stitching.follow(s.refs());
     const auto before = s.sums();
     EXPECT_TRUE(s.stitching.release(s.refs(), [](int, int) { return true; }));
@@ -351,8 +352,8 @@ TEST(Stitching, LettingGoAtOnePlaceChangesNothing) {
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-13 * before.momentum_scale);
     EXPECT_LT((after.angular - before.angular).norm(), 1e-13 * before.angular_scale);
     for (const ShellState& state : s.states)
-      for (std::size_t i = 0; i < state.mass.size(); ++i)
-        EXPECT_LT(state.mass[i] * (state.velocity(static_cast<int>(i)) - Vec3(1, 0, 3)).norm(), 1e-9);
+      for (std::size_t i = 0; i < state.motion.mass.size(); ++i)
+        EXPECT_LT(state.motion.mass[i] * (state.velocity(static_cast<int>(i)) - Vec3(1, 0, 3)).norm(), 1e-9);
   }
 }
 

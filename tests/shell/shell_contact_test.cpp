@@ -4,9 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/shell_contact.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/contact/shell_contact.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
@@ -46,7 +47,7 @@ Sum fly(const std::vector<ShellRef>& shells, ShellContact& contact, double dt, i
     sum.energy += kinetic_energy(*r.model, *r.state, dt);
     for (int i = 0; i < r.model->control_points(); ++i) {
       const int slot = r.model->tables.slot(i);
-      const Vec3 p = r.state->mass[slot] * r.state->velocity(slot);
+      const Vec3 p = r.state->motion.mass[slot] * r.state->velocity(slot);
       const Vec3 l = r.state->position(slot).cross(p);
       sum.momentum += p, sum.scale += p.norm(), sum.angular += l, sum.angular_scale += l.norm();
     }
@@ -250,7 +251,7 @@ struct Hairpin {
       const bool upper = rest.x() > 0.0;
       const Vec3 x(std::abs(rest.x()), rest.y(), upper ? 0.1 : 0.0), v = upper ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5);
       for (int d = 0; d < 3; ++d)
-        state.x[d * model.tables.plane + slot] = x[d], state.v[d * model.tables.plane + slot] = v[d];
+        state.motion.x[d * model.tables.plane + slot] = x[d], state.motion.v[d * model.tables.plane + slot] = v[d];
     }
   }
   static ShellMaterial soft() {

@@ -7,7 +7,7 @@
 #include <Eigen/Dense>
 
 #include "shell/fracture/conditioning.h"
-#include "shell/solver/insertion.h"
+#include "shell/solver/cracking/insertion.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;

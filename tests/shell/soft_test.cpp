@@ -5,8 +5,9 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/handoff.h"
-#include "shell/solver/stable_step.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/soft_blocks.h"
 
 using namespace sunder;
@@ -34,9 +35,9 @@ TEST(SoftState, TransfersKeepWhatIsLinear) {
   SoftState s = make_soft_state(b.model, b.velocity, b.angular);
   const SoftState before = s;
   to_grid(b.model, s, Vec3::Zero(), 1e-12, 2), from_grid(b.model, s, 1e-12, 2);
-  for (std::size_t p = 0; p < s.x.size(); ++p) {
-    EXPECT_LT((s.v[p] - before.v[p]).norm(), 1e-12 * 10);
-    EXPECT_LT((s.affine[p] - before.affine[p]).norm(), 1e-10);
+  for (std::size_t p = 0; p < s.motion.x.size(); ++p) {
+    EXPECT_LT((s.motion.v[p] - before.v[p]).norm(), 1e-12 * 10);
+    EXPECT_LT((s.motion.affine[p] - before.affine[p]).norm(), 1e-10);
   }
   EXPECT_NEAR(s.book.transfer, 0.0, 1e-12);
 }

@@ -7,11 +7,12 @@
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/relaxation.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/statics/relaxation.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -30,21 +31,21 @@ ShellModel strip(const std::vector<Support>& supports, const std::vector<Load>& 
 
 Vec3 total(const ShellModel& m, const ShellState& s) {
   Vec3 sum = Vec3::Zero();
-  for (int i = 0; i < m.control_points(); ++i) sum += s.at(s.external, m.tables.slot(i));
+  for (int i = 0; i < m.control_points(); ++i) sum += s.at(s.motion.external, m.tables.slot(i));
   return sum;
 }
 
 // Pressure of 3 Pa, Gauss point by Gauss point, each with the functions that it has now.
 std::vector<double> pressure_by_points(const ShellModel& m, const ShellState& s) {
-  std::vector<double> force(s.x.size(), 0.0);
-  const RowTables& t = s.tables;
+  std::vector<double> force(s.motion.x.size(), 0.0);
+  const RowTables& t = s.cracked.tables;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const GaussPoint g = gauss_point(m.patch, t, q, e);
-      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
+      const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
       if (g.weight == 0.0) continue;
       std::vector<GatheredFunction> functions = patch_functions(m.patch, g.parameter, t.stride);
-      if (point >= 0 && !s.points[point].in_rows) functions = s.points[point].functions;
+      if (point >= 0 && !s.cracked.gathered[point].in_rows) functions = s.cracked.gathered[point].functions;
       Vec3 u = Vec3::Zero(), v = Vec3::Zero();
       for (const GatheredFunction& f : functions) u += f.n[1] * s.position(f.slot), v += f.n[2] * s.position(f.slot);
       for (const GatheredFunction& f : functions)
@@ -95,7 +96,7 @@ TEST(Loads, SumToWhatTheyAre) {
                                        std::pair{pressure, Vec3(0, 0, 10.0 * 0.2 * 2.0)}}) {
     const ShellModel m = strip({}, {load});
     ShellState s = make_state(m, Vec3::Zero(), 0);
-    s.time = 1.0;
+    s.motion.time = 1.0;
     compute_forces(m, s, false, 0.0, 1);
     EXPECT_LT((total(m, s) - expected).norm(), 1e-12);
   }
@@ -115,17 +116,18 @@ TEST(Loads, PressureIsThatOfEveryGaussPointAsItStands) {
       EXPECT_EQ(m.loads.last_change(), 2.0);
       ShellState s = make_state(m, Vec3::Zero(), 0);
       if (cut) insert_polyline(m, s, {Vec2(0.3, 0.21), Vec2(0.7, 0.32)}, 0.0);
-      EXPECT_EQ(cut, !s.points.empty());
+      EXPECT_EQ(cut, !s.cracked.gathered.empty());
       disturb(s, m, 0.1 * m.spacing);
-      s.time = 1.0;
+      s.motion.time = 1.0;
       compute_forces(m, s, false, 0.0, 1);
-      const std::vector<double> expected = pressure_by_points(m, s), alone = s.external;
+      const std::vector<double> expected = pressure_by_points(m, s), alone = s.motion.external;
       double worst = 0.0, scale = 0.0;
       for (std::size_t i = 0; i < expected.size(); ++i)
-        worst = std::max(worst, std::abs(s.external[i] - expected[i])), scale = std::max(scale, std::abs(expected[i]));
+        worst = std::max(worst, std::abs(s.motion.external[i] - expected[i])),
+        scale = std::max(scale, std::abs(expected[i]));
       EXPECT_LT(worst, 1e-13 * scale) << patch.degree() << patch.rational() << cut;
       compute_forces(m, s, false, 0.0, 2);
-      EXPECT_EQ(s.external, alone);
+      EXPECT_EQ(s.motion.external, alone);
     }
 }
 
@@ -137,7 +139,7 @@ TEST(Loads, AnEdgeMomentTurnsAndDoesNotPush) {
   compute_forces(m, s, false, 0.0, 1);
   Vec3 torque = Vec3::Zero();
   for (int i = 0; i < m.control_points(); ++i)
-    torque += s.position(m.tables.slot(i)).cross(s.at(s.external, m.tables.slot(i)));
+    torque += s.position(m.tables.slot(i)).cross(s.at(s.motion.external, m.tables.slot(i)));
   EXPECT_LT(total(m, s).norm(), 1e-12);
   // the outside of the edge, +x, turns towards the normal, +z: about -y, 7 N m per m over 0.2 m
   EXPECT_LT((torque - Vec3(0, -1.4, 0)).norm(), 1e-12);
@@ -240,11 +242,11 @@ TEST(Supports, PrescribedMotionMovesAndItsWorkIsBooked) {
   ShellState s = make_state(m, Vec3::Zero(), 0);
   const double dt = 0.8 * stable_step(m, s, 150, 1, false);
   double scale = 0.0, energy = 0.0;
-  while (s.time < 2e-3) {
+  while (s.motion.time < 2e-3) {
     energy = compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
     scale = std::max(scale, energy);
     // the half kick that energies have already is booked with the next one; round-off of displacements of 1e-5 m
-    EXPECT_NEAR(energy - 0.5 * dt * external_power(m, s), s.book.external, 1e-6 * scale + 1e-12) << s.time;
+    EXPECT_NEAR(energy - 0.5 * dt * external_power(m, s), s.book.external, 1e-6 * scale + 1e-12) << s.motion.time;
     kick(m, s, Vec3::Zero(), dt), constrain(m, s, dt), drift(m, s, dt);
   }
   EXPECT_NEAR(displacement(m, s, {1.0, 0.1}).x(), 1e-5, 1e-12);

@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
-#include "shell/solver/stitching.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/joining/stitching.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 
 namespace sunder::shell {
 
@@ -96,9 +97,10 @@ struct Stitched {
   Sums sums() const {
     Sums t;
     for (const ShellState& s : states)
-      for (std::size_t i = 0; i < s.mass.size(); ++i) {
-        const Vec3 p = s.mass[i] * s.velocity(static_cast<int>(i)), l = s.position(static_cast<int>(i)).cross(p);
-        t.mass += s.mass[i], t.momentum += p, t.angular += l, t.momentum_scale += p.norm(), t.angular_scale += l.norm();
+      for (std::size_t i = 0; i < s.motion.mass.size(); ++i) {
+        const Vec3 p = s.motion.mass[i] * s.velocity(static_cast<int>(i)), l = s.position(static_cast<int>(i)).cross(p);
+        t.mass += s.motion.mass[i], t.momentum += p, t.angular += l, t.momentum_scale += p.norm(),
+            t.angular_scale += l.norm();
       }
     return t;
   }

@@ -6,10 +6,11 @@
 #include <fmt/format.h>
 
 #include "shell/geometry/builders.h"
-#include "shell/solver/damage_cracks.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/damage_cracks.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -80,7 +81,7 @@ Pulled pull(int elements, double width, bool heals, int threads) {
   const ShellModel m = make_bar(elements, duration);
   const RowTables& t = m.tables;
   ShellState s = make_state(m, Vec3::Zero(), 1);
-  s.brittleness = brittleness(kStrength, kYoung, kToughness, width), s.heals = heals;
+  s.layers.brittleness = brittleness(kStrength, kYoung, kToughness, width), s.layers.heals = heals;
   const double section = kWidth * kThickness;
   const int steps = static_cast<int>(std::ceil(duration / (0.5 * stable_step(m, s, 200, threads, true))));
   const int often = std::max(1, steps / 400);
@@ -90,22 +91,23 @@ Pulled pull(int elements, double width, bool heals, int threads) {
     compute_forces(m, s, false, 1.0, threads);
     double stress = 0.0;  // mean of both ends, in which waves between them cancel
     for (int j = 0; j < t.rows; ++j)
-      stress += 0.5 * (s.force[t.slot(j * t.columns)] - s.force[t.slot(j * t.columns + t.columns - 1)]) / section;
+      stress += 0.5 * (s.motion.force[t.slot(j * t.columns)] - s.motion.force[t.slot(j * t.columns + t.columns - 1)]) /
+                section;
     out.peak = std::max(out.peak, stress);
     if (k % often == 0)
-      out.opening.push_back(1e6 * m.constraints.driven[0].displacement(s.time).x()),
+      out.opening.push_back(1e6 * m.constraints.driven[0].displacement(s.motion.time).x()),
           out.stress.push_back(stress / kStrength);
     kick(m, s, Vec3::Zero(), dt);
     constrain(m, s, dt);
     drift(m, s, dt);
     watch_stress(m, s);
-    if (k % 8 || !s.cracks.edges().empty()) continue;
+    if (k % 8 || !s.cracks.graph.edges().empty()) continue;
     std::vector<float> worst;
-    for (const PointDamage& d : s.damage) worst.push_back(d.worst());
-    if (extract_cracks(m, s, s.time) == 0) continue;
+    for (const PointDamage& d : s.cracked.damage) worst.push_back(d.worst());
+    if (extract_cracks(m, s, s.motion.time) == 0) continue;
     out.residual = stress;
     for (std::size_t i = 0; i < worst.size(); ++i)
-      out.band += s.points[i].area / kWidth * passed(worst[i], s.brittleness);
+      out.band += s.cracked.gathered[i].area / kWidth * passed(worst[i], s.layers.brittleness);
   }
   const double left = compute_forces(m, s, true, 0.0, threads) + kinetic_energy(m, s, dt);
   out.energy = (s.book.external - s.book.damping - left) / section;

@@ -7,7 +7,7 @@
 
 #include "coupler/core/error.h"
 #include "coupler/core/ticks.h"
-#include "shell/io/run.h"
+#include "shell/run/run.h"
 #include "tests/validation/cases.h"
 #include "tests/validation/coupled.h"
 

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 
 #include "shell/geometry/builders.h"
-#include "shell/solver/handoff.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -41,14 +41,15 @@ ShellModel curved(int elements) {
 double largest_force(const ShellModel& m, ShellState& s) {
   compute_forces(m, s, false, 0.0, 1);
   double largest = 0.0;
-  for (int i = 0; i < m.control_points(); ++i) largest = std::max(largest, s.at(s.force, m.tables.slot(i)).norm());
+  for (int i = 0; i < m.control_points(); ++i)
+    largest = std::max(largest, s.at(s.motion.force, m.tables.slot(i)).norm());
   return largest / (kYoung * m.thickness * m.spacing);
 }
 
 void move(const ShellModel& m, ShellState& s, const std::vector<int>& points, const Quat& turn, const Vec3& by) {
   for (const int i : points) {
     const Vec3 x = turn * s.at(m.rest, m.tables.slot(i)) + by;
-    for (int d = 0; d < 3; ++d) s.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = x[d];
+    for (int d = 0; d < 3; ++d) s.motion.x[d * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] = x[d];
   }
 }
 
@@ -58,7 +59,7 @@ void move(const ShellModel& m, ShellState& s, const std::vector<int>& points, co
 int sight_errors(const ShellModel& m, const ShellState& s) {
   const RowTables& t = m.tables;
   const auto sees = [&](const Vec2& p, int control_point) {
-    for (const CrackEdge& e : s.cracks.edges())
+    for (const CrackEdge& e : s.cracks.graph.edges())
       if (segments_meet(p, m.parameter[control_point], e.long_a, e.long_b)) return false;
     return true;
   };
@@ -66,9 +67,9 @@ int sight_errors(const ShellModel& m, const ShellState& s) {
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const Vec2 p = gauss_point(m.patch, t, q, e).parameter;
-      const int point = s.point_of[static_cast<std::size_t>(q) * t.lanes + e];
+      const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
       if (point >= 0) {
-        const GatheredPoint& g = s.points[point];
+        const GatheredPoint& g = s.cracked.gathered[point];
         const auto distance = [&](int control_point) {
           const Vec2 d = (m.parameter[control_point] - p).cwiseAbs();
           return std::max(d.x() / m.spacing_u, d.y() / m.spacing_v);
@@ -78,7 +79,7 @@ int sight_errors(const ShellModel& m, const ShellState& s) {
           errors += !sees(p, t.control_point(f.slot));
           reach = std::max(reach, distance(t.control_point(f.slot)) - 1e-9);
         }
-        const MlsPoint fresh = mls_point(control_grid(m), s.cracks, p, e, q / (t.gauss * t.gauss));
+        const MlsPoint fresh = mls_point(control_grid(m), s.cracks.graph, p, e, q / (t.gauss * t.gauss));
         if (g.kind == PointKind::kDead || fresh.basis == MlsBasis::kNone) continue;
         for (int i = 0; i < m.control_points(); ++i)
           errors += distance(i) < reach && sees(p, i) &&
@@ -221,10 +222,10 @@ void spiral_case(Report& r, int) {
   part(m, s, 1, w);
   report(r, "spiral", w, seconds_now() - start);
   int kinds[3] = {};
-  for (const GatheredPoint& g : s.points) ++kinds[static_cast<int>(g.kind)];
+  for (const GatheredPoint& g : s.cracked.gathered) ++kinds[static_cast<int>(g.kind)];
   r.lines.push_back(
       fmt::format("spiral: four turns, {} edges, {} points with functions of their own, {} linear, {} dead",
-                  s.cracks.edges().size(), s.points.size(), kinds[1], kinds[2]));
+                  s.cracks.graph.edges().size(), s.cracked.gathered.size(), kinds[1], kinds[2]));
 }
 
 }  // namespace

@@ -7,10 +7,11 @@
 #include <CGAL/Surface_mesh.h>
 #include <fmt/format.h>
 
-#include "shell/solver/handoff.h"
-#include "shell/solver/shell_contact.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/contact/shell_contact.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -67,7 +68,7 @@ double spread(const ShellModel& m, const ShellState& s) {
   double sum = 0.0;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
-    sum += s.mass[slot] * s.position(slot).squaredNorm();
+    sum += s.motion.mass[slot] * s.position(slot).squaredNorm();
   }
   return sum;
 }
@@ -83,7 +84,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   for (int i = 0; i < m.control_points(); ++i) {  // waves that have no symmetry
     const int slot = m.tables.slot(i);
     const Vec3 x = std::numbers::pi * s.position(slot) / kSize;
-    s.v[2 * m.tables.plane + slot] =
+    s.motion.v[2 * m.tables.plane + slot] =
         0.5 * std::sin(3.0 * x.x() + 2.0 * x.y() + 0.7) + 0.4 * std::cos(2.0 * x.x() - 5.0 * x.y() + 0.2);
   }
   ShellContact contact({&m}, {}, {1, std::vector<SurfaceLaw>(1)});
@@ -95,7 +96,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
       for (int d = 0; d < 3; ++d)
-        s.force[d * m.tables.plane + slot] -= kPull * kPull * s.mass[slot] * s.position(slot)[d];
+        s.motion.force[d * m.tables.plane + slot] -= kPull * kPull * s.motion.mass[slot] * s.position(slot)[d];
     }
     return elastic;
   };

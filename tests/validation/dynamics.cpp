@@ -5,8 +5,9 @@
 #include <fmt/format.h>
 
 #include "shell/geometry/builders.h"
-#include "shell/solver/stable_step.h"
-#include "shell/solver/step.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -39,10 +40,10 @@ double frequency(int p, int q, int elements, int threads, int degree = 2) {
   const double rigidity = 70e9 * std::pow(0.004, 3) / 12.0 / (1.0 - 0.22 * 0.22);
   const double omega = (p * p + q * q) * kPi * kPi * std::sqrt(rigidity / (2500 * 0.004));
   for (std::size_t i = 0; i < plane; ++i)
-    if (s.inverse_mass[i] > 0.0) s.v[2 * plane + i] = 1e-6 * omega * shape[i];  // 1 um: linear
+    if (s.motion.inverse_mass[i] > 0.0) s.motion.v[2 * plane + i] = 1e-6 * omega * shape[i];  // 1 um: linear
   const auto share = [&] {
     double sum = 0.0;
-    for (std::size_t i = 0; i < plane; ++i) sum += m.mass[i] * shape[i] * s.x[2 * plane + i];
+    for (std::size_t i = 0; i < plane; ++i) sum += m.mass[i] * shape[i] * s.motion.x[2 * plane + i];
     return sum;
   };
   double before = 0.0, first = -1.0, last = 0.0;
@@ -122,7 +123,7 @@ void vibration_case(Report& r, int threads) {
   const auto momenta = [&](Vec3& p, Vec3& l, double& scale_p, double& scale_l) {
     p = l = Vec3::Zero(), scale_p = scale_l = 0.0;
     for (std::size_t i = 0; i < plane; ++i) {
-      const Vec3 q = s.mass[i] * s.velocity(static_cast<int>(i)), c = s.position(static_cast<int>(i)).cross(q);
+      const Vec3 q = s.motion.mass[i] * s.velocity(static_cast<int>(i)), c = s.position(static_cast<int>(i)).cross(q);
       p += q, l += c, scale_p += q.norm(), scale_l += c.norm();
     }
   };

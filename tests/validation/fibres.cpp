@@ -161,7 +161,7 @@ void parting(Report& report) {
       ShellState& t = *s.states[1];
       const double gap = s.mean(1, false).z();
       t.force.assign(t.force.size(), 0.0);
-      s.fibres->add_forces(s.shells);
+      s.layers.fibres->add_forces(s.shells);
       double sum = 0.0;
       for (std::size_t i = 0; i < t.mass.size(); ++i) sum += t.force[2 * t.mass.size() + i];
       most = std::max(most, -sum / (50.0 * kDensity * kThickness * kSize * kSize));

@@ -5,6 +5,7 @@
 #include <Eigen/Dense>
 
 #include "coupler/core/error.h"
+#include "shell/solver/forces.h"
 
 namespace sunder::validation {
 
@@ -93,7 +94,7 @@ Linear linear_response(Stitched& s, int modes) {
   require(factors.info() == Eigen::Success, "the stiffness is not positive: the supports leave the shells free");
   Linear out;
   const Eigen::VectorXd u = factors.solve(load);
-  for (const ShellState& state : s.states) out.under_load.emplace_back(state.x.size(), 0.0);
+  for (const ShellState& state : s.states) out.under_load.emplace_back(state.motion.x.size(), 0.0);
   for (Eigen::Index i = 0; i < n; ++i)
     for (const auto& [shell, slot, share] : all[i].moves)
       out.under_load[shell][all[i].axis * out.under_load[shell].size() / 3 + slot] += share * u[i];

@@ -4,7 +4,7 @@
 #include "coupler/link/host.h"
 #include "coupler/scene/load.h"
 #include "rigid/engine/engine.h"
-#include "shell/io/run.h"
+#include "shell/run/run.h"
 #include "tests/temporary_folder.h"
 #include "tests/validation/coupled.h"
 

@@ -7,7 +7,7 @@
 #include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
 #include "shell/mechanics/section.h"
-#include "shell/solver/relaxation.h"
+#include "shell/solver/statics/relaxation.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -91,10 +91,11 @@ void cantilever(double length, const Load& load, int elements, int steps, int th
   std::int64_t relaxation = 0;
   for (int k = 1; k <= steps; ++k) {
     const double start = seconds_now();
-    s.time = static_cast<double>(k) / steps;
+    s.motion.time = static_cast<double>(k) / steps;
     const RelaxationResult q = relax(m, s, rules);
     newton += q.newton, relaxation += q.steps, worst = std::max(worst, q.residual);
-    look(s.time, displacement(m, s, {m.patch.knots_u.end(), 0.5 * m.patch.knots_v.end()}), seconds_now() - start);
+    look(s.motion.time, displacement(m, s, {m.patch.knots_u.end(), 0.5 * m.patch.knots_v.end()}),
+         seconds_now() - start);
   }
   r.lines.push_back(
       fmt::format("{}: {} Newton steps, {} of relaxation, residual at most {:.1e}", name, newton, relaxation, worst));

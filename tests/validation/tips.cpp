@@ -6,11 +6,12 @@
 
 #include "shell/geometry/builders.h"
 #include "shell/mechanics/principal.h"
-#include "shell/solver/insertion.h"
-#include "shell/solver/polyline.h"
-#include "shell/solver/relaxation.h"
-#include "shell/solver/tip_drive.h"
-#include "shell/solver/tips.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/cracking/tip_drive.h"
+#include "shell/solver/cracking/tips.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/statics/relaxation.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -62,14 +63,14 @@ Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2
   ShellState s = make_state(m, Vec3::Zero(), 1);
   const Vec2 c = Vec2::Constant(0.5 * kSide) + m.spacing * beside, d(std::cos(angle), std::sin(angle));
   insert_polyline(m, s, {c - kHalfCrack * d, c + kHalfCrack * d}, 0.0);
-  start_at_ends(m, s, 0, static_cast<int>(s.cracks.edges().size()));
+  start_at_ends(m, s, 0, static_cast<int>(s.cracks.graph.edges().size()));
   RelaxationRules rules;
   rules.threads = threads, rules.tolerance = 1e-5;
   relax(m, s, rules);
   compute_forces(m, s, false, 1.0, threads);
   const CrackRules r = make_crack_rules(m, 0.0);
   Found found;
-  for (const Tip& tip : s.tips) {
+  for (const Tip& tip : s.cracks.tips) {
     Start start;
     start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.most_turn = 80.0 * kPi / 180.0;
     const Drive drive = drive_at(m, s, r, start);
@@ -78,8 +79,8 @@ Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2
     const double known = pull == Pull::kBending
                              ? 1e-2 * kStress * std::sqrt(kHalfCrack * kPi * (1.0 + nu) / (3.0 * (3.0 + nu)))
                              : kStress * std::sqrt(kPi * kHalfCrack);
-    found.k1 += root / known / s.tips.size(), found.turn += std::abs(drive.turn) / s.tips.size();
-    found.anticlockwise += drive.turn / s.tips.size();
+    found.k1 += root / known / s.cracks.tips.size(), found.turn += std::abs(drive.turn) / s.cracks.tips.size();
+    found.anticlockwise += drive.turn / s.cracks.tips.size();
   }
   return found;
 }

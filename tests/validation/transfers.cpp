@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
-#include "shell/solver/step.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/stepping/grid_transfer.h"
+#include "shell/solver/stepping/kick_drift.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -40,17 +42,17 @@ void swing(Swing& out) {
   const std::size_t plane = m.tables.plane;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
-    s.v[2 * plane + slot] = 0.002 * std::sin(kPi * m.parameter[i].x()) * std::sin(kPi * m.parameter[i].y());
-    s.x[2 * plane + slot] += 0.3 / kElements;  // no plane of nodes in the plate
-    if (s.inverse_mass[slot] == 0.0) s.v[2 * plane + slot] = 0.0;
+    s.motion.v[2 * plane + slot] = 0.002 * std::sin(kPi * m.parameter[i].x()) * std::sin(kPi * m.parameter[i].y());
+    s.motion.x[2 * plane + slot] += 0.3 / kElements;  // no plane of nodes in the plate
+    if (s.motion.inverse_mass[slot] == 0.0) s.motion.v[2 * plane + slot] = 0.0;
   }
   const TransferRules rules{out.kind, out.spacing * m.spacing, out.leaky};
-  if (rules.kind != Transfer::kDirect) s.before = s.v;
+  if (rules.kind != Transfer::kDirect) s.motion.before = s.motion.v;
   const double rigidity = kYoung * std::pow(kThickness, 3) / 12.0 / (1.0 - kPoisson * kPoisson);
   const double period = 2.0 * kPi / (2.0 * kPi * kPi * std::sqrt(rigidity / (kDensity * kThickness)));
   const double dt = out.step * m.spacing / m.wave_speed();
   const int middle = m.tables.slot(m.control_points() / 2 + m.tables.columns / 2);
-  const double rest = s.x[2 * plane + middle];
+  const double rest = s.motion.x[2 * plane + middle];
   double before = 1e-12, peak = 0.0, first_peak = 0.0, last_peak = 0.0, first = 0.0, last = 0.0, through = 0.0;
   int crossings = 0;
   const std::int64_t steps = std::llround(kPeriods * period / dt);
@@ -62,7 +64,7 @@ void swing(Swing& out) {
     through += seconds_now() - start;
     if (rules.kind == Transfer::kDirect) constrain(m, s, dt);
     drift(m, s, dt);
-    const double now = s.x[2 * plane + middle] - rest;
+    const double now = s.motion.x[2 * plane + middle] - rest;
     peak = std::max(peak, std::abs(now));
     if ((now > 0.0) != (before > 0.0)) {
       last = (static_cast<double>(k) - now / (now - before)) * dt;

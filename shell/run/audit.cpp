@@ -1,0 +1,82 @@
+#include "shell/run/audit.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kMade = 0.02;   // of the most energy there was: what has no business to be made, or is missing
+constexpr double kGiven = 0.05;  // overlaps that are let go give a little
+constexpr double kUncertain = 0.1, kFrozen = 0.1;
+constexpr double kAdded = 0.01;  // of what fracture took
+constexpr double kNoted = 1e-3;  // of the most energy there was: what is less is no matter
+
+// Of what lies between a and b: cracks that leave the shell end a little beyond its border.
+double length_within(const Patch& patch, const Vec2& a, const Vec2& b) {
+  double from = 0.0, to = 1.0;
+  const KnotVector* knots[] = {&patch.knots_u, &patch.knots_v};
+  for (int d = 0; d < 2; ++d) {
+    const double way = b[d] - a[d];
+    if (way == 0.0) continue;  // along that border: within it, as its ends are
+    const double begin = (knots[d]->begin() - a[d]) / way, end = (knots[d]->end() - a[d]) / way;
+    from = std::max(from, std::min(begin, end)), to = std::min(to, std::max(begin, end));
+  }
+  return std::max(0.0, to - from) * (b - a).norm();
+}
+
+}  // namespace
+
+double crack_resistance(const ShellModel& m, const ShellState& s) {
+  double sum = 0.0;
+  for (const CrackEdge& e : s.cracks.graph.edges()) {
+    if (e.face == 0) continue;
+    const Vec2 middle = 0.5 * (e.a + e.b);
+    const int block = m.patch.knots_v.span_of(middle.y()) * m.tables.gauss * m.tables.gauss;
+    const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(middle.x()));
+    sum += factor * factor * length_within(m.patch, e.a, e.b);
+  }
+  return m.material.fracture_energy * (m.thickness - m.material.interlayer.thickness) * sum;
+}
+
+std::vector<std::string> doubts(const Audit& audit) {
+  const EnergyBook& b = audit.book;
+  const auto share = [&](double energy) { return audit.scale > 0.0 ? energy / audit.scale : 0.0; };
+  std::vector<std::string> out;
+  if (!(std::abs(audit.residual) <= kMade))
+    out.push_back(
+        fmt::format("the energy books miss {:.1f} % of the energy there was: lower time_step_safety, or refine",
+                    100.0 * audit.residual));
+  if (share(audit.given) > kGiven)
+    out.push_back(
+        fmt::format("contact has given back {:.1f} % of the energy there was, where it can only take: lower "
+                    "time_step_safety, or refine",
+                    100.0 * share(audit.given)));
+  if (share(-b.healing) > kMade)
+    out.push_back(
+        fmt::format("damage that healed has made {:.1f} % of the energy there was", 100.0 * share(-b.healing)));
+  if (b.injected > kAdded * b.fracture && share(b.injected) > kNoted)
+    out.push_back(fmt::format(
+        "cracks have added {:.1f} % of the energy that fracture took, at places and in moments where they "
+        "should only take: refine{}",
+        100.0 * b.injected / std::max(b.fracture, b.injected), audit.keeps_damage ? ", or let damage heal" : ""));
+  if (share(-b.handoff) > kMade)
+    out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
+                              100.0 * share(-b.handoff), audit.grid_transfer ? ": the grid glues what is cut" : ""));
+  if (share(audit.coupling) > kUncertain)
+    out.push_back(fmt::format(
+        "windows are too long for bodies that the shell pushes and the engine holds: {:.1f} % of the energy "
+        "there was is uncertain by it; shorten window_s, give coupling.adaptive_window, or take an engine "
+        "that can do 'export_rows'",
+        100.0 * share(audit.coupling)));
+  if (share(audit.frozen) > kFrozen)
+    out.push_back(
+        fmt::format("the shell was frozen while it still moved with {:.0f} % of the energy there was: raise "
+                    "fracture.quiet_time_s or latest_freeze_s",
+                    100.0 * share(audit.frozen)));
+  return out;
+}
+
+}  // namespace sunder::shell

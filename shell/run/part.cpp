@@ -1,0 +1,124 @@
+#include "shell/run/part.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "shell/solver/contact/hertz.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/cracking/tips.h"
+#include "shell/solver/stepping/stable_step.h"
+
+namespace sunder::shell {
+namespace {
+
+// Windows between two measurements of the stable step: what cracks leave of it is a little more than is taken of it,
+// but not always. Every 800 substeps is too late: in a blast one crack then got a quarter of what all release out of
+// nothing.
+constexpr int kMeasureEvery = 4;
+constexpr int kStrainedWindows = 8;  // the same where there is damage
+
+}  // namespace
+
+Eigen::AlignedBox3d ShellPart::box() const {
+  Eigen::AlignedBox3d box;
+  const ShellModel& m = model();
+  for (int k = 0; k < m.control_points(); ++k)
+    if (!state->motion.detached[m.tables.slot(k)]) box.extend(state->position(m.tables.slot(k)));
+  return box;
+}
+
+void ShellPart::mark_rubble(PartPieces& now) const {
+  const Triangulation& t = *now.triangulation;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    const auto& c = t.triangles[i];
+    Piece& piece = now.pieces[t.piece[i]];
+    if (!piece.control_points.empty()) continue;
+    for (const Vec2& r : rubble)
+      if (orientation(t.vertices[c[0]], t.vertices[c[1]], r) >= 0 &&
+          orientation(t.vertices[c[1]], t.vertices[c[2]], r) >= 0 &&
+          orientation(t.vertices[c[2]], t.vertices[c[0]], r) >= 0)
+        piece.gone = true;
+  }
+}
+
+std::shared_ptr<const Triangulation> ShellPart::counted() {
+  const ShellModel& m = model();
+  const Eigen::AlignedBox2d all = domain_of(m);
+  const bool closed = loops.closed(state->cracks.graph, all.min(), all.max(), m.spacing);
+  if (closed || !triangulated)
+    triangulated = std::make_shared<Triangulation>(sunder::shell::triangulated(m, *state, {}));
+  return triangulated;
+}
+
+std::shared_ptr<const Triangulation> ShellPart::drawn(std::span<const Eigen::AlignedBox2d> leaving) const {
+  return std::make_shared<Triangulation>(sunder::shell::triangulated(model(), *state, leaving));
+}
+
+void ShellPart::add_rubble(const Triangulation& t, int piece) {
+  for (const int k : t.triangles_of(piece)) {
+    const auto& c = t.triangles[k];
+    rubble.push_back((t.vertices[c[0]] + t.vertices[c[1]] + t.vertices[c[2]]) / 3.0);
+  }
+}
+
+double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
+                             double window, std::int64_t now) {
+  if (std::none_of(setup->hertz.begin(), setup->hertz.end(), [](double k) { return k > 0.0; })) return step;
+  const ShellModel& m = model();
+  double shell_speed = 0.0;
+  for (int k = 0; k < m.control_points(); ++k)
+    if (!state->motion.detached[m.tables.slot(k)])
+      shell_speed = std::max(shell_speed, state->velocity(m.tables.slot(k)).norm());
+  const Eigen::AlignedBox3d space = box();
+  const double without = step;
+  for (std::size_t i = 0; i < bodies; ++i) {
+    if (setup->hertz[i] == 0.0 || space.isEmpty()) continue;
+    const Proxy& p = proxies[i];
+    const double speed = p.body.motion.velocity.norm() + gravity.norm() * window + shell_speed;
+    if (space.exteriorDistance(p.body.motion.position) > p.radius() + m.thickness + 2.0 * speed * window) continue;
+    // contact stores it, and gives it back; in powers of two: every change of the step costs leapfrog some energy
+    if (speed > hertz_speed) hertz_speed = std::exp2(std::ceil(std::log2(speed)));
+    step = hertz_step(m, p.body, setup->hertz[i], hertz_speed, step);
+  }
+  if (step < without) {
+    if (hertz_until >= 0 && now > hertz_until) hertz_windows = std::min(2 * hertz_windows, kHertzKeptMost);
+    step = hertz_kept = now <= hertz_until ? std::min(hertz_kept, step) : step;
+    hertz_until = now + hertz_windows;
+  } else if (now <= hertz_until) {
+    step = std::min(step, hertz_kept);
+  }
+  return step;
+}
+
+std::vector<EdgeCut> ShellPart::cut(double now, double until) {
+  std::vector<EdgeCut> on_edges;
+  std::vector<std::pair<int, int>> made;  // edges from, to before
+  for (std::size_t i = 0; i < setup->cuts.size(); ++i)
+    if (!state->cracks.cut_done[i] && setup->cuts[i].time <= until) {
+      const int before = static_cast<int>(state->cracks.graph.edges().size());
+      for (const auto& line : setup->cuts[i].lines) insert_polyline(model(), *state, line, now);
+      on_edges.insert(on_edges.end(), setup->cuts[i].on_edges.begin(), setup->cuts[i].on_edges.end());
+      made.emplace_back(before, static_cast<int>(state->cracks.graph.edges().size()));
+      state->cracks.cut_done[i] = 1;
+    }
+  if (setup->tips)  // once all are there: an end on another is not open
+    for (const auto& [first, last] : made) start_at_ends(model(), *state, first, last);
+  return on_edges;
+}
+
+void ShellPart::measure_step(std::int64_t window, int threads) {
+  const ShellModel& m = model();
+  const auto& edges = state->cracks.graph.edges();
+  for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
+  if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)  // what is damaged may be strained far
+    for (const GatheredPoint& g : state->cracked.gathered)
+      changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
+  if (changed.empty() || window < next_measure) return;
+  smallest_step =
+      std::min(smallest_step, stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed));
+  changed.clear();
+  next_measure = window + kMeasureEvery;
+}
+
+}  // namespace sunder::shell

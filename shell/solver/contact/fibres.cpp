@@ -1,0 +1,215 @@
+#include "shell/solver/contact/fibres.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Dense>
+
+#include "coupler/core/error.h"
+#include "shell/solver/contact/rigid_contact.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kLeast = 0.1;    // of its length at rest, that a fibre may be pressed to: beyond, layers pass through
+constexpr double kUneven = 1.19;  // largest x (2 - x)^2, 32/27: stiffness of a node that two layers fill unevenly
+constexpr double kSlope = 16.0;   // largest (dw/dx)^2 of a patch over its lumped mean square [1/element^2]; 12 with a
+                                  // free edge in both directions
+
+std::vector<char> with_fibres(const std::vector<const ShellModel*>& shells) {
+  std::vector<char> out;
+  for (const ShellModel* m : shells) out.push_back(m->has_fibres() ? 1 : 0);
+  return out;
+}
+
+}  // namespace
+
+Fibres::Fibres(const std::vector<const ShellModel*>& shells, const std::vector<Seam>& seams, double spacing)
+    : grid_(spacing, components(shells.size(), seams)),
+      near_(shells, with_fibres(shells), components(shells.size(), seams), std::sqrt(3.0) * kNodes * spacing,
+            grid_.one_surface()) {
+  for (const ShellModel* m : shells) {
+    forces_.emplace_back(m->has_fibres() ? m->tables.plane : 0, Vec3::Zero());
+    touched_.emplace_back();
+  }
+}
+
+void Fibres::add_samples(const ShellRef& shell, const Tile& tile) {
+  const ShellModel& m = *shell.model;
+  const ShellState& s = *shell.state;
+  NearTiles::each_gauss_point(m, tile, [&](int block, int lane, double area) {
+    const Vec2 at = gauss_point(m.patch, m.tables, block, lane).parameter;
+    LayerSample q;
+    q.area = area, q.thickness = m.thickness, q.mass = m.material.density * m.thickness * area, q.shell = tile.shell;
+    q.rest = Vec3::Zero();
+    for (const GatheredFunction& f : patch_functions(m.patch, at, m.tables.stride)) {
+      functions_.push_back(f);
+      q.rest += f.n[0] * s.at(m.rest, f.slot);
+    }
+    samples_.push_back(q), places_.push_back({tile.shell, block, lane}), first_.push_back(functions_.size());
+  });
+}
+
+void Fibres::refresh(const std::vector<ShellRef>& shells, double dt) {
+  near_.refresh(shells, dt);
+  places_.clear(), samples_.clear(), functions_.clear(), first_.assign(1, 0);
+  for (const Tile& tile : near_.tiles())
+    if (tile.candidate) add_samples(shells[tile.shell], tile);
+  // What can touch nothing any more lets go: by the state alone, so that a run that goes on from it does the same.
+  for (const Tile& tile : near_.tiles()) {
+    if (tile.candidate) continue;
+    const ShellModel& m = *shells[tile.shell].model;
+    ShellState& s = *shells[tile.shell].state;
+    NearTiles::each_gauss_point(m, tile, [&](int block, int lane, double) {
+      for (int side = 0; side < 2; ++side) relax(m, s, {tile.shell, block, lane}, side, Vec3::UnitZ());
+    });
+  }
+}
+
+void Fibres::look(const std::vector<ShellRef>& shells) {
+  frames_.resize(samples_.size()), stress_.resize(samples_.size());
+  for (std::size_t p = 0; p < samples_.size(); ++p) {
+    LayerSample& q = samples_[p];
+    const ShellState& s = *shells[q.shell].state;
+    Vec3 u = Vec3::Zero(), v = Vec3::Zero(), du = Vec3::Zero(), dv = Vec3::Zero();
+    q.x = q.v = Vec3::Zero();
+    for (std::size_t i = first_[p]; i < first_[p + 1]; ++i) {
+      const GatheredFunction& f = functions_[i];
+      const Vec3 x = s.position(f.slot), w = s.velocity(f.slot);
+      q.x += f.n[0] * x, u += f.n[1] * x, v += f.n[2] * x;
+      q.v += f.n[0] * w, du += f.n[1] * w, dv += f.n[2] * w;
+    }
+    Frame& f = frames_[p];
+    const Vec3 cross = u.cross(v);
+    const double square = cross.squaredNorm(), length = u.norm();
+    const Vec3 n = cross / std::sqrt(square), q1 = u / length, q2 = n.cross(q1);
+    f.au = v.cross(cross) / square, f.av = cross.cross(u) / square;
+    f.q.col(0) = q1, f.q.col(1) = q2, f.q.col(2) = n;
+    f.half = 0.5 * q.area * q.thickness;
+    const Vec3 turn = -(n.dot(du) * f.au + n.dot(dv) * f.av);  // dn/dt
+    const Vec3 w = n.cross(turn) + (du.dot(q2) / length) * n;
+    f.spin << 0.0, -w.z(), w.y(), w.z(), 0.0, -w.x(), -w.y(), w.x(), 0.0;
+    q.normal = n;
+    q.gradient = du * f.au.transpose() + dv * f.av.transpose() + turn * n.transpose();
+  }
+}
+
+Vec3 Fibres::fibre(const ShellState& s, std::size_t sample, int side) const {
+  const double* a = &s.layers.fibres[at(s, places_[sample], side)];
+  return {a[0], a[1], a[2]};
+}
+
+void Fibres::relax(const ShellModel& m, ShellState& s, const Place& p, int side, const Vec3& a) {
+  double* old = &s.layers.fibres[at(s, p, side)];
+  const Vec3 trial(old[0], old[1], old[2]);
+  if (trial == a) return;
+  const double half = 0.5 * m.thickness * m.tables.metric[m.tables.at(p.block, kMetricFields, kArea, p.lane)];
+  s.book.contact += half * (fibre_energy(m.fibres, trial) - fibre_energy(m.fibres, a));
+  for (int d = 0; d < 3; ++d) old[d] = a[d];
+}
+
+void Fibres::follow(const ShellModel& m, ShellState& s, std::size_t p, int side, double dt) {
+  const LayerSample& q = samples_[p];
+  if (q.share[side] == 0.0) return relax(m, s, places_[p], side, Vec3::UnitZ());
+  // with the gradient at the end of the substep: layers that were d apart and are d' now have just pressed their fibres
+  // to d'/d
+  const Frame& f = frames_[p];
+  const Mat3 change = Mat3::Identity() - dt * (f.q.transpose() * (q.together[side] - f.spin) * f.q);
+  const Vec3 before = fibre(s, p, side), a = change.inverse() * before, after = fibre_return(m.fibres, a);
+  double* stored = &s.layers.fibres[at(s, places_[p], side)];
+  for (int d = 0; d < 3; ++d) stored[d] = after[d];
+  if (after != a) {  // what leapfrog's work, with the mean of both stresses, put in and it does not store
+    const Vec3 mean = 0.5 * (fibre_stress(m.fibres, before) + fibre_stress(m.fibres, after));
+    s.book.contact += f.half * (mean.dot(a - before) - fibre_energy(m.fibres, after) + fibre_energy(m.fibres, before));
+  }
+  if (a.z() > kLeast) return;
+  throw Error(
+      Exit::kPhysics, "fibres",
+      fmt::format("shell '{}' is pressed to {:.3g} of its thickness against what touches it at ({:.4g}, {:.4g}, "
+                  "{:.4g}) m; fibres bear no more below {}: raise fibres.compression_modulus, or press less",
+                  m.name, a.z(), q.x.x(), q.x.y(), q.x.z(), kLeast));
+}
+
+void Fibres::find_forces(const std::vector<ShellRef>& shells, double dt) {
+  for (std::size_t k = 0; k < shells.size(); ++k) {
+    for (const int slot : touched_[k]) forces_[k][slot].setZero();
+    touched_[k].clear();
+  }
+  energy_ = 0.0, known_ = true;
+  if (samples_.empty()) return;
+  look(shells);
+  const bool touching = grid_.find(samples_);
+  bool strained = false;
+  for (std::size_t p = 0; p < samples_.size(); ++p) {
+    const ShellModel& m = *shells[samples_[p].shell].model;
+    ShellState& s = *shells[samples_[p].shell].state;
+    for (int side = 0; side < 2; ++side) {
+      if (dt > 0.0) follow(m, s, p, side, dt);
+      const Vec3 a = fibre(s, p, side), stress = fibre_stress(m.fibres, a);
+      energy_ += frames_[p].half * fibre_energy(m.fibres, a);
+      stress_[p][side].setZero();
+      if (stress.isZero(0.0)) continue;
+      stress_[p][side] = frames_[p].half * (frames_[p].q * stress) * (frames_[p].q * a).transpose();
+      strained = true;
+    }
+  }
+  if (!touching || !strained) return;
+  grid_.push(samples_, stress_);
+  for (std::size_t p = 0; p < samples_.size(); ++p) {
+    const LayerSample& q = samples_[p];
+    const Frame& f = frames_[p];
+    const Mat3 k = stress_[p][0] + stress_[p][1];
+    const Vec3 n = q.normal, lever = q.moment * n + (k - k.transpose()) * n;
+    if (q.force.isZero(0.0) && q.moment.isZero(0.0)) continue;
+    const Vec3 u = q.moment * f.au - f.au.dot(lever) * n, v = q.moment * f.av - f.av.dot(lever) * n;
+    for (std::size_t i = first_[p]; i < first_[p + 1]; ++i) {
+      const GatheredFunction& g = functions_[i];
+      Vec3& sum = forces_[q.shell][g.slot];
+      touched_[q.shell].push_back(g.slot);
+      sum += g.n[0] * q.force + g.n[1] * u + g.n[2] * v;
+    }
+  }
+  for (std::vector<int>& slots : touched_) {
+    std::sort(slots.begin(), slots.end());
+    slots.erase(std::unique(slots.begin(), slots.end()), slots.end());
+  }
+}
+
+void Fibres::advance(const std::vector<ShellRef>& shells, double dt) {
+  if (age_++ % kContactRefresh == 0) refresh(shells, dt), age_ = 1;
+  find_forces(shells, dt);
+}
+
+void Fibres::add_forces(const std::vector<ShellRef>& shells) {
+  if (!known_) {
+    refresh(shells, 0.0);
+    find_forces(shells, 0.0);
+    age_ = 0;
+  }
+  for (std::size_t k = 0; k < shells.size(); ++k) {
+    ShellState& s = *shells[k].state;
+    const std::size_t plane = s.motion.mass.size();
+    for (const int slot : touched_[k])
+      for (int d = 0; d < 3; ++d) s.motion.force[d * plane + slot] += forces_[k][slot][d];
+  }
+}
+
+double stable_step_with_fibres(double alone, const std::vector<const ShellModel*>& shells) {
+  double most = 0.0, lean = 0.0;
+  const auto stiffest = [](const FibreLaw& law) { return std::max(2.0 * law.compression, law.shear); };
+  for (const ShellModel* a : shells) {
+    if (!a->has_fibres()) continue;
+    const double mass_a = a->material.density * a->thickness;
+    lean = std::max(lean, kSlope * a->fibres.shear / (a->material.density * a->shortest_element * a->shortest_element));
+    for (const ShellModel* b : shells) {
+      if (!b->has_fibres()) continue;
+      const double mass_b = b->material.density * b->thickness, d = 0.5 * (a->thickness + b->thickness);
+      const double stiffness =
+          0.5 * (a->thickness * stiffest(a->fibres) + b->thickness * stiffest(b->fibres)) / (d * d);
+      most = std::max(most, 2.0 * kUneven * stiffness * (1.0 / mass_a + 1.0 / mass_b));
+    }
+  }
+  return 2.0 / std::sqrt(4.0 / (alone * alone) + most + lean);
+}
+
+}  // namespace sunder::shell

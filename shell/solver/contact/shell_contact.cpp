@@ -1,0 +1,170 @@
+#include "shell/solver/contact/shell_contact.h"
+
+#include "shell/solver/contact/rigid_contact.h"
+
+#include <algorithm>
+
+namespace sunder::shell {
+namespace {
+
+// Of contact in a substep: of what a sample's control points are pushed with, it moves with a part, the less the fewer
+// samples touch. With one, some layers of a sheet of 100 x 100 elements that is crumpled cross (validate contact --case
+// crumple), or with a second that only stops them; with two none do.
+constexpr int kPasses = 2;
+
+double widest(const std::vector<const ShellModel*>& shells) {
+  double h = 0.0;
+  for (const ShellModel* m : shells) h = std::max(h, std::max(m->longest_element, 2.0 * m->thickness));
+  return h;
+}
+
+// Gives a control point impulse j [N s], and books its work.
+void push(ShellState& s, int slot, const Vec3& j, double dt) {
+  const double mobility = s.motion.inverse_mass[slot];
+  if (mobility == 0.0 || j.isZero(0.0)) return;
+  // the velocity at the time of the positions, half a kick earlier
+  const Vec3 back = 0.5 * dt * mobility * s.at(s.motion.force, slot);
+  s.book.contact -= j.dot(s.velocity(slot) + 0.5 * mobility * j - back);
+  s.add_velocity(slot, mobility * j);
+}
+
+}  // namespace
+
+ShellContact::ShellContact(const std::vector<const ShellModel*>& shells, const std::vector<Seam>& seams,
+                           std::vector<std::vector<SurfaceLaw>> laws)
+    : fields_(widest(shells), components(shells.size(), seams), std::move(laws)),
+      near_(shells, {}, components(shells.size(), seams), fields_.spacing(), fields_.one_surface()) {
+  for (const ShellModel* m : shells) {
+    impulses_.emplace_back(m->tables.plane, Vec3::Zero());
+    touched_.emplace_back();
+  }
+}
+
+void ShellContact::refresh(const std::vector<ShellRef>& shells, double dt) {
+  near_.refresh(shells, dt);
+  samples_.clear(), functions_.clear(), first_.assign(1, 0);
+  for (const Tile& tile : near_.tiles())
+    if (tile.candidate) add_samples(shells[tile.shell], tile);
+}
+
+void ShellContact::add_samples(const ShellRef& shell, const Tile& tile) {
+  const ShellModel& m = *shell.model;
+  const ShellState& s = *shell.state;
+  const RowTables& t = m.tables;
+  NearTiles::each_gauss_point(m, tile, [&](int block, int lane, double area) {
+    sample_functions(m, s, block, lane, gathered_);
+    if (gathered_.empty() || s.motion.detached[gathered_[0].slot]) return;
+    const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, t, block, lane).parameter);
+    const auto normal = [&](const std::vector<double>& at) -> Vec3 {
+      Vec3 u = Vec3::Zero(), v = Vec3::Zero();
+      for (int k = 0; k < n.count(); ++k) {
+        const Vec3 x = s.at(at, n.row(k) * t.stride + n.column(k));
+        u += n.u[k] * x, v += n.v[k] * x;
+      }
+      return u.cross(v).normalized();
+    };
+    SurfaceSample q;
+    q.normal = normal(s.motion.x), q.rest_normal = normal(m.rest), q.area = area;
+    if (!q.normal.allFinite()) return;
+    q.mass = m.material.density * m.thickness * area, q.thickness = m.thickness, q.shell = tile.shell;
+    q.rest = Vec3::Zero();
+    for (const GatheredFunction& g : gathered_) {
+      functions_.emplace_back(g.slot, g.n[0]);
+      q.rest += g.n[0] * s.at(m.rest, g.slot);
+    }
+    samples_.push_back(q), first_.push_back(functions_.size());
+  });
+}
+
+int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std::function<void()>& share) {
+  if (age_++ % kContactRefresh == 0) refresh(shells, dt), age_ = 1;
+  if (samples_.empty()) return 0;
+  for (std::size_t p = 0; p < samples_.size(); ++p) {
+    SurfaceSample& q = samples_[p];
+    const ShellState& s = *shells[q.shell].state;
+    q.x = q.v = Vec3::Zero();
+    each_function(p, [&](int slot, double n) { q.x += n * s.position(slot), q.v += n * s.velocity(slot); });
+  }
+  if (!fields_.find(samples_, dt)) return 0;
+  const int touching = fields_.push(samples_, dt);
+  for (int pass = 1; touching > 0; ++pass) {
+    hand_over(shells, dt);
+    hold_folds_open(shells, dt);
+    if (pass == kPasses) break;
+    if (share) share();
+    for (const int p : fields_.near()) {
+      SurfaceSample& q = samples_[p];
+      q.v.setZero();
+      each_function(p, [&](int slot, double n) { q.v += n * shells[q.shell].state->velocity(slot); });
+    }
+    fields_.push(samples_, dt);
+  }
+  return touching;
+}
+
+// Parts samples of a fold along the line between them, which leaves angular momentum as it is, one pair after the
+// other. Both lie on much the same control points, which oppose to their parting a mass that is many times the samples'
+// own: they are stopped with that, and part with their own, or control points would be thrown. Those that a support
+// holds count as if they were free, or the last that is free beside them would be; beside those that follow others over
+// a seam, which hand on later what they get, samples are stopped with their own mass too.
+void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double dt) {
+  for (const FieldContact::Close& c : fields_.folds()) {
+    const Vec3 line = samples_[c.q].x - samples_[c.p].x;
+    const double apart = line.norm();
+    if (apart == 0.0) continue;
+    parting_.clear();
+    const auto add = [&](int sample, double sign) {
+      each_function(sample, [&](int slot, double n) {
+        const int shell = samples_[sample].shell;
+        const auto known = std::find_if(parting_.begin(), parting_.end(),
+                                        [&](const Share& s) { return s.shell == shell && s.slot == slot; });
+        if (known == parting_.end())
+          parting_.push_back({shell, slot, sign * n});
+        else
+          known->share += sign * n;
+      });
+    };
+    add(c.p, -1.0), add(c.q, 1.0);
+    const Vec3 n = line / apart;
+    double approach = 0.0, mobility = 0.0;
+    bool follows = false;
+    for (const Share& p : parting_) {
+      const ShellState& s = *shells[p.shell].state;
+      approach += p.share * n.dot(s.velocity(p.slot));
+      double inverse = s.motion.inverse_mass[p.slot];
+      if (inverse > 0.0 && s.motion.mass[p.slot] == 0.0) follows = true;
+      if (inverse == 0.0 && s.motion.mass[p.slot] > 0.0) inverse = 1.0 / s.motion.mass[p.slot];
+      mobility += p.share * p.share * inverse;
+    }
+    const double wanted = FieldContact::parting(c, apart, approach, dt);
+    if (mobility == 0.0 || approach >= wanted) continue;
+    const double stop = std::max(0.0, std::min(wanted, 0.0) - approach), rest = wanted - approach - stop;
+    const double own = 1.0 / (1.0 / samples_[c.p].mass + 1.0 / samples_[c.q].mass);
+    const double given = std::min(own, 1.0 / mobility);
+    const double j = (follows ? given * stop : stop / mobility) + given * rest;
+    for (const Share& p : parting_) push(*shells[p.shell].state, p.slot, p.share * j * n, dt);
+  }
+}
+
+// Gives the samples' impulses to the control points.
+void ShellContact::hand_over(const std::vector<ShellRef>& shells, double dt) {
+  for (const int p : fields_.near()) {
+    const SurfaceSample& q = samples_[p];
+    if (q.impulse.isZero(0.0)) continue;
+    each_function(p, [&](int slot, double n) {
+      Vec3& sum = impulses_[q.shell][slot];
+      if (sum.isZero(0.0)) touched_[q.shell].push_back(slot);
+      sum += n * q.impulse;
+    });
+  }
+  for (std::size_t k = 0; k < shells.size(); ++k) {
+    ShellState& s = *shells[k].state;
+    for (const int slot : touched_[k]) {
+      push(s, slot, impulses_[k][slot], dt);
+      impulses_[k][slot].setZero();
+    }
+    touched_[k].clear();
+  }
+}
+
+}  // namespace sunder::shell

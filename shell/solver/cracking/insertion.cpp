@@ -1,0 +1,436 @@
+#include "shell/solver/cracking/insertion.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "shell/solver/forces.h"
+#include "shell/solver/interlock.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr std::size_t kTrials = 8;    // remembered of a point
+constexpr int kForget = 128;          // edges after which all are forgotten
+constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
+constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
+
+std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
+  std::vector<GatheredFunction> out;
+  out.reserve(p.functions.size());
+  for (const MlsFunction& f : p.functions) out.push_back({m.tables.slot(f.control_point), f.n});
+  return out;
+}
+
+// The Gauss point as it is now. Where no crack has touched it, it is made, with the functions of the uncut patch.
+const GatheredPoint& present_point(const ShellModel& m, const ShellState& s, int block, int lane, GatheredPoint& made) {
+  const RowTables& t = m.tables;
+  const int index = s.cracked.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
+  if (index >= 0) return s.cracked.gathered[index];
+  GatheredPoint& g = made;
+  g.block = block, g.lane = lane, g.kind = PointKind::kQuadratic;
+  g.functions = patch_functions(m.patch, gauss_point(m.patch, t, block, lane).parameter, t.stride);
+  const double* metric = &s.cracked.tables.metric[t.at(block, kMetricFields, 0, lane)];
+  g.area = metric[kArea * t.lanes];
+  g.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
+              {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};
+  return g;
+}
+
+int sight_of(const ShellModel& m, ShellState& s, int block, int lane) {
+  const RowTables& t = m.tables;
+  const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+  int& index = s.caches.visibility_of[gauss];
+  if (index >= 0) return index;
+  s.caches.visibility.emplace_back(control_grid(m), gauss_point(m.patch, t, block, lane).parameter, lane,
+                                   block / (t.gauss * t.gauss));
+  s.caches.used.push_back(s.caches.visibility.back());
+  if (s.cracked.point_of[gauss] >= 0)
+    note_uses(m, s.cracked.gathered[s.cracked.point_of[gauss]].functions, s.caches.used.back());
+  return index = static_cast<int>(s.caches.visibility.size()) - 1;
+}
+
+// The same point with the functions that cracks leave it.
+GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoint& old) {
+  GatheredPoint g;
+  g.block = old.block, g.lane = old.lane, g.area = old.area, g.metric = old.metric;
+  const MlsPoint mls = mls_point(control_grid(m), sight);
+  g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
+           : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
+                                             : PointKind::kDead;
+  g.functions = to_slots(m, mls);
+  if (g.kind != PointKind::kDead) {
+    const Forms<double> rest = surface_forms(gather(m.tables, g, m.rest));
+    g.metric = {rest.a, rest.b};
+  }
+  return g;
+}
+
+// The same, as a trial has found it where one had that sight. Until the next one of that point.
+Caches::Trial& tried(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
+                     std::vector<Caches::Trial>& trials) {
+  for (Caches::Trial& known : trials)
+    if (known.sight.sees_the_same(sight)) return known;
+  if (trials.size() == kTrials) trials.erase(trials.begin());
+  trials.push_back({sight, renewed(m, sight, old)});
+  return trials.back();
+}
+
+void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
+  const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
+  GatheredPoint made;
+  s.cracked.gathered.push_back(present_point(m, s, block, lane, made));
+  if (s.layers.brittleness > 0.0) {
+    s.cracked.damage.emplace_back();
+    s.cracked.damage.back().strength = s.layers.strength[gauss];
+  }
+  s.cracked.point_of[gauss] = static_cast<int>(s.cracked.gathered.size()) - 1;
+  if (s.caches.visibility_of[gauss] >= 0)
+    note_uses(m, s.cracked.gathered.back().functions, s.caches.used[s.caches.visibility_of[gauss]]);
+}
+
+// The row kernel leaves the point out from now on.
+void leave_rows(const ShellModel& m, ShellState& s, int block, int lane) {
+  const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
+  s.cracked.tables.metric[m.tables.at(block, kMetricFields, kArea, lane)] = 0.0;
+  GatheredPoint& point = s.cracked.gathered[s.cracked.point_of[gauss]];
+  if (point.in_rows) point.in_rows = false, s.cracked.watched[gauss] = 0;
+}
+
+// How far off the control points are that a point at p uses [spacings].
+float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
+  double reach = 0.0;
+  for (const GatheredFunction& f : g.functions) {
+    const Vec2 d = (m.of_slot[f.slot] - p).cwiseAbs();
+    reach = std::max({reach, d.x() / m.spacing_u, d.y() / m.spacing_v});
+  }
+  return static_cast<float>(reach * (1.0 + 1e-6));  // more than the rounding
+}
+
+// A Gauss point that may look across an edge.
+struct Candidate {
+  int block, lane;
+  bool unsure;  // what it uses is not noted yet
+};
+
+// Those of one row of elements; changes nothing. `low`, `high`: box of the edge and all that can look across it.
+std::vector<Candidate> candidates_in(const ShellModel& m, const ShellState& s, const CrackEdge& e, int f,
+                                     const Vec2& low, const Vec2& high) {
+  const RowTables& t = m.tables;
+  const Vec2 edge_low = e.long_a.cwiseMin(e.long_b), edge_high = e.long_a.cwiseMax(e.long_b);
+  const int first_lane = m.patch.knots_u.span_of(low.x()), last_lane = m.patch.knots_u.span_of(high.x());
+  thread_local std::vector<char> beside;
+  beside.resize(last_lane + 1);
+  for (int lane = first_lane; lane <= last_lane; ++lane) {
+    // an element lies among its control points, and those in this box
+    const Vec2 &first = m.parameter[f * t.columns + lane],
+               &last = m.parameter[(f + t.degree) * t.columns + lane + t.degree];
+    beside[lane] = (first.array() <= edge_high.array()).all() && (last.array() >= edge_low.array()).all();
+  }
+  std::vector<Candidate> found;
+  for (int block = f * t.gauss * t.gauss; block < (f + 1) * t.gauss * t.gauss; ++block)
+    for (int lane = first_lane; lane <= last_lane; ++lane) {
+      const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+      const double reach = s.cracked.reach[gauss];
+      if (reach == 0.0 && !beside[lane]) continue;
+      const GaussPoint g = gauss_point(m.patch, t, block, lane);
+      const Vec2 gap = (edge_low - g.parameter).cwiseMax(g.parameter - edge_high);
+      if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
+        continue;
+      const int point = s.cracked.point_of[gauss];
+      bool hit = false, unsure = false;  // what it does not use may hide: its functions are still as sound as they were
+      if (point < 0) {
+        for (int k = 0; k < t.support() * t.support() && !hit; ++k)
+          hit = segments_meet(g.parameter, m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()],
+                              e.long_a, e.long_b);
+      } else if (!s.cracked.gathered[point].functions.empty()) {
+        unsure = s.caches.visibility_of[gauss] < 0;
+        hit = unsure || s.caches.used[s.caches.visibility_of[gauss]].loses(control_grid(m), e);
+      }
+      if (hit) found.push_back({block, lane, unsure});
+    }
+  return found;
+}
+
+// Gauss points that look across an edge, in rising order of blocks and lanes.
+std::vector<std::pair<int, int>> touched_points(const ShellModel& m, ShellState& s, const CrackEdge& e, int threads) {
+  const Vec2 pad = Vec2(m.spacing_u, m.spacing_v) * kLargestSupport;
+  const Vec2 low = e.a.cwiseMin(e.b) - pad, high = e.a.cwiseMax(e.b) + pad;
+  const int first = m.patch.knots_v.span_of(low.y()), end = m.patch.knots_v.span_of(high.y()) + 1;
+  std::vector<std::vector<Candidate>> rows(end - first);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (int f = first; f < end; ++f) rows[f - first] = candidates_in(m, s, e, f, low, high);
+  std::vector<std::pair<int, int>> touched;
+  for (const std::vector<Candidate>& row : rows)
+    for (const auto& [block, lane, unsure] : row)
+      if (!unsure || s.caches.used[sight_of(m, s, block, lane)].loses(control_grid(m), e))
+        touched.push_back({block, lane});
+  return touched;
+}
+
+}  // namespace
+
+ControlGrid control_grid(const ShellModel& m) {
+  return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
+}
+
+void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Sight& uses) {
+  uses.close();
+  for (const GatheredFunction& f : functions) uses.show(control_grid(m), m.tables.control_point(f.slot));
+}
+
+int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
+  const RowTables& t = m.tables;
+  const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
+  if (s.cracked.point_of[gauss] < 0) remember_point(m, s, block, lane);
+  leave_rows(m, s, block, lane);
+  return s.cracked.point_of[gauss];
+}
+
+void watch_point(const ShellModel& m, ShellState& s, int block, int lane) {
+  const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
+  if (s.cracked.point_of[gauss] >= 0) return;
+  remember_point(m, s, block, lane);
+  s.cracked.gathered[s.cracked.point_of[gauss]].in_rows = true;
+  if (s.cracked.watched.empty()) s.cracked.watched.assign(s.cracked.point_of.size(), 0);
+  s.cracked.watched[gauss] = 1;
+}
+
+namespace {
+
+// A Gauss point that new edges touch.
+struct Renewal {
+  Renewal(int block, int lane, int sight) : block(block), lane(lane), sight(sight) {}
+
+  int block, lane, sight;
+  GatheredPoint own;               // what is not to be remembered
+  GatheredPoint* point = nullptr;  // that, or the trial's
+  GatheredPoint made;              // as it was, where no crack had touched it
+  PointDamage damage;
+  double before = 0.0, after = 0.0;                 // elastic energy [J]
+  std::optional<Derivatives<double>> lost, gained;  // forces before, and less those after
+};
+
+// What becomes of it. Changes nothing of the state but the point's own trials and its sight, which the edges from
+// `first` on, on trial, do not enter yet.
+void renew(const ShellModel& m, ShellState& s, int first, int end, double time, Renewal& r) {
+  const RowTables& t = m.tables;
+  const std::size_t gauss = static_cast<std::size_t>(r.block) * t.lanes + r.lane;
+  const GatheredPoint& old = present_point(m, s, r.block, r.lane, r.made);
+  const int point = s.cracked.point_of[gauss];
+  PointDamage fresh;
+  if (s.layers.brittleness > 0.0) fresh.strength = s.layers.strength[gauss];
+  const PointDamage* damage = s.layers.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.cracked.damage[point] : &fresh;
+  const auto elastic = [&](const GatheredPoint& g) {
+    return s.yields() ? point_energy(t, g, s.motion.x, plasticity_of(m, s)) : point_energy(t, g, s.motion.x);
+  };
+  // edges of one moment are tried on one state: longer, shorter, those of the next tip
+  const auto at_present = [&](const GatheredPoint& g, TimedEnergy& known) {
+    if (s.yields() || known.time != time) known = {elastic(g), time};
+    return known.energy;
+  };
+  const double full = s.caches.trials.empty() ? elastic(old) : at_present(old, s.caches.trials[r.sight].present);
+  const double held = damage ? point_energy(t, old, s.motion.x, damage, s.layers.brittleness, s.layers.heals) : full;
+  s.caches.visibility[r.sight].update(control_grid(m), s.cracks.graph, first);
+  Sight sight = s.caches.visibility[r.sight];
+  sight.update(control_grid(m), s.cracks.graph, end);
+  double left = 0.0;
+  if (s.caches.trials.empty()) {
+    r.own = renewed(m, sight, old), r.point = &r.own;
+    left = elastic(r.own);
+  } else {
+    Caches::Trial& trial = tried(m, sight, old, s.caches.trials[r.sight].known);
+    r.point = &trial.point;
+    left = at_present(trial.point, trial.energy);
+  }
+  const double most =
+      damage ? full + damage->strength * damage->strength / (2.0 * m.material.youngs_modulus) * m.thickness * old.area
+             : kMostGain * full + kFreeEnergy * m.material.youngs_modulus * m.thickness * old.area;
+  if (left > most) {
+    // between torn faces one-sided functions see distances that are no strain: such a point is rubble
+    const GatheredPoint& g = *r.point;
+    GatheredPoint rubble;
+    rubble.block = g.block, rubble.lane = g.lane, rubble.area = g.area, rubble.metric = g.metric;
+    r.own = std::move(rubble), r.point = &r.own;
+    left = 0.0;
+  }
+  PointDamage d = damage ? *damage : fresh;
+  d.fresh = true, d.spared = 0.0;
+  if (damage && s.layers.heals) {
+    // a damaged point stores the same share of the full energy of what is left
+    d.spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+  } else if (damage) {
+    settle(t, *r.point, s.motion.x, s.layers.brittleness, d);
+  }
+  r.before = held, r.after = left - d.spared;
+  r.damage = d;
+}
+
+// Interlocks that hold within the largest support of the edges from `first` on, in rising order.
+std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int first) {
+  // their functions are those of points just beside the middle of an edge
+  const Vec2 pad = 1.01 * kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+  std::vector<int> found;
+  for (int k = first; k < static_cast<int>(s.cracks.graph.edges().size()); ++k) {
+    const CrackEdge& e = s.cracks.graph.edges()[k];
+    s.cracks.graph.near_since(e.long_a.cwiseMin(e.long_b) - pad, e.long_a.cwiseMax(e.long_b) + pad, 0, [&](int other) {
+      const int lock = s.cracks.interlock_of[other];
+      if (lock >= 0 && s.cracks.interlocks[lock].holds) found.push_back(lock);
+    });
+  }
+  std::sort(found.begin(), found.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
+  return found;
+}
+
+// Puts what has become of the points in their places, and the change of their forces in the state's jump.
+void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, int threads) {
+  if (changed.empty()) return;
+  const RowTables& t = m.tables;
+  RowPlasticity layers;
+  if (s.yields()) layers = plasticity_of(m, s);
+  const bool damaged = s.layers.brittleness > 0.0;
+  const auto force_of = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
+    return point_force(t, g, s.motion.x, times, damage, s.layers.brittleness, s.layers.heals,
+                       s.yields() ? &layers : nullptr);
+  };
+  const auto index_of = [&](const Renewal& r) -> int& {
+    return s.cracked.point_of[static_cast<std::size_t>(r.block) * t.lanes + r.lane];
+  };
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
+  for (Renewal& r : changed) {
+    const int known = index_of(r);
+    const GatheredPoint& old = present_point(m, s, r.block, r.lane, r.made);
+    r.lost = force_of(old, 1.0, damaged && known >= 0 ? &s.cracked.damage[known] : nullptr);
+    if (s.yields()) settle(t, *r.point, s.motion.x, layers);
+    r.gained = force_of(*r.point, -1.0, damaged ? &r.damage : nullptr);
+  }
+  std::vector<double>& jump = s.discontinuity();
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (int k = 0; k < 3; ++k)
+    for (Renewal& r : changed) {  // sums in one order
+      if (r.lost) spread(t, index_of(r) < 0 ? r.made : s.cracked.gathered[index_of(r)], *r.lost, k, jump);
+      if (r.gained) spread(t, *r.point, *r.gained, k, jump);
+    }
+  for (Renewal& r : changed) {
+    int& index = index_of(r);
+    if (index < 0) {
+      index = static_cast<int>(s.cracked.gathered.size());
+      s.cracked.gathered.emplace_back();
+      if (damaged) s.cracked.damage.emplace_back();
+    }
+    leave_rows(m, s, r.block, r.lane);
+  }
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
+  for (Renewal& r : changed) {
+    GatheredPoint& g = s.cracked.gathered[index_of(r)] = std::move(*r.point);
+    s.cracked.note_kind(g);
+    if (damaged) s.cracked.damage[index_of(r)] = r.damage;
+    if (!s.caches.trials.empty()) s.caches.trials[r.sight] = {};
+    if (g.kind == PointKind::kDead)
+      for (int f = 0; f < 6; ++f) s.layers.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
+    s.cracked.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] =
+        reach_of(m, g, s.caches.visibility[r.sight].point());
+    note_uses(m, g.functions, s.caches.used[r.sight]);
+  }
+}
+
+// Faces that the edges from `first` on have cut off from what they use are fastened again, and where `interlock`, those
+// of these edges for the first time.
+void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, int threads) {
+  const int end = static_cast<int>(s.cracks.graph.edges().size());
+  s.cracks.interlock_of.resize(end, -1);
+  const std::vector<int> near = interlocks_near(m, s, first);
+  std::vector<Refastened> again(near.size());
+  std::vector<Interlock> fresh(interlock ? end - first : 0);
+  std::vector<char> keyed(fresh.size());
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads) if (threads > 1)
+  for (std::size_t i = 0; i < fresh.size() + near.size(); ++i) {
+    if (i >= fresh.size()) {
+      Interlock& lock = s.cracks.interlocks[near[i - fresh.size()]];
+      if (loses_sight(m, s, lock, first)) again[i - fresh.size()] = refasten(m, s, lock);
+      continue;
+    }
+    Interlock& lock = fresh[i];
+    lock.edge = first + static_cast<int>(i);
+    const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
+    lock.area = (e.b - e.a).norm() * m.thickness;
+    keyed[i] = fasten(m, s, lock);
+  }
+  for (const Refastened& r : again) {
+    for (const auto& [slot, force] : r.jump)
+      for (int d = 0; d < 3; ++d) s.discontinuity()[d * m.tables.plane + slot] += force[d];
+    s.release(r.let_go);
+  }
+  for (std::size_t i = 0; i < fresh.size(); ++i) {
+    if (!keyed[i]) continue;
+    s.cracks.interlock_of[first + i] = static_cast<int>(s.cracks.interlocks.size());
+    s.cracks.interlocks.push_back(std::move(fresh[i]));
+  }
+}
+
+// The edges from `first` on have just been added to the graph: what they touch gets new functions. False, and nothing
+// has changed, where they must release energy and do not.
+bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool interlock, bool must_release,
+             int threads) {
+  const RowTables& t = m.tables;
+  const int end = static_cast<int>(s.cracks.graph.edges().size());
+  std::vector<std::pair<int, int>> touched;
+  for (int k = first; k < end; ++k) {
+    const auto more = touched_points(m, s, s.cracks.graph.edges()[k], threads);
+    touched.insert(touched.end(), more.begin(), more.end());
+  }
+  if (end - first > 1) {
+    std::sort(touched.begin(), touched.end());
+    touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
+  }
+  std::vector<Renewal> changed;
+  for (const auto& [block, lane] : touched) changed.emplace_back(block, lane, sight_of(m, s, block, lane));
+  s.caches.trials.resize(must_release ? s.caches.visibility.size() : 0);
+  if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
+    for (const auto& [block, lane] : touched) {
+      GatheredPoint made;
+      s.book.plastic += settle(t, present_point(m, s, block, lane, made), s.motion.x, plasticity_of(m, s));
+    }
+#pragma omp parallel for schedule(dynamic, 4) num_threads(threads) if (threads > 1)
+  for (std::size_t k = 0; k < changed.size(); ++k) renew(m, s, first, end, time, changed[k]);
+  double before = 0.0, after = 0.0;
+  for (const Renewal& r : changed) before += r.before, after += r.after;
+  if (must_release && after > before) return false;
+  relieve(m, s, changed, threads);
+  key_faces(m, s, first, interlock, threads);
+  if (after > before)
+    s.book.injected += after - before;
+  else
+    s.release(before - after);
+  if (first / kForget != end / kForget) s.caches.trials.clear();  // what cracks have passed by is tried no more
+  s.cracks.last_crack_time = time;
+  s.motion.last_force.clear();  // the next one differs by the crack, not by motion
+  return true;
+}
+
+}  // namespace
+
+int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,
+                bool interlock) {
+  const int index = s.cracks.graph.add_edge(from, to, crack, time, face);
+  if (index >= 0) take_in(m, s, index, time, interlock, false, 1);
+  return index;
+}
+
+int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>& edges, double time, bool interlock,
+                  int threads) {
+  const int first = static_cast<int>(s.cracks.graph.edges().size());
+  int added = 0;
+  bool whole = true;
+  for (const NewEdge& e : edges) {
+    const int index = s.cracks.graph.add_edge(e.from, s.cracks.graph.add_vertex(e.to), e.crack, time, e.face);
+    whole = whole && index >= 0, added += index >= 0;
+  }
+  if (whole && take_in(m, s, first, time, interlock, true, threads)) return first;
+  for (int k = 0; k < added; ++k) s.cracks.graph.undo_edge();
+  for (std::size_t k = 0; k < edges.size(); ++k) s.cracks.graph.undo_vertex();
+  return -1;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,243 @@
+#include "shell/solver/cracking/tips.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "shell/mechanics/principal.h"
+#include "shell/solver/cracking/clamp.h"
+#include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/nucleation.h"
+#include "shell/solver/cracking/tip_drive.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
+// Edges, where a shorter one would not release energy: what changes around a tip costs the same for any.
+constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0, 4.0};
+constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
+constexpr double kMet = 0.05;    // spacings between tips that have met
+constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
+constexpr double kOnto = 0.5;  // of an edge: a tip so near a clamped border that it follows is on it with the next one
+constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;  // of a crack from the end of a cut
+
+constexpr std::size_t kFewTips = 8;  // that one thread looks at sooner than it shares them
+
+// A crack that opens one face runs across one that opened the other and still keys, for that one is closed
+// where this one opens: the radial cracks of a struck pane cross its rings.
+bool crosses(const ShellState& s, int edge, const Tip& tip, const Vec2& d) {
+  const CrackEdge& e = s.cracks.graph.edges()[edge];
+  const int lock = s.cracks.interlock_of[edge];
+  return lock >= 0 && s.cracks.interlocks[lock].holds && e.face * tip.face < 0 &&
+         std::abs((e.b - e.a).normalized().dot(d)) < kCrossingCosine;
+}
+
+struct Way {
+  Vec2 to;
+  bool ends;                  // on another crack or past the border
+  std::optional<Vec2> along;  // a clamped border, as it goes on
+};
+
+// The next edge of a tip along `wanted`, `length` long; ends on what lies within reach.
+Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, const Tip& tip, const Vec2& wanted,
+              double length) {
+  const Vec2 a = tip.p;
+  Vec2 d = wanted, b = a + length * d;
+  const std::optional<ClampedBorder> clamp = clamped_border(m, a, d, kOnto * length);
+  if (clamp) {
+    const double across = (a - clamp->foot).norm();
+    b = clamp->foot + std::sqrt(length * length - across * across) * clamp->along;
+    d = (b - a).normalized();
+  }
+  bool ends = false;
+  const double reach = length + r.join;
+  double nearest = 2.0;
+  int hit = -1;
+  const Vec2 far = reach * d;
+  s.cracks.graph.near(a, a + far, 0.0, [&](int e) {  // straight ahead: end on it
+    const CrackEdge& c = s.cracks.graph.edges()[e];
+    if (e == tip.edge || c.from == tip.vertex || c.to == tip.vertex) return true;
+    const Vec2 q = c.long_b - c.long_a, o = c.long_a - a;
+    const double det = q.x() * far.y() - far.x() * q.y();
+    if (std::abs(det) < 1e-12 * q.norm() * reach) {  // on one line: tips that run along a border meet head on
+      if (std::abs(o.x() * d.y() - o.y() * d.x()) > 1e-9 * m.spacing) return true;
+      const double end = std::min((c.a - a).dot(d), (c.b - a).dot(d)) / reach;
+      if (end > 1e-6 && end <= 1.0 && end < nearest) nearest = end, hit = e;
+      return true;
+    }
+    const double along = (q.x() * o.y() - o.x() * q.y()) / det, across = (far.x() * o.y() - o.x() * far.y()) / det;
+    if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest) nearest = along, hit = e;
+    return true;
+  });
+  const double past = 2e-3 * m.spacing;  // joins cross what they join, so that nothing sees between
+  if (nearest <= 1.0) {
+    b = a + nearest * far + past * d;
+    ends = !crosses(s, hit, tip, d);
+  } else {
+    double snap = 0.7 * r.join;
+    Vec2 foot, best = b;
+    s.cracks.graph.near(b, b, snap, [&](int e) {
+      const CrackEdge& c = s.cracks.graph.edges()[e];
+      if (e == tip.edge || c.from == tip.vertex || c.to == tip.vertex) return true;
+      const bool own = c.crack == tip.crack || (c.crack == tip.sibling && tip.since_branch < kApart * m.spacing);
+      if (own && ((c.a - a).norm() < kApart * m.spacing || (c.b - a).norm() < kApart * m.spacing)) return true;
+      const double distance = s.cracks.graph.distance(b, e, foot);
+      if (clamp && std::abs((foot - b).dot(Vec2(clamp->along.y(), clamp->along.x()))) > kMet * m.spacing) return true;
+      if (distance < snap && (foot - b).dot(d) > -0.1 * m.spacing) snap = distance, best = foot, ends = true;
+      return true;
+    });
+    if (ends) b = best + past * (best - a).normalized();
+  }
+  // one that comes onto the border goes on along it before it may leave at a corner
+  const bool lands = clamp && std::abs(clamp->along.dot(d)) < 1.0 - 1e-9;
+  const Vec2 beyond = lands ? b : clamp ? Vec2(b + r.join * clamp->along) : Vec2(a + reach * d);
+  if (!ends && hit < 0 && !m.patch.contains(beyond)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
+  return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
+}
+
+// Each tip runs one edge along its direction, all or none. Returns edges inserted.
+int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<std::pair<Tip*, Vec2>>& tips,
+            double time) {
+  std::vector<Way> ways;
+  int first = -1;
+  double length = r.advance;
+  for (const double longer : kLengths) {
+    length = longer * r.advance;
+    ways.clear();
+    std::vector<NewEdge> edges;
+    for (const auto& [tip, d] : tips) {
+      ways.push_back(way_ahead(m, s, r, *tip, d, length));
+      edges.push_back({tip->vertex, ways.back().to, tip->crack, tip->face});
+    }
+    first = extend_cracks(m, s, edges, time, r.interlock, r.threads);
+    if (first >= 0) break;
+  }
+  if (first < 0) return 0;
+  for (std::size_t k = 0; k < tips.size(); ++k) {
+    Tip& tip = *tips[k].first;
+    const Vec2 b = ways[k].to, step = b - tip.p;
+    tip.since_branch += step.norm(), tip.grown += step.norm();
+    tip.edge = first + static_cast<int>(k), tip.vertex = s.cracks.graph.edges()[tip.edge].to;
+    tip.direction = ways[k].along.value_or(step.normalized()), tip.p = b;
+    tip.weight = tip.turn = tip.ratio = 0.0;
+    tip.pending -= length - r.advance;
+    if (!ways[k].ends) continue;
+    tip.alive = false;
+    for (Tip& other : s.cracks.tips)  // met head on
+      if (other.alive && (other.p - b).norm() < kMet * m.spacing) other.alive = false;
+  }
+  return static_cast<int>(tips.size());
+}
+
+bool room_to_branch(const ShellState& s, const CrackRules& r, const Tip& tip, double spacing) {
+  for (const Tip& other : s.cracks.tips)
+    if (&other != &tip && other.alive && (other.p - tip.p).norm() < r.branch_clearance) return false;
+  bool room = true;
+  const Vec2 look = tip.p + 2.0 * spacing * tip.direction;
+  s.cracks.graph.near(look, look, 1.5 * spacing, [&](int e) {
+    Vec2 foot;
+    const CrackEdge& c = s.cracks.graph.edges()[e];
+    if (c.crack == tip.crack && (c.b - tip.p).norm() < 2.0 * spacing) return true;
+    room = s.cracks.graph.distance(look, e, foot) >= 1.5 * spacing;
+    return room;
+  });
+  return room;
+}
+
+int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt) {
+  int inserted = 0;
+  const std::size_t count = s.cracks.tips.size();
+  s.caches.surroundings.of_tip.resize(count);
+  const auto start_of = [&](const Tip& tip) {
+    Start start;
+    start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.face = tip.face;
+    start.most_turn = tip.grown > 0.0 ? r.turn : std::max(r.turn, tip.first_turn);
+    start.strength = tip.strength;
+    start.grown = tip.flaw > 0.0 ? std::min(1.0, (tip.grown + 0.5 * m.spacing) / tip.flaw) : 1.0;
+    return start;
+  };
+  // all at once, which is right until one of them runs nearby
+  const int known = static_cast<int>(s.cracks.graph.edges().size());
+  const auto as_before = [&](const Vec2& p) {
+    // an edge changes what a tip sees, and what points bear that see across the edge
+    const Vec2 pad = Vec2::Constant(r.tip_radius) + kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+    bool same = true;
+    if (static_cast<int>(s.cracks.graph.edges().size()) == known) return same;
+    s.cracks.graph.near_since(p - pad, p + pad, known, [&](int) { same = false; });
+    return same;
+  };
+  std::vector<Drive> drives(count);
+  std::vector<std::size_t> alive;
+  for (std::size_t i = 0; i < count; ++i)
+    if (s.cracks.tips[i].alive) alive.push_back(i);
+#pragma omp parallel for schedule(dynamic, 4) num_threads(r.threads) if (r.threads > 1 && alive.size() > kFewTips)
+  for (const std::size_t i : alive)
+    drives[i] = drive_at(m, s, r, start_of(s.cracks.tips[i]), s.caches.surroundings.of_tip[i]);
+  for (std::size_t i = 0; i < count; ++i) {
+    Tip tip = s.cracks.tips[i];  // a copy: branching appends to the vector
+    if (!tip.alive) {
+      s.caches.surroundings.of_tip[i] = {};
+      continue;
+    }
+    const Drive now = as_before(tip.p) ? drives[i] : drive_at(m, s, r, start_of(tip), s.caches.surroundings.of_tip[i]);
+    if (now.ratio <= 1.0) continue;
+    tip.face = now.face;
+    // Freund: energy release falls to zero at the Rayleigh speed; it balances the resistance at this speed
+    const double speed = r.rayleigh * (1.0 - 1.0 / (now.ratio * now.ratio));
+    tip.pending += speed * dt;
+    tip.weight += speed, tip.turn += speed * now.turn, tip.ratio += speed * now.ratio;
+    if (tip.pending >= r.advance) {
+      tip.pending -= r.advance;
+      const Vec2 d = turned(tip.direction, tip.turn / tip.weight);
+      int edges = 0;
+      if (tip.ratio / tip.weight > r.branch_ratio && tip.since_branch > std::max(r.branch_spacing, 2.0 * tip.flaw) &&
+          !clamped_border(m, tip.p, d, kOnto * r.advance) && room_to_branch(s, r, s.cracks.tips[i], m.spacing)) {
+        Tip one = tip, twin = tip;
+        twin.crack = s.cracks.graph.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
+        one.since_branch = twin.since_branch = 0.0;
+        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, time);
+        if (edges > 0) s.cracks.graph.new_crack(), tip = one, s.cracks.tips.push_back(twin);
+      }
+      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, time);
+      if (edges == 0) tip.pending = kRetry * r.advance;
+      inserted += edges;
+    }
+    s.cracks.tips[i] = tip;
+  }
+  return inserted;
+}
+
+}  // namespace
+
+void start_at_ends(const ShellModel& m, ShellState& s, int first, int last) {
+  const CrackGraph& g = s.cracks.graph;
+  if (first >= last) return;
+  for (const bool back : {true, false}) {
+    const int edge = back ? first : last - 1;
+    const CrackEdge& e = g.edges()[edge];
+    const Vec2 p = back ? e.a : e.b;
+    bool open = m.patch.contains(p);
+    g.near(p, p, 0.1 * m.spacing, [&](int other) {
+      Vec2 foot;
+      const bool next = other >= first && other < last && std::abs(other - edge) <= 1;  // of the same cut
+      if (!next && g.distance(p, other, foot) < 0.1 * m.spacing) open = false;
+      return open;
+    });
+    if (!open) continue;
+    Tip tip;
+    tip.p = p, tip.direction = ((back ? e.a : e.b) - (back ? e.b : e.a)).normalized();
+    tip.vertex = back ? e.from : e.to, tip.edge = edge, tip.crack = e.crack, tip.first_turn = kFirstTurn;
+    s.cracks.tips.push_back(tip);
+  }
+}
+
+int grow_cracks(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt,
+                std::uint64_t& random) {
+  int inserted = grow_tips(m, s, r, time, dt);
+  inserted += nucleate(m, s, r, time, random);
+  if (!s.cracks.interlocks.empty()) release_interlocks(m, s, r.faces, false);
+  return inserted;
+}
+
+}  // namespace sunder::shell

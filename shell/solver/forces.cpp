@@ -1,0 +1,94 @@
+#include "shell/solver/forces.h"
+
+#include <algorithm>
+#include <functional>
+
+#include "shell/solver/interlock.h"
+
+namespace sunder::shell {
+
+RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
+  RowPlasticity plastic;
+  plastic.law = {m.material.yield_stress, m.material.hardening_modulus, m.material.youngs_modulus,
+                 m.material.poisson_ratio};
+  plastic.states = &s.layers.plastic, plastic.forms = &s.layers.plastic_forms;
+  return plastic;
+}
+
+// Of each block of Gauss points.
+std::vector<double> least_strengths(const ShellState& s) {
+  std::vector<double> least(s.cracked.tables.blocks());
+  for (int q = 0; q < s.cracked.tables.blocks(); ++q) {
+    const double* first = &s.layers.strength[s.cracked.tables.at(q, 1, 0, 0)];
+    least[q] = *std::min_element(first, first + s.cracked.tables.spans_u);
+  }
+  return least;
+}
+
+double compute_forces(const ShellModel& m, ShellState& s, bool energy, double stress_share, int threads) {
+  SurfaceStress stress;
+  if (stress_share > 0.0) {
+    s.caches.over.resize(s.cracked.tables.blocks());
+    if (s.caches.least_strength.empty()) s.caches.least_strength = least_strengths(s);
+    stress = {&s.layers.surface_stress, stress_share, &s.caches.least_strength, &s.caches.over};
+  }
+  RowPlasticity plastic;
+  if (s.yields()) plastic = plasticity_of(m, s), plastic.advance = stress_share > 0.0;
+  RowDamage rows;
+  if (!s.cracked.watched.empty())
+    rows = {&s.cracked.watched, &s.layers.strength,   &s.cracked.point_of,
+            &s.cracked.damage,  s.layers.brittleness, s.layers.heals};
+  double sum = row_forces(s.cracked.tables, s.motion.x, energy, stress, threads, s.scratch.rows, s.motion.force,
+                          &plastic, &rows);
+  s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
+  DamageLaw law{&s.cracked.damage, s.layers.brittleness, s.layers.heals};
+  const auto faces = [&](int chunk, int chunks, const double* x4, double* force4) {
+    interlock_forces(m, s, stress_share > 0.0, chunk, chunks, x4, force4);
+  };
+  PointsBeside beside;
+  if (!s.cracks.interlocks.empty()) beside = std::ref(faces);  // which needs no memory
+  sum += add_point_forces(s.cracked.tables, s.cracked.gathered, s.motion.x, energy, stress, threads, s.scratch.points,
+                          s.motion.force, s.layers.brittleness > 0.0 ? &law : nullptr, s.yields() ? &plastic : nullptr,
+                          beside);
+  s.book.plastic += plastic.dissipated;
+  s.book.healing -= law.healed, s.book.fracture += law.dissipated;
+  if (m.laminated()) {
+    s.scratch.interlayer_force.resize(s.motion.force.size());
+    sum +=
+        row_forces(s.cracked.interlayer, s.motion.x, energy, {}, threads, s.scratch.rows, s.scratch.interlayer_force);
+    for (std::size_t i = 0; i < s.motion.force.size(); ++i) s.motion.force[i] += s.scratch.interlayer_force[i];
+  }
+  s.cracks.interlock_energy = interlock_energy(s);
+  if (!m.loads.empty()) {
+    load_forces(m.loads, s.cracked.tables, s.cracked.gathered, s.motion.time, s.motion.x, threads, s.scratch.rows,
+                s.motion.external);
+    for (std::size_t i = 0; i < s.motion.force.size(); ++i) s.motion.force[i] += s.motion.external[i];
+  }
+  return energy ? sum + s.cracks.interlock_energy : 0.0;
+}
+
+double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
+  const std::size_t plane = m.tables.plane;
+  double sum = 0.0;
+  for (int d = 0; d < 3; ++d)
+    for (std::size_t i = 0; i < plane; ++i) {
+      if (s.motion.inverse_mass[i] == 0.0) continue;
+      const double v = s.motion.v[d * plane + i];
+      sum += 0.5 * s.motion.mass[i] * v * (v + dt * s.motion.inverse_mass[i] * s.motion.force[d * plane + i]);
+    }
+  for (const auto& driven : m.constraints.driven)  // forces do not move what a support drives
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d])
+        if (s.motion.inverse_mass[slot] > 0.0 && s.motion.mass[slot] > 0.0)
+          sum -= 0.5 * dt * s.motion.v[d * plane + slot] * s.motion.force[d * plane + slot];
+  return sum;
+}
+
+double potential_energy(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
+  double sum = 0.0;
+  for (int i = 0; i < m.tables.plane; ++i)
+    if (s.motion.inverse_mass[i] > 0.0) sum -= s.motion.mass[i] * gravity.dot(s.position(i));
+  return sum;
+}
+
+}  // namespace sunder::shell

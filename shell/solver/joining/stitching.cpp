@@ -1,0 +1,429 @@
+#include "shell/solver/joining/stitching.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include "coupler/core/error.h"
+#include "coupler/core/principal_axes.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here on keep the distance of the rows beside
+                                                   // them, flatter ones how far the seam is off the line between these
+constexpr double kFlat = 1e-3;                     // of the rows' distance: a seam no further off is a smooth one
+constexpr double kOnALine = 1e-9;    // of the largest moment of inertia, that points on a line have about it
+constexpr double kOnePlace = 1e-3;   // spacings: control points no further apart have no arm to turn by
+constexpr int kSweeps = 12;          // over creases that share control points
+constexpr double kMet = 1e-13;       // of a length: round-off
+constexpr double kLeastMass = 0.25;  // of its own, that a control point keeps when another is let go
+
+void add(std::vector<double>& a, int slot, const Vec3& value) {
+  const std::size_t plane = a.size() / 3;
+  for (int d = 0; d < 3; ++d) a[d * plane + slot] += value[d];
+}
+void put(std::vector<double>& a, int slot, const Vec3& value) {
+  const std::size_t plane = a.size() / 3;
+  for (int d = 0; d < 3; ++d) a[d * plane + slot] = value[d];
+}
+
+}  // namespace
+
+Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells) {
+  const auto slot = [&](const PatchPoint& p) { return shells[p.patch]->tables.slot(p.point); };
+  for (const Dependence& d : stitches.points) {
+    Tie t;
+    t.shell = d.point.patch, t.slot = slot(d.point);
+    if (shells[t.shell]->held[t.slot]) continue;
+    double positive = 0.0;
+    for (const auto& [p, weight] : d.on) positive += std::max(0.0, weight);
+    for (const auto& [p, weight] : d.on) t.on.push_back({{p.patch, slot(p), weight}, std::max(0.0, weight) / positive});
+    ties_.push_back(std::move(t));
+  }
+  for (const Seam& seam : stitches.seams) {
+    const auto any_held = [&](int shell, int edge) {
+      const ShellModel& m = *shells[shell];
+      const std::vector<int> row = edge_row(m.patch, edge, 0);
+      return std::any_of(row.begin() + 1, row.end() - 1, [&](int i) { return m.held[m.tables.slot(i)] != 0; });
+    };
+    const bool first = any_held(seam.first, seam.first_edge), second = any_held(seam.second, seam.second_edge);
+    require(first == second,
+            "a support of shell '{}' holds its seam with shell '{}', which does not; give both of them the support",
+            shells[first ? seam.first : seam.second]->name, shells[first ? seam.second : seam.first]->name);
+  }
+  std::map<std::pair<int, int>, const Tie*> tie_of;
+  for (const Tie& t : ties_) tie_of[{t.shell, t.slot}] = &t;
+  for (const Seam& seam : stitches.seams)
+    for (const CreasePoint& c : seam.crease) {
+      const auto rest = [&](const PatchPoint& p) { return shells[p.patch]->patch.control_points[p.point]; };
+      Vec3 b = Vec3::Zero();
+      for (const auto& [p, weight] : c.second) b += weight * rest(p);
+      const Vec3 a = rest(c.first), edge = rest(c.on_seam), chord = b - a;
+      const double bend =
+          std::numbers::pi - std::acos(std::clamp((a - edge).normalized().dot((b - edge).normalized()), -1.0, 1.0));
+      const double share = std::clamp((edge - a).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
+      const bool sharp = bend >= kSharp;
+      Brace brace;
+      const auto end = [&](const PatchPoint& p, double weight) { brace.ends.push_back({p.patch, slot(p), weight}); };
+      end(c.first, sharp ? -1.0 : share - 1.0);
+      for (const auto& [p, weight] : c.second) end(p, sharp ? weight : -share * weight);
+      if (!sharp) end(c.on_seam, 1.0);
+      std::map<std::pair<int, int>, double> terms;
+      for (const Term& t : brace.ends) {
+        const auto it = tie_of.find({t.shell, t.slot});
+        if (it == tie_of.end())
+          terms[{t.shell, t.slot}] += t.weight;
+        else
+          for (const Master& m : it->second->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
+      }
+      Vec3 sum = Vec3::Zero();
+      for (const auto& [at, weight] : terms) {
+        if (std::abs(weight) <= kLooseWeight) continue;
+        brace.terms.push_back({at.first, at.second, weight});
+        const std::vector<double>& x = shells[at.first]->rest;
+        for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
+      }
+      brace.length = sum.norm();
+      if (brace.length > kFlat * chord.norm()) braces_.push_back(std::move(brace));
+    }
+  edges_seen_.assign(shells.size(), 0);
+}
+
+void Stitching::tie(const std::vector<ShellRef>& shells) {
+  for (const Tie& t : ties_) {
+    double& mass = shells[t.shell].state->motion.mass[t.slot];
+    for (const Master& m : t.on) {
+      ShellState& s = *shells[m.shell].state;
+      s.motion.mass[m.slot] += m.share * mass;
+      if (s.motion.inverse_mass[m.slot] > 0.0) s.motion.inverse_mass[m.slot] = 1.0 / s.motion.mass[m.slot];
+    }
+    mass = 0.0;
+  }
+  for (const Tie& t : ties_) refresh(shells, t);
+  follow(shells);
+}
+
+void Stitching::follow(const std::vector<ShellRef>& shells) const {
+  for (const Tie& t : ties_) {
+    if (!t.holds) continue;
+    Vec3 v = Vec3::Zero();
+    for (const Master& m : t.on) v += m.weight * shells[m.shell].state->velocity(m.slot);
+    put(shells[t.shell].state->motion.v, t.slot, v);
+  }
+}
+
+void Stitching::refresh(const std::vector<ShellRef>& shells, const Tie& t) {
+  double inverse = 0.0;
+  for (const Master& m : t.on) inverse += m.weight * m.weight * shells[m.shell].state->motion.inverse_mass[m.slot];
+  shells[t.shell].state->motion.inverse_mass[t.slot] = inverse;
+}
+
+void Stitching::share_forces(const std::vector<ShellRef>& shells) {
+  share(shells, [](ShellState& s) -> std::vector<double>& { return s.motion.force; });
+  if (std::none_of(shells.begin(), shells.end(),
+                   [](const ShellRef& r) { return !r.state->cracks.force_discontinuity.empty(); }))
+    return;
+  for (const ShellRef& r : shells) r.state->discontinuity();
+  share(shells, [](ShellState& s) -> std::vector<double>& { return s.cracks.force_discontinuity; });
+}
+
+void Stitching::share(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&)) {
+  for (const Tie& t : ties_) {
+    if (!t.holds) continue;
+    ShellState& own = *shells[t.shell].state;
+    const Vec3 force = own.at(field(own), t.slot);
+    for (const Master& m : t.on) add(field(*shells[m.shell].state), m.slot, m.weight * force);
+  }
+  for (const Tie& t : ties_) {
+    if (!t.holds) continue;
+    refresh(shells, t);
+    ShellState& own = *shells[t.shell].state;
+    Vec3 acceleration = Vec3::Zero();
+    for (const Master& m : t.on) {
+      ShellState& s = *shells[m.shell].state;
+      acceleration += m.weight * s.motion.inverse_mass[m.slot] * s.at(field(s), m.slot);
+    }
+    const double inverse = own.motion.inverse_mass[t.slot];
+    put(field(own), t.slot, inverse > 0.0 ? Vec3(acceleration / inverse) : Vec3(Vec3::Zero()));
+  }
+}
+
+void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
+  bool met = braces_.empty();
+  for (int sweep = 0; sweep < kSweeps && !met; ++sweep) {
+    met = true;
+    for (const Brace& b : braces_) {
+      if (!b.holds) continue;
+      Vec3 now = Vec3::Zero(), change = Vec3::Zero();
+      double mobility = 0.0;
+      for (const Term& t : b.terms) {
+        const ShellState& s = *shells[t.shell].state;
+        now += t.weight * s.position(t.slot), change += t.weight * s.velocity(t.slot);
+        mobility += t.weight * t.weight * s.motion.inverse_mass[t.slot];
+      }
+      const Vec3 next = now + dt * change, line = now.stableNormalized();
+      if (std::abs(next.norm() - b.length) <= kMet * b.length || mobility == 0.0) continue;
+      met = false;
+      // |next + dt mobility j line| = length, the nearer answer; what is too far aside comes as near as it can
+      const double along = next.dot(line), room = along * along - next.squaredNorm() + b.length * b.length;
+      const double j = (std::sqrt(std::max(0.0, room)) - along) / (dt * mobility);
+      for (const Term& t : b.terms) {
+        ShellState& s = *shells[t.shell].state;
+        s.add_velocity(t.slot, t.weight * s.motion.inverse_mass[t.slot] * j * line);
+      }
+    }
+  }
+  follow(shells);
+}
+
+void Stitching::mark(const std::vector<ShellRef>& shells) {
+  for (Tie& t : ties_) {
+    if (!t.holds) continue;
+    t.before = shells[t.shell].state->velocity(t.slot);
+    for (Master& m : t.on) m.before = shells[m.shell].state->velocity(m.slot);
+  }
+}
+
+void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
+  for (const Tie& t : ties_) {
+    if (!t.holds) continue;
+    ShellState& own = *shells[t.shell].state;
+    const double inverse = own.motion.inverse_mass[t.slot];
+    if (inverse == 0.0) continue;
+    const Vec3 change = own.velocity(t.slot) - t.before;
+    if (change.isZero(0.0)) continue;
+    const Vec3 impulse = change / inverse;
+    // contact has booked the work as if this control point had moved by itself
+    own.book.contact += 0.5 * impulse.squaredNorm() * inverse;
+    for (const Master& m : t.on) {
+      ShellState& s = *shells[m.shell].state;
+      const double mobility = s.motion.inverse_mass[m.slot];
+      if (mobility == 0.0) continue;
+      const Vec3 j = m.weight * impulse;
+      // the part that is linear at the velocity without impulses is booked
+      own.book.contact -= j.dot(s.velocity(m.slot) - m.before) + 0.5 * mobility * j.squaredNorm();
+      s.add_velocity(m.slot, mobility * j);
+    }
+  }
+  follow(shells);
+}
+
+Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m, bool look) {
+  constexpr int kRows = 2;  // that a seam ties: its own, and the one beside it
+  const ShellModel& model = *shells[m.shell].model;
+  const int point = model.tables.control_point(m.slot), columns = model.patch.columns();
+  const int column = point % columns, row = point / columns;
+  for (const bool first : {true, false}) {
+    const int edge = first ? seam.first_edge : seam.second_edge;
+    const int depth = edge == kUMin   ? column
+                      : edge == kUMax ? columns - 1 - column
+                      : edge == kVMin ? row
+                                      : model.patch.rows() - 1 - row;
+    if (m.shell != (first ? seam.first : seam.second) || depth >= kRows) continue;
+    const int axis = edge < kVMin ? 1 : 0;
+    const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
+    const Vec2 at = model.of_slot[m.slot];
+    const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
+    return {first ? 1 : 2, !look || shells[m.shell].state->cracks.graph.visible(at, edge_point(model.patch, edge, own)),
+            depth == 0, !first && seam.reversed ? 1.0 - own : own};
+  }
+  return {};
+}
+
+bool Stitching::ties_both(const std::vector<ShellRef>& shells, const Seam& seam, const std::vector<Term>& terms) {
+  int sides = 0;
+  for (const Term& m : terms) sides |= foot_of(shells, seam, m, false).side;
+  return sides == 3;
+}
+
+std::vector<Stitching::Term> Stitching::named(const Tie& tie) {
+  std::vector<Term> terms{{tie.shell, tie.slot, 1.0}};
+  terms.insert(terms.end(), tie.on.begin(), tie.on.end());
+  return terms;
+}
+
+bool Stitching::at_corner(const std::vector<ShellRef>& shells, const Tie& tie) {
+  const ShellModel& m = *shells[tie.shell].model;
+  const int point = m.tables.control_point(tie.slot), column = point % m.patch.columns(),
+            row = point / m.patch.columns();
+  return (column == 0 || column == m.patch.columns() - 1) && (row == 0 || row == m.patch.rows() - 1);
+}
+
+template <class F>
+void Stitching::part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across) {
+  double lost = 0.0;
+  for (Tie& tie : ties_) {
+    const Term own{tie.shell, tie.slot, 1.0};
+    if (!tie.holds || at_corner(shells, tie) || !foot_of(shells, seam, own, false).on_seam) continue;
+    if (ties_both(shells, seam, named(tie)) && across(own, tie.on)) lost += let_go(shells, tie);
+  }
+  book_lost(shells, seam.first, lost);
+  for (Brace& b : braces_) b.holds = b.holds && !(ties_both(shells, seam, b.ends) && across(b.ends[0], b.ends));
+}
+
+void Stitching::book_lost(const std::vector<ShellRef>& shells, int shell, double lost) {
+  EnergyBook& book = shells[shell].state->book;
+  (lost < 0.0 ? book.injected : book.fracture) += std::abs(lost);
+}
+
+void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams) {
+  const auto rest = [&](int shell, int slot) -> Vec3 {
+    return shells[shell].state->at(shells[shell].model->rest, slot);
+  };
+  // whether an end of the seam is at x, and what it ties next to that still holds; a seam without such ties does
+  const auto holds_at = [&](const Seam& seam, const Vec3& x) {
+    const ShellModel& m = *shells[seam.first].model;
+    const std::vector<int> row = edge_row(m.patch, seam.first_edge, 0);
+    const double start = (rest(seam.first, m.tables.slot(row.front())) - x).norm(),
+                 end = (rest(seam.first, m.tables.slot(row.back())) - x).norm();
+    if (std::min(start, end) >= 0.5 * m.spacing) return false;
+    const double corner = start < end ? 0.0 : 1.0;
+    double nearest = std::numeric_limits<double>::infinity();
+    bool holds = true;
+    for (const Tie& tie : ties_) {
+      const Foot foot = foot_of(shells, seam, {tie.shell, tie.slot, 1.0}, false);
+      if (!foot.on_seam || at_corner(shells, tie) || std::abs(foot.share - corner) > nearest) continue;
+      if (!ties_both(shells, seam, named(tie))) continue;
+      holds = (std::abs(foot.share - corner) < nearest || holds) && tie.holds;
+      nearest = std::abs(foot.share - corner);
+    }
+    return holds;
+  };
+  for (Tie& tie : ties_) {
+    if (!tie.holds || !at_corner(shells, tie)) continue;
+    std::vector<int> together;  // shells that it names, and those that they reach over seams that hold there
+    std::vector<char> is_named(shells.size(), 0), reached(shells.size(), 0);
+    for (const Term& m : named(tie))
+      if (std::abs(m.weight) > kLooseWeight) is_named[m.shell] = 1;
+    const Vec3 x = rest(tie.shell, tie.slot);
+    together.push_back(tie.shell), reached[tie.shell] = 1;
+    for (std::size_t k = 0; k < together.size(); ++k)
+      for (const Seam& seam : seams) {
+        if (seam.first != together[k] && seam.second != together[k]) continue;
+        const int other = seam.first == together[k] ? seam.second : seam.first;
+        if (reached[other] || !holds_at(seam, x)) continue;
+        reached[other] = 1, together.push_back(other);
+      }
+    bool whole = true;
+    for (std::size_t k = 0; k < shells.size(); ++k) whole = whole && (!is_named[k] || reached[k]);
+    if (!whole) book_lost(shells, tie.shell, let_go(shells, tie));
+  }
+}
+
+void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
+  // which side of the crack; 0: of neither patch
+  const auto side = [&](const Term& m) {
+    const Foot foot = foot_of(shells, seam, m, true);
+    // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
+    return foot.side == 0 ? 0 : (foot.share < t) == foot.clear ? -1 : 1;
+  };
+  part_where(shells, seam, [&](const Term& a, const auto& others) {
+    const int own = side(a);
+    return std::any_of(others.begin(), others.end(),
+                       [&](const Term& m) { return std::abs(m.weight) > kLooseWeight && own * side(m) < 0; });
+  });
+}
+
+void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high) {
+  // Where knots do not match, a control point hangs on several: it is off when most of it is, and not where the crack
+  // is yet to come.
+  part_where(shells, seam, [&](const Term&, const auto& hangs_on) {
+    double off = 0.0, all = 0.0;
+    for (const Term& m : hangs_on) {
+      const Foot foot = foot_of(shells, seam, m, true);
+      if (m.shell != shell || foot.side == 0 || foot.on_seam) continue;
+      all += std::abs(m.weight);
+      if (foot.share >= low && foot.share <= high && !foot.clear) off += std::abs(m.weight);
+    }
+    return off > 0.5 * all;
+  });
+}
+
+void Stitching::open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high) {
+  const auto within = [&](const Term& m) {
+    const Foot foot = foot_of(shells, seam, m, false);
+    return foot.side != 0 && std::abs(m.weight) > kLooseWeight && foot.share >= low && foot.share <= high;
+  };
+  part_where(shells, seam, [&](const Term& a, const auto& others) {
+    return within(a) || std::any_of(others.begin(), others.end(), within);
+  });
+}
+
+double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
+  const ShellModel& model = *shells[t.shell].model;
+  ShellState& own = *shells[t.shell].state;
+  const Vec3 place = own.position(t.slot);
+  double mass = 0.0, lost = 0.0;
+  Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving mass has taken away
+  for (const Master& m : t.on) {
+    ShellState& s = *shells[m.shell].state;
+    // pieces that have left beside it may have taken some of what was shared
+    const double least = kLeastMass * shells[m.shell].model->mass[m.slot];
+    const double part = std::min(m.share * model.mass[t.slot], std::max(0.0, s.motion.mass[m.slot] - least));
+    const Vec3 v = s.velocity(m.slot);
+    mass += part, momentum += part * v, lost += 0.5 * part * v.squaredNorm();
+    turning += part * (s.position(m.slot) - place).cross(v);
+    s.motion.mass[m.slot] -= part;
+    if (s.motion.inverse_mass[m.slot] > 0.0) s.motion.inverse_mass[m.slot] = 1.0 / s.motion.mass[m.slot];
+  }
+  own.motion.mass[t.slot] = mass, own.motion.inverse_mass[t.slot] = mass > 0.0 ? 1.0 / mass : 0.0;
+  if (mass > 0.0) put(own.motion.v, t.slot, momentum / mass), lost -= 0.5 * momentum.squaredNorm() / mass;
+  t.holds = false;
+  for (Brace& b : braces_)
+    for (const Term& end : b.ends) b.holds = b.holds && (end.shell != t.shell || end.slot != t.slot);
+  return lost - turn(shells, t, turning);
+}
+
+// All that moves of a control point and those that it followed gets a common spin, which has angular momentum
+// `turning` and no momentum; where these are at one place, as at a crease, all of its shell does: no spin of theirs
+// makes up for what is off by the seam's tolerance. Returns the kinetic energy that this adds.
+double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const Vec3& turning) {
+  std::vector<Term> all;
+  double mass = 0.0, added = 0.0;
+  Vec3 centre;
+  Mat3 inertia;
+  const auto gather = [&](int shell, int slot) {
+    if (shells[shell].state->motion.inverse_mass[slot] > 0.0 && shells[shell].state->motion.mass[slot] > 0.0)
+      all.push_back({shell, slot, 1.0});
+  };
+  const auto weigh = [&] {
+    mass = 0.0, centre.setZero(), inertia.setZero();
+    for (const Term& m : all) {
+      const ShellState& s = *shells[m.shell].state;
+      mass += s.motion.mass[m.slot], centre += s.motion.mass[m.slot] * s.position(m.slot);
+    }
+    centre /= mass;
+    for (const Term& m : all) {
+      const ShellState& s = *shells[m.shell].state;
+      const Vec3 arm = s.position(m.slot) - centre;
+      inertia += s.motion.mass[m.slot] * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+    }
+  };
+  gather(t.shell, t.slot);
+  for (const Master& m : t.on) gather(m.shell, m.slot);
+  if (all.size() < 2) return 0.0;
+  weigh();
+  if (inertia.trace() <= mass * std::pow(kOnePlace * shells[t.shell].model->spacing, 2)) {
+    all.clear();
+    for (std::size_t slot = 0; slot < shells[t.shell].state->motion.mass.size(); ++slot)
+      gather(t.shell, static_cast<int>(slot));
+    weigh();
+  }
+  const auto [moments, axes] = principal_axes(inertia);
+  Vec3 spin = Vec3::Zero();  // none about the line that all of them lie on
+  for (int d = 0; d < 3; ++d)
+    if (moments[d] > kOnALine * moments[2]) spin += axes.col(d).dot(turning) / moments[d] * axes.col(d);
+  for (const Term& m : all) {
+    ShellState& s = *shells[m.shell].state;
+    const Vec3 change = spin.cross(s.position(m.slot) - centre);
+    added += s.motion.mass[m.slot] * change.dot(s.velocity(m.slot) + 0.5 * change);
+    s.add_velocity(m.slot, change);
+  }
+  return added;
+}
+
+}  // namespace sunder::shell

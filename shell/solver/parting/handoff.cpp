@@ -1,0 +1,475 @@
+#include "shell/solver/parting/handoff.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include <Eigen/Dense>
+
+#include "coupler/core/error.h"
+#include "coupler/core/principal_axes.h"
+#include "shell/solver/cracking/clamp.h"
+
+namespace sunder::shell {
+namespace {
+
+// A control point that stays keeps at least this share of its first mass, however many pieces leave beside
+// it: the stable step falls with the root of the mass.
+constexpr double kLeastMass = 0.5;
+constexpr std::size_t kNearest = 192;  // control points beside a piece that are asked for at first
+constexpr double kNeighbours = 8.0;    // spacings within which they are looked for first
+constexpr std::size_t kEvery = std::numeric_limits<std::size_t>::max();
+constexpr double kPartTolerance = 0.1;  // spacings squared that a convex part may add to a piece's outline
+constexpr double kLastMass = 0.02;      // where that is not enough, as when the last pieces leave
+
+// Mass that stays with a control point from which pieces take. Nothing uses one that a crack along a clamped border has
+// parted from them: what it has left is theirs.
+double kept_by(const ShellModel& m, const Triangulation& t, int slot, double share) {
+  return t.owner[m.tables.control_point(slot)] < 0 ? 0.0 : share * m.mass[slot];
+}
+
+// The smallest masses to take from the nearest control points that stay (negative: to give) so that they sum
+// to `mass` and their first moment about the centre to `moment`. Empty where those points cannot spare them.
+std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, const Triangulation& t,
+                                     const std::vector<int>& beside, double mass, const Vec3& moment,
+                                     const Vec3& centre) {
+  Eigen::VectorXd wanted(4);
+  wanted << mass, moment / m.spacing;
+  for (std::size_t n = 12; n / 2 < beside.size() && n <= kNearest; n *= 2) {
+    const auto count = static_cast<Eigen::Index>(std::min(n, beside.size()));
+    Eigen::MatrixXd a(4, count);
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const Vec3 arm = (s.position(beside[k]) - centre) / m.spacing;
+      a.col(k) << 1.0, arm.x(), arm.y(), arm.z();
+    }
+    const Eigen::VectorXd parts = a.completeOrthogonalDecomposition().solve(wanted);
+    bool fits = (a * parts - wanted).norm() <= 1e-3 * wanted.norm();  // a bent piece's points need not all fit
+    for (Eigen::Index k = 0; k < count && fits; ++k)
+      fits =
+          parts[k] <= s.motion.mass[beside[k]] - kept_by(m, t, beside[k], kLeastMass) && -parts[k] <= m.mass[beside[k]];
+    if (!fits) continue;
+    std::vector<double> out(parts.data(), parts.data() + count);
+    double sum = 0.0;
+    for (const double p : out) sum += p;
+    out[0] += mass - sum;  // the mass is exact
+    if (out[0] > s.motion.mass[beside[0]] - kept_by(m, t, beside[0], kLeastMass)) continue;
+    return out;
+  }
+  return {};
+}
+
+// Rest geometry of a piece: the mid-surface triangles thickened by tau.
+struct Geometry {
+  double area = 0.0;
+  Vec3 centre = Vec3::Zero();
+  Mat3 second = Mat3::Zero();  // integral of (x - centre)(x - centre)^T over the volume / tau
+};
+
+Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
+  Geometry g;
+  Mat3 about_origin = Mat3::Zero();
+  for (const int i : t.triangles_of(piece)) {
+    Vec3 c[3];
+    for (int k = 0; k < 3; ++k) c[k] = m.patch.evaluate(t.vertices[t.triangles[i][k]]).x;
+    const Vec3 cross = (c[1] - c[0]).cross(c[2] - c[0]);
+    const double area = 0.5 * cross.norm();
+    if (area == 0.0) continue;
+    const Vec3 n = cross / (2.0 * area), sum = c[0] + c[1] + c[2];
+    g.area += area, g.centre += area / 3.0 * sum;
+    Mat3 second = sum * sum.transpose();
+    for (const Vec3& p : c) second += p * p.transpose();
+    about_origin += area / 12.0 * second + area * m.thickness * m.thickness / 12.0 * n * n.transpose();
+  }
+  if (g.area > 0.0) {
+    g.centre /= g.area;
+    g.second = about_origin - g.area * g.centre * g.centre.transpose();
+  }
+  return g;
+}
+
+// Control points that stay, nearest to the piece first: at least `most` of them, or all.
+std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Triangulation& t, const Piece& piece,
+                            std::size_t most) {
+  std::vector<Vec2> border;
+  Eigen::AlignedBox2d box;
+  for (const int i : t.triangles_of(piece.number))
+    for (int k = 0; k < 3; ++k)
+      if (t.crack[i][k])
+        border.push_back(0.5 * (t.vertices[t.triangles[i][(k + 1) % 3]] + t.vertices[t.triangles[i][(k + 2) % 3]])),
+            box.extend(border.back());
+  std::vector<std::pair<double, int>> found;
+  std::size_t all = most;
+  for (double reach = kNeighbours * m.spacing; found.size() < std::min(most, all); reach *= 2.0) {
+    found.clear(), all = 0;
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = m.tables.slot(i);
+      if (t.owner[i] == piece.number || s.motion.detached[slot] || s.motion.mass[slot] <= 0.0) continue;
+      ++all;
+      if (!border.empty() && box.squaredExteriorDistance(m.parameter[i]) > reach * reach) continue;
+      double nearest = 1e300;
+      for (const Vec2& b : border) nearest = std::min(nearest, (m.parameter[i] - b).squaredNorm());
+      if (border.empty() || nearest <= reach * reach) found.push_back({nearest, slot});
+    }
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<int> slots;
+  for (const auto& f : found) slots.push_back(f.second);
+  return slots;
+}
+
+// A rigid piece that got all momentum of its sources can move faster than any of them: a sliver weighs less than
+// the control points that moved for it. It keeps what their energy about `common` allows; the rest is a rigid
+// impulse on control points of one piece beside it.
+void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const Piece& piece,
+                   const std::vector<int>& beside, const Vec3& centre, const Vec3& common, double energy, double mass,
+                   const Mat3& inertia, Vec3& momentum, Vec3& angular) {
+  constexpr std::size_t kTakers = 12;
+  const Vec3 linear = momentum - mass * common;
+  const double rigid = 0.5 * linear.squaredNorm() / mass + 0.5 * angular.dot(inertia.ldlt().solve(angular));
+  if (rigid <= energy) return;
+  std::vector<int> takers;
+  const auto take = [&](const std::vector<int>& from, std::size_t most) {
+    takers.clear();
+    for (std::size_t k = 0; k < from.size() && takers.size() < most; ++k)
+      if (s.motion.inverse_mass[from[k]] > 0.0 &&
+          (takers.empty() || t.owner[m.tables.control_point(from[k])] == t.owner[m.tables.control_point(takers[0])]))
+        takers.push_back(from[k]);
+    return takers.size() == most;
+  };
+  Vec3 middle = Vec3::Zero();
+  double weight = 0.0;
+  PrincipalAxes spin;
+  const auto can_spin = [&] {
+    weight = 0.0, middle.setZero();
+    for (const int slot : takers) weight += s.motion.mass[slot], middle += s.motion.mass[slot] * s.position(slot);
+    middle /= weight;
+    Mat3 second = Mat3::Zero();
+    for (const int slot : takers) {
+      const Vec3 r = s.position(slot) - middle;
+      second += s.motion.mass[slot] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
+    }
+    spin = principal_axes(second);
+    return spin.moments[0] >= 1e-3 * spin.moments[2];  // not in a line, as those beside a long strip are
+  };
+  std::vector<int> all;
+  for (std::size_t most = kTakers;; most *= 2) {
+    if (all.empty() && !take(beside, most)) all = neighbours(m, s, t, piece, kEvery);
+    const bool more = all.empty() || take(all, most);
+    if (takers.size() < 4) return;
+    if (can_spin()) break;
+    if (!more) return;
+  }
+  const double share = 1.0 - std::sqrt(energy / rigid);
+  const Vec3 p = share * linear, l = share * angular + (centre - middle).cross(p);
+  const Vec3 turn = spin.axes * (spin.axes.transpose() * l).cwiseQuotient(spin.moments);
+  for (const int slot : takers) s.add_velocity(slot, p / weight + turn.cross(s.position(slot) - middle));
+  momentum -= p, angular -= share * angular;
+}
+
+}  // namespace
+
+void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& slots, Mat3& rotation, Vec3& from,
+              Vec3& to) {
+  // one that follows others at a seam has given them its mass
+  const auto weight = [&](int slot) { return s.motion.mass[slot] > 0.0 ? s.motion.mass[slot] : m.mass[slot]; };
+  double mass = 0.0;
+  from = to = Vec3::Zero();
+  for (const int slot : slots) {
+    mass += weight(slot);
+    from += weight(slot) * s.at(m.rest, slot), to += weight(slot) * s.position(slot);
+  }
+  from /= mass, to /= mass;
+  Mat3 covariance = Mat3::Zero();
+  for (const int slot : slots)
+    covariance += weight(slot) * (s.position(slot) - to) * (s.at(m.rest, slot) - from).transpose();
+  const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  rotation = Mat3::Identity();
+  // fewer than three points, or points in a line, fix no rotation
+  if (svd.singularValues()[1] < 1e-6 * svd.singularValues()[0]) return;
+  Mat3 sign = Mat3::Identity();
+  sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
+  rotation = svd.matrixU() * sign * svd.matrixV().transpose();
+}
+
+void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
+             ConvexShape& shape, DrawnMesh& drawn) {
+  const Outline outline = outline_of(t, piece);
+  const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
+    const SurfacePoint q = m.patch.evaluate(p);
+    const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
+    low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
+  };
+  for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
+    auto& corners = shape.parts.emplace_back();
+    for (const Vec2& p : polygon) {
+      corners.emplace_back(), corners.emplace_back();
+      faces(p, corners[corners.size() - 2], corners.back());
+    }
+  }
+  const int first = static_cast<int>(drawn.points.size());
+  for (const Vec2& p : outline.vertices) {
+    drawn.points.emplace_back(), drawn.points.emplace_back();
+    faces(p, drawn.points[drawn.points.size() - 2], drawn.points.back());
+  }
+  const auto low = [&](int v) { return first + 2 * v; };
+  for (const auto& c : outline.triangles) {
+    drawn.triangles.push_back({low(c[0]) + 1, low(c[1]) + 1, low(c[2]) + 1});
+    drawn.triangles.push_back({low(c[0]), low(c[2]), low(c[1])});
+  }
+  for (const auto& [a, b] : outline.border) {
+    drawn.triangles.push_back({low(a), low(b), low(b) + 1});
+    drawn.triangles.push_back({low(a), low(b) + 1, low(a) + 1});
+  }
+}
+
+void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
+  const RowTables& t = m.tables;
+  const std::size_t plane = t.plane;
+  std::vector<char> own(plane, 0);
+  // a control point near a span: its first of degree 2, its second, which is nearer, of degree 3
+  const int inner = (t.degree - 1) / 2;
+  const auto beside = [&](int span_v, int span_u) { return (span_v + inner) * t.stride + span_u + inner; };
+  s.motion.last_force.clear();
+  for (const int i : piece.control_points) {
+    const int slot = t.slot(i);
+    own[slot] = 1, s.motion.detached[slot] = 1;
+    s.motion.inverse_mass[slot] = 0.0, s.motion.mass[slot] = 0.0;
+    for (int d = 0; d < 3; ++d) s.motion.v[d * plane + slot] = 0.0;
+  }
+  const auto slack = [&](int block, int lane) {
+    for (int k = 0; k < 6; ++k) s.layers.surface_stress[t.at(block, 6, k, lane)] = 0.0;
+  };
+  if (piece.control_points.empty()) return;
+  // nothing uses what a crack has parted from a clamp, but points may be nearest to it
+  for (int i = 0; m.clamped != 0 && i < m.control_points(); ++i) {
+    int inside = parted_from_clamp(m, s.cracks.graph, i);
+    for (int next = inside; next >= 0; next = parted_from_clamp(m, s.cracks.graph, next)) inside = next;  // of a corner
+    if (inside >= 0 && own[t.slot(inside)]) own[t.slot(i)] = 1;
+  }
+  // what is nearest to one of its control points, or reaches one, is no further off
+  Vec2 low = m.parameter[piece.control_points[0]], high = low;
+  for (const int i : piece.control_points) low = low.cwiseMin(m.parameter[i]), high = high.cwiseMax(m.parameter[i]);
+  const Vec2 pad = (kLargestSupport + 1.0) * Vec2(m.spacing_u, m.spacing_v);
+  low -= pad, high += pad;
+  const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
+  for (int f = kv.span_of(low.y()); f <= kv.span_of(high.y()); ++f)
+    for (int q = f * t.gauss * t.gauss; q < (f + 1) * t.gauss * t.gauss; ++q)
+      for (int lane = ku.span_of(low.x()); lane <= ku.span_of(high.x()); ++lane) {
+        const int i = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + lane];
+        if (i < 0 || s.cracked.gathered[i].left) continue;
+        GatheredPoint& g = s.cracked.gathered[i];
+        const bool bears = g.kind != PointKind::kDead && !g.in_rows;
+        if (!own[bears ? g.functions[0].slot : beside(f, lane)]) continue;
+        if (g.in_rows) g.in_rows = false, s.cracked.watched[static_cast<std::size_t>(q) * t.lanes + lane] = 0;
+        g.left = true, g.kind = PointKind::kDead, g.functions.clear();
+        s.cracked.note_kind(g);
+        slack(q, lane);
+        if (!s.cracked.damage.empty())
+          s.cracked.damage[i].history.fill(0.0f);  // what has left is no crack of what stands
+      }
+  for (const int i : piece.control_points) {  // and the spans that they are near
+    const int span_v = i / t.columns - inner, lane = i % t.columns - inner;
+    if (span_v < 0 || span_v >= t.spans_v || lane < 0 || lane >= t.spans_u) continue;
+    for (int q = span_v * t.gauss * t.gauss; q < (span_v + 1) * t.gauss * t.gauss; ++q) {
+      double& area = s.cracked.tables.metric[t.at(q, kMetricFields, kArea, lane)];
+      if (area > 0.0) area = 0.0;
+      if (m.laminated()) s.cracked.interlayer.metric[t.at(q, kMetricFields, kArea, lane)] = 0.0;
+      const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + lane];
+      if (point < 0 || s.cracked.gathered[point].kind == PointKind::kDead) slack(q, lane);
+    }
+  }
+  s.caches.trials.clear();  // of points that may have left
+  s.cracks.graph.near(low, high, 0.0, [&](int e) {
+    if (s.cracks.interlock_of[e] < 0 || !s.cracks.interlocks[s.cracks.interlock_of[e]].holds) return true;
+    Interlock& lock = s.cracks.interlocks[s.cracks.interlock_of[e]];
+    for (const auto* side : {&lock.plus, &lock.minus})
+      for (const auto& f : *side)
+        if (own[f.slot]) lock.holds = false;
+    return true;
+  });
+  for (Tip& tip : s.cracks.tips)
+    if (tip.alive) {
+      if (own[beside(m.patch.knots_v.span_of(tip.p.y()), m.patch.knots_u.span_of(tip.p.x()))]) tip.alive = false;
+    }
+}
+
+Totals totals(const ShellModel& m, const ShellState& s) {
+  Totals t;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    const Vec3 p = s.motion.mass[slot] * s.velocity(slot), l = s.position(slot).cross(p);
+    t.mass += s.motion.mass[slot], t.momentum += p, t.angular += l;
+    t.momentum_scale += p.norm(), t.angular_scale += l.norm();
+  }
+  return t;
+}
+
+namespace {
+
+Vec3 inner_force(const ShellState& s, int slot) {
+  return s.motion.external.empty() ? s.at(s.motion.force, slot)
+                                   : Vec3(s.at(s.motion.force, slot) - s.at(s.motion.external, slot));
+}
+
+// Forces within a piece cancel, and their moments, unless a support took some of them (the slope of a clamped edge) or
+// a Gauss point still sees control points on both sides, where cracks end just short of one another. What such a
+// point pulls with is nobody's momentum once the piece has left.
+bool forces_cancel(const ShellModel& m, const ShellState& s, const Piece& piece) {
+  constexpr double kRoundOff = 1e-9;  // of the forces' magnitudes; a piece has thousands of terms at most
+  Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
+  double force_scale = 0.0, moment_scale = 0.0;
+  for (const int i : piece.control_points) {
+    const int slot = m.tables.slot(i);
+    if (m.held[slot]) return false;
+    const Vec3 f = inner_force(s, slot), arm = s.position(slot) - s.position(m.tables.slot(piece.control_points[0]));
+    force += f, force_scale += f.norm();
+    moment += arm.cross(f), moment_scale += arm.norm() * f.norm();
+  }
+  return force.norm() <= kRoundOff * force_scale && moment.norm() <= kRoundOff * moment_scale;
+}
+
+}  // namespace
+
+Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, const Piece& piece, BodyId id, double dt) {
+  const Geometry g = rest_geometry(m, t, piece.number);
+  Handoff out;
+  out.area = g.area;
+  double target = m.material.density * m.thickness * g.area;
+  std::vector<int> slots;
+  double mass = 0.0;
+  Vec3 momentum = Vec3::Zero();
+  const bool balanced = forces_cancel(m, s, piece);
+  const auto velocity_now = [&](int slot) -> Vec3 {  // half a step on, at the time of the positions
+    return balanced ? Vec3(s.velocity(slot) + 0.5 * dt * s.motion.inverse_mass[slot] * inner_force(s, slot))
+                    : s.velocity(slot);
+  };
+  for (const int i : piece.control_points) {
+    const int slot = m.tables.slot(i);
+    slots.push_back(slot);
+    mass += s.motion.mass[slot];
+    momentum += s.motion.mass[slot] * velocity_now(slot);
+  }
+  std::vector<int> beside = neighbours(m, s, t, piece, kNearest);
+  std::vector<std::pair<double, Vec3>> sources;  // masses that become the piece, with their velocities
+  for (const int slot : slots) sources.emplace_back(s.motion.mass[slot], velocity_now(slot));
+  // where is the piece, and how turned
+  std::vector<int> fitted = slots;
+  for (std::size_t k = 0; fitted.size() < 4 && k < beside.size(); ++k) fitted.push_back(beside[k]);
+  ensure(!fitted.empty(), "piece {} has no control point near it", piece.number);
+  Mat3 rotation;
+  Vec3 from, to;
+  fit_pose(m, s, fitted, rotation, from, to);
+  const Vec3 centre = to + rotation * (g.centre - from);
+  Vec3 angular = Vec3::Zero();
+  for (const int slot : slots) angular += s.motion.mass[slot] * (s.position(slot) - centre).cross(velocity_now(slot));
+  // Lumping put mass on the wrong side of the crack, and its centre off the piece's. Both are put right by
+  // masses that cross it, so that the piece weighs rho tau area about its true centre; each takes the velocity
+  // it has with it.
+  double missing = target - mass;
+  out.mass_moved = missing;
+  const auto receive = [&](int slot, double part, const Vec3& v) {  // from a control point that stays
+    momentum += part * v;
+    angular += part * (s.position(slot) - centre).cross(v);
+    s.motion.mass[slot] -= part;
+    if (s.motion.inverse_mass[slot] > 0.0) s.motion.inverse_mass[slot] = 1.0 / s.motion.mass[slot];
+    if (part > 0.0) out.donors.push_back(slot), sources.emplace_back(part, v);
+  };
+  const auto give = [&](int slot, double part, const Vec3& v) {  // to one that stays: they mix, momentum is kept
+    if (s.motion.inverse_mass[slot] > 0.0) {
+      const Vec3 old = s.velocity(slot);
+      s.add_velocity(slot, (s.motion.mass[slot] * old + part * v) / (s.motion.mass[slot] + part) - old);
+    }
+    receive(slot, -part, s.motion.inverse_mass[slot] > 0.0 ? v : s.velocity(slot));  // what is held moves as before
+  };
+  Vec3 moment = Vec3::Zero();  // what the piece's masses miss about its centre [kg m]
+  for (const int slot : slots) moment -= s.motion.mass[slot] * (s.position(slot) - centre);
+  const std::vector<double> parts = balancing_masses(m, s, t, beside, missing, moment, centre);
+  if (!parts.empty()) {
+    const Vec3 v = mass > 0.0 ? Vec3(momentum / mass) : Vec3(Vec3::Zero());
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      parts[k] >= 0.0 ? receive(beside[k], parts[k], s.velocity(beside[k])) : give(beside[k], -parts[k], v);
+    missing = 0.0;
+  } else if (missing > 0.0) {
+    beside = neighbours(m, s, t, piece, kEvery);
+    for (const double least : {kLeastMass, kLastMass})
+      for (const int slot : beside) {
+        const double part = std::min(missing, s.motion.mass[slot] - kept_by(m, t, slot, least));
+        if (part <= 0.0) continue;
+        receive(slot, part, s.velocity(slot));
+        missing -= part;
+      }
+  } else if (missing < 0.0 && !beside.empty()) {
+    const std::size_t takers = std::min<std::size_t>(beside.size(), 12);
+    const Vec3 v = momentum / mass;
+    for (std::size_t k = 0; k < takers; ++k) give(beside[k], -missing / static_cast<double>(takers), v);
+    missing = 0.0;
+  }
+  target -= missing;  // nobody left to give or to take it: the run reports it as an error of the geometry
+  // by area, unless it weighs something else
+  const double surface_density = missing == 0.0 ? m.material.density * m.thickness : target / g.area;
+  const Mat3 inertia = surface_density * (g.second.trace() * Mat3::Identity() - g.second);
+  Vec3 common = Vec3::Zero();
+  double source_mass = 0.0, energy = 0.0;
+  for (const auto& [part, v] : sources) source_mass += part, common += part * v;
+  common /= source_mass;
+  for (const auto& [part, v] : sources) energy += 0.5 * part * (v - common).squaredNorm();
+  return_excess(m, t, s, piece, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(),
+                momentum, angular);
+  const auto [moments, frame] = principal_axes(inertia);
+  RigidBody& b = out.body;
+  b.id = id, b.name = fmt::format("shard_{}", id);
+  b.mass = target;
+  b.principal_inertia = moments;
+  b.motion.position = centre;
+  b.motion.orientation = Quat(Mat3(rotation * frame)).normalized();
+  b.motion.velocity = momentum / target;
+  b.motion.angular_momentum = angular;
+  ConvexShape shape;
+  thicken(m, t, piece.number, g.centre, frame.transpose(), shape, out.drawn);
+  b.shape = std::move(shape);
+  b.contact_group = m.contact_group;
+  remove_piece(m, s, piece);
+  return out;
+}
+
+Handoff joined(const std::vector<Handoff>& parts) {
+  Handoff out;
+  RigidBody& b = out.body;
+  b = parts.front().body;
+  b.mass = 0.0;
+  Vec3 first = Vec3::Zero(), momentum = Vec3::Zero();
+  for (const Handoff& h : parts) {
+    b.mass += h.body.mass, out.area += h.area, out.mass_moved += h.mass_moved;
+    first += h.body.mass * h.body.motion.position, momentum += h.body.mass * h.body.motion.velocity;
+  }
+  b.motion.position = first / b.mass, b.motion.velocity = momentum / b.mass;
+  b.motion.angular_momentum.setZero();
+  Mat3 inertia = Mat3::Zero();
+  for (const Handoff& h : parts) {
+    const Vec3 arm = h.body.motion.position - b.motion.position;
+    const Mat3 turn = h.body.motion.orientation.toRotationMatrix();
+    inertia += turn * h.body.principal_inertia.asDiagonal() * turn.transpose() +
+               h.body.mass * (arm.squaredNorm() * Mat3::Identity() - arm * arm.transpose());
+    b.motion.angular_momentum += h.body.motion.angular_momentum + arm.cross(h.body.mass * h.body.motion.velocity);
+  }
+  const auto [moments, frame] = principal_axes(inertia);
+  b.principal_inertia = moments;
+  b.motion.orientation = Quat(frame).normalized();
+  ConvexShape shape;
+  for (const Handoff& h : parts) {
+    const Quat turn = b.motion.orientation.conjugate() * h.body.motion.orientation;
+    const Vec3 arm = b.motion.orientation.conjugate() * (h.body.motion.position - b.motion.position);
+    for (const auto& part : std::get<ConvexShape>(h.body.shape).parts) {
+      auto& corners = shape.parts.emplace_back();
+      for (const Vec3& p : part) corners.push_back(arm + turn * p);
+    }
+    const int before = static_cast<int>(out.drawn.points.size());
+    for (const Vec3& p : h.drawn.points) out.drawn.points.push_back(arm + turn * p);
+    for (const auto& c : h.drawn.triangles)
+      out.drawn.triangles.push_back({before + c[0], before + c[1], before + c[2]});
+  }
+  b.shape = std::move(shape);
+  return out;
+}
+
+}  // namespace sunder::shell

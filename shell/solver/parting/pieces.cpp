@@ -1,0 +1,65 @@
+#include "shell/solver/parting/pieces.h"
+
+#include "shell/solver/cracking/clamp.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kCrumb = 0.02;  // spacings squared: what is smaller is left where joins cross what they join
+
+}  // namespace
+
+Eigen::AlignedBox2d domain_of(const ShellModel& m) {
+  const auto &u = m.patch.knots_u, &v = m.patch.knots_v;
+  return {Vec2(u.begin(), v.begin()), Vec2(u.end(), v.end())};
+}
+
+Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<const Eigen::AlignedBox2d> knots_in) {
+  std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
+  for (Vec2& p : places)
+    s.cracks.graph.near(p, p, m.spacing, [&](int e) {
+      Vec2 foot;
+      const CrackEdge& c = s.cracks.graph.edges()[e];
+      const Vec2 d = (c.b - c.a).normalized();
+      if (s.cracks.graph.distance(p, e, foot) < 1e-9 * m.spacing) p += 1e-6 * m.spacing * Vec2(-d.y(), d.x());
+      return true;
+    });
+  Triangulation t = triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks.graph, places, m.spacing,
+                                kCrumb * m.spacing * m.spacing, knots_in);
+  for (int i = 0; i < m.control_points(); ++i)
+    if (parted_from_clamp(m, s.cracks.graph, i) >= 0) t.owner[i] = -1;
+  return t;
+}
+
+std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Triangulation& t) {
+  std::vector<Piece> pieces(t.pieces);
+  for (int i = 0; i < t.pieces; ++i) pieces[i].number = i;
+  for (std::size_t i = 0; i < t.triangles.size(); ++i) {
+    const auto& c = t.triangles[i];
+    pieces[t.piece[i]].area += triangle_area(t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]]);
+  }
+  std::vector<int> gone(t.pieces, 0);
+  std::vector<char> anchored(m.tables.plane, 0);
+  for (const int slot : m.constraints.anchors) anchored[slot] = 1;
+  for (int i = 0; i < m.control_points(); ++i) {
+    if (t.owner[i] < 0) {
+      const int beside = parted_from_clamp(m, s.cracks.graph, i);  // that of a corner is parted as well
+      if (beside >= 0 && t.owner[beside] >= 0) pieces[t.owner[beside]].parted = true;
+      continue;
+    }
+    Piece& p = pieces[t.owner[i]];
+    p.control_points.push_back(i);
+    p.held = p.held || anchored[m.tables.slot(i)];
+    gone[t.owner[i]] += s.motion.detached[m.tables.slot(i)];
+  }
+  for (Piece& p : pieces) p.gone = !p.control_points.empty() && gone[p.number] > 0;
+  for (const Interlock& lock : s.cracks.interlocks) {
+    if (!lock.holds) continue;
+    const int a = t.owner[m.tables.control_point(lock.plus.front().slot)],
+              b = t.owner[m.tables.control_point(lock.minus.front().slot)];
+    if (a != b && a >= 0 && b >= 0) pieces[a].interlocked = pieces[b].interlocked = true;
+  }
+  return pieces;
+}
+
+}  // namespace sunder::shell

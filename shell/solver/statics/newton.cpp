@@ -1,0 +1,97 @@
+#include "shell/solver/statics/newton.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include <Eigen/Sparse>
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kDifference = 1e-6;  // of the size of what a control point stands for
+
+}  // namespace
+
+FreeDegrees free_degrees(const ShellModel& m, const ShellState& s) {
+  const std::size_t plane = m.tables.plane;
+  FreeDegrees free;
+  free.number.assign(3 * plane, -1);
+  for (int d = 0; d < 3; ++d) {
+    std::vector<char> fixed(plane, 1);
+    for (int i = 0; i < m.control_points(); ++i) fixed[m.tables.slot(i)] = s.motion.detached[m.tables.slot(i)];
+    for (const int slot : m.constraints.held[d]) fixed[slot] = 1;
+    for (const auto& driven : m.constraints.driven)
+      for (const int slot : driven.slots[d]) fixed[slot] = 1;
+    int* number = &free.number[d * plane];
+    for (const auto& group : m.constraints.tied[d]) {
+      const bool any = std::any_of(group.begin(), group.end(), [&](int slot) { return fixed[slot] != 0; });
+      for (const int slot : group) fixed[slot] = 1, number[slot] = any ? -1 : free.count;
+      free.count += !any;
+    }
+    for (std::size_t i = 0; i < plane; ++i)
+      if (!fixed[i]) number[i] = free.count++;
+  }
+  return free;
+}
+
+std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDegrees& free,
+                                const std::vector<double>& residual, const std::function<void()>& forces) {
+  const RowTables& t = m.tables;
+  const std::size_t plane = t.plane;
+  const int reach = t.degree;               // control points that share an element lie at most so far apart
+  const int period = 2 * reach + 1;         // those a period apart are moved at once
+  std::vector<double> epsilon(plane, 0.0);  // by the area that a control point stands for
+  for (std::size_t i = 0; i < plane; ++i)
+    epsilon[i] = kDifference * std::sqrt(m.mass[i] / (m.material.density * m.thickness));
+  forces();
+  const std::vector<double> f0 = s.motion.force, x = s.motion.x;
+  std::vector<Eigen::Triplet<double>> entries;
+  entries.reserve(static_cast<std::size_t>(free.count) * 3 * period * period);
+  for (int colour = 0; colour < period * period; ++colour)
+    for (int d = 0; d < 3; ++d) {
+      const int first_i = colour % period, first_j = colour / period;
+      for (int j = first_j; j < t.rows; j += period)
+        for (int i = first_i; i < t.columns; i += period)
+          s.motion.x[d * plane + j * t.stride + i] += epsilon[j * t.stride + i];
+      forces();
+      for (int j = first_j; j < t.rows; j += period)
+        for (int i = first_i; i < t.columns; i += period) {
+          const int column = free.number[d * plane + j * t.stride + i];
+          if (column < 0) continue;
+          for (int q = std::max(0, j - reach); q <= std::min(t.rows - 1, j + reach); ++q)
+            for (int p = std::max(0, i - reach); p <= std::min(t.columns - 1, i + reach); ++p)
+              for (int e = 0; e < 3; ++e) {
+                const std::size_t k = e * plane + q * t.stride + p;
+                const double value = -(s.motion.force[k] - f0[k]) / epsilon[j * t.stride + i];
+                if (free.number[k] < 0 || value == 0.0) continue;
+                entries.emplace_back(free.number[k], column, value);
+              }
+        }
+      s.motion.x = x;
+    }
+  s.motion.force = f0;
+  Eigen::SparseMatrix<double> tangent(free.count, free.count);
+  tangent.setFromTriplets(entries.begin(), entries.end());
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(free.count);
+  for (std::size_t k = 0; k < residual.size(); ++k)
+    if (free.number[k] >= 0) right[free.number[k]] = residual[k];
+  Eigen::VectorXd step;
+  if (m.loads.follow()) {  // no symmetric tangent
+    Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(tangent);
+    if (factors.info() != Eigen::Success) return {};
+    step = factors.solve(right);
+  } else {
+    // the mean of both triangles halves the round-off of differences, which thin elements at a pole have much of
+    const Eigen::SparseMatrix<double> mean = 0.5 * (tangent + Eigen::SparseMatrix<double>(tangent.transpose()));
+    Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(mean);
+    if (factors.info() != Eigen::Success) return {};
+    step = factors.solve(right);
+  }
+  std::vector<double> out(residual.size(), 0.0);
+  for (std::size_t k = 0; k < residual.size(); ++k)
+    if (free.number[k] >= 0) out[k] = step[free.number[k]];
+  if (!std::all_of(out.begin(), out.end(), [](double v) { return std::isfinite(v); })) return {};
+  return out;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,172 @@
+#include "shell/solver/stepping/kick_drift.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace sunder::shell {
+
+double external_power(const ShellModel& m, const ShellState& s) {
+  const std::size_t plane = m.tables.plane;
+  double power = 0.0;
+  const std::vector<double>& moving =
+      s.motion.moving.empty() ? s.motion.v : s.motion.moving;  // loads work on what moves their points
+  for (std::size_t i = 0; i < s.motion.external.size(); ++i) power += s.motion.external[i] * moving[i];
+  for (const auto& driven : m.constraints.driven)
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d])  // what follows others over a seam has no mass, and its force is theirs
+        if (s.motion.mass[slot] > 0.0) power -= s.motion.force[d * plane + slot] * s.motion.v[d * plane + slot];
+  return power;
+}
+
+namespace {
+
+// Half a step's work of loads and of supports that move, at the velocities as they stand: before the kick and after
+// it, together the trapezoidal rule that leapfrog's energy asks for. `inertia`: +1 adds the kinetic energy of what is
+// driven along some axes and counted with the shell's, -1 takes it away: between both the support has changed it.
+void book_external_work(const ShellModel& m, ShellState& s, double dt, double inertia) {
+  const std::size_t plane = m.tables.plane;
+  for (const auto& driven : m.constraints.driven)
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d]) {
+        const double v = s.motion.v[d * plane + slot];
+        if (s.motion.inverse_mass[slot] > 0.0) s.book.external += inertia * 0.5 * s.motion.mass[slot] * v * v;
+      }
+  s.book.external += 0.5 * dt * external_power(m, s);
+}
+
+// Half a step's work that forces do on what moves otherwise than its velocity says.
+void book_moving_work(ShellState& s, double dt) {
+  for (std::size_t i = 0; i < s.motion.moving.size(); ++i)
+    s.book.transfer += 0.5 * dt * s.motion.force[i] * (s.motion.moving[i] - s.motion.v[i]);
+}
+
+}  // namespace
+
+namespace {
+
+// What is changed of the force on control points that supports hold, drive or tie together goes where theirs does.
+std::vector<double> free_jump(const ShellModel& m, ShellState& s, double dt) {
+  const std::size_t plane = m.tables.plane;
+  std::vector<double> jump;
+  jump.swap(s.cracks.force_discontinuity);
+  const Constraints& c = m.constraints;
+  for (int d = 0; d < 3 && !jump.empty(); ++d) {
+    double* j = &jump[d * plane];
+    for (const int slot : c.held[d]) j[slot] = 0.0;
+    for (const auto& group : c.tied[d]) {
+      double mass = 0.0, sum = 0.0;
+      for (const int slot : group)
+        if (!s.motion.detached[slot]) mass += s.motion.mass[slot], sum += j[slot];
+      for (const int slot : group) j[slot] = mass > 0.0 ? sum * s.motion.mass[slot] / mass : 0.0;
+    }
+    for (const auto& driven : c.driven)
+      for (const int slot : driven.slots[d]) {
+        if (s.motion.mass[slot] > 0.0) s.book.external -= 0.5 * dt * j[slot] * s.motion.v[d * plane + slot];
+        j[slot] = 0.0;
+      }
+    for (std::size_t slot = 0; slot < plane; ++slot)
+      if (s.motion.inverse_mass[slot] == 0.0) j[slot] = 0.0;
+  }
+  return jump;
+}
+
+}  // namespace
+
+void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
+  if (std::all_of(shells.begin(), shells.end(),
+                  [](const ShellRef& r) { return r.state->cracks.force_discontinuity.empty(); }))
+    return;
+  std::vector<std::vector<double>> jumps;
+  // m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still
+  double moving = 0.0, square = 0.0, still = 0.0, let_go = 0.0;
+  for (const ShellRef& r : shells) {
+    ShellState& s = *r.state;
+    let_go += std::exchange(s.cracks.released, 0.0);
+    const std::vector<double>& jump = jumps.emplace_back(free_jump(*r.model, *r.state, dt));
+    for (std::size_t k = 0; k < jump.size(); ++k) {
+      if (jump[k] == 0.0) continue;
+      const std::size_t slot = k % r.model->tables.plane;
+      const double mass = s.motion.mass[slot], dv = 0.5 * dt * s.motion.inverse_mass[slot] * jump[k];
+      moving += mass * dv * s.motion.v[k], square += 0.5 * mass * dv * dv;
+      still += 0.5 * mass * dv * dt * s.motion.inverse_mass[slot] * s.motion.force[k];
+    }
+  }
+  double share = 1.0;
+  if (square + still > 0.0) {  // the most of it with which the energy does not rise, or where it rises least
+    const double middle = -0.5 * (moving + still) / square;
+    share = std::clamp(middle + std::sqrt(std::max(0.0, middle * middle + moving / square)), 0.0, 1.0);
+  }
+  for (std::size_t i = 0; i < shells.size(); ++i) {
+    ShellState& s = *shells[i].state;
+    for (std::size_t k = 0; k < jumps[i].size(); ++k)
+      s.motion.v[k] += share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.plane] * jumps[i][k];
+  }
+  const double gained = (share - 1.0) * moving + share * (share * square + still);
+  EnergyBook& book = shells.front().state->book;
+  const double added = std::max(0.0, gained - let_go);
+  book.injected += added, book.fracture += added - gained;
+}
+
+void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {
+  if (!s.cracks.force_discontinuity.empty()) take_up_jump({{&m, &s}}, last);
+  const std::size_t plane = m.tables.plane;
+  const double dt = 0.5 * (last + step);
+  book_external_work(m, s, last, -1.0);
+  book_moving_work(s, last);
+  if (!s.motion.before.empty()) s.motion.before = s.motion.v;
+  const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
+  if (alpha > 0.0 || beta > 0.0) {
+    const bool viscous = beta > 0.0 && s.motion.last_force.size() == s.motion.force.size();
+    for (int d = 0; d < 3; ++d)
+      for (std::size_t i = 0; i < plane; ++i) {
+        if (s.motion.inverse_mass[i] == 0.0) continue;
+        const std::size_t k = d * plane + i;
+        const double gain =
+            viscous ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
+        const double change = gain - dt * alpha * s.motion.v[k];  // of v
+        s.book.damping -= s.motion.mass[i] * change *
+                          (s.motion.v[k] + 0.5 * (dt * s.motion.inverse_mass[i] * s.motion.force[k] + change));
+        s.motion.v[k] += change;
+      }
+    if (beta > 0.0) s.motion.last_force = s.motion.force;
+  }
+  for (int d = 0; d < 3; ++d) {
+    double *v = &s.motion.v[d * plane], *f = &s.motion.force[d * plane];
+    const double g = dt * gravity[d];
+    for (std::size_t i = 0; i < plane; ++i)
+      v[i] += s.motion.inverse_mass[i] > 0.0 ? dt * s.motion.inverse_mass[i] * f[i] + g : 0.0;
+  }
+}
+
+void constrain(const ShellModel& m, ShellState& s, double dt) {
+  const Constraints& c = m.constraints;
+  if (!c.partial) return;
+  const std::size_t plane = m.tables.plane;
+  for (int d = 0; d < 3; ++d) {
+    double* v = &s.motion.v[d * plane];
+    for (const int slot : c.held[d]) v[slot] = 0.0;
+    for (const auto& group : c.tied[d]) {
+      double mass = 0.0, momentum = 0.0;
+      for (const int slot : group) mass += s.motion.mass[slot], momentum += s.motion.mass[slot] * v[slot];
+      if (mass > 0.0)
+        for (const int slot : group)
+          if (!s.motion.detached[slot]) v[slot] = momentum / mass;
+    }
+    for (const auto& driven : c.driven) {
+      const double u = driven.displacement(s.motion.time + dt)[d];
+      for (const int slot : driven.slots[d])
+        if (!s.motion.detached[slot]) v[slot] = (m.rest[d * plane + slot] + u - s.motion.x[d * plane + slot]) / dt;
+    }
+  }
+}
+
+void drift(const ShellModel& m, ShellState& s, double dt) {
+  book_external_work(m, s, dt, 1.0);
+  book_moving_work(s, dt);
+  s.motion.time += dt;
+  const std::vector<double>& moving = s.motion.moving.empty() ? s.motion.v : s.motion.moving;
+  for (std::size_t i = 0; i < s.motion.x.size(); ++i) s.motion.x[i] += dt * moving[i];
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,195 @@
+#include "shell/solver/stepping/stable_step.h"
+
+#include "shell/solver/forces.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include <Eigen/Eigenvalues>
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kProbe = 1e-7;  // of the spacing, that a control point is moved by on average: large against
+                                 // round-off, and small enough that forces are linear in it
+
+double noise(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0; }
+
+/// A shell and what it was before; its velocities hold the mode meanwhile.
+struct Probed {
+  Probed(const ShellRef& shell, bool as_if_free)
+      : model(*shell.model),
+        s(*shell.state),
+        x(s.motion.x),
+        v(s.motion.v),
+        force(s.motion.force),
+        inverse_mass(s.motion.inverse_mass) {
+    for (std::size_t i = 0; i < s.motion.inverse_mass.size(); ++i)
+      if (as_if_free && model.held[i] && s.motion.mass[i] > 0.0) s.motion.inverse_mass[i] = 1.0 / s.motion.mass[i];
+  }
+  void restore() {
+    s.motion.x.swap(x), s.motion.v.swap(v), s.motion.force.swap(force), s.motion.inverse_mass.swap(inverse_mass);
+  }
+
+  const ShellModel& model;
+  ShellState& s;
+  std::vector<double> x, v, force, inverse_mass, at_rest;  // the last: forces at the present positions
+};
+
+// Whether K is symmetric, and forces linear for small probes: layers that yield go on yielding one way only, and what
+// damage weakens is no gradient. Lanczos found a third of the stable step there.
+bool elastic(const ShellState& s) { return !s.yields() && s.layers.brittleness <= 0.0; }
+
+// Central differences with damping at the velocities half a step ago.
+double step_of(const ShellMaterial& m, double omega) {
+  const double damped = 0.5 * (m.stiffness_damping * omega + m.mass_damping / omega);
+  return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
+}
+
+/// The largest eigenvalue of M^-1 K by the method of Lanczos, in the scalar product of M, from the first guess in the
+/// velocities. Orthogonality that is lost on the way makes copies of what has converged, which do no harm here.
+template <class Forces>
+double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
+  ShellState& s = p.s;
+  p.at_rest = s.motion.force;
+  const std::size_t plane = s.motion.inverse_mass.size();
+  const double epsilon = kProbe * p.model.spacing * std::sqrt(static_cast<double>(p.model.control_points()));
+  std::vector<double>&v = s.motion.v, before(v.size(), 0.0), next(v.size());
+  Eigen::VectorXd diagonal(iterations), beside(iterations);
+  const auto product = [&](const std::vector<double>& a, const std::vector<double>& b) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < a.size(); ++i)
+      if (s.motion.inverse_mass[i % plane] > 0.0) sum += a[i] * b[i] / s.motion.inverse_mass[i % plane];
+    return sum;
+  };
+  for (std::size_t i = 0; i < v.size(); ++i)
+    if (s.motion.inverse_mass[i % plane] == 0.0) v[i] = 0.0;
+  double length = std::sqrt(product(v, v));
+  int found = 0;
+  for (; found < iterations && length > 0.0; ++found) {
+    double norm = 0.0;
+    for (double& a : v) a /= length, norm += a * a;
+    norm = std::sqrt(norm);
+    for (std::size_t i = 0; i < v.size(); ++i) s.motion.x[i] = p.x[i] + epsilon * (v[i] / norm);
+    forces();
+    for (std::size_t i = 0; i < v.size(); ++i)
+      next[i] = -(s.motion.force[i] - p.at_rest[i]) * (norm / epsilon) * s.motion.inverse_mass[i % plane];
+    diagonal[found] = product(v, next);
+    for (std::size_t i = 0; i < v.size(); ++i)
+      next[i] -= diagonal[found] * v[i] + (found > 0 ? beside[found - 1] * before[i] : 0.0);
+    length = std::sqrt(product(next, next));
+    beside[found] = length;
+    std::swap(before, v), std::swap(v, next);
+    if (!(length > 1e-6 * std::abs(diagonal[found]))) length = 0.0;  // all that the guess holds has been found
+  }
+  if (found == 0) return 0.0;
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
+  eigen.computeFromTridiagonal(diagonal.head(found), beside.head(found - 1), Eigen::EigenvaluesOnly);
+  return eigen.eigenvalues()[found - 1];
+}
+
+/// 2 / sqrt(lambda_max) with the mode's first guess in the velocities, by power iteration.
+template <class Forces>
+double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces) {
+  double epsilon = std::numeric_limits<double>::infinity(), points = 0.0, lambda = 0.0;
+  for (Probed& p : shells) {
+    p.at_rest = p.s.motion.force;
+    epsilon = std::min(epsilon, kProbe * p.model.spacing), points += p.model.control_points();
+  }
+  epsilon *= std::sqrt(points);
+  for (int it = 0; it < iterations; ++it) {
+    double norm = 0.0;
+    for (Probed& p : shells) {
+      const std::size_t plane = p.s.motion.inverse_mass.size();
+      for (std::size_t i = 0; i < p.s.motion.v.size(); ++i) {
+        if (p.s.motion.inverse_mass[i % plane] == 0.0) p.s.motion.v[i] = 0.0;
+        norm += p.s.motion.v[i] * p.s.motion.v[i];
+      }
+    }
+    norm = std::sqrt(norm);
+    if (norm == 0.0) break;
+    for (Probed& p : shells)
+      for (std::size_t i = 0; i < p.x.size(); ++i) p.s.motion.x[i] = p.x[i] + epsilon * (p.s.motion.v[i] / norm);
+    forces();
+    double sum = 0.0;
+    for (Probed& p : shells) {
+      const std::size_t plane = p.s.motion.inverse_mass.size();
+      for (std::size_t i = 0; i < p.s.motion.v.size(); ++i) {
+        p.s.motion.v[i] = -(p.s.motion.force[i] - p.at_rest[i]) / epsilon * p.s.motion.inverse_mass[i % plane];
+        sum += p.s.motion.v[i] * p.s.motion.v[i];
+      }
+    }
+    lambda = std::sqrt(sum);
+  }
+  if (lambda <= 0.0) return std::numeric_limits<double>::infinity();
+  double step = std::numeric_limits<double>::infinity();
+  for (const Probed& p : shells) step = std::min(step, step_of(p.model.material, std::sqrt(lambda)));
+  return step;
+}
+
+}  // namespace
+
+double stable_step(const ShellModel& m, ShellState& s, int iterations, int threads, bool as_if_free,
+                   const std::vector<Vec2>& around) {
+  const auto forces = [&] { compute_forces(m, s, false, 0.0, threads); };
+  std::vector<Probed> shells{{ShellRef{&m, &s}, as_if_free}};
+  forces();
+  const std::size_t plane = m.tables.plane;
+  std::vector<char> start(plane, around.empty());
+  const Vec2 reach = kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+  const RowTables& t = m.tables;
+  const auto from = [&](const KnotVector& knots, double at) { return std::max(0, knots.span_of(at) - 1); };
+  const auto to = [&](const KnotVector& knots, double at) {
+    return std::min(knots.spans(), knots.span_of(at) + 1) + t.degree;
+  };
+  for (const Vec2& p : around) {
+    const Vec2 low = p - reach, high = p + reach;
+    for (int j = from(m.patch.knots_v, low.y()); j < std::min(t.rows, to(m.patch.knots_v, high.y())); ++j)
+      for (int i = from(m.patch.knots_u, low.x()); i < std::min(t.columns, to(m.patch.knots_u, high.x())); ++i)
+        if (((m.parameter[j * t.columns + i] - p).cwiseAbs().array() < reach.array()).all())
+          start[t.slot(j * t.columns + i)] = 1;
+  }
+  std::mt19937_64 random(1);
+  for (std::size_t i = 0; i < s.motion.v.size(); ++i) s.motion.v[i] = start[i % plane] ? noise(random) : 0.0;
+  double step = std::numeric_limits<double>::infinity();
+  if (elastic(s)) {
+    const double lambda = largest_eigenvalue(shells[0], iterations, forces);
+    if (lambda > 0.0) step = step_of(m.material, std::sqrt(lambda));
+  } else {
+    step = iterate(shells, 2 * iterations, forces);
+  }
+  shells[0].force = std::move(shells[0].at_rest);  // callers go on with those of the present positions
+  shells[0].restore();
+  return step;
+}
+
+double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int iterations, int threads,
+                   const std::vector<char>& as_if_free) {
+  const auto forces = [&] {
+    for (const ShellRef& r : refs) compute_forces(*r.model, *r.state, false, 0.0, threads);
+    stitching.share_forces(refs);
+  };
+  std::vector<Probed> shells;
+  for (std::size_t k = 0; k < refs.size(); ++k) shells.emplace_back(refs[k], as_if_free[k] != 0);
+  forces();
+  std::mt19937_64 random(1);
+  for (Probed& p : shells)
+    for (double& v : p.s.motion.v) v = noise(random);
+  stitching.follow(refs);
+  const double step = iterate(shells, iterations, forces);
+  for (Probed& p : shells) p.restore();
+  return step;
+}
+
+std::vector<double> joined_steps(const std::vector<ShellRef>& shells, Stitching& stitching,
+                                 const std::vector<double>& alone, const std::vector<char>& can_crack, int iterations,
+                                 int threads) {
+  const double together = stable_step(shells, stitching, iterations, threads, can_crack);
+  std::vector<double> out;
+  for (std::size_t k = 0; k < shells.size(); ++k) out.push_back(std::max(can_crack[k] ? alone[k] : 0.0, together));
+  return out;
+}
+
+}  // namespace sunder::shell
