@@ -20,9 +20,13 @@ class FrameWriter {
   /// From now on the body is drawn as this mesh, not as its convex parts.
   void draw_as(BodyId id, DrawnMesh mesh) { drawn_[id] = std::move(mesh); }
   int count() const { return count_; }
+  /// Calls f with all members that a checkpoint keeps.
+  template <class F>
+  void saved(F&& f) {
+    f(count_, index_, drawn_);
+  }
 
  private:
-  friend class Run;  // keeps it in checkpoints
   std::string folder_;
   int count_ = 0;
   std::string index_;

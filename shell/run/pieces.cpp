@@ -1,9 +1,9 @@
-// Pieces that have come off leave the shells.
+#include "shell/run/pieces.h"
+
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "shell/run/run.h"
 #include "shell/solver/contact/near_tiles.h"
 #include "shell/solver/interlock.h"
 
@@ -33,25 +33,37 @@ bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Triangulat
 
 }  // namespace
 
-void Run::check_handoff(const Totals& before, const Totals& after, const RigidBody& b) {
-  const Vec3 p = b.mass * b.motion.velocity;
-  const Vec3 l = b.motion.angular_momentum + b.motion.position.cross(p);
-  // relative to the sums' own magnitudes, which is what their round-off is relative to
-  check_birth(b, relative(std::abs(after.mass + b.mass - before.mass), before.mass),
-              relative((after.momentum + p - before.momentum).norm(), before.momentum_scale),
-              relative((after.angular + l - before.angular).norm(), before.angular_scale), kBirthTolerance,
-              "from the shell");
+Pieces::Pieces(const RunSetup& setup, Simulation& simulation, Coupler& coupler, Books& books, const Clock& clock,
+               FrameWriter& frames)
+    : setup_(setup),
+      simulation_(simulation),
+      state_(simulation.state),
+      coupler_(coupler),
+      books_(books),
+      clock_(clock),
+      frames_(frames) {
+  counts_.next_id = counts_.first_shard = static_cast<BodyId>(setup.bodies.size() + 1);
 }
 
-Run::PartBoxes Run::everywhere() const {
+void Pieces::check_handoff(const Totals& before, const Totals& after, const RigidBody& b) {
+  const Vec3 p = b.mass * b.motion.velocity;
+  const Vec3 l = b.motion.angular_momentum + b.motion.position.cross(p);
+  // Relative to the sums' own magnitudes, which is what their round-off is relative to.
+  const BirthErrors found{relative(std::abs(after.mass + b.mass - before.mass), before.mass),
+                          relative((after.momentum + p - before.momentum).norm(), before.momentum_scale),
+                          relative((after.angular + l - before.angular).norm(), before.angular_scale)};
+  check_birth(coupler_.birth_errors(), b, found, kBirthTolerance, "from the shell", clock_.windows);
+}
+
+Pieces::PartBoxes Pieces::everywhere() const {
   PartBoxes boxes;
-  for (const ShellPart& part : parts_) boxes.push_back({domain_of(part.model())});
+  for (const ShellPart& part : state_.shells) boxes.push_back({domain_of(part.model())});
   return boxes;
 }
 
-Run::PartBoxes Run::boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,
-                             const std::vector<int>& roots) const {
-  PartBoxes boxes(parts_.size());
+Pieces::PartBoxes Pieces::boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,
+                                   const std::vector<int>& roots) const {
+  PartBoxes boxes(state_.shells.size());
   for (const int root : roots)
     for (const auto& [k, i] : groups.at(root).members) {
       if (now[k].whole) continue;
@@ -59,17 +71,17 @@ Run::PartBoxes Run::boxes_of(const std::vector<PartPieces>& now, const std::map<
       Eigen::AlignedBox2d& box = boxes[k].emplace_back();
       for (const int triangle : t.triangles_of(now[k].pieces[i].number))
         for (const int corner : t.triangles[triangle]) box.extend(t.vertices[corner]);
-      const Vec2 pad = Vec2::Constant(1e-3 * parts_[k].model().spacing);  // a knot may lie on its border
+      const Vec2 pad = Vec2::Constant(1e-3 * state_.shells[k].model().spacing);  // a knot may lie on its border
       box = {box.min() - pad, box.max() + pad};
     }
   return boxes;
 }
 
-std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
-  std::vector<PartPieces> out(parts_.size());
+std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
+  std::vector<PartPieces> out(state_.shells.size());
   std::vector<int> first, parent;
-  for (std::size_t k = 0; k < parts_.size(); ++k) {
-    ShellPart& part = parts_[k];
+  for (std::size_t k = 0; k < state_.shells.size(); ++k) {
+    ShellPart& part = state_.shells[k];
     const ShellModel& m = part.model();
     PartPieces& p = out[k];
     p.whole = part.state->cracks.graph.edges().empty() && !all;
@@ -92,13 +104,13 @@ std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
   };
   const auto piece_of = [&](int shell, int slot) {
     const int own =
-        out[shell].whole ? 0 : out[shell].triangulation->owner[parts_[shell].model().tables.control_point(slot)];
+        out[shell].whole ? 0 : out[shell].triangulation->owner[state_.shells[shell].model().tables.control_point(slot)];
     return own < 0 ? -1 : first[shell] + own;
   };
-  for (std::size_t k = 0; k < parts_.size(); ++k)  // an interlayer holds what has cracked together
-    for (std::size_t i = 1; i < out[k].pieces.size() && parts_[k].model().laminated(); ++i)
+  for (std::size_t k = 0; k < state_.shells.size(); ++k)  // an interlayer holds what has cracked together
+    for (std::size_t i = 1; i < out[k].pieces.size() && state_.shells[k].model().laminated(); ++i)
       parent[first[k] + static_cast<int>(i)] = first[k];
-  stitching_.each_link([&](int shell, int slot, int other, int other_slot) {
+  state_.stitching.each_link([&](int shell, int slot, int other, int other_slot) {
     const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
     if (a < 0 || b < 0) return;
     const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
@@ -106,7 +118,7 @@ std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
   });
   std::vector<char> held(parent.size(), 0), interlocked(parent.size(), 0);
   for (const bool gather : {true, false})
-    for (std::size_t k = 0; k < parts_.size(); ++k)
+    for (std::size_t k = 0; k < state_.shells.size(); ++k)
       for (std::size_t i = 0; i < out[k].pieces.size(); ++i) {
         Piece& p = out[k].pieces[i];
         const int r = root(first[k] + static_cast<int>(i));
@@ -120,10 +132,10 @@ std::vector<PartPieces> Run::pieces_now(bool all, const PartBoxes& leaving) {
   return out;
 }
 
-std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) const {
+std::map<int, Pieces::Group> Pieces::groups_of(const std::vector<PartPieces>& now) const {
   std::map<int, Group> groups;
   std::vector<std::vector<char>> were_one;  // shells, as the scene has them
-  if (stitching_.parted()) were_one = components(now.size(), setup_.stitches.seams);
+  if (state_.stitching.parted()) were_one = components(now.size(), setup_.stitches.seams);
   const auto in_another = [&](std::size_t shell, int own) {
     return std::any_of(now[shell].group.begin(), now[shell].group.end(), [own](int other) { return other != own; });
   };
@@ -134,7 +146,7 @@ std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) con
       g.members.push_back({k, i});
       // a shell without cracks has no pieces to measure, and is none that is too small
       g.bends = g.bends || now[k].whole ||
-                (!p.control_points.empty() && p.area > kSmallPiece * std::pow(parts_[k].model().spacing, 2));
+                (!p.control_points.empty() && p.area > kSmallPiece * std::pow(state_.shells[k].model().spacing, 2));
       g.empty = g.empty && p.control_points.empty() && !now[k].whole;
       const int own = now[k].group[i];
       g.torn = g.torn || p.parted || in_another(k, own);
@@ -144,7 +156,7 @@ std::map<int, Run::Group> Run::groups_of(const std::vector<PartPieces>& now) con
   return groups;
 }
 
-bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool all) {
+bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool all) {
   const auto [front, number] = g.members.front();
   const Piece& p = now[front].pieces[number];
   if (p.held || p.gone || p.interlocked) return false;
@@ -152,14 +164,14 @@ bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool a
   if (!g.torn) return false;  // nothing has separated: a free shell stays a shell
   if (g.empty || !g.bends) return true;
   const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
-  const auto [since, fresh] = parts_[front].detached_since.try_emplace(lowest, tick_);
+  const auto [since, fresh] = state_.shells[front].detached_since.try_emplace(lowest, clock_.tick);
   double settle = 0.0;
   for (const auto& [k, i] : g.members)
-    settle = std::max(settle, kSettle * parts_[k].model().spacing / parts_[k].model().wave_speed());
-  if (static_cast<double>(tick_ - since->second) * setup_.tick < settle) return false;
-  const double lately = time() + window_ticks_ * setup_.tick - settle;
+    settle = std::max(settle, kSettle * state_.shells[k].model().spacing / state_.shells[k].model().wave_speed());
+  if (static_cast<double>(clock_.tick - since->second) * setup_.tick < settle) return false;
+  const double lately = clock_.time() + coupler_.window_ticks() * setup_.tick - settle;
   return std::none_of(g.members.begin(), g.members.end(), [&](const auto& member) {
-    const ShellPart& part = parts_[member.first];
+    const ShellPart& part = state_.shells[member.first];
     const std::vector<CrackEdge>& edges = part.state->cracks.graph.edges();
     const auto first = std::partition_point(edges.begin(), edges.end(), [&](auto& e) { return e.time <= lately; });
     return first != edges.end() &&
@@ -168,14 +180,14 @@ bool Run::is_to_leave(const std::vector<PartPieces>& now, const Group& g, bool a
   });
 }
 
-std::vector<RigidBody> Run::take_off(bool all) {
+std::vector<RigidBody> Pieces::take_off(bool all, double dt) {
   std::vector<RigidBody> births;
-  if (!all && !stitching_.parted() && std::all_of(parts_.begin(), parts_.end(), [](const ShellPart& part) {
-        return part.state->cracks.graph.edges().empty();
-      }))
+  if (!all && !state_.stitching.parted() &&
+      std::all_of(state_.shells.begin(), state_.shells.end(),
+                  [](const ShellPart& part) { return part.state->cracks.graph.edges().empty(); }))
     return births;
-  Stopwatch w(stage_s_["crack_update"]);
-  for (ShellPart& part : parts_)
+  Stopwatch w(simulation_.scratch.times[Stage::kCrackUpdate]);
+  for (ShellPart& part : state_.shells)
     if (all) release_interlocks(part.model(), *part.state, {}, true);
   std::vector<PartPieces> now = pieces_now(all, {});
   std::map<int, Group> groups = groups_of(now);
@@ -188,32 +200,32 @@ std::vector<RigidBody> Run::take_off(bool all) {
   };
   find_leaving();
   if (!leaving.empty()) now = pieces_now(all, boxes_of(now, groups, leaving)), groups = groups_of(now), find_leaving();
-  fragments_ = handed_off_;
-  for (const auto& [root, g] : groups) fragments_ += !now[g.members[0].first].pieces[g.members[0].second].gone;
+  counts_.fragments = counts_.handed_off;
+  for (const auto& [root, g] : groups) counts_.fragments += !now[g.members[0].first].pieces[g.members[0].second].gone;
   if (!leaving.empty()) {
-    const double before = total_energy(dt_);
+    const double before = simulation_.total_energy(dt);
     Totals totals_now = shell_totals();
-    for (const int root : leaving) births.push_back(leave(now, groups.at(root), totals_now));
-    parts_.front().state->book.handoff += before - total_energy(dt_);
+    for (const int root : leaving) births.push_back(leave(now, groups.at(root), totals_now, dt));
+    state_.shells.front().state->book.handoff += before - simulation_.total_energy(dt);
   }
-  detached_area_ = 0.0;
+  counts_.detached_area = 0.0;
   for (const PartPieces& part : now)
     for (const Piece& p : part.pieces)
-      if (!p.held) detached_area_ += p.area;
+      if (!p.held) counts_.detached_area += p.area;
   return births;
 }
 
-Totals Run::shell_totals() {
+Totals Pieces::shell_totals() {
   Totals sum;
-  for (const ShellRef& r : refs()) sum += totals(*r.model, *r.state);
+  for (const ShellRef& r : simulation_.refs()) sum += totals(*r.model, *r.state);
   return sum;
 }
 
-RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now) {
-  const std::vector<ShellRef> shells = refs();
+RigidBody Pieces::leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now, double dt) {
+  const std::vector<ShellRef> shells = simulation_.refs();
   for (const auto& [k, i] : group.members) {
     if (!now[k].whole) continue;
-    now[k].triangulation = parts_[k].drawn(std::array{domain_of(parts_[k].model())});
+    now[k].triangulation = state_.shells[k].drawn(std::array{domain_of(state_.shells[k].model())});
     now[k].pieces = pieces_of(*shells[k].model, *shells[k].state, *now[k].triangulation);
     now[k].whole = false;
   }
@@ -224,31 +236,32 @@ RigidBody Run::leave(std::vector<PartPieces>& now, const Group& group, Totals& t
       return static_cast<int>(member.first) == shell && static_cast<int>(member.second) == own;
     });
   };
-  if (stitching_.release(shells, leaves)) total_energy(dt_);  // forces of what now moves by itself
+  if (state_.stitching.release(shells, leaves)) simulation_.total_energy(dt);  // forces of what now moves by itself
   std::vector<Handoff> parts;
   double mass = 0.0;
   for (const auto& [k, i] : group.members) {
     const ShellModel& m = *shells[k].model;
     Piece& p = now[k].pieces[i];
-    if (p.control_points.empty()) parts_[k].add_rubble(*now[k].triangulation, p.number);
-    parts.push_back(hand_off(m, *shells[k].state, *now[k].triangulation, p, next_id_, dt_));
+    if (p.control_points.empty()) state_.shells[k].add_rubble(*now[k].triangulation, p.number);
+    parts.push_back(hand_off(m, *shells[k].state, *now[k].triangulation, p, counts_.next_id, dt));
     mass += m.material.density * m.thickness * parts.back().area;
-    for (const int slot : parts.back().donors) parts_[k].changed.push_back(m.parameter[m.tables.control_point(slot)]);
+    for (const int slot : parts.back().donors)
+      state_.shells[k].changed.push_back(m.parameter[m.tables.control_point(slot)]);
     p.gone = true;
   }
   Handoff h = parts.size() == 1 ? std::move(parts[0]) : joined(parts);
-  ++next_id_;
+  ++counts_.next_id;
   const Totals totals_before = std::exchange(totals_now, shell_totals());
   check_handoff(totals_before, totals_now, h.body);
-  geometry_error_ = std::max(geometry_error_, std::abs(h.body.mass - mass) / mass);
-  handed_area_ += h.area, ++handed_off_;
-  shards_.push_back({h.body.id, time() + window_ticks_ * setup_.tick, h.area, h.body.mass,
+  counts_.geometry_error = std::max(counts_.geometry_error, std::abs(h.body.mass - mass) / mass);
+  counts_.handed_area += h.area, ++counts_.handed_off;
+  shards_.push_back({h.body.id, clock_.time() + coupler_.window_ticks() * setup_.tick, h.area, h.body.mass,
                      h.body.motion.velocity.norm(),
                      static_cast<int>(std::get<ConvexShape>(h.body.shape).parts.size())});
   frames_.draw_as(h.body.id, std::move(h.drawn));
-  proxies_.emplace_back(h.body);
-  for (ShellPart& other : parts_)
-    other.coefficients.push_back(against(other.model(), h.body)), other.candidates.age = 0;
+  state_.bodies.emplace_back(h.body);
+  for (ShellPart& other : state_.shells)
+    other.coefficients.push_back(simulation_.against(other.model(), h.body)), other.candidates.age = 0;
   return h.body;
 }
 

@@ -31,7 +31,7 @@ std::string run_text(const std::string& text, link::Engine& engine, const Watch&
       std::vector<const RigidBody*> bodies;
       for (const shell::Proxy& p : run.bodies()) bodies.push_back(&p.body);
       if (watch) watch(run.time(), run.mechanical_energy(), bodies);
-      if (end) end->hardest = run.hardest(), end->exported = run.exported();
+      if (end) end->hardest = run.stiffest_ratio(), end->exported = run.exported();
     };
     options.tamper = tamper;
     shell::Run run(shell::build(scene), options);

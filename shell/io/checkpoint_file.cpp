@@ -1,0 +1,58 @@
+#include "shell/io/checkpoint_file.h"
+
+#include <filesystem>
+#include <fstream>
+
+#include "coupler/core/error.h"
+#include "coupler/core/hash.h"
+#include "shell/io/vtp.h"
+
+namespace sunder::shell {
+namespace {
+
+// Read only by the build that wrote it: plain structures lie in it as they lie in memory.
+const std::string kFirstLine = "sunder checkpoint 11, " __VERSION__ "\n";
+constexpr std::size_t kHashDigits = 64;
+
+std::string digest(const std::string& bytes) {
+  Sha256 h;
+  h.add(bytes.data(), bytes.size());
+  return h.hex();
+}
+
+}  // namespace
+
+std::string checkpoint_path(const std::string& out) { return out + "/checkpoint/state"; }
+
+void bad_checkpoint(const std::string& path, const std::string& what) {
+  Error e(Exit::kBadInput, "bad_checkpoint", fmt::format("{}: {}; run the scene anew", path, what));
+  e.file = path;
+  throw e;
+}
+
+void write_checkpoint(const std::string& path, const std::string& scene_hash, const std::string& bytes) {
+  const std::string body = kFirstLine + scene_hash + "\n" + bytes;
+  std::error_code ignored;  // a folder that cannot be made is told of by the file in it
+  std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
+  write_atomically(path, body + digest(body));
+}
+
+std::string read_checkpoint(const std::string& path, const std::string& scene_hash) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file)
+    bad_checkpoint(path,
+                   "there is no checkpoint; a run writes one every output.checkpoint_interval_s, if its engine can do "
+                   "'save_restore'");
+  std::string bytes((std::istreambuf_iterator<char>(file)), {});
+  const std::string head = kFirstLine + scene_hash + "\n";
+  if (bytes.size() < kFirstLine.size() + kHashDigits || bytes.compare(0, kFirstLine.size(), kFirstLine) != 0)
+    bad_checkpoint(path, "is no checkpoint of this build");
+  const std::string sum = bytes.substr(bytes.size() - kHashDigits);
+  bytes.resize(bytes.size() - kHashDigits);
+  if (digest(bytes) != sum) bad_checkpoint(path, "is damaged");
+  if (bytes.compare(0, head.size(), head) != 0)
+    bad_checkpoint(path, "is of another scene, or of one with other settings");
+  return bytes.substr(head.size());
+}
+
+}  // namespace sunder::shell

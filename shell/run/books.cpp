@@ -1,0 +1,87 @@
+#include "shell/run/books.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "coupler/core/error.h"
+#include "shell/run/audit.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kRoundOffStrain = 1e-12;  // energy stored below it is round-off [-]
+constexpr double kUnstableGain = 100.0;    // times all energy that the scene can account for [-]
+
+}  // namespace
+
+EnergyBook Books::sum(Simulation& simulation) const {
+  EnergyBook all = frozen;
+  all += simulation.shell_book();
+  return all;
+}
+
+double Books::crack_length(Simulation& simulation) const {
+  return simulation.state.solving() ? simulation.crack_length() : frozen_length;
+}
+
+double Books::crack_resistance(Simulation& simulation) const {
+  if (!simulation.state.solving()) return frozen_resistance;
+  double all = 0.0;
+  for (const ShellPart& part : simulation.state.shells)
+    if (part.state) all += shell::crack_resistance(part.model(), *part.state);
+  return all;
+}
+
+void Books::open(Simulation& simulation, double energy) {
+  reference = energy;
+  scale = simulation.state.kinetic + simulation.state.elastic;
+  double round_off = 0.0;  // where nothing moves there is nothing else
+  for (const ShellPart& part : simulation.state.shells) {
+    const ShellMaterial& material = part.model().material;
+    const std::vector<double>& masses = part.state->motion.mass;
+    const double mass = std::accumulate(masses.begin(), masses.end(), 0.0);
+    round_off += 0.5 * kRoundOffStrain * kRoundOffStrain * material.youngs_modulus * mass / material.density;
+  }
+  scale = std::max(scale, round_off + simulation.soft_energy(kRoundOffStrain));
+}
+
+void Books::close(Simulation& simulation, double energy) {
+  scale = std::max(scale, simulation.state.kinetic + simulation.state.elastic);
+  residual = scale > 0.0 ? (energy - reference) / scale : 0.0;
+  const double contact = sum(simulation).contact;
+  contact_taken = std::max(contact_taken, contact);
+  contact_given = std::max(contact_given, contact_taken - contact);
+}
+
+void Books::check_stable(Simulation& simulation, double energy, std::int64_t window) const {
+  double least = simulation.soft_energy(1e-3);  // a strain of 1e-3, of shells in one element: all may start at rest
+  for (const ShellSetup& s : simulation.model.setup.shells)
+    least += 5e-7 * s.model.material.youngs_modulus * s.model.thickness * s.model.spacing * s.model.spacing;
+  const double most = kUnstableGain * (scale + std::abs(reference) + std::abs(sum(simulation).external) + least);
+  if (!(std::abs(energy - reference) <= most)) unstable(energy - reference, window);
+}
+
+void unstable(double energy, std::int64_t window) {
+  Error e(
+      Exit::kPhysics, "unstable",
+      fmt::format("window {}: the energy has changed by {:.3g} J: the shell is unstable; lower time_step_safety, or "
+                  "refine",
+                  window, energy));
+  e.window = window;
+  throw e;
+}
+
+std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual) {
+  const std::vector<ShellSetup>& shells = simulation.model.setup.shells;
+  const bool keeps = std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return !s.healing; });
+  const bool grid = std::any_of(shells.begin(), shells.end(),
+                                [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
+  std::vector<std::string> out = doubts({books.sum(simulation), books.scale, books.residual, books.contact_given,
+                                         coupling_residual, books.frozen_kinetic, grid, keeps});
+  if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
+    out.insert(out.begin(), thick);
+  return out;
+}
+
+}  // namespace sunder::shell

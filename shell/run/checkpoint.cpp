@@ -1,0 +1,118 @@
+// A run between two windows: both sides in one file, so that they always belong together.
+#include "coupler/core/archive.h"
+#include "shell/io/checkpoint_file.h"
+#include "shell/run/run.h"
+#include "shell/solver/state_archive.h"
+
+namespace sunder {
+template <>
+inline constexpr bool kAsBytes<BodyMotion> = true;
+
+template <class A>
+void archive(A& a, RigidBody& b) {
+  archive_all(a, b.id, b.name, b.is_static, b.mass, b.principal_inertia, b.motion, b.contact_group);
+  auto kind = static_cast<std::uint8_t>(b.shape.index());
+  archive_one(a, kind);
+  if constexpr (A::kReading) {
+    constexpr std::uint8_t kKinds = std::variant_size_v<Shape>;
+    if (kind >= kKinds) throw Error(Exit::kBadInput, "bad_checkpoint", "a shape of no known kind");
+    const Shape shapes[kKinds] = {SphereShape{}, BoxShape{}, HalfSpaceShape{}, ConvexShape{}};
+    b.shape = shapes[kind];
+  }
+  if (auto* s = std::get_if<SphereShape>(&b.shape)) archive_one(a, s->radius);
+  if (auto* s = std::get_if<BoxShape>(&b.shape)) archive_one(a, s->half_size);
+  if (auto* s = std::get_if<ConvexShape>(&b.shape)) {
+    Surface surface = s->surface ? *s->surface : Surface{};
+    archive_all(a, s->parts, surface.corners, surface.triangles);
+    if constexpr (A::kReading)
+      if (!surface.corners.empty()) s->surface = std::make_shared<const Surface>(std::move(surface));
+  }
+}
+
+}  // namespace sunder
+
+namespace sunder::shell {
+
+template <class A>
+void archive(A& a, DrawnMesh& m) {
+  archive_all(a, m.points, m.triangles);
+}
+
+template <class A>
+void archive(A& a, FrameWriter& f) {
+  f.saved([&a](auto&... members) { archive_all(a, members...); });
+}
+
+template <class A>
+void archive(A& a, ShellPart& part) {
+  archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure, part.changed,
+              part.initial_step, part.smallest_step, part.hertz_speed, part.hertz_kept, part.hertz_until,
+              part.hertz_windows);
+}
+
+namespace {
+
+template <class A>
+void archive_state(A& a, const RunSetup& setup, State& state) {
+  archive_all(a, state.random, state.substeps, state.engine_loss, state.frozen_potential, state.kinetic, state.elastic);
+  std::vector<RigidBody> bodies;
+  for (const Proxy& p : state.bodies) bodies.push_back(p.body);
+  archive_one(a, bodies);
+  if constexpr (A::kReading) {
+    state.bodies.clear();
+    for (RigidBody& b : bodies) state.bodies.emplace_back(std::move(b));
+  }
+  archive_one(a, state.stitching);
+  state.soft.archive_state(a);
+  for (ShellPart& part : state.shells) {
+    archive_one(a, part);
+    char solved = part.state ? 1 : 0;
+    archive_one(a, solved);
+    if constexpr (A::kReading) {
+      part.state.reset();
+      if (solved != 0)
+        part.state = std::make_unique<ShellState>(make_state(part.model(), part.setup->velocity, setup.seed));
+    }
+    if (part.state) archive_one(a, *part.state);
+  }
+}
+
+}  // namespace
+
+template <class A>
+void Run::archive_members(A& a) {
+  archive_all(a, clock_.tick, clock_.windows, dt_, last_push_, next_checkpoint_, simulation_.scratch.times.seconds);
+  archive_all(a, recorder_, books_, pieces_, coupler_);
+  archive_state(a, setup_, simulation_.state);
+}
+
+void Run::save_checkpoint() {
+  State& state = simulation_.state;
+  Stopwatch w(simulation_.scratch.times[Stage::kIo]);
+  // Caches start anew on both ways on from here.
+  for (ShellPart& part : state.shells) part.candidates = {}, part.triangulated.reset();
+  if (state.contact) state.contact->forget();
+  if (state.fibres) state.fibres->forget();
+  state.soft.forget();
+  state.rows.clear();
+  const double interval = setup_.checkpoint_interval;
+  next_checkpoint_ = std::max(next_checkpoint_ + interval, clock_.time() + 0.5 * interval);
+  ArchiveWriter a;
+  std::string caches = rigid_->save();
+  archive_one(a, caches);
+  archive_members(a);
+  write_checkpoint(checkpoint_path(options_.out), options_.scene_hash, a.bytes);
+}
+
+void Run::load_checkpoint() {
+  const std::string path = checkpoint_path(options_.out);
+  const std::string bytes = read_checkpoint(path, options_.scene_hash);
+  ArchiveReader a(bytes.data(), bytes.size());
+  std::string caches;
+  archive_one(a, caches);
+  archive_members(a);
+  if (a.left() != 0) bad_checkpoint(path, fmt::format("has {} bytes too many", a.left()));
+  coupler_.restore(caches);
+}
+
+}  // namespace sunder::shell

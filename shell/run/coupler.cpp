@@ -1,0 +1,257 @@
+#include "shell/run/coupler.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/core/error.h"
+#include "shell/solver/contact/contact_stiffness.h"
+
+namespace sunder::shell {
+namespace {
+
+using Scheme = CouplingRules::Scheme;
+
+constexpr int kStiffnessEvery = 8;             // windows between two measurements
+constexpr int kHeldWindows = 64;               // for which a body counts as held by the engine, or stays exported
+constexpr std::int64_t kHeldAtFirst = 64;      // windows in which a body of the scene may turn out to be held
+constexpr double kRecovery = 0.02;             // share of an overlap: twenty plates sink by 2 um, and nothing bounces
+constexpr double kLeastResidual = 1.0 / 16.0;  // of the tolerance, below which a window is doubled
+
+/// Where a body comes by itself in `h` [s]: gravity evenly, no impulse.
+BodyMotion coasted(const RigidBody& body, const Vec3& gravity, double h) {
+  RigidBody b = body;
+  b.motion.velocity += 0.5 * h * gravity;
+  b.drift(h);
+  b.motion.velocity += 0.5 * h * gravity;
+  return b.motion;
+}
+
+}  // namespace
+
+Coupler::Coupler(const RunSetup& setup, Simulation& simulation, Clock& clock,
+                 std::function<void(std::int64_t, std::vector<Proxy>&)> tamper)
+    : setup_(setup),
+      simulation_(simulation),
+      state_(simulation.state),
+      clock_(clock),
+      tamper_(std::move(tamper)),
+      window_ticks_(setup.coupling.ticks),
+      shortest_window_(setup.coupling.ticks),
+      released_at_(setup.joints.size(), -1.0) {}
+
+void Coupler::load() {
+  const bool again = setup_.coupling.scheme == Scheme::kIterated;
+  rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again, setup_.thickness()});
+  for (const RigidBody& b : setup_.bodies) held_until_[b.id] = kHeldAtFirst;
+}
+
+void Coupler::restore(const std::string& caches) {
+  std::vector<RigidBody> bodies;
+  for (const Proxy& p : state_.bodies) bodies.push_back(p.body);
+  const bool again = setup_.coupling.scheme == Scheme::kIterated;
+  rigid_->load({bodies, setup_.laws, setup_.joints, clock_.tick, again, setup_.thickness()});
+  rigid_->restore(caches);
+}
+
+std::vector<link::Motion> Coupler::motions() const {
+  std::vector<link::Motion> out;
+  for (const Proxy& p : state_.bodies)
+    if (!p.body.is_static) out.push_back({p.body.id, p.body.motion});
+  return out;
+}
+
+void Coupler::choose_exported() {
+  const CouplingRules& rules = setup_.coupling;
+  const bool can = rigid_->peer().can(link::capability::kExportRows);  // else it is measured, and told
+  if (rules.scheme != Scheme::kProxy && rules.scheme != Scheme::kExported) return;
+  if (rules.scheme == Scheme::kExported) {
+    for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
+      if (!setup_.bodies[i].is_static) exported_until_[setup_.bodies[i].id] = clock_.windows + 1;
+    return;
+  }
+  if (clock_.windows % kStiffnessEvery != 0) return;
+  std::vector<double> ratio(state_.bodies.size(), 0.0);
+  for (ShellPart& part : state_.shells) add_stiffness_ratio(part, ratio);
+  add_soft_stiffness_ratio(ratio);
+  for (std::size_t i = 0; i < state_.bodies.size(); ++i) {
+    stiffest_ = std::max(stiffest_, ratio[i]);
+    if (can && ratio[i] > rules.export_above) exported_until_[state_.bodies[i].body.id] = clock_.windows + kHeldWindows;
+  }
+}
+
+void Coupler::add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio) {
+  const ShellModel& m = part.model();
+  std::vector<char> asked(state_.bodies.size(), 0);
+  bool any = false;
+  // No shell is stiffer at a control point than its stable step allows: 4 m / dt^2. Heavy bodies need no measurement.
+  double heaviest = 0.0;
+  for (const double mass : part.state->motion.mass) heaviest = std::max(heaviest, mass);
+  // Bodies of the scene only: shards, light and born in contact, leave the shell within a window or two.
+  const auto& candidates = part.candidates.of_body;
+  for (std::size_t i = 0; i < std::min(setup_.bodies.size(), candidates.size()); ++i) {
+    const RigidBody& b = state_.bodies[i].body;
+    const auto held = held_until_.find(b.id);
+    if (b.is_static || candidates[i].empty() || held == held_until_.end() || held->second < clock_.windows) continue;
+    const double points = static_cast<double>(candidates[i].size() * m.patch.functions());
+    const double bound = 4.0 * points * heaviest * std::pow(setup_.window / part.smallest_step, 2) / b.mass;
+    asked[i] = bound > setup_.coupling.export_above, any = any || asked[i];
+  }
+  if (!any) return;
+  const auto stiffness =
+      contact_stiffness(m, *part.state, state_.bodies, part.candidates, asked, simulation_.model.threads);
+  for (std::size_t i = 0; i < state_.bodies.size(); ++i)
+    if (asked[i]) ratio[i] += stiffness[i] * setup_.window * setup_.window / state_.bodies[i].body.mass;
+}
+
+void Coupler::add_soft_stiffness_ratio(std::vector<double>& ratio) const {
+  if (state_.soft.empty()) return;
+  for (std::size_t i = 0; i < std::min(setup_.bodies.size(), state_.bodies.size()); ++i) {
+    const RigidBody& b = state_.bodies[i].body;
+    const auto held = held_until_.find(b.id);
+    if (b.is_static || held == held_until_.end() || held->second < clock_.windows) continue;
+    ratio[i] += state_.soft.stiffness_against(state_.bodies[i]) * setup_.window * setup_.window / b.mass;
+  }
+}
+
+void Coupler::open_window(double window) {
+  starts_ = motions();
+  for (Proxy& p : state_.bodies) p.unmoved = setup_.coupling.scheme == Scheme::kLagged, p.recovery = 0.0;
+  solved_.clear();
+  if (!state_.solving()) {  // no substeps: nobody but the engine solves anything
+    state_.rows.clear(), exported_until_.clear();
+    return;
+  }
+  choose_exported();
+  std::set<BodyId> exported;
+  for (const auto& [id, until] : exported_until_)
+    if (until > clock_.windows) exported.insert(id);
+  if (exported.empty()) {
+    state_.rows.clear();
+    return;
+  }
+  Stopwatch w(simulation_.scratch.times[Stage::kCoupling]);
+  std::vector<link::Motion> coasting;
+  std::set<BodyId> moving;
+  for (const Proxy& p : state_.bodies)
+    if (!p.body.is_static)
+      coasting.push_back({p.body.id, coasted(p.body, setup_.gravity, window)}), moving.insert(p.body.id);
+  // What an exported body touches or is linked to is solved with it, and what that touches.
+  std::vector<link::ContactRow> rows;
+  std::vector<Joint> joints;
+  for (std::size_t before = 0; before != exported.size();) {
+    before = exported.size();
+    solved_.assign(exported.begin(), exported.end());
+    rows = rigid_->rows(clock_.tick, window, coasting, solved_);
+    for (const auto& row : rows)
+      for (const BodyId id : {row.first, row.second})
+        if (moving.count(id)) exported.insert(id);
+    joints.clear();
+    for (const Joint& j : setup_.joints) {
+      if (released_at_[j.id - 1] >= 0.0 || (!exported.count(j.first) && !exported.count(j.second))) continue;
+      joints.push_back(j);
+      for (const BodyId id : {j.first, j.second})
+        if (moving.count(id)) exported.insert(id);
+    }
+  }
+  std::vector<RigidBody*> bodies;
+  for (Proxy& p : state_.bodies) bodies.push_back(&p.body);
+  state_.rows.take(rows, joints, bodies);
+  // What nothing presses on moves as without windows, to the last bit but some.
+  std::set<BodyId> pressed;
+  for (const auto& row : rows) pressed.insert({row.first, row.second});
+  for (const Joint& j : joints) pressed.insert({j.first, j.second});
+  for (Proxy& p : state_.bodies)
+    if (exported.count(p.body.id) && pressed.count(p.body.id)) p.recovery = kRecovery;
+  for (const BodyId id : exported) ever_exported_.insert(id);
+  ++exported_windows_;
+}
+
+std::vector<link::Motion> Coupler::predicted_states(double window, std::size_t count, int substeps) const {
+  std::vector<link::Motion> out;
+  for (std::size_t i = 0, k = 0; i < count; ++i) {
+    RigidBody b = state_.bodies[i].body;
+    if (b.is_static) continue;
+    if (setup_.coupling.scheme == Scheme::kStaggered && k < starts_.size()) {  // the engine's own step, by the impulse
+      b.motion.position = starts_[k].motion.position + window * b.motion.velocity;
+      b.motion.orientation = starts_[k].motion.orientation;
+      RigidBody turned = b;
+      turned.drift(window);
+      b.motion.orientation = turned.motion.orientation;
+    }
+    if (k < state_.kicks.size() &&
+        substeps > 0) {  // without what the engine's last answer did, evenly over the substeps
+      const double arm = 0.5 * window * (substeps + 1.0) / substeps;
+      b.motion.position -= arm / b.mass * state_.kicks[k].linear;
+      b.motion.orientation =
+          (rotation_from_vector(-arm * b.apply_inverse_inertia(state_.kicks[k].angular)) * b.motion.orientation)
+              .normalized();
+      b.motion.velocity -= state_.kicks[k].linear / b.mass;
+      b.motion.angular_momentum -= state_.kicks[k].angular;
+    }
+    out.push_back({b.id, b.motion});
+    ++k;
+  }
+  return out;
+}
+
+void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& births) {
+  Stopwatch w(simulation_.scratch.times[Stage::kCoupling]);
+  const std::size_t old = state_.bodies.size() - births.size();
+  const double before = simulation_.bodies_energy();
+  std::vector<link::State> states;
+  std::vector<link::Motion> given;
+  if (!agreed_.empty()) {  // the window has been taken; what was born joins now
+    given = std::move(sent_), states = std::move(agreed_);
+    agreed_.clear(), sent_.clear(), state_.kicks.clear();
+    if (!births.empty())
+      for (const link::State& s : rigid_->add_bodies(births)) states.push_back(s);
+  } else {
+    given = predicted_states(window, old, 0);
+    states = rigid_->window({clock_.tick, ticks, window, given, solved_, births, false, released_});
+  }
+  check_births(births, states);
+  window_residual_ = 0.0;
+  std::size_t k = 0;
+  for (Proxy& p : state_.bodies) {
+    if (p.body.is_static) continue;
+    const BodyMotion& now = states[k].motion;
+    if (k < given.size()) {
+      const BodyMotion& then = given[k].motion;
+      const Vec3 dv = now.velocity - then.velocity;
+      const Vec3 dw = p.body.apply_inverse_inertia(now.angular_momentum - then.angular_momentum);
+      // the work that the shell's push would have done on what the engine has changed
+      window_residual_ += std::abs(p.linear_impulse.dot(dv) + p.angular_impulse.dot(dw));
+      const bool exported = p.recovery > 0.0 && !state_.rows.empty();  // the engine has nothing left to hold it by
+      if (exported || !dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = clock_.windows + kHeldWindows;
+    }
+    p.body.motion = now;
+    ++k;
+  }
+  state_.engine_loss += before - simulation_.bodies_energy();
+  residual_sum_ += window_residual_, residual_max_ = std::max(residual_max_, window_residual_);
+  for (Proxy& p : state_.bodies) {
+    if (p.unmoved && !p.body.is_static && p.impulse_sum > 0.0) {  // felt a window late
+      p.body.motion.velocity += p.linear_impulse / p.body.mass;
+      p.body.motion.angular_momentum += p.angular_impulse;
+    }
+    p.linear_impulse = p.angular_impulse = p.shell_linear = p.shell_angular = Vec3::Zero();
+    p.impulse_sum = p.moment_sum = 0.0;
+  }
+  clock_.tick += ticks;
+  ++clock_.windows;
+  release_joints();
+}
+
+void Coupler::adapt_window(double energy_scale) {
+  const CouplingRules& rules = setup_.coupling;
+  if (rules.tolerance <= 0.0 || energy_scale <= 0.0) return;
+  const double residual = window_residual_ / energy_scale;
+  if (residual > rules.tolerance && window_ticks_ > 1)
+    window_ticks_ /= 2;
+  else if (residual < kLeastResidual * rules.tolerance && 2 * window_ticks_ <= rules.ticks &&
+           clock_.tick % (2 * window_ticks_) == 0)
+    window_ticks_ *= 2;
+  shortest_window_ = std::min(shortest_window_, window_ticks_);
+}
+
+}  // namespace sunder::shell

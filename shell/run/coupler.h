@@ -1,0 +1,114 @@
+#pragma once
+// How a window is shared with the rigid side: which contacts are exported, which predicted states are sent, what comes
+// back, and the ledger of impulses that closes each window.
+#include <functional>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "coupler/link/rigid_link.h"
+#include "shell/run/simulation.h"
+
+namespace sunder::shell {
+
+constexpr double kBirthTolerance = 1e-10;  // of a newborn's mass, momentum and angular momentum [-]
+
+/// Largest relative errors of bodies as they are born [-]; plain numbers, so that a checkpoint keeps them.
+struct BirthErrors {
+  double mass = 0.0, momentum = 0.0, angular_momentum = 0.0;
+};
+/// Notes the relative errors of a birth. Throws Error (ledger) where one is above `tolerance`.
+void check_birth(BirthErrors& most, const RigidBody& body, const BirthErrors& found, double tolerance,
+                 const char* where, std::int64_t window);
+
+/// Throws Error where the engine lacks a capability that the scene needs.
+void check_engine(const RunSetup& setup, const link::EngineInfo& peer);
+/// Capabilities that the engine lacks and the run can go without, a sentence each.
+std::vector<std::string> engine_notes(const RunSetup& setup, const link::EngineInfo& peer);
+
+class Coupler {
+ public:
+  /// Everything outlives it. `tamper` is called before a window's ledger is checked, for tests.
+  Coupler(const RunSetup& setup, Simulation& simulation, Clock& clock,
+          std::function<void(std::int64_t, std::vector<Proxy>&)> tamper);
+
+  void connect(link::RigidLink& rigid) { rigid_ = &rigid; }
+  /// Loads the scene's bodies into the engine.
+  void load();
+  /// Loads bodies as a checkpoint has them, with the engine's caches.
+  void restore(const std::string& caches);
+
+  /// Before the substeps of a window of this length [s]: starts of the bodies, and the engine's rows that the substeps
+  /// solve. Throws Error.
+  void open_window(double window);
+  /// Scheme ITERATED: the window's n substeps of `dt` again and again until both sides agree. `last` is the substep
+  /// before [s], `look` as for Simulation::take_substeps.
+  void iterate_window(int n, double dt, double last, const std::function<void()>& look);
+  /// What the shells lost the bodies have gained, to round-off. `dt` is the substep [s]. Throws Error (ledger).
+  void check_ledger(double window, double dt);
+  /// Sends predicted states and births, takes the engine's answer, and closes the window. Throws Error.
+  void exchange(int ticks, double window, const std::vector<RigidBody>& births);
+  /// Halves or doubles the next window by the energy residual of this one, where the scene asks for it.
+  void adapt_window(double energy_scale);
+
+  int window_ticks() const { return window_ticks_; }
+  void limit_window(std::int64_t ticks) {
+    window_ticks_ = static_cast<int>(std::min<std::int64_t>(window_ticks_, ticks));
+  }
+  int shortest_window() const { return shortest_window_; }  // [ticks]
+  /// Largest k H^2 / M that was measured [-].
+  double stiffest_ratio() const { return stiffest_; }
+  std::size_t exported_bodies() const { return ever_exported_.size(); }
+  std::int64_t exported_windows() const { return exported_windows_; }
+  std::int64_t passes() const { return passes_; }
+  double residual_sum() const { return residual_sum_; }  // [J]
+  double residual_max() const { return residual_max_; }  // [J]
+  double ledger_linear() const { return ledger_linear_; }
+  double ledger_angular() const { return ledger_angular_; }
+  /// When each joint has let go [s]; negative: it holds.
+  const std::vector<double>& released_at() const { return released_at_; }
+  BirthErrors& birth_errors() { return birth_errors_; }
+  const BirthErrors& birth_errors() const { return birth_errors_; }
+
+  template <class A>
+  friend void archive(A& a, Coupler& c) {
+    archive_all(a, c.window_ticks_, c.shortest_window_, c.held_until_, c.exported_until_, c.ever_exported_, c.released_,
+                c.released_at_, c.exported_windows_, c.passes_, c.most_passes_, c.stiffest_, c.window_residual_,
+                c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_);
+  }
+
+ private:
+  std::vector<link::Motion> motions() const;
+  void choose_exported();
+  void add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio);  // k H^2 / M of each body [-]
+  void add_soft_stiffness_ratio(std::vector<double>& ratio) const;
+  /// States of the first `count` bodies for the engine; `substeps` over which kicks were spread, 0: none.
+  std::vector<link::Motion> predicted_states(double window, std::size_t count, int substeps) const;
+  void check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states);
+  void release_joints();
+
+  const RunSetup& setup_;
+  Simulation& simulation_;
+  State& state_;
+  Clock& clock_;
+  std::function<void(std::int64_t, std::vector<Proxy>&)> tamper_;
+  link::RigidLink* rigid_ = nullptr;
+
+  int window_ticks_ = 1, shortest_window_ = 1;
+  std::vector<link::Motion> starts_;                            // of the present window
+  std::vector<BodyId> solved_;                                  // bodies whose contacts and joints substeps solve
+  std::map<BodyId, std::int64_t> held_until_, exported_until_;  // window
+  std::set<BodyId> ever_exported_;
+  std::vector<std::uint32_t> released_;  // joints that have let go, by id
+  std::vector<double> released_at_;
+  std::vector<link::Motion> sent_;  // predicted states of the last pass, and the engine's answer
+  std::vector<link::State> agreed_;
+  std::int64_t exported_windows_ = 0, passes_ = 0;
+  int most_passes_ = 0;
+  double stiffest_ = 0.0, window_residual_ = 0.0, residual_sum_ = 0.0, residual_max_ = 0.0;
+  double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
+  BirthErrors birth_errors_;
+};
+
+}  // namespace sunder::shell

@@ -1,0 +1,49 @@
+#include "shell/run/flight.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sunder::shell {
+namespace {
+
+// Of the thickness, that two bodies that can meet may approach in a window without a shell: engines find a contact
+// only at the end of a window, and one that has passed the middle of a plate is pushed out on the far side.
+constexpr double kSettleTravel = 1.25;
+constexpr int kRigidSubsteps = 4;  // of free flight in a window without a shell
+
+}  // namespace
+
+std::int64_t settle_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies) {
+  const auto most = static_cast<std::int64_t>(std::llround(setup.settle_window / setup.tick));
+  if (setup.shells.empty() || most <= 1) return most;
+  double thickness = setup.shells[0].model.thickness;
+  for (const ShellSetup& s : setup.shells) thickness = std::min(thickness, s.model.thickness);
+  const double travel = kSettleTravel * thickness;
+  double longest = setup.settle_window;
+  for (std::size_t i = 0; i < bodies.size(); ++i) {
+    const RigidBody& a = bodies[i].body;
+    if (!std::isfinite(bodies[i].radius())) continue;  // nothing passes through a half space
+    for (std::size_t j = 0; j < i; ++j) {
+      const RigidBody& b = bodies[j].body;
+      if (!std::isfinite(bodies[j].radius()) || (a.is_static && b.is_static)) continue;
+      const double gap = (a.motion.position - b.motion.position).norm() - bodies[i].radius() - bodies[j].radius();
+      const double speed = (a.motion.velocity - b.motion.velocity).norm();
+      if (speed * longest <= travel || gap > speed * longest) continue;
+      longest = std::max(travel / speed, setup.tick);
+    }
+  }
+  return std::max<std::int64_t>(1, static_cast<std::int64_t>(longest / setup.tick * (1.0 + 1e-9)));
+}
+
+void fly(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double window) {
+  const double h = window / kRigidSubsteps;
+  for (std::size_t i = 0; i < count; ++i)
+    for (int k = 0; k < kRigidSubsteps && !bodies[i].body.is_static; ++k) {
+      Proxy& p = bodies[i];
+      p.body.motion.velocity += h * gravity;
+      p.body.drift(h);
+      p.body.motion.position -= 0.5 * h * h * gravity;  // exact: the mean of both velocities
+    }
+}
+
+}  // namespace sunder::shell

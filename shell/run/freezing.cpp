@@ -1,0 +1,93 @@
+// When a shell has broken enough, and what follows: it is frozen, and the engine runs on alone.
+#include <algorithm>
+#include <cmath>
+
+#include "shell/run/pieces.h"
+#include "shell/run/state_hash.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/remains.h"
+
+namespace sunder::shell {
+
+bool Pieces::impact_ahead() const {
+  return std::any_of(state_.shells.begin(), state_.shells.end(),
+                     [this](const ShellPart& part) { return impact_ahead(part); });
+}
+
+bool Pieces::impact_ahead(const ShellPart& part) const {
+  const ShellModel& m = part.model();
+  const ShellState& s = *part.state;
+  const Eigen::AlignedBox3d box = part.box();
+  for (std::size_t i = 0; i < setup_.bodies.size() && !box.isEmpty(); ++i) {
+    const BodyMotion& b = state_.bodies[i].body.motion;
+    if (state_.bodies[i].body.is_static) continue;
+    const Vec3 pad = Vec3::Constant(state_.bodies[i].radius() + m.thickness);
+    if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) {  // there: does it move beside the shell?
+      const double reach = pad.x() + m.spacing + setup_.quiet_time * b.velocity.norm();
+      for (int k = 0; k < m.control_points() && b.velocity.norm() > 0.0; ++k)
+        if (!s.motion.detached[m.tables.slot(k)] &&
+            (s.position(m.tables.slot(k)) - b.position).squaredNorm() <= reach * reach)
+          return true;
+      continue;
+    }
+    double from = 0.0, to = setup_.end_time - clock_.time();  // when its straight path is in the box
+    for (int d = 0; d < 3; ++d) {
+      const double low = box.min()[d] - pad[d] - b.position[d], high = box.max()[d] + pad[d] - b.position[d];
+      const double v = b.velocity[d];
+      if (v == 0.0 && (low > 0.0 || high < 0.0)) to = -1.0;
+      if (v == 0.0) continue;
+      from = std::max(from, std::min(low / v, high / v)), to = std::min(to, std::max(low / v, high / v));
+    }
+    if (from <= to) return true;
+  }
+  return false;
+}
+
+std::string Pieces::cracking_has_ended(double last_push) {
+  if (!state_.soft.empty() || state_.fibres) return "";  // they would go on against shells that stand still
+  if (setup_.latest_freeze < setup_.end_time && clock_.time() >= setup_.latest_freeze * (1.0 - 1e-9))
+    return "latest_freeze_s";
+  if (books_.crack_length(simulation_) == 0.0 || clock_.time() < setup_.last_change + setup_.quiet_time) return "";
+  for (const ShellPart& part : state_.shells)
+    for (const char done : part.state->cracks.cut_done)
+      if (!done) return "";
+  const double length = books_.crack_length(simulation_), since = clock_.time() - setup_.quiet_time * (1.0 + 1e-9);
+  crack_lengths_.emplace_back(clock_.time(), length);
+  while (crack_lengths_.size() > 1 && crack_lengths_[1].first <= since) crack_lengths_.pop_front();
+  const auto& [then, before] = crack_lengths_.front();
+  if (then <= since + setup_.window && last_push <= since && length - before <= setup_.quiet_growth * length &&
+      !impact_ahead())
+    return fmt::format("cracks grew by {:.2g} of their length within {:g} s", 1.0 - before / length, setup_.quiet_time);
+  return "";
+}
+
+std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
+  std::vector<RigidBody> births = take_off(true, dt);
+  const double before = simulation_.total_energy(dt);
+  books_.frozen_kinetic = 0.0, books_.frozen_length = books_.crack_length(simulation_),
+  books_.frozen_resistance = books_.crack_resistance(simulation_);
+  const std::vector<PartPieces> now = pieces_now(true, everywhere());
+  for (std::size_t k = 0; k < state_.shells.size(); ++k) {
+    const ShellModel& m = state_.shells[k].model();
+    ShellState& s = *state_.shells[k].state;
+    books_.frozen_kinetic += kinetic_energy(m, s, dt);
+    state_.frozen_potential += potential_energy(m, s, setup_.gravity);
+    const Handoff frozen = shell::freeze(m, s, *now[k].triangulation, now[k].pieces, counts_.next_id++);
+    const RigidBody& remains = frozen.body;
+    if (!std::get<ConvexShape>(remains.shape).parts.empty()) {
+      births.push_back(remains);
+      frames_.draw_as(remains.id, frozen.drawn);
+      state_.bodies.emplace_back(remains);
+    }
+    counts_.rubble_points += s.rubble();
+  }
+  books_.frozen = books_.sum(simulation_);
+  frozen_hash_ = state_hash({}, state_);
+  counts_.frozen_at = clock_.time(), frozen_why_ = why;
+  frozen_wall_ = wall_clock();
+  for (ShellPart& part : state_.shells) part.state.reset();  // and with it whatever was exported
+  books_.frozen.frozen += before - simulation_.total_energy(dt);
+  return births;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,84 @@
+// The ledger: what the shell lost, each body gained. Windows and births are held to it.
+#include <algorithm>
+#include <cmath>
+
+#include "coupler/core/error.h"
+#include "shell/run/coupler.h"
+
+namespace sunder::shell {
+namespace {
+
+// Of the sum of |J|, and for what a body gained also of its momentum; double precision leaves some 1e-15.
+constexpr double kLedgerTolerance = 1e-12;
+constexpr double kSubstepsRounded = 4000.0;  // each may leave a rounding: beyond as many the tolerance grows with them
+constexpr double kSingleTolerance = 1e-4;    // of engines that say that they round, as in the conformance suite
+
+double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
+
+}  // namespace
+
+void Coupler::check_ledger(double window, double dt) {
+  if (tamper_) tamper_(clock_.windows, state_.bodies);
+  const double roundings = std::max(1.0, window / dt / kSubstepsRounded);
+  std::size_t moving = 0;
+  for (Proxy& p : state_.bodies) {
+    const std::size_t k = p.body.is_static ? starts_.size() : moving++;
+    double linear = 0.0, angular = 0.0;
+    if (p.impulse_sum != 0.0) {
+      linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
+      angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
+    }
+    if (k < starts_.size() && !(p.recovery > 0.0 && !state_.rows.empty())) {  // else rows have moved it as well
+      const BodyMotion &then = starts_[k].motion, &now = p.body.motion;
+      Vec3 gained = p.body.mass * (now.velocity - then.velocity - window * setup_.gravity);
+      Vec3 turned = now.angular_momentum - then.angular_momentum;
+      if (k < state_.kicks.size()) gained -= state_.kicks[k].linear, turned -= state_.kicks[k].angular;
+      if (!p.unmoved) gained -= p.linear_impulse, turned -= p.angular_impulse;
+      const double fall = window * setup_.gravity.norm(), scale = then.velocity.norm() + now.velocity.norm() + fall;
+      const double turning = then.angular_momentum.norm() + now.angular_momentum.norm();
+      // the new value first: max() keeps a first one that is not a number
+      linear = std::max(relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings, linear);
+      angular = std::max(relative(turned.norm(), p.moment_sum + turning) / roundings, angular);
+    }
+    ledger_linear_ = std::max(linear, ledger_linear_), ledger_angular_ = std::max(angular, ledger_angular_);
+    if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
+      Error e(Exit::kPhysics, "ledger",
+              fmt::format(
+                  "window {}: what the shell lost, body '{}' did not gain: {:.3g} linear, {:.3g} angular of {:.3g} N s",
+                  clock_.windows, p.body.name, linear, angular, p.impulse_sum));
+      e.window = clock_.windows, e.body = p.body.name;
+      throw e;
+    }
+  }
+}
+
+void check_birth(BirthErrors& most, const RigidBody& b, const BirthErrors& found, double tolerance, const char* where,
+                 std::int64_t window) {
+  // The new value first: max() keeps a first one that is not a number.
+  most.mass = std::max(found.mass, most.mass), most.momentum = std::max(found.momentum, most.momentum);
+  most.angular_momentum = std::max(found.angular_momentum, most.angular_momentum);
+  if (found.mass <= tolerance && found.momentum <= tolerance && found.angular_momentum <= tolerance)
+    return;  // NaN is not
+  Error e(Exit::kPhysics, "ledger",
+          fmt::format("window {}: the birth of '{}' {}: {:.3g} of its mass, {:.3g} of its momentum and {:.3g} of its "
+                      "angular momentum are missing",
+                      window, b.name, where, found.mass, found.momentum, found.angular_momentum));
+  e.window = window, e.body = b.name;
+  throw e;
+}
+
+void Coupler::check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states) {
+  const bool exact = rigid_->peer().can(link::capability::kDoublePrecision);
+  for (const RigidBody& b : births)
+    for (const link::State& s : states) {
+      if (s.id != b.id || b.is_static) continue;
+      const Vec3 momentum = b.mass * b.motion.velocity;
+      const double scale = std::max(momentum.norm(), 1e-12), turn = std::max(b.motion.angular_momentum.norm(), 1e-12);
+      const BirthErrors found{std::abs(s.mass - b.mass) / b.mass,
+                              (s.mass * s.motion.velocity - momentum).norm() / scale,
+                              (s.motion.angular_momentum - b.motion.angular_momentum).norm() / turn};
+      check_birth(birth_errors_, b, found, exact ? kBirthTolerance : kSingleTolerance, "in the engine", clock_.windows);
+    }
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,134 @@
+#include "shell/run/recorder.h"
+
+#include <algorithm>
+#include <cstdio>
+
+#include <unistd.h>
+
+#include "shell/io/vtp.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kProgressInterval = 0.5;  // [s]
+
+}  // namespace
+
+Recorder::Recorder(RunParts parts, FrameWriter& frames, std::string out, std::string scene_hash, std::string trace,
+                   bool quiet)
+    : parts_(parts),
+      frames_(frames),
+      out_(std::move(out)),
+      scene_hash_(std::move(scene_hash)),
+      trace_file_(std::move(trace)),
+      quiet_(quiet) {}
+
+void Recorder::begin() {
+  series_ =
+      "time [s],kinetic [J],elastic [J],fracture [J],injected [J],contact [J],damping [J],handoff [J],frozen [J],"
+      "engine [J],residual [-],cracks [m],fragments [-],handed_off [-],plastic [J],healing [J],transfer [J],"
+      "external [J]\n";
+  if (!parts_.setup.probes.empty()) probes_ = probe_header(parts_.setup.probes);
+}
+
+std::vector<ShellView> Recorder::shell_views() const {
+  std::vector<ShellView> shells;
+  for (const ShellPart& part : parts_.simulation.state.shells)
+    if (part.state) shells.push_back({&part.model(), part.state.get()});
+  return shells;
+}
+
+void Recorder::write_frame() {
+  const double start = wall_clock();
+  const std::int64_t begin = Trace::now_ns();
+  const RunSetup& setup = parts_.setup;
+  const State& state = parts_.simulation.state;
+  const double time = parts_.clock.time();
+  std::vector<RigidBody> bodies;
+  for (const Proxy& p : state.bodies) bodies.push_back(p.body);
+  frames_.write(time, shell_views(), state.soft, bodies, parts_.pieces.counts().first_shard);
+  const double interval = state.solving() ? setup.shell_frame_interval : setup.frame_interval;
+  next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);  // a late one does not delay the next
+  write_atomically(out_ + "/series.csv", series_);
+  if (!probes_.empty()) write_atomically(out_ + "/probes.csv", probes_);
+  if (time > 0.0) write_summary("running", nullptr);  // a killed run still says how far it came
+  parts_.simulation.scratch.times[Stage::kIo] += wall_clock() - start;
+  traced("frame", begin);
+}
+
+void Recorder::write_probes() {
+  const RunSetup& setup = parts_.setup;
+  const double time = parts_.clock.time();
+  if (setup.probes.empty() || time < next_probe_ - 1e-6 * setup.tick) return;
+  const bool bodies = std::any_of(setup.probes.begin(), setup.probes.end(), [](const Probe& p) { return p.body >= 0; });
+  if (!parts_.simulation.state.solving() && !bodies) return;
+  std::vector<BodyMotion> motions;
+  for (const Proxy& p : parts_.simulation.state.bodies) motions.push_back(p.body.motion);
+  probes_ += probe_row(setup.probes, shell_views(), motions, parts_.simulation.soft_motions(), time, setup.gravity);
+  next_probe_ = std::max(next_probe_ + setup.probe_interval, time + 0.5 * setup.probe_interval);
+}
+
+void Recorder::write_series_row() {
+  const EnergyBook b = parts_.books.sum(parts_.simulation);
+  const State& state = parts_.simulation.state;
+  const PieceCounts& pieces = parts_.pieces.counts();
+  series_ += fmt::format(
+      "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{"
+      ":.9g}\n",
+      parts_.clock.time(), state.kinetic, state.elastic, b.fracture, b.injected, b.contact, b.damping, b.handoff,
+      b.frozen, state.engine_loss, parts_.books.residual, parts_.books.crack_length(parts_.simulation),
+      pieces.fragments, pieces.handed_off, b.plastic, b.healing, b.transfer, b.external);
+}
+
+void Recorder::progress() {
+  if (quiet_) return;
+  const double t = wall_clock();
+  if (t - last_progress_ < kProgressInterval) return;
+  last_progress_ = t;
+  const RunSetup& setup = parts_.setup;
+  const State& state = parts_.simulation.state;
+  const PieceCounts& pieces = parts_.pieces.counts();
+  const double wall = t - wall_start_, done = parts_.clock.time();
+  // Each phase at its own pace: the shell until it may be frozen at the latest, then bodies alone.
+  double left = 0.0;
+  if (state.solving() && done > 0.0) left = wall / done * (std::min(setup.end_time, setup.latest_freeze) - done);
+  if (!state.solving() && pieces.frozen_at >= 0.0 && done > pieces.frozen_at)
+    left = (t - parts_.pieces.frozen_wall()) / (done - pieces.frozen_at) * (setup.end_time - done);
+  const bool bodies_follow = state.solving() && setup.latest_freeze < setup.end_time;
+  const char* end = isatty(2) ? "\r" : "\n";
+  fmt::print(stderr, "{:.5f} of {:g} s  {:.0f} substeps/s  {} fragments, {} handed off  {} {:.0f} s left{}", done,
+             setup.end_time, static_cast<double>(state.substeps) / wall, pieces.fragments, pieces.handed_off,
+             state.solving() ? "shell: at most" : "bodies:", left,
+             bodies_follow ? std::string(", then bodies   ") + end : std::string("   ") + end);
+  std::fflush(stderr);
+}
+
+void Recorder::write_shards() const {
+  std::string out =
+      "id,birth [s],area [m^2],mass [kg],speed at birth [m/s],speed at the end [m/s],x [m],y [m],z [m],convex parts "
+      "[-]\n";
+  for (const ShardRecord& r : parts_.pieces.shards())
+    for (const Proxy& p : parts_.simulation.state.bodies)
+      if (p.body.id == r.id) {
+        const Vec3& x = p.body.motion.position;
+        out += fmt::format("{},{:.9g},{:.15g},{:.15g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{}\n", r.id, r.birth, r.area,
+                           r.mass, r.birth_speed, p.body.motion.velocity.norm(), x.x(), x.y(), x.z(), r.parts);
+      }
+  write_atomically(out_ + "/shards.csv", out);
+}
+
+void Recorder::write_summary(const std::string& status, const Error* error) {
+  const std::string text = run_json(parts_, *this, status, error);
+  write_shards();
+  write_atomically(out_ + "/run.json", text);
+}
+
+void Recorder::traced(const char* name, std::int64_t begin_ns) {
+  if (tracing()) trace_.add(name, begin_ns, Trace::now_ns(), parts_.clock.windows);
+}
+
+void Recorder::write_trace() const {
+  if (tracing()) trace_.write(trace_file_);
+}
+
+}  // namespace sunder::shell

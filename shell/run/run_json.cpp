@@ -1,0 +1,238 @@
+// run.json: status, counts, times, energies, ledger, models. Key by key in coupler/README.md.
+#include <algorithm>
+#include <cmath>
+
+#include <nlohmann/json.hpp>
+
+#include "shell/run/recorder.h"
+#include "shell/run/state_hash.h"
+
+namespace sunder::shell {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kCountedShare = 1e-3;  // of the shells' area: smaller shards are splinters
+
+constexpr const char* kSchemes[] = {"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"};
+constexpr const char* kStressModels[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection",
+                                         "kirchhoff_love_jgt17", "kirchhoff_love_ghf18"};
+
+Json error_of(const Error& e) {
+  return {{"kind", e.kind},   {"message", e.what()}, {"file", e.file}, {"line", e.line},
+          {"field", e.field}, {"window", e.window},  {"body", e.body}};
+}
+
+Json counts_of(const RunParts& run) {
+  int patches = 0, points = 0, gauss = 0, layers = 0, rubble = run.pieces.counts().rubble_points;
+  for (const ShellSetup& shell : run.setup.shells) {
+    const ShellModel& m = shell.model;
+    ++patches, points += m.control_points(), gauss += m.tables.gauss_points();
+    layers += m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size());
+  }
+  for (const ShellPart& part : run.simulation.state.shells)
+    if (part.state) rubble += part.state->rubble();
+  return {{"patches", patches},
+          {"control_points", points},
+          {"gauss_points", gauss},
+          {"layer_points", layers},
+          {"fragments", run.pieces.counts().fragments},
+          {"handed_off", run.pieces.counts().handed_off},
+          {"rubble_points", rubble}};
+}
+
+Json time_of(const RunParts& run, const Recorder& recorder) {
+  const PieceCounts& pieces = run.pieces.counts();
+  Json stages = Json::object();
+  const StageTimes& times = run.simulation.scratch.times;
+  for (std::size_t k = 0; k < kStageNames.size(); ++k)
+    if (times.seconds[k] > 0.0) stages[kStageNames[k]] = times.seconds[k];
+  Json out = {{"simulated_s", run.clock.time()},
+              {"wall_s", wall_clock() - recorder.wall_start()},
+              {"windows", run.clock.windows},
+              {"substeps", run.simulation.state.substeps}};
+  out["frozen_at_s"] = pieces.frozen_at < 0.0 ? Json() : Json(pieces.frozen_at);
+  out["frozen_why"] = pieces.frozen_at < 0.0 ? Json() : Json(run.pieces.frozen_why());
+  out["stage_s"] = stages;
+  out["cracks_grew"] = {{"wall_s", recorder.growth().wall}, {"crack_update_s", recorder.growth().crack_update}};
+  return out;
+}
+
+Json energy_of(const RunParts& run) {
+  const EnergyBook b = run.books.sum(run.simulation);
+  const State& state = run.simulation.state;
+  return {{"kinetic", state.kinetic},
+          {"elastic", state.elastic},
+          {"dissipated_fracture", b.fracture},
+          {"dissipated_plastic", b.plastic},
+          {"healing", b.healing},
+          {"external_work", b.external},
+          {"contact", b.contact},
+          {"damping", b.damping},
+          {"transfer", b.transfer},
+          {"handoff_lost", b.handoff},
+          {"crack_injected", b.injected},
+          {"frozen", b.frozen},
+          {"engine", state.engine_loss},
+          {"residual_relative", run.books.residual}};
+}
+
+Json cracks_of(const RunParts& run) {
+  const double resistance = run.books.crack_resistance(run.simulation);
+  Json out = {{"length_m", run.books.crack_length(run.simulation)}, {"resistance", resistance}};
+  out["taken_relative"] = resistance > 0.0 ? Json(run.books.sum(run.simulation).fracture / resistance) : Json();
+  return out;
+}
+
+Json surface_of(const State& state) {
+  double rest = 0.0, now = 0.0;
+  for (const ShellPart& part : state.shells) {
+    if (!part.state) continue;
+    const auto [before, after] = surface_area(part.model(), *part.state);
+    rest += before, now += after;
+  }
+  return {{"rest_m2", rest}, {"now_m2", now}};
+}
+
+Json coupling_of(const RunParts& run) {
+  const Coupler& c = run.coupler;
+  const bool passes = run.clock.windows > 0 && c.passes() > 0;
+  return {{"scheme", kSchemes[static_cast<int>(run.setup.coupling.scheme)]},
+          {"residual_sum", c.residual_sum()},
+          {"residual_max", c.residual_max()},
+          {"exported_bodies", c.exported_bodies()},
+          {"exported_windows", c.exported_windows()},
+          {"hardest", c.stiffest_ratio()},
+          {"passes_a_window", passes ? static_cast<double>(c.passes()) / static_cast<double>(run.clock.windows) : 1.0},
+          {"shortest_window_s", c.shortest_window() * run.setup.tick}};
+}
+
+Json handoff_of(const RunParts& run) {
+  const BirthErrors& errors = run.coupler.birth_errors();
+  const PieceCounts& pieces = run.pieces.counts();
+  return {{"mass_error_max", errors.mass},
+          {"momentum_error_max", errors.momentum},
+          {"angular_momentum_error_max", errors.angular_momentum},
+          {"mass_geometry_error_max", pieces.geometry_error},
+          {"area_m2", pieces.handed_area},
+          {"detached_area_m2", pieces.detached_area}};
+}
+
+Json joints_of(const RunParts& run) {
+  Json all = Json::array();
+  for (std::size_t i = 0; i < run.setup.joints.size(); ++i) {
+    const double when = run.coupler.released_at()[i];
+    all.push_back({{"name", run.setup.joints[i].name}, {"let_go_s", when < 0.0 ? Json() : Json(when)}});
+  }
+  return all;
+}
+
+Json shards_of(const RunParts& run) {
+  double whole = 0.0, fastest = 0.0, largest = 0.0;
+  BodyId which = 0;
+  for (const ShellSetup& shell : run.setup.shells)
+    for (int i = 0; i < shell.model.control_points(); ++i)
+      whole += shell.model.mass[shell.model.tables.slot(i)] / (shell.model.material.density * shell.model.thickness);
+  int big = 0;
+  for (const ShardRecord& r : run.pieces.shards()) {
+    big += r.area >= kCountedShare * whole;
+    largest = std::max(largest, r.area);
+    for (const Proxy& p : run.simulation.state.bodies)
+      if (p.body.id == r.id && p.body.motion.velocity.norm() > fastest)
+        fastest = p.body.motion.velocity.norm(), which = r.id;
+  }
+  return {{"at_least_0.1_percent", big}, {"largest_m2", largest}, {"fastest_m_per_s", fastest}, {"fastest_id", which}};
+}
+
+Json stable_step_of(const State& state) {
+  double initial = 0.0, smallest = 0.0;
+  for (const ShellPart& part : state.shells) {
+    initial = initial > 0.0 ? std::min(initial, part.initial_step) : part.initial_step;
+    smallest = smallest > 0.0 ? std::min(smallest, part.smallest_step) : part.smallest_step;
+  }
+  return {{"initial_s", initial}, {"smallest_s", smallest}};
+}
+
+/// Models that were active, why, and their share of the time; models of one stage share its time.
+class Models {
+ public:
+  explicit Models(const StageTimes& times) : times_(times), total_(times.total()) {}
+  void add(bool active, const char* name, const char* why, Stage stage) {
+    if (active) all_.push_back({{"name", name}, {"why", why}, {"share", total_ == 0.0 ? 0.0 : times_[stage] / total_}});
+  }
+  Json take() { return std::move(all_); }
+
+ private:
+  const StageTimes& times_;
+  double total_;
+  Json all_ = Json::array();
+};
+
+Json models_of(const RunParts& run) {
+  const RunSetup& setup = run.setup;
+  const State& state = run.simulation.state;
+  const auto any = [&](auto&& test) { return std::any_of(setup.shells.begin(), setup.shells.end(), test); };
+  const bool damage = any([](const ShellSetup& s) { return s.brittleness > 0.0; });
+  const bool heals = !setup.shells.empty() && setup.shells[0].healing;
+  Models models(run.simulation.scratch.times);
+  for (int k = 0; k < 4; ++k)
+    models.add(any([&](const ShellSetup& s) { return static_cast<int>(s.model.tables.elasticity.model) == k; }),
+               kStressModels[k], "the scene has a shell", Stage::kInternalForce);
+  models.add(any([](const ShellSetup& s) {
+               return std::any_of(s.hertz.begin(), s.hertz.end(), [](double k) { return k > 0.0; });
+             }),
+             "hertz_contact", "a sphere and a shell have a Hertz stiffness", Stage::kRigidContact);
+  models.add(any([](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; }), "grid_transfer",
+             "the scene sends velocities through a grid", Stage::kTransfer);
+  models.add(!setup.shells.empty() && !setup.bodies.empty(), "shell_contact", "bodies can meet the shells",
+             Stage::kRigidContact);
+  models.add(!state.soft.empty(), "soft_particles", "the scene has a soft body", Stage::kSoftBodies);
+  models.add(setup.shells_meet, "contact_between_shells", "shells can meet", Stage::kShellContact);
+  models.add(state.fibres != nullptr, "fibres", "shells with fibres can meet", Stage::kFibres);
+  models.add(!setup.stitches.seams.empty(), "seams", "shells hang together", Stage::kInternalForce);
+  models.add(any([](const ShellSetup& s) { return s.tips; }), "tip_cracks", "a shell's material has a strength",
+             Stage::kCrackUpdate);
+  models.add(damage, heals ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",
+             Stage::kCrackUpdate);
+  models.add(any([](const ShellSetup& s) { return !s.model.strength_factor.empty(); }), "strength_factors",
+             "a shell has strength_regions or a strength_map", Stage::kCrackUpdate);
+  models.add(any([](const ShellSetup& s) { return s.model.material.yield_stress > 0.0; }), "j2_plasticity",
+             "a shell's material has a yield stress", Stage::kInternalForce);
+  models.add(any([](const ShellSetup& s) { return s.model.laminated(); }), "interlayer", "a shell has an interlayer",
+             Stage::kInternalForce);
+  models.add(any([](const ShellSetup& s) { return !s.cuts.empty(); }), "prescribed_cuts", "a shell has cuts",
+             Stage::kCrackUpdate);
+  models.add(!setup.bodies.empty() || run.pieces.counts().handed_off > 0, "rigid_engine", "there are rigid bodies",
+             Stage::kCoupling);
+  return models.take();
+}
+
+}  // namespace
+
+std::string run_json(const RunParts& run, const Recorder& recorder, const std::string& status, const Error* error) {
+  const State& state = run.simulation.state;
+  Json j = {{"schema", 1}, {"status", status}, {"scene", run.setup.name}, {"scene_hash", recorder.scene_hash()}};
+  if (error) j["error"] = error_of(*error);
+  if (recorder.peer()) j["engine"] = {{"name", recorder.peer()->name}, {"version", recorder.peer()->version}};
+  j["counts"] = counts_of(run);
+  j["time"] = time_of(run, recorder);
+  j["energy"] = energy_of(run);
+  j["cracks"] = cracks_of(run);
+  // Not for every frame: it takes a pass over all points.
+  if (state.solving() && !state.shells.empty() && status != "running") j["surface"] = surface_of(state);
+  j["ledger"] = {{"linear_max", run.coupler.ledger_linear()}, {"angular_max", run.coupler.ledger_angular()}};
+  j["handoff"] = handoff_of(run);
+  j["coupling"] = coupling_of(run);
+  if (!run.setup.joints.empty()) j["joints"] = joints_of(run);
+  j["warnings"] = warnings(run.books, run.simulation, run.coupler.residual_sum());
+  j["shards"] = shards_of(run);
+  j["stable_step"] = stable_step_of(state);
+  if (!state.soft.empty())
+    j["soft"] = {{"particles", run.simulation.soft_particles()}, {"stable_step_s", state.soft.stable_step()}};
+  j["models"] = models_of(run);
+  j["state_hash"] = state_hash(run.pieces.frozen_hash(), state);
+  // Text of users may not be UTF-8; a run must not end for that.
+  return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace sunder::shell

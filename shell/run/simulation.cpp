@@ -1,0 +1,286 @@
+#include "shell/run/simulation.h"
+
+#include <cmath>
+#include <limits>
+
+#include "coupler/core/error.h"
+#include "shell/run/substep.h"
+#include "shell/solver/compression.h"
+#include "shell/solver/contact/hertz.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/statics/relaxation.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr int kPointsPerThread = 4000;  // below it a thread costs more in waiting than it brings
+
+int gauss_points(const RunSetup& setup) {
+  int points = 0;
+  for (const ShellSetup& s : setup.shells) points += s.model.tables.gauss_points();
+  return points;
+}
+
+}  // namespace
+
+const std::vector<ShellRef>& refs(State& state, Scratch& scratch) {
+  scratch.refs.clear();
+  for (ShellPart& part : state.shells) scratch.refs.push_back({&part.model(), part.state.get()});
+  return scratch.refs;
+}
+
+Simulation::Simulation(RunSetup& setup, int threads) : model{setup, threads, 1, {}}, setup_(setup) {
+  state.random = setup.seed;
+  for (const RigidBody& b : setup.bodies) state.bodies.emplace_back(b);
+  const int points = std::max(gauss_points(setup), soft_particles());
+  if (points > 0) model.threads = std::min(threads, 1 + points / kPointsPerThread);
+  if (setup.shells.size() > 1) {
+    model.shells_at_once = std::min(model.threads, static_cast<int>(setup.shells.size()));
+    model.threads = 1;
+  }
+  for (ShellSetup& s : setup.shells) s.rules.threads = model.threads;  // results are the same for any number
+  for (const ShellSetup& s : setup.shells) model.tips.push_back(s.tips ? 1 : 0);
+}
+
+void Simulation::prepare() {
+  for (const ShellSetup& s : setup_.shells) {
+    ShellPart& part = state.shells.emplace_back(s);
+    for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+      part.coefficients.push_back(against(s.model, state.bodies[i].body));
+      part.coefficients.back().hertz = s.hertz[i];
+    }
+  }
+  const std::vector<const ShellModel*> models = setup_.models();
+  state.stitching = Stitching(setup_.stitches, models);
+  if (setup_.shells_meet) {
+    std::vector<std::vector<SurfaceLaw>> laws(models.size(), std::vector<SurfaceLaw>(models.size()));
+    for (std::size_t i = 0; i < models.size(); ++i)
+      for (std::size_t k = 0; k < models.size(); ++k) {
+        for (const ContactLaw& law : setup_.laws)
+          if (std::minmax(law.first_group, law.second_group) ==
+              std::minmax(models[i]->contact_group, models[k]->contact_group))
+            laws[i][k] = {law.friction, law.restitution};
+        laws[i][k].elsewhere = models[i]->has_fibres() && models[k]->has_fibres();
+      }
+    state.contact = std::make_unique<ShellContact>(models, setup_.stitches.seams, std::move(laws));
+  }
+  if (setup_.fibre_spacing > 0.0)
+    state.fibres = std::make_unique<Fibres>(models, setup_.stitches.seams, setup_.fibre_spacing);
+  state.soft = SoftBodies(setup_.soft, models.size(), setup_.laws);
+}
+
+void Simulation::start_shells(const std::function<void()>& look) {
+  for (ShellPart& part : state.shells) {
+    const ShellModel& m = part.model();
+    const ShellSetup& setup = *part.setup;
+    part.state = std::make_unique<ShellState>(make_state(m, setup.velocity, setup_.seed));
+    ShellState& s = *part.state;
+    s.cracks.cut_done.assign(setup.cuts.size(), 0);
+    s.layers.brittleness = setup.brittleness, s.layers.heals = setup.healing;
+    if (setup.transfer.kind != Transfer::kDirect) s.motion.before = s.motion.v;
+    if (setup.equilibrium > 0.0) {
+      find_equilibrium(part, look);
+      s.book = {};  // yielding on the way there is not part of this run
+    }
+    if (setup.tips)  // a load has first to relieve the prestress of a face
+      for (double& strength : s.layers.strength) strength += m.material.surface_compression;
+    const bool cracks = setup.can_crack();
+    double stable = stable_step(m, s, kStepIterations, model.threads, cracks);
+    if (state.fibres && m.has_fibres()) stable = stable_step_with_fibres(stable, setup_.models());
+    part.initial_step = part.smallest_step = stable;
+    require(std::isfinite(stable),
+            "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
+    for (const Proxy& p : state.bodies) {
+      const double travel = setup_.safety * stable * p.body.motion.velocity.norm();
+      require(
+          travel <= p.radius() + m.thickness,
+          "body '{}' moves {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
+          "slow it down, or lower time_step_safety",
+          p.body.name, travel, m.name);
+    }
+    const double most = kMostOfStable * (cracks ? kCrackedStep : 1.0) * stable;
+    require(setup_.time_step <= most,
+            "time_step_s is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
+            setup_.time_step, m.name, cracks ? " with cracks" : "", most / kMostOfStable, 0.99 * most);
+    refresh_candidates(m, s, state.bodies, part.coefficients, setup_.safety * stable, part.candidates);
+    part.candidates.age = 0;
+  }
+  double stable = std::numeric_limits<double>::infinity();
+  for (const ShellPart& part : state.shells) stable = std::min(stable, part.initial_step);
+  const double step = setup_.time_step > 0.0 ? setup_.time_step * (1.0 - 1e-9) : stable;
+  require(state.shells.empty() || setup_.tick >= step,
+          "{} is {} s, shorter than {}, {:.3g} s; make it longer than that",
+          setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
+          setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step);
+  if (state.stitching.empty()) return;
+  state.stitching.tie(refs());
+  std::vector<char> can_crack;
+  std::vector<double> alone;
+  for (const ShellPart& part : state.shells)
+    can_crack.push_back(part.setup->can_crack()), alone.push_back(part.initial_step);
+  const std::vector<double> joined =
+      joined_steps(refs(), state.stitching, alone, can_crack, kJoinedIterations, model.threads);
+  for (std::size_t k = 0; k < state.shells.size(); ++k)
+    state.shells[k].initial_step = state.shells[k].smallest_step = joined[k];
+}
+
+void Simulation::find_equilibrium(ShellPart& part, const std::function<void()>& look) {
+  Stopwatch w(scratch.times[Stage::kEquilibrium]);
+  const ShellModel& m = part.model();
+  RelaxationRules rules;
+  rules.tolerance = part.setup->equilibrium, rules.gravity = setup_.gravity, rules.threads = model.threads;
+  rules.look = look;
+  const RelaxationResult r = relax(m, *part.state, rules);
+  check_compression(m, *part.state);
+  if (r.converged) return;
+  throw Error(
+      Exit::kPhysics, "equilibrium",
+      fmt::format("no equilibrium of shell '{}' found: {} Newton steps and {} of relaxation leave {:.3g} of the "
+                  "loads, more than {:.3g}; support it, lower the loads, or raise equilibrium.tolerance",
+                  m.name, r.newton, r.steps, r.residual, part.setup->equilibrium));
+}
+
+ContactCoefficients Simulation::against(const ShellModel& shell, const RigidBody& body) const {
+  for (const ContactLaw& law : setup_.laws)
+    if ((law.first_group == shell.contact_group && law.second_group == body.contact_group) ||
+        (law.second_group == shell.contact_group && law.first_group == body.contact_group))
+      return {law.friction, law.restitution, 0.0};
+  return {};
+}
+
+EnergyBook Simulation::shell_book() {
+  EnergyBook sum;
+  if (!state.soft.empty()) sum += state.soft.book();
+  for (const ShellPart& part : state.shells)
+    if (part.state) sum += part.state->book;
+  return sum;
+}
+
+double Simulation::crack_length() {
+  double sum = 0.0;
+  for (const ShellPart& part : state.shells)
+    if (part.state) sum += part.state->cracks.graph.total_length();
+  return sum;
+}
+
+double Simulation::bodies_energy() const {
+  double sum = 0.0;
+  for (const Proxy& p : state.bodies)
+    if (!p.body.is_static) sum += p.body.kinetic_energy() - p.body.mass * setup_.gravity.dot(p.body.motion.position);
+  return sum;
+}
+
+double Simulation::total_energy(double dt) {
+  double sum = bodies_energy() + state.frozen_potential;
+  state.kinetic = state.elastic = 0.0;
+  for (const Proxy& p : state.bodies) state.kinetic += p.body.kinetic_energy();
+  if (!state.solving()) return sum;
+  if (!state.soft.empty()) {
+    const SoftSums soft = state.soft.sums(setup_.gravity);
+    state.kinetic += soft.kinetic, state.elastic += soft.elastic, sum += soft.kinetic + soft.potential;
+  }
+  for (const ShellPart& part : state.shells) {
+    const ShellModel& m = part.model();
+    ShellState& s = *part.state;
+    state.elastic += compute_forces(m, s, true, 0.0, model.threads) +
+                     hertz_energy(m, s, state.bodies, part.coefficients, part.candidates, dt);
+  }
+  if (state.fibres) state.fibres->add_forces(refs()), state.elastic += state.fibres->energy();
+  if (!state.stitching.empty()) state.stitching.share_forces(refs()), take_up_jump(refs(), dt);
+  for (const ShellPart& part : state.shells) {
+    const ShellModel& m = part.model();
+    ShellState& s = *part.state;
+    if (state.stitching.empty()) take_up_jump({{&m, &s}}, dt);
+    const double kinetic = kinetic_energy(m, s, dt);
+    state.kinetic += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
+    sum -= 0.5 * dt * external_power(m, s);  // kinetic_energy() has half a kick that the books get with the next one
+  }
+  return sum + state.elastic;
+}
+
+double Simulation::substep_length(std::int64_t window) {
+  double step = std::numeric_limits<double>::infinity();
+  for (ShellPart& part : state.shells)
+    step = std::min(
+        step, part.with_hertz(part.step(), state.bodies, setup_.bodies.size(), setup_.gravity, setup_.window, window));
+  // A crack may have taken more from the stable step than was allowed for.
+  return setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
+}
+
+double Simulation::substeps_of_tick(double substep, std::int64_t window) const {
+  double needed = std::ceil(setup_.tick / substep * (1.0 - 1e-12));
+  if (!state.soft.empty()) needed = soft_substeps(needed);
+  if (needed * setup_.coupling.ticks <= kMostSubsteps) return needed;
+  Error e(
+      Exit::kPhysics, "substeps",
+      fmt::format("a window of {:.3g} s would take {:.3g} substeps of {:.3g} s; at most {:.0g}: shorten window_s, or "
+                  "take a softer contact, or a longer time_step_s",
+                  setup_.window, needed * setup_.coupling.ticks, substep, kMostSubsteps));
+  e.window = window;
+  throw e;
+}
+
+void Simulation::take_substeps(int n, double dt, double last, const Clock& clock, const std::function<void()>& look) {
+  for (int k = 0; k < n; ++k) {
+    share_kick(1.0 / n);
+    state.soft_most = n - k;
+    substep(model, state, scratch, dt, k == 0 && last > 0.0 ? last : dt);
+    try {
+      if (state.fibres) {
+        Stopwatch w(scratch.times[Stage::kFibres]);
+        state.fibres->advance(refs(), dt);
+      }
+      if (++state.substeps % kCompressionInterval == 0)
+        for (const ShellPart& part : state.shells) check_compression(part.model(), *part.state);
+    } catch (Error& e) {
+      e.window = clock.windows;
+      throw;
+    }
+    crack_update(model, state, scratch, clock, k, n, dt);
+    look();
+  }
+}
+
+void Simulation::share_kick(double share) {
+  for (std::size_t i = 0, k = 0; i < state.bodies.size() && k < state.kicks.size(); ++i) {
+    RigidBody& b = state.bodies[i].body;
+    if (b.is_static) continue;
+    b.motion.velocity += share / b.mass * state.kicks[k].linear;
+    b.motion.angular_momentum += share * state.kicks[k].angular;
+    ++k;
+  }
+}
+
+double Simulation::soft_substeps(double needed) const {
+  if (!state.shells.empty()) return needed;  // soft bodies take steps of several of them, or several in one
+  const double steps = std::ceil(setup_.tick / (setup_.safety * state.soft.stable_step()) * (1.0 - 1e-9));
+  return std::max({1.0, needed, steps});
+}
+
+int Simulation::soft_particles() const {
+  int sum = 0;
+  for (const SoftSetup& s : setup_.soft) sum += s.model.particles();
+  return sum;
+}
+
+double Simulation::soft_energy(double strain) const {
+  double sum = 0.0;
+  for (const SoftSetup& s : setup_.soft)
+    for (const double mass : s.model.mass)
+      sum += 0.5 * strain * strain * s.model.material.youngs_modulus * mass / s.model.material.density;
+  return sum;
+}
+
+std::vector<BodyMotion> Simulation::soft_motions() const {
+  std::vector<BodyMotion> out;
+  for (std::size_t i = 0; i < state.soft.models().size(); ++i) {
+    const SoftSums sums = soft_sums(state.soft.models()[i], state.soft.states()[i], setup_.gravity);
+    BodyMotion& m = out.emplace_back();
+    m.position = sums.centre, m.velocity = sums.momentum / sums.mass;
+  }
+  return out;
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,144 @@
+#include "shell/run/substep.h"
+
+#include <algorithm>
+
+#include "shell/solver/contact/hertz.h"
+#include "shell/solver/cracking/damage_cracks.h"
+#include "shell/solver/cracking/tips.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/joining/seam_cracks.h"
+#include "shell/solver/stepping/grid_transfer.h"
+#include "shell/solver/stepping/kick_drift.h"
+
+namespace sunder::shell {
+namespace {
+
+/// Share of a new stress in the running mean that cracks and damage look at; 0: nothing is recorded.
+double stress_share(const ShellPart& part, double dt) {
+  const ShellSetup& setup = *part.setup;
+  if (setup.brittleness > 0.0) return 1.0;
+  if (setup.tips) return std::min(1.0, dt / setup.model.response_time());
+  return part.state->yields() ? 1.0 : 0.0;
+}
+
+}  // namespace
+
+void substep(const Model& model, State& state, Scratch& scratch, double dt, double last) {
+  const double kicked = 0.5 * (last + dt);
+  internal_force(model, state, scratch, dt, last);
+  kick_all(model, state, scratch, dt, last);
+  rigid_contact(model, state, scratch, dt, kicked);
+  soft_contact(model, state, scratch, dt);
+  shell_contact(model, state, scratch, dt);
+  constrain_all(model, state, scratch, dt);
+  drift_all(model, state, scratch, dt);
+}
+
+void internal_force(const Model& model, State& state, Scratch& scratch, double dt, double last) {
+  Stopwatch w(scratch.times[Stage::kInternalForce]);
+  side_by_side(model, state, scratch, [&](std::size_t k) {
+    ShellPart& part = state.shells[k];
+    compute_forces(part.model(), *part.state, false, stress_share(part, dt), model.threads);
+  });
+  if (state.fibres) state.fibres->add_forces(refs(state, scratch));
+  if (!state.stitching.empty()) {
+    state.stitching.share_forces(refs(state, scratch));
+    take_up_jump(refs(state, scratch), last);
+  }
+}
+
+void kick_all(const Model& model, State& state, Scratch& scratch, double dt, double last) {
+  Stopwatch w(scratch.times[Stage::kKickDrift]);
+  const Vec3& gravity = model.setup.gravity;
+  for (ShellPart& part : state.shells) kick(part.model(), *part.state, gravity, dt, last);
+  for (Proxy& p : state.bodies)
+    if (!p.body.is_static) p.body.motion.velocity += dt * gravity;
+}
+
+void rigid_contact(const Model&, State& state, Scratch& scratch, double dt, double kicked) {
+  Stopwatch w(scratch.times[Stage::kRigidContact]);
+  if (!state.stitching.empty()) state.stitching.mark(refs(state, scratch));
+  for (ShellPart& part : state.shells) {
+    ContactCandidates& candidates = part.candidates;
+    if (candidates.age++ % kContactRefresh == 0) {
+      refresh_candidates(part.model(), *part.state, state.bodies, part.coefficients, dt, candidates);
+      candidates.age = 1;
+    }
+    contact(part.model(), *part.state, state.bodies, part.coefficients, candidates, dt, kicked);
+  }
+  state.engine_loss += state.rows.solve(dt);
+}
+
+void soft_contact(const Model& model, State& state, Scratch& scratch, double dt) {
+  if (state.soft.empty()) return;
+  Stopwatch w(scratch.times[Stage::kSoftBodies]);
+  const std::vector<ShellRef> shells = refs(state, scratch);
+  if (state.soft_left == 0)
+    state.soft_left = state.soft.begin(model.setup.gravity, dt, state.soft_most, model.setup.safety, state.bodies,
+                                       shells, model.threads);
+  state.soft.touch(shells, dt);
+}
+
+void shell_contact(const Model&, State& state, Scratch& scratch, double dt) {
+  if (!state.contact) return;
+  Stopwatch w(scratch.times[Stage::kShellContact]);
+  state.contact->act(refs(state, scratch), dt, [&] {
+    if (state.stitching.empty()) return;
+    state.stitching.share_impulses(refs(state, scratch));
+    state.stitching.mark(refs(state, scratch));
+  });
+}
+
+void constrain_all(const Model& model, State& state, Scratch& scratch, double dt) {
+  if (!state.stitching.empty()) {
+    state.stitching.share_impulses(refs(state, scratch));
+    state.stitching.keep_angles(refs(state, scratch), dt);
+  }
+  for (ShellPart& part : state.shells) {
+    const TransferRules& transfer = part.setup->transfer;
+    if (transfer.kind != Transfer::kDirect) {
+      Stopwatch w(scratch.times[Stage::kTransfer]);
+      through_grid(part.model(), *part.state, transfer, dt, model.threads);
+    } else {
+      Stopwatch w(scratch.times[Stage::kKickDrift]);
+      constrain(part.model(), *part.state, dt);
+    }
+  }
+}
+
+void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
+  Stopwatch w(scratch.times[Stage::kKickDrift]);
+  // Supports may have changed velocities that dependent control points take theirs from.
+  if (!state.stitching.empty()) state.stitching.follow(refs(state, scratch));
+  for (ShellPart& part : state.shells) drift(part.model(), *part.state, dt);
+  if (state.soft_left > 0 && --state.soft_left == 0) state.soft.finish(model.threads);
+  for (Proxy& p : state.bodies)
+    if (!p.body.is_static) p.body.drift(dt);
+}
+
+namespace {
+
+void crack_one(ShellPart& part, State& state, Scratch& scratch, const Clock& clock, int k, int n, double dt) {
+  const ShellSetup& setup = *part.setup;
+  if (!setup.tips && setup.brittleness <= 0.0) return;
+  Stopwatch w(scratch.times[Stage::kCrackUpdate]);
+  const int every = crack_interval(setup.rules, dt);
+  const bool due = k % every == every - 1 || k == n - 1;
+  if (setup.tips && due)
+    grow_cracks(setup.model, *part.state, setup.rules, clock.time() + (k + 1) * dt, (k % every + 1) * dt, state.random);
+  if (setup.brittleness > 0.0) {
+    watch_stress(setup.model, *part.state);
+    if (setup.extract_cracks && due) extract_cracks(setup.model, *part.state, clock.time() + (k + 1) * dt);
+  }
+}
+
+}  // namespace
+
+void crack_update(const Model& model, State& state, Scratch& scratch, const Clock& clock, int k, int n, double dt) {
+  for (ShellPart& part : state.shells) crack_one(part, state, scratch, clock, k, n, dt);
+  if (state.stitching.empty() || !model.setup.can_crack()) return;
+  Stopwatch w(scratch.times[Stage::kCrackUpdate]);
+  carry_on(model.setup.stitches.seams, refs(state, scratch), model.tips, state.stitching, clock.time() + (k + 1) * dt);
+}
+
+}  // namespace sunder::shell
