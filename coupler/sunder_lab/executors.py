@@ -12,9 +12,10 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Protocol
 
-from sunder_tools.build import BUILD_DIR_VARIABLE, build_dir
 from sunder_tools.errors import CommandError, Interrupted
-from sunder_tools.logged import tail
+from sunder_tools.launch.build import build_dir
+from sunder_tools.launch.logged import tail
+from sunder_tools.places import BUILD_DIR_VARIABLE
 
 from .member import DIE_WITH_PARENT, LOG_FILE, OUTCOME_FILE, is_done, outcome, read_json, write_atomically
 

@@ -14,7 +14,8 @@ from typing import Any, Iterable, Iterator
 import numpy as np
 
 from sunder_tools.errors import CommandError
-from sunder_tools.patterns import student
+
+from .statistics import student
 
 Cell = Any  # float, int, str, bool or None
 

@@ -1,0 +1,100 @@
+"""What the parsers of all subcommands share: one class, one epilogue, the types of arguments."""
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ..errors import BAD_INPUT, CommandError
+from ..places import BUILD_DIR_VARIABLE
+
+EPILOG = f"""\
+exit status:
+  0 done, 1 a check failed, 2 bad input (also: cannot install, build or write),
+  3 one of the two processes was lost, 4 physics or ledger, 130 interrupted
+
+environment:
+  {BUILD_DIR_VARIABLE}  use the executables of this build folder (shell/sunder-shell,
+                    rigid/sunder-rigid); nothing is installed or built then
+"""
+
+Subparsers = Any  # argparse._SubParsersAction, which has no public name
+
+
+class Parser(argparse.ArgumentParser):
+    """An ArgumentParser whose complaint is a CommandError that names the help."""
+
+    def error(self, message: str) -> NoReturn:
+        raise CommandError(f"{message}; see '{self.prog} --help'", BAD_INPUT)
+
+
+def add_command(subparsers: Subparsers, name: str, short: str, description: str, example: str = "",
+                **options: Any) -> argparse.ArgumentParser:
+    """The parser of a subcommand. `short` is its line in 'sunder --help', `example` a command line."""
+    epilog = f"example:\n  {example}\n\n{EPILOG}" if example else EPILOG
+    return subparsers.add_parser(name, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
+                                 help=short, description=description, epilog=epilog, **options)
+
+
+def setting(text: str) -> str:
+    """PATH=VALUE."""
+    path, equals, _ = text.partition("=")
+    if not equals or not path:
+        raise argparse.ArgumentTypeError(f"'{text}' is not PATH=VALUE, e.g. bodies[ball].twist.linear.z=-20")
+    return text
+
+
+def positive_seconds(text: str) -> str:
+    """A positive number [s], as it was given."""
+    try:
+        good = 0.0 < float(text) < float("inf")
+    except ValueError:
+        good = False
+    if not good:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a positive number of seconds")
+    return text
+
+
+def threads(text: str) -> str:
+    """A whole number of at least 1, as it was given."""
+    if not text.isascii() or not text.isdigit() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a whole number of at least 1")
+    return text
+
+
+def count(text: str) -> int:
+    """A whole number of at least 1."""
+    return int(threads(text))
+
+
+def positive(text: str) -> float:
+    """A number of 0.001 to 1000."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 1e-3 <= value <= 1e3:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of 0.001 to 1000")
+    return value
+
+
+def add_scene(parser: argparse.ArgumentParser, **options: Any) -> None:
+    """SCENE."""
+    parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)", **options)
+
+
+def add_settings(parser: argparse.ArgumentParser, words: str) -> None:
+    """--set, repeatable."""
+    parser.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[], type=setting,
+                        help=words)
+
+
+def add_run_folder(parser: argparse.ArgumentParser, words: str = "folder of a run") -> None:
+    """DIR of a run."""
+    parser.add_argument("folder", metavar="DIR", type=Path, help=words)
+
+
+def need_scene(path: Path) -> None:
+    """Raises CommandError where there is no such file."""
+    if not path.is_file():
+        raise CommandError(f"{path}: no such scene file", BAD_INPUT)
