@@ -65,7 +65,7 @@ class Measuring(unittest.TestCase):
     def test_what_cannot_be_validated_or_written_is_refused(self) -> None:
         self.validator(0)
         self.assertEqual(sunder(["validate", "cheese"]), 2)
-        self.assertIn("there is shells, seams, cracks", self.said.getvalue())
+        self.assertIn("there are shells, seams, cracks", self.said.getvalue())
         self.assertEqual(sunder(["validate", "shells", "--json", str(self.folder / "no" / "table.json")]), 2)
         self.assertEqual(sunder(["validate", "shells", "--plots", str(self.folder / "plots.cheese")]), 2)
         self.assertIn("'.cheese' is no image's ending", self.said.getvalue())

@@ -13,6 +13,7 @@ from sunder_tools.launch.build import only_builder
 from sunder_tools.launch.install import PACKAGES, ensure_installed
 from sunder_tools.launch.logged import run_logged, tail
 from sunder_tools.places import REPOSITORY
+from sunder_tools.words import did_you_mean
 
 # Messages get most: they come from another process. Seconds a target that ends by itself would take are not known.
 TARGETS = ("session", "replies", "bullet", "ode", "scene", "pgm", "mesh")
@@ -28,7 +29,7 @@ SANITIZERS = {"ASAN_OPTIONS": "detect_leaks=0:quarantine_size_mb=16:malloc_conte
 def fuzz(target: str | None, runs: int) -> int:
     """Installs clang, builds the fuzzers into build/fuzz, gives each `runs` inputs; exit status 1 for a finding."""
     if target is not None and target not in TARGETS:
-        raise CommandError(f"no target '{target}'; there are {', '.join(TARGETS)}", BAD_INPUT)
+        raise CommandError(f"no target '{target}'; {did_you_mean(target, TARGETS)}", BAD_INPUT)
     folder = REPOSITORY / "build" / "fuzz"
     try:
         folder.mkdir(parents=True, exist_ok=True)

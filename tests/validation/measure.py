@@ -11,6 +11,7 @@ from pathlib import Path
 
 from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError
 from sunder_tools.launch.build import ensure_built
+from sunder_tools.words import did_you_mean
 
 from ..conformance import suites
 from .experiments import EXPERIMENTS, Table, run_experiments
@@ -26,7 +27,7 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
     """Runs the validation cases of `what`; exit status 1 where a case fails, with `known` where one fails that is not
     known to, or by more."""
     if what not in VALIDATIONS:
-        raise CommandError(f"nothing called '{what}' to validate; there is {', '.join(VALIDATIONS)}", BAD_INPUT)
+        raise CommandError(f"nothing called '{what}' to validate; {did_you_mean(what, VALIDATIONS)}", BAD_INPUT)
     if rigid and what != "engines":
         raise CommandError(f"--rigid {rigid}: only 'validate engines' takes it", BAD_INPUT)
     if full and what != "extremes":

@@ -4,7 +4,7 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from .parser import Subparsers, add_command, add_run_folder
+from .parser import Subparsers, add_choice, add_command, add_run_folder
 
 NAME = "export"
 
@@ -16,7 +16,7 @@ def add_parser(subparsers: Subparsers) -> None:
         "A file a frame into DIR/export: PLY with velocity per vertex and fragment, damage, part, body and\n"
         "kind per face, or binary glTF; and frame_times.csv.")
     add_run_folder(parser)
-    parser.add_argument("--format", choices=("ply", "gltf"), default="ply", help="default: ply")
+    add_choice(parser, "--format", ("ply", "gltf"), "default: ply", "ply")
     parser.add_argument("--frames", metavar="LIST", help="numbers such as 0,5,10-20,last (default: all)")
     parser.add_argument("--out", metavar="DIR", type=Path, help="another folder")
 

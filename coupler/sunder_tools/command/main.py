@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import argparse
-import difflib
 import importlib
 import os
 import pkgutil
@@ -12,6 +11,8 @@ from types import FrameType, ModuleType
 from typing import Sequence
 
 from ..errors import BAD_INPUT, DONE, INTERRUPTED, CommandError, Interrupted
+from ..version import version
+from ..words import did_you_mean
 from .parser import EPILOG, Parser
 
 DESCRIPTION = """\
@@ -31,31 +32,36 @@ def subcommands(packages: Sequence[str]) -> dict[str, ModuleType]:
     return dict(sorted(found.items()))
 
 
-def make_parser(commands: dict[str, ModuleType]) -> argparse.ArgumentParser:
-    """The parser of the whole command line."""
+def make_parser(commands: dict[str, ModuleType]) -> tuple[Parser, dict[str, Parser]]:
+    """The parser of the whole command line, and those of the subcommands by name."""
     parser = Parser(prog="sunder", formatter_class=argparse.RawDescriptionHelpFormatter, epilog=EPILOG,
                     allow_abbrev=False, description=DESCRIPTION)
+    parser.add_argument("--version", action="store_true", help="print the version and end")
     subparsers = parser.add_subparsers(dest="command", metavar="COMMAND", parser_class=Parser)
     for module in commands.values():
         module.add_parser(subparsers)
-    return parser
-
-
-def _suggestion(command: str, commands: Sequence[str]) -> str:
-    near = difflib.get_close_matches(command, commands, n=1, cutoff=0.5)
-    hint = f"did you mean '{near[0]}'?" if near else f"the commands are {', '.join(commands)}"
-    return f"unknown command '{command}'; {hint} See 'sunder --help'"
+    return parser, subparsers.choices
 
 
 def _dispatch(arguments: list[str], packages: Sequence[str]) -> int:
     commands = subcommands(packages)
-    parser = make_parser(commands)
+    parser, of_command = make_parser(commands)
     if not arguments:
         parser.print_help(sys.stderr)
         return BAD_INPUT
-    if not arguments[0].startswith("-") and arguments[0] not in commands:
-        raise CommandError(_suggestion(arguments[0], list(commands)), BAD_INPUT)
+    name, rest = arguments[0], arguments[1:]
+    if name.startswith("-"):
+        parser.check_options(arguments)
+    elif name not in commands:
+        raise CommandError(f"unknown command '{name}'; {did_you_mean(name, commands)} (see 'sunder --help')", BAD_INPUT)
+    else:
+        of_command[name].check_options(rest)
     options = parser.parse_args(arguments)
+    if options.version:
+        print(f"sunder {version()}")
+        return DONE
+    if options.command is None:
+        raise CommandError("a command is missing; see 'sunder --help'", BAD_INPUT)
     return commands[options.command].run(options)
 
 

@@ -3,10 +3,12 @@ from __future__ import annotations
 
 import argparse
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any, Callable, NoReturn, Sequence
 
 from ..errors import BAD_INPUT, CommandError
+from ..launch.shipped import ENDING, SCENES
 from ..places import BUILD_DIR_VARIABLE
+from ..words import did_you_mean, nearest
 
 EPILOG = f"""\
 exit status:
@@ -22,18 +24,53 @@ Subparsers = Any  # argparse._SubParsersAction, which has no public name
 
 
 class Parser(argparse.ArgumentParser):
-    """An ArgumentParser whose complaint is a CommandError that names the help."""
+    """An ArgumentParser whose complaint is a CommandError that names the help and the nearest options."""
+
+    def __init__(self, *arguments: Any, **options: Any) -> None:
+        self.options: list[str] = []
+        super().__init__(*arguments, **options)
+
+    def add_argument(self, *names: Any, **options: Any) -> argparse.Action:
+        """As ArgumentParser has it; remembers the long options."""
+        self.options += [name for name in names if name.startswith("--")]
+        return super().add_argument(*names, **options)
+
+    def check_options(self, arguments: Sequence[str]) -> None:
+        """Raises CommandError for the first long option that there is not."""
+        for argument in arguments:
+            name = argument.partition("=")[0]
+            if argument == "--" or "-" not in self.prefix_chars:
+                return
+            if name.startswith("--") and name not in self.options:
+                raise CommandError(f"unknown option '{name}' of '{self.prog}'; {did_you_mean(name, self.options)} "
+                                   f"(see '{self.prog} --help')", BAD_INPUT)
 
     def error(self, message: str) -> NoReturn:
         raise CommandError(f"{message}; see '{self.prog} --help'", BAD_INPUT)
 
 
 def add_command(subparsers: Subparsers, name: str, short: str, description: str, example: str = "",
-                **options: Any) -> argparse.ArgumentParser:
+                **options: Any) -> Parser:
     """The parser of a subcommand. `short` is its line in 'sunder --help', `example` a command line."""
     epilog = f"example:\n  {example}\n\n{EPILOG}" if example else EPILOG
     return subparsers.add_parser(name, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False,
                                  help=short, description=description, epilog=epilog, **options)
+
+
+def one_of(*choices: str) -> Callable[[str], str]:
+    """The type of an argument that is one of these words."""
+    def choice(text: str) -> str:
+        if text not in choices:
+            hint = f"; {did_you_mean(text, choices)}" if nearest(text, choices) else ""
+            raise argparse.ArgumentTypeError(f"'{text}' is none of {', '.join(choices)}{hint}")
+        return text
+    return choice
+
+
+def add_choice(parser: argparse.ArgumentParser, name: str, choices: Sequence[str], words: str,
+               default: str | None = None) -> None:
+    """An option that takes one of a few words."""
+    parser.add_argument(name, metavar="{" + ",".join(choices) + "}", type=one_of(*choices), default=default, help=words)
 
 
 def setting(text: str) -> str:
@@ -95,6 +132,21 @@ def add_run_folder(parser: argparse.ArgumentParser, words: str = "folder of a ru
 
 
 def need_scene(path: Path) -> None:
-    """Raises CommandError where there is no such file."""
-    if not path.is_file():
-        raise CommandError(f"{path}: no such scene file", BAD_INPUT)
+    """Raises CommandError where there is no such file; names the nearest scenes beside it and among those that ship."""
+    if path.is_file():
+        return
+    wanted = path.name.removesuffix(ENDING)
+    beside = {scene.name.removesuffix(ENDING): scene for scene in sorted(path.parent.glob("*" + ENDING))}
+    shipped = {scene.name.removesuffix(ENDING): scene for scene in sorted(SCENES.glob("*" + ENDING))}
+    found = {**shipped, **beside}
+    near = [_as_typed(found[name]) for name in nearest(wanted, found)]
+    hint = f"did you mean {' or '.join(near)}?" if near else "'sunder scenes' lists those that ship"
+    raise CommandError(f"{path}: no such scene file; {hint}", BAD_INPUT)
+
+
+def _as_typed(path: Path) -> str:
+    """The path as it is typed from here."""
+    try:
+        return str(path.resolve().relative_to(Path.cwd()))
+    except ValueError:
+        return str(path)

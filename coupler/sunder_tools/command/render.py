@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from ..errors import BAD_INPUT, CommandError
-from .parser import Subparsers, add_command, add_run_folder, count, positive
+from .parser import Subparsers, add_choice, add_command, add_run_folder, count, positive
 
 NAME = "render"
 
@@ -29,8 +29,8 @@ def add_parser(subparsers: Subparsers) -> None:
                              "AZIMUTH,ELEVATION in degrees, from +x (default: oblique, on the side that is hit)")
     parser.add_argument("--zoom", metavar="F", type=positive, default=1.0, help="times as near (default: 1)")
     parser.add_argument("--close", action="store_true", help="the shell fills the picture, not all that happens")
-    parser.add_argument("--colour", choices=("part", "damage", "fragment", "speed"), default="part",
-                        help="what the shell is coloured by (default: part)")
+    add_choice(parser, "--colour", ("part", "damage", "fragment", "speed"),
+               "what the shell is coloured by (default: part)", "part")
     parser.add_argument("--no-caption", action="store_true", help="no time in the corner")
     parser.add_argument("--rate", metavar="FPS", type=positive,
                         help="frames a second of the film (default: it lasts six\nseconds, within 4 to 30)")

@@ -12,7 +12,7 @@ from ..launch import engines
 from ..launch.build import ensure_built
 from ..launch.run import RECORD_FILE, Job
 from ..launch.socket_dir import SocketDir
-from .parser import Subparsers, add_command, add_run_folder
+from .parser import Subparsers, add_choice, add_command, add_run_folder
 
 NAME = "replay"
 
@@ -23,7 +23,7 @@ def add_parser(subparsers: Subparsers) -> None:
         subparsers, NAME, "play a recorded run to one of its two sides alone",
         "Exit status 0 where that side says what was recorded, to the bit; else 1 and the first difference.")
     add_run_folder(parser, "folder of a run that was made with --record")
-    parser.add_argument("--side", choices=("shell", "rigid"), default="shell", help="who is played to (default: shell)")
+    add_choice(parser, "--side", ("shell", "rigid"), "who is played to (default: shell)", "shell")
     parser.add_argument("--rigid", metavar="ENGINE", help="with --side rigid: another engine than the recorded one")
     parser.add_argument("--keys", metavar="DIR", type=Path, help="with --rigid tcp://HOST:PORT: as for 'sunder run'")
 

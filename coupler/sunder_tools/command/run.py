@@ -7,7 +7,7 @@ from pathlib import Path
 from ..errors import BAD_INPUT, CommandError
 from ..launch.fidelity import PRESETS, with_fidelity
 from ..launch.run import Job, run_scene
-from .parser import Subparsers, add_command, add_scene, add_settings, need_scene, positive_seconds, threads
+from .parser import Subparsers, add_choice, add_command, add_scene, add_settings, need_scene, positive_seconds, threads
 
 NAME = "run"
 
@@ -44,8 +44,8 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def add_fidelity(parser: argparse.ArgumentParser) -> None:
     """--fidelity, of `run` and `check`."""
-    parser.add_argument("--fidelity", choices=tuple(PRESETS),
-                        help="elements and window for the scene's own, chosen from 'sunder trade'; --set goes before it")
+    add_choice(parser, "--fidelity", tuple(PRESETS),
+               "elements and window for the scene's own, chosen from 'sunder trade'; --set goes before it")
 
 
 def run(arguments: argparse.Namespace) -> int:

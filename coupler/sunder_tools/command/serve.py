@@ -27,9 +27,11 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Serves one session; returns the engine's exit status. Raises CommandError."""
-    rigid = engines.resolve(arguments.rigid, ensure_built())
+    executables = ensure_built()
+    rigid = engines.resolve(arguments.rigid, executables)
     if not rigid.command:
         raise CommandError(f"--rigid {arguments.rigid}: is no engine that can be launched; give a name or a program")
+    engines.check(arguments.rigid, rigid, executables)
     keys = ["--keys", str(arguments.keys)] if arguments.keys else []
     return subprocess.run([*rigid.command, "--endpoint", arguments.endpoint, *keys, "--die-with-parent"],
                           check=False).returncode

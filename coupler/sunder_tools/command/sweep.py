@@ -5,7 +5,7 @@ import argparse
 from pathlib import Path
 
 from ..launch.build import ensure_built
-from .parser import Subparsers, add_command, count
+from .parser import Subparsers, add_choice, add_command, count
 
 NAME = "sweep"
 
@@ -22,13 +22,13 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder of the series (default: sweeps/<name of FILE>)")
     parser.add_argument("--jobs", metavar="N", type=count,
                         help="runs at a time (default: processors / threads; of an\narray: as many as Slurm has room for)")
-    parser.add_argument("--executor", choices=("local", "slurm"), default="local",
-                        help="processes of this machine, or a Slurm job array; DIR is then on a disk that all nodes share")
+    add_choice(parser, "--executor", ("local", "slurm"),
+               "processes of this machine, or a Slurm job array; DIR is then on a disk that all nodes share", "local")
     parser.add_argument("--sbatch", metavar="OPTION", action="append", default=[],
                         help="for sbatch, e.g. --sbatch=--partition=long; repeatable")
     parser.add_argument("--threads", metavar="N", type=count, default=1, help="of each run (default: 1)")
-    parser.add_argument("--keep", choices=("last", "all", "none"), default="last",
-                        help="frames that stay: first and last with crack lines of all times (default), all, or none")
+    add_choice(parser, "--keep", ("last", "all", "none"),
+               "frames that stay: first and last with crack lines of all times (default), all, or none", "last")
     parser.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
 

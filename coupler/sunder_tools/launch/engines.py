@@ -8,8 +8,9 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..errors import CommandError, how_it_ended
+from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
 from ..places import REPOSITORY
+from ..words import did_you_mean
 from .build import Executables
 from .socket_dir import SocketDir
 
@@ -49,6 +50,22 @@ def resolve(text: str, executables: Executables) -> Rigid:
         ensure_node(REPOSITORY / "build" / "install.log")
         return Rigid(text, command=(str(JOLT_PROGRAM), "--engine", text))
     return Rigid(text, command=(str(executables.rigid), "--engine", text))
+
+
+def check(text: str, rigid: Rigid, executables: Executables) -> None:
+    """Raises CommandError where `text` names no engine, with the nearest names. Paths and addresses are not asked."""
+    if rigid.endpoint or "/" in text:
+        return
+    command = [*(rigid.command or (str(executables.rigid), "--engine", rigid.in_process)), "--check"]
+    found = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                           errors="replace", check=False)
+    if found.returncode == BAD_INPUT:
+        said = found.stderr.strip() or "refused without a reason"
+        hint = did_you_mean(rigid.in_process or text, names(executables))
+        raise CommandError(f"{said}\n--rigid {text}: {hint} (see 'sunder engines')")
+    if found.returncode != 0:
+        raise CommandError(f"{found.stderr.strip()}\n{rigid.label} {how_it_ended(found.returncode)} while it was "
+                           "checked".strip(), PEER_LOST if found.returncode < 0 else found.returncode)
 
 
 def names(executables: Executables) -> list[str]:

@@ -82,8 +82,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
                            "leave it out, this run's own is reached through a folder that only you may enter")
     # All that can be refused is, before anything of an earlier run in the folder is touched.
     _check_quietly([str(executables.shell), *job.shell_arguments(), "--check"], job.scene)
-    if rigid.command and "/" not in job.engine:
-        _check_quietly([*rigid.command, "--check"], job.scene)
+    engines.check(job.engine, rigid, executables)
     folder = reopen_folder(resume) if resume else open_folder(out, job.scene)
     keep = resume is not None
     try:
