@@ -27,9 +27,14 @@ def did_you_mean(word: str, choices: Iterable[str]) -> str:
     return f"there are {', '.join(choices)}" if choices else "there are none"
 
 
+def quoted(text: object) -> str:
+    """One argument as a shell takes it."""
+    return shlex.quote(str(text))
+
+
 def command_line(arguments: Iterable[object]) -> str:
     """A command that can be pasted into a shell."""
-    return shlex.join(str(argument) for argument in arguments)
+    return " ".join(quoted(argument) for argument in arguments)
 
 
 def _plain(word: str) -> str:

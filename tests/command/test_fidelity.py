@@ -118,7 +118,7 @@ class Command(unittest.TestCase):
     def test_an_unknown_preset_is_refused(self) -> None:
         status, err = self.sunder("run", str(self.scene), "--fidelity", "finest")
         self.assertEqual(status, 2)
-        self.assertIn("'draft', 'standard', 'reference'", err)
+        self.assertIn("none of draft, standard, reference", err)
         status, err = self.sunder("run", "--resume", "out", "--fidelity", "draft")
         self.assertEqual(status, 2)
         self.assertIn("leave --fidelity out", err)

@@ -30,7 +30,7 @@ MOST_NOTES = 12    # faults told one by one
 
 @dataclass
 class Findings:
-    """What was seen and what is wrong; the faults are counts that must be zero."""
+    """Counts of what was seen, and counts of faults, which must be zero."""
     frames: int = 0         # with crack lines
     growing: int = 0        # frames with more edges than the one before
     edges: int = 0          # in the last frame
@@ -269,7 +269,7 @@ def _cracks_apart(now: Graph) -> set[int]:
 
 
 class _Groups:
-    """Union of what hangs together."""
+    """Union-find over indices."""
 
     def __init__(self, count: int) -> None:
         self._parent = list(range(count))

@@ -1,4 +1,4 @@
-"""Validation by whole runs: scenes in two processes, what they leave behind against what is known."""
+"""The cases of `validate` that run whole scenes in two processes, and two groups of them: shells and cracks."""
 from __future__ import annotations
 
 import importlib

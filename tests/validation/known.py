@@ -1,4 +1,4 @@
-"""Lists of what validation is known not to reach, and by how much: a goal that is missed is told from a fault."""
+"""Lists of cases that are known to fail, each with the largest error at which it is still the known failure."""
 from __future__ import annotations
 
 import math
@@ -16,7 +16,7 @@ Row = dict[str, object]
 
 @dataclass(frozen=True)
 class Gap:
-    """A row that is known to fail."""
+    """A known failure."""
     largest: float  # error, as the table has it, up to which it is the known one
     why: str
 

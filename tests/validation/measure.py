@@ -1,4 +1,4 @@
-"""`validate` and `bench`: programs of the build that measure, and what is made of their numbers."""
+"""`validate` and `bench`: runs the programs that measure, judges their rows, writes tables and plots."""
 from __future__ import annotations
 
 import json
@@ -131,7 +131,7 @@ def bench(pattern: str | None, report: Path | None) -> int:
 
 
 def _can_write(path: Path) -> None:
-    """A place that cannot be written is known before the minutes are spent; what is there stays."""
+    """Raises CommandError where a file cannot be written, before minutes are spent. Leaves an existing file as it is."""
     new = not os.path.lexists(path)
     try:
         path.open("a").close()

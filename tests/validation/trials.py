@@ -1,4 +1,4 @@
-"""What validation by whole runs is made of: the table of its rows, and runs of the repository's scenes."""
+"""Tools of validation by whole runs: the table of rows, and runs of the repository's scenes."""
 from __future__ import annotations
 
 import csv

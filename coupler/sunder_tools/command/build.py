@@ -14,10 +14,10 @@ NAME = "build"
 
 def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder build`."""
-    parser = add_command(subparsers, NAME, "install and build, which run does by itself",
+    parser = add_command(subparsers, NAME, "install and build; 'sunder run' does so by itself",
                          "Installs the packages and builds both programs. Needed for --cad only.")
     parser.add_argument("--cad", action="store_true",
-                        help="with OpenCASCADE, which reads STEP and IGES (40 MB more to install); run and test keep it")
+                        help="with OpenCASCADE, which reads STEP and IGES; later builds keep it")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -13,8 +13,8 @@ def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder export`."""
     parser = add_command(
         subparsers, NAME, "a sequence of meshes for Blender and Houdini",
-        "A file a frame into DIR/export: PLY with velocity per vertex and fragment, damage, part, body and\n"
-        "kind per face, or binary glTF; and frame_times.csv.")
+        "Writes one file per frame to DIR/export, and frame_times.csv. PLY has velocity per vertex, and fragment, damage,\n"
+        "part, body and kind per face; the other format is binary glTF.")
     add_run_folder(parser)
     add_choice(parser, "--format", ("ply", "gltf"), "default: ply", "ply")
     parser.add_argument("--frames", metavar="LIST", help="numbers such as 0,5,10-20,last (default: all)")

@@ -15,7 +15,7 @@ def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder models`."""
     parser = add_command(
         subparsers, NAME, "list the active models of runs and their share of the time",
-        "A line a run, from its run.json, and why each model was active. Models of one stage share its time.")
+        "Prints one line per run from its run.json, and why each model was active. Models of one stage share its time.")
     parser.add_argument("folders", metavar="DIR", type=Path, nargs="+", help="folders of runs")
 
 

@@ -69,12 +69,12 @@ def one_of(*choices: str) -> Callable[[str], str]:
 
 def add_choice(parser: argparse.ArgumentParser, name: str, choices: Sequence[str], words: str,
                default: str | None = None) -> None:
-    """An option that takes one of a few words."""
+    """Adds an option that takes one of a few words."""
     parser.add_argument(name, metavar="{" + ",".join(choices) + "}", type=one_of(*choices), default=default, help=words)
 
 
 def setting(text: str) -> str:
-    """PATH=VALUE."""
+    """Checks that an argument has the form PATH=VALUE."""
     path, equals, _ = text.partition("=")
     if not equals or not path:
         raise argparse.ArgumentTypeError(f"'{text}' is not PATH=VALUE, e.g. bodies[ball].twist.linear.z=-20")
@@ -116,18 +116,18 @@ def positive(text: str) -> float:
 
 
 def add_scene(parser: argparse.ArgumentParser, **options: Any) -> None:
-    """SCENE."""
+    """Adds the argument SCENE."""
     parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)", **options)
 
 
 def add_settings(parser: argparse.ArgumentParser, words: str) -> None:
-    """--set, repeatable."""
+    """Adds the option --set, which may be repeated."""
     parser.add_argument("--set", metavar="PATH=VALUE", dest="settings", action="append", default=[], type=setting,
                         help=words)
 
 
 def add_run_folder(parser: argparse.ArgumentParser, words: str = "folder of a run") -> None:
-    """DIR of a run."""
+    """Adds the argument DIR, the folder of a run."""
     parser.add_argument("folder", metavar="DIR", type=Path, help=words)
 
 

@@ -15,22 +15,22 @@ def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder render`."""
     parser = add_command(
         subparsers, NAME, "stills or a film of a run",
-        "Six stills, or those of --frames, into DIR/stills; with --film DIR/film.mp4, where ffmpeg cannot be\n"
-        "installed an animated GIF.", "sunder render runs/car --film --view 200,15 --colour speed")
+        "Writes six stills, or those of --frames, to DIR/stills. With --film it writes DIR/film.mp4, or an animated\n"
+        "GIF where ffmpeg cannot be installed.", "sunder render runs/car --film --view 200,15 --colour speed")
     add_run_folder(parser)
     parser.add_argument("--film", action="store_true", help="a film of all frames, or of those of --frames")
-    parser.add_argument("--sheet", action="store_true", help="contact_sheet.png again, and nothing else")
+    parser.add_argument("--sheet", action="store_true", help="draw contact_sheet.png again, and nothing else")
     parser.add_argument("--frames", metavar="LIST", help="all, or numbers such as 0,5,10-20,last")
     parser.add_argument("--out", metavar="PATH", type=Path,
                         help="folder of the stills; file of the film, .mp4, .webm, .gif or\n.png (animated)")
     parser.add_argument("--size", metavar="WxH", type=_size, default=(1280, 720), help="pixels (default: 1280x720)")
     parser.add_argument("--view", metavar="VIEW", type=_view,
-                        help="where the eye is: front, back, left, right, top, or\n"
-                             "AZIMUTH,ELEVATION in degrees, from +x (default: oblique, on the side that is hit)")
-    parser.add_argument("--zoom", metavar="F", type=positive, default=1.0, help="times as near (default: 1)")
-    parser.add_argument("--close", action="store_true", help="the shell fills the picture, not all that happens")
+                        help="position of the eye: front, back, left, right, top, or\n"
+                             "AZIMUTH,ELEVATION in degrees, from +x (default: oblique, from the side that is hit)")
+    parser.add_argument("--zoom", metavar="F", type=positive, default=1.0, help="magnification (default: 1)")
+    parser.add_argument("--close", action="store_true", help="fill the picture with the shell alone")
     add_choice(parser, "--colour", ("part", "damage", "fragment", "speed"),
-               "what the shell is coloured by (default: part)", "part")
+               "quantity that colours the shell (default: part)", "part")
     parser.add_argument("--no-caption", action="store_true", help="no time in the corner")
     parser.add_argument("--rate", metavar="FPS", type=positive,
                         help="frames a second of the film (default: it lasts six\nseconds, within 4 to 30)")

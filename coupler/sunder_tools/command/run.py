@@ -28,12 +28,12 @@ def add_parser(subparsers: Subparsers) -> None:
                         help="a name that 'sunder engines' lists, inprocess[:NAME], the path of a program that serves\n"
                              "one, or the address at which one waits (ipc://..., tcp://...); default: bullet")
     parser.add_argument("--resume", metavar="DIR", type=Path,
-                        help="go on with the run in this folder from its last checkpoint, to the bit")
+                        help="continue the run in this folder from its last checkpoint; the result is the same to the bit")
     parser.add_argument("--record", action="store_true", help="keep all messages in session.rec, for 'sunder replay'")
     parser.add_argument("--trace", action="store_true",
                         help="trace.json: both processes on one clock, for Perfetto or chrome://tracing")
     parser.add_argument("--keys", metavar="DIR", type=Path,
-                        help="folder made by 'sunder keys': encrypts, as tcp:// beyond this machine must be")
+                        help="folder made by 'sunder keys'; encrypts the messages, which tcp:// to another machine requires")
     parser.add_argument("--until", metavar="SECONDS", type=positive_seconds,
                         help="end at this simulated time instead of the scene's end_time_s")
     parser.add_argument("--threads", metavar="N", type=threads, help="threads of the shell solver (default: all)")
@@ -43,9 +43,9 @@ def add_parser(subparsers: Subparsers) -> None:
 
 
 def add_fidelity(parser: argparse.ArgumentParser) -> None:
-    """--fidelity, of `run` and `check`."""
+    """Adds the option --fidelity, which `run` and `check` share."""
     add_choice(parser, "--fidelity", tuple(PRESETS),
-               "elements and window for the scene's own, chosen from 'sunder trade'; --set goes before it")
+               "replace the scene's elements and window by those of a preset; --set has the last word")
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -65,7 +65,7 @@ def _resume(arguments: argparse.Namespace) -> int:
     for given, name in ((arguments.scene, "SCENE"), (arguments.settings, "--set"), (arguments.out, "--out"),
                         (arguments.record, "--record"), (arguments.fidelity, "--fidelity")):
         if given:
-            raise CommandError(f"--resume {arguments.resume}: goes on with what is there; leave {name} out")
+            raise CommandError(f"--resume {arguments.resume}: continues with the scene and settings of that run; leave {name} out")
     kept = Job.read(arguments.resume)
     if not kept.scene.is_file():
         raise CommandError(f"{kept.scene}: no such scene file; the run in {arguments.resume} was of it")

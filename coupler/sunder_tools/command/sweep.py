@@ -21,12 +21,12 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("file", metavar="FILE", type=Path, help="Python file with a sunder.Experiment or sunder.V50")
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder of the series (default: sweeps/<name of FILE>)")
     parser.add_argument("--jobs", metavar="N", type=count,
-                        help="runs at a time (default: processors / threads; of an\narray: as many as Slurm has room for)")
+                        help="runs at a time (default: processors / threads; for an\narray: as many as Slurm admits)")
     add_choice(parser, "--executor", ("local", "slurm"),
                "processes of this machine, or a Slurm job array; DIR is then on a disk that all nodes share", "local")
     parser.add_argument("--sbatch", metavar="OPTION", action="append", default=[],
                         help="for sbatch, e.g. --sbatch=--partition=long; repeatable")
-    parser.add_argument("--threads", metavar="N", type=count, default=1, help="of each run (default: 1)")
+    parser.add_argument("--threads", metavar="N", type=count, default=1, help="threads of each run (default: 1)")
     add_choice(parser, "--keep", ("last", "all", "none"),
                "frames that stay: first and last with crack lines of all times (default), all, or none", "last")
     parser.add_argument("--quiet", action="store_true", help="no progress, only the outcome")

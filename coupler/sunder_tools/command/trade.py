@@ -20,16 +20,17 @@ def add_parser(subparsers: Subparsers) -> None:
         "sunder trade scenes/intact_pane.textproto --budget 5")
     add_scene(parser)
     parser.add_argument("--budget", metavar="MINUTES", type=float, default=10.0,
-                        help="of processor time, all runs of both processes together (default: 10)")
+                        help="processor time of all runs, both processes (default: 10)")
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder of the trade (default: trades/<name of SCENE>)")
-    parser.add_argument("--json", metavar="FILE", type=Path, dest="report", help="trade.json here as well")
-    parser.add_argument("--vary", metavar="NAMES", default="", help="these settings only, e.g. elements,window")
+    parser.add_argument("--json", metavar="FILE", type=Path, dest="report", help="write trade.json to this file as well")
+    parser.add_argument("--vary", metavar="NAMES", default="", help="vary these settings only, e.g. elements,window")
     parser.add_argument("--seeds", metavar="N", type=count, help="runs of each setting (default: 4 where it cracks, else 1)")
     add_settings(parser, "change a field of the scene first; repeatable")
     parser.add_argument("--until", metavar="SECONDS", type=positive_seconds, help="end each run at this simulated time")
     parser.add_argument("--rigid", metavar="ENGINE", default="bullet", help="as 'run' takes it (default: bullet)")
-    parser.add_argument("--threads", metavar="N", type=count, default=1, help="of each run (default: 1)")
-    parser.add_argument("--jobs", metavar="N", type=count, default=1, help="runs at a time (default: 1, least noise)")
+    parser.add_argument("--threads", metavar="N", type=count, default=1, help="threads of each run (default: 1)")
+    parser.add_argument("--jobs", metavar="N", type=count, default=1,
+                        help="runs at a time (default: 1, which disturbs times least)")
     parser.add_argument("--quiet", action="store_true", help="no progress, only the outcome")
 
 

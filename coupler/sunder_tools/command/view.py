@@ -12,10 +12,10 @@ def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder view`."""
     parser = add_command(
         subparsers, NAME, "play a run in the browser",
-        "Serves a page to this machine only, until Ctrl-C; a run that is still under way grows on it.")
+        "Serves a page to this machine only, until Ctrl-C. The page follows a run that is still under way.")
     add_run_folder(parser)
-    parser.add_argument("--port", metavar="PORT", type=_port, default=0, help="of 127.0.0.1 (default: a free one)")
-    parser.add_argument("--no-browser", action="store_true", help="say the address and open nothing")
+    parser.add_argument("--port", metavar="PORT", type=_port, default=0, help="port of 127.0.0.1 (default: a free one)")
+    parser.add_argument("--no-browser", action="store_true", help="print the address only")
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -1,4 +1,4 @@
-"""Configure and build, only what changed, one builder at a time."""
+"""Configures and builds what has changed. One process builds at a time."""
 from __future__ import annotations
 
 import fcntl

@@ -22,7 +22,7 @@ HELLO_TIMEOUT_S = 30.0
 
 @dataclass(frozen=True)
 class Rigid:
-    """Where the engine of a run is: exactly one of the three is given."""
+    """Where the engine of a run is: exactly one of command, endpoint and in_process is given."""
     label: str
     command: tuple[str, ...] = ()  # to launch, without --endpoint
     endpoint: str = ""             # at which one waits already
@@ -75,7 +75,7 @@ def names(executables: Executables) -> list[str]:
 
 
 def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> dict[str, object]:
-    """name, version and capabilities, as the engine itself says. Raises CommandError."""
+    """Launches or contacts an engine; returns its name, version and capabilities. Raises CommandError."""
     with SocketDir() as socket:
         endpoint = rigid.endpoint or socket.endpoint
         process = None
@@ -105,7 +105,7 @@ def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> d
 
 
 def table(executables: Executables) -> str:
-    """What `sunder engines` prints."""
+    """The table that `sunder engines` prints."""
     lines = []
     for name in names(executables):
         try:

@@ -37,7 +37,7 @@ PRESETS = {"draft": Preset(0.5, 4.0), "standard": Preset(), "reference": Preset(
 
 @dataclass(frozen=True)
 class Taken:
-    """What a preset comes to for a scene: `settings` as --set takes them, `was` the scene's own value of each."""
+    """The settings of a preset for a scene, as --set takes them; `was` has the scene's own value of each."""
     name: str
     settings: tuple[str, ...]
     was: tuple[str, ...]

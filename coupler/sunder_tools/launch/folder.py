@@ -1,4 +1,4 @@
-"""Run folders: made exclusively, replaced with care, removed when nothing came of them."""
+"""Run folders: created exclusively, replaced only if a run made them, removed if the run left nothing."""
 from __future__ import annotations
 
 import errno
@@ -60,7 +60,7 @@ class RunFolder:
                 break
 
     def close(self) -> None:
-        """Lets others have the folder."""
+        """Releases the lock on the folder."""
         os.close(self._handle)
 
 

@@ -1,4 +1,4 @@
-"""Debian packages: which are missing, and how to get them."""
+"""Debian packages: finds the missing ones and installs them."""
 from __future__ import annotations
 
 import os

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Callable
 
 from ..errors import Interrupted
+from ..words import command_line
 
 
 def run_logged(command: list[str], log: Path, cwd: Path | None = None,
@@ -20,7 +21,7 @@ def run_logged(command: list[str], log: Path, cwd: Path | None = None,
     # /usr/bin first: a cmake or ninja from a Python environment may not know Debian's packages.
     environment = {**os.environ, "PATH": "/usr/bin:/bin:" + os.environ.get("PATH", ""), "LC_ALL": "C.UTF-8"}
     with log.open("ab") as sink:
-        sink.write(f"$ {' '.join(command)}\n".encode())
+        sink.write(f"$ {command_line(command)}\n".encode())
         sink.flush()
         process = subprocess.Popen(command, cwd=cwd, env=environment, stdin=subprocess.DEVNULL,
                                    stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)

@@ -21,6 +21,7 @@ from pathlib import Path, PurePosixPath
 
 from ..errors import CommandError
 from ..places import REPOSITORY
+from ..words import command_line
 from .install import ensure_installed
 from .logged import run_logged, tail
 
@@ -77,7 +78,7 @@ def _is_there(folder: Path, wanted: bytes) -> bool:
 
 
 def _put_in_place(fresh: Path, folder: Path, wanted: bytes) -> None:
-    """Renames: another process sees the old packages or the new ones. Two that come at once do no harm."""
+    """Renames the folder, so that other processes see the old packages or the new ones. Two at once do no harm."""
     try:
         if folder.exists():
             os.rename(folder, fresh / "old")
@@ -95,7 +96,7 @@ def _by_npm(log: Path, sources: Path, fresh: Path) -> None:
     command = ["npm", "ci", "--ignore-scripts", "--no-audit", "--no-fund"]
     status = run_logged(command, log, fresh)
     if status != 0:
-        raise CommandError(f"{tail(log, 20)}\n{' '.join(command)} failed with status {status} (whole log: {log}); check "
+        raise CommandError(f"{tail(log, 20)}\n{command_line(command)} failed with status {status} (whole log: {log}); check "
                            f"the network, npm's settings and {REGISTRY_VARIABLE}, then run this again")
 
 
@@ -159,7 +160,7 @@ def _unpack(archive: bytes, target: Path, name: str) -> None:
 
 
 def main() -> int:
-    """For who wants the engine without the tests."""
+    """Installs the engine's packages for users who do not run the tests."""
     try:
         (REPOSITORY / "build").mkdir(exist_ok=True)
         ensure_node(REPOSITORY / "build" / "node.log")

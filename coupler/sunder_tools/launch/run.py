@@ -1,4 +1,4 @@
-"""`sunder run`: check, launch both processes, watch them, tell how it went."""
+"""One run: checks the scene, launches both processes, watches them, settles the outcome."""
 from __future__ import annotations
 
 import json
@@ -17,6 +17,7 @@ from typing import Callable, Iterator
 from ..errors import BAD_INPUT, DONE, INTERRUPTED, PEER_LOST, CommandError, Interrupted, how_it_ended
 from ..report import run_json
 from ..report.summary import summary
+from ..words import command_line
 from . import engines
 from .build import Executables, ensure_built
 from .folder import RunFolder, open_folder, refuse_foreign, reopen_folder
@@ -44,21 +45,21 @@ class Job:
     fidelity: str | None = None  # of which preset some of the settings are
 
     def shell_arguments(self) -> list[str]:
-        """Of the fracture process, but --out and the rigid side."""
+        """Arguments of the fracture process, without --out and the rigid side."""
         out = ["--scene", str(self.scene)]
         for setting in self.settings:
             out += ["--set", setting]
         return out + (["--until", self.until] if self.until else [])
 
     def write(self, folder: Path) -> None:
-        """So that the run can go on, or be played back, by the folder alone."""
+        """Writes command.json, from which the run can be resumed or replayed."""
         (folder / COMMAND_FILE).write_text(json.dumps(
             {"scene": str(self.scene.resolve()), "engine": self.engine, "settings": list(self.settings),
              "until": self.until, "threads": self.threads, "fidelity": self.fidelity}, indent=2) + "\n")
 
     @staticmethod
     def read(folder: Path) -> "Job":
-        """Raises CommandError where the folder does not say."""
+        """Reads command.json. Raises CommandError where it is missing or incomplete."""
         path = folder / COMMAND_FILE
         try:
             kept = json.loads(path.read_text())
@@ -107,7 +108,8 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
             _settle_run_json(folder.path, status, message, ending)
             _finish(folder, quiet, draw)
         if status != DONE and (folder.path / "checkpoint" / "state").is_file() and not quiet:
-            print(f"sunder: goes on from its last checkpoint with: sunder run --resume {folder.path}", file=sys.stderr)
+            print(f"sunder: the run can go on from its last checkpoint: "
+                  f"{command_line(['sunder', 'run', '--resume', folder.path])}", file=sys.stderr)
         return status
     finally:
         if not keep and not folder.has_frames():
@@ -144,7 +146,7 @@ def _check_quietly(command: list[str], scene: Path) -> None:
 
 @contextmanager
 def _counted_interrupts() -> Iterator[list[int]]:
-    """Within it Ctrl-C, SIGTERM and SIGHUP are only noted, one entry each, in the list it yields."""
+    """Context: Ctrl-C, SIGTERM and SIGHUP each add an entry to the list it yields, and do nothing else."""
     seen: list[int] = []
 
     def note(number: int, frame: FrameType | None) -> None:
@@ -163,7 +165,7 @@ def _counted_interrupts() -> Iterator[list[int]]:
 
 def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, folder: Path,
             interrupts: list[int]) -> Ending:
-    """Starts what is to be started, each in its own session so that Ctrl-C reaches only the launcher, and watches."""
+    """Starts the processes and watches them. Each has its own session, so that Ctrl-C reaches only the launcher."""
     processes: list[subprocess.Popen[bytes]] = []
     before, start = _processor_s(), time.monotonic()
     with SocketDir() as socket:
@@ -199,13 +201,13 @@ def _launch(shell: list[str], rigid: engines.Rigid, executables: Executables, fo
 
 
 def _processor_s() -> float:
-    """Of all children that have ended, those of other threads included [s]."""
+    """Processor time of all children that have ended, also of other threads [s]."""
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
     return used.ru_utime + used.ru_stime
 
 
 def read_usage(folder: Path) -> dict[str, float]:
-    """`processor_s` of both processes together and `wall_s`, of all starts of the run [s]; {} where it is not known."""
+    """`processor_s` of both processes and `wall_s` [s], summed over all starts of the run; {} where it is not known."""
     try:
         kept = json.loads((folder / USAGE_FILE).read_text())
         return {name: float(kept[name]) for name in ("processor_s", "wall_s")}
@@ -214,7 +216,7 @@ def read_usage(folder: Path) -> dict[str, float]:
 
 
 def _write_usage(folder: Path, processor_s: float, wall_s: float) -> None:
-    """Beside run.json, which is the solver's. A run that went on has what all its starts have used."""
+    """Writes usage.json. A resumed run adds to the usage of its earlier starts."""
     earlier = read_usage(folder)
     total = {"processor_s": earlier.get("processor_s", 0.0) + processor_s, "wall_s": earlier.get("wall_s", 0.0) + wall_s}
     try:
@@ -224,7 +226,7 @@ def _write_usage(folder: Path, processor_s: float, wall_s: float) -> None:
 
 
 def _verdict(ending: Ending, folder: Path) -> tuple[int, str]:
-    """Exit status of the run, and a sentence for the user ('' if the shell said all there is)."""
+    """Exit status of the run, and a sentence for the user, '' where the shell process has said everything."""
     shell, rigid = ending.shell, ending.rigid
     rigid_died = rigid != 0 and not ending.rigid_was_signalled
     of_rigid = f"the rigid-body process (sunder-rigid) {how_it_ended(rigid)}"
@@ -251,7 +253,7 @@ def _verdict(ending: Ending, folder: Path) -> tuple[int, str]:
 
 
 def _settle_run_json(folder: Path, status: int, message: str, ending: Ending) -> None:
-    """Sees to it that run.json says how the run ended, where the shell could not."""
+    """Completes run.json where the shell process could not say how the run ended."""
     written = run_json.read_run(folder).get("status")
     shell_was_cut = ending.shell < 0 or ending.shell_was_signalled or ending.killed_by_user
     try:
@@ -272,7 +274,7 @@ def _settle_run_json(folder: Path, status: int, message: str, ending: Ending) ->
 
 
 def _finish(folder: RunFolder, quiet: bool, draw: Draw | None) -> None:
-    """Pictures and summary. A picture that fails never changes the outcome of the run."""
+    """Draws pictures and prints the summary. A failed picture does not change the outcome of the run."""
     sheet: Path | None = None
     if draw is None:  # one of before it was resumed would show another state
         (folder.path / "contact_sheet.png").unlink(missing_ok=True)

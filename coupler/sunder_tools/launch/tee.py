@@ -35,7 +35,7 @@ class Tee:
         self._thread = threading.Thread(target=self._copy, daemon=True)
 
     def started(self) -> None:
-        """To be called once the process has its end."""
+        """Call this once the process has been started with `child_end`."""
         os.close(self.child_end)
         self._thread.start()
 
@@ -65,7 +65,7 @@ class Tee:
         os.close(self._own_end)
 
     def _show(self, data: bytes) -> None:
-        """To the user's stderr; goes on without it once it is closed."""
+        """Writes to the user's stderr, until that is closed."""
         self._last = data
         try:
             while data:
@@ -74,7 +74,7 @@ class Tee:
             pass
 
     def _keep(self, data: bytes) -> None:
-        """To the log; a full disk must not stop the run's messages."""
+        """Writes to the log; a full disk must not stop the messages."""
         try:
             self._log.write(data)
         except OSError:

@@ -45,7 +45,8 @@ class _Deadline:
 
 
 def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes] | None, interrupts: list[int]) -> Ending:
-    """Returns once both have ended; `rigid` is None where it is not ours to watch. `interrupts` grows by one entry per Ctrl-C, SIGTERM or SIGHUP.
+    """Returns once both processes have ended. `rigid` is None where another program runs it. `interrupts` grows by one
+    entry per Ctrl-C, SIGTERM or SIGHUP.
 
     The first interruption goes to the shell as SIGINT, which then ends the run and tells its peer;
     the second kills both.

@@ -1,4 +1,4 @@
-"""What a picture colours a run's triangles by, and what it knows of them beyond the frame."""
+"""The quantity that colours the triangles of a picture, and what is known of them beyond the frame."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What a picture needs of a frame: glass and solid triangles, their colours, and the lines on them."""
+"""Makes a frame ready for drawing: glass and solid triangles, their colours, and the lines on them."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -42,7 +42,7 @@ class Surface:
 
 @dataclass
 class Scene:
-    """A frame ready to be drawn. What one sees through is `glass`, the rest `solid`."""
+    """A frame ready to be drawn. Transparent triangles are in `glass`, the others in `solid`."""
     glass: Surface
     solid: Surface
     cracks: np.ndarray      # (k, 2, 3) ends of crack and fragment lines [m]

@@ -1,4 +1,4 @@
-"""What the viewer's page gets of a run: which frames there are, each as one binary buffer, and the curves beside them."""
+"""Data for the viewer's page: the list of frames, each frame as one binary buffer, and the curves."""
 from __future__ import annotations
 
 import json

@@ -97,7 +97,7 @@ class _Handler(http.server.BaseHTTPRequestHandler):
         self.wfile.write(body)
 
     def log_message(self, *_: object) -> None:
-        """Quiet: what goes wrong is on the page."""
+        """Logs nothing: the page shows what goes wrong."""
 
 
 class Server(http.server.ThreadingHTTPServer):
@@ -138,7 +138,7 @@ def view(folder: Path, port: int, open_browser: bool, ready: Callable[[Server], 
 
 
 def _open(url: str) -> None:
-    """In the user's browser, where there is a screen for one."""
+    """Opens the address in the user's browser, where there is a screen."""
     opener = shutil.which("xdg-open")
     if opener and (os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")):
         subprocess.Popen([opener, url], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,

@@ -1,9 +1,10 @@
-"""The lines that a run ends with."""
+"""The summary that `sunder run` prints at its end."""
 from __future__ import annotations
 
 from pathlib import Path
 from typing import Any
 
+from ..words import command_line
 from .models import in_words
 from .run_json import read_run
 
@@ -46,5 +47,5 @@ def summary(folder: Path, sheet: Path | None) -> str:
     if sheet is not None:
         lines.append(f"pictures         {sheet}")
     if (folder / "frames.pvd").exists():
-        lines.append(f"frames           {folder / 'frames.pvd'} (ParaView; or: sunder view {folder})")
+        lines.append(f"frames           {folder / 'frames.pvd'} (ParaView; or: {command_line(['sunder', 'view', folder])})")
     return "\n".join(lines)
