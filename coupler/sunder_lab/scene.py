@@ -162,7 +162,7 @@ class Scene:
 
     def check(self) -> str:
         """What `sunder check` says of sizes, stable step and minutes. Raises CommandError where the scene is refused."""
-        with tempfile.TemporaryDirectory(prefix="sunder-check-") as folder:
+        with tempfile.TemporaryDirectory(prefix="check-sunder-") as folder:
             path = self.save(folder)
             done = subprocess.run([str(ensure_built().shell), "--scene", str(path), "--check"], text=True,
                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
@@ -178,7 +178,7 @@ class Scene:
         CommandError with the status of `sunder run` where the run fails.
         """
         out = Path(out)
-        with tempfile.TemporaryDirectory(prefix="sunder-scene-") as folder:
+        with tempfile.TemporaryDirectory(prefix="scene-sunder-") as folder:
             job = Job(self.save(folder), engine, threads=str(threads) if threads else None)
             try:
                 status = run_scene(job, out, quiet)

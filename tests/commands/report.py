@@ -61,7 +61,7 @@ def run_suite(suite: str, folder: Path) -> bool:
     """Runs a suite and keeps what it gives; returns whether it holds. One that breaks leaves the earlier result."""
     print(f"sunder: {suite}", file=sys.stderr, flush=True)
     made_with, start = circumstances(build_dir()), time.monotonic()
-    with tempfile.TemporaryDirectory(prefix="sunder-report-") as temporary:
+    with tempfile.TemporaryDirectory(prefix="report-sunder-") as temporary:
         numbers = Path(temporary) / f"{suite}.json"
         try:
             ended = bench(None, numbers) if suite == BENCH else validate(

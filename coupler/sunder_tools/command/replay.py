@@ -43,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _replay_shell(job: Job, recording: Path) -> int:
     executables = ensure_built()
-    with tempfile.TemporaryDirectory(prefix="sunder-replay-") as out:
+    with tempfile.TemporaryDirectory(prefix="replay-sunder-") as out:
         threads = ["--threads", job.threads] if job.threads else []
         status = subprocess.run([str(executables.shell), *job.shell_arguments(), *threads, "--out", out, "--quiet",
                                  "--replay", str(recording)], check=False).returncode

@@ -81,7 +81,7 @@ def measure(names: list[str], folder: Path = SCENES) -> None:
     for name in names or there:
         print(f"sunder: measuring {name}", file=sys.stderr, flush=True)
         made_with = circumstances(build_dir())  # the load before it, not its own
-        with tempfile.TemporaryDirectory(prefix="sunder-seconds-") as out:
+        with tempfile.TemporaryDirectory(prefix="seconds-sunder-") as out:
             start = time.monotonic()
             launch_once(executables, there[name], Path(out), [])
             taken = time.monotonic() - start

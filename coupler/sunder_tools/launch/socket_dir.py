@@ -8,7 +8,7 @@ import tempfile
 import time
 from pathlib import Path
 
-PREFIX = "sunder-"
+PREFIX = "sunder-link-"  # of no other temporary folder: an empty one of that name is swept up
 LONGEST_SOCKET_PATH = 100  # [bytes]; the system's limit is 107
 STALE_AFTER_S = 60.0       # an unlocked folder younger than this may be one that is just being made
 
