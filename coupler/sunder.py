@@ -7,8 +7,8 @@ from sunder_lab.dents import Dent, dent, dents
 from sunder_lab.experiment import Experiment, Parameter, Plot
 from sunder_lab.impact import Motion, energy_taken, impact, motion, perforated
 from sunder_lab.pieces import Pieces, fragments, pieces, radial_cracks
-from sunder_lab.results import Columns, Results
-from sunder_lab.scene import SCENES, BadSetting, Scene
+from sunder_lab.results import Columns
+from sunder_lab.scene import SCENES, BadSetting, Results, Scene
 from sunder_lab.table import Mean, Table
 from sunder_lab.v50 import V50, Ballistic
 from sunder_tools.errors import CommandError as Error

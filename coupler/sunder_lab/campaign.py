@@ -8,12 +8,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Callable
 
-from sunder_tools.build import ensure_built
 from sunder_tools.errors import CommandError
+from sunder_tools.launch.build import ensure_built
 
 from .executors import Executor, Local, Slurm, default_jobs
 from .member import KEEP, RUN_FOLDER, Member, is_done, outcome
-from .results import Results
+from .scene import Results
 from .table import Cell, Table, write_sqlite
 
 MARK = "sunder-series"  # a file that says what the folder is

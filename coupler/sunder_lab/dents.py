@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 
 from sunder_tools.errors import CommandError
-from sunder_tools.frames import SHELL
-from sunder_tools.meshes import reference_points
+from sunder_tools.pictures.frames import SHELL
+from sunder_tools.pictures.meshes import reference_points
 
-from .results import Results
+from .scene import Results
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import os
 import re
-import shlex
 import signal
 import subprocess
 import sys
@@ -12,9 +11,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Protocol
 
-from sunder_tools.build import BUILD_DIR_VARIABLE, build_dir
 from sunder_tools.errors import CommandError, Interrupted
-from sunder_tools.logged import tail
+from sunder_tools.launch.build import build_dir
+from sunder_tools.launch.logged import tail
+from sunder_tools.places import BUILD_DIR_VARIABLE
+from sunder_tools.words import quoted
 
 from .member import DIE_WITH_PARENT, LOG_FILE, OUTCOME_FILE, is_done, outcome, read_json, write_atomically
 
@@ -126,11 +127,11 @@ class Slurm:
         listed, script = self.folder / "slurm.list", self.folder / "slurm.sh"
         listed.write_text("".join(f"{folder}\n" for folder in folders))
         environment = _environment()
-        exports = "\n".join(f"export {name}={shlex.quote(environment[name])}"
+        exports = "\n".join(f"export {name}={quoted(environment[name])}"
                             for name in (BUILD_DIR_VARIABLE, "PYTHONPATH", "PYTHONPYCACHEPREFIX"))
         script.write_text(
-            f'#!/bin/sh\n{exports}\nfolder=$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" {shlex.quote(str(listed))})\n'
-            f'cd {shlex.quote(str(COUPLER))} && exec {PYTHON} -m sunder_lab.member "$folder" >"$folder/{LOG_FILE}" 2>&1\n')
+            f'#!/bin/sh\n{exports}\nfolder=$(sed -n "$((SLURM_ARRAY_TASK_ID + 1))p" {quoted(str(listed))})\n'
+            f'cd {quoted(str(COUPLER))} && exec {PYTHON} -m sunder_lab.member "$folder" >"$folder/{LOG_FILE}" 2>&1\n')
         limit = f"%{self.jobs}" if self.jobs else ""
         words = _slurm(["sbatch", "--parsable", f"--array=0-{len(folders) - 1}{limit}", f"--cpus-per-task={self.threads}",
                         "--job-name=sunder", f"--chdir={self.folder}", "--output=slurm.out", "--open-mode=append",

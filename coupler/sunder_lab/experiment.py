@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence, Union
 
 from sunder_tools.errors import CommandError
-from sunder_tools.plots import Line, Panel, write_panels
+from sunder_tools.pictures.plots import Line, Panel, write_panels
 
 from .campaign import Campaign, Measure, Planned, Settings
 from .impact import impact

@@ -9,7 +9,7 @@ import numpy as np
 
 from sunder_tools.errors import CommandError
 
-from .results import Results
+from .scene import Results
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], of a scene that says nothing
 NO_PUSH = 0.01         # of the largest force: contact has ended

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from sunder_tools.build import ensure_built
 from sunder_tools.errors import BAD_INPUT, DONE, INTERRUPTED, CommandError, Interrupted
-from sunder_tools.frames import BODIES, SHELL, list_frames
-from sunder_tools.report import read_run
-from sunder_tools.run import Job, read_usage, run_scene
+from sunder_tools.launch.build import ensure_built
+from sunder_tools.launch.run import Job, read_usage, run_scene
+from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.report.run_json import read_run
 
 from .scene import SCENE_FILE, Scene
 
@@ -92,7 +92,7 @@ def run_member(folder: Path) -> int:
         error = ""
         try:
             job = Job(folder / SCENE_FILE, str(kept["engine"]), threads=str(kept["threads"]))
-            status = run_scene(job, folder / RUN_FOLDER, quiet=True, pictures=False)
+            status = run_scene(job, folder / RUN_FOLDER, quiet=True)
             if status != DONE:
                 error = (read_run(folder / RUN_FOLDER).get("error") or {}).get("message") or f"ended with status {status}"
         except CommandError as refused:

@@ -6,14 +6,14 @@ from typing import Any
 
 import numpy as np
 
-from sunder_tools.crack_paths import grown
 from sunder_tools.errors import CommandError
-from sunder_tools.frames import SHELL
-from sunder_tools.meshes import reference_points
-from sunder_tools.patterns import radial_crossings
-from sunder_tools.vtp import PolyData
+from sunder_tools.pictures.crack_lines import grown
+from sunder_tools.pictures.frames import SHELL
+from sunder_tools.pictures.meshes import reference_points
+from sunder_tools.pictures.vtp import PolyData
 
-from .results import Results
+from .crossings import radial_crossings
+from .scene import Results
 
 SPLINTER = 1e-3  # of the shell's area: what is smaller is no piece, as in run.json
 

@@ -9,10 +9,10 @@ from typing import Any, Iterator, Mapping
 
 import numpy as np
 
-from sunder_tools.crack_check import Graph, graph_of
 from sunder_tools.errors import CommandError
-from sunder_tools.frames import CRACKS, Frame, list_frames
-from sunder_tools.report import read_run
+from sunder_tools.pictures.crack_lines import Graph, graph_of
+from sunder_tools.pictures.frames import CRACKS, Frame, list_frames
+from sunder_tools.report.run_json import read_run
 
 
 class Columns(Mapping[str, np.ndarray]):
@@ -56,8 +56,8 @@ class Columns(Mapping[str, np.ndarray]):
         return np.stack([self[name + axis] for axis in axes.split()], axis=1)
 
 
-class Results:
-    """A run folder. Files are read when they are asked for, once."""
+class RunArrays:
+    """What a run has written, as arrays. Files are read when they are asked for, once."""
 
     def __init__(self, folder: Path | str) -> None:
         """Raises CommandError where the folder holds no run."""
@@ -92,17 +92,6 @@ class Results:
     def shards(self) -> Columns:
         """Every piece that came off as a rigid body."""
         return Columns(self.folder / "shards.csv")
-
-    @cached_property
-    def scene(self) -> Any:
-        """The scene that was run, a `Scene`. Raises CommandError where the folder does not say."""
-        from .scene import SCENE_FILE, Scene  # that module needs this one
-        for place in (self.folder / SCENE_FILE, self.folder.parent / SCENE_FILE):
-            if place.is_file():
-                return Scene.load(place)
-        from sunder_tools.run import Job
-        job = Job.read(self.folder)
-        return Scene.load(job.scene).set(dict(setting.split("=", 1) for setting in job.settings))
 
     @cached_property
     def frames(self) -> list[Frame]:

@@ -6,19 +6,21 @@ import shutil
 import subprocess
 import tempfile
 from dataclasses import replace
+from functools import cached_property
 from pathlib import Path
 from typing import Any, Sequence, Union
 
 from google.protobuf import text_format
 
-from sunder_tools.build import REPOSITORY, ensure_built
 from sunder_tools.errors import DONE, CommandError
-from sunder_tools.fidelity import PRESETS, taken
-from sunder_tools.report import read_run
-from sunder_tools.run import Job, run_scene
-from sunder_tools.scene_text import parse_text
+from sunder_tools.launch.build import ensure_built
+from sunder_tools.launch.fidelity import PRESETS, taken
+from sunder_tools.launch.run import Job, run_scene
+from sunder_tools.places import REPOSITORY
+from sunder_tools.report.run_json import read_run
+from sunder_tools.report.scene_text import parse_text
 
-from .results import Results
+from .results import RunArrays
 from .schema import assets_of, relative_asset, scene_class
 
 SCENES = REPOSITORY / "scenes"  # those that come with the project
@@ -160,7 +162,7 @@ class Scene:
 
     def check(self) -> str:
         """What `sunder check` says of sizes, stable step and minutes. Raises CommandError where the scene is refused."""
-        with tempfile.TemporaryDirectory(prefix="sunder-check-") as folder:
+        with tempfile.TemporaryDirectory(prefix="check-sunder-") as folder:
             path = self.save(folder)
             done = subprocess.run([str(ensure_built().shell), "--scene", str(path), "--check"], text=True,
                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
@@ -169,17 +171,17 @@ class Scene:
                                    f"the scene is refused with status {done.returncode}")
             return done.stdout
 
-    def run(self, out: Path | str, engine: str = "bullet", threads: int | None = None, quiet: bool = True) -> Results:
+    def run(self, out: Path | str, engine: str = "bullet", threads: int | None = None, quiet: bool = True) -> "Results":
         """Runs the scene as `sunder run --out OUT` does, without pictures; an earlier run in the folder is replaced.
 
         The scene is kept in the folder. Only in the main thread of a program, as Ctrl-C is listened for. Raises
         CommandError with the status of `sunder run` where the run fails.
         """
         out = Path(out)
-        with tempfile.TemporaryDirectory(prefix="sunder-scene-") as folder:
+        with tempfile.TemporaryDirectory(prefix="scene-sunder-") as folder:
             job = Job(self.save(folder), engine, threads=str(threads) if threads else None)
             try:
-                status = run_scene(job, out, quiet, pictures=False)
+                status = run_scene(job, out, quiet)
             except CommandError as error:  # the folder is of no use to the user, it is gone
                 raise CommandError(str(error).replace(f"{folder}/", ""), error.status) from None
         if (out / "run.json").is_file():  # so that it can go on, or be run again, by the folder alone
@@ -188,6 +190,19 @@ class Scene:
             error = read_run(out).get("error") or {}
             raise CommandError(f"{out}: {error.get('message') or f'ended with status {status}'}", status)
         return Results(out)
+
+
+class Results(RunArrays):
+    """A run folder, with the scene that was run."""
+
+    @cached_property
+    def scene(self) -> Scene:
+        """The scene that was run. Raises CommandError where the folder does not say."""
+        for place in (self.folder / SCENE_FILE, self.folder.parent / SCENE_FILE):
+            if place.is_file():
+                return Scene.load(place)
+        job = Job.read(self.folder)
+        return Scene.load(job.scene).set(_pairs(job.settings))
 
 
 def _pairs(settings: Sequence[str]) -> dict[str, Value]:

@@ -8,8 +8,8 @@ from typing import Any
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
-from sunder_tools.build import REPOSITORY
 from sunder_tools.errors import CommandError
+from sunder_tools.places import REPOSITORY
 
 PROTO = REPOSITORY / "proto"
 

@@ -14,7 +14,8 @@ from typing import Any, Iterable, Iterator
 import numpy as np
 
 from sunder_tools.errors import CommandError
-from sunder_tools.patterns import student
+
+from .statistics import student
 
 Cell = Any  # float, int, str, bool or None
 
@@ -92,9 +93,9 @@ def write_sqlite(path: Path, tables: dict[str, Table]) -> None:
     base = sqlite3.connect(part)
     try:
         for name, table in tables.items():
-            columns = ", ".join(f"{_quoted(c)} {_affinity(table, c)}" for c in table.columns)
-            base.execute(f"create table {_quoted(name)} ({columns})")
-            base.executemany(f"insert into {_quoted(name)} values ({', '.join('?' * len(table.columns))})",
+            columns = ", ".join(f"{_sql_name(c)} {_affinity(table, c)}" for c in table.columns)
+            base.execute(f"create table {_sql_name(name)} ({columns})")
+            base.executemany(f"insert into {_sql_name(name)} values ({', '.join('?' * len(table.columns))})",
                              [[row[c] for c in table.columns] for row in table])
         base.commit()
     finally:
@@ -125,7 +126,7 @@ def _cell(value: Cell) -> str:
     return repr(value) if isinstance(value, float) else re.sub(r"\s+", " ", str(value))
 
 
-def _quoted(name: str) -> str:
+def _sql_name(name: str) -> str:
     return '"' + name.replace('"', '""') + '"'
 
 

@@ -9,14 +9,13 @@ from typing import Callable, Sequence
 import numpy as np
 
 from sunder_tools.errors import CommandError
-from sunder_tools.plots import Line, Panel, write_panels
+from sunder_tools.pictures.plots import Line, Panel, write_panels
 
 from .campaign import Campaign, Planned, Settings
 from .experiment import SEED_PATH, Parameter, To
 from .impact import impact, perforated
 from .member import Member, write_atomically
-from .results import Results
-from .scene import Scene
+from .scene import Results, Scene
 from .table import Table
 
 CONFIDENCE = 0.95

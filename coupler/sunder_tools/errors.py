@@ -20,11 +20,11 @@ class CommandError(Exception):
 
 
 class Interrupted(Exception):
-    """SIGINT, SIGTERM or SIGHUP came outside the watch over the two processes."""
+    """SIGINT, SIGTERM or SIGHUP arrived while no run was being watched."""
 
 
 def how_it_ended(returncode: int) -> str:
-    """'was killed by SIGKILL' or 'ended with status 3', from a subprocess return code."""
+    """A subprocess return code in words: 'was killed by SIGKILL' or 'ended with status 3'."""
     if returncode >= 0:
         return f"ended with status {returncode}"
     try:

@@ -6,7 +6,7 @@ const STEEL = [0.58, 0.60, 0.63];
 const FLOOR = [0.87, 0.87, 0.86];
 const SHARD = 1, STATIC = 2, FROZEN = 3; // `kind` of a triangle of bodies
 
-// light grey over yellow and red to dark: reads in grey as well; coupler/sunder_tools/palette.py has the same
+// light grey over yellow and red to dark: reads in grey as well; coupler/sunder_tools/pictures/palette.py has the same
 const STOPS = [[0.88, 0.90, 0.91], [0.95, 0.80, 0.47], [0.89, 0.49, 0.27], [0.69, 0.19, 0.25], [0.29, 0.06, 0.20]];
 
 export function ramp(share) {

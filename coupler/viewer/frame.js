@@ -1,4 +1,4 @@
-// Frames as coupler/sunder_tools/playback.py packs them, decoded, and a store that keeps the last ones.
+// Frames as coupler/sunder_tools/pictures/playback.py packs them, decoded, and a store that keeps the last ones.
 
 const KINDS = { f4: Float32Array, i4: Int32Array, u4: Uint32Array };
 const STORED_BYTES = 300e6;

@@ -1,4 +1,4 @@
-// The packages that package-lock.json names, from where coupler/sunder_tools/node.py unpacks them.
+// The packages that package-lock.json names, from where coupler/sunder_tools/launch/node.py unpacks them.
 import { existsSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join } from 'node:path';
@@ -16,7 +16,7 @@ async function load(name, entry) {
     if (!existsSync(join(folder, name))) throw new Error('there is no such folder');
     return entry ? await import(pathToFileURL(require.resolve(entry))) : require(name);
   } catch (error) {
-    const remedy = `/usr/bin/python3 -m sunder_tools.node in ${join(repository, 'coupler')} gets it`;
+    const remedy = `/usr/bin/python3 -m sunder_tools.launch.node in ${join(repository, 'coupler')} gets it`;
     throw new Failure(Exit.badInput, 'no_package', `node package ${join(folder, name)}: ${error.message}; ${remedy}`);
   }
 }

@@ -1,6 +1,10 @@
 """Tests of the command `sunder`, with fake executables; see fakes.py."""
-import sys
-from pathlib import Path
+from tests import REPOSITORY
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "coupler"))
+__all__ = ["REPOSITORY", "sunder"]
+
+
+def sunder(arguments: list[str]) -> int:
+    """Runs a command line in this process, with the subcommands of tests/commands; returns the exit status."""
+    from sunder_tools.command.main import main
+    return main(arguments, ["tests.commands"])

@@ -6,7 +6,6 @@ import shutil
 import subprocess
 import tempfile
 import unittest
-from pathlib import Path
 from typing import Any
 
 import numpy as np

@@ -12,9 +12,11 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
-from sunder_tools import build, command, install, logged
+from sunder_tools.command import build as command
+from sunder_tools.command.main import main
 from sunder_tools.errors import CommandError
+from sunder_tools.launch import build, install, logged
+from sunder_tools.places import BUILD_DIR_VARIABLE
 
 
 class Building(unittest.TestCase):
@@ -32,7 +34,7 @@ class Building(unittest.TestCase):
                         mock.patch.dict(os.environ)):
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
-        os.environ.pop(build.BUILD_DIR_VARIABLE, None)
+        os.environ.pop(BUILD_DIR_VARIABLE, None)
 
     def run_fake(self, command: list[str], log: Path, cwd: Path | None = None, on_line=None) -> int:
         self.commands.append(command)
@@ -76,10 +78,10 @@ class Building(unittest.TestCase):
 
     def test_the_command_builds_here_or_says_why_not(self) -> None:
         with mock.patch.object(command, "ensure_built") as ensure:
-            self.assertEqual(command.main(["build", "--cad"]), 0)
+            self.assertEqual(main(["build", "--cad"]), 0)
             ensure.assert_called_once_with(cad=True)
-            os.environ[build.BUILD_DIR_VARIABLE] = str(self.root)
-            self.assertEqual(command.main(["build"]), 2)
+            os.environ[BUILD_DIR_VARIABLE] = str(self.root)
+            self.assertEqual(main(["build"]), 2)
         self.assertIn("nothing is built then; unset it", self.said.getvalue())
 
     def test_a_moved_checkout_is_configured_again(self) -> None:
@@ -113,7 +115,7 @@ class Building(unittest.TestCase):
         self.assertEqual(len(self.commands), 2)
 
     def test_a_build_folder_without_executables_is_refused(self) -> None:
-        os.environ[build.BUILD_DIR_VARIABLE] = str(self.root)
+        os.environ[BUILD_DIR_VARIABLE] = str(self.root)
         with self.assertRaisesRegex(CommandError, "not an executable"):
             build.ensure_built()
 

@@ -10,8 +10,13 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from . import REPOSITORY
-from sunder_tools import build, command, conformance, engines, errors
+from sunder_tools import errors
+from sunder_tools.launch import engines
+from sunder_tools.places import BUILD_DIR_VARIABLE
+from tests.commands import test as command
+from tests.conformance import suites as conformance
+
+from . import REPOSITORY, sunder
 
 SUITE = """#!/usr/bin/python3
 import json, sys
@@ -52,7 +57,7 @@ class Suites(unittest.TestCase):
             path.chmod(0o755)
         self.said, self.told = io.StringIO(), io.StringIO()
         jolt = mock.patch.object(engines, "JOLT_PROGRAM", self.folder / "none")
-        for context in (mock.patch.dict(os.environ, {build.BUILD_DIR_VARIABLE: str(self.folder / "build")}), jolt,
+        for context in (mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}), jolt,
                         mock.patch.object(conformance, "KNOWN", self.folder),
                         contextlib.redirect_stdout(self.told), contextlib.redirect_stderr(self.said)):
             context.__enter__()
@@ -60,7 +65,7 @@ class Suites(unittest.TestCase):
 
     def validate(self, outcomes: dict[str, tuple[list[dict[str, object]] | None, int]], *arguments: str) -> int:
         (self.folder / "rows").write_text(json.dumps(outcomes))
-        return command.main(["validate", "engines", *arguments])
+        return sunder(["validate", "engines", *arguments])
 
     def test_each_engine_is_a_column_and_its_list_is_handed_on(self) -> None:
         (self.folder / "beta.txt").write_text("fall.height by 20 mm\n")
@@ -94,14 +99,14 @@ class Suites(unittest.TestCase):
         self.assertEqual(self.validate({}, "--case", "nonsense"), 2)
         self.assertEqual(len((self.folder / "log").read_text().splitlines()), 1)  # the next engine is not asked
         self.assertEqual(self.validate({}, "--plots", str(self.folder / "plots.png")), 2)
-        self.assertEqual(command.main(["validate", "shells", "--rigid", "alpha"]), 2)
+        self.assertEqual(sunder(["validate", "shells", "--rigid", "alpha"]), 2)
         self.assertIn("only 'validate engines'", self.said.getvalue())
 
     def test_jolt_is_left_out_with_the_reason_where_it_cannot_be_had(self) -> None:
         program = self.folder / "jolt"
         program.write_text("")
         with mock.patch.object(engines, "JOLT_PROGRAM", program), \
-                mock.patch("sunder_tools.node.ensure_node", side_effect=errors.CommandError("no network")):
+                mock.patch("sunder_tools.launch.node.ensure_node", side_effect=errors.CommandError("no network")):
             self.assertEqual(self.validate({"alpha": (GOOD, 0), "beta": (GOOD, 0)}), 0)
         self.assertIn("jolt: left out: no network", self.told.getvalue())
 
@@ -109,21 +114,21 @@ class Suites(unittest.TestCase):
 class Testing(unittest.TestCase):
     def test_goes_on_without_a_registry_and_says_so(self) -> None:
         said = io.StringIO()
-        with mock.patch("sunder_tools.node.ensure_node", side_effect=errors.CommandError("no network")) as ensure, \
+        with mock.patch.object(command, "ensure_node", side_effect=errors.CommandError("no network")) as ensure, \
                 mock.patch.object(command, "ensure_installed", side_effect=errors.CommandError("no rights")) as install, \
                 mock.patch.object(command, "ensure_built"), contextlib.redirect_stderr(said), \
                 mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ):
-            os.environ.pop(build.BUILD_DIR_VARIABLE, None)
+            os.environ.pop(BUILD_DIR_VARIABLE, None)
             run.return_value.returncode = 0
-            self.assertEqual(command.main(["test", "-R", "vtp"]), 0)
+            self.assertEqual(sunder(["test", "-R", "vtp"]), 0)
             self.assertEqual(run.call_count, 1)
             self.assertIn("no network\nsunder: so the tests of the Jolt engine are skipped", said.getvalue())
             for what in ("Slurm", "the viewer"):
                 self.assertIn(f"no rights\nsunder: so the tests of {what} are skipped", said.getvalue())
             self.assertEqual([call.args[1] for call in install.call_args_list],
                              [command.SLURM_PACKAGES, command.BROWSER_PACKAGES])
-            os.environ[build.BUILD_DIR_VARIABLE] = str(REPOSITORY)
-            self.assertEqual(command.main(["test"]), 0)
+            os.environ[BUILD_DIR_VARIABLE] = str(REPOSITORY)
+            self.assertEqual(sunder(["test"]), 0)
             self.assertEqual((ensure.call_count, install.call_count), (1, 2))  # no more: nothing is installed then
 
 

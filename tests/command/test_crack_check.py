@@ -9,11 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools.pictures.crack_lines import graph_of
+from sunder_tools.pictures.vtp import VtpError, read_vtp
+from tests.validation import crack_check
+
 from .crack_history import STAGES, Edge, history, write_history
 from .synthetic import write_vtp
-from sunder_tools import crack_check
-from sunder_tools.vtp import VtpError, read_vtp
 
 
 class CrackCheck(unittest.TestCase):
@@ -122,7 +123,7 @@ class CrackCheck(unittest.TestCase):
         write_vtp(self.folder / "lines.vtp", ends + move, segments=np.array([[0, 1]]), floats="f8",
                   point_data={"parameter": ends, "displacement": move},
                   cell_data={"crack": np.zeros(1, int), "time": np.zeros(1)})
-        graph = crack_check.graph_of(read_vtp(self.folder / "lines.vtp"), "lines")
+        graph = graph_of(read_vtp(self.folder / "lines.vtp"), "lines")
         np.testing.assert_allclose(graph.rest[0], ends, atol=1e-12)
 
     def test_a_curved_border_is_off_its_sides_by_less_than_is_allowed_for(self) -> None:

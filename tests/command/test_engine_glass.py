@@ -8,9 +8,9 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from . import REPOSITORY  # noqa: F401: it puts the tools on the path
-from sunder_tools import engine_glass, trials
-from sunder_tools.engine_glass import Broken, apart, broken, same_until
+from tests.validation import engine_glass, trials
+from tests.validation.engine_glass import Broken, apart, broken, same_until
+
 
 HEAD = "time [s],cracks [m],engine [J]"
 

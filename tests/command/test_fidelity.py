@@ -10,10 +10,11 @@ import unittest
 from pathlib import Path
 from typing import Sequence
 
+from sunder_tools.launch.fidelity import PRESETS, Preset, Taken, _values, taken
+from sunder_tools.report.scene_text import parse_text
+
 from . import REPOSITORY
 from .fakes import write_executables
-from sunder_tools.fidelity import PRESETS, Preset, Taken, _values, taken
-from sunder_tools.scene_text import parse_text
 
 PANE = """name: "pane" end_time_s: 1 window_s: 4e-5 settle_window_s: 1.2e-4
 shells { name: "pane" plate { elements_x: 30 elements_y: 21 } }
@@ -117,7 +118,7 @@ class Command(unittest.TestCase):
     def test_an_unknown_preset_is_refused(self) -> None:
         status, err = self.sunder("run", str(self.scene), "--fidelity", "finest")
         self.assertEqual(status, 2)
-        self.assertIn("'draft', 'standard', 'reference'", err)
+        self.assertIn("none of draft, standard, reference", err)
         status, err = self.sunder("run", "--resume", "out", "--fidelity", "draft")
         self.assertEqual(status, 2)
         self.assertIn("leave --fidelity out", err)

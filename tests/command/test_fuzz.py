@@ -9,8 +9,10 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from . import REPOSITORY
-from sunder_tools import command, errors, fuzz
+from sunder_tools import errors
+from tests.fuzz import fuzzers as fuzz
+
+from . import REPOSITORY, sunder
 
 
 class Fuzz(unittest.TestCase):
@@ -35,24 +37,24 @@ class Fuzz(unittest.TestCase):
 
     def test_nothing_found(self) -> None:
         self.program("fuzz_pgm", "assert '-runs=7' in sys.argv\nprint('stat::number_of_executed_units: 7')")
-        self.assertEqual(command.main(["fuzz", "--target", "pgm", "--runs", "7"]), errors.DONE)
+        self.assertEqual(sunder(["fuzz", "--target", "pgm", "--runs", "7"]), errors.DONE)
         self.assertRegex(self.said.getvalue(), r"pgm +7 inputs, nothing found")
 
     def test_a_finding_is_told_and_kept(self) -> None:
         self.program("fuzz_scene", "print('finding: status 4')\nprint('Test unit written to /x/scene-crash')\nsys.exit(77)")
-        self.assertEqual(command.main(["fuzz", "--target", "scene"]), errors.CHECK_FAILED)
+        self.assertEqual(sunder(["fuzz", "--target", "scene"]), errors.CHECK_FAILED)
         for words in ("finding: status 4", "/x/scene-crash", "scene.log"):
             self.assertIn(words, self.said.getvalue())
 
     def test_every_target_is_run_and_one_finding_is_enough(self) -> None:
         for name in fuzz.TARGETS:
             self.program(f"fuzz_{name}", "sys.exit(1)" if name == "replies" else "pass")
-        self.assertEqual(command.main(["fuzz"]), errors.CHECK_FAILED)
+        self.assertEqual(sunder(["fuzz"]), errors.CHECK_FAILED)
         self.assertEqual(self.said.getvalue().count("nothing found"), len(fuzz.TARGETS) - 1)
 
     def test_refused(self) -> None:
         for arguments in (["--target", "nonesuch"], ["--runs", "0"]):
-            self.assertEqual(command.main(["fuzz", *arguments]), errors.BAD_INPUT)
+            self.assertEqual(sunder(["fuzz", *arguments]), errors.BAD_INPUT)
         self.assertIn("there are session", self.said.getvalue())
 
     def test_targets_are_those_that_are_built(self) -> None:

@@ -2,10 +2,13 @@
 from __future__ import annotations
 
 import re
+import tempfile
 import unittest
 from pathlib import Path
 
-TOP = Path(__file__).resolve().parents[2]
+from . import REPOSITORY as TOP
+from .python_imports import cycle, imports, modules, of_packages
+
 MOST_LINES = 500
 SOURCES = sorted(p for room in ("shell", "rigid", "coupler") for p in (TOP / room).rglob("*") if p.suffix in (".h", ".cpp"))
 
@@ -30,6 +33,20 @@ MAY = {
     "rigid": {"coupler/core", "coupler/link", "rigid/engine"},
 }
 
+# what a package of Python may import besides itself; "sunder_tools" alone is errors.py and places.py
+MAY_PYTHON = {
+    "sunder_tools": set(),
+    "sunder_tools.report": {"sunder_tools"},
+    "sunder_tools.launch": {"sunder_tools", "sunder_tools.report"},
+    "sunder_tools.pictures": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch"},
+    "sunder_lab": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch", "sunder_tools.pictures"},
+    "sunder_lab.trade": {"sunder_tools", "sunder_tools.launch", "sunder_tools.pictures", "sunder_lab"},
+    "sunder_tools.command": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch", "sunder_tools.pictures",
+                             "sunder_lab", "sunder_lab.trade"},
+    "sunder": {"sunder_tools", "sunder_lab"},
+}
+PRODUCT = ["sunder_tools", "sunder_lab", "sunder"]
+
 
 def includes(path: Path) -> list[str]:
     return re.findall(r'^#include [<"]([^">]+)[">]', path.read_text(), re.MULTILINE)
@@ -47,10 +64,14 @@ class House(unittest.TestCase):
                     continue
                 self.assertIn(other, MAY[room], f"{path.relative_to(TOP)} includes {name}")
 
-    def test_every_file_of_these_tests_is_run(self) -> None:
-        named = re.search(r"foreach\(module ([^)]*)\)", (TOP / "tests" / "CMakeLists.txt").read_text())
-        assert named is not None
-        self.assertEqual(named[1].split(), sorted(p.stem.removeprefix("test_") for p in Path(__file__).parent.glob("test_*.py")))
+    def test_every_test_module_is_run_by_ctest(self) -> None:
+        text = (TOP / "tests" / "CMakeLists.txt").read_text()
+        run = set(re.findall(r"-m unittest (?:-v )?(tests\.[\w.]+)(?=[ )])", text))
+        for variable, values, body in re.findall(r"foreach\((\w+) ([^)]*)\)(.*?)endforeach", text, re.DOTALL):
+            for name in re.findall(r"-m unittest (?:-v )?(tests\.[\w.]+_)\$\{" + variable + r"\}", body):
+                run |= {name + value for value in values.split()}
+        there = {".".join(p.relative_to(TOP).with_suffix("").parts) for p in (TOP / "tests").rglob("test_*.py")}
+        self.assertEqual(run, there)
 
     def test_libraries_are_named_where_they_belong(self) -> None:
         homes = {r"zmq": {"coupler/link/channel.cpp", "coupler/link/keys.cpp"}, r"CGAL/": {"shell/fracture/cdt.h", "shell/fracture/outline.cpp",
@@ -68,10 +89,38 @@ class House(unittest.TestCase):
                 self.assertEqual(path.name, "ode_solver.cpp", f"{path} names the engine")
 
     def test_python_goes_one_way(self) -> None:
-        """The package of the command does not know that of experiments, but for the one line that starts a sweep."""
-        users = [p.name for p in (TOP / "coupler" / "sunder_tools").glob("*.py") if "sunder_lab" in p.read_text()]
-        self.assertEqual(users, ["command.py"])
-        for path in (TOP / "coupler" / "experiments").glob("*.py"):  # what users copy
+        found = modules(TOP / "coupler", PRODUCT)
+        self.assertGreater(len(found), 60)
+        for package, others in of_packages(imports(found), found).items():
+            self.assertIn(package, MAY_PYTHON, "a package that the house does not know")
+            self.assertLessEqual(others, MAY_PYTHON[package], f"{package} imports what it may not")
+        self.assertEqual(cycle(MAY_PYTHON), [])
+
+    def test_python_modules_import_in_no_circle(self) -> None:
+        found = {**modules(TOP / "coupler", PRODUCT), **modules(TOP, ["tests"])}
+        self.assertGreater(len(found), 120)
+        self.assertEqual(cycle(imports(found)), [])
+
+    def test_a_circle_is_found_also_where_an_import_is_inside_a_function(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            package = Path(folder) / "one"
+            (package / "inner").mkdir(parents=True)
+            for name, text in (("__init__", ""), ("a", "from .inner import b\n"), ("c", "import os\n"),
+                               ("inner/__init__", ""), ("inner/b", "def f():\n    from ..a import x\n")):
+                (package / f"{name}.py").write_text(text)
+            found = modules(Path(folder), ["one"])
+            graph = imports(found)
+            self.assertEqual(cycle(graph), ["one.a", "one.inner.b", "one.a"])
+            self.assertEqual(of_packages(graph, found), {"one": {"one.inner"}, "one.inner": {"one"}})
+            self.assertEqual(cycle({"one.a": set(), "one.c": {"one.a"}}), [])
+
+    def test_the_product_does_without_tests(self) -> None:
+        """`coupler/sunder` alone looks whether there are any, for their subcommands."""
+        for path in [*SOURCES, *(TOP / "coupler").rglob("*.py"), *(TOP / "coupler" / "viewer").glob("*.js")]:
+            self.assertNotRegex(path.read_text(), r"\btests(/\w|\.\w)|\bimport tests\b|\"tests\"", f"{path}: names tests/")
+
+    def test_what_users_copy_imports_sunder_only(self) -> None:
+        for path in (TOP / "coupler" / "experiments").glob("*.py"):
             self.assertNotRegex(path.read_text(), r"sunder_(lab|tools)")
 
     def test_no_file_is_long(self) -> None:

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import numpy as np
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools.pictures.crack_lines import Graph
+from tests.validation import crack_books, crack_paths, experiments, impacts, trials
+
 from .synthetic import write_vtp
-from sunder_tools import crack_books, crack_paths, experiments, impacts, trials
-from sunder_tools.crack_check import Graph
 
 
 def graph(edges: list[tuple[float, float, float, float, float]]) -> Graph:

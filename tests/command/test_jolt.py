@@ -1,4 +1,4 @@
-"""Sessions with the Jolt engine. Skipped where node or its packages are missing; sunder_tools.node gets them."""
+"""Sessions with the Jolt engine. Skipped where node or its packages are missing; sunder_tools.launch.node gets them."""
 from __future__ import annotations
 
 import os

@@ -10,9 +10,13 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools import errors
+from sunder_tools.launch import build
+from sunder_tools.places import BUILD_DIR_VARIABLE
+from tests.validation import experiments, known, measure
+
+from . import sunder
 from .fakes import write_executables
-from sunder_tools import build, command, errors, experiments, known, measure
 
 
 def row(name: str, error: float | None, tolerance: float) -> dict[str, object]:
@@ -93,7 +97,7 @@ class Command(unittest.TestCase):
         write_executables(self.folder / "build")
         (self.folder / "shells.txt").write_text("share 0.6 coarse grid\n")
         self.said, self.told = io.StringIO(), io.StringIO()
-        for context in (mock.patch.dict(os.environ, {build.BUILD_DIR_VARIABLE: str(self.folder / "build")}),
+        for context in (mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}),
                         mock.patch.object(measure, "KNOWN", self.folder),
                         contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(self.told)):
             context.__enter__()
@@ -105,7 +109,7 @@ class Command(unittest.TestCase):
             table.add("share", share, 0.0, 0.15, 0.0)
 
         with mock.patch.dict(experiments.EXPERIMENTS, {"shells": (experiments.Experiment("cost", "share", run),)}):
-            return command.main(["validate", "shells", "--case", "cost", *arguments])
+            return sunder(["validate", "shells", "--case", "cost", *arguments])
 
     def test_a_goal_that_is_missed_as_known_fails_but_where_the_known_is_asked_for(self) -> None:
         table = self.folder / "table.json"
@@ -117,7 +121,7 @@ class Command(unittest.TestCase):
 
     def test_kinds_without_a_list_refuse_it(self) -> None:
         for kind in ("engines", "extremes"):
-            self.assertEqual(command.main(["validate", kind, "--known"]), 2)
+            self.assertEqual(sunder(["validate", kind, "--known"]), 2)
             self.assertIn(f"not with 'validate {kind}'", self.said.getvalue())
 
 

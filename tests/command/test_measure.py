@@ -13,9 +13,14 @@ from unittest import mock
 import numpy as np
 from PIL import Image
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools import errors
+from sunder_tools.launch import build
+from sunder_tools.pictures import plots
+from sunder_tools.places import BUILD_DIR_VARIABLE
+from tests.validation import experiments
+
+from . import sunder
 from .fakes import write_executables
-from sunder_tools import build, command, errors, experiments, plots
 
 NUMBERS = {"cases": [{"name": "a", "computed": 1.0, "reference": 1.0, "error": 0.0, "tolerance": 0.1, "pass": True,
                       "seconds": 0.0}],
@@ -30,7 +35,7 @@ class Measuring(unittest.TestCase):
         self.folder = Path(temporary.name)
         write_executables(self.folder / "build")
         self.said = io.StringIO()
-        environment = mock.patch.dict(os.environ, {build.BUILD_DIR_VARIABLE: str(self.folder / "build")})
+        environment = mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")})
         none = mock.patch.dict(experiments.EXPERIMENTS, {"shells": ()})  # whole runs have tests of their own
         for context in (environment, none, contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO())):
             context.__enter__()
@@ -51,7 +56,7 @@ class Measuring(unittest.TestCase):
         for status in (0, 1):
             self.validator(status)
             table, plots = self.folder / "table.json", self.folder / "plots.png"
-            self.assertEqual(command.main(["validate", "shells", "--case", "roof", "--json", str(table),
+            self.assertEqual(sunder(["validate", "shells", "--case", "roof", "--json", str(table),
                                            "--plots", str(plots)]), status)
             self.assertEqual(json.loads(table.read_text()), {"cases": NUMBERS["cases"]})
             self.assertTrue(plots.read_bytes().startswith(b"\x89PNG"))
@@ -59,32 +64,32 @@ class Measuring(unittest.TestCase):
 
     def test_what_cannot_be_validated_or_written_is_refused(self) -> None:
         self.validator(0)
-        self.assertEqual(command.main(["validate", "cheese"]), 2)
-        self.assertIn("there is shells, seams, cracks", self.said.getvalue())
-        self.assertEqual(command.main(["validate", "shells", "--json", str(self.folder / "no" / "table.json")]), 2)
-        self.assertEqual(command.main(["validate", "shells", "--plots", str(self.folder / "plots.cheese")]), 2)
+        self.assertEqual(sunder(["validate", "cheese"]), 2)
+        self.assertIn("there are shells, seams, cracks", self.said.getvalue())
+        self.assertEqual(sunder(["validate", "shells", "--json", str(self.folder / "no" / "table.json")]), 2)
+        self.assertEqual(sunder(["validate", "shells", "--plots", str(self.folder / "plots.cheese")]), 2)
         self.assertIn("'.cheese' is no image's ending", self.said.getvalue())
-        self.assertEqual(command.main(["validate", "shells", "--case", ""]), 2)
+        self.assertEqual(sunder(["validate", "shells", "--case", ""]), 2)
         self.assertFalse((self.folder / "arguments").exists())  # all this before anything is run
-        self.assertEqual(command.main(["bench", "--json", str(self.folder / "no" / "bench.json")]), 2)
+        self.assertEqual(sunder(["bench", "--json", str(self.folder / "no" / "bench.json")]), 2)
 
     def test_an_unknown_case_leaves_no_file(self) -> None:
         self.program("sunder-validate", "raise SystemExit(2)")
         table = self.folder / "table.json"
-        self.assertEqual(command.main(["validate", "shells", "--case", "cheese", "--json", str(table)]), 2)
+        self.assertEqual(sunder(["validate", "shells", "--case", "cheese", "--json", str(table)]), 2)
         self.assertFalse(table.exists())
 
     def test_it_is_said_where_nothing_is_drawn(self) -> None:
         self.validator(0)
         with contextlib.redirect_stdout(io.StringIO()) as out:
-            command.main(["validate", "shells", "--pictures", str(self.folder / "pictures")])
+            sunder(["validate", "shells", "--pictures", str(self.folder / "pictures")])
         self.assertIn("none: these cases draw none", out.getvalue())
 
     def test_a_program_that_is_missing_or_dies_is_named(self) -> None:
-        self.assertEqual(command.main(["validate", "shells"]), 2)
+        self.assertEqual(sunder(["validate", "shells"]), 2)
         self.assertIn("sunder-validate", self.said.getvalue())
         self.program("sunder-bench", "import os, signal\nos.kill(os.getpid(), signal.SIGKILL)")
-        self.assertEqual(command.main(["bench"]), 3)
+        self.assertEqual(sunder(["bench"]), 3)
         self.assertIn("sunder-bench", self.said.getvalue())
 
 
@@ -102,12 +107,12 @@ class Measuring(unittest.TestCase):
                            experiments.Experiment("gone", "none", broken))}
         table, plots = self.folder / "table.json", self.folder / "plots.png"
         with mock.patch.dict(experiments.EXPERIMENTS, runs):
-            self.assertEqual(command.main(["validate", "shells", "--case", "bounce", "--json", str(table), "--plots",
+            self.assertEqual(sunder(["validate", "shells", "--case", "bounce", "--json", str(table), "--plots",
                                            str(plots)]), 0)  # the other program is not even needed
             self.assertEqual([row["name"] for row in json.loads(table.read_text())["cases"]], ["bounce_1"])
             self.assertTrue(plots.is_file())
             self.validator(0)
-            self.assertEqual(command.main(["validate", "shells", "--json", str(table)]), 1)
+            self.assertEqual(sunder(["validate", "shells", "--json", str(table)]), 1)
             rows = json.loads(table.read_text())["cases"]
             self.assertEqual([(row["name"], row["pass"]) for row in rows],
                              [("a", True), ("bounce_1", True), ("gone", False)])

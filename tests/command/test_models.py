@@ -6,9 +6,10 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from . import REPOSITORY  # noqa: F401: puts the package on the path
-from sunder_tools import models, report
 from sunder_tools.errors import CommandError
+from sunder_tools.report import models
+from sunder_tools.report.summary import summary
+
 
 RUN = {"schema": 1, "status": "done", "scene": "car", "models": [
     {"name": "plane_stress", "why": "the scene has a shell", "share": 0.9}, {"name": "contact", "why": "bodies meet", "share": 0.004},
@@ -35,14 +36,14 @@ class Models(unittest.TestCase):
         self.assertIn("contact, engine: bodies meet", lines)
 
     def test_the_summary_of_a_run_names_them(self) -> None:
-        self.assertIn("active models    plane_stress + seams 90 %", report.summary(self.here, None))
+        self.assertIn("active models    plane_stress + seams 90 %", summary(self.here, None))
 
     def test_the_summary_says_what_cracks_took_where_any_ran(self) -> None:
-        self.assertNotIn("cracks ", report.summary(self.here, None))
+        self.assertNotIn("cracks ", summary(self.here, None))
         for taken, said in ((1.25, ["cracks           0.0745 m, took 1.25 of G_f times their area"]), (None, [])):
             run = {**RUN, "cracks": {"length_m": 0.0745, "resistance": 0.026, "taken_relative": taken}}
             (self.here / "run.json").write_text(json.dumps(run))
-            lines = report.summary(self.here, None).splitlines()
+            lines = summary(self.here, None).splitlines()
             self.assertEqual([line for line in lines if line.startswith("cracks")], said)
 
     def test_what_says_nothing_of_models_is_refused_or_left_out(self) -> None:
@@ -50,7 +51,7 @@ class Models(unittest.TestCase):
             (self.here / "run.json").write_text(json.dumps(run))
             with self.assertRaisesRegex(CommandError, "holds no run.json with models"):
                 models.table([self.here])
-            self.assertNotIn("active models", report.summary(self.here, None))
+            self.assertNotIn("active models", summary(self.here, None))
 
 
 if __name__ == "__main__":

@@ -15,9 +15,10 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from . import REPOSITORY
-from sunder_tools import node
 from sunder_tools.errors import CommandError
+from sunder_tools.launch import node
+
+from . import REPOSITORY
 
 
 def archive(files: dict[str, bytes], link: str = "") -> bytes:

@@ -6,8 +6,9 @@ import unittest
 
 import numpy as np
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
-from sunder_tools import patterns
+from sunder_lab.crossings import radial_crossings
+from sunder_lab.statistics import beta_share, student
+from tests.validation import patterns
 
 
 def star(arms: int, phase: float = 0.0, length: float = 1.0, edges: int = 7) -> np.ndarray:
@@ -51,28 +52,28 @@ class Harmonic(unittest.TestCase):
 class Radials(unittest.TestCase):
     def test_arms_are_counted_at_their_angles(self) -> None:
         centre = np.array([0.3, -0.2])
-        found = patterns.radial_crossings(star(5, 0.1) + centre, centre, 0.5)
+        found = radial_crossings(star(5, 0.1) + centre, centre, 0.5)
         self.assertTrue(np.allclose(np.diff(found), 2.0 * np.pi / 5))
         self.assertAlmostEqual(float(np.abs(found - 0.1).min()), 0.0)
 
     def test_rings_short_arms_and_arms_that_run_across_are_not(self) -> None:
         across = np.array([[[0.45, -0.3], [0.45, 0.3]]])
         ends = np.concatenate([star(5, length=0.4), ring(0.5), across])
-        self.assertEqual(len(patterns.radial_crossings(ends, np.zeros(2), 0.5)), 0)
+        self.assertEqual(len(radial_crossings(ends, np.zeros(2), 0.5)), 0)
 
     def test_a_vertex_on_the_circle_counts_once(self) -> None:
-        self.assertEqual(len(patterns.radial_crossings(star(1, edges=8), np.zeros(2), 0.5)), 1)
+        self.assertEqual(len(radial_crossings(star(1, edges=8), np.zeros(2), 0.5)), 1)
 
 
 class Statistics(unittest.TestCase):
     def test_the_distribution_of_f(self) -> None:
         # tables: P(F > 2.92) with 3 and 30 degrees is 0.05, P(F > 4.51) is 0.01
         for f, chance in ((2.922, 0.05), (4.510, 0.01)):
-            self.assertAlmostEqual(patterns.beta_share(30.0 / (30.0 + 3.0 * f), 15.0, 1.5), chance, places=4)
+            self.assertAlmostEqual(beta_share(30.0 / (30.0 + 3.0 * f), 15.0, 1.5), chance, places=4)
 
     def test_the_distribution_of_t(self) -> None:
-        self.assertAlmostEqual(patterns.student(0.95, 10), 2.2281, places=3)
-        self.assertAlmostEqual(patterns.student(0.95, 1), 12.706, places=2)
+        self.assertAlmostEqual(student(0.95, 10), 2.2281, places=3)
+        self.assertAlmostEqual(student(0.95, 1), 12.706, places=2)
 
     def test_anova_by_hand(self) -> None:
         # means 2, 4, 6, squares within 6, between 24: F = 12 / 1

@@ -8,14 +8,14 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools.pictures.contact_sheet import SHEET, time_text, write_contact_sheet
+from sunder_tools.pictures.crack_lines import Graph
+from sunder_tools.pictures.frames import choose_frames, list_frames
+from sunder_tools.pictures.raster import orthographic_camera, perspective_camera, rasterise
+from sunder_tools.pictures.vtp import VtpError, read_vtp
+from tests.validation.crack_pictures import draw_cracks
+
 from .synthetic import SyntheticRun, write_vtp
-from sunder_tools.crack_check import Graph
-from sunder_tools.crack_pictures import draw_cracks
-from sunder_tools.frames import choose_frames, list_frames
-from sunder_tools.pictures import SHEET, time_text, write_contact_sheet
-from sunder_tools.raster import orthographic_camera, perspective_camera, rasterise
-from sunder_tools.vtp import VtpError, read_vtp
 
 
 class InAFolder(unittest.TestCase):

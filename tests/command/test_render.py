@@ -15,18 +15,19 @@ from unittest import mock
 import numpy as np
 from PIL import Image
 
+from sunder_tools.command.main import main
+from sunder_tools.errors import CommandError
+from sunder_tools.launch.folder import RunFolder
+from sunder_tools.pictures import render as rendering
+from sunder_tools.pictures.export import glb_bytes, mesh_of
+from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.pictures.look import Look, origins
+from sunder_tools.pictures.meshes import load_scene
+from sunder_tools.pictures.render import parse_view, pick
+from sunder_tools.report.scene_text import Words, parse_text, words_of
+
 from .synthetic import write_vtp
 from .test_view import InAFolder
-from sunder_tools import render as rendering
-from sunder_tools.command import main
-from sunder_tools.errors import CommandError
-from sunder_tools.export import glb_bytes, mesh_of
-from sunder_tools.folder import RunFolder
-from sunder_tools.frames import BODIES, SHELL, list_frames
-from sunder_tools.look import Look, origins
-from sunder_tools.meshes import load_scene
-from sunder_tools.render import parse_view, pick
-from sunder_tools.scene_text import Words, parse_text, words_of
 
 SIZE = "160x96"
 

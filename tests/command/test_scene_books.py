@@ -10,10 +10,11 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-from . import REPOSITORY
-from sunder_tools import scene_books, trials
 from sunder_tools.errors import BAD_INPUT, CommandError
-from sunder_tools.scene_books import REPEATED, SHIPPED, Shortened, books_of
+from tests.validation import scene_books, trials
+from tests.validation.scene_books import REPEATED, SHIPPED, Shortened, books_of
+
+from . import REPOSITORY
 
 
 def run_of(linear: float = 2e-15, angular: float = 1e-15, mass: float = 3e-15, spin: float = 4e-15, pieces: int = 2) -> dict:

@@ -7,14 +7,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools.pictures.frames import SOFT, Frame
+from sunder_tools.pictures.look import Look
+from sunder_tools.pictures.meshes import load_scene
+from sunder_tools.pictures.raster import perspective_camera
+from sunder_tools.pictures.soft import FIRST, OVERLAP, balls, with_soft
+from sunder_tools.pictures.views import draw_scene
+
 from .synthetic import write_vtp
-from sunder_tools.frames import SOFT, Frame
-from sunder_tools.look import Look
-from sunder_tools.meshes import load_scene
-from sunder_tools.raster import perspective_camera
-from sunder_tools.soft import FIRST, OVERLAP, balls, with_soft
-from sunder_tools.views import draw_scene
 
 
 class Soft(unittest.TestCase):

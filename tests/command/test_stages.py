@@ -13,11 +13,13 @@ from unittest import mock
 import numpy as np
 from PIL import Image
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
+from sunder_tools.launch import build
+from sunder_tools.pictures.vtp import VtpError
+from tests.validation import experiments, stages, trials
+from tests.validation.thinning import closed, grown, share_outside, thinned
+
+from . import sunder
 from .crack_history import STAGES, history, write_history
-from sunder_tools import build, command, experiments, stages, trials
-from sunder_tools.thinning import closed, grown, share_outside, thinned
-from sunder_tools.vtp import VtpError
 
 
 class Thinning(unittest.TestCase):
@@ -122,7 +124,7 @@ class Consistency(InAFolder):
         with mock.patch.object(trials, "launch_once", launch), \
                 mock.patch.object(experiments, "ensure_built", lambda: nothing), \
                 contextlib.redirect_stdout(self.said), contextlib.redirect_stderr(self.said):
-            status = command.main(["validate", "cracks", "--case", "consistency", "--json", str(report), *arguments])
+            status = sunder(["validate", "cracks", "--case", "consistency", "--json", str(report), *arguments])
         return status, {row["name"]: row["computed"] for row in json.loads(report.read_text())["cases"]}
 
     def test_a_sound_history_passes_and_is_drawn(self) -> None:
@@ -149,7 +151,7 @@ class Consistency(InAFolder):
     def test_a_folder_for_pictures_that_cannot_be_is_refused(self) -> None:
         (self.folder / "file").write_text("")
         with contextlib.redirect_stderr(io.StringIO()) as said:
-            self.assertEqual(command.main(["validate", "cracks", "--pictures", str(self.folder / "file" / "x")]), 2)
+            self.assertEqual(sunder(["validate", "cracks", "--pictures", str(self.folder / "file" / "x")]), 2)
         self.assertIn("cannot write into", said.getvalue())
 
 

@@ -8,9 +8,8 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
-from sunder_tools import stretch
-from sunder_tools.vtp import PolyData
+from sunder_tools.pictures.vtp import PolyData
+from tests.validation import stretch
 
 REST = np.array([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], float)
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]])

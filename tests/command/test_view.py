@@ -15,17 +15,18 @@ from unittest import mock
 
 import numpy as np
 
+from sunder_tools.command.main import main
+from sunder_tools.errors import CommandError
+from sunder_tools.pictures import view
+from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.pictures.motion import body_velocity
+from sunder_tools.pictures.playback import Playback, impulses
+from sunder_tools.places import BUILD_DIR_VARIABLE
+from sunder_tools.report.columns import read_columns, thin
+from sunder_tools.report.scene_text import SceneTextError, Words, parse_text, scene_words, words_of
+
 from . import REPOSITORY
 from .synthetic import SyntheticRun
-from sunder_tools import view
-from sunder_tools.build import BUILD_DIR_VARIABLE
-from sunder_tools.columns import read_columns, thin
-from sunder_tools.command import main
-from sunder_tools.errors import CommandError
-from sunder_tools.frames import BODIES, SHELL, list_frames
-from sunder_tools.motion import body_velocity
-from sunder_tools.playback import Playback, impulses
-from sunder_tools.scene_text import SceneTextError, Words, parse_text, scene_words, words_of
 
 
 class InAFolder(unittest.TestCase):

@@ -134,7 +134,7 @@ def _after_half_open(cell: Cell) -> Ending:
 def _after_kill(cell: Cell) -> Ending:
     if cell.side == RIGID:
         return Ending(PEER_LOST, ("peer_lost",), KILLED)
-    # what it had written stays as it was; the launcher settles it (coupler/sunder_tools/run.py)
+    # what it had written stays as it was; the launcher settles it (coupler/sunder_tools/launch/run.py)
     return Ending(KILLED, (), PEER_LOST, "peer_lost", run=(None,) if cell.phase in (HELLO, LOAD) else ("running",))
 
 

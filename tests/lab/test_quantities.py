@@ -10,11 +10,10 @@ from pathlib import Path
 
 import numpy as np
 
-from . import REPOSITORY  # noqa: F401: puts coupler/ on the path
 import sunder
 from sunder_lab.table import write_sqlite
-from sunder_tools.plots import COLOURS, Line, Panel, draw_panel
 from sunder_lab.v50 import judged, median_interval
+from sunder_tools.pictures.plots import COLOURS, Line, Panel, draw_panel
 
 from .made_up import FALL, FORCE, sunder_mass, write_dents, write_pieces, write_run
 

@@ -8,9 +8,10 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from . import REPOSITORY
 import sunder
-from sunder_tools.build import build_dir
+from sunder_tools.launch.build import build_dir
+
+from . import REPOSITORY
 
 ACRYLIC = sunder.SCENES / "acrylic.textproto"
 GOOD = ("bodies[pellet].twist.linear.z=-20", "bodies[0].pose.position.x=1e-3", "fracture.seed=7", "window_s=1e-6",

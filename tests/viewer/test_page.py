@@ -3,7 +3,6 @@ from __future__ import annotations
 
 import http.server
 import os
-import sys
 import tempfile
 import threading
 import unittest
@@ -11,14 +10,14 @@ from pathlib import Path
 
 import numpy as np
 
-REPOSITORY = Path(__file__).resolve().parents[2]
-sys.path.insert(0, str(REPOSITORY / "coupler"))
-from sunder_tools.build import BUILD_DIR_VARIABLE, ensure_built  # noqa: E402
-from sunder_tools.frames import BODIES, SHELL, list_frames  # noqa: E402
-from sunder_tools.run import launch_once  # noqa: E402
-from sunder_tools.view import THREE, Server  # noqa: E402
-from tests.command.synthetic import SyntheticRun  # noqa: E402
-from tests.viewer.browser import Browser, find_browser  # noqa: E402
+from sunder_tools.launch.build import ensure_built
+from sunder_tools.launch.run import launch_once
+from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.pictures.view import THREE, Server
+from sunder_tools.places import BUILD_DIR_VARIABLE
+from tests import REPOSITORY
+from tests.command.synthetic import SyntheticRun
+from tests.viewer.browser import Browser, find_browser
 
 COUNT, AT_FIRST = 15, 12  # frames in all, and those that are there when the page is opened
 CANVAS = (slice(40, 560), slice(0, 840))  # of the screen, without the head and the controls

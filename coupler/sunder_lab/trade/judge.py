@@ -8,7 +8,7 @@ from typing import Iterable, Mapping, Sequence
 
 import numpy as np
 
-from sunder_tools.patterns import student
+from ..statistics import student
 
 Runs = Mapping[int, Mapping[str, np.ndarray]]  # by seed: quantities of each run
 

@@ -9,7 +9,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Callable
 
-from sunder_tools.fidelity import PRESETS, Preset
+from sunder_tools.launch.fidelity import PRESETS, Preset
 
 from ..scene import Scene
 

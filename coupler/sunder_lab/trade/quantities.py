@@ -10,8 +10,7 @@ from sunder_tools.errors import CommandError
 
 from ..impact import STANDARD_GRAVITY, mass_of
 from ..pieces import fragments
-from ..results import Results
-from ..scene import Scene
+from ..scene import Results, Scene
 from .knobs import breaks, moves
 
 PREFIX = "trade_"                     # of the probes that are added

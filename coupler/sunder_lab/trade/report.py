@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sunder_tools.errors import CommandError
-from sunder_tools.plots import Line, Panel, write_panels
+from sunder_tools.pictures.plots import Line, Panel, write_panels
 
 from ..member import write_atomically
 from ..table import Table

@@ -15,12 +15,11 @@ from typing import Any, Sequence
 import numpy as np
 
 from sunder_tools.errors import CommandError
-from sunder_tools.run import read_usage
+from sunder_tools.launch.run import read_usage
 
 from ..campaign import Campaign, Planned, Settings
 from ..member import RUN_FOLDER, Member, outcome
-from ..results import Results
-from ..scene import Scene
+from ..scene import Results, Scene
 from .judge import Judged, combinations, front, gaps, own_errors
 from .knobs import CONVERGING, KNOBS, Change, Setting, breaks, changes_of, finer
 from .plan import Budget, reference_level, rounds

@@ -1,0 +1,153 @@
+"""Configures and builds what has changed. One process builds at a time."""
+from __future__ import annotations
+
+import fcntl
+import os
+import re
+import shutil
+import sys
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Iterator
+
+from ..errors import CommandError
+from ..places import BUILD_DIR_VARIABLE, REPOSITORY
+from .install import CAD_PACKAGES, PACKAGES, ensure_installed
+from .logged import run_logged, tail
+
+MEMORY_PER_JOB = 1.5e9  # [bytes]; CGAL's headers take about this much
+
+
+@dataclass(frozen=True)
+class Executables:
+    """Where the two programs are."""
+    shell: Path
+    rigid: Path
+    single: Path  # both in one
+
+
+def build_dir() -> Path:
+    """The folder with the executables: SUNDER_BUILD_DIR, else build/release of this checkout."""
+    return Path(os.environ.get(BUILD_DIR_VARIABLE) or REPOSITORY / "build" / "release").absolute()
+
+
+def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
+    """Installs packages and builds as far as needed; quick when nothing is. Raises CommandError.
+
+    `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on.
+    """
+    folder = build_dir()
+    found = Executables(folder / "shell" / "sunder-shell", folder / "rigid" / "sunder-rigid",
+                        folder / "coupler" / "single" / "sunder-single")
+    if os.environ.get(BUILD_DIR_VARIABLE):
+        for path in (found.shell, found.rigid):
+            if not os.access(path, os.X_OK):
+                raise CommandError(f"{path} is not an executable; {BUILD_DIR_VARIABLE} is {folder}, it must "
+                                   "name a build folder, or be unset to build this checkout")
+        return found
+    try:
+        folder.parent.mkdir(exist_ok=True)
+        with only_builder(folder.parent / "lock"):
+            ensure_installed(folder.parent / "install.log", PACKAGES + (CAD_PACKAGES if cad else ()))
+            _build(folder, folder.parent / "build.log", all_targets, cad)
+    except OSError as error:
+        raise CommandError(f"cannot build in {folder.parent}: {error.strerror or error}: {error.filename}; "
+                           "mend that, or use a checkout that you may write to") from None
+    return found
+
+
+@contextmanager
+def only_builder(path: Path) -> Iterator[None]:
+    """Holds the lock file; waits, and says so, while another `sunder` holds it."""
+    with path.open("a") as lock:
+        try:
+            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            print("sunder: another sunder is building here; waiting for it", file=sys.stderr, flush=True)
+            fcntl.flock(lock, fcntl.LOCK_EX)
+        yield
+
+
+def _needs_configure(folder: Path) -> bool:
+    """True if there is no usable build tree. A tree of another checkout (moved, copied) is removed."""
+    cache = folder / "CMakeCache.txt"
+    if not cache.exists():
+        return True
+    home = re.search(r"^CMAKE_HOME_DIRECTORY:INTERNAL=(.*)$", cache.read_text(errors="replace"), re.M)
+    if home is None or os.path.realpath(home.group(1)) != str(REPOSITORY):
+        shutil.rmtree(folder)
+        return True
+    ninja = folder / "build.ninja"
+    presets = REPOSITORY / "CMakePresets.json"  # ninja itself does not watch this one
+    return not ninja.exists() or (presets.exists() and presets.stat().st_mtime > ninja.stat().st_mtime)
+
+
+def _has_cad(folder: Path) -> bool:
+    """True if the build tree was configured with OpenCASCADE."""
+    cache = folder / "CMakeCache.txt"
+    return cache.exists() and re.search(r"^SUNDER_CAD:BOOL=ON$", cache.read_text(errors="replace"), re.M) is not None
+
+
+def _jobs() -> int:
+    """As many compilers as there are processors and memory for."""
+    processors = len(os.sched_getaffinity(0))
+    available = re.search(r"^MemAvailable:\s+(\d+) kB", Path("/proc/meminfo").read_text(), re.M)
+    memory = float(available.group(1)) * 1024 if available else float("inf")
+    return max(1, min(processors, int(min(memory / MEMORY_PER_JOB, 1e6))))
+
+
+def _build(folder: Path, log: Path, all_targets: bool, cad: bool) -> None:
+    """Configures if needed and runs ninja; the whole output goes to `log`."""
+    start = time.monotonic()
+    log.unlink(missing_ok=True)
+    if _needs_configure(folder) or (cad and not _has_cad(folder)):
+        print("sunder: configuring", file=sys.stderr, flush=True)
+        _checked(["cmake", "--preset", "release", *(["-DSUNDER_CAD=ON"] if cad else [])], log, "configuring")
+        os.utime(folder / "build.ninja")  # newer than the presets, even where cmake left it as it was
+    targets = [] if all_targets else ["--target", "sunder-shell", "sunder-rigid"]
+    progress = _Progress()
+    try:
+        _checked(["cmake", "--build", str(folder), *targets, "-j", str(_jobs())], log, "building", progress)
+    finally:
+        progress.close()
+    if progress.worked:
+        print(f"sunder: built in {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
+
+
+def _checked(command: list[str], log: Path, what: str, progress: "_Progress | None" = None) -> None:
+    try:
+        status = run_logged(command, log, REPOSITORY, progress)
+    except FileNotFoundError as error:
+        raise CommandError(f"{what} failed: {error.filename} not found") from None
+    if status != 0:
+        if progress:
+            progress.close()
+        raise CommandError(f"{tail(log, 40)}\n{what} failed with status {status}; the whole log is {log}")
+
+
+class _Progress:
+    """Turns ninja's '[i/n] ...' lines into one line that is rewritten (terminal) or said once."""
+
+    def __init__(self) -> None:
+        self.worked = False
+        self._terminal = sys.stderr.isatty()
+        self._open = False
+
+    def __call__(self, line: str) -> None:
+        count = re.match(r"\[(\d+)/(\d+)\] ", line)
+        if not count:
+            return
+        if self._terminal:
+            print(f"\rsunder: building [{count[1]}/{count[2]}]\x1b[K", end="", file=sys.stderr, flush=True)
+            self._open = True
+        elif not self.worked:
+            print(f"sunder: building {count[2]} steps", file=sys.stderr, flush=True)
+        self.worked = True
+
+    def close(self) -> None:
+        """Ends the line that was being rewritten."""
+        if self._open:
+            print(file=sys.stderr, flush=True)
+        self._open = False

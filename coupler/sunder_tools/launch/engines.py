@@ -1,0 +1,119 @@
+"""The rigid side of a run: by name, as a program, at an address, or in the fracture process itself."""
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
+from ..places import REPOSITORY
+from ..words import did_you_mean
+from .build import Executables
+from .socket_dir import SocketDir
+
+IN_PROCESS = "inprocess"
+JOLT = "jolt"
+JOLT_PROGRAM = REPOSITORY / "rigid" / "jolt" / "sunder-rigid-jolt"
+HELLO_TIMEOUT_S = 30.0
+
+
+@dataclass(frozen=True)
+class Rigid:
+    """Where the engine of a run is: exactly one of command, endpoint and in_process is given."""
+    label: str
+    command: tuple[str, ...] = ()  # to launch, without --endpoint
+    endpoint: str = ""             # at which one waits already
+    in_process: str = ""           # name of an engine of the fracture process's own
+
+
+def resolve(text: str, executables: Executables) -> Rigid:
+    """NAME, inprocess[:NAME], the path of a program (with a '/'), or ipc://... or tcp://...
+
+    Raises CommandError where there is no such program; names are for the engine's own --check.
+    """
+    if re.match(r"(ipc|tcp)://", text):
+        return Rigid(text, endpoint=text)
+    name, _, inner = text.partition(":")
+    if name == IN_PROCESS:
+        return Rigid(text, in_process=inner or "bullet")
+    if "/" in text:
+        if not (os.path.isfile(text) and os.access(text, os.X_OK)):
+            raise CommandError(f"--rigid {text}: not an executable file; give an engine's name (see 'sunder engines'), "
+                               "an address (ipc://... or tcp://...) or the path of a program that takes --engine NAME "
+                               "--endpoint ADDRESS")
+        return Rigid(text, command=(os.path.abspath(text), "--engine", Path(text).stem))
+    if text == JOLT and JOLT_PROGRAM.is_file():
+        from .node import ensure_node
+        ensure_node(REPOSITORY / "build" / "install.log")
+        return Rigid(text, command=(str(JOLT_PROGRAM), "--engine", text))
+    return Rigid(text, command=(str(executables.rigid), "--engine", text))
+
+
+def check(text: str, rigid: Rigid, executables: Executables) -> None:
+    """Raises CommandError where `text` names no engine, with the nearest names. Paths and addresses are not asked."""
+    if rigid.endpoint or "/" in text:
+        return
+    command = [*(rigid.command or (str(executables.rigid), "--engine", rigid.in_process)), "--check"]
+    found = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
+                           errors="replace", check=False)
+    if found.returncode == BAD_INPUT:
+        said = found.stderr.strip() or "refused without a reason"
+        hint = did_you_mean(rigid.in_process or text, names(executables))
+        raise CommandError(f"{said}\n--rigid {text}: {hint} (see 'sunder engines')")
+    if found.returncode != 0:
+        raise CommandError(f"{found.stderr.strip()}\n{rigid.label} {how_it_ended(found.returncode)} while it was "
+                           "checked".strip(), PEER_LOST if found.returncode < 0 else found.returncode)
+
+
+def names(executables: Executables) -> list[str]:
+    """Every engine that comes with the project."""
+    listed = subprocess.run([str(executables.rigid), "--list"], stdout=subprocess.PIPE, text=True, check=True).stdout
+    return listed.split() + ([JOLT] if JOLT_PROGRAM.is_file() else [])
+
+
+def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> dict[str, object]:
+    """Launches or contacts an engine; returns its name, version and capabilities. Raises CommandError."""
+    with SocketDir() as socket:
+        endpoint = rigid.endpoint or socket.endpoint
+        process = None
+        if rigid.command:
+            process = subprocess.Popen([*rigid.command, "--endpoint", endpoint, "--die-with-parent"],
+                                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                       text=True, errors="replace")
+        try:
+            asked = subprocess.run([str(executables.shell), "hello", "--endpoint", endpoint,
+                                    *(["--keys", str(keys)] if keys else [])],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
+                                   timeout=HELLO_TIMEOUT_S, check=False)
+        except subprocess.TimeoutExpired:
+            raise CommandError(f"{rigid.label}: no answer within {HELLO_TIMEOUT_S:.0f} s") from None
+        finally:
+            words = ""
+            if process is not None:
+                try:
+                    words = process.communicate(timeout=2.0)[1]
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.communicate()
+    if asked.returncode != 0:
+        raise CommandError(f"{rigid.label}: {words.strip() or asked.stderr.strip() or how_it_ended(asked.returncode)}")
+    answer: dict[str, object] = json.loads(asked.stdout)
+    return answer
+
+
+def table(executables: Executables) -> str:
+    """The table that `sunder engines` prints."""
+    lines = []
+    for name in names(executables):
+        try:
+            who = hello(resolve(name, executables), executables)
+            words = who["capabilities"]
+            assert isinstance(words, list)
+            lines.append(f"{name:<12} {who['version']!s:<10} {' '.join(words)}")
+        except CommandError as error:
+            lines.append(f"{name:<12} -          not here: {error}")
+    lines.append(f"{IN_PROCESS}[:NAME] runs one of those that are C++ in the fracture process itself")
+    return "\n".join(lines)

@@ -1,0 +1,82 @@
+"""Debian packages: finds the missing ones and installs them."""
+from __future__ import annotations
+
+import os
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from ..errors import CommandError
+from .logged import run_logged, tail
+
+PACKAGES = (
+    "g++", "cmake", "ninja-build", "pkg-config", "libeigen3-dev", "libcgal-dev", "libbullet-dev",
+    "libode-dev", "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
+    "libfmt-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
+    "python3-protobuf",
+)
+SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own
+BROWSER_PACKAGES = ("chromium",)  # for a test only, of the viewer's page
+FILM_PACKAGES = ("ffmpeg",)  # for `sunder render --film`
+CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
+LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
+
+
+def missing_packages(packages: tuple[str, ...] = PACKAGES) -> list[str]:
+    """The packages of `packages` that dpkg does not list as installed.
+
+    Raises CommandError where there is no dpkg (not a Debian).
+    """
+    try:
+        listing = subprocess.run(
+            ["dpkg-query", "-W", "-f=${Package} ${db:Status-Status}\n", *packages],
+            stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False).stdout
+    except FileNotFoundError:
+        raise CommandError(
+            "dpkg-query not found: sunder installs its packages on Debian 12 only; elsewhere build with "
+            "CMake by hand and name the build folder in SUNDER_BUILD_DIR") from None
+    installed = {line.split()[0] for line in listing.splitlines() if line.endswith(" installed")}
+    return [name for name in packages if name not in installed]
+
+
+def _as_root() -> list[str] | None:
+    """Prefix that makes a command run as root without a question; None if there is none."""
+    if os.geteuid() == 0:
+        return []
+    if shutil.which("sudo") and subprocess.run(
+            ["sudo", "-n", "true"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL, check=False).returncode == 0:
+        return ["sudo", "-n"]
+    return None
+
+
+def ensure_installed(log: Path, packages: tuple[str, ...] = PACKAGES) -> None:
+    """Installs what is missing of `packages`; everything apt says goes to `log`. Raises CommandError."""
+    missing = missing_packages(packages)
+    if not missing:
+        return
+    command = f"apt-get update && apt-get install -y --no-install-recommends {' '.join(missing)}"
+    prefix = _as_root()
+    if prefix is None:
+        raise CommandError(f"{len(missing)} Debian packages are missing and there is no right to install "
+                           f"them without a password; run: sudo sh -c '{command}'")
+    print(f"sunder: installing {len(missing)} packages: {' '.join(missing)}", file=sys.stderr, flush=True)
+    start = time.monotonic()
+    apt = [*prefix, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-o",
+           f"DPkg::Lock::Timeout={LOCK_WAIT_S}"]
+    log.unlink(missing_ok=True)
+    for arguments in (["update"], ["install", "-y", "--no-install-recommends", *missing]):
+        try:
+            status = run_logged([*apt, *arguments], log)
+        except FileNotFoundError as error:
+            raise CommandError(f"{error.filename} not found; install by hand: {' '.join(missing)}") from None
+        if status != 0:
+            raise CommandError(f"{tail(log, 20)}\napt-get {arguments[0]} failed with status {status} (whole "
+                               f"log: {log}); check network, disk and /etc/apt/sources.list, then run this "
+                               f"again, or as root: {command}")
+    still = missing_packages(packages)
+    if still:
+        raise CommandError(f"apt-get reported success but these are still missing: {' '.join(still)}; see {log}")
+    print(f"sunder: installed in {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)

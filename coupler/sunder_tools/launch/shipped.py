@@ -1,0 +1,99 @@
+"""The scenes that ship: what each shows, and how long it takes, as far as that was measured."""
+from __future__ import annotations
+
+import json
+import os
+import re
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from ..errors import BAD_INPUT, CommandError
+from ..places import REPOSITORY
+from ..report.machine import circumstances
+from ..words import did_you_mean
+from .build import build_dir, ensure_built
+from .run import launch_once
+
+SCENES = REPOSITORY / "scenes"
+ENDING = ".textproto"
+SECONDS = "seconds.json"  # beside the scenes; written by measure() only
+
+
+@dataclass(frozen=True)
+class Shipped:
+    """A scene that ships."""
+    name: str
+    path: Path
+    about: str              # the first sentence of its leading comment
+    seconds: float | None   # that a run took, without pictures; None where it was not measured
+
+
+def shipped(folder: Path = SCENES) -> list[Shipped]:
+    """All scenes of a folder, by name. Raises CommandError where the measured seconds cannot be read."""
+    measured = read_seconds(folder)
+    return [Shipped(name, path, about(path.read_text(encoding="utf-8")), _seconds(measured.get(name)))
+            for path in sorted(folder.glob("*" + ENDING)) for name in (path.name.removesuffix(ENDING),)]
+
+
+def about(text: str) -> str:
+    """The first sentence of the comment that a scene begins with, '' where it begins with none."""
+    lines = []
+    for line in text.splitlines():
+        if not line.startswith("#"):
+            break
+        lines.append(line.lstrip("# ").rstrip())
+    words = " ".join(lines)
+    end = re.search(r"[.!?](?= [A-Z]|$)", words)  # not 'Fig. 12' nor '1.5 m'
+    return words[:end.end()] if end else words
+
+
+def read_seconds(folder: Path) -> dict[str, object]:
+    """The measurements by scene; {} where there is no file. Raises CommandError where it cannot be read."""
+    path = folder / SECONDS
+    try:
+        kept = json.loads(path.read_text(encoding="utf-8"))
+    except FileNotFoundError:
+        return {}
+    except (OSError, ValueError) as error:
+        raise CommandError(f"{path}: cannot be read: {error}; remove it, or measure again with 'sunder scenes --measure'",
+                           BAD_INPUT) from None
+    return kept if isinstance(kept, dict) else {}
+
+
+def _seconds(entry: object) -> float | None:
+    value = entry.get("seconds") if isinstance(entry, dict) else None
+    return float(value) if isinstance(value, (int, float)) else None
+
+
+def measure(names: list[str], folder: Path = SCENES) -> None:
+    """Runs these scenes, all where none is named, and keeps the seconds of each as soon as it has ended.
+
+    Raises CommandError for a name that does not ship, before anything runs.
+    """
+    there = {scene.name: scene.path for scene in shipped(folder)}
+    for name in names:
+        if name not in there:
+            raise CommandError(f"no scene '{name}' ships; {did_you_mean(name, there)}", BAD_INPUT)
+    executables = ensure_built()
+    for name in names or there:
+        print(f"sunder: measuring {name}", file=sys.stderr, flush=True)
+        made_with = circumstances(build_dir())  # the load before it, not its own
+        with tempfile.TemporaryDirectory(prefix="seconds-sunder-") as out:
+            start = time.monotonic()
+            launch_once(executables, there[name], Path(out), [])
+            taken = time.monotonic() - start
+        _keep(folder, name, {"seconds": float(f"{taken:.3g}"), **made_with})
+
+
+def _keep(folder: Path, name: str, entry: dict[str, object]) -> None:
+    path, temporary = folder / SECONDS, folder / f".{SECONDS}.{os.getpid()}"
+    try:
+        temporary.write_text(json.dumps(dict(sorted({**read_seconds(folder), name: entry}.items())), indent=1) + "\n")
+        os.replace(temporary, path)
+    except OSError as error:
+        raise CommandError(f"cannot write {path}: {error.strerror}", BAD_INPUT) from None
+    finally:
+        temporary.unlink(missing_ok=True)

@@ -1,0 +1,87 @@
+"""Watching the two processes: who ends first, how long the other gets, what Ctrl-C does."""
+from __future__ import annotations
+
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import dataclass
+
+PERIOD_S = 0.02          # between two looks
+GRACE_S = 2.0            # for the other process to end by itself
+AFTER_GOODBYE_S = 60.0   # the rigid side left in peace (status 0); the shell may still write frames and hashes
+TERM_TO_KILL_S = 0.5
+
+
+@dataclass
+class Ending:
+    """How both processes ended: subprocess return codes, and what the launcher did to them."""
+    shell: int = 0
+    rigid: int = 0
+    shell_was_signalled: bool = False  # SIGTERM or SIGKILL by the launcher, because its peer was gone
+    rigid_was_signalled: bool = False
+    rigid_first: bool = False          # the rigid process was seen to end while the shell still ran
+    interrupted: bool = False
+    killed_by_user: bool = False
+
+
+class _Deadline:
+    """Ends one process: time to end by itself, then SIGTERM, then SIGKILL."""
+
+    def __init__(self, process: subprocess.Popen[bytes], grace_s: float) -> None:
+        self.process = process
+        self._at = time.monotonic() + grace_s
+        self.signalled = False
+
+    def look(self) -> None:
+        if self.process.poll() is not None or time.monotonic() < self._at:
+            return
+        if not self.signalled:
+            self.process.terminate()
+            self.signalled = True
+            self._at += TERM_TO_KILL_S
+        else:
+            self.process.kill()
+
+
+def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes] | None, interrupts: list[int]) -> Ending:
+    """Returns once both processes have ended. `rigid` is None where another program runs it. `interrupts` grows by one
+    entry per Ctrl-C, SIGTERM or SIGHUP.
+
+    The first interruption goes to the shell as SIGINT, which then ends the run and tells its peer;
+    the second kills both.
+    """
+    ending = Ending()
+    deadline: _Deadline | None = None
+    while True:
+        shell_ended, rigid_ended = shell.poll() is not None, rigid is None or rigid.poll() is not None
+        if shell_ended and rigid_ended:
+            break
+        if interrupts and not ending.interrupted:
+            ending.interrupted = True
+            if not shell_ended:
+                shell.send_signal(signal.SIGINT)
+                line_end = "\n" if sys.stderr.isatty() else ""  # ends the progress line
+                print(f"{line_end}sunder: stopping after this window; once more kills at once",
+                      file=sys.stderr, flush=True)
+        if len(interrupts) > 1 and not ending.killed_by_user:
+            ending.killed_by_user = not shell_ended  # a run that is complete stays complete
+            shell.kill()
+            if rigid is not None:
+                rigid.kill()
+        if rigid is not None and deadline is None and (shell_ended or rigid_ended):
+            if shell_ended:
+                deadline = _Deadline(rigid, GRACE_S)
+            else:
+                ending.rigid_first = True
+                deadline = _Deadline(shell, AFTER_GOODBYE_S if rigid.returncode == 0 else GRACE_S)
+        if deadline is not None:
+            deadline.look()
+        time.sleep(PERIOD_S)
+    if deadline is not None and deadline.signalled:
+        if deadline.process is shell:
+            ending.shell_was_signalled = True
+        else:
+            ending.rigid_was_signalled = True
+    ending.shell, ending.rigid = shell.returncode, rigid.returncode if rigid is not None else 0
+    return ending

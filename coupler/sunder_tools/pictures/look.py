@@ -1,0 +1,52 @@
+"""The quantity that colours the triangles of a picture, and what is known of them beyond the frame."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..report.columns import read_columns
+from ..report.scene_text import Words, scene_words
+
+COLOURS = ("part", "damage", "fragment", "speed")
+SAME_DENSITY = 1e-6  # relative; mass and area of a shard are written with nine digits
+
+
+@dataclass(frozen=True)
+class Look:
+    """`part_of` is the shell that each shard came off, by its body's number."""
+    by: str = "part"
+    glass: tuple[bool, ...] = ()
+    part_of: dict[int, int] = field(default_factory=dict)
+    fastest: float = 1.0  # [m/s], the end of the colours of speed
+
+    @staticmethod
+    def of(folder: Path, by: str = "part", fastest: float = 1.0) -> "Look":
+        """For the run in `folder`; less is known where its scene is not found."""
+        words = scene_words(folder)
+        return Look(by, words.glass, origins(folder, words), fastest)
+
+
+def origins(folder: Path, words: Words) -> dict[int, int]:
+    """The shell that each shard of shards.csv came off, by its mass per area.
+
+    Frames do not say. Of several shells with this mass per area that can break the first is named: it has their colour
+    only where they are of one material, else the shard is left out.
+    """
+    table = read_columns(folder / "shards.csv")
+    if not {"id", "area [m^2]", "mass [kg]"} <= set(table):
+        return {}
+    found: dict[int, int] = {}
+    for body, area, mass in zip(table["id"], table["area [m^2]"], table["mass [kg]"]):
+        fits = [k for k, density in enumerate(words.surface_density)
+                if words.breaks[k] and abs(mass - density * area) < SAME_DENSITY * mass]
+        if len({words.materials[k] for k in fits}) == 1:
+            found[int(body)] = fits[0]
+    return found
+
+
+def parts_of_bodies(body: np.ndarray, part_of: dict[int, int]) -> np.ndarray:
+    """(n,) shell of each of the bodies (n,), -1 where it is not known."""
+    ids, inverse = np.unique(body.astype(np.int64), return_inverse=True)
+    return np.array([part_of.get(int(i), -1) for i in ids], np.int64)[inverse].reshape(body.shape)

@@ -1,0 +1,248 @@
+"""Makes a frame ready for drawing: glass and solid triangles, their colours, and the lines on them."""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, SOFT, STATIC, Frame
+from .look import Look, parts_of_bodies
+from .motion import shell_velocity
+from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
+from .soft import balls, colours as soft_colours, speeds
+from .vtp import PolyData
+
+WELD_M = 1e-6            # points closer than this are one when lines are looked for
+SHARP_COSINE = 0.8       # edges between faces that turn by more than 37 degrees are drawn
+LONGEST_STATIC_M = 0.12  # static triangles are divided to this, so that none reaches behind the eye
+STEEL = np.array([0.58, 0.60, 0.63])
+FLOOR = np.array([0.87, 0.87, 0.86])
+DEBRIS = np.array([0.66, 0.69, 0.71])  # shards of one of several shells, not known which
+PALE = np.array([0.90, 0.92, 0.92])    # the largest fragment
+
+
+@dataclass
+class Surface:
+    """Triangles of one sort. `round_centre` is the centre of a ball that a triangle belongs to, else NaN."""
+    points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # [m]
+    triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), int))
+    colours: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))         # per triangle, 0..1
+    round_centre: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))    # per triangle [m]
+    is_floor: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))       # per triangle
+    throws: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))         # per triangle: a shadow on the floor
+    smooth: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # per point: unit normal, NaN where flat
+
+    def normals(self) -> np.ndarray:
+        """Unit normals per triangle; zero for a degenerate one."""
+        corner = self.points[self.triangles]
+        normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        return np.divide(normal, length, out=np.zeros_like(normal), where=length > 0)
+
+
+@dataclass
+class Scene:
+    """A frame ready to be drawn. Transparent triangles are in `glass`, the others in `solid`."""
+    glass: Surface
+    solid: Surface
+    cracks: np.ndarray      # (k, 2, 3) ends of crack and fragment lines [m]
+    outlines: np.ndarray    # (k, 2, 3) sharp edges of shards and frozen remains [m]
+    shards: np.ndarray      # (n, 3) corners of shards and soft bodies [m]
+    moving: np.ndarray      # (n, 3) corners of the scene's own moving bodies [m]
+    floor_z: float | None   # height of the lowest level static face [m]; None: there is none
+    glass_opacity: float = 0.70  # of glass that one looks straight on
+
+
+def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
+    """A number per point, the same for points in one place (and with the same number in `apart`)."""
+    cell = np.round(points / WELD_M).astype(np.int64)
+    if apart is not None:
+        cell = np.column_stack([cell, np.asarray(apart, np.int64)])
+    cell = np.ascontiguousarray(cell)
+    whole = cell.view([("", np.int64)] * cell.shape[1]).ravel()  # a row as one value, so that none collide
+    return np.unique(whole, return_inverse=True)[1]
+
+
+def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: np.ndarray | None) -> np.ndarray:
+    """Edges (k, 2) of the mesh that are to be seen: its border, where the label changes, where it is sharp.
+
+    `same` is weld() of the points; the result indexes the points themselves.
+    """
+    if len(triangles) == 0:
+        return np.zeros((0, 2), int)
+    pairs = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    owner = np.tile(np.arange(len(triangles)), 3)
+    ends = np.sort(same[pairs], axis=1)
+    order = np.argsort(ends[:, 0] * (same.max() + 1) + ends[:, 1], kind="stable")
+    ends, pairs, owner = ends[order], pairs[order], owner[order]
+    starts = np.flatnonzero(np.concatenate([[True], (np.diff(ends, axis=0) != 0).any(axis=1)]))
+    count = np.diff(np.append(starts, len(ends)))
+    label = labels[owner]
+    seen = (count == 1) | (np.minimum.reduceat(label, starts) != np.maximum.reduceat(label, starts))
+    if normals is not None:
+        turn = np.abs((normals[owner] * np.repeat(normals[owner[starts]], count, axis=0)).sum(axis=1))
+        seen |= np.minimum.reduceat(turn, starts) < SHARP_COSINE
+    return pairs[starts[seen]]
+
+
+def reference_points(mesh: PolyData) -> np.ndarray:
+    """Undeformed positions [m]; the present ones where the file has no displacement."""
+    displacement = mesh.point_data.get("displacement")
+    return mesh.points if displacement is None or displacement.ndim != 2 else mesh.points - displacement
+
+
+def fragment_edges(mesh: PolyData) -> np.ndarray:
+    """Edges (k, 2) along which the shell's fragments, or their outer border, end."""
+    return edges(mesh.triangles, weld(reference_points(mesh)), mesh.of_triangles("fragment", 0), None)
+
+
+def _divided(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Triangles halved until no edge is longer than LONGEST_STATIC_M; also which one each came from."""
+    corner, source = points[triangles], np.arange(len(triangles))
+    for _ in range(16):
+        length = np.linalg.norm(corner[:, [1, 2, 0]] - corner, axis=2)
+        long = length.max(axis=1) > LONGEST_STATIC_M
+        if not long.any() or len(corner) > 20_000:
+            break
+        k = length[long].argmax(axis=1)[:, None] + np.arange(3)  # longest edge first
+        c = np.take_along_axis(corner[long], (k % 3)[:, :, None], axis=1)
+        middle = 0.5 * (c[:, 0] + c[:, 1])
+        corner = np.concatenate([corner[~long], np.stack([c[:, 0], middle, c[:, 2]], axis=1),
+                                 np.stack([middle, c[:, 1], c[:, 2]], axis=1)])
+        source = np.concatenate([source[~long], source[long], source[long]])
+    return corner.reshape(-1, 3), np.arange(3 * len(corner)).reshape(-1, 3), source
+
+
+def _ball_centres(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -> np.ndarray:
+    """Per triangle the centre of its body if that is a ball, else NaN."""
+    centres = np.full((len(triangles), 3), np.nan)
+    for one in np.unique(body):
+        mine = body == one
+        corner = np.unique(points[np.unique(triangles[mine])].round(9), axis=0)
+        if len(corner) < 20:
+            continue
+        centre = 0.5 * (corner.min(axis=0) + corner.max(axis=0))
+        radius = np.linalg.norm(corner - centre, axis=1)
+        if radius.std() < 0.02 * radius.mean():
+            centres[mine] = centre
+    return centres
+
+
+def _join(parts: list[Surface]) -> Surface:
+    shifts = np.cumsum([0] + [len(part.points) for part in parts])
+    return Surface(np.concatenate([p.points for p in parts]),
+                   np.concatenate([p.triangles + shift for p, shift in zip(parts, shifts)]),
+                   np.concatenate([p.colours for p in parts]), np.concatenate([p.round_centre for p in parts]),
+                   np.concatenate([p.is_floor for p in parts]), np.concatenate([p.throws for p in parts]),
+                   np.concatenate([p.smooth for p in parts]))
+
+
+def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, throws: bool = True) -> Surface:
+    return Surface(points, triangles, colours, np.full((len(triangles), 3), np.nan), np.zeros(len(triangles), bool),
+                   np.full(len(triangles), throws), np.full_like(points, np.nan))
+
+
+def _smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """A unit normal per point, of the triangles around it by area. Sides of a crack have points of their own."""
+    corner = points[triangles]
+    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    sums = np.stack([np.bincount(triangles.ravel(), np.repeat(normal[:, axis], 3), len(points)) for axis in range(3)], 1)
+    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
+
+
+def _shell_colours(shell: PolyData, look: Look, part: np.ndarray, several: bool) -> np.ndarray:
+    fragment = shell.of_triangles("fragment", 0)
+    ids, inverse, counts = np.unique(fragment, return_inverse=True, return_counts=True)
+    largest = (np.arange(len(ids)) == counts.argmax())[inverse]
+    if look.by == "fragment":
+        return np.where(largest[:, None], PALE, pastel(fragment))
+    if look.by == "damage":
+        damage = shell.of_triangles("damage", 0.0)
+        return ramp(damage.max(axis=1) if damage.ndim == 2 else damage)
+    if look.by == "speed":
+        speed = np.linalg.norm(shell_velocity(shell), axis=1)[shell.triangles].mean(axis=1)
+        return ramp(speed / look.fastest)
+    base = part_colours(part, look.glass) if several else GLASS
+    return varied(np.where(largest, 0, fragment + 1), base, 0.10)  # the largest keeps the base colour
+
+
+def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.ndarray, several: bool,
+                    speed: np.ndarray) -> np.ndarray:
+    if look.by == "fragment":
+        return np.where(frozen[:, None], PALE, pastel(body))
+    if look.by == "damage":
+        return ramp(np.zeros(len(body)))  # frames do not say for what has come off
+    if look.by == "speed":
+        return ramp(speed / look.fastest)
+    base = np.where((part >= 0)[:, None], part_colours(np.maximum(part, 0), look.glass), DEBRIS) if several else GLASS
+    return varied(np.where(frozen, 0, body + 1), base, 0.14)
+
+
+def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = None) -> Scene:
+    """Reads a frame's files. `velocity` (n, 3) [m/s] of the points of bodies, for a look by speed. Raises VtpError, OSError.
+
+    A lone shell is glass, as are its shards. Of several each has a colour, and is opaque unless its material is glass.
+    """
+    glass, solid, cracks, outlines = [Surface()], [Surface()], [np.zeros((0, 2, 3))], [np.zeros((0, 2, 3))]
+    shards = moving = np.zeros((0, 3))
+    floor_z: float | None = None
+    shell = frame.read(SHELL)
+    several = len(look.glass) > 1
+    if shell is not None and len(shell.triangles):
+        part = shell.of_triangles("shell", 0).astype(np.int64)
+        several = several or part.max() > 0
+        colours = _shell_colours(shell, look, part, several)
+        smooth = _smooth_normals(shell.points, shell.triangles)
+        clear = is_glass(part, look.glass) if several else np.ones(len(part), bool)
+        for where, surfaces in ((clear, glass), (~clear, solid)):
+            if where.any():
+                surfaces.append(_surface(shell.points, shell.triangles[where], colours[where]))
+                surfaces[-1].smooth = smooth
+        cracks.append(shell.points[fragment_edges(shell)])
+    lines = frame.read(CRACKS)
+    if lines is not None:
+        cracks.append(lines.points[lines.segments()])
+    bodies = frame.read(BODIES)
+    if bodies is not None and len(bodies.triangles):
+        kind, body = bodies.of_triangles("kind", MOVING), bodies.of_triangles("body", 0)
+        speed = np.linalg.norm(velocity, axis=1)[bodies.triangles].mean(axis=1) if velocity is not None else 0.0 * body
+        broken = (kind == SHARD) | (kind == FROZEN)
+        if broken.any():
+            mine = bodies.triangles[broken]
+            part = parts_of_bodies(body[broken], look.part_of)
+            colours = _broken_colours(body[broken], (kind == FROZEN)[broken], look, part, several, speed[broken])
+            clear = is_glass(np.maximum(part, 0), look.glass) & (part >= 0) if several else np.ones(len(part), bool)
+            for where, surfaces in ((clear, glass), (~clear, solid)):
+                if where.any():
+                    surfaces.append(_surface(bodies.points, mine[where], colours[where]))
+            owner = np.zeros(len(bodies.points), np.int64)
+            owner[bodies.triangles.ravel()] = np.repeat(body, 3)
+            normals = _surface(bodies.points, mine, colours).normals()
+            outlines.append(bodies.points[edges(mine, weld(bodies.points, owner), body[broken], normals)])
+        shards = bodies.points[np.unique(bodies.triangles[kind == SHARD])]
+        own = kind == MOVING
+        moving = bodies.points[np.unique(bodies.triangles[own])]
+        if own.any():
+            steel = ramp(speed[own] / look.fastest) if look.by == "speed" else varied(body[own] * 0, STEEL, 0.0)
+            ours = _surface(bodies.points, bodies.triangles[own], steel)
+            ours.round_centre = _ball_centres(bodies.points, ours.triangles, body[own])
+            solid.append(ours)
+        fixed = kind == STATIC
+        if fixed.any():
+            points, triangles, _ = _divided(bodies.points, bodies.triangles[fixed])
+            ours = _surface(points, triangles, np.broadcast_to(FLOOR, (len(triangles), 3)), throws=False)
+            level = np.abs(ours.normals()[:, 2]) > 0.999
+            if level.any():
+                height = points[triangles][:, :, 2].mean(axis=1)
+                ours.is_floor = level & (height < height[level].min() + 1e-4)
+                floor_z = float(height[level].min())
+            solid.append(ours)
+    soft = frame.read(SOFT)
+    if soft is not None and len(soft.points):
+        points, triangles, particle, normals = balls(soft)
+        shown = ramp(speeds(soft)[particle] / look.fastest) if look.by == "speed" else soft_colours(soft, particle)
+        solid.append(_surface(points, triangles, shown))
+        solid[-1].smooth = normals
+        moving, shards = np.concatenate([moving, points]), np.concatenate([shards, points])  # what a picture has to hold
+    return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z,
+                 0.40 if several else 0.70)  # windows are for looking in, a pane is what there is to see

@@ -1,0 +1,286 @@
+"""`sunder render`: stills and a film of a run, by the rasteriser of the contact sheet."""
+from __future__ import annotations
+
+import multiprocessing
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import Callable, Iterator, Sequence
+
+import numpy as np
+from PIL import Image
+
+from ..errors import DONE, CommandError
+from ..launch.folder import existing_run
+from ..launch.install import FILM_PACKAGES, ensure_installed
+from ..places import BUILD_DIR_VARIABLE, REPOSITORY
+from .contact_sheet import SAMPLES, boxes, time_text, towards_what_is_hit, write_contact_sheet
+from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
+from .lettering import draw_text
+from .look import Look
+from .meshes import load_scene
+from .motion import body_velocity, shell_velocity
+from .raster import perspective_camera
+from .soft import speeds
+from .views import draw_scene
+from .vtp import VtpError
+
+STILLS = 6               # without --frames
+SIZE = (1280, 720)       # [px]
+FILM_S = 6.0             # a film of few frames is slowed down to last about this long
+FRAMES_A_SECOND = (4, 30)
+SPEED_FRAMES = 24        # at most so many are read to find how fast it gets
+VIEWS = {"front": (180.0, 12.0), "back": (0.0, 12.0), "left": (90.0, 8.0), "right": (-90.0, 8.0), "top": (-90.0, 89.0)}
+ENCODERS = {".mp4": ("-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
+            ".webm": ("-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-pix_fmt", "yuv420p")}
+ANIMATED = (".gif", ".png")
+
+
+@dataclass(frozen=True)
+class Shot:
+    """How every picture of a run is taken."""
+    size: tuple[int, int] = SIZE                  # [px] width, height
+    view: tuple[float, float] | None = None       # [degrees] azimuth of the eye from +x, elevation; None: as in the sheet
+    zoom: float = 1.0
+    close: bool = False                           # the shell fills the picture, not all that happens
+    caption: bool = True
+    look: Look = Look()
+
+
+@dataclass(frozen=True)
+class _Stage:
+    """What a process needs to draw any frame."""
+    frames: list[Frame]
+    shot: Shot
+    low: np.ndarray        # box [m] that fills the picture
+    high: np.ndarray
+    direction: np.ndarray  # of sight
+
+
+def parse_view(text: str) -> tuple[float, float]:
+    """A name of VIEWS or 'AZIMUTH,ELEVATION' in degrees. Raises ValueError."""
+    if text in VIEWS:
+        return VIEWS[text]
+    azimuth, elevation = (float(x) for x in text.split(","))
+    if not (-720.0 <= azimuth <= 720.0 and -89.0 <= elevation <= 89.0):
+        raise ValueError(text)
+    return azimuth, elevation
+
+
+def pick(spec: str, count: int) -> list[int]:
+    """Numbers of frames: 'all', or a list such as '0,5,10-20,last'. Raises CommandError."""
+    found: list[int] = []
+    for word in spec.split(","):
+        word = word.strip()
+        ends = ["0", "last"] if word == "all" else word.split("-")
+        numbers = [count - 1 if e == "last" else int(e) if e.isascii() and e.isdigit() else -1 for e in ends]
+        if len(numbers) > 2 or min(numbers) < 0:
+            raise CommandError(f"--frames {spec}: '{word}' is no frame; give e.g. all, 12, 0,5,last or 10-20")
+        if max(numbers) >= count or numbers[0] > numbers[-1]:
+            raise CommandError(f"--frames {spec}: '{word}' is not among the frames 0 to {count - 1}")
+        found += range(numbers[0], numbers[-1] + 1)
+    return sorted(set(found))
+
+
+def frames_of(folder: Path, command: str) -> list[Frame]:
+    """All frames of a run. Raises CommandError where there are none."""
+    existing_run(folder, command)
+    try:
+        frames = list_frames(folder)
+    except (VtpError, OSError) as error:
+        raise CommandError(f"{command}: {folder}: its frames cannot be read: {error}") from None
+    if not frames:
+        raise CommandError(f"{command}: {folder}/frames.pvd: no frame of it is there; was the folder 'frames' moved?")
+    return frames
+
+
+def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | None, shot: Shot, rate: float | None,
+           jobs: int) -> int:
+    """Writes pictures and says where they are; returns the exit status. Raises CommandError."""
+    frames = frames_of(folder, "render")
+    if sheet:
+        with telling(folder / "contact_sheet.png"):
+            print(write_contact_sheet(folder))
+        return DONE
+    if spec is not None:
+        numbers = pick(spec, len(frames))
+    elif film:
+        numbers = list(range(len(frames)))
+    else:
+        chosen = choose_frames(frames, STILLS)
+        numbers = [k for k, frame in enumerate(frames) if frame in chosen]
+    if film:
+        target = _film_file(out if out is not None else folder / "film.mp4", given=out is not None, size=shot.size)
+    else:
+        target = out if out is not None else folder / "stills"
+    with telling(target):
+        stage = _set_stage(folder, frames, numbers, shot)
+        if film:
+            seconds_each = 1.0 / (rate or float(np.clip(len(numbers) / FILM_S, *FRAMES_A_SECOND)))
+            _write_film(target, _drawn(stage, numbers, jobs), shot.size, seconds_each)
+        else:
+            target.mkdir(parents=True, exist_ok=True)
+            for k, picture in zip(numbers, _drawn(stage, numbers, jobs)):
+                put_in_place(target / f"still_{k:06d}.png", partial(picture.save, format="PNG"))
+    print(target)
+    return DONE
+
+
+class telling:  # noqa: N801: reads as a word in `with telling(target)`
+    """Makes CommandError of what can go wrong while pictures or meshes are written."""
+
+    def __init__(self, target: Path) -> None:
+        self._target = target
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: object, error: BaseException | None, trace: object) -> None:
+        if isinstance(error, VtpError) or isinstance(error, OSError) and str(error.filename).endswith(".vtp"):
+            raise CommandError(f"a frame cannot be read: {error}") from None
+        if isinstance(error, OSError):
+            raise CommandError(f"cannot write {self._target}: {error.strerror or error}"
+                               f"{f': {error.filename}' if error.filename else ''}; free some space there, or give --out "
+                               "a place that you may write to") from None
+
+
+def put_in_place(target: Path, write: Callable[[Path], object]) -> None:
+    """`write(path)` a file that is there whole or not at all."""
+    part = target.with_name(f".{os.getpid()}.{target.name}")
+    try:
+        write(part)
+        os.replace(part, target)
+    finally:
+        part.unlink(missing_ok=True)
+
+
+def _set_stage(folder: Path, frames: list[Frame], numbers: Sequence[int], shot: Shot) -> _Stage:
+    look = Look.of(folder, shot.look.by, _fastest(frames, numbers) if shot.look.by == "speed" else 1.0)
+    seen = [load_scene(frames[k], look) for k in (numbers[0], numbers[len(numbers) // 2], numbers[-1])]
+    close, wide = boxes(frames[0], seen)
+    low, high = close if shot.close else wide
+    if shot.view is None:
+        direction = towards_what_is_hit(load_scene(frames[0], look), *close)
+    else:
+        azimuth, elevation = np.radians(shot.view)
+        direction = -np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
+    middle = 0.5 * (low + high)
+    return _Stage(frames, replace(shot, look=look), middle + (low - middle) / shot.zoom, middle + (high - middle) / shot.zoom,
+                  direction)
+
+
+def _fastest(frames: list[Frame], numbers: Sequence[int]) -> float:
+    """[m/s] over some of the frames, shells and bodies; the end of the colours."""
+    top = 0.0
+    for k in np.unique(np.linspace(0, len(numbers) - 1, SPEED_FRAMES).round().astype(int)):
+        shell = frames[numbers[k]].read(SHELL)
+        found = [shell_velocity(shell)] if shell is not None else []
+        found += [body_velocity(frames, numbers[k])] if BODIES in frames[numbers[k]].files else []
+        soft = frames[numbers[k]].read(SOFT)
+        top = max(top, float(speeds(soft).max(initial=0.0)) if soft is not None else 0.0)
+        top = max([top] + [float(np.linalg.norm(v, axis=1).max(initial=0.0)) for v in found])
+    return top or 1.0
+
+
+_stage: _Stage | None = None  # of this process
+
+
+def _enter(stage: _Stage) -> None:
+    global _stage
+    _stage = stage
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the first process ends the others
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # by this
+
+
+def _draw(k: int) -> np.ndarray:
+    assert _stage is not None
+    return draw_one(_stage, k)
+
+
+def draw_one(stage: _Stage, k: int) -> np.ndarray:
+    """Frame k as (height, width, 3) bytes. Raises VtpError, OSError."""
+    shot = stage.shot
+    width, height = shot.size[0] * SAMPLES, shot.size[1] * SAMPLES
+    velocity = body_velocity(stage.frames, k) if shot.look.by == "speed" else None
+    scene = load_scene(stage.frames[k], shot.look, velocity)
+    camera = perspective_camera(stage.low, stage.high, stage.direction, width, height)
+    image = Image.fromarray((draw_scene(scene, camera, width, height) * 255.0 + 0.5).astype(np.uint8)).reduce(SAMPLES)
+    if shot.caption:
+        draw_text(image, (shot.size[1] // 40, shot.size[1] // 60), time_text(stage.frames[k].time_s),
+                  max(shot.size[1] // 32, 8))
+    return np.asarray(image)
+
+
+def _drawn(stage: _Stage, numbers: Sequence[int], jobs: int) -> Iterator[Image.Image]:
+    """The pictures in order, by several processes."""
+    jobs = min(jobs, len(numbers))
+    if jobs <= 1:
+        yield from (Image.fromarray(draw_one(stage, k)) for k in numbers)
+        return
+    with multiprocessing.get_context("fork").Pool(jobs, _enter, (stage,)) as pool:
+        yield from (Image.fromarray(picture) for picture in pool.imap(_draw, numbers))
+
+
+def _film_file(target: Path, given: bool, size: tuple[int, int]) -> Path:
+    """Where the film goes; another kind of file where ffmpeg cannot be had and none was asked for. Raises CommandError."""
+    if target.suffix not in (*ENCODERS, *ANIMATED):
+        raise CommandError(f"--out {target}: a film is one of {', '.join((*ENCODERS, *ANIMATED))}")
+    if target.suffix in ANIMATED:
+        return target
+    if any(n % 2 for n in size):
+        raise CommandError(f"--size {size[0]}x{size[1]}: {target.suffix} needs even numbers")
+    if shutil.which("ffmpeg"):
+        return target
+    try:
+        if os.environ.get(BUILD_DIR_VARIABLE):
+            raise CommandError(f"there is no ffmpeg, and {BUILD_DIR_VARIABLE} is set: nothing is installed then")
+        (REPOSITORY / "build").mkdir(exist_ok=True)
+        ensure_installed(REPOSITORY / "build" / "install.log", FILM_PACKAGES)
+        return target
+    except (CommandError, OSError) as error:
+        if given:
+            raise CommandError(f"{error}\n{target} needs ffmpeg; --out with .gif or .png (animated) does not") from None
+        print(f"sunder: {error}\nsunder: so the film is an animated GIF", file=sys.stderr, flush=True)
+        return target.with_suffix(".gif")
+
+
+def _write_film(target: Path, pictures: Iterator[Image.Image], size: tuple[int, int], seconds_each: float) -> None:
+    target.parent.mkdir(parents=True, exist_ok=True)
+    if target.suffix in ENCODERS:
+        put_in_place(target, lambda path: _encode(path, pictures, size, seconds_each))
+    else:
+        first = next(pictures)
+        milliseconds = max(round(1000 * seconds_each), 20)  # browsers slow down what is faster
+        options = {"format": "GIF", "optimize": False} if target.suffix == ".gif" else {"format": "PNG"}
+        rest = list(pictures)  # for PNG they are gone through twice
+        put_in_place(target, lambda path: first.save(path, save_all=True, append_images=rest, duration=milliseconds,
+                                                     loop=0, **options))
+
+
+def _encode(path: Path, pictures: Iterator[Image.Image], size: tuple[int, int], seconds_each: float) -> None:
+    """By ffmpeg. Raises CommandError with its last words where it fails, OSError."""
+    command = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
+               f"{size[0]}x{size[1]}", "-r", f"{1.0 / seconds_each:.6f}", "-i", "-", *ENCODERS[path.suffix], str(path)]
+    with tempfile.TemporaryFile() as words:
+        encoder = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=words, stderr=words)
+        assert encoder.stdin is not None
+        try:
+            for picture in pictures:
+                encoder.stdin.write(picture.tobytes())
+            encoder.stdin.close()
+        except BrokenPipeError:
+            pass  # it says why
+        except BaseException:
+            encoder.kill()
+            raise
+        finally:
+            status = encoder.wait()
+        if status != 0:
+            words.seek(0)
+            raise CommandError(f"ffmpeg failed with status {status}: {words.read().decode(errors='replace').strip()[-800:]}")

@@ -1,0 +1,41 @@
+"""run.json: reading it, and marking a run that could not end by itself."""
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+from typing import Any
+
+ENDED = ("done", "failed", "interrupted")
+
+
+def read_run(folder: Path) -> dict[str, Any]:
+    """run.json as a dictionary, {} if it is missing or unreadable."""
+    try:
+        run = json.loads((folder / "run.json").read_text())
+    except (OSError, ValueError):
+        return {}
+    return run if isinstance(run, dict) else {}
+
+
+def mark(folder: Path, status: str, kind: str, message: str) -> None:
+    """Sets status and error of run.json, keeps all else, replaces the file atomically.
+
+    Raises OSError where the folder cannot be written.
+    """
+    run = read_run(folder) or {"schema": 1}
+    run["status"] = status
+    if kind:
+        run["error"] = {"kind": kind, "message": message}
+    target = folder / "run.json"
+    temporary = folder / f".run.json.{os.getpid()}"
+    try:
+        with temporary.open("w") as sink:
+            json.dump(run, sink, indent=2)
+            sink.write("\n")
+            sink.flush()
+            os.fsync(sink.fileno())
+        os.replace(temporary, target)
+    except OSError:
+        temporary.unlink(missing_ok=True)
+        raise

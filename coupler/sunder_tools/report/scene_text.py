@@ -1,0 +1,161 @@
+"""What pictures need of the scene behind a run folder: names of shells and bodies, what is glass, masses of bodies.
+
+Frames hold numbers only. The scene is read here as text, without protobuf, which may not be installed; it was checked
+when it ran, and what is not understood is left out of a picture, no more.
+"""
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..places import REPOSITORY
+from .run_json import read_run
+
+Message = dict[str, list[Any]]  # field: its values in order; a message, a number, a word or a string each
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], proto/scene.proto
+TOKEN = re.compile(r"""\s+|\#[^\n]*|("(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*')|([{}<>\[\]:,;])|([^\s{}<>\[\]:,;#"']+)""")
+PAIRS = {"{": "}", "<": ">"}
+
+
+class SceneTextError(ValueError):
+    """The text is no text-format message."""
+
+
+def parse_text(text: str) -> Message:
+    """The fields of a protobuf message in text format. Raises SceneTextError."""
+    tokens: list[str] = []
+    at = 0
+    while at < len(text):
+        found = TOKEN.match(text, at)
+        if found is None:
+            raise SceneTextError(f"unexpected {text[at]!r} at character {at}")
+        tokens += [t for t in found.groups() if t is not None]
+        at = found.end()
+    return _fields(tokens, 0, None)[0]
+
+
+def _fields(tokens: list[str], at: int, closing: str | None) -> tuple[Message, int]:
+    message: Message = {}
+    while at < len(tokens):
+        name = tokens[at]
+        at += 1
+        if name == closing:
+            return message, at
+        if name in ",;":
+            continue
+        if not re.fullmatch(r"[A-Za-z_]\w*", name):
+            raise SceneTextError(f"{name!r} where a field's name belongs")
+        at += at < len(tokens) and tokens[at] == ":"
+        if at < len(tokens) and tokens[at] == "[":
+            at += 1
+            while at < len(tokens) and tokens[at] != "]":
+                if tokens[at] == ",":
+                    at += 1
+                    continue
+                value, at = _value(tokens, at)
+                message.setdefault(name, []).append(value)
+            if at == len(tokens):
+                raise SceneTextError("a ']' is missing at the end")
+            at += 1
+        else:
+            value, at = _value(tokens, at)
+            message.setdefault(name, []).append(value)
+    if closing is not None:
+        raise SceneTextError(f"a '{closing}' is missing at the end")
+    return message, at
+
+
+def _value(tokens: list[str], at: int) -> tuple[Any, int]:
+    if at >= len(tokens):
+        raise SceneTextError("a value is missing at the end")
+    token = tokens[at]
+    if token in PAIRS:
+        return _fields(tokens, at + 1, PAIRS[token])
+    if token[0] in "\"'":
+        return token[1:-1], at + 1
+    try:
+        return float(token), at + 1
+    except ValueError:
+        return token, at + 1
+
+
+def _one(message: Any, *path: str, default: Any = None) -> Any:
+    """The last value of a nested field; `default` where it is not there or something else is."""
+    for name in path:
+        if not isinstance(message, dict) or not message.get(name):
+            return default
+        message = message[name][-1]
+    return message
+
+
+@dataclass(frozen=True)
+class Words:
+    """What the scene calls things; all empty where it was not found."""
+    shells: tuple[str, ...] = ()          # by number
+    materials: tuple[str, ...] = ()       # of each shell
+    glass: tuple[bool, ...] = ()          # of each shell: its material is called glass
+    breaks: tuple[bool, ...] = ()         # of each shell: its material has a strength
+    surface_density: tuple[float, ...] = ()  # of each shell [kg/m^2]; NaN where not given
+    bodies: tuple[str, ...] = ()          # of the scene, in order
+    probes: tuple[tuple[str, str], ...] = ()  # (probe, body) where a body moves under a probe
+    masses: tuple[tuple[str, float], ...] = ()  # (body, [kg]) of spheres and boxes
+    gravity: tuple[float, float, float] = STANDARD_GRAVITY
+
+    def mass_under(self, probe: str) -> float | None:
+        """[kg] of the body that the probe follows; None where that is not known."""
+        return dict(self.masses).get(dict(self.probes).get(probe, ""))
+
+
+def scene_words(folder: Path) -> Words:
+    """Of the scene that command.json names, else of the one of this name that comes with the project."""
+    run, settings = read_run(folder), []
+    try:
+        kept = json.loads((folder / "command.json").read_text())
+        path, settings = Path(kept["scene"]), [str(s) for s in kept["settings"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        path = REPOSITORY / "scenes" / f"{Path(str(run.get('scene', ''))).name}.textproto"
+    try:
+        words = words_of(parse_text(path.read_text()), settings)
+    except (OSError, ValueError):
+        return Words()
+    counts = run.get("counts")
+    patches = counts.get("patches") if isinstance(counts, dict) else None
+    # the file may have been changed since; then numbers would get wrong names
+    return words if patches in (None, len(words.shells)) else Words()
+
+
+def words_of(scene: Message, settings: list[str]) -> Words:
+    """`settings`: --set of the run; one of a body or material may change masses, which are then not given."""
+    materials = {_one(m, "name"): m for m in scene.get("materials", [])}
+    shells = [s for s in scene.get("shells", []) if isinstance(s, dict)]
+    of = [str(_one(s, "material", default="")) for s in shells]
+    density = [_number(_one(materials.get(m), "density")) * _number(_one(s, "thickness_m")) for m, s in zip(of, shells)]
+    bodies = [b for b in scene.get("bodies", []) if isinstance(b, dict)]
+    known = not any(re.match(r"(materials|bodies\[[^\]]*\]\.(material|sphere|box|mesh))", s) for s in settings)
+    masses = [(str(_one(b, "name")), mass) for b in bodies if known and (mass := _mass(b, materials)) is not None]
+    probes = [(str(_one(p, "name")), str(_one(p, "body"))) for o in scene.get("output", []) if isinstance(o, dict)
+              for p in o.get("probes", []) if _one(p, "body")]
+    pull = _one(scene, "gravity")
+    gravity = STANDARD_GRAVITY if pull is None else tuple(_number(_one(pull, a, default=0.0)) for a in "xyz")
+    if any(s.startswith("gravity") for s in settings):
+        masses = []  # the impulse of weight would be a wrong one
+    return Words(tuple(str(_one(s, "name", default="")) for s in shells), tuple(of),
+                 tuple("glass" in m.lower() for m in of),
+                 tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density),
+                 tuple(str(_one(b, "name", default="")) for b in bodies), tuple(probes), tuple(masses), gravity)
+
+
+def _number(value: Any) -> float:
+    return value if isinstance(value, float) else math.nan
+
+
+def _mass(body: Message, materials: dict[Any, Any]) -> float | None:
+    density = _number(_one(materials.get(_one(body, "material")), "density"))
+    radius = _number(_one(body, "sphere", "radius_m"))
+    size = [_number(_one(body, "box", "size_m", a)) for a in "xyz"]
+    mass = density * (math.prod(size) if "box" in body else 4.0 / 3.0 * math.pi * radius ** 3)
+    return mass if math.isfinite(mass) and mass > 0.0 and _one(body, "is_static") != "true" else None

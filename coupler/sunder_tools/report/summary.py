@@ -1,0 +1,51 @@
+"""The summary that `sunder run` prints at its end."""
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..words import command_line
+from .models import in_words
+from .run_json import read_run
+
+
+def _number(value: Any, form: str) -> str:
+    """A number in the given format, '-' if it is absent."""
+    if isinstance(value, bool) or not isinstance(value, (int, float)):
+        return "-"
+    return format(value, form)
+
+
+def summary(folder: Path, sheet: Path | None) -> str:
+    """Some lines for the end of a run, all of it from run.json."""
+    run = read_run(folder)
+
+    def get(section: str, key: str) -> Any:
+        part = run.get(section)
+        return part.get(key) if isinstance(part, dict) else None
+
+    status = str(run.get("status", "unknown"))
+    message = get("error", "message")
+    lines = [f"status           {status}" + (f": {message}" if message else "")]
+    lines.append(f"simulated        {_number(get('time', 'simulated_s'), '.6g')} s in "
+                 f"{_number(get('time', 'wall_s'), '.1f')} s")
+    lines.append(f"fragments        {_number(get('counts', 'fragments'), 'd')}, handed to the engine "
+                 f"{_number(get('counts', 'handed_off'), 'd')}")
+    if isinstance(get("cracks", "taken_relative"), (int, float)):
+        lines.append(f"cracks           {_number(get('cracks', 'length_m'), '.3g')} m, took "
+                     f"{_number(get('cracks', 'taken_relative'), '.2f')} of G_f times their area")
+    lines.append(f"ledger           linear {_number(get('ledger', 'linear_max'), '.1e')}, angular "
+                 f"{_number(get('ledger', 'angular_max'), '.1e')} (relative to the impulses exchanged)")
+    lines.append(f"energy residual  {_number(get('energy', 'residual_relative'), '.2%')}")
+    active = in_words(run)
+    if active:
+        lines.append(f"active models    {active}")
+    warnings = run.get("warnings")
+    for warning in warnings if isinstance(warnings, list) else []:
+        lines.append(f"warning          {warning}")
+    lines.append(f"run folder       {folder}")
+    if sheet is not None:
+        lines.append(f"pictures         {sheet}")
+    if (folder / "frames.pvd").exists():
+        lines.append(f"frames           {folder / 'frames.pvd'} (ParaView; or: {command_line(['sunder', 'view', folder])})")
+    return "\n".join(lines)

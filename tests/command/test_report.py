@@ -1,0 +1,178 @@
+"""`report`: pages and status lines from made-up JSON, and what is refused."""
+from __future__ import annotations
+
+import contextlib
+import io
+import json
+import platform
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from sunder_tools.errors import PEER_LOST, CommandError
+from sunder_tools.report import machine
+from tests.commands import report
+from tests.validation import results
+
+from . import sunder
+
+WITH = {"commit": "abc", "date": "2000-01-02", "processor": "A | B", "cores": 2, "load": 0.1, "compiler": "c++ 1"}
+CASES = {"cases": [
+    {"name": "roof", "computed": 1.01, "reference": 1.0, "error": 0.01, "tolerance": 0.1, "pass": True, "seconds": 2.5},
+    {"name": "share", "computed": 0.5, "reference": 0.0, "error": 0.5, "tolerance": 0.1, "pass": False, "seconds": 1.0,
+     "known": "coarse grid"},
+    {"name": "gone", "computed": None, "reference": 0.0, "error": None, "tolerance": 0.0, "pass": False, "seconds": 0.0}]}
+ENGINES = {"engines": {"ode": {"engine": "ode", "version": "1", "cases": [
+    {"name": "fall.height", "needs": [], "computed": 1.0, "reference": 1.0, "error": 0.0, "tolerance": 1e-3,
+     "verdict": "pass", "note": ""},
+    {"name": "stack", "needs": ["contact"], "computed": None, "reference": None, "error": None, "tolerance": None,
+     "verdict": "skipped", "note": "needs contact"}]}}}
+
+
+class Pages(unittest.TestCase):
+    def test_a_row_has_its_verdict_and_its_reason(self) -> None:
+        found = results.result_of("shells", CASES, 3.0, WITH)
+        self.assertEqual(found.in_words(), "1 pass, 1 known, 1 fail")
+        text = results.page("Results", [found])
+        self.assertIn("| roof | 1.01 | 1 | 1.00e-02 | 1.0e-01 | pass | 2.5 |  |", text)
+        self.assertIn("| share | 0.5 | 0 | 5.00e-01 | 1.0e-01 | known | 1.0 | coarse grid |", text)
+        self.assertIn("| gone | - | 0 | - | 0.0e+00 | fail | 0.0 |  |", text)
+        self.assertIn("| abc | 2000-01-02 | A \\| B | 2 | 0.1 | c++ 1 |", text)
+
+    def test_rows_of_engines_are_told_by_engine(self) -> None:
+        found = results.result_of("engines", ENGINES, 3.0, WITH)
+        self.assertEqual(found.in_words(), "1 pass, 1 skipped")
+        self.assertIn("| ode: stack | - | - | - | - | skipped | - | needs contact |", results.page("Results", [found]))
+
+    def test_numbers_of_benchmarks_are_keys_and_values(self) -> None:
+        found = results.result_of("bench", {"kernel_ns": 11.5, "peak": None}, 3.0, WITH)
+        text = results.page("Results", [found])
+        self.assertIn("| kernel_ns | 11.5 |\n| peak | - |", text)
+        self.assertIn("2 numbers in 3 s", text)
+
+    def test_what_is_kept_comes_back(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name) / "results"
+            found = results.result_of("shells", CASES, 3.0, WITH)
+            results.write(found, folder)
+            self.assertEqual(results.read_all(folder), [found])
+            for text in ("{", "[]", '{"suite": "shells"}'):
+                (folder / "bad.json").write_text(text)
+                with self.assertRaisesRegex(CommandError, "bad.json: is no result of a suite"):
+                    results.read_all(folder)
+
+    def test_json_of_something_else_is_refused(self) -> None:
+        for found in ({}, {"cases": [{"name": "x"}]}, {"engines": []}):
+            with self.assertRaisesRegex(CommandError, "has no cases"):
+                results.result_of("shells", found, 0.0, WITH)
+
+
+class Status(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.readme = Path(temporary.name) / "README.md"
+
+    def test_only_what_is_between_the_marks_changes(self) -> None:
+        self.readme.write_text(f"# Top\n\n{results.FIRST}\nold\n{results.LAST}\n\nend\n")
+        results.put_status(self.readme, [results.result_of("shells", CASES, 90.0, WITH)])
+        text = self.readme.read_text()
+        self.assertTrue(text.startswith("# Top\n\n") and text.endswith(f"{results.LAST}\n\nend\n"))
+        self.assertIn("| shells | 1 pass, 1 known, 1 fail | 1.5 | abc | 2000-01-02 |", text)
+        self.assertNotIn("old", text)
+        results.put_status(self.readme, [])
+        self.assertIn("No suite has been reported yet.", self.readme.read_text())
+
+    def test_a_page_without_a_place_is_refused_and_stays(self) -> None:
+        first, last = results.FIRST, results.LAST
+        for text in ("", first, last, f"{last}\n{first}\n", f"{first}\n{first}\n{last}\n", f"{first}\n{last}\n{last}\n"):
+            self.readme.write_text(text)
+            with self.assertRaisesRegex(CommandError, "has no place for the status"):
+                results.put_status(self.readme, [])
+            self.assertEqual(self.readme.read_text(), text)
+
+
+class Reporting(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.top = Path(temporary.name)
+        self.said = io.StringIO()
+        for context in (contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO()),
+                        mock.patch.object(report, "circumstances", lambda build: WITH)):
+            context.__enter__()
+            self.addCleanup(context.__exit__, None, None, None)
+
+    def report(self, *suites: str, status: int = 0, found: object = None) -> int:
+        def validate(suite: str, case: None, numbers: Path, plots: None, known: bool) -> int:
+            self.assertEqual(known, suite not in ("engines", "extremes"))
+            if found is not None:
+                numbers.write_text(json.dumps(found))
+            return status
+
+        def bench(pattern: None, numbers: Path) -> int:
+            numbers.write_text('{"kernel_ns": 11.5}')
+            return 0
+
+        with mock.patch.object(report, "validate", validate), mock.patch.object(report, "bench", bench):
+            return sunder(["report", *suites, "--json-dir", str(self.top)])
+
+    def page(self, room: str = "validation") -> str:
+        return (self.top / room / "RESULTS.md").read_text()
+
+    def test_a_suite_is_renewed_alone(self) -> None:
+        self.assertEqual(self.report("contact", "shells", found=CASES), 0)
+        self.assertEqual(self.report("engines", found=ENGINES), 0)
+        self.assertEqual([line for line in self.page().splitlines() if line.startswith("## ")],
+                         ["## shells", "## contact", "## engines"])
+        self.assertEqual(self.report("bench"), 0)
+        self.assertIn("kernel_ns", self.page("benchmarks"))
+        before = self.page()
+        (self.top / "validation" / "RESULTS.md").unlink()
+        self.assertEqual(sunder(["report", "--no-run", "--json-dir", str(self.top)]), 0)
+        self.assertEqual(self.page(), before)
+
+    def test_all_are_run_where_none_is_named_and_one_that_fails_is_the_status(self) -> None:
+        self.assertEqual(self.report(status=1, found=CASES), 1)
+        self.assertEqual(len(list(self.top.rglob("results/*.json"))), len(report.SUITES))
+        self.assertIn(f"these suites fail: {', '.join(report.VALIDATIONS)}\n", self.said.getvalue())
+
+    def test_a_suite_that_breaks_leaves_the_earlier_result(self) -> None:
+        self.assertEqual(self.report("shells", found=CASES), 0)
+        before = self.page()
+        self.assertEqual(self.report("shells", status=3), 1)
+        self.assertIn("wrote no JSON", self.said.getvalue())
+        with mock.patch.object(report, "validate", side_effect=CommandError("it died", PEER_LOST)):
+            self.assertEqual(sunder(["report", "shells", "--json-dir", str(self.top)]), 1)
+        self.assertEqual(self.page(), before)
+        with mock.patch.object(report, "validate", side_effect=CommandError("no such program")):
+            self.assertEqual(sunder(["report", "shells", "contact", "--json-dir", str(self.top)]), 2)
+
+    def test_refused(self) -> None:
+        for arguments, words in ((["shels"], "did you mean 'shells'"), (["bench", "--no-run"], "leave 'bench' out")):
+            self.assertEqual(sunder(["report", *arguments, "--json-dir", str(self.top)]), 2)
+            self.assertIn(words, self.said.getvalue())
+        self.assertEqual(list(self.top.iterdir()), [])
+
+
+class Machine(unittest.TestCase):
+    def test_is_told_by_its_processor_and_compiler_and_never_by_its_name(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "cpuinfo").write_text("processor\t: 0\nmodel name\t: Some   CPU 3 GHz\nmodel name\t: Other\n")
+            self.assertEqual(machine.processor(folder / "cpuinfo"), "Some CPU 3 GHz")
+            self.assertEqual(machine.processor(folder / "none"), "unknown")
+            (folder / "c++").write_text("#!/bin/sh\necho c++ 1.2 $1\necho more\n")
+            (folder / "c++").chmod(0o755)
+            (folder / "CMakeCache.txt").write_text(f"CMAKE_CXX_COMPILER:FILEPATH={folder}/c++\n")
+            self.assertEqual(machine.compiler(folder), "c++ 1.2 --version")
+            self.assertEqual(machine.compiler(folder / "none"), "unknown")
+            self.assertEqual(machine.commit(folder), "unknown")
+            found = machine.circumstances(folder)
+        self.assertGreaterEqual(int(str(found["cores"])), 1)
+        self.assertNotIn(platform.node() or "no name", json.dumps(found))
+
+
+if __name__ == "__main__":
+    unittest.main()

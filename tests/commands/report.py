@@ -1,0 +1,94 @@
+"""`sunder report`: runs suites and writes their results as pages."""
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from sunder_tools.command.parser import Subparsers, add_command
+from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError
+from sunder_tools.launch.build import build_dir
+from sunder_tools.places import REPOSITORY
+from sunder_tools.report.machine import circumstances
+from sunder_tools.words import did_you_mean
+
+from ..validation.measure import VALIDATIONS, bench, validate
+from ..validation.results import BENCH, page, put_status, read_all, replace, result_of, write
+
+NAME = "report"
+SUITES = (*VALIDATIONS, BENCH)
+WITHOUT_KNOWN = ("engines", "extremes")  # `validate` takes no --known for them
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Arguments of `sunder report`."""
+    parser = add_command(
+        subparsers, NAME, "run suites and write their results as pages",
+        "Runs the suites named, all where none is, and keeps the JSON of each in tests/validation/results and\n"
+        "tests/benchmarks/results. Writes RESULTS.md beside both and the status lines of README.md, from all JSON\n"
+        "that is there: a suite can be renewed alone. Exit status 1 where a suite fails.",
+        "sunder report shells contact")
+    parser.add_argument("suites", metavar="SUITE", nargs="*", help=", ".join(SUITES))
+    parser.add_argument("--json-dir", metavar="DIR", type=Path,
+                        help="keep the JSON in DIR/validation and DIR/benchmarks, the pages beside, and leave README.md alone")
+    parser.add_argument("--no-run", action="store_true", help="run nothing: write the pages anew from the JSON")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Runs suites and writes pages; returns the exit status. Raises CommandError."""
+    for suite in arguments.suites:
+        if suite not in SUITES:
+            raise CommandError(f"report: no suite '{suite}'; {did_you_mean(suite, SUITES)}", BAD_INPUT)
+    if arguments.suites and arguments.no_run:
+        raise CommandError(f"report: --no-run runs no suite; leave '{arguments.suites[0]}' out", BAD_INPUT)
+    top = arguments.json_dir or REPOSITORY / "tests"
+    failed = [] if arguments.no_run else [s for s in arguments.suites or SUITES if not run_suite(s, folder_of(s, top))]
+    write_pages(top, None if arguments.json_dir else REPOSITORY / "README.md")
+    if failed:
+        print(f"sunder: these suites fail: {', '.join(failed)}", file=sys.stderr)
+    return CHECK_FAILED if failed else DONE
+
+
+def folder_of(suite: str, top: Path) -> Path:
+    """Where the JSON of a suite is kept."""
+    return top / ("benchmarks" if suite == BENCH else "validation") / "results"
+
+
+def run_suite(suite: str, folder: Path) -> bool:
+    """Runs a suite and keeps what it gives; returns whether it holds. One that breaks leaves the earlier result."""
+    print(f"sunder: {suite}", file=sys.stderr, flush=True)
+    made_with, start = circumstances(build_dir()), time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="report-sunder-") as temporary:
+        numbers = Path(temporary) / f"{suite}.json"
+        try:
+            ended = bench(None, numbers) if suite == BENCH else validate(
+                suite, None, numbers, None, known=suite not in WITHOUT_KNOWN)
+        except CommandError as error:
+            if error.status != PEER_LOST:
+                raise  # it could not begin: a build that fails, a program that is missing
+            print(f"sunder: {suite}: {error}", file=sys.stderr)
+            return False
+        if not numbers.is_file():
+            print(f"sunder: {suite}: ended with status {ended} and wrote no JSON", file=sys.stderr)
+            return False
+        found = json.loads(numbers.read_text())
+    write(result_of(suite, found, time.monotonic() - start, made_with), folder)
+    return ended == DONE
+
+
+def write_pages(top: Path, readme: Path | None) -> None:
+    """Both pages, and the status lines of a README."""
+    validation, benchmarks = read_all(folder_of(VALIDATIONS[0], top)), read_all(folder_of(BENCH, top))
+    order = {suite: k for k, suite in enumerate(SUITES)}
+    validation.sort(key=lambda result: order.get(result.suite, len(order)))
+    for title, results in (("Results of validation", validation), ("Results of benchmarks", benchmarks)):
+        if results:
+            path = folder_of(results[0].suite, top).parent / "RESULTS.md"
+            replace(path, page(title, results))
+            print(f"written          {path}")
+    if readme is not None:
+        put_status(readme, validation + benchmarks)
+        print(f"status           {readme}")

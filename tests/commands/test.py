@@ -1,0 +1,61 @@
+"""`sunder test`: builds everything and runs the tests."""
+from __future__ import annotations
+
+import argparse
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+from sunder_tools.command.parser import Subparsers, add_command
+from sunder_tools.errors import CHECK_FAILED, DONE, CommandError
+from sunder_tools.launch.build import build_dir, ensure_built
+from sunder_tools.launch.install import BROWSER_PACKAGES, SLURM_PACKAGES, ensure_installed
+from sunder_tools.launch.node import ensure_node
+from sunder_tools.places import BUILD_DIR_VARIABLE, REPOSITORY
+
+NAME = "test"
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """All arguments of `sunder test` are ctest's: with this prefix none of them is taken for an option of this parser."""
+    parser = add_command(subparsers, NAME, "build everything and run the tests",
+                         "What follows goes to ctest, e.g. sunder test -R vtp",
+                         usage="sunder test [CTEST_ARGUMENT ...]", add_help=False, prefix_chars="\0")
+    parser.add_argument("ctest", nargs="*", metavar="CTEST_ARGUMENT")
+    parser.set_defaults(parser=parser)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Runs ctest; returns 1 where it fails. Raises CommandError."""
+    if arguments.ctest[:1] in (["--help"], ["-h"]):
+        arguments.parser.print_help()
+        return DONE
+    ensure_built(all_targets=True)
+    if not os.environ.get(BUILD_DIR_VARIABLE):  # nothing is installed then
+        _get_packages()
+    at_once = len(os.sched_getaffinity(0)) + 1  # some wait: for a process to start, for its peer, for a browser
+    command = ["ctest", "--test-dir", str(build_dir()), "--output-on-failure", f"-j{at_once}", *arguments.ctest]
+    environment = {key: value for key, value in os.environ.items() if key != BUILD_DIR_VARIABLE}
+    environment["PATH"] = "/usr/bin:/bin:" + environment.get("PATH", "")
+    environment["OMP_WAIT_POLICY"] = "passive"  # tests run at once: threads that wait must leave the cores to the other
+    status = subprocess.run(command, check=False, env=environment).returncode
+    return DONE if status == 0 else CHECK_FAILED
+
+
+def _get_packages() -> None:
+    """Packages that only tests need. Where they cannot be had, their tests are skipped."""
+    log = REPOSITORY / "build" / "install.log"
+    for what, install in (("the Jolt engine", ensure_node),
+                          ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES)),
+                          ("the viewer", _ensure_viewer)):
+        try:
+            install(log)
+        except (CommandError, OSError) as error:
+            print(f"sunder: {error}\nsunder: so the tests of {what} are skipped", file=sys.stderr, flush=True)
+
+
+def _ensure_viewer(log: Path) -> None:
+    from sunder_tools.pictures.view import ensure_page  # numpy only once it is installed
+    ensure_installed(log, BROWSER_PACKAGES)
+    ensure_page()

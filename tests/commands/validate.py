@@ -1,0 +1,33 @@
+"""`sunder validate`: exact and published answers beside those computed."""
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+from sunder_tools.command.parser import Subparsers, add_command
+
+from ..validation.measure import VALIDATIONS, validate
+
+NAME = "validate"
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Arguments of `sunder validate`."""
+    parser = add_command(
+        subparsers, NAME, "compare with exact and published answers",
+        "A table of case, computed, reference, error, tolerance, seconds; exit status 1 where a case fails.")
+    parser.add_argument("what", metavar="WHAT", help=f"{', '.join(VALIDATIONS[:-1])} or {VALIDATIONS[-1]}")
+    parser.add_argument("--case", metavar="NAME", help="this case only")
+    parser.add_argument("--full", action="store_true", help="with extremes: the long rows as well")
+    parser.add_argument("--known", action="store_true",
+                        help="exit status 0 where nothing fails but what is known to, as far as tests/validation/known allows")
+    parser.add_argument("--rigid", metavar="ENGINE", help="with engines: this one only, as 'run' takes it")
+    parser.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the table as JSON")
+    parser.add_argument("--plots", metavar="FILE.png", type=Path, help="plots of convergence")
+    parser.add_argument("--pictures", metavar="DIR", type=Path, help="pictures of the runs, into this folder")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Runs the cases; returns the exit status. Raises CommandError."""
+    return validate(arguments.what, arguments.case, arguments.report, arguments.plots, arguments.pictures,
+                    arguments.rigid, arguments.full, arguments.known)

@@ -1,0 +1,112 @@
+"""`sunder validate engines`: the conformance suite for every engine, and one table of what each of them holds."""
+from __future__ import annotations
+
+import json
+import math
+import tempfile
+from pathlib import Path
+
+from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError
+from sunder_tools.launch import engines
+from sunder_tools.launch.build import Executables
+from sunder_tools.places import REPOSITORY
+
+from ..validation.programs import run_program
+
+KNOWN = REPOSITORY / "tests" / "conformance" / "known"
+CELL_CHARS = 24
+PASS, KNOWN_FAIL, FAIL, SKIPPED, REPORTED, ABSENT = "pass", "known", "FAIL", "skipped", "told", ""
+
+Row = dict[str, object]
+
+
+def suite_command(suite: Path, rigid: engines.Rigid, name: str, case: str | None, numbers: Path) -> list[str]:
+    """Call of the suite for one engine; `name` finds the list of its known failures."""
+    command = [str(suite), "--json", str(numbers)]
+    if rigid.endpoint:
+        command += ["--endpoint", rigid.endpoint]
+    else:
+        program, *arguments = rigid.command
+        command += ["--engine", program]
+        for argument in arguments:
+            command += ["--engine-arg", argument]
+    known = KNOWN / f"{name}.txt"
+    if known.is_file():
+        command += ["--expect", str(known)]
+    return command + (["--case", case] if case else [])
+
+
+def cell(rows: list[Row]) -> str:
+    """What one engine makes of one case: a word, and the rows that fail with their errors."""
+    verdicts = [str(row["verdict"]) for row in rows]
+    if not verdicts:
+        return ABSENT
+    failing = [row for row in rows if row["verdict"] in ("fail", "known")]
+    if not failing:
+        return next((word for verdict, word in (("pass", PASS), ("skipped", SKIPPED)) if verdict in verdicts), REPORTED)
+    word = FAIL if "fail" in verdicts else KNOWN_FAIL
+    figures = []
+    for row in failing:
+        part = str(row["name"]).partition(".")[2]
+        error = row["error"]
+        figures.append(f"{part} {error:.1e}" if isinstance(error, float) and math.isfinite(error) else part)
+    return f"{word} {', '.join(figures)}".strip()
+
+
+def by_case(rows: list[Row]) -> dict[str, list[Row]]:
+    """Rows of each case, in the order of the suite."""
+    cases: dict[str, list[Row]] = {}
+    for row in rows:
+        cases.setdefault(str(row["name"]).partition(".")[0], []).append(row)
+    return cases
+
+
+def table(found: dict[str, dict[str, object]]) -> str:
+    """Rows are cases, columns engines; what fails comes again below, with its reason."""
+    columns = {name: by_case(result["cases"]) for name, result in found.items()}  # type: ignore[arg-type]
+    cases = list(dict.fromkeys(case for column in columns.values() for case in column))
+    lines = [f"{'case':<26} " + " ".join(f"{name:<{CELL_CHARS}}" for name in columns)]
+    for case in cases:
+        cells = [cell(column.get(case, [])) for column in columns.values()]
+        short = [text if len(text) <= CELL_CHARS else text[:CELL_CHARS - 3] + "..." for text in cells]
+        lines.append(f"{case:<26} " + " ".join(f"{text:<{CELL_CHARS}}" for text in short).rstrip())
+    for name, result in found.items():
+        for row in result["cases"]:  # type: ignore[attr-defined]
+            if row["verdict"] not in ("fail", "known"):
+                continue
+            numbers = "" if row["error"] is None else f" {row['error']:.2g} (allowed {row['tolerance']:.1g})"
+            word = "FAIL " if row["verdict"] == "fail" else "known"
+            lines.append(f"{word} {name}: {row['name']}{numbers}: {row['note']}")
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def run_suites(suite: Path, executables: Executables, case: str | None, chosen: str | None = None) -> tuple[
+        int, dict[str, dict[str, object]]]:
+    """Exit status, and what the suite wrote for each engine that could be asked. Jolt is left out, with the reason,
+    where its packages cannot be had: they come from a registry."""
+    status = DONE
+    found: dict[str, dict[str, object]] = {}
+    for name in [chosen] if chosen else engines.names(executables):
+        try:
+            rigid = engines.resolve(name, executables)
+        except CommandError as error:
+            if chosen:
+                raise
+            print(f"{name}: left out: {error}\n", flush=True)
+            continue
+        if rigid.in_process:
+            raise CommandError(f"--rigid {name}: the suite speaks over the wire; leave '{engines.IN_PROCESS}:' out", BAD_INPUT)
+        with tempfile.TemporaryDirectory() as folder:
+            numbers = Path(folder) / "rows.json"
+            ended = run_program(suite_command(suite, rigid, Path(name).name, case, numbers))
+            if ended == BAD_INPUT:
+                return BAD_INPUT, found  # it has said why
+            if not numbers.is_file():
+                print(f"{name}: the suite found no engine to speak to", flush=True)
+                status = CHECK_FAILED
+                continue
+            found[name] = json.loads(numbers.read_text())
+        if ended != DONE:
+            status = CHECK_FAILED
+        print(flush=True)
+    return status, found

@@ -1,0 +1,1 @@
+"""`validate extremes`: scenes far from any use, each with what is expected of it, run by the real programs."""

@@ -1,0 +1,363 @@
+"""Impacts on a brittle plate: the lattice must not show, radial cracks against speed, what refinement changes."""
+from __future__ import annotations
+
+import csv
+import math
+import os
+import random
+import shutil
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from itertools import repeat
+from pathlib import Path
+
+import numpy as np
+
+from sunder_lab.crossings import radial_crossings
+from sunder_tools.launch.build import Executables
+from sunder_tools.pictures.contact_sheet import write_contact_sheet
+from sunder_tools.pictures.crack_lines import Graph, grown, last_graph
+from sunder_tools.pictures.frames import SHELL, list_frames
+from sunder_tools.pictures.meshes import reference_points
+from sunder_tools.report.run_json import read_run
+
+from .crack_pictures import draw_cracks
+from .patterns import (anova, chance_of_distance, distance, harmonic, lengths, off_circle, power_law, quantile_bounds,
+                       upper_bound)
+from .trials import MOST_MISSING, Table, kept_run
+
+SIDE = 0.06       # [m] of the plate of scenes/acrylic.textproto
+ROUND = 0.03      # [m] of that of scenes/round_pane.textproto
+ELEMENTS = 80
+SEEDS = 8
+COUNTED_AT = 4e-3  # [m]: four thicknesses from the impact radial cracks are counted
+LEAST_CHANCE = 0.01
+FEWEST_RADIALS = 3.0  # in a round pane, on the mean: of fewer neither their number nor their directions tell much
+MOST_STRIPS = 0.5  # at the border, in a run
+SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
+BETWEEN_PUBLISHED = math.log(8.0 / 4.0) / math.log(57.0 / 22.0)
+
+
+BARS = "(± 2 standard errors)"
+
+
+def _bar(values: list) -> float:
+    """Half of the bar of a mean over seeds."""
+    return 2.0 * float(np.std(values, ddof=1)) / math.sqrt(len(values))
+
+
+def _beside(seed: int) -> list[str]:
+    """The pellet beside the lattice's point of symmetry, by up to half an element; else that is what is seen."""
+    chance = random.Random(seed)
+    reach = 0.5 * SIDE / ELEMENTS
+    return [f"bodies[pellet].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
+
+
+def _struck(executables: Executables, scene: str, seed: int,
+            settings: list[str]) -> tuple[Graph | None, dict, float, float]:
+    """Cracks, run.json, the pellet's velocity at the end [m/s] and seconds; no cracks: None."""
+    with kept_run(executables, scene, [f"fracture.seed={seed}", "end_time_s=1.2e-4", *_beside(seed), *settings]) as (
+            folder, seconds):
+        rows = list(csv.reader((folder / "probes.csv").open()))
+        back = float(rows[-1][rows[0].index("pellet_vz [m/s]")])
+        try:
+            graph = grown(last_graph(folder))
+        except ValueError:
+            graph = None
+        return (graph if graph is not None and len(graph) else None), read_run(folder), back, seconds
+
+
+def _add_energy(table: Table, name: str, residuals: list[float]) -> None:
+    """Row NAME_energy, as `add_books` has it, of the worst of many runs."""
+    table.add(f"{name}_energy", float(np.abs(residuals).max()), 0.0, MOST_MISSING, 0.0)
+
+
+def round_pane(table: Table, executables: Executables) -> None:
+    """scenes/round_pane.textproto, its lattice turned by 0, 15, 30 and 45 degrees, eight seeds each."""
+    centre, radius = np.array([0.5 * ROUND, 0.5 * ROUND]), 0.0135
+    names = ("harmonic", "harmonic_in_the_room", "length", "radials")
+    groups: dict[str, list[list[complex]]] = {name: [] for name in names}
+    seconds, rows, residuals = 0.0, [], []
+    for degrees in (0, 15, 30, 45):
+        half = 0.5 * math.radians(degrees)
+        found: dict[str, list[complex]] = {name: [] for name in groups}
+        rows.append([])
+        for seed in range(1, SEEDS + 1):
+            graph, run, _, took = _struck(executables, "round_pane.textproto", seed + 100 * degrees, [
+                f"shells[plate].plate.pose.orientation.w={math.cos(half):.15g}",
+                f"shells[plate].plate.pose.orientation.z={math.sin(half):.15g}"])
+            seconds += took
+            residuals.append(run["energy"]["residual_relative"])
+            rows[-1].append(graph)
+            ends = np.zeros((0, 2, 2)) if graph is None else graph.ends
+            ends = ends[off_circle(ends, centre, radius, 1e-3)]
+            if len(ends) == 0:
+                raise ValueError(f"round_pane: no crack at {degrees} degrees, seed {seed}")
+            found["harmonic"].append(harmonic(ends))
+            found["harmonic_in_the_room"].append(harmonic(ends, turn=2.0 * half))  # in which a lattice's own would turn
+            found["length"].append(float(lengths(ends).sum()))
+            found["radials"].append(float(len(radial_crossings(ends, centre, COUNTED_AT))))
+        for name, values in found.items():
+            groups[name].append(values)
+        length, radials = 1e3 * np.real(found["length"]), np.real(found["radials"])
+        table.lines.append(f"round_pane at {degrees} degrees: harmonic {np.mean(found['harmonic']):.2f}, length "
+                           f"{length.mean():.0f} +- {length.std(ddof=1):.0f} mm, radial cracks {radials.mean():.1f} +- "
+                           f"{radials.std(ddof=1):.1f}")
+    every = np.array(groups["harmonic"]).reshape(-1)
+    table.add("round_pane_harmonic_bound", upper_bound(every), 0.0, 0.3, seconds)
+    table.add("round_pane_radials_at_least", min(float(np.real(groups["radials"]).mean()), FEWEST_RADIALS), FEWEST_RADIALS,
+              0.0, 0.0)
+    _add_energy(table, "round_pane", residuals)
+    for name, values in groups.items():
+        chance = anova([np.array(v) for v in values])[1]
+        table.add(f"round_pane_{name}_depends", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
+        table.lines.append(f"round_pane: chance of so much difference between turns in {name} {chance:.2f}")
+    table.lines.append(f"round_pane: mean harmonic of all {len(every)} runs {every.mean():.3f}; of one run some "
+                       f"{np.abs(every).mean():.2f}, as few arms have")
+    if table.pictures is not None:
+        draw_cracks(table.pictures / "round_pane.png", rows, (ROUND, ROUND))
+
+
+def impact_speed(table: Table, executables: Executables) -> None:
+    """scenes/acrylic.textproto at seven speeds over a factor of eight, eight seeds each."""
+    centre = np.array([0.5 * SIDE, 0.5 * SIDE])
+    means, errors, rows, x, y, residuals, seconds = {}, {}, [], [], [], [], 0.0
+    for speed in SPEEDS:
+        counts, row = [], []
+        for seed in range(1, SEEDS + 1):
+            graph, run, _, took = _struck(executables, "acrylic.textproto", seed, [
+                f"bodies[pellet].twist.linear.z=-{speed}"]
+                + [f"shells[plate].plate.elements_{axis}={ELEMENTS}" for axis in "xy"])
+            seconds += took
+            residuals.append(run["energy"]["residual_relative"])
+            row.append(graph)
+            counts.append(0 if graph is None else len(radial_crossings(graph.ends, centre, COUNTED_AT)))
+        rows.append(row)
+        means[speed], errors[speed] = float(np.mean(counts)), _bar(counts)
+        crossed = sum(c > 0 for c in counts) >= SEEDS // 2
+        table.lines.append(f"impact_speed {speed} m/s: {means[speed]:.1f} radial cracks, "
+                           f"{' '.join(map(str, counts))}" + ("" if crossed else "; left out, in most runs none"))
+        if crossed:
+            for count in counts:
+                if count > 0:
+                    x.append(float(speed)), y.append(float(count))
+    every = power_law(np.array(x), np.array(y))
+    most = max(SPEEDS, key=lambda speed: (means[speed], speed))  # beyond, rings cut a plug out before radial cracks run
+    rising = np.array(x) <= most
+    fit = power_law(np.array(x)[rising], np.array(y)[rising])
+    table.add("impact_speed_exponent", fit.exponent, 0.5, 0.5, seconds)
+    table.add("impact_speed_at_22", means[22], 4.0, 0.5, 0.0)
+    table.add("impact_speed_at_57", means[57], 8.0, 0.5, 0.0)
+    _add_energy(table, "impact_speed", residuals)
+    table.lines.append(f"impact_speed: exponent up to {most} m/s, where cracks are most, {fit.exponent:.2f}, +- "
+                       f"{fit.half:.2f} (95 %); over all speeds {every.exponent:.2f}, +- {every.half:.2f}; published 0.5, "
+                       f"4 cracks at 22 m/s and 8 at 57 (Vandenberghe, Vermorel, Villermaux 2013), {BETWEEN_PUBLISHED:.2f} "
+                       "between these two")
+    axes = {"panel": "radial cracks", "x_label": "speed [m/s]", "y_label": f"radial cracks {BARS}", "logarithmic": False,
+            "from_zero": True}
+    table.curves.append({"name": "found", "x": [float(s) for s in SPEEDS], "y": [means[s] for s in SPEEDS],
+                         "half": [errors[s] for s in SPEEDS], **axes})
+    table.curves.append({"name": "published", "x": [22.0, 57.0], "y": [4.0, 8.0], **axes})
+    table.curves.append({"name": "square root", "x": [float(s) for s in SPEEDS],
+                         "y": [4.0 * 2.0 ** 0.5 * (s * s / (22.0 * 57.0)) ** 0.25 for s in SPEEDS], **axes})
+    if table.pictures is not None:
+        draw_cracks(table.pictures / "impact_speed.png", rows, (SIDE, SIDE))
+
+
+def _add_convergence(table: Table, name: str, of: list[list[float]], part: float, seconds: float) -> list[float]:
+    """Rows of what three grids give, runs by grid, coarse first: the last two must agree to `part` of the mean, the first
+    and the last to twice that, each and twice the standard error of their difference. Returns the means."""
+    mean = [float(np.mean(values)) for values in of]
+    for row, first, share in ((name, 1, part), (f"{name}_over_three", 0, 2.0 * part)):
+        error = math.sqrt((np.var(of[first], ddof=1) + np.var(of[2], ddof=1)) / SEEDS) / max(abs(mean[first]), 1e-300)
+        table.add(row, mean[2], mean[first], share + 2.0 * error, seconds if first == 1 else 0.0)
+    return mean
+
+
+def refinement(table: Table, executables: Executables) -> None:
+    """scenes/acrylic.textproto at 40 m/s on three grids, eight seeds each: what comes of it."""
+    found: dict[int, dict[str, list[float]]] = {}
+    grids = (50, 75, 110)
+    for elements in grids:
+        here: dict[str, list[float]] = {"length": [], "fragments": [], "residual_speed": [], "fracture": [], "residual": []}
+        seconds = 0.0
+        for seed in range(1, SEEDS + 1):
+            graph, run, back, took = _struck(executables, "acrylic.textproto", seed, [
+                f"shells[plate].plate.elements_{axis}={elements}" for axis in "xy"])
+            seconds += took
+            here["length"].append(0.0 if graph is None else float(lengths(graph.ends).sum()))
+            here["fragments"].append(float(run["counts"]["fragments"]))
+            here["residual_speed"].append(-back)
+            here["fracture"].append(run["energy"]["dissipated_fracture"])
+            here["residual"].append(run["energy"]["residual_relative"])
+        found[elements] = here
+        table.lines.append(f"refinement {SIDE / elements * 1e3:.2f} mm: " + ", ".join(
+            f"{name} {np.mean(v):.4g} +- {np.std(v, ddof=1):.2g}" for name, v in here.items()))
+    for name, part in (("length", 0.1), ("residual_speed", 0.05)):
+        mean = _add_convergence(table, f"refinement_{name}", [found[elements][name] for elements in grids], part, seconds)
+        table.curves.append({"name": f"refinement: {name}", "x_label": "spacing [mm]", "y_label": f"{name} {BARS}",
+                             "x": [SIDE / elements * 1e3 for elements in grids], "y": mean, "logarithmic": False,
+                             "half": [_bar(found[elements][name]) for elements in grids], "from_zero": True})
+    _add_energy(table, "refinement", [r for elements in grids for r in found[elements]["residual"]])
+
+
+QUANTILES = (0.25, 0.5, 0.75)
+
+
+@dataclass(frozen=True)
+class Shattering:
+    """A plate that breaks into pieces, on three grids, each element 1.3 to 1.5 times as long as the next one's."""
+    name: str
+    scene: str
+    shell: str
+    ball: str
+    grids: tuple[int, int, int]  # elements along the plate
+    settings: tuple[str, ...]
+    compared: tuple[tuple[str, float], ...]  # share of the mean by which the last two grids may differ
+    in_place: bool = False  # sizes of all but the largest, also those in place; and without what is left at the border
+
+
+# A heavy ball snaps a plate of acrylic into sectors: its cracks take what their area asks.
+SNAPPED = Shattering("snapped", "acrylic.textproto", "plate", "pellet", (44, 66, 96), (
+    "bodies[pellet].sphere.radius_m=0.008", "bodies[pellet].pose.position.z=0.00851",
+    "bodies[pellet].twist.linear.z=-20", "end_time_s=8e-4", "output.frame_interval_s=2e-4"),
+    (("count", 0.1), ("length", 0.1), ("taken", 0.1), ("residual_speed", 0.05)))
+# What a strength that no grid resolves leaves of a pane.
+STRUCK = Shattering("pieces", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (),
+                    (("count", 0.1), ("length", 0.1), ("area_off", 0.1), ("residual_speed", 0.05)))
+
+# A pane that shatters though its grids resolve the length that a crack needs for its energy: 4 mm where it is bent.
+RESOLVED = ("materials[glass].strength=60e6", "materials[glass].fracture_energy=80")
+TOUGH = Shattering("tough", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (
+    *RESOLVED, "bodies[ball].twist.linear.z=-30"), STRUCK.compared)
+# A larger and slower ball: the stress under it is only 1.4 times the strength, and pieces are larger than what the grids
+# resolve. Most of them are still in place at the end.
+HEAVY = Shattering("heavy", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (
+    *RESOLVED, "bodies[ball].sphere.radius_m=0.01", "bodies[ball].pose.position.z=0.01051",
+    "bodies[ball].twist.linear.z=-10", "end_time_s=3e-4"), (*STRUCK.compared, ("taken", 0.1)), in_place=True)
+
+
+def _in_place(folder: Path, spacing: float) -> tuple[np.ndarray, np.ndarray]:
+    """Areas at rest [m^2] of the pieces that the shell process has still at the end, but for the largest: of those that
+    reach further than `spacing` [m] from the border of the plate, and of those that do not: strips, of which a crack
+    along a clamp leaves none."""
+    mesh = list_frames(folder)[-1].read(SHELL)
+    if mesh is None:
+        return np.zeros(0), np.zeros(0)
+    points = reference_points(mesh)[:, :2]
+    corner = points[mesh.triangles]
+    a, b = corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]
+    area = 0.5 * np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0])
+    low, high = points.min(axis=0), points.max(axis=0)
+    samples = np.concatenate([corner, corner.mean(axis=1, keepdims=True)], axis=1)  # (triangles, 4, 2)
+    inside = np.minimum(samples - low, high - samples).min(axis=2).max(axis=1)
+    _, piece = np.unique(mesh.of_triangles("fragment", 0), return_inverse=True)
+    areas, depth = np.bincount(piece, area), np.zeros(piece.max() + 1)
+    np.maximum.at(depth, piece, inside)
+    others = np.arange(len(areas)) != areas.argmax()
+    return np.sort(areas[others & (depth > spacing)]), np.sort(areas[others & (depth <= spacing)])
+
+
+def _shattered(executables: Executables, what: Shattering, elements: int, seed: int,
+               picture: Path | None) -> tuple[dict, np.ndarray, np.ndarray]:
+    """What is compared of one run, the areas of its pieces [m^2]: of those that came off, or of all; and of these all
+    but what is left at the border."""
+    chance = random.Random(seed)
+    reach = 0.5 * SIDE / what.grids[0]  # the same places on all grids
+    beside = [f"bodies[{what.ball}].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
+    with kept_run(executables, what.scene, [f"fracture.seed={seed}", *what.settings, *beside] + [
+            f"shells[{what.shell}].plate.elements_{axis}={elements}" for axis in "xy"]) as (folder, seconds):
+        run, probe = read_run(folder), list(csv.reader((folder / "probes.csv").open()))
+        areas = np.array([float(row["area [m^2]"]) for row in csv.DictReader((folder / "shards.csv").open())])
+        kept, left = _in_place(folder, SIDE / elements) if what.in_place else (np.zeros(0), np.zeros(0))
+        if picture is not None:
+            shutil.copy(write_contact_sheet(folder), picture)
+            print(f"picture          {picture}", flush=True)
+    return {"count": float(run["counts"]["fragments"]), "length": run["cracks"]["length_m"],
+            "residual_speed": -float(probe[-1][probe[0].index(f"{what.ball}_vz [m/s]")]), "area_off": float(areas.sum()),
+            "taken": run["cracks"]["taken_relative"] or 0.0, "residual": run["energy"]["residual_relative"],
+            "seconds": seconds}, np.concatenate([areas, kept, left]), np.concatenate([areas, kept])
+
+
+def _one_thread() -> None:
+    os.environ["OMP_NUM_THREADS"] = "1"  # results are the same for any number
+
+
+def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None:
+    """On three grids, eight seeds each: pieces, their sizes, cracks and the ball. Numbers must agree as
+    `_add_convergence` has it, sizes of the last two grids by the distance of their distributions over whole runs."""
+    name = what.name
+    found: dict[int, list[dict]] = {}
+    sizes: dict[int, list[np.ndarray]] = {}
+    inside: dict[int, list[np.ndarray]] = {}
+    left: list[float] = []
+    for elements in what.grids:
+        spacing = 1e3 * SIDE / elements  # [mm]
+        picture = table.pictures / f"{name}_{elements}.png" if table.pictures is not None else None
+        with ProcessPoolExecutor(len(os.sched_getaffinity(0)), initializer=_one_thread) as pool:  # a run a processor
+            runs = list(pool.map(_shattered, repeat(executables), repeat(what), repeat(elements), range(1, SEEDS + 1),
+                                 [picture] + [None] * (SEEDS - 1)))
+        found[elements] = [numbers for numbers, _, _ in runs]
+        sizes[elements] = [areas * 1e6 for _, areas, _ in runs if len(areas)]  # [mm^2]
+        inside[elements] = [areas * 1e6 for _, _, areas in runs if len(areas)]
+        left.append(float(np.mean([len(every) - len(areas) for _, every, areas in runs])))
+        every = np.sort(np.concatenate(sizes[elements]))
+        table.curves.append({"name": f"{spacing:.2f} mm", "panel": f"{name}: share that is no larger",
+                             "x_label": "area [mm^2]", "y_label": "share", "x": every.tolist(),
+                             "y": (np.arange(1, len(every) + 1) / len(every)).tolist(), "logarithmic": False,
+                             "from_zero": True})
+        table.lines.append(f"{name} {spacing:.2f} mm: " + ", ".join(
+            f"{key} {np.mean([r[key] for r in found[elements]]):.4g} +- "
+            f"{np.std([r[key] for r in found[elements]], ddof=1):.2g}"
+            for key in ("count", "length", "taken", "area_off", "residual_speed"))
+            + f"; largest energy residual {max(abs(r['residual']) for r in found[elements]):.1e}")
+        bounds = [quantile_bounds(sizes[elements], share) for share in QUANTILES]
+        table.lines.append(f"{name} {spacing:.2f} mm: quartiles of the area of {len(every)} "
+            + ("in all but the largest " if what.in_place else "that came off ") + ", ".join(
+            f"{q:.2f} ({low:.2f} to {high:.2f})" for q, low, high in bounds)
+            + f" mm^2; the median is {bounds[1][0] / spacing ** 2:.1f} squared spacings")
+    last = what.grids[2]
+    for key, part in what.compared:
+        of = {elements: [r[key] for r in found[elements]] for elements in what.grids}
+        mean = _add_convergence(table, f"{name}_{key}", list(of.values()), part, sum(r["seconds"] for r in found[last]))
+        table.curves.append({"name": f"{name}: {key}", "x_label": "spacing [mm]", "y_label": f"{key} {BARS}",
+                             "x": [1e3 * SIDE / elements for elements in what.grids], "y": mean, "logarithmic": False,
+                             "half": [_bar(of[elements]) for elements in what.grids], "from_zero": True})
+    _add_energy(table, name, [r["residual"] for elements in what.grids for r in found[elements]])
+    _sizes(table, name, "sizes", sizes, what.grids)
+    if what.in_place:
+        table.lines.append(f"{name}: left at the border, no further from it than a spacing: "
+                           f"{', '.join(f'{n:.1f}' for n in left)} of these in a run")
+        table.add(f"{name}_strips_at_the_border", max(left), 0.0, MOST_STRIPS, 0.0)
+        _sizes(table, name, "sizes_inside", inside, what.grids)
+
+
+def _sizes(table: Table, name: str, key: str, sizes: dict[int, list[np.ndarray]], grids: tuple[int, ...]) -> None:
+    """Whether the last two grids differ in the sizes of their pieces, `sizes` [mm^2] of every run."""
+    apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(grids, grids[1:])]
+    chance = chance_of_distance(sizes[grids[1]], sizes[grids[2]])
+    table.add(f"{name}_{key}_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
+    medians = ", ".join(f"{np.median(np.concatenate(sizes[elements])):.2f}" for elements in grids)
+    table.lines.append(f"{name}: {key.replace('_', ' ')}, medians {medians} mm^2; distributions of areas are {apart[0]:.2f} "
+                       f"and {apart[1]:.2f} apart from grid to grid; chance of so much between the last two if they are of "
+                       f"one kind {chance:.3f}")
+
+
+def snapped(table: Table, executables: Executables) -> None:
+    """Pieces where cracks take what their area asks: all of it converges."""
+    _pieces_of(table, executables, SNAPPED)
+
+
+def tough(table: Table, executables: Executables) -> None:
+    """Pieces of a pane that shatters and whose grids resolve how cracks start."""
+    _pieces_of(table, executables, TOUGH)
+
+
+def heavy(table: Table, executables: Executables) -> None:
+    """Pieces of such a pane under a larger and slower ball, which are larger than what the grids resolve."""
+    _pieces_of(table, executables, HEAVY)
+
+
+def pieces(table: Table, executables: Executables) -> None:
+    """Pieces of scenes/struck_glass.textproto: their number and sizes do not."""
+    _pieces_of(table, executables, STRUCK)

@@ -1,0 +1,77 @@
+"""Lists of cases that are known to fail, each with the largest error at which it is still the known failure."""
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+from sunder_tools.errors import BAD_INPUT, CommandError
+from sunder_tools.places import REPOSITORY
+
+KNOWN = REPOSITORY / "tests" / "validation" / "known"
+FORM = "a line has the form 'NAME LARGEST_ERROR WHY'"
+
+Row = dict[str, object]
+
+
+@dataclass(frozen=True)
+class Gap:
+    """A known failure."""
+    largest: float  # error, as the table has it, up to which it is the known one
+    why: str
+
+
+def read_known(path: Path) -> dict[str, Gap]:
+    """Gaps by the names of their rows; none where there is no such file. Raises CommandError with file and line."""
+    if not path.exists():
+        return {}
+    gaps: dict[str, Gap] = {}
+    try:
+        text = path.read_text(encoding="utf-8-sig")
+    except (OSError, UnicodeDecodeError) as error:
+        raise CommandError(f"{path}: cannot be read as UTF-8 text: {error}", BAD_INPUT) from None
+    for number, line in enumerate(text.splitlines(), 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        name, *rest = line.split(maxsplit=2)
+        where = f"{path}:{number}: '{name}'"
+        if len(rest) < 2:
+            raise CommandError(f"{where} has no error or no reason; {FORM}", BAD_INPUT)
+        try:
+            largest = float(rest[0])
+        except ValueError:
+            largest = math.nan
+        if not (math.isfinite(largest) and largest > 0.0):
+            raise CommandError(f"{where}: the largest error '{rest[0]}' is no positive number; {FORM}", BAD_INPUT)
+        if name in gaps:
+            raise CommandError(f"{where} is there twice; leave one line", BAD_INPUT)
+        gaps[name] = Gap(largest, rest[1])
+    return gaps
+
+
+def _number(value: object) -> float:
+    """Programs write null for what is not finite."""
+    return float(value) if isinstance(value, (int, float)) else math.nan
+
+
+def judge(rows: list[Row], gaps: dict[str, Gap], every: bool) -> tuple[bool, list[str]]:
+    """Gives rows of sunder-validate's JSON that fail as known a "known", why; returns whether nothing else fails, and
+    lines that tell it. With `every` row of a kind there, a gap without one is a fault of the list."""
+    good, lines, names = True, [], {str(row["name"]) for row in rows}
+    for row in rows:
+        gap = gaps.get(str(row["name"]))
+        error, tolerance = _number(row["error"]), _number(row["tolerance"])
+        if row["pass"]:
+            if gap:
+                lines.append(f"reached   {row['name']}: known to fail, up to {gap.largest:g}")
+        elif gap and error <= gap.largest:  # NaN is beyond
+            row["known"] = gap.why
+            lines.append(f"known     {row['name']}: off by {error:.3g}, by {gap.largest:g} at most: {gap.why}")
+        else:
+            good = False
+            lines.append(f"FAILED    {row['name']}: off by {error:.3g}, {tolerance:.3g} allowed"
+                         + (f", known to be off by {gap.largest:g} at most" if gap else ""))
+    for name in sorted(set(gaps) - names) if every else ():
+        good = False
+        lines.append(f"no row    {name}: known to fail; has its case died, or take it from tests/validation/known")
+    return good, lines

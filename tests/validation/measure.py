@@ -1,0 +1,164 @@
+"""`validate` and `bench`: runs the programs that measure, judges their rows, writes tables and plots."""
+from __future__ import annotations
+
+import json
+import math
+import os
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError
+from sunder_tools.launch.build import ensure_built
+from sunder_tools.words import did_you_mean
+
+from ..conformance import suites
+from .experiments import EXPERIMENTS, Table, run_experiments
+from .extremes.suite import validate_extremes
+from .known import KNOWN, judge, read_known
+from .programs import program, run_program
+
+VALIDATIONS = ("shells", "seams", "cracks", "contact", "soft", "coupling", "engines", "extremes")
+
+
+def validate(what: str, case: str | None, report: Path | None, plots: Path | None,
+             pictures: Path | None = None, rigid: str | None = None, full: bool = False, known: bool = False) -> int:
+    """Runs the validation cases of `what`; exit status 1 where a case fails, with `known` where one fails that is not
+    known to, or by more."""
+    if what not in VALIDATIONS:
+        raise CommandError(f"nothing called '{what}' to validate; {did_you_mean(what, VALIDATIONS)}", BAD_INPUT)
+    if rigid and what != "engines":
+        raise CommandError(f"--rigid {rigid}: only 'validate engines' takes it", BAD_INPUT)
+    if full and what != "extremes":
+        raise CommandError("--full: only 'validate extremes' takes it", BAD_INPUT)
+    if known and what in ("engines", "extremes"):
+        raise CommandError(f"--known: not with 'validate {what}', which "
+                           + ("always judges so" if what == "engines" else "has nothing that is known to fail"), BAD_INPUT)
+    if case == "":
+        raise CommandError("--case: empty; name a case, or leave it out for all", BAD_INPUT)
+    if report is not None:
+        _can_write(report)
+    if plots is not None and what not in ("engines", "extremes"):
+        _can_plot(plots)
+    if what == "extremes":
+        if plots is not None or pictures is not None:
+            raise CommandError("validate extremes: draws nothing; leave --plots and --pictures out", BAD_INPUT)
+        return _extremes(case, report, full)
+    if what == "engines":
+        if plots is not None or pictures is not None:
+            raise CommandError("validate engines: draws nothing; leave --plots and --pictures out", BAD_INPUT)
+        return _engines(case, report, rigid)
+    if pictures is not None:
+        _make_folder(pictures)
+    started = time.time()
+    gaps = read_known(KNOWN / f"{what}.txt")
+    runs = EXPERIMENTS.get(what, ())
+    chosen = tuple(e for e in runs if case in (None, e.name))
+    found: dict[str, list] = {"cases": [], "curves": []}
+    status = DONE
+    if case is None or not chosen:
+        with tempfile.TemporaryDirectory() as folder:
+            numbers = Path(folder) / "validation.json"
+            command = [str(program("sunder-validate")), what, "--json", str(numbers), "--threads", str(os.cpu_count() or 1)]
+            status = run_program(command + (["--case", case] if case else []))
+            if not numbers.is_file():
+                if status == BAD_INPUT and case:
+                    print(f"and, by whole runs: {' '.join(e.name for e in runs)}", file=sys.stderr)
+                return status
+            found.update(json.loads(numbers.read_text()))
+    table = Table(headed=bool(found["cases"]), pictures=pictures)
+    run_experiments(chosen, table)
+    found["cases"] += table.rows
+    found["curves"] += table.curves
+    if not all(row["pass"] for row in table.rows):
+        status = CHECK_FAILED
+    good, lines = judge(found["cases"], gaps, every=case is None)
+    if lines:
+        print("\n".join(lines), flush=True)
+    if known and status in (DONE, CHECK_FAILED):
+        status = DONE if good else CHECK_FAILED
+    if pictures is not None and all(p.stat().st_mtime < started for p in pictures.iterdir()):
+        print("picture          none: these cases draw none", flush=True)
+    curves = found.pop("curves")
+    if report is not None:
+        _write(report, json.dumps(_without_nan(found), indent=1) + "\n")
+    if plots is not None and curves:
+        from sunder_tools.pictures.plots import Curve, write_plots
+        try:
+            write_plots([Curve(**curve) for curve in curves], plots)
+        except (OSError, ValueError) as error:  # PIL: an unknown file extension is a ValueError
+            raise CommandError(f"cannot write {plots}: {error}", BAD_INPUT) from None
+        print(f"plots            {plots}")
+    return status
+
+
+def _engines(case: str | None, report: Path | None, rigid: str | None) -> int:
+    suite = program("sunder-conformance")
+    status, found = suites.run_suites(suite, ensure_built(all_targets=True), case, rigid)
+    if found:
+        print(suites.table(found))
+    if report is not None and found:
+        _write(report, json.dumps({"engines": found}, indent=1) + "\n")
+    return status
+
+
+def _extremes(case: str | None, report: Path | None, full: bool) -> int:
+    cases, good = validate_extremes(case, full, ensure_built(all_targets=True))
+    if report is not None:
+        _write(report, json.dumps(_without_nan({"cases": cases}), indent=1) + "\n")
+    return DONE if good else CHECK_FAILED
+
+
+def _without_nan(value: object) -> object:
+    """JSON knows no NaN: null, as the programs write it."""
+    if isinstance(value, dict):
+        return {key: _without_nan(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [_without_nan(item) for item in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def bench(pattern: str | None, report: Path | None) -> int:
+    """Runs the benchmarks whose name holds `pattern`."""
+    command = [str(program("sunder-bench"))]
+    if pattern:
+        command += ["--filter", pattern]
+    if report is not None:
+        _can_write(report)
+        command += ["--json", str(report)]
+    return run_program(command)
+
+
+def _can_write(path: Path) -> None:
+    """Raises CommandError where a file cannot be written, before minutes are spent. Leaves an existing file as it is."""
+    new = not os.path.lexists(path)
+    try:
+        path.open("a").close()
+        if new:
+            path.unlink()
+    except OSError as error:
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", BAD_INPUT) from None
+
+
+def _can_plot(path: Path) -> None:
+    from PIL import Image
+    if Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE:
+        raise CommandError(f"--plots: cannot write {path}: '{path.suffix}' is no image's ending; end it in .png", BAD_INPUT)
+    _can_write(path)
+
+
+def _make_folder(path: Path) -> None:
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise CommandError(f"cannot write into {path}: {error.strerror or error}", BAD_INPUT) from None
+    if not os.access(path, os.W_OK | os.X_OK):
+        raise CommandError(f"cannot write into {path}: Permission denied", BAD_INPUT)
+
+
+def _write(path: Path, text: str) -> None:
+    try:
+        path.write_text(text)
+    except OSError as error:
+        raise CommandError(f"cannot write {path}: {error.strerror or error}", BAD_INPUT) from None

@@ -1,0 +1,108 @@
+"""How far a sheet is stretched, triangle by triangle, from the written frames alone; the paper's Fig. 4."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from sunder_tools.pictures.contact_sheet import time_text
+from sunder_tools.pictures.flat import along_normal
+from sunder_tools.pictures.frames import SHELL, list_frames
+from sunder_tools.pictures.lettering import draw_text
+from sunder_tools.pictures.meshes import reference_points
+from sunder_tools.pictures.raster import orthographic_camera, rasterise
+from sunder_tools.pictures.vtp import PolyData, VtpError
+
+from .crack_check import element_side
+
+SLIVER = 0.05    # elements: a smaller triangle, where a crack cuts off a corner, says little
+WIDTH, GAP, HEAD, CAPTION = 620, 8, 44, 30  # [px]
+MARGIN = 1.04
+MOST = 3.0       # the colour of this stretch is that of all beyond
+PAPER, CALM, FAR = np.array([0.98, 0.98, 0.976]), np.array([0.80, 0.87, 0.88]), np.array([0.78, 0.10, 0.08])
+
+
+@dataclass(frozen=True)
+class Stretched:
+    """The sheet at an instant."""
+    time_s: float
+    shell: PolyData
+    stretch: np.ndarray  # of each triangle, the larger principal one
+    side: float          # of an element [m]
+
+    def counted(self) -> np.ndarray:
+        """Triangles that are no slivers."""
+        return _area(self.shell) > SLIVER * self.side ** 2
+
+    def largest(self) -> float:
+        return float(self.stretch[self.counted()].max())
+
+    def beyond(self, limit: float) -> float:
+        """Area at rest that is stretched further than that, in elements."""
+        area = _area(self.shell)
+        return float(area[self.counted() & (self.stretch > limit)].sum()) / self.side ** 2
+
+
+def separated_at(folder: Path) -> float:
+    """When the first frame was written that has the sheet in several pieces [s]. Raises VtpError."""
+    for frame in list_frames(folder):
+        shell = frame.read(SHELL)
+        if shell is not None and len(np.unique(shell.of_triangles("fragment", 0))) > 1:
+            return frame.time_s
+    raise VtpError(f"{folder}: the sheet stays whole")
+
+
+def stretched_at(folder: Path, time_s: float) -> Stretched:
+    """The first frame with the shell from that time on. Raises VtpError where there is none: it may be frozen."""
+    side = 0.0
+    for frame in list_frames(folder):
+        shell = frame.read(SHELL)
+        if shell is None:
+            continue
+        side = side or element_side(shell)
+        if frame.time_s >= time_s - 1e-9:
+            return Stretched(frame.time_s, shell, _stretch(shell), side)
+    raise VtpError(f"{folder}: no frame of the shell at {time_s:g} s")
+
+
+def _area(shell: PolyData) -> np.ndarray:
+    corner = reference_points(shell)[shell.triangles]
+    return 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+
+
+def _stretch(shell: PolyData) -> np.ndarray:
+    """Root of the larger eigenvalue of C, whose components are scalar products of a triangle's sides."""
+    def metric(points: np.ndarray) -> np.ndarray:
+        corner = points[shell.triangles]
+        sides = np.stack([corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]], axis=1)
+        return sides @ sides.transpose(0, 2, 1)
+
+    c = np.linalg.solve(metric(reference_points(shell)), metric(shell.points))
+    half = 0.5 * np.trace(c, axis1=1, axis2=2)
+    return np.sqrt(half + np.sqrt(np.maximum(half ** 2 - np.linalg.det(c), 0.0)))
+
+
+def write_stretched(found: list[tuple[str, Stretched]], path: Path) -> None:
+    """Sheets side by side as they are, from pale to red with their stretch. Raises OSError."""
+    points = np.concatenate([one.shell.points for _, one in found])
+    first = found[0][1].shell
+    axes = along_normal(reference_points(first), first.triangles, WIDTH, WIDTH, 1.0).axes
+    local = points @ axes.T
+    low, high = local.min(axis=0), local.max(axis=0)
+    scale = WIDTH / (MARGIN * (high[0] - low[0]))
+    height = int(np.ceil(scale * MARGIN * (high[1] - low[1])))
+    camera = orthographic_camera(0.5 * (low + high) @ axes, axes[2], -axes[1], scale, scale, WIDTH, height)
+    sheet = Image.new("RGB", (len(found) * (WIDTH + GAP) + GAP, HEAD + CAPTION + height + GAP),
+                      tuple(int(255 * c) for c in PAPER))
+    draw_text(sheet, (GAP + 4, 10), f"stretch of a torn sheet, from 1 (pale) to {MOST:g} and more (red)", 20)
+    for k, (name, one) in enumerate(found):
+        pixels, near = camera.project(one.shell.points)
+        index = rasterise(pixels, near, one.shell.triangles, WIDTH, height)[0]
+        share = np.clip((one.stretch[index] - 1.0) / (MOST - 1.0), 0.0, 1.0)[:, None]
+        colours = np.where((index >= 0)[:, None], CALM + share * (FAR - CALM), PAPER).reshape(height, WIDTH, 3)
+        left = GAP + k * (WIDTH + GAP)
+        sheet.paste(Image.fromarray((colours * 255.0 + 0.5).astype(np.uint8)), (left, HEAD + CAPTION))
+        draw_text(sheet, (left + 4, HEAD), f"{name}, {time_text(one.time_s)}: at most {one.largest():.3g}", 16)
+    sheet.save(path)

@@ -1,0 +1,99 @@
+"""Tools of validation by whole runs: the table of rows, and runs of the repository's scenes."""
+from __future__ import annotations
+
+import csv
+import math
+import tempfile
+import time
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Iterator
+
+from sunder_tools.errors import CommandError
+from sunder_tools.launch import engines
+from sunder_tools.launch.build import Executables
+from sunder_tools.launch.run import launch_once
+from sunder_tools.places import REPOSITORY
+from sunder_tools.report.run_json import read_run
+
+SCENES = REPOSITORY / "scenes"
+MOST_INJECTED = 0.01  # of what fracture took, that insertions of edges may add
+MOST_MISSING = 0.01   # of the largest energy, that no book has: half of what a run warns at
+ROUND_OFF = 1e-12     # of impulses and of what pieces carry: sums of 10^4 terms
+
+
+@dataclass
+class Table:
+    """Rows as `sunder-validate` prints and writes them."""
+    rows: list[dict[str, object]] = field(default_factory=list)
+    lines: list[str] = field(default_factory=list)
+    curves: list[dict[str, object]] = field(default_factory=list)
+    headed: bool = False  # the head of the table stands already
+    pictures: Path | None = None  # an existing folder for them
+
+    def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float) -> None:
+        """Relative error, or absolute where the reference is zero; printed at once."""
+        error = abs(computed / reference - 1.0) if reference != 0.0 else abs(computed)
+        good = error <= tolerance  # NaN fails
+        self.rows.append({"name": name, "computed": computed, "reference": reference, "error": error,
+                          "tolerance": tolerance, "pass": good, "seconds": round(seconds, 3)})
+        print(f"{name:<34} {computed:>13.6g} {reference:>13.6g} {error:>10.2e} {tolerance:>9.1e} {seconds:>8.1f}  "
+              f"{'ok' if good else 'FAILED'}", flush=True)
+
+
+def run_scene(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
+    """Runs a scene of the repository; returns run.json, the rows of probes.csv and the seconds that it took."""
+    with kept_run(executables, scene, settings) as (folder, seconds):
+        probes = folder / "probes.csv"
+        rows = list(csv.reader(probes.open())) if probes.is_file() else []
+        return read_run(folder), rows, seconds
+
+
+def answering(table: Table, case: str, executables: Executables) -> Iterator[tuple[str, list[str]]]:
+    """Every engine that comes with the project, and its capabilities. What it runs with may not be there to install:
+    then it is left out, with the reason. One that is there and does not answer is a failed row."""
+    for name in engines.names(executables):
+        try:
+            rigid = engines.resolve(name, executables)
+        except CommandError as error:
+            table.lines.append(f"{case} {name}: left out: {error}")
+            continue
+        try:
+            words = engines.hello(rigid, executables)["capabilities"]
+        except CommandError as error:
+            table.add(f"{case}_{name}_answers", math.nan, 0.0, 0.0, 0.0)
+            table.lines.append(f"{case} {name}: {error}")
+            continue
+        assert isinstance(words, list)
+        yield name, words
+
+
+@contextmanager
+def kept_run(executables: Executables, scene: str, settings: list[str]) -> Iterator[tuple[Path, float]]:
+    """Runs a scene of the repository; its run folder is there within, with the seconds that it took."""
+    start = time.monotonic()
+    with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
+        launch_once(executables, SCENES / scene, Path(folder), settings)
+        yield Path(folder), time.monotonic() - start
+
+
+def injected(run: dict[str, Any]) -> float:
+    """Energy that insertions of edges have added, over what fracture took; NaN where nothing has cracked."""
+    energy = run["energy"]
+    taken = energy["dissipated_fracture"]
+    return energy["crack_injected"] / taken if taken > 0.0 else math.nan
+
+
+def add_books(table: Table, name: str, run: dict[str, Any], seconds: float = 0.0) -> None:
+    """Rows NAME_injected and NAME_energy, what is missing of the largest energy."""
+    table.add(f"{name}_injected", injected(run), 0.0, MOST_INJECTED, seconds)
+    table.add(f"{name}_energy", run["energy"]["residual_relative"], 0.0, MOST_MISSING, 0.0)
+
+
+def add_momentum(table: Table, name: str, run: dict[str, Any]) -> None:
+    """Rows NAME_impulses, of windows, and NAME_handoffs, of births: errors of momentum and angular momentum."""
+    ledger, handoff = run["ledger"], run["handoff"]
+    table.add(f"{name}_impulses", max(ledger["linear_max"], ledger["angular_max"]), 0.0, ROUND_OFF, 0.0)
+    births = max(handoff[f"{what}_error_max"] for what in ("mass", "momentum", "angular_momentum"))
+    table.add(f"{name}_handoffs", births, 0.0, ROUND_OFF, 0.0)
