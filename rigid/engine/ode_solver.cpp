@@ -7,9 +7,9 @@
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
-#include <numeric>
 #include <type_traits>
 
+#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 
 namespace sunder::rigid {
@@ -141,23 +141,17 @@ struct Island {
 
 std::vector<Island> islands(std::size_t body_count, const std::vector<SolverJoint>& joints,
                             std::vector<SolverContact>& contacts) {
-  std::vector<int> root(body_count);
-  std::iota(root.begin(), root.end(), 0);
-  const auto top = [&](int i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
+  DisjointSets sets(static_cast<int>(body_count));
   const auto join = [&](int a, int b) {
-    if (b < 0) return;
-    a = top(a), b = top(b);
-    root[std::max(a, b)] = std::min(a, b);
+    if (b >= 0) sets.join(a, b);
   };
   for (const SolverJoint& j : joints) join(j.first, j.second);
   for (const SolverContact& c : contacts) join(c.first, c.second);
   std::vector<Island> all(body_count);
-  for (const SolverJoint& j : joints) all[top(j.first)].joints.push_back(&j);
-  for (SolverContact& c : contacts) all[top(c.first)].contacts.push_back(&c);
-  for (std::size_t i = 0; i < body_count; ++i) all[top(static_cast<int>(i))].bodies.push_back(static_cast<int>(i));
+  for (const SolverJoint& j : joints) all[sets.root(j.first)].joints.push_back(&j);
+  for (SolverContact& c : contacts) all[sets.root(c.first)].contacts.push_back(&c);
+  for (std::size_t i = 0; i < body_count; ++i)
+    all[sets.root(static_cast<int>(i))].bodies.push_back(static_cast<int>(i));
   all.erase(
       std::remove_if(all.begin(), all.end(), [](const Island& i) { return i.joints.empty() && i.contacts.empty(); }),
       all.end());
