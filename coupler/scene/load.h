@@ -50,8 +50,10 @@ void validate(const LoadedScene& scene);
 void validate_coupling(const LoadedScene& scene);
 /// Its part about soft bodies.
 void validate_soft(const LoadedScene& scene);
-/// Fibres of shells.
+/// Its part about fibres of shells.
 void validate_fibres(const LoadedScene& scene);
+/// Its part about output and probes.
+void validate_output(const LoadedScene& scene);
 
 /// Factors of the strength, one by one and multiplied; from a thousand on nothing breaks that did not before.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;

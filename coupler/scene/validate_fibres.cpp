@@ -1,17 +1,12 @@
 // Fibres through the thickness of shells.
 #include <cmath>
 
-#include "coupler/scene/load.h"
+#include "coupler/scene/checks.h"
 
 namespace sunder::scene {
 namespace {
 
 constexpr double kMostFriction = 1e6;
-
-void positive(const LoadedScene& s, const std::string& field, bool has, double value) {
-  s.check(has, field, "is missing; give a positive number [Pa]");
-  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [Pa]", value);
-}
 
 const proto::Shell* with_fibres(const LoadedScene& s, const std::string& name) {
   for (const proto::Shell& shell : s.message.shells())
@@ -22,10 +17,9 @@ const proto::Shell* with_fibres(const LoadedScene& s, const std::string& name) {
 void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shell) {
   const std::string f = at + ".fibres";
   const proto::Fibres& m = shell.fibres();
-  positive(s, f + ".compression_modulus", m.has_compression_modulus(), m.compression_modulus());
-  positive(s, f + ".shear_modulus", m.has_shear_modulus(), m.shear_modulus());
-  s.check(!m.has_friction() || (std::isfinite(m.friction()) && m.friction() >= 0.0), f + ".friction",
-          "is {}; must be finite and not negative", m.friction());
+  positive(s, f + ".compression_modulus", m.has_compression_modulus(), m.compression_modulus(), "Pa");
+  positive(s, f + ".shear_modulus", m.has_shear_modulus(), m.shear_modulus(), "Pa");
+  not_negative(s, f + ".friction", m.has_friction(), m.friction());
   s.check(m.friction() <= kMostFriction, f + ".friction", "is {}; at most {:g}, which holds whatever is pressed",
           m.friction(), kMostFriction);
   s.check(!m.has_grid_spacing_m() || (std::isfinite(m.grid_spacing_m()) && m.grid_spacing_m() > 0.0),

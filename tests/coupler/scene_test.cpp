@@ -37,7 +37,10 @@ TEST_P(BrokenScene, IsRefusedWithLineFieldAndRemedy) {
 INSTANTIATE_TEST_SUITE_P(
     All, BrokenScene,
     testing::Values(
-        Case{"UnknownField", "thickness_m", "thicknes_m", 8, "did you mean 'thickness_m'"},
+        Case{"UnknownField", "thickness_m", "thicknes_m", 8,
+             ":8:3: 'thicknes_m' is no field of Shell; did you mean 'thickness_m'? It has: name, "},
+        Case{"FieldWithoutItsUnit", "size_x_m: 0.5", "size_x: 0.5", 9, "did you mean 'size_x_m' or 'size_y_m'?"},
+        Case{"FieldLikeNoOther", "thickness_m", "weight", 8, "'weight' is no field of Shell; it has: name, "},
         Case{"WrongType", "thickness_m: 0.004", "thickness_m: \"thin\"", 8, "Expected double"},
         Case{"MissingPatch", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }", "", 5,
              "has no patch"},
@@ -323,9 +326,11 @@ TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
   std::ofstream(path) << kScene;
   const auto scene = sunder::scene::load(path, {"bodies[ball].twist.linear.z=-20"});
   EXPECT_EQ(scene.message.bodies(0).twist().linear().z(), -20.0);
-  EXPECT_NE(std::string(refusal(kScene, {"bodies[bal].twist.linear.z=1"}).what()).find("there are: ball"),
+  EXPECT_NE(std::string(refusal(kScene, {"bodies[bal].twist.linear.z=1"}).what()).find("did you mean 'ball'?"),
             std::string::npos);
-  EXPECT_NE(std::string(refusal(kScene, {"end_time=1"}).what()).find("no field"), std::string::npos);
+  EXPECT_NE(std::string(refusal(kScene, {"end_time=1"}).what())
+                .find("'end_time' is no field of Scene; did you mean 'end_time_s'? It has: "),
+            std::string::npos);
   EXPECT_EQ(refusal(kScene, {"end_time_s=soon"}).kind, "bad_setting");
   EXPECT_NE(std::string(refusal(kScene, {"shells[pane].thickness_m=-1"}).what()).find("set by --set shells[pane]"),
             std::string::npos);
