@@ -29,7 +29,7 @@ const std::string kIpc = "ipc://", kZap = "inproc://zeromq.zap.01";
 
 // A signal interrupts any call of ZeroMQ, also one that does not wait. What a signal asks for is looked at elsewhere.
 template <class Call>
-auto through_signals(Call call) {
+auto retried_after_signals(Call call) {
   while (true) {
     try {
       return call();
@@ -40,7 +40,7 @@ auto through_signals(Call call) {
 }
 
 bool receive_now(zmq::socket_t& socket, zmq::message_t& message) {
-  return through_signals([&] { return socket.recv(message, zmq::recv_flags::dontwait).has_value(); });
+  return retried_after_signals([&] { return socket.recv(message, zmq::recv_flags::dontwait).has_value(); });
 }
 
 [[noreturn]] void bad_endpoint(const std::string& endpoint, const std::string& why) {
@@ -63,7 +63,7 @@ struct Channel::Sockets {
   zmq::context_t context{1};
   // Where ZeroMQ asks whom to admit; of a binding side with keys only. It would admit all where nobody answers: this
   // one opens before `data` and closes after.
-  zmq::socket_t door;
+  zmq::socket_t authenticator;
   zmq::socket_t data{context, zmq::socket_type::pair};
   zmq::socket_t monitor{context, zmq::socket_type::pair};
   bool was_connected = false, lost = false;
@@ -83,20 +83,20 @@ struct Channel::Sockets {
   int closed_on_us = 0;
   std::string refusal;  // why the side that we connect to will never have us
 
-  void open_door(const std::string& admitted);
-  void answer_door();
+  void open_authenticator(const std::string& admitted);
+  void answer_authenticator();
   std::string admitted;  // public key, 32 bytes
 
   void fail_if_lost() const;  // as of the last look at events
   /// The peer is gone, and something that it said is still to be read. Its end is looked at first: what came before it
   /// is there by then.
-  bool left_words() {
+  bool has_unread_words() {
     read_events();
-    return lost && through_signals([&] { return (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0; });
+    return lost && retried_after_signals([&] { return (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0; });
   }
   void read_events();
   void handshake_failed(std::uint16_t kind, int value);
-  void heard(zmq::message_t& message);
+  void note_sender(zmq::message_t& message);
   /// What has come, if anything has.
   bool take(zmq::message_t& message);
   /// What comes while we stay awake.
@@ -104,26 +104,27 @@ struct Channel::Sockets {
 };
 
 // RFC 27: what is asked comes in seven parts for CURVE, the last is the public key of who wants in.
-void Channel::Sockets::open_door(const std::string& public_key) {
+void Channel::Sockets::open_authenticator(const std::string& public_key) {
   admitted = public_key;
-  door = zmq::socket_t(context, zmq::socket_type::rep);
-  door.set(zmq::sockopt::linger, 0);
-  door.bind(kZap);
+  authenticator = zmq::socket_t(context, zmq::socket_type::rep);
+  authenticator.set(zmq::sockopt::linger, 0);
+  authenticator.bind(kZap);
 }
 
-void Channel::Sockets::answer_door() {
-  while (door) {
+void Channel::Sockets::answer_authenticator() {
+  while (authenticator) {
     zmq::message_t part;
     std::vector<std::string> asked;
-    if (!receive_now(door, part)) return;
+    if (!receive_now(authenticator, part)) return;
     asked.push_back(part.to_string());
-    while (part.more() && receive_now(door, part)) asked.push_back(part.to_string());  // all parts come together
+    while (part.more() && receive_now(authenticator, part))
+      asked.push_back(part.to_string());  // all parts come together
     const bool in = asked.size() == 7 && asked[0] == "1.0" && asked[5] == "CURVE" && asked[6] == admitted;
     const std::string reply[] = {
         "1.0", asked.size() > 1 ? asked[1] : "", in ? "200" : "400", in ? "" : "not the shell of these keys", "", ""};
     for (std::size_t i = 0; i < std::size(reply); ++i) {
       const auto flags = i + 1 < std::size(reply) ? zmq::send_flags::sndmore : zmq::send_flags::none;
-      through_signals([&] { return door.send(zmq::buffer(reply[i]), flags); });
+      retried_after_signals([&] { return authenticator.send(zmq::buffer(reply[i]), flags); });
     }
   }
 }
@@ -178,7 +179,7 @@ void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
 }
 
 // The first message tells which of the connections is the peer's.
-void Channel::Sockets::heard(zmq::message_t& message) {
+void Channel::Sockets::note_sender(zmq::message_t& message) {
   if (ours >= 0) return;
   read_events();  // those of earlier connections, whose descriptor it may have
   const int from = zmq_msg_get(message.handle(), ZMQ_SRCFD);
@@ -189,7 +190,7 @@ void Channel::Sockets::heard(zmq::message_t& message) {
 
 bool Channel::Sockets::take(zmq::message_t& message) {
   if (!receive_now(data, message)) return false;
-  heard(message);
+  note_sender(message);
   return true;
 }
 
@@ -222,7 +223,7 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
     if (role == Role::kBind) {
       d.set(zmq::sockopt::curve_server, true);
       d.set(zmq::sockopt::zap_domain, "sunder");
-      s_->open_door(k.peer_public);
+      s_->open_authenticator(k.peer_public);
     } else {
       d.set(zmq::sockopt::curve_publickey, k.own_public);
       d.set(zmq::sockopt::curve_serverkey, k.peer_public);
@@ -267,7 +268,7 @@ void Channel::Sockets::fail_if_lost() const {
 int Channel::turned_away() const { return s_->turned_away; }
 
 void Channel::check_peer() {
-  if (!s_->left_words()) s_->fail_if_lost();  // what it said last is read first: it may be why
+  if (!s_->has_unread_words()) s_->fail_if_lost();  // what it said last is read first: it may be why
 }
 
 void Channel::send(const std::string& bytes) {
@@ -276,8 +277,8 @@ void Channel::send(const std::string& bytes) {
                 fmt::format("a message of {} bytes for {}; {} at most: take fewer or simpler bodies", bytes.size(),
                             s_->peer, kMaxMessage));
   const double start = now_();
-  while (!through_signals([&] { return s_->data.send(zmq::buffer(bytes), zmq::send_flags::none); })) {
-    if (s_->left_words()) return;  // nobody hears this any more, and what was said comes with the next receive
+  while (!retried_after_signals([&] { return s_->data.send(zmq::buffer(bytes), zmq::send_flags::none); })) {
+    if (s_->has_unread_words()) return;  // nobody hears this any more, and what was said comes with the next receive
     s_->fail_if_lost();
     if (now_() - start > kSendSeconds)
       throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
@@ -295,33 +296,33 @@ std::string Channel::ask(const std::string& request, double deadline_s, const ch
   return receive(kConnectSeconds, deadline_s, what);
 }
 
-void Channel::see_off() {
+void Channel::wait_for_close() {
   const double start = steady_seconds();
   for (zmq::message_t dropped; steady_seconds() - start < kStayMs * 1e-3;) {
     if (s_->take(dropped)) continue;
-    s_->answer_door(), s_->read_events();
+    s_->answer_authenticator(), s_->read_events();
     if (s_->lost || !s_->was_connected) return;
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0}, {s_->monitor.handle(), 0, ZMQ_POLLIN, 0}};
-    through_signals([&] { return zmq::poll(items, 2, std::chrono::milliseconds(kStayMs)); });
+    retried_after_signals([&] { return zmq::poll(items, 2, std::chrono::milliseconds(kStayMs)); });
   }
 }
 
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
   const double start = now_();
   zmq::message_t message;
-  s_->answer_door(), s_->read_events();  // they would fill up where nobody ever has to sleep
+  s_->answer_authenticator(), s_->read_events();  // they would fill up where nobody ever has to sleep
   if (s_->take_soon(message)) return message.to_string();
   while (true) {
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0},
                                {s_->monitor.handle(), 0, ZMQ_POLLIN, 0},
-                               {s_->door.handle(), 0, ZMQ_POLLIN, 0}};
+                               {s_->authenticator.handle(), 0, ZMQ_POLLIN, 0}};
     try {
-      zmq::poll(items, s_->door ? 3 : 2, std::chrono::milliseconds(kPollMs));
+      zmq::poll(items, s_->authenticator ? 3 : 2, std::chrono::milliseconds(kPollMs));
     } catch (const zmq::error_t& e) {
       if (e.num() != EINTR) throw;
     }
     if (s_->take(message)) return message.to_string();
-    s_->answer_door();
+    s_->answer_authenticator();
     check_peer();
     const double waited = now_() - start;
     if (!s_->was_connected && waited > connect_s) {

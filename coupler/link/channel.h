@@ -33,7 +33,7 @@ class Channel final : public Transport {
   std::string receive(double connect_s, double deadline_s = 0.0, const char* what = "");
   /// Waits until the other side has gone, a tenth of a second at most; what it still says is dropped. libzmq 4.3.4 may
   /// abort where a socket is closed while words for it arrive and the connection ends (its issues 4364, 4841).
-  void see_off();
+  void wait_for_close();
   /// Attempts to connect to us that came to nothing so far, as of the last look: by those without our keys.
   int turned_away() const;
   std::string ask(const std::string& request, double deadline_s, const char* what) override;

@@ -69,7 +69,7 @@ class Engine {
   /// velocity that leads to its handback pose, contacts and joints are found and solved on that, and it ends on its
   /// handback velocity plus the change that the solver made; then a velocity-only solve at the new pose. One handback
   /// for each body that is not static, by id. Contacts and joints of bodies in `solved` (by id) are left out.
-  virtual void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) = 0;
+  virtual void advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) = 0;
   /// Every body that is not static, by ascending id.
   virtual std::vector<State> states() const = 0;
 

@@ -136,7 +136,7 @@ void serve(const std::string& endpoint, Engine& engine, const std::string& keys)
     const std::string reply = session.answer(channel.receive(kConnectSeconds));
     if (!session.abandoned()) channel.send(reply);
   }
-  channel.see_off();
+  channel.wait_for_close();
   session.rethrow();
 }
 

@@ -5,8 +5,8 @@
 namespace sunder::link {
 namespace {
 
-constexpr double kOurs = 4e-3;    // [m], of shards that engines' own lengths suit,
-constexpr double kSuited = 32.0;  // and as many times more or less
+constexpr double kUsualThickness = 4e-3;  // [m], of shards that engines' own lengths suit,
+constexpr double kSuited = 32.0;          // and as many times more or less
 
 double power(double unit, int exponent) { return std::ldexp(1.0, exponent * std::ilogb(unit)); }
 
@@ -24,7 +24,7 @@ Shape scaled(Shape shape, double by) {
 }  // namespace
 
 double length_unit(double thickness) {
-  const double ratio = thickness / kOurs;
+  const double ratio = thickness / kUsualThickness;
   if (!(ratio > 0.0) || (ratio <= kSuited && ratio >= 1.0 / kSuited)) return 1.0;
   return std::exp2(std::round(std::log2(ratio)));
 }
@@ -68,9 +68,9 @@ void InUnits::add_joint(const Joint& joint) {
   in_units([&] { inner_.add_joint(j); });
 }
 
-void InUnits::advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) {
-  if (unit_ == 1.0) return inner_.advance(window_s, handbacks, solved);
-  inner_.advance(window_s * power(unit_, -1), inward(handbacks), solved);
+void InUnits::advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) {
+  if (unit_ == 1.0) return inner_.advance(window_s, predicted, solved);
+  inner_.advance(window_s * power(unit_, -1), inward(predicted), solved);
 }
 
 std::vector<State> InUnits::states() const {

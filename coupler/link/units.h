@@ -20,7 +20,7 @@ class InUnits final : public Engine {
   EngineInfo info() const override { return inner_.info(); }
   void add(const RigidBody& body) override;
   void set_contact_laws(const std::vector<ContactLaw>& laws) override { inner_.set_contact_laws(laws); }
-  void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) override;
+  void advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) override;
   std::vector<State> states() const override;
   void add_joint(const Joint& joint) override;
   void release_joint(std::uint32_t id) override { inner_.release_joint(id); }

@@ -60,7 +60,7 @@ struct Held {
 /// A body on its way through a window. Velocities are those that the solver is given [Bullet units].
 struct Transit {
   Held* held;
-  const BodyMotion* handback;
+  const BodyMotion* predicted;
   bool fast = false, jointed = false;
   Vec3 spin = Vec3::Zero();  // [rad/s]
   btVector3 linear{0, 0, 0}, angular{0, 0, 0};
@@ -69,7 +69,7 @@ struct Transit {
 
 /// The average velocities that lead to the handback.
 void aim(Transit& t, double window_s) {
-  const BodyMotion &start = t.held->body.motion, &end = *t.handback;
+  const BodyMotion &start = t.held->body.motion, &end = *t.predicted;
   const Quat turn = end.orientation * start.orientation.conjugate();
   t.spin = rotation_vector(turn) / window_s;
   const Vec3 end_spin =
@@ -89,7 +89,7 @@ bool touched(const Transit& t) {
 
 /// Where the body ends by what the solver made of its velocities and pose.
 BodyMotion arrival(const Transit& t, double window_s) {
-  BodyMotion master = *t.handback;  // to the bit where nothing touched it
+  BodyMotion master = *t.predicted;  // to the bit where nothing touched it
   if (!touched(t)) return master;
   const btRigidBody& rigid = *t.held->rigid;
   const Vec3 dv = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
@@ -106,11 +106,11 @@ BodyMotion arrival(const Transit& t, double window_s) {
   if (t.jointed) {
     // From the momenta: an impulse of the joint, then a free flight. The average spin is not that of the start, and
     // what this leaves, of order (|w| H)^2, adds up where a joint acts in every window.
-    const Vec3& momentum = t.handback->angular_momentum;
+    const Vec3& momentum = t.predicted->angular_momentum;
     without = free_flight(t.held->body, momentum, window_s);
     with = free_flight(t.held->body, momentum + t.held->body.apply_inertia(dw), window_s);
   }
-  const Quat turned = with * without.conjugate() * t.handback->orientation;
+  const Quat turned = with * without.conjugate() * t.predicted->orientation;
   master.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
   master.velocity += dv;
   master.angular_momentum += t.held->body.apply_inertia(dw);  // at the start, as the solver had it
@@ -138,7 +138,7 @@ struct BulletEngine::Impl {
   void insert_new();
   void start_over(const WorldMemory& memory);
   std::set<BodyId> known(const std::vector<BodyId>& ids, const char* what) const;
-  std::vector<Transit> match(const std::vector<Handback>& handbacks);
+  std::vector<Transit> match(const std::vector<PredictedState>& predicted);
 };
 
 /// In id order whatever the order of add(). Joints with them.
@@ -159,25 +159,25 @@ void BulletEngine::Impl::start_over(const WorldMemory& memory) {
   for (auto& [id, held] : bodies) held.mirror.reset();
 }
 
-std::vector<Transit> BulletEngine::Impl::match(const std::vector<Handback>& handbacks) {
+std::vector<Transit> BulletEngine::Impl::match(const std::vector<PredictedState>& predicted) {
   std::vector<Transit> transits;
-  auto next = handbacks.begin();
+  auto next = predicted.begin();
   for (auto& [id, held] : bodies) {
     if (held.body.is_static) continue;
-    if (next == handbacks.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
+    if (next == predicted.end() || next->id > id) reject_predicted(id, "is missing; give one for each moving body");
     if (next->id < id) break;
-    check_handback(*next);
-    transits.push_back({.held = &held, .handback = &next->motion});
+    check_predicted(*next);
+    transits.push_back({.held = &held, .predicted = &next->motion});
     ++next;
   }
-  if (next != handbacks.end())
-    reject_handback(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  if (next != predicted.end())
+    reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
   return transits;
 }
 
 std::set<BodyId> BulletEngine::Impl::known(const std::vector<BodyId>& ids, const char* what) const {
   for (const BodyId id : ids)
-    if (!bodies.count(id)) reject_handback(id, fmt::format("'{}' names it, and there is no such body", what));
+    if (!bodies.count(id)) reject_predicted(id, fmt::format("'{}' names it, and there is no such body", what));
   return {ids.begin(), ids.end()};
 }
 
@@ -221,9 +221,10 @@ void BulletEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
   impl_->mirror.set_contact_laws(laws);
 }
 
-void BulletEngine::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) {
+void BulletEngine::advance(double window_s, const std::vector<PredictedState>& predicted,
+                           const std::vector<BodyId>& solved) {
   check_window(window_s);
-  std::vector<Transit> transits = impl_->match(handbacks);
+  std::vector<Transit> transits = impl_->match(predicted);
   const std::set<BodyId> left_out = impl_->known(solved, "solved");
   impl_->insert_new();
 
@@ -286,7 +287,7 @@ std::vector<EngineState> BulletEngine::states() const {
   return result;
 }
 
-std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<Handback>& motions,
+std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<PredictedState>& motions,
                                            const std::vector<BodyId>& bodies) {
   check_window(window_s);
   std::vector<Transit> transits = impl_->match(motions);
@@ -327,7 +328,7 @@ std::string BulletEngine::save() {
   return encode_caches(memory);
 }
 
-void BulletEngine::restore(const std::string& caches, const std::vector<Handback>& motions) {
+void BulletEngine::restore(const std::string& caches, const std::vector<PredictedState>& motions) {
   const WorldMemory memory = decode_caches(caches);
   const auto same_key = [](const auto& a, const auto& b) { return a.first == b.first; };
   if (!std::equal(memory.newborn.begin(), memory.newborn.end(), impl_->bodies.begin(), impl_->bodies.end(), same_key))
@@ -341,8 +342,8 @@ void BulletEngine::restore(const std::string& caches, const std::vector<Handback
   const std::vector<Transit> transits = impl_->match(motions);
   impl_->insert_new();
   for (const Transit& t : transits) {
-    t.held->body.motion = *t.handback;
-    t.held->rigid->setCenterOfMassTransform(bullet_pose(*t.handback));
+    t.held->body.motion = *t.predicted;
+    t.held->rigid->setCenterOfMassTransform(bullet_pose(*t.predicted));
   }
   impl_->start_over(memory);
 }

@@ -127,7 +127,7 @@ BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&c
     dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
   dispatcher_.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, &boxes_);
-  ground_.setUserIndex(0);  // no body's id
+  world_body_.setUserIndex(0);  // no body's id
   dispatcher_.setNearCallback(find_all);
   if (use == Use::kLook) {
     dispatcher_.setNearCallback(find_listed);
@@ -267,11 +267,11 @@ void BulletWorld::update_allowances() {
 }
 
 void BulletWorld::add_joint(const Joint& joint) {
-  btRigidBody &first = *bodies_.at(joint.first), &second = joint.second == 0 ? ground_ : *bodies_.at(joint.second);
+  btRigidBody &first = *bodies_.at(joint.first), &second = joint.second == 0 ? world_body_ : *bodies_.at(joint.second);
   // contacts that there are already would go on to be solved
   broadphase_.getOverlappingPairCache()->cleanProxyFromPairs(first.getBroadphaseHandle(), &dispatcher_);
   auto made = std::make_unique<BulletJoint>(joint, first, second);
-  world_->addConstraint(made.get(), &second != &ground_);
+  world_->addConstraint(made.get(), &second != &world_body_);
   joints_.add(joint.id, std::move(made));
 }
 
@@ -406,7 +406,7 @@ void BulletWorld::start_over(const WorldMemory& memory) {
   bodies_ = bodies;
   allowances_ = memory.allowances;
   for (auto& [id, joint] : joints) {  // by id too, whenever they were added: their order in the solver counts
-    world_->addConstraint(joint.get(), &joint->getRigidBodyB() != &ground_);
+    world_->addConstraint(joint.get(), &joint->getRigidBodyB() != &world_body_);
     joint->set_impulses(memory.joints.at(id));
     joints_.add(id, std::move(joint));
   }

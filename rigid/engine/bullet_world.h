@@ -117,7 +117,7 @@ class BulletWorld {
   btDbvtBroadphase broadphase_;
   btSequentialImpulseConstraintSolver solver_;
   std::unique_ptr<World> world_;
-  btRigidBody ground_{0.0, nullptr, nullptr};  // what joints to the world hold on to
+  btRigidBody world_body_{0.0, nullptr, nullptr};  // what joints to the world hold on to
   BulletJoints joints_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, ContactLaw> laws_;  // lower group first
   ContactLaw other_pairs_;                                              // friction 0.5, restitution 0

@@ -7,12 +7,12 @@ namespace sunder::rigid {
 /// Throws Error (bad_body).
 [[noreturn]] void reject_body(const RigidBody& body, const std::string& field, const std::string& what);
 /// Throws Error (bad_handback).
-[[noreturn]] void reject_handback(BodyId id, const std::string& what);
+[[noreturn]] void reject_predicted(BodyId id, const std::string& what);
 /// Id, motion, sizes of its shape (corners of convex parts left out), mass and inertia. Throws Error (bad_body) with
 /// id, name, value and remedy.
 void check_body(const RigidBody& body);
 /// Finite, unit quaternion. Throws Error (bad_handback).
-void check_handback(const Handback& handback);
+void check_predicted(const PredictedState& predicted);
 /// Throws Error (bad_handback).
 void check_window(double window_s);
 /// Throws Error (bad_contact_law).

@@ -14,7 +14,7 @@ using link::EngineInfo;
 
 /// Where the solver's copy of a body has come by itself at the end of a window: free flight, gravity
 /// and contact with the shell included, contacts and joints between rigid bodies not.
-using Handback = link::Motion;
+using PredictedState = link::Motion;
 using EngineState = link::State;
 
 /// Names that make_engine takes.

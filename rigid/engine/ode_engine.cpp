@@ -37,24 +37,24 @@ struct OdeEngine::Impl {
   Pairs pairs;
 
   /// The moving bodies' new motions, by id. Throws Error (bad_handback).
-  std::vector<const BodyMotion*> match(const std::vector<Handback>& handbacks) const;
+  std::vector<const BodyMotion*> match(const std::vector<PredictedState>& predicted) const;
   /// Every body, by id, with the average velocities that lead to these motions.
   std::vector<Mover> movers(double window_s, const std::vector<const BodyMotion*>& ends) const;
 };
 
-std::vector<const BodyMotion*> OdeEngine::Impl::match(const std::vector<Handback>& handbacks) const {
+std::vector<const BodyMotion*> OdeEngine::Impl::match(const std::vector<PredictedState>& predicted) const {
   std::vector<const BodyMotion*> ends;
-  auto next = handbacks.begin();
+  auto next = predicted.begin();
   for (const auto& [id, held] : bodies) {
     if (held.body.is_static) continue;
-    if (next == handbacks.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
+    if (next == predicted.end() || next->id > id) reject_predicted(id, "is missing; give one for each moving body");
     if (next->id < id) break;
-    check_handback(*next);
+    check_predicted(*next);
     ends.push_back(&next->motion);
     ++next;
   }
-  if (next != handbacks.end())
-    reject_handback(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  if (next != predicted.end())
+    reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
   return ends;
 }
 
@@ -111,9 +111,10 @@ void OdeEngine::add_joint(const Joint& joint) {
 // `pairs` go on to leave its bodies out.
 void OdeEngine::release_joint(std::uint32_t id) { impl_->joints.erase(id); }
 
-void OdeEngine::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) {
+void OdeEngine::advance(double window_s, const std::vector<PredictedState>& predicted,
+                        const std::vector<BodyId>& solved) {
   check_window(window_s);
-  const auto ends = impl_->match(handbacks);
+  const auto ends = impl_->match(predicted);
   const std::vector<Mover> movers = impl_->movers(window_s, ends);
   std::vector<Meeting> meetings = impl_->pairs.find(window_s, movers);
   impl_->pairs.remember(movers, meetings);
@@ -155,7 +156,7 @@ std::vector<EngineState> OdeEngine::states() const {
   return result;
 }
 
-std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<Handback>& motions,
+std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<PredictedState>& motions,
                                         const std::vector<BodyId>& bodies) {
   check_window(window_s);
   const auto ends = impl_->match(motions);
@@ -173,7 +174,7 @@ std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<Handb
 
 std::string OdeEngine::save() { return impl_->pairs.save(); }
 
-void OdeEngine::restore(const std::string& caches, const std::vector<Handback>& motions) {
+void OdeEngine::restore(const std::string& caches, const std::vector<PredictedState>& motions) {
   const auto ends = impl_->match(motions);
   std::set<BodyId> known;
   for (const auto& [id, held] : impl_->bodies) known.insert(id);

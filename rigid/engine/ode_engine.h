@@ -29,14 +29,15 @@ class OdeEngine final : public Engine {
   EngineInfo info() const override;
   void add(const RigidBody& body) override;
   void set_contact_laws(const std::vector<ContactLaw>& laws) override;
-  void advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) override;
+  void advance(double window_s, const std::vector<PredictedState>& predicted,
+               const std::vector<BodyId>& solved) override;
   std::vector<EngineState> states() const override;
   void add_joint(const Joint& joint) override;
   void release_joint(std::uint32_t id) override;
-  std::vector<ContactRow> rows(double window_s, const std::vector<Handback>& motions,
+  std::vector<ContactRow> rows(double window_s, const std::vector<PredictedState>& motions,
                                const std::vector<BodyId>& bodies) override;
   std::string save() override;
-  void restore(const std::string& caches, const std::vector<Handback>& motions) override;
+  void restore(const std::string& caches, const std::vector<PredictedState>& motions) override;
 
  private:
   struct Impl;

@@ -32,7 +32,7 @@ constexpr unsigned kSeed = 20;
 
 /// By which the rows' targets differ: corners of a symmetric stack that come free at the same instant leave the exact
 /// solver without a way on.
-constexpr double kUntie = 1e-9;  // [m/s]
+constexpr double kTargetSpread = 1e-9;  // [m/s]
 
 /// Set by ODE when the exact solver stops half way.
 thread_local bool gave_up = false;
@@ -110,11 +110,11 @@ double spread(std::size_t row) {
   return x - std::floor(x);
 }
 
-dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<SolverBody>& bodies, double untie) {
+dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<SolverBody>& bodies, double offset) {
   dContact contact = {};
   contact.surface.mode = dContactApprox1 | dContactFDir1 | dContactMotionN;
   contact.surface.mu = c.friction;
-  contact.surface.motionN = c.target - untie;
+  contact.surface.motionN = c.target - offset;
   contact.geom.depth = 0.0;  // what a window may close by is in the target; nothing else pushes
   for (int i = 0; i < 3; ++i) contact.geom.pos[i] = c.point[i], contact.geom.normal[i] = c.normal[i];
   // Along the slip friction is Coulomb's; a fixed pair of directions would hold up to sqrt(2) as much between them.
@@ -175,7 +175,7 @@ bool solve(double window_s, double joint_share, bool exactly, std::vector<Solver
   std::vector<dJointFeedback> feedback(island.contacts.size());
   for (std::size_t i = 0; i < island.contacts.size(); ++i) {
     const SolverContact& c = *island.contacts[i];
-    dJointID joint = make_contact(world, c, bodies, kUntie * spread(i));
+    dJointID joint = make_contact(world, c, bodies, kTargetSpread * spread(i));
     dJointAttach(joint, of(c.first), of(c.second));
     feedback[i] = {};
     dJointSetFeedback(joint, &feedback[i]);

@@ -100,12 +100,12 @@ export class JoltEngine {
   }
 
   /** One handback for each body that moves, by ascending id: the session has seen to it. */
-  advance(window, handbacks, solved) {
+  advance(window, predicted, solved) {
     this.insertNewborn();
     this.world.leaveOut(solved);
     let way = 0;
     this.moving.forEach((held, index) => {
-      this.depart(held, handbacks[index], window);
+      this.depart(held, predicted[index], window);
       way = Math.max(way, m.norm(held.linear) * window);
     });
     this.world.solve(window, way);
@@ -121,16 +121,16 @@ export class JoltEngine {
   }
 
   /** Gives Jolt the average velocity of the window. */
-  depart(held, handback, window) {
+  depart(held, predicted, window) {
     const start = held.motion, principal = held.body.principal_inertia;
-    held.handback = handback;
-    const turn = m.multiply(handback.orientation, m.conjugate(start.orientation));
+    held.predicted = predicted;
+    const turn = m.multiply(predicted.orientation, m.conjugate(start.orientation));
     let spin = m.scale(1 / window, m.vectorOf(turn));
-    const endSpin = m.applyInverseInertia(handback.orientation, principal, handback.angular_momentum);
+    const endSpin = m.applyInverseInertia(predicted.orientation, principal, predicted.angular_momentum);
     if (Math.max(m.norm(endSpin), m.norm(spin)) * window > kFastTurn) spin = endSpin;
     held.spin = spin;
     held.angular = rounded(spin);
-    held.linear = rounded(m.scale(kLength / window, m.subtract(handback.position, start.position)));
+    held.linear = rounded(m.scale(kLength / window, m.subtract(predicted.position, start.position)));
     held.met = held.jointed === true;
     held.struck = false;
     held.push = [0, 0, 0];
@@ -139,11 +139,11 @@ export class JoltEngine {
 
   /** The handback, and what Jolt has changed. */
   arrive(held, window) {
-    const { motion: start, handback } = held, principal = held.body.principal_inertia;
+    const { motion: start, predicted } = held, principal = held.body.principal_inertia;
     held.touched = false;
     held.motion = {
-      position: handback.position, orientation: handback.orientation, velocity: handback.velocity,
-      angular_momentum: handback.angular_momentum,
+      position: predicted.position, orientation: predicted.orientation, velocity: predicted.velocity,
+      angular_momentum: predicted.angular_momentum,
     };
     if (!held.met) return;
     const now = this.world.read(held.rigid);
@@ -165,12 +165,12 @@ export class JoltEngine {
     // precession, else a thin shard that an impact sets spinning gains energy.
     const without = freeTurn(start.orientation, principal, held.spin, window);
     const withIt = freeTurn(start.orientation, principal, m.add(held.spin, dw), window);
-    const turned = m.multiply(m.multiply(withIt, m.conjugate(without)), handback.orientation);
+    const turned = m.multiply(m.multiply(withIt, m.conjugate(without)), predicted.orientation);
     held.motion = {
-      position: m.add(handback.position, change),
+      position: m.add(predicted.position, change),
       orientation: m.normalized(m.multiply(pushTurn, turned)),
-      velocity: m.add(handback.velocity, m.scale(1 / kLength, dv)),
-      angular_momentum: m.add(handback.angular_momentum, m.applyInertia(start.orientation, principal, dw)),
+      velocity: m.add(predicted.velocity, m.scale(1 / kLength, dv)),
+      angular_momentum: m.add(predicted.angular_momentum, m.applyInertia(start.orientation, principal, dw)),
     };
   }
 

@@ -96,7 +96,7 @@ void births(Suite& s) {
     for (int i = 0; i < 50; ++i) {
       play.window();
       for (std::size_t k = 0; k < play.states().size(); ++k) {
-        const BodyMotion &got = play.states()[k].motion, &given = play.handbacks()[k].motion;
+        const BodyMotion &got = play.states()[k].motion, &given = play.predicted()[k].motion;
         flight = std::max({flight, pose_error(got, given, 0.03), velocity_error(got, given)});
       }
     }

@@ -65,7 +65,7 @@ void meet(Suite& s, const Meeting& m) {
     angular.before(play);
     play.window();
     angular.after(play);
-    gain = std::max(gain, (play.kinetic_energy() - play.handback_energy()) / start);  // flight has its own error
+    gain = std::max(gain, (play.kinetic_energy() - play.predicted_energy()) / start);  // flight has its own error
   }
   const Vec3 change = m.first.mass * (play.body(1).motion.velocity - m.first.motion.velocity);
   const double met = change.norm() / relative;

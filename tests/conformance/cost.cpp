@@ -21,9 +21,9 @@ void cost(Suite& s, const std::function<RigidBody(BodyId)>& make, double height,
     Play play(s.target, {{bodies, law(0.5, 0.0), {}}, floor ? gravity() : Vec3(0, 0, 0)});
     std::vector<double> times;
     for (int i = 0; i < kWindows; ++i) {
-      const std::vector<link::Motion> handbacks = play.flight();
+      const std::vector<link::Motion> predicted = play.flight();
       const double before = seconds_now();
-      play.window_on(handbacks);
+      play.window_on(predicted);
       times.push_back(seconds_now() - before);
     }
     std::nth_element(times.begin(), times.begin() + kWindows / 2, times.end());

@@ -24,7 +24,7 @@ void fly_freely(Suite& s, const RigidBody& body, double size) {
   int exact = 0;
   for (int i = 0; i < kWindows; ++i) {
     play.window();
-    const BodyMotion &got = play.states()[0].motion, &given = play.handbacks()[0].motion;
+    const BodyMotion &got = play.states()[0].motion, &given = play.predicted()[0].motion;
     pose = std::max(pose, pose_error(got, given, size)), velocity = std::max(velocity, velocity_error(got, given));
     exact += same_bits(got, given);
   }

@@ -196,8 +196,8 @@ void released(Suite& s) {
   double off = 0.0, anchor = 0.0;
   for (int i = 0; i < 500; ++i) {
     play.window();
-    off = std::max({off, pose_error(play.states()[0].motion, play.handbacks()[0].motion, 0.3),
-                    velocity_error(play.states()[0].motion, play.handbacks()[0].motion)});
+    off = std::max({off, pose_error(play.states()[0].motion, play.predicted()[0].motion, 0.3),
+                    velocity_error(play.states()[0].motion, play.predicted()[0].motion)});
     anchor = std::max(anchor, gap(play, other).norm());
   }
   s.report.check("flies", off, 0.0, s.exact(1e-9), "off its handback, worst in 0.5 s");
@@ -220,8 +220,8 @@ void parted(Suite& s) {
   for (int i = 0; i < 300; ++i) {
     play.window();
     for (int k = 0; k < 2; ++k)
-      off = std::max({off, pose_error(play.states()[k].motion, play.handbacks()[k].motion, 0.1),
-                      velocity_error(play.states()[k].motion, play.handbacks()[k].motion)});
+      off = std::max({off, pose_error(play.states()[k].motion, play.predicted()[k].motion, 0.1),
+                      velocity_error(play.states()[k].motion, play.predicted()[k].motion)});
   }
   s.report.check("through", off, 0.0, s.exact(1e-9), "off their handbacks, worst in 0.3 s");
   s.report.check_error("apart", gap(play, ball).norm(), 0.005, std::max(0.0, 0.005 - gap(play, ball).norm()), 0.0,

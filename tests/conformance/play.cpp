@@ -110,11 +110,11 @@ std::vector<link::Motion> Play::flight() const { return fly(bodies_, scene_.grav
 
 void Play::window(const std::vector<RigidBody>& births) { window_on(flight(), births); }
 
-void Play::window_on(std::vector<link::Motion> handbacks, const std::vector<RigidBody>& births,
+void Play::window_on(std::vector<link::Motion> predicted, const std::vector<RigidBody>& births,
                      const std::vector<BodyId>& solved, bool again) {
-  handbacks_ = std::move(handbacks);
+  predicted_ = std::move(predicted);
   if (again) --tick_;
-  const auto states = link_->window({tick_, 1, scene_.window_s, handbacks_, solved, births, again, released_});
+  const auto states = link_->window({tick_, 1, scene_.window_s, predicted_, solved, births, again, released_});
   ++tick_;
   for (const RigidBody& b : births) bodies_[b.id] = b;
   take(states);
@@ -143,9 +143,9 @@ double Play::kinetic_energy() const {
   return sum;
 }
 
-double Play::handback_energy() const {
+double Play::predicted_energy() const {
   double sum = 0.0;
-  for (const link::Motion& m : handbacks_) {
+  for (const link::Motion& m : predicted_) {
     RigidBody b = bodies_.at(m.id);
     b.motion = m.motion;
     sum += b.kinetic_energy();

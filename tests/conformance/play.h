@@ -32,7 +32,7 @@ class Play {
   /// One window on flight().
   void window(const std::vector<RigidBody>& births = {});
   /// One window on these handbacks.
-  void window_on(std::vector<link::Motion> handbacks, const std::vector<RigidBody>& births = {},
+  void window_on(std::vector<link::Motion> predicted, const std::vector<RigidBody>& births = {},
                  const std::vector<BodyId>& solved = {}, bool again = false);
   void run(double seconds);
   /// From the next window on.
@@ -40,7 +40,7 @@ class Play {
   /// Says goodbye and goes. Throws Error (bad_exit) where the engine then ends with another status than 0.
   void end();
 
-  const std::vector<link::Motion>& handbacks() const { return handbacks_; }  // of the last window
+  const std::vector<link::Motion>& predicted() const { return predicted_; }  // of the last window
   const std::vector<link::State>& states() const { return states_; }         // moving ones by ascending id
   const RigidBody& body(BodyId id) const { return bodies_.at(id); }
   double time() const { return static_cast<double>(tick_) * scene_.window_s; }
@@ -48,7 +48,7 @@ class Play {
 
   double kinetic_energy() const;
   /// Of the last handbacks: the difference is what the engine did.
-  double handback_energy() const;
+  double predicted_energy() const;
   Vec3 momentum() const;
   /// About a fixed point: of the paths and of the spins.
   Vec3 angular_momentum(const Vec3& about) const;
@@ -62,7 +62,7 @@ class Play {
   std::unique_ptr<link::RemoteRigid> link_;  // none after end()
   link::EngineInfo peer_;
   std::map<BodyId, RigidBody> bodies_;
-  std::vector<link::Motion> handbacks_;
+  std::vector<link::Motion> predicted_;
   std::vector<link::State> states_;
   std::vector<std::uint32_t> released_;  // joints
   std::int64_t tick_ = 0;

@@ -18,7 +18,7 @@ Shift shift(const Play& play, const Motions& before, const Vec3& about, double w
   Shift out;
   Vec3 way = Vec3::Zero(), apart = Vec3::Zero();
   double sign = 1.0;
-  for (const link::Motion& given : play.handbacks()) {
+  for (const link::Motion& given : play.predicted()) {
     const RigidBody& b = play.body(given.id);
     const BodyMotion &now = b.motion, &hb = given.motion;
     const Vec3 moved = (now.position - hb.position) - window_s * (now.velocity - hb.velocity);

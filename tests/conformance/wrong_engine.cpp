@@ -57,11 +57,11 @@ class WrongEngine final : public Engine {
     inner_->set_contact_laws(changed);
   }
 
-  void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) override {
+  void advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) override {
     if (fault_ == "stale") before_ = inner_->states();
-    inner_->advance(window_s, handbacks, fault_ == "meddling" ? std::vector<BodyId>{} : solved);
-    handbacks_.clear();
-    for (const Motion& m : handbacks) handbacks_[m.id] = m.motion;
+    inner_->advance(window_s, predicted, fault_ == "meddling" ? std::vector<BodyId>{} : solved);
+    predicted_.clear();
+    for (const Motion& m : predicted) predicted_[m.id] = m.motion;
     // An honest engine leaves what is solved at its handback.
     left_ = fault_ == "meddling" ? std::set<BodyId>{} : std::set<BodyId>(solved.begin(), solved.end());
     ++advanced_;
@@ -71,8 +71,8 @@ class WrongEngine final : public Engine {
     if (fault_ == "stale" && !before_.empty()) return before_;
     std::vector<State> out = inner_->states();
     for (State& s : out) {
-      const auto given = handbacks_.find(s.id);
-      if (given == handbacks_.end()) continue;
+      const auto given = predicted_.find(s.id);
+      if (given == predicted_.end()) continue;
       BodyMotion& m = s.motion;
       if (left_.count(s.id)) m = given->second;
       const Vec3 change = m.velocity - given->second.velocity;
@@ -119,7 +119,7 @@ class WrongEngine final : public Engine {
   std::string fault_;
   std::map<BodyId, RigidBody> bodies_;
   std::vector<ContactLaw> laws_;
-  std::map<BodyId, BodyMotion> handbacks_;
+  std::map<BodyId, BodyMotion> predicted_;
   std::set<BodyId> left_;
   std::vector<State> before_;
   long advanced_ = 0;

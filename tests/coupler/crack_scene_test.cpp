@@ -42,7 +42,7 @@ TEST(Cut, ThatWouldNeverBeMadeIsRefused) {
                  "shells[0].cuts[0].time_s", {"is 1000 s", "would never be made"});
 }
 
-TEST(BranchRatio, AtWhichATipDoesNotEvenRunIsRefused) {
+TEST(BranchRatio, BelowThatOfARunningTipIsRefused) {
   expect_refusal(scene("", kStrong, "fracture { branch_ratio: 0.5 }\n"), "fracture.branch_ratio",
                  {"is 0.5", "above 1"});
 }
@@ -139,7 +139,7 @@ TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
   EXPECT_TRUE(built(scene("", kStrong)).shells[0].model.strength_factor.empty());
 }
 
-TEST(StrengthRegions, AreRefusedWhereTheySayNothingSound) {
+TEST(StrengthRegions, AreRefusedWhereFactorOrPlaceIsWrong) {
   const std::string box = "low { u: 0.1 v: 0.1 } high { u: 0.3 v: 0.3 } ";
   const auto refused = [](const std::string& region, const std::string& field, const std::string& says) {
     expect_refusal(scene("strength_regions { " + region + " }", kStrong), "shells[0].strength_regions" + field, {says});
@@ -176,7 +176,7 @@ TEST(StrengthMap, IsStretchedOverTheDomainLinearBetweenPixels) {
   }
 }
 
-TEST(StrengthMap, OfAWrongShapeIsRefusedWithSizesThatDo) {
+TEST(StrengthMap, OfAWrongShapeIsRefusedWithSizesThatFit) {
   const auto refused = [](const std::string& head, const std::vector<std::string>& says, const std::string& settings) {
     const MapFile map(head);
     std::vector<std::string> list;
@@ -245,7 +245,7 @@ TEST(Healing, IsForDamageOnly) {
                  {"is for mode DAMAGE"});
 }
 
-TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {
+TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatWork) {
   const std::string text = scene("", "strength: 6e7 fracture_energy: 2000 ", "fracture { mode: DAMAGE }\n");
   // sqrt(3) 0.5 / 16 = 0.0541 m, 2 E G_f / strength^2 = 0.0778 m: resolved; with 1000 J/m^2 it is not
   EXPECT_EQ(refusal(text).kind, "accepted");
@@ -260,7 +260,7 @@ TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {
   expect_refusal(text, "fracture.mode", {"a narrower damage_width_m"}, {set, "fracture.damage_width_m=0.05"});
 }
 
-TEST(StrengthMap, IsPartOfWhatSceneItIs) {
+TEST(StrengthMap, IsPartOfTheSceneHash) {
   const auto hash = [](const std::string& pixels) {
     const MapFile map("P5 2 2 255\n" + pixels);
     const std::string path = own_file("crack_scene.textproto");
@@ -273,13 +273,13 @@ TEST(StrengthMap, IsPartOfWhatSceneItIs) {
   EXPECT_NE(hash("abcd"), hash("abcc"));
 }
 
-TEST(Cut, WithMorePointsThanAShellCouldTellIsRefused) {
+TEST(Cut, WithMorePointsThanAShellCanResolveIsRefused) {
   std::string points;
   for (int k = 0; k <= 20000; ++k) points += fmt::format("points {{ u: {} v: 0.1 }} ", 0.1 + 1e-5 * k);
   expect_refusal(scene("cuts { " + points + "}"), "shells[0].cuts[0]", {"has 20001 points", "at most 20000"});
 }
 
-TEST(Enumerators, ThatAreNoneAreRefused) {
+TEST(Enumerators, UnknownNumbersAreRefused) {
   expect_refusal(scene("", "", "fracture { mode: 7 }\n"), "fracture.mode", {"is 7", "TIPS", "DAMAGE"});
   expect_refusal(scene("supports { edges: 9 kind: CLAMPED }"), "shells[0].supports[0].edges[0]", {"is 9", "ALL"});
 }

@@ -104,13 +104,13 @@ struct SlowServer {
 
 }  // namespace
 
-TEST(TenMinutes, OfAWindowAreWaitedFor) {
+TEST(TenMinutes, OfAWindowAreAllowed) {
   SlowServer server(proto::Request::kWindow);  // answers once the client has seen how late it is and waits on
   EXPECT_EQ(server.session(), "");
   EXPECT_EQ(server.clock, kTenMinutes);
 }
 
-TEST(TenMinutes, OfWhatMovesNothingAreTooMany) {
+TEST(TenMinutes, OfARequestThatMovesNoBodyAreTooMany) {
   for (const auto& [kind, name] :
        {std::pair(proto::Request::kHello, "Hello"), std::pair(proto::Request::kLoad, "Load"),
         std::pair(proto::Request::kExport, "Export"), std::pair(proto::Request::kAddBodies, "AddBodies"),
@@ -122,7 +122,7 @@ TEST(TenMinutes, OfWhatMovesNothingAreTooMany) {
   }
 }
 
-TEST(TenMinutes, OfNobodyAreTooMany) {
+TEST(TenMinutes, WithoutAConnectionAreTooMany) {
   std::atomic<int> looks{0};
   // by the clock of the test: the first look is at the start, later ones ten minutes on
   Channel channel(Channel::Role::kConnect, "ipc://" + testing::TempDir() + "/nobody", "",
@@ -136,7 +136,7 @@ TEST(TenMinutes, OfNobodyAreTooMany) {
   }
 }
 
-TEST(Goodbye, IsFollowedByWhatTheOtherSideStillSaysUntilItHasGone) {
+TEST(Goodbye, WaitsUntilTheOtherSideHasClosed) {
   using Clock = std::chrono::steady_clock;
   for (int k = 0; k < 5; ++k) {
     const TemporaryFolder folder;

@@ -33,7 +33,7 @@ sunder::shell::RunSetup built(const std::string& text, std::string& report) {
 
 }  // namespace
 
-TEST(FibreScene, IsAcceptedAndSaysWhatItIs) {
+TEST(FibreScene, IsAcceptedAndReported) {
   std::string report;
   const auto setup = built(scene(), report);
   EXPECT_NE(report.find("fibres         on a grid of 0.0375 m"), std::string::npos) << report;
@@ -50,7 +50,7 @@ TEST(FibreScene, IsAcceptedAndSaysWhatItIs) {
   EXPECT_TRUE(mixed.shells_meet);
 }
 
-TEST(FibreScene, WithoutFibresNothingIsThere) {
+TEST(FibreScene, WithoutFibresHasNoFibreModel) {
   std::string report;
   const auto setup = built(kScene, report);
   EXPECT_EQ(report.find("fibres"), std::string::npos) << report;
@@ -70,7 +70,7 @@ TEST(FibreScene, StiffFibresShortenTheStep) {
   EXPECT_NEAR(step(scene("compression_modulus: 1e7", "compression_modulus: 1e14")), 0.1 * soft, 0.02 * 0.1 * soft);
 }
 
-TEST(FibreScene, RefusesWhatIsMissingOrOutOfRange) {
+TEST(FibreScene, RefusesFieldsThatAreMissingOrOutOfRange) {
   const std::string f = "shells[0].fibres";
   expect_refusal(scene("compression_modulus: 1e7 ", ""), f + ".compression_modulus", {"is missing"});
   expect_refusal(scene("compression_modulus: 1e7", "compression_modulus: -1"), f + ".compression_modulus",
@@ -94,7 +94,7 @@ TEST(FibreScene, RefusesWhatIsMissingOrOutOfRange) {
   expect_refusal(scene("friction: 0.3", "grid_spacing_m: -1"), f + ".grid_spacing_m", {"must be positive"});
 }
 
-TEST(FibreScene, RefusesWhatDoesNotGoWithThem) {
+TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
   const std::string f = "shells[0].fibres";
   expect_refusal(scene("", "", "", ""), f, {"have nothing to touch", "contacts { first: \"pane\" second: \"pane\" }"});
   EXPECT_EQ(refusal(scene("", "", "contacts { first: \"pane\" second: \"pane\" }\n", "")).kind, "accepted");

@@ -46,7 +46,7 @@ TEST(HeldRows, ABallThatSlidesStaysOnTheFloorAndIsNotTurned) {
   EXPECT_LT(b.motion.angular_momentum.norm(), 1e-15);
 }
 
-TEST(HeldRows, AGapMayCloseWithinASubstepAndNoMore) {
+TEST(HeldRows, AGapClosesWithinASubstepWithoutAnOverlap) {
   RigidBody b = ball(1, {0, 0, 0.04 + 1e-5}), f = floor_body();
   b.motion.velocity = {0, 0, -10};
   HeldRows rows;

@@ -9,7 +9,7 @@ std::string jointed(const std::string& joint) {
   return kScene + "joints {\n  name: \"peg\"\n  first: \"ball\"\n  " + joint + "\n}\n";
 }
 
-TEST(JointBreak, IsRefusedWhereItSaysNothingOrWhatItsKindCannotDo) {
+TEST(JointBreak, IsRefusedWithoutACriterionOrWithOneThatItsKindCannotHave) {
   EXPECT_EQ(refusal(jointed("kind: HINGE breaks { angle_deg: 30 }")).kind, "accepted");
   const auto refused = [](const std::string& joint, const std::string& field, const std::string& says) {
     expect_refusal(jointed(joint), "joints[0].breaks" + field, {says});

@@ -134,7 +134,7 @@ TEST(Keys, AreMadeForBothSidesAndReadBack) {
   EXPECT_NE(read_keys(folder.made("others"), Side::kRigid).secret, rigid.secret);
 }
 
-TEST(Keys, AreNeverWrittenOver) {
+TEST(Keys, AreNeverOverwritten) {
   const Folder folder;
   const std::string keys = folder.made("keys"), before = text(keys + "/rigid.key");
   EXPECT_SAYS(thrown([&] { make_keys(keys); }), "bad_keys: " + keys + ": is there already");
@@ -150,7 +150,7 @@ TEST(Keys, AreNeverWrittenOver) {
   read_keys(empty, Side::kShell);
 }
 
-TEST(Keys, OfTheOtherSideAreNotNeeded) {
+TEST(Keys, TheOtherSidesSecretIsNotNeeded) {
   const Folder folder;
   const std::string keys = folder.made("keys");
   fs::remove(keys + "/shell.key");
@@ -232,7 +232,7 @@ TEST(EncryptedSession, NoticesThatTheOtherSideHasGone) {
   EXPECT_SAYS(server.said, "peer_lost: the shell process is gone");
 }
 
-TEST(EncryptedSession, IsNotForOthers) {
+TEST(EncryptedSession, RefusesOtherKeys) {
   const Folder folder;
   const std::string keys = folder.made("keys"), others = folder.made("others");
   // the right rigid.pub, but a shell of its own; and the right shell, which expects another rigid process
@@ -266,7 +266,7 @@ TEST(EncryptedSession, IsNotForOthers) {
   }
 }
 
-TEST(EncryptedSession, GoesOnWhileStrangersKnock) {
+TEST(EncryptedSession, ContinuesWhileOthersTryToConnect) {
   const Folder folder;
   const std::string keys = folder.made("keys"), stranger = folder.made("stranger");
   copy(keys + "/rigid.pub", stranger + "/rigid.pub");

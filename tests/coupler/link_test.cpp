@@ -46,7 +46,7 @@ TEST(Messages, ABodyComesBackBitwise) {
   EXPECT_EQ(std::get<ConvexShape>(a.shape).parts, std::get<ConvexShape>(b.shape).parts);
 }
 
-TEST(BodyIds, RiseWhateverTheOrderTheyComeIn) {
+TEST(BodyIds, AreAscendingInAnyOrderOfInsertion) {
   BodyIds ids;
   for (const BodyId id : {7u, 2u, 9u, 4u}) EXPECT_TRUE(ids.insert(id));
   EXPECT_FALSE(ids.insert(4));
@@ -57,7 +57,7 @@ TEST(BodyIds, RiseWhateverTheOrderTheyComeIn) {
   EXPECT_FALSE(ids.contains(9));
 }
 
-TEST(MessageMemory, IsOneBlockThatGrowsAndIsUsedAgain) {
+TEST(MessageMemory, IsOneBlockThatGrowsAndIsReused) {
   constexpr std::size_t kMost = 1 << 18;
   link::MessageMemory memory(kMost, true);
   const auto fill = [&memory](int bodies) {
@@ -79,7 +79,7 @@ TEST(MessageMemory, IsOneBlockThatGrowsAndIsUsedAgain) {
   EXPECT_EQ(fill(1), largest);
 }
 
-TEST(Messages, WhatParsesButMakesNoSenseIsRefusedByName) {
+TEST(Messages, WrongValuesAreRefusedWithTheirField) {
   const proto::RigidBody good = link::encode(shard());
   EXPECT_EQ(refusal(good), "");
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -106,7 +106,7 @@ TEST(Messages, WhatParsesButMakesNoSenseIsRefusedByName) {
   }
 }
 
-TEST(Messages, WhatTheOtherSideReportsIsNamedAndNoLongerThanATerminalTakes) {
+TEST(Messages, ErrorsOfTheOtherSideHaveAKindAndLimitedPlainText) {
   proto::Error report;
   report.set_kind("bad_body"), report.set_message("body 3");
   EXPECT_EQ(link::decode_error(report, "it").kind, "bad_body");
@@ -125,7 +125,7 @@ TEST(Messages, WhatTheOtherSideReportsIsNamedAndNoLongerThanATerminalTakes) {
   EXPECT_EQ(said.substr(said.size() - 2), "\u00e9");
 }
 
-TEST(Contact, ImpulseObeysCoulombAndNeverPulls) {
+TEST(Contact, ImpulseObeysCoulombAndOnlyPushes) {
   using shell::contact_impulse;
   const Vec3 n(0, 0, 1);
   const Mat3 two = 0.5 * Mat3::Identity();  // a mass of 2 kg

@@ -201,7 +201,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"SpanOfABillionElements", "elements_x: 16", "elements_x: 1000000000", 9, "1 to 4096"}),
     [](const testing::TestParamInfo<Case>& i) { return std::string(i.param.name); });
 
-TEST(Loads, SayWhenTheyChangeForTheLastTime) {
+TEST(Loads, TellTheTimeOfTheirLastChange) {
   std::string text = kScene;
   text.insert(
       text.find("elements_y: 16 }\n") + 17,
@@ -231,7 +231,7 @@ TEST(LinearBending, IsRefusedWhereLayersAreNeeded) {
   }
 }
 
-TEST(Yielding, GoesWithCutsAndNotWithAnotherStressModel) {
+TEST(Yielding, AllowsCutsAndExcludesOtherStressModels) {
   const std::string steel = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 yield_stress: 1e8 }");
   const auto with = [&](const std::string& more) {
     std::string text = steel;
@@ -243,7 +243,7 @@ TEST(Yielding, GoesWithCutsAndNotWithAnotherStressModel) {
               std::string::npos);
 }
 
-TEST(Tempering, GoesWithYieldingOrCrackingAndNotWithBoth) {
+TEST(Tempering, AllowsYieldingOrCrackingButNotBoth) {
   const auto tempered = [](const std::string& material) {
     std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + " }");
     text.insert(text.find("elements_y: 16 }\n") + 17, "  layers: 5\n  surface_compression: 1e7\n");
@@ -338,7 +338,7 @@ TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
 
 // A simply supported square plate a tenth as thick as wide bends 5 % more than without shear (Mindlin's plate; 4.27 of
 // 4.06 in the usual measure).
-TEST(Thickness, OfWhatIsNoThinShellIsTold) {
+TEST(Thickness, OfAThickShellIsReported) {
   EXPECT_EQ(report(kScene).find("warning"), std::string::npos);
   EXPECT_EQ(report(replaced("thickness_m: 0.004", "thickness_m: 0.02")).find("warning"), std::string::npos);
   const std::string said = report(replaced("thickness_m: 0.004", "thickness_m: 0.05"));

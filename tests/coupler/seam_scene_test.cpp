@@ -31,7 +31,7 @@ TEST(SceneSeams, AreAcceptedWithEveryRule) {
   }
 }
 
-TEST(SceneSeams, OfShellsThatAreNotThereAreRefused) {
+TEST(SceneSeams, OfUnknownShellsAreRefused) {
   expect_refusal(scene("seams { rules { first: \"pane\" second: \"wnig\" kind: HINGE } }"), "seams.rules[0].second",
                  {"'wnig' is no shell of this scene"});
   expect_refusal(scene("seams { rules { first: \"pane\" second: \"pane\" kind: HINGE } }"), "seams.rules[0].second",
@@ -41,7 +41,7 @@ TEST(SceneSeams, OfShellsThatAreNotThereAreRefused) {
       "seams.rules[1]", {"says again"});
 }
 
-TEST(SceneSeams, ThatAreNotThereAreRefused) {
+TEST(SceneSeams, WithoutACommonEdgeAreRefused) {
   const std::string fastened = "seams { rules { first: \"pane\" second: \"wing\" } }";
   EXPECT_EQ(refusal(scene(fastened)).kind, "accepted");
   expect_refusal(scene(fastened, "", 1.5), "seams.rules[0]", {"'pane' and 'wing'", "no whole edge in common"});
@@ -55,7 +55,7 @@ TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
                    {"above 0, at most 1"});
 }
 
-TEST(SceneSeams, WithWhatIsForOneShellAreRefused) {
+TEST(SceneSeams, WithFieldsForSingleShellsAreRefused) {
   expect_refusal(scene("seams {}", "equilibrium {} supports { edges: ALL kind: CLAMPED }"), "shells[1].equilibrium",
                  {"leave one of them out"});
   expect_refusal(scene("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams"});
@@ -69,7 +69,7 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
 }
 
 // A flaw's ground goes on there.
-TEST(SceneSeams, TellShellsWhichOfTheirEdgesGoOnInAnother) {
+TEST(SceneSeams, TellShellsWhichOfTheirEdgesContinueInAnother) {
   const auto joined = [](const std::string& seams) {
     const std::string path = own_file("seam_scene.textproto");
     std::ofstream(path) << scene(seams);
@@ -83,7 +83,7 @@ TEST(SceneSeams, TellShellsWhichOfTheirEdgesGoOnInAnother) {
 }
 
 // A seam is opened; a clamped edge is parted just inside; the rectangle's other three sides are one line.
-TEST(SceneCuts, OnEdgesOfThePatchPartWhatHangsThere) {
+TEST(SceneCuts, OnEdgesOfThePatchOpenSeamsAndSupports) {
   const std::string rectangle =
       "cuts { points { u: 0 v: 0.1 } points { u: 0 v: 0.4 } points { u: 0.2 v: 0.4 } points { u: 0.2 v: 0.1 } "
       "points { u: 0 v: 0.1 } }";

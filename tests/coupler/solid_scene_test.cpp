@@ -100,7 +100,7 @@ TEST(SolidMesh, IsDividedIntoConvexPartsThatFillIt) {
   }
 }
 
-TEST(SolidMesh, IsTurnedOutwardsWhicheverWayItsFacesLook) {
+TEST(SolidMesh, IsTurnedOutwardsForAnyOrientationOfItsFaces) {
   arch::Mesh inside_out = arch::mesh(), mixed = arch::mesh();
   for (auto& face : inside_out.faces) std::reverse(face.begin(), face.end());
   for (std::size_t i = 0; i < mixed.faces.size(); i += 3) std::reverse(mixed.faces[i].begin(), mixed.faces[i].end());
@@ -108,7 +108,7 @@ TEST(SolidMesh, IsTurnedOutwardsWhicheverWayItsFacesLook) {
     EXPECT_NEAR(enclosed_volume(surface_of(m)), arch::kVolume, 1e-15);
 }
 
-TEST(SolidMesh, WithinAnotherOneIsAHollow) {
+TEST(SolidMesh, InsideAnotherOneIsAHollow) {
   const auto cube = [](double low, double high) {
     arch::Mesh m = arch::prism({{low, low}, {low, high}, {high, high}, {high, low}}, high - low);
     for (Vec3& p : m.points) p.y() += low;
@@ -156,7 +156,7 @@ TEST(SolidMesh, IsRefusedWhereItCrossesOrTouchesItself) {
   EXPECT_NEAR(enclosed_volume(surface_of(two({1.0, 0.0, 0.0}))), 2.0 * arch::kVolume, 1e-12);  // apart: one body
 }
 
-TEST(SolidMesh, IsRefusedByTheLineOfABadFace) {
+TEST(SolidMesh, IsRefusedWithTheLineOfAWrongFace) {
   const std::string good = arch::off(arch::mesh());
   const auto off = [&](const std::string& from, const std::string& to, const std::vector<std::string>& says) {
     std::string text = good;
@@ -182,7 +182,7 @@ TEST(SolidMesh, IsRefusedByTheLineOfABadFace) {
   expect_refusal(scene_with("bad.off", good, "surface: 7"), "bodies[0].mesh.surface", {"is 7; HULL or EXACT"});
 }
 
-TEST(SolidMesh, IsNotForSoftBodies) {
+TEST(SolidMesh, IsRefusedForSoftBodies) {
   expect_refusal(
       scene_with("arch.off", arch::off(arch::mesh())) +
           fmt::format("soft_bodies {{ name: \"jelly\" material: \"glass\" spacing_m: 0.005 pose {{ position {{ z: 5 }} "

@@ -25,7 +25,7 @@ void expect_same_bits(const BodyMotion& a, const BodyMotion& b) {
 
 RigidBody small_shard(BodyId id) { return plate(id, {{Vec2(0, 0), Vec2(0.02, 0.003), Vec2(0.007, 0.013)}}, 0.003); }
 
-TEST(BulletEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
+TEST(BulletEngine, ReturnsPredictedStatesToTheBitWhereNothingTouches) {
   // 4000 rad/s turns 1 rad per window: more than Bullet itself would follow
   for (double spin : {0.0, 3.0, 300.0, 4000.0, 20000.0}) {
     BulletEngine engine;
@@ -38,7 +38,7 @@ TEST(BulletEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
     caller.add(half_space(1));
     for (int i = 0; i < 200; ++i) {
       caller.window();
-      expect_same_bits(caller.handbacks()[0].motion, caller.body(7).motion);
+      expect_same_bits(caller.predicted()[0].motion, caller.body(7).motion);
     }
   }
 }
@@ -291,7 +291,7 @@ TEST(BulletEngine, FastSpinnersLandWithoutGainingEnergy) {
     double gained = 0.0, lost = 0.0;
     for (int i = 0; i < 8000; ++i) {
       caller.window();
-      const double change = caller.energy() - caller.handback_energy();
+      const double change = caller.energy() - caller.predicted_energy();
       (change > 0.0 ? gained : lost) += change;
     }
     EXPECT_LT(gained, 0.01 * before) << spin;
@@ -365,7 +365,7 @@ TEST(BulletEngine, RejectsBodiesThatCannotBe) {
   engine.add(small_shard(2));  // unspoilt it is taken
 }
 
-TEST(BulletEngine, RejectsHandbacksThatDoNotMatch) {
+TEST(BulletEngine, RejectsPredictedStatesThatDoNotMatch) {
   BulletEngine engine;
   engine.add(sphere(1, 0.01, 1.0));
   engine.add(sphere(3, 0.01, 1.0));
@@ -373,7 +373,7 @@ TEST(BulletEngine, RejectsHandbacksThatDoNotMatch) {
   BodyMotion there, bad;
   there.position = Vec3(1, 0, 0);
   bad.orientation.w() = 1.1;
-  const std::vector<std::vector<Handback>> faults = {
+  const std::vector<std::vector<PredictedState>> faults = {
       {},
       {{1, there}},
       {{3, there}},

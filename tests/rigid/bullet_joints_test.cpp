@@ -206,7 +206,7 @@ TEST(BulletJoints, JointsAndContactsHoldAtOnce) {
   }
 }
 
-TEST(BulletJoints, WhatLiesOnTheFloorStaysThereBesideAChainThatHits) {
+TEST(BulletJoints, BodiesAtRestStayAtRestBesideAChainThatHits) {
   // where joints and contacts act on one another, contacts are solved several times in a window
   Trial trial(Scene{});
   RigidBody floor = half_space(1), post = box(2, Vec3(0.1, 0.1, 0.1), 1.0);
@@ -234,7 +234,7 @@ TEST(BulletJoints, WhatLiesOnTheFloorStaysThereBesideAChainThatHits) {
   EXPECT_GT(lowest, 0.01 - 1e-4);
 }
 
-TEST(BulletJoints, StrainIsTakenBackWithoutEnergy) {
+TEST(BulletJoints, StrainIsReducedWithoutEnergy) {
   for (const Kind kind : kKinds) {
     Trial trial(Scene{}, kWindow, 0.0);
     RigidBody a = box(1, Vec3(0.05, 0.02, 0.01), 0.3), b = box(2, Vec3(0.03, 0.03, 0.01), 0.1);
@@ -258,8 +258,8 @@ TEST(BulletJoints, StrainIsTakenBackWithoutEnergy) {
 TEST(BulletJoints, JointsOfSolvedBodiesAreLeftOut) {
   Chain chain(Kind::kBall, 3, kWindow);
   chain.trial.windows(50);
-  std::vector<Handback> down = chain.trial.motions();
-  for (Handback& m : down) {
+  std::vector<PredictedState> down = chain.trial.motions();
+  for (PredictedState& m : down) {
     m.motion.velocity.z() -= kGravity * kWindow;
     m.motion.position += kWindow * m.motion.velocity;
   }
@@ -270,7 +270,7 @@ TEST(BulletJoints, JointsOfSolvedBodiesAreLeftOut) {
   EXPECT_NE(bits(states[0].motion), bits(down[0].motion));  // held by the world as well
 }
 
-TEST(BulletJoints, AJointAtRestGivesHandbacksBackToTheBit) {
+TEST(BulletJoints, AJointAtRestLeavesPredictedStatesToTheBit) {
   Trial trial(Scene{}, kWindow, 0.0);
   RigidBody a = box(1, Vec3::Constant(0.02), 1.0), b = a;
   b.id = 2;

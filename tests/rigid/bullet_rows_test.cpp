@@ -71,7 +71,7 @@ TEST(BulletRows, ABoxMeetsTheFloorByItsCorners) {
   }
 }
 
-TEST(BulletRows, ForeseesWhatAFastBodyReachesInTheWindow) {
+TEST(BulletRows, FindsContactsThatAFastBodyReachesInTheWindow) {
   BulletEngine engine;
   RigidBody brick = box(1, Vec3(0.03, 0.02, 0.01), 1.0);
   brick.motion.position = Vec3(0, 0, 0.030);
@@ -82,7 +82,7 @@ TEST(BulletRows, ForeseesWhatAFastBodyReachesInTheWindow) {
   EXPECT_EQ(engine.rows(kWindow, {{1, end}}, {1}).size(), 4u);
 }
 
-TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowDoesNotNotice) {
+TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowIsUnchanged) {
   const Scene scene = pile();
   Trial asked(scene), unasked(scene);
   std::size_t most = 0;
@@ -127,7 +127,7 @@ TEST(BulletRows, OverlapFromBirthIsAllowedAndLaterOverlapIsNot) {
   b.motion.position.x() = 0.039;
   c.motion.position.x() = -0.0395 - 0.01;
   for (const RigidBody& body : {a, b, c}) engine.add(body);
-  std::vector<Handback> there{{1, a.motion}, {2, b.motion}, {3, c.motion}};
+  std::vector<PredictedState> there{{1, a.motion}, {2, b.motion}, {3, c.motion}};
   const auto largest = [&] {
     std::map<BodyId, double> most{{2, -1.0}, {3, -1.0}};
     for (const ContactRow& row : engine.rows(kWindow, there, {1})) {
@@ -147,7 +147,7 @@ TEST(BulletRows, OverlapFromBirthIsAllowedAndLaterOverlapIsNot) {
   EXPECT_NEAR(largest().at(2), 0.001, 1e-5);
 }
 
-TEST(BulletRows, SolvedBodiesEndOnTheirHandbacksAndOthersAsBefore) {
+TEST(BulletRows, SolvedBodiesEndInTheirPredictedStateAndOthersAsBefore) {
   Scene scene;
   scene.bodies.push_back(half_space(9));
   for (int i = 0; i < 4; ++i) {  // 2 upon 1, 4 beside 3
@@ -158,8 +158,8 @@ TEST(BulletRows, SolvedBodiesEndOnTheirHandbacksAndOthersAsBefore) {
   Trial all(scene), some(scene);
   all.windows(200), some.windows(200);
   ASSERT_EQ(bits(all.engine), bits(some.engine));
-  std::vector<Handback> down = all.motions();
-  for (Handback& m : down) {
+  std::vector<PredictedState> down = all.motions();
+  for (PredictedState& m : down) {
     m.motion.velocity.z() = -0.1;
     m.motion.position.z() -= 0.1 * kWindow;
   }
@@ -236,7 +236,7 @@ TEST(BulletRows, AStackSolvedByItsRowsAloneStands) {
   engine.add(half_space(100));
   const std::vector<BodyId> ids = moving(engine);
   for (int w = 0; w < 1000; ++w) {
-    std::vector<Handback> free;
+    std::vector<PredictedState> free;
     for (const auto& [id, b] : bodies) {
       BodyMotion m = b.motion;
       m.velocity.z() -= kGravity * kWindow;
@@ -250,9 +250,9 @@ TEST(BulletRows, AStackSolvedByItsRowsAloneStands) {
       solver.substep(h);
       for (auto& [id, b] : bodies) b.drift(h);
     }
-    std::vector<Handback> handbacks;
-    for (const auto& [id, b] : bodies) handbacks.push_back({id, b.motion});
-    engine.advance(kWindow, handbacks, ids);
+    std::vector<PredictedState> predicted;
+    for (const auto& [id, b] : bodies) predicted.push_back({id, b.motion});
+    engine.advance(kWindow, predicted, ids);
     for (const EngineState& s : engine.states()) ASSERT_EQ(bits(s.motion), bits(bodies.at(s.id).motion));
   }
   for (const auto& [id, b] : bodies) {
@@ -262,7 +262,7 @@ TEST(BulletRows, AStackSolvedByItsRowsAloneStands) {
   }
 }
 
-TEST(BulletRows, RefusesBodiesAndMotionsThatThereAreNot) {
+TEST(BulletRows, RefusesUnknownBodiesAndWrongMotions) {
   BulletEngine engine;
   engine.add(sphere(1, 0.01, 1.0)), engine.add(half_space(2));
   const BodyMotion there;

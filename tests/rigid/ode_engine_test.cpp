@@ -33,7 +33,7 @@ void expect_same_bits(const std::vector<EngineState>& a, const std::vector<Engin
 
 RigidBody small_shard(BodyId id) { return plate(id, {{Vec2(0, 0), Vec2(0.02, 0.003), Vec2(0.007, 0.013)}}, 0.003); }
 
-TEST(OdeEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
+TEST(OdeEngine, ReturnsPredictedStatesToTheBitWhereNothingTouches) {
   for (double spin : {0.0, 3.0, 300.0, 4000.0, 20000.0}) {  // up to 5 rad per window
     OdeEngine engine;
     Caller caller(engine, kWindow, kGravity);
@@ -49,8 +49,8 @@ TEST(OdeEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
     caller.add(half_space(1));
     for (int i = 0; i < 200; ++i) {
       caller.window();
-      EXPECT_TRUE(same_bits(caller.handbacks()[0].motion, caller.body(7).motion));
-      EXPECT_TRUE(same_bits(caller.handbacks()[1].motion, caller.body(8).motion));
+      EXPECT_TRUE(same_bits(caller.predicted()[0].motion, caller.body(7).motion));
+      EXPECT_TRUE(same_bits(caller.predicted()[1].motion, caller.body(8).motion));
     }
   }
 }
@@ -340,7 +340,7 @@ TEST(OdeEngine, FastSpinnersLandWithoutGainingEnergy) {
     double gained = 0.0, lost = 0.0;
     for (int i = 0; i < 8000; ++i) {
       caller.window();
-      const double change = caller.energy() - caller.handback_energy();
+      const double change = caller.energy() - caller.predicted_energy();
       (change > 0.0 ? gained : lost) += change;
     }
     EXPECT_LT(gained, 0.01 * before) << spin;
@@ -367,7 +367,7 @@ TEST(OdeEngine, SameCallsGiveTheSameBits) {
   expect_same_bits(results[0], results[1]);
 }
 
-TEST(OdeEngine, GoesOnToTheBitInAnotherEngineThatIsRestored) {
+TEST(OdeEngine, ARestoredEngineContinuesToTheBit) {
   OdeEngine engine;
   Caller caller(engine, kWindow, kGravity);
   std::vector<RigidBody> bodies = thrown_shards(24, 5);
@@ -383,12 +383,12 @@ TEST(OdeEngine, GoesOnToTheBitInAnotherEngineThatIsRestored) {
     if (!b.is_static) b.motion = caller.body(b.id).motion;
     other.add(b);
   }
-  std::vector<Handback> motions;
+  std::vector<PredictedState> motions;
   for (const EngineState& s : engine.states()) motions.push_back({s.id, s.motion});
   other.restore(caches, motions);
   for (int i = 0; i < 400; ++i) {
     caller.window();
-    other.advance(kWindow, caller.handbacks(), {});
+    other.advance(kWindow, caller.predicted(), {});
   }
   expect_same_bits(engine.states(), other.states());
   EXPECT_NEAR(caller.body(2000).motion.position.z(), 0.045, 1e-5);

@@ -217,7 +217,7 @@ TEST(OdeJoints, LinkedBodiesDoNotCollide) {
   }
 }
 
-TEST(OdeJoints, WhatIsSolvedAlreadyIsLeftOut) {
+TEST(OdeJoints, JointsAndContactsOfSolvedBodiesAreLeftOut) {
   OdeEngine engine;
   RigidBody ball = sphere(1, 0.01, 0.1), other = sphere(2, 0.01, 0.1);
   ball.motion.position = Vec3(0, 0, 0.01);
@@ -237,7 +237,7 @@ TEST(OdeJoints, WhatIsSolvedAlreadyIsLeftOut) {
   EXPECT_EQ(engine.states()[1].motion.position.x(), 0.1);           // the joint does not
 }
 
-TEST(OdeRows, TellWhatMayTouchAndMoveNothing) {
+TEST(OdeRows, AreTheContactsThatMayActAndMoveNothing) {
   OdeEngine engine;
   engine.set_contact_laws({{0, 4, 0.2, 0.3}});
   RigidBody plate_ = plate(1, {rectangle(-0.05, -0.04, 0.05, 0.04)}, 4e-3), floor = half_space(2);
@@ -250,7 +250,7 @@ TEST(OdeRows, TellWhatMayTouchAndMoveNothing) {
   engine.add(far);
   BodyMotion down = plate_.motion;
   down.position.z() -= 4e-3;
-  const std::vector<Handback> motions = {{1, down}, {3, far.motion}};
+  const std::vector<PredictedState> motions = {{1, down}, {3, far.motion}};
   const std::string caches = engine.save();
   const auto rows = engine.rows(1e-3, motions, {1});
   ASSERT_EQ(rows.size(), 4u);  // its lower corners; the upper ones are 8.5 mm above the floor
@@ -322,7 +322,7 @@ TEST(OdeRefusals, BodiesThatCannotBe) {
   engine.add(good);
 }
 
-TEST(OdeRefusals, HandbacksLawsAndCachesThatDoNotMatch) {
+TEST(OdeRefusals, PredictedStatesLawsAndCachesThatDoNotMatch) {
   OdeEngine engine;
   engine.add(sphere(1, 0.01, 1.0));
   engine.add(sphere(3, 0.01, 1.0));
@@ -330,21 +330,21 @@ TEST(OdeRefusals, HandbacksLawsAndCachesThatDoNotMatch) {
   BodyMotion there, bad;
   there.position = Vec3(1, 0, 0);
   bad.orientation.w() = 1.1;
-  const std::vector<std::vector<Handback>> faults = {{},
-                                                     {{1, there}},
-                                                     {{3, there}},
-                                                     {{1, there}, {2, there}, {3, there}},
-                                                     {{3, there}, {1, there}},
-                                                     {{1, there}, {3, there}, {3, there}},
-                                                     {{1, there}, {4, there}},
-                                                     {{1, there}, {3, bad}}};
+  const std::vector<std::vector<PredictedState>> faults = {{},
+                                                           {{1, there}},
+                                                           {{3, there}},
+                                                           {{1, there}, {2, there}, {3, there}},
+                                                           {{3, there}, {1, there}},
+                                                           {{1, there}, {3, there}, {3, there}},
+                                                           {{1, there}, {4, there}},
+                                                           {{1, there}, {3, bad}}};
   const std::string caches = engine.save();
   for (std::size_t i = 0; i < faults.size(); ++i) {
     EXPECT_EQ(kind_of([&] { engine.advance(1e-3, faults[i], {}); }), "bad_handback") << i;
     EXPECT_EQ(kind_of([&] { engine.restore(caches, faults[i]); }), "bad_handback") << i;
     EXPECT_EQ(kind_of([&] { engine.rows(1e-3, faults[i], {1}); }), "bad_handback") << i;
   }
-  const std::vector<Handback> good = {{1, there}, {3, there}};
+  const std::vector<PredictedState> good = {{1, there}, {3, there}};
   EXPECT_EQ(kind_of([&] { engine.advance(0.0, good, {}); }), "bad_handback");
   engine.advance(1e-3, {{1, {}}, {3, there}}, {});
   const std::string full = engine.save();

@@ -147,15 +147,15 @@ class Caller {
   void window() {
     constexpr int kSubsteps = 4;
     const double h = window_s_ / kSubsteps;
-    handbacks_.clear();
+    predicted_.clear();
     for (auto& [id, proxy] : proxies_) {
       for (int i = 0; i < kSubsteps; ++i) {
         proxy.motion.velocity.z() -= gravity_ * h;
         proxy.drift(h);
       }
-      handbacks_.push_back({id, proxy.motion});
+      predicted_.push_back({id, proxy.motion});
     }
-    engine_.advance(window_s_, handbacks_, {});
+    engine_.advance(window_s_, predicted_, {});
     for (const EngineState& state : engine_.states()) proxies_.at(state.id).motion = state.motion;
   }
 
@@ -165,7 +165,7 @@ class Caller {
 
   const RigidBody& body(BodyId id) const { return proxies_.at(id); }
   const std::map<BodyId, RigidBody>& bodies() const { return proxies_; }
-  const std::vector<Handback>& handbacks() const { return handbacks_; }
+  const std::vector<PredictedState>& predicted() const { return predicted_; }
 
   double kinetic_energy() const {
     double sum = 0.0;
@@ -180,11 +180,11 @@ class Caller {
   }
 
   /// The same of the last handbacks: the difference is what the engine did.
-  double handback_energy() const {
+  double predicted_energy() const {
     double sum = 0.0;
-    for (const Handback& handback : handbacks_) {
-      RigidBody body = proxies_.at(handback.id);
-      body.motion = handback.motion;
+    for (const PredictedState& state : predicted_) {
+      RigidBody body = proxies_.at(state.id);
+      body.motion = state.motion;
       sum += body.kinetic_energy() + body.mass * gravity_ * body.motion.position.z();
     }
     return sum;
@@ -194,7 +194,7 @@ class Caller {
   Engine& engine_;
   double window_s_, gravity_;
   std::map<BodyId, RigidBody> proxies_;
-  std::vector<Handback> handbacks_;
+  std::vector<PredictedState> predicted_;
 };
 
 /// Height of a convex body's lowest corner [m].

@@ -58,8 +58,8 @@ struct Trial {
     for (const RigidBody& b : scene.bodies) caller.add(b);
     for (const Joint& j : scene.joints) engine.add_joint(j);
   }
-  std::vector<Handback> motions() const {
-    std::vector<Handback> out;
+  std::vector<PredictedState> motions() const {
+    std::vector<PredictedState> out;
     for (const EngineState& s : engine.states()) out.push_back({s.id, s.motion});
     return out;
   }

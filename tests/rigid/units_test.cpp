@@ -41,7 +41,7 @@ std::string ends(const std::string& name, double by, double unit) {
     for (const Joint& j : scene.joints) engine.add_joint(j);
   for (int i = 0; i < 150; ++i) caller.window();
   std::string out;
-  std::vector<Handback> motions;
+  std::vector<PredictedState> motions;
   for (EngineState s : engine.states()) {
     motions.push_back({s.id, s.motion});
     s.motion.position /= by, s.motion.angular_momentum /= std::pow(by, 4);
@@ -58,7 +58,7 @@ std::string ends(const std::string& name, double by, double unit) {
     for (const Joint& j : scene.joints) other.add_joint(j);
     other.restore(engine.save(), motions);
     caller.window();
-    other.advance(Trial::kWindow * by, caller.handbacks(), {});
+    other.advance(Trial::kWindow * by, caller.predicted(), {});
     EXPECT_EQ(bits(other), bits(engine));
     motions.clear();
     for (const EngineState& s : engine.states()) motions.push_back({s.id, s.motion});
@@ -76,7 +76,7 @@ std::string ends(const std::string& name, double by, double unit) {
 
 }  // namespace
 
-TEST(Units, ArePowersOfTwoBeyondWhatAHandCanHold) {
+TEST(Units, ArePowersOfTwoForVeryThinAndThickShells) {
   for (const double length : {0.0, 1.26e-4, 0.004, 0.1, 0.127}) EXPECT_EQ(link::length_unit(length), 1.0) << length;
   EXPECT_EQ(link::length_unit(std::ldexp(0.005, -18)), std::ldexp(1.0, -18));
   EXPECT_EQ(link::length_unit(1e-6), std::ldexp(1.0, -12));
@@ -94,7 +94,7 @@ TEST(Units, ScalesAreTheSameToTheBit) {
   EXPECT_NE(ends("bullet", 16.0, 1.0), ends("bullet", 1.0, 1.0));  // whose margins are lengths
 }
 
-TEST(Units, AreToldWhereABodyIsRefused) {
+TEST(Units, AreNamedWhereABodyIsRefused) {
   const auto inner = make_engine("bullet");
   link::InUnits engine(*inner);
   engine.set_unit(std::ldexp(1.0, -18));
