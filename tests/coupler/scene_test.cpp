@@ -1,4 +1,4 @@
-// Every broken scene is refused with line, field and remedy.
+// Wrong scenes are refused with line, field and remedy.
 #include <fstream>
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ INSTANTIATE_TEST_SUITE_P(
     testing::Values(
         Case{"UnknownField", "thickness_m", "thicknes_m", 8,
              ":8:3: 'thicknes_m' is no field of Shell; did you mean 'thickness_m'? It has: name, "},
-        Case{"FieldWithoutItsUnit", "size_x_m: 0.5", "size_x: 0.5", 9, "did you mean 'size_x_m' or 'size_y_m'?"},
+        Case{"FieldWithoutItsUnit", "size_x_m: 0.5", "size_x: 0.5", 9, "did you mean 'size_x_m'? It has: size_x_m, "},
         Case{"FieldLikeNoOther", "thickness_m", "weight", 8, "'weight' is no field of Shell; it has: name, "},
         Case{"WrongType", "thickness_m: 0.004", "thickness_m: \"thin\"", 8, "Expected double"},
         Case{"MissingPatch", "  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }", "", 5,
@@ -336,15 +336,15 @@ TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
             std::string::npos);
 }
 
-// A simply supported square plate a tenth as thick as wide bends 5 % more than without shear (Mindlin's plate; 4.27 of
-// 4.06 in the usual measure).
+// With shear a simply supported square plate of thickness a tenth of its width deflects by 5 % more (Mindlin's plate:
+// coefficient 4.27 instead of 4.06).
 TEST(Thickness, OfAThickShellIsReported) {
   EXPECT_EQ(report(kScene).find("warning"), std::string::npos);
   EXPECT_EQ(report(replaced("thickness_m: 0.004", "thickness_m: 0.02")).find("warning"), std::string::npos);
   const std::string said = report(replaced("thickness_m: 0.004", "thickness_m: 0.05"));
   EXPECT_NE(said.find("warning        shell 'pane' is 0.1 times as thick as it is wide"), std::string::npos) << said;
   EXPECT_NE(said.find("too small by about 5 %"), std::string::npos) << said;
-  // a narrow part of what is wide is no thick shell; beside it, it is one
+  // a narrow shell is thick by itself, but not as a part of a wide stitched one
   std::string narrow =
       replaced("size_x_m: 0.5 size_y_m: 0.5 elements_x: 16", "size_x_m: 0.05 size_y_m: 0.5 elements_x: 2");
   narrow.replace(narrow.find("thickness_m: 0.004"), 18, "thickness_m: 0.01");
