@@ -122,7 +122,7 @@ std::string Session::answer(const std::string& bytes) {
     answer.to(request);
   } catch (const Error& e) {
     failed(e);
-  } catch (const std::exception& e) {  // our own mistake or the engine's: the other side hears of it too
+  } catch (const std::exception& e) {  // an error in this program or in the engine: tell the other side too
     failed(Error(Exit::kPhysics, "internal", e.what()));
   }
   answer.reply.set_sequence(sequence_);

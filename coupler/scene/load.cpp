@@ -103,7 +103,7 @@ struct Collector : pb::io::ErrorCollector {
   }
 };
 
-// A field's path without its indices or names.
+// A field's path without its indices and names in brackets.
 std::string plain(const std::string& path) {
   std::string out;
   int depth = 0;
@@ -118,7 +118,7 @@ std::string plain(const std::string& path) {
 }  // namespace
 
 void LoadedScene::fail(const std::string& field, const std::string& problem) const {
-  // walk the field as far as the file has it
+  // Follow the path as far as the file has it.
   const pb::TextFormat::ParseInfoTree* tree = &places_->tree;
   const pb::Descriptor* type = proto::Scene::descriptor();
   pb::TextFormat::ParseLocation place(-1, -1);
@@ -137,7 +137,7 @@ void LoadedScene::fail(const std::string& field, const std::string& problem) con
     tree = type ? tree->GetTreeForNested(f, f->is_repeated() ? std::max(index, 0) : -1) : nullptr;
   }
   std::string source = problem;
-  for (const std::string& setting : settings)  // the file is right then: the command says so
+  for (const std::string& setting : settings)  // the value may come from the command line, not from the file
     if (plain(setting.substr(0, setting.find('='))).rfind(plain(field), 0) == 0 ||
         plain(field).rfind(plain(setting.substr(0, setting.find('='))), 0) == 0)
       source += fmt::format(" (set by --set {})", setting);
@@ -161,7 +161,7 @@ std::string LoadedScene::file_beside(const std::string& field, const std::string
 
 namespace {
 
-// A number in the place of an enumerator's name is accepted by the parser, whatever it is.
+// Refuses numbers that are no value of their enum: the parser accepts any number there.
 void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std::string& inside) {
   const pb::Reflection& r = *m.GetReflection();
   std::vector<const pb::FieldDescriptor*> fields;
@@ -182,8 +182,7 @@ void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std
   }
 }
 
-// Adds what is in the files that a message names, each beside the scene: with another image or mesh it is another
-// scene.
+// Adds the contents of all files that a message names: a scene with another image or mesh has another hash.
 void add_files(const pb::Message& m, const std::filesystem::path& folder, Sha256& hash) {
   namespace fs = std::filesystem;
   std::error_code none;
@@ -194,7 +193,7 @@ void add_files(const pb::Message& m, const std::filesystem::path& folder, Sha256
     if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING && !f->is_repeated() && f->name() == "path") {
       const fs::path file = fs::weakly_canonical(folder / r.GetString(m, f), none);
       const bool beside = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
-      if (beside && fs::is_regular_file(file, none)) {  // else it is refused where it is used
+      if (beside && fs::is_regular_file(file, none)) {  // otherwise validation refuses it
         std::ifstream in(file, std::ios::binary);
         for (std::string part(1 << 16, '\0'); in.read(part.data(), part.size()) || in.gcount() > 0;)
           hash.add(part.data(), static_cast<std::size_t>(in.gcount()));

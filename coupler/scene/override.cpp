@@ -1,4 +1,4 @@
-// --set: one field of a scene by name.
+// Applies --set: one field of a scene, by its path.
 #include <sstream>
 
 #include <google/protobuf/io/tokenizer.h>

@@ -45,7 +45,7 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
   not_negative(s, f + ".stiffness_damping_s", m.has_stiffness_damping_s(), m.stiffness_damping_s());
 }
 
-// Angle, elements and pose that sectors of surfaces of revolution share.
+// Angle, elements and pose of a sector of any surface of revolution.
 template <class Sector>
 void sector(const Scene& s, const std::string& f, const Sector& c) {
   s.check(c.has_angle_deg() && c.angle_deg() > 0.0 && c.angle_deg() < 150.0, f + ".angle_deg",
@@ -57,7 +57,7 @@ void sector(const Scene& s, const std::string& f, const Sector& c) {
   pose(s, f + ".pose", c.pose());
 }
 
-// Elements that a patch of its own spans is asked to have at least.
+// Least numbers of elements of a patch that brings its own knot spans.
 template <class Message>
 void refinement(const Scene& s, const std::string& f, const Message& m) {
   const int u = m.has_elements_u() ? m.elements_u() : 1, v = m.has_elements_v() ? m.elements_v() : 1;
@@ -80,7 +80,7 @@ void known_edge(const Scene& s, const std::string& f, int edge) {
           "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
 }
 
-// Times that rise, values that are finite.
+// Checks a function of time: times must rise, values must be finite.
 template <class Points, class Value>
 void over_time(const Scene& s, const std::string& f, const Points& points, Value&& value) {
   for (int i = 0; i < points.size(); ++i) {

@@ -1,4 +1,4 @@
-// What holds bodies and shells together, and how windows are shared.
+// Checks joints, seams, and the coupling scheme with its window.
 #include <algorithm>
 #include <cmath>
 #include <set>

@@ -1,4 +1,4 @@
-// Fibres through the thickness of shells.
+// Checks fibres through the thickness of shells.
 #include <cmath>
 
 #include "coupler/scene/checks.h"
@@ -35,7 +35,7 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
   s.check(shell.cuts_size() == 0, f, "are for shells that do not break, and this one has cuts; leave one out");
   s.check(!shell.has_equilibrium(), at + ".equilibrium",
           "is for a shell by itself, and this one has fibres, which take up what others press; leave one out");
-  bool others = s.message.shells_size() > 1;  // it touches itself too
+  bool others = s.message.shells_size() > 1;  // a shell with fibres to touch: another one, or itself by a contact pair
   if (others) {
     int count = 0;
     for (const proto::Shell& q : s.message.shells()) count += q.has_fibres() ? 1 : 0;

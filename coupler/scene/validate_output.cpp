@@ -1,4 +1,4 @@
-// How often a run writes, and what it measures.
+// Checks intervals of output, and probes.
 #include <algorithm>
 #include <set>
 

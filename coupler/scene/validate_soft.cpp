@@ -1,4 +1,4 @@
-// Soft bodies.
+// Checks soft bodies.
 #include <cmath>
 
 #include "coupler/scene/checks.h"

@@ -13,8 +13,8 @@
 namespace sunder::rigid {
 namespace {
 
-/// Turn per window above which the average angular velocity is not trusted (its logarithm is
-/// ambiguous from pi on); the handback's own is solved on instead.
+/// Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
+/// The solver then gets the predicted angular velocity.
 constexpr double kFastTurn = 0.7;  // [rad]
 
 btVector3 plain(const Vec3& v) { return btVector3(v.x(), v.y(), v.z()); }
@@ -25,7 +25,8 @@ btTransform bullet_pose(const BodyMotion& m) {
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), plain(kLengthScale * m.position));
 }
 
-/// Orientation of the body after h seconds from `start` with the angular momentum held; `w` is its spin at first.
+/// Orientation after h seconds of free flight from `start` by the midpoint rule; w: angular velocity at the start
+/// [rad/s], `momentum`: angular momentum, constant [kg m^2/s].
 Quat midpoint_turn(const RigidBody& body, const Quat& start, const Vec3& w, const Vec3& momentum, double h) {
   const auto spin_at = [&](const Quat& q) -> Vec3 {
     return q * (q.conjugate() * momentum).cwiseQuotient(body.principal_inertia);
@@ -39,7 +40,7 @@ Quat free_turn(const RigidBody& body, const Vec3& w, double h) {
   return midpoint_turn(body, body.motion.orientation, w, body.apply_inertia(w), h);
 }
 
-/// The same for an angular momentum [kg m^2/s], and closer.
+/// The same for an angular momentum [kg m^2/s], in four steps of the midpoint rule.
 Quat free_flight(const RigidBody& body, const Vec3& momentum, double h) {
   constexpr int kSteps = 4;
   Quat q = body.motion.orientation;
@@ -50,14 +51,15 @@ Quat free_flight(const RigidBody& body, const Vec3& momentum, double h) {
   return q;
 }
 
+/// A body with its copies in Bullet.
 struct Held {
-  RigidBody body;  // the master: what Bullet holds is a rounded copy
+  RigidBody body;  // the reference: Bullet's copies are in other units
   BulletShape shape;
   std::unique_ptr<btRigidBody> rigid;   // null until the first window
   std::unique_ptr<btRigidBody> mirror;  // null until rows()
 };
 
-/// A body on its way through a window. Velocities are those that the solver is given [Bullet units].
+/// A body during a window. `linear` and `angular` are the velocities before the solve [Bullet units].
 struct Transit {
   Held* held;
   const BodyMotion* predicted;
@@ -67,7 +69,7 @@ struct Transit {
   btTransform pose = btTransform::getIdentity();
 };
 
-/// The average velocities that lead to the handback.
+/// Sets the average velocities that lead to the predicted state.
 void aim(Transit& t, double window_s) {
   const BodyMotion &start = t.held->body.motion, &end = *t.predicted;
   const Quat turn = end.orientation * start.orientation.conjugate();
@@ -87,9 +89,9 @@ bool touched(const Transit& t) {
            rigid.getWorldTransform() == t.pose);
 }
 
-/// Where the body ends by what the solver made of its velocities and pose.
+/// Motion at the end of the window: the predicted state plus the solver's changes of velocities and pose.
 BodyMotion arrival(const Transit& t, double window_s) {
-  BodyMotion master = *t.predicted;  // to the bit where nothing touched it
+  BodyMotion master = *t.predicted;  // unchanged, to the bit, where the solver changed nothing
   if (!touched(t)) return master;
   const btRigidBody& rigid = *t.held->rigid;
   const Vec3 dv = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
@@ -99,13 +101,13 @@ BodyMotion arrival(const Transit& t, double window_s) {
   btQuaternion push_turn;
   (pushed.getBasis() * t.pose.getBasis().transpose()).getRotation(push_turn);
   master.position += window_s * dv + push;
-  // The handback pose, turned by the difference between two free flights from the start: with and
-  // without the change of spin. exp(H (w + dw)) alone holds w fixed, and a thin shard that an impact
-  // sets spinning then gains energy of order (|w| H)^2. Bounded however fast the body turns.
+  // Turn the predicted pose by the difference between two free flights from the start, with and without the change of
+  // angular velocity. exp(H (w + dw)) would keep w constant, and a thin shard that an impact sets spinning would gain
+  // energy of order (|w| H)^2. The difference is bounded at any angular velocity.
   Quat without = free_turn(t.held->body, t.spin, window_s), with = free_turn(t.held->body, t.spin + dw, window_s);
   if (t.jointed) {
-    // From the momenta: an impulse of the joint, then a free flight. The average spin is not that of the start, and
-    // what this leaves, of order (|w| H)^2, adds up where a joint acts in every window.
+    // With a joint, fly from the angular momenta. The average angular velocity is not that of the start: an error of
+    // order (|w| H)^2, which adds up where a joint acts in every window.
     const Vec3& momentum = t.predicted->angular_momentum;
     without = free_flight(t.held->body, momentum, window_s);
     with = free_flight(t.held->body, momentum + t.held->body.apply_inertia(dw), window_s);
@@ -113,7 +115,7 @@ BodyMotion arrival(const Transit& t, double window_s) {
   const Quat turned = with * without.conjugate() * t.predicted->orientation;
   master.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
   master.velocity += dv;
-  master.angular_momentum += t.held->body.apply_inertia(dw);  // at the start, as the solver had it
+  master.angular_momentum += t.held->body.apply_inertia(dw);  // with the inertia at the start, as in the solver
   return master;
 }
 
@@ -130,10 +132,10 @@ std::unique_ptr<btRigidBody> make_rigid(const Held& held) {
 }  // namespace
 
 struct BulletEngine::Impl {
-  std::map<BodyId, Held> bodies;  // before the worlds: they refer to them to their end
+  std::map<BodyId, Held> bodies;  // before the worlds, whose destructors refer to them
   std::map<std::uint32_t, Joint> joints;
   BulletWorld world{BulletWorld::Use::kMove};
-  BulletWorld mirror{BulletWorld::Use::kLook};  // rows() looks for contacts here, so that `world` does not notice
+  BulletWorld mirror{BulletWorld::Use::kLook};  // rows() finds contacts here and leaves `world` unchanged
 
   void insert_new();
   void start_over(const WorldMemory& memory);
@@ -141,7 +143,7 @@ struct BulletEngine::Impl {
   std::vector<Transit> match(const std::vector<PredictedState>& predicted);
 };
 
-/// In id order whatever the order of add(). Joints with them.
+/// Adds new bodies to the world by ascending id, in whatever order add() was called; then new joints.
 void BulletEngine::Impl::insert_new() {
   for (auto& [id, held] : bodies) {
     if (held.rigid) continue;
@@ -152,7 +154,7 @@ void BulletEngine::Impl::insert_new() {
     if (!world.has_joint(id)) world.add_joint(joint);
 }
 
-/// Bodies are in their places.
+/// Resets the worlds to a saved state, after the bodies' motions are set.
 void BulletEngine::Impl::start_over(const WorldMemory& memory) {
   world.start_over(memory);
   mirror.clear();
@@ -322,7 +324,7 @@ std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<Pr
 }
 
 std::string BulletEngine::save() {
-  impl_->insert_new();  // they are newborn on either side
+  impl_->insert_new();  // so that they are newborn here as after restore()
   const WorldMemory memory = impl_->world.memory();
   impl_->start_over(memory);
   return encode_caches(memory);

@@ -1,11 +1,12 @@
 #pragma once
-// The exact reference: no contact, no joints. A body is where it was handed back, to the bit.
+// The engine without contacts and joints, as an exact reference.
 #include <map>
 
 #include "rigid/engine/engine.h"
 
 namespace sunder::rigid {
 
+/// Each body ends a window in its predicted state, to the bit.
 class FreeFlight final : public Engine {
  public:
   EngineInfo info() const override;

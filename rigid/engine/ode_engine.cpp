@@ -14,8 +14,8 @@
 namespace sunder::rigid {
 namespace {
 
-/// Turn per window above which the average angular velocity is not trusted: its logarithm is ambiguous from pi on. The
-/// handback's own is solved on instead.
+/// Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
+/// The solver then gets the predicted angular velocity.
 constexpr double kFastTurn = 0.7;  // [rad]
 
 struct Held {
@@ -23,7 +23,7 @@ struct Held {
   HullShape shape;
 };
 
-/// A frame of a body that does not move, in the world.
+/// A frame of a static body, in world coordinates.
 Joint::Frame in_world(const Joint::Frame& frame, const BodyMotion& pose) {
   return {pose.position + pose.orientation * frame.position, pose.orientation * frame.orientation};
 }
@@ -36,9 +36,9 @@ struct OdeEngine::Impl {
   std::map<std::uint32_t, Joint> joints;
   Pairs pairs;
 
-  /// The moving bodies' new motions, by id. Throws Error (bad_handback).
+  /// Predicted motions of the moving bodies, by id. Throws Error (bad_handback) where they do not match the bodies.
   std::vector<const BodyMotion*> match(const std::vector<PredictedState>& predicted) const;
-  /// Every body, by id, with the average velocities that lead to these motions.
+  /// All bodies, by id, with the average velocities that lead to these motions.
   std::vector<Mover> movers(double window_s, const std::vector<const BodyMotion*>& ends) const;
 };
 
@@ -108,7 +108,7 @@ void OdeEngine::add_joint(const Joint& joint) {
   if (joint.second != 0) impl_->pairs.leave_out(joint.first, joint.second);
 }
 
-// `pairs` go on to leave its bodies out.
+// Its bodies stay left out of `pairs`, so they still do not collide.
 void OdeEngine::release_joint(std::uint32_t id) { impl_->joints.erase(id); }
 
 void OdeEngine::advance(double window_s, const std::vector<PredictedState>& predicted,

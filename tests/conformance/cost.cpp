@@ -1,4 +1,4 @@
-// What a window costs, the way over the wire included. Told, never judged.
+// Time of a window, exchange of messages included. Reported, never judged.
 #include <algorithm>
 
 #include "tests/conformance/suite.h"
@@ -9,7 +9,7 @@ namespace {
 using namespace link::capability;
 
 constexpr int kWindows = 100, kColumns = 32;
-constexpr double kSpacing = 0.1;  // [m]: nothing meets its neighbour
+constexpr double kSpacing = 0.1;  // [m]: bodies do not touch
 
 void cost(Suite& s, const std::function<RigidBody(BodyId)>& make, double height, bool floor) {
   for (const int count : {1, 100, 1000}) {

@@ -11,10 +11,10 @@
 namespace sunder::conformance {
 namespace {
 
-constexpr int kSubsteps = 4;            // of a window, as the shell's side takes where no shell is left
-constexpr double kReplySeconds = 60.0;  // longer than any window of this suite takes by far
-constexpr double kEndSeconds = 2.0;     // what a session has to end in
-constexpr int kAttempts = 20;           // at an engine that is there already and may still end its last session
+constexpr int kSubsteps = 4;            // of a window, as in the shell process once no shell is left
+constexpr double kReplySeconds = 60.0;  // far longer than any window of this suite
+constexpr double kEndSeconds = 2.0;     // limit for the end of a session
+constexpr int kAttempts = 20;           // to connect to an engine that may still end its last session
 constexpr int kPause_us = 100000;
 
 class Patient final : public link::Transport {
@@ -45,7 +45,7 @@ std::vector<link::Motion> fly(const std::map<BodyId, RigidBody>& bodies, const V
     for (int k = 0; k < kSubsteps; ++k) {
       b.motion.velocity += h * gravity;
       b.drift(h);
-      b.motion.position -= 0.5 * h * h * gravity;  // exact: by the mean of both velocities
+      b.motion.position -= 0.5 * h * h * gravity;  // exact: mean of both velocities
     }
     out.push_back({id, b.motion});
   }
@@ -127,7 +127,7 @@ void Play::run(double seconds) {
 void Play::end() {
   over_ = true;
   link_->bye();
-  link_.reset();  // an engine may stay for as long as we do
+  link_.reset();  // an engine may stay as long as the connection
   if (!process_.ours()) return;
   const auto status = process_.wait(kEndSeconds);
   if (status != 0)

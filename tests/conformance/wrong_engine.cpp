@@ -1,5 +1,5 @@
-// wrong-engine: an engine with one fault, to see that the suite finds it. Without a fault it is as good as the one that
-// it is made from.
+// wrong-engine: an engine with one fault, to show that the suite finds it. Without a fault it behaves as its base
+// engine.
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -62,7 +62,7 @@ class WrongEngine final : public Engine {
     inner_->advance(window_s, predicted, fault_ == "meddling" ? std::vector<BodyId>{} : solved);
     predicted_.clear();
     for (const Motion& m : predicted) predicted_[m.id] = m.motion;
-    // An honest engine leaves what is solved at its handback.
+    // A correct engine leaves a solved body in its predicted state.
     left_ = fault_ == "meddling" ? std::set<BodyId>{} : std::set<BodyId>(solved.begin(), solved.end());
     ++advanced_;
   }
@@ -93,7 +93,7 @@ class WrongEngine final : public Engine {
     if (fault_ != "clinging") inner_->release_joint(id);
   }
 
-  /// Right for boxes whose lower face lies on the plane z = 0 of body 1.
+  /// Rows for boxes with their lower face on the plane z = 0 of body 1.
   std::vector<ContactRow> rows(double, const std::vector<Motion>&, const std::vector<BodyId>& ids) override {
     std::vector<ContactRow> out;
     for (const BodyId id : ids) {

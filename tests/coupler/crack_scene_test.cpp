@@ -1,4 +1,4 @@
-// Cuts, strengths and damage of a scene: what is refused, with field and remedy, and what becomes of the rest.
+// Cuts, strengths and damage of a scene: refusals with field and remedy, and the built model.
 #include <cmath>
 
 #include "tests/coupler/small_scene.h"
@@ -10,7 +10,7 @@ using sunder::Vec2;
 
 const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
 
-// The small scene with more fields of the shell (line 10), the material and the scene.
+// The small scene with additional fields of the shell (line 10), the material and the scene.
 std::string scene(const std::string& shell, const std::string& material = "", const std::string& more = "") {
   std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
   text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
@@ -25,7 +25,7 @@ sunder::shell::RunSetup built(const std::string& text, const std::vector<std::st
   return sunder::shell::build(scene);
 }
 
-// Beside the scene; gone with it.
+// A file beside the scene, removed at the end.
 struct MapFile {
   std::string name = fmt::format("{}_map.pgm", getpid());
   explicit MapFile(const std::string& content) { std::ofstream(own_file("map.pgm"), std::ios::binary) << content; }
@@ -57,7 +57,7 @@ TEST(Cut, ThatLeavesTheDomainIsRefusedWithHowFar) {
   expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.9 } points { u: 0.3 v: 0.9 } "
                        "points { u: 0.4 v: 0.1 } } }"),
                  "shells[0].cuts[0].curve", {"reaches", "outside the patch"});
-  // control points may lie outside as long as the curve does not; a circle may touch the border
+  // control points may lie outside if the curve does not; a circle may touch the border
   EXPECT_EQ(refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.6 } points { u: 0.3 v: 0.6 } "
                           "points { u: 0.4 v: 0.1 } } } cuts { circle { center { u: 0.25 v: 0.25 } radius_m: 0.25 } }"))
                 .kind,
@@ -100,7 +100,7 @@ TEST(Cut, ThatMeetsItselfIsRefusedWithBothSegmentsAndThePlace) {
   expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.5 v: 0.4 } points { u: 0 v: 0.4 } "
                        "points { u: 0.4 v: 0.1 } } }"),
                  "shells[0].cuts[0].curve", {"meets itself at (0.25", "two cuts"});
-  // two cuts that cross each other are fine, and so is one that closes
+  // two cuts may cross each other, and a cut may be closed
   EXPECT_EQ(refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } } cuts { points { u: 0.2 v: 0.2 } "
                           "points { u: 0.2 v: 0.05 } } cuts { points { u: 0.3 v: 0.3 } points { u: 0.4 v: 0.3 } "
                           "points { u: 0.3 v: 0.4 } points { u: 0.3 v: 0.3 } }"))

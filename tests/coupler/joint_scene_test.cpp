@@ -1,4 +1,4 @@
-// When joints break: what is refused, and what is built.
+// Fields of breaking joints: refusals with field and remedy.
 #include "tests/coupler/small_scene.h"
 
 using namespace small_scene;

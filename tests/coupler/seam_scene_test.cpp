@@ -1,11 +1,11 @@
-// Seams of a scene: what is refused, with field and remedy.
+// Seams of a scene: refusals with field and remedy.
 #include "tests/coupler/small_scene.h"
 
 namespace {
 
 using namespace small_scene;
 
-// Two plates side by side, more fields of the second one, and seams.
+// Two plates side by side, additional fields of the second one, and seams.
 std::string scene(const std::string& seams, const std::string& shell = "", double x = 0.5) {
   std::string text = replaced("bodies {", "# bodies: none\nbodies {");
   text.resize(text.find("# bodies"));
@@ -68,7 +68,7 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
                  {"a support of shell 'wing' holds its seam with shell 'pane'", "give both of them"});
 }
 
-// A flaw's ground goes on there.
+// The energy-release zone of a flaw continues over such an edge.
 TEST(SceneSeams, TellShellsWhichOfTheirEdgesContinueInAnother) {
   const auto joined = [](const std::string& seams) {
     const std::string path = own_file("seam_scene.textproto");
@@ -82,7 +82,8 @@ TEST(SceneSeams, TellShellsWhichOfTheirEdgesContinueInAnother) {
   EXPECT_EQ(joined(""), std::pair(0, 0));
 }
 
-// A seam is opened; a clamped edge is parted just inside; the rectangle's other three sides are one line.
+// A cut on a seam opens it. A cut on a clamped edge runs just inside. The other three sides of the rectangle are one
+// line.
 TEST(SceneCuts, OnEdgesOfThePatchOpenSeamsAndSupports) {
   const std::string rectangle =
       "cuts { points { u: 0 v: 0.1 } points { u: 0 v: 0.4 } points { u: 0.2 v: 0.4 } points { u: 0.2 v: 0.1 } "
@@ -92,7 +93,7 @@ TEST(SceneCuts, OnEdgesOfThePatchOpenSeamsAndSupports) {
     std::ofstream(path) << scene(seams, rectangle + more);
     const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
     std::remove(path.c_str());
-    // what it is joined to gets a free edge, and its step allows for that
+    // the other shell gets a free edge, and its stable step accounts for it
     EXPECT_EQ(setup.shells[0].can_crack(), !seams.empty());
     return setup.shells[1].cuts.at(0);
   };

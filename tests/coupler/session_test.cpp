@@ -27,7 +27,7 @@ RigidBody ball() {
   return b;
 }
 
-// Serves one session in a thread; what it threw is its verdict.
+// Serves one session in a thread and keeps its error.
 struct Served {
   TemporaryFolder folder;
   std::string endpoint, said;
@@ -225,7 +225,7 @@ TEST(Channel, LeavesTheSocketFileOfALaterChannel) {
   {
     const Channel second = [&] {
       const Channel first(Channel::Role::kBind, "ipc://" + path);
-      return Channel(Channel::Role::kBind, "ipc://" + path);  // ZeroMQ lets it, as it must after a killed process
+      return Channel(Channel::Role::kBind, "ipc://" + path);  // ZeroMQ allows it, as it must after a killed process
     }();
     EXPECT_EQ(access(path.c_str(), F_OK), 0);
   }
@@ -243,7 +243,7 @@ TEST(Channel, RefusesToSendMessagesThatAreTooLong) {
     } catch (const Error& e) {
       EXPECT_EQ(e.kind, "message_size");
     }
-    RemoteRigid(std::move(channel), "").bye();  // the session goes on
+    RemoteRigid(std::move(channel), "").bye();  // the session continues
   }
 }
 

@@ -1,4 +1,4 @@
-// Soft bodies of a scene: what is refused, with field and remedy.
+// Soft bodies of a scene: refusals with field and remedy.
 #include "tests/coupler/small_scene.h"
 
 namespace {
@@ -72,7 +72,7 @@ TEST(SoftScene, RefusesBodiesThatOverlapAtTheStart) {
   std::string coarse = scene("spacing_m: 0.01", "spacing_m: 0.02");
   coarse.replace(coarse.find("radius_m: 0.02"), 14, "radius_m: 0.016");
   expect_refusal(coarse, "soft_bodies[0].spacing_m", {"could pass between the particles"});
-  std::string thin = scene("spacing_m: 0.01", "spacing_m: 0.02");  // a rod, which may come end on
+  std::string thin = scene("spacing_m: 0.01", "spacing_m: 0.02");  // a rod, which may hit with its end
   thin.replace(thin.find("sphere { radius_m: 0.02 }"), 25, "box { size_m { x: 0.06 y: 0.034 z: 0.034 } }");
   expect_refusal(thin, "soft_bodies[0].spacing_m", {"could pass between the particles"});
   expect_refusal(scene("x: 0.3 z: 0.1", "x: 3e6 z: 0.1"), f, {"3e+06 m off", "grid spacings, 2e+06 m"});

@@ -19,7 +19,7 @@ std::vector<BodyId> moving(const Engine& engine) {
 
 Vec3 at(const RigidBody& body, const Vec3& point) { return body.motion.position + body.motion.orientation * point; }
 
-/// How far the points of a row are apart along its normal, at these places [m].
+/// Distance of a row's points along its normal, at these poses [m].
 double gap(const ContactRow& row, const RigidBody& first, const RigidBody& second) {
   return (at(first, row.first_point) - at(second, row.second_point)).dot(row.normal);
 }
@@ -35,7 +35,7 @@ TEST(BulletRows, SpheresHaveTheirExactPoints) {
     b.motion.position = a.motion.position + distance * axis;
     b.contact_group = 4;
     engine.add(a), engine.add(b);
-    engine.advance(kWindow, {{1, a.motion}, {2, b.motion}}, {});  // an overlap from birth is another matter
+    engine.advance(kWindow, {{1, a.motion}, {2, b.motion}}, {});  // so that the overlap is not one from birth
     const auto rows = engine.rows(kWindow, {{1, a.motion}, {2, b.motion}}, {2});
     ASSERT_EQ(rows.size(), 1u);
     const ContactRow& row = rows[0];
@@ -96,7 +96,7 @@ TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowIsUnchanged) {
       const RigidBody second = row.second == 500 ? half_space(500) : asked.caller.body(row.second);
       EXPECT_NEAR(row.normal.norm(), 1.0, 1e-12);
       EXPECT_GE(row.allowance, 0.0);
-      // found at this pose or kept from an earlier one; 2 mm is as far as contacts are kept
+      // found at this pose or kept from an earlier one, up to 2 mm
       const double apart = gap(row, first, second);
       EXPECT_LT(apart, 2.1e-3);
       EXPECT_GT(apart + row.allowance, -1.5e-3);
@@ -107,7 +107,7 @@ TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowIsUnchanged) {
         EXPECT_NEAR(row.first_point.norm(), 0.015, 1e-9);
       }
     }
-    // of one body: exactly those rows that it takes part in are asked for
+    // for one body: exactly the rows with it
     if (i % 100 == 0) {
       Trial one(moved(scene, asked));
       for (const ContactRow& row : one.engine.rows(kWindow, one.motions(), {1}))
@@ -117,7 +117,7 @@ TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowIsUnchanged) {
     asked.caller.window(), unasked.caller.window();
     ASSERT_EQ(bits(asked.engine), bits(unasked.engine)) << i;
   }
-  EXPECT_GT(most, 40u);  // nine shards with four corners each, and what lies on them
+  EXPECT_GT(most, 40u);  // nine shards with four corners each, and the bodies on them
 }
 
 TEST(BulletRows, OverlapFromBirthIsAllowedAndLaterOverlapIsNot) {
@@ -171,13 +171,13 @@ TEST(BulletRows, SolvedBodiesEndInTheirPredictedStateAndOthersAsBefore) {
   EXPECT_EQ(bits(without[1].motion), bits(down[1].motion));  // it touches 1 only
   EXPECT_EQ(bits(without[3].motion), bits(with[3].motion));
   for (const EngineState& s : with) EXPECT_GT(s.motion.velocity.z(), -1e-3);
-  // and taken up again
+  // and solved by the engine again
   down = some.motions();
   some.engine.advance(kWindow, down, {});
   for (const EngineState& s : some.engine.states()) EXPECT_GT(s.motion.velocity.z(), -1e-3) << s.id;
 }
 
-/// What the other side does with rows: impulses per substep, projected Gauss-Seidel, started from the last ones.
+/// The shell process's solver for rows: impulses per substep by projected Gauss-Seidel, started from the last ones.
 class RowSolver {
  public:
   RowSolver(std::map<BodyId, RigidBody>& bodies, std::vector<ContactRow> rows)

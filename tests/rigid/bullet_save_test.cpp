@@ -39,7 +39,7 @@ TEST(BulletSave, BodiesAddedSinceTheLastWindowAreNewbornOnBothSides) {
   Scene scene = pile();
   Trial first(scene);
   first.windows(100);
-  // sunk 1 mm into the box: kept, not thrown out
+  // overlaps the box by 1 mm: the overlap stays, without a throw
   RigidBody born = box(200, Vec3(0.02, 0.015, 0.01), 0.06);
   born.motion = first.caller.body(1).motion;
   born.motion.position.z() += 0.019;
@@ -62,7 +62,7 @@ TEST(BulletSave, TheSameEngineTakesWindowsAgain) {
   for (int i = 0; i < 50; ++i) {
     const std::string caches = run.engine.save(), start = bits(run.engine);
     const std::vector<PredictedState> motions = run.motions();
-    const auto advance = [&] {  // with the same handbacks each time: the caller's own copies do not go back
+    const auto advance = [&] {  // with the same predicted states each time: the caller's copies are not restored
       std::vector<PredictedState> predicted = motions;
       for (int k = 0; k < 3; ++k)
         for (PredictedState& m : predicted) {

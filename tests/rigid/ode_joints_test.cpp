@@ -35,9 +35,9 @@ TEST(OdeJoints, PendulumKeepsItsEnergyOverTenThousandWindows) {
     OdeEngine engine;
     Caller caller(engine, 1e-3, kGravity);
     RigidBody rod = box(1, Vec3(0.1, 0.01, 0.02), 0.5);
-    caller.add(rod);  // held at its left end, let go level
+    caller.add(rod);  // held at its left end, released horizontally
     engine.add_joint(along_y(joint(kind, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0))));
-    const double swing = rod.mass * kGravity * 0.1;  // [J] from level to the bottom
+    const double swing = rod.mass * kGravity * 0.1;  // [J] from horizontal to the bottom
     const double before = caller.energy();
     double low = 1e300, high = -1e300, strain = 0.0, deepest = 0.0;
     for (int i = 0; i < 10000; ++i) {
@@ -47,10 +47,10 @@ TEST(OdeJoints, PendulumKeepsItsEnergyOverTenThousandWindows) {
       strain = std::max(strain, (anchor(caller.body(1), Vec3(-0.1, 0, 0)) - Vec3(-0.1, 0, 0)).norm());
       deepest = std::min(deepest, caller.body(1).motion.position.z());
     }
-    EXPECT_NEAR(deepest, -0.1, 1e-4);  // it does swing
+    EXPECT_NEAR(deepest, -0.1, 1e-4);  // it swings
     EXPECT_GT(low, before - 0.01 * swing);
     EXPECT_LT(high, before + 0.01 * swing);
-    EXPECT_LT(strain, 1e-4);  // (w H)^2 L / 2 is 7 um at 12 rad/s; on a ball it comes to turn about its length as well
+    EXPECT_LT(strain, 1e-4);  // (w H)^2 L / 2 is 7 um at 12 rad/s; on a ball joint it also turns about its length
   }
 }
 
@@ -99,7 +99,7 @@ TEST(OdeJoints, DoublePendulumKeepsItsEnergy) {
   EXPECT_LT(strain, 5e-5);
 }
 
-/// Two boxes linked along x at the origin, thrown apart and set spinning: what the joint left them.
+/// Two boxes linked along x at the origin, with velocities apart and spins: their motion after the joint has acted.
 struct Linked {
   explicit Linked(Joint::Kind kind) : caller(engine, 0.25e-3, 0.0) {
     RigidBody a = box(1, Vec3(0.05, 0.02, 0.03), 0.4), b = box(2, Vec3(0.05, 0.03, 0.02), 0.7);
@@ -353,7 +353,7 @@ TEST(OdeRefusals, PredictedStatesLawsAndCachesThatDoNotMatch) {
     EXPECT_EQ(kind_of([&] { engine.restore(wrong, good); }), "bad_state");
   OdeEngine smaller;
   smaller.add(sphere(1, 0.01, 1.0));
-  EXPECT_EQ(kind_of([&] { smaller.restore(full, {{1, there}}); }), "bad_state");  // of bodies that are not there
+  EXPECT_EQ(kind_of([&] { smaller.restore(full, {{1, there}}); }), "bad_state");  // of bodies not held there
   EXPECT_EQ(engine.states()[0].motion.position, Vec3::Zero());
   EXPECT_EQ(kind_of([&] { engine.set_contact_laws({{0, 0, -0.1, 0.0}}); }), "bad_contact_law");
   EXPECT_EQ(kind_of([&] { engine.set_contact_laws({{0, 0, 0.1, 1.1}}); }), "bad_contact_law");
