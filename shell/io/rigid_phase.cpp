@@ -8,8 +8,8 @@
 namespace sunder::shell {
 namespace {
 
-// Of the thickness, that two bodies that can meet may approach in a window without a shell. With Bullet they
-// pass through a plate unseen once they move by more than its thickness and 2 mm in a window.
+// Largest approach of two bodies that can meet in a window without a shell, as a share of the thickness. A longer window
+// would depend on how far an engine looks ahead for contacts, which differs between engines.
 constexpr double kSettleTravel = 1.25;
 constexpr int kRigidSubsteps = 4;  // of free flight in a window without a shell
 
