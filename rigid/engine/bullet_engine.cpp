@@ -13,10 +13,6 @@
 namespace sunder::rigid {
 namespace {
 
-/// Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
-/// The solver then gets the predicted angular velocity.
-constexpr double kFastTurn = 0.7;  // [rad]
-
 btVector3 plain(const Vec3& v) { return btVector3(v.x(), v.y(), v.z()); }
 Vec3 plain(const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); }
 
@@ -163,17 +159,9 @@ void BulletEngine::Impl::start_over(const WorldMemory& memory) {
 
 std::vector<Transit> BulletEngine::Impl::match(const std::vector<PredictedState>& predicted) {
   std::vector<Transit> transits;
-  auto next = predicted.begin();
-  for (auto& [id, held] : bodies) {
-    if (held.body.is_static) continue;
-    if (next == predicted.end() || next->id > id) reject_predicted(id, "is missing; give one for each moving body");
-    if (next->id < id) break;
-    check_predicted(*next);
-    transits.push_back({.held = &held, .predicted = &next->motion});
-    ++next;
-  }
-  if (next != predicted.end())
-    reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  match_predicted(
+      bodies, predicted, [](const Held& held) { return held.body.is_static; },
+      [&](Held& held, const BodyMotion& motion) { transits.push_back({.held = &held, .predicted = &motion}); });
   return transits;
 }
 

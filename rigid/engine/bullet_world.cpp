@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rigid/engine/bullet_shapes.h"
+#include "rigid/engine/checks.h"
 
 // A global of Bullet without a declaration in its headers.
 extern btScalar gContactBreakingThreshold;
@@ -25,10 +26,6 @@ constexpr double kJointResidual = 1e-9, kContactResidual = 1e-5;
 constexpr int kMostTurns = 8, kMostPasses = 4;
 /// Bullet ignores points farther apart than the first; relax() drops a row by setting its distance to the second.
 constexpr double kProcessed = 1e6, kLeftOut = 1e7;  // [Bullet lengths]
-
-std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
-  return {std::min(a, b), std::max(a, b)};
-}
 
 btDefaultCollisionConstructionInfo pool_sizes() {
   btDefaultCollisionConstructionInfo info;

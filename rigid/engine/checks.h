@@ -1,8 +1,20 @@
 #pragma once
-// Checks that all engines share. For adapters.
+// Checks and rules that all engines share. For adapters.
+#include <algorithm>
+#include <utility>
+
 #include "rigid/engine/engine.h"
 
 namespace sunder::rigid {
+
+/// Turn per window above which an engine does not use the average angular velocity, because its logarithm is ambiguous
+/// from pi on. The solver then gets the predicted angular velocity.
+constexpr double kFastTurn = 0.7;  // [rad]
+
+/// Two ids or contact groups, the lower one first.
+inline std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
+  return {std::min(a, b), std::max(a, b)};
+}
 
 /// Throws Error (bad_body) with id, name and field of the body. `what`: value and remedy.
 [[noreturn]] void reject_body(const RigidBody& body, const std::string& field, const std::string& what);
@@ -13,6 +25,22 @@ namespace sunder::rigid {
 void check_body(const RigidBody& body);
 /// Checks that a predicted state is finite and its quaternion has length 1. Throws Error (bad_handback).
 void check_predicted(const PredictedState& predicted);
+/// Calls take(entry, motion) for each entry of `bodies`, a map by id, that is not static, with its predicted motion.
+/// Throws Error (bad_handback) where a state is wrong, or where there is not one for each moving body, by ascending id.
+template <class Bodies, class IsStatic, class Take>
+void match_predicted(Bodies& bodies, const std::vector<PredictedState>& predicted, IsStatic is_static, Take take) {
+  auto next = predicted.begin();
+  for (auto& [id, entry] : bodies) {
+    if (is_static(entry)) continue;
+    if (next == predicted.end() || next->id > id) reject_predicted(id, "is missing; give one for each moving body");
+    if (next->id < id) break;
+    check_predicted(*next);
+    take(entry, next->motion);
+    ++next;
+  }
+  if (next != predicted.end())
+    reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+}
 /// Checks that a window [s] is positive and finite. Throws Error (bad_handback).
 void check_window(double window_s);
 /// Checks friction and restitution. Throws Error (bad_contact_law).

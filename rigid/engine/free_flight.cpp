@@ -18,16 +18,9 @@ void FreeFlight::add(const RigidBody& body) {
 }
 
 void FreeFlight::move(const std::vector<PredictedState>& motions) {
-  auto next = motions.begin();
-  for (auto& [id, body] : bodies_) {
-    if (body.is_static) continue;
-    if (next == motions.end() || next->id > id) reject_predicted(id, "is missing; give one for each moving body");
-    if (next->id < id) break;
-    check_predicted(*next);
-    body.motion = next++->motion;
-  }
-  if (next != motions.end())
-    reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  match_predicted(
+      bodies_, motions, [](const RigidBody& body) { return body.is_static; },
+      [](RigidBody& body, const BodyMotion& motion) { body.motion = motion; });
 }
 
 void FreeFlight::advance(double window_s, const std::vector<PredictedState>& predicted, const std::vector<BodyId>&) {

@@ -14,10 +14,6 @@
 namespace sunder::rigid {
 namespace {
 
-/// Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
-/// The solver then gets the predicted angular velocity.
-constexpr double kFastTurn = 0.7;  // [rad]
-
 struct Held {
   RigidBody body;
   HullShape shape;
@@ -44,17 +40,9 @@ struct OdeEngine::Impl {
 
 std::vector<const BodyMotion*> OdeEngine::Impl::match(const std::vector<PredictedState>& predicted) const {
   std::vector<const BodyMotion*> ends;
-  auto next = predicted.begin();
-  for (const auto& [id, held] : bodies) {
-    if (held.body.is_static) continue;
-    if (next == predicted.end() || next->id > id) reject_predicted(id, "is missing; give one for each moving body");
-    if (next->id < id) break;
-    check_predicted(*next);
-    ends.push_back(&next->motion);
-    ++next;
-  }
-  if (next != predicted.end())
-    reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  match_predicted(
+      bodies, predicted, [](const Held& held) { return held.body.is_static; },
+      [&](const Held&, const BodyMotion& motion) { ends.push_back(&motion); });
   return ends;
 }
 

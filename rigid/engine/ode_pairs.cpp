@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "coupler/core/error.h"
+#include "rigid/engine/checks.h"
 #include "rigid/engine/touch.h"
 
 namespace sunder::rigid {
@@ -48,10 +49,6 @@ bool come_together(const Mover& a, const Mover& b, double window_s) {
   const double way = travel.squaredNorm();
   const double when = way > 0.0 ? std::min(1.0, std::max(0.0, -apart.dot(travel) / way)) : 0.0;
   return (apart + when * travel).norm() <= a.shape->reach + b.shape->reach + kNear_m;
-}
-
-std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
-  return {std::min(a, b), std::max(a, b)};
 }
 
 /// Pairs of movers whose boxes overlap, by ascending index, without pairs of two static bodies.
