@@ -334,7 +334,7 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     }
     if (deadline_s > 0.0 && waited > deadline_s)
       throw Error(Exit::kPeerLost, "deadline",
-                  fmt::format("{} is there, but has not answered {} within {} s", s_->peer, what, deadline_s));
+                  fmt::format("{} is connected, but has not answered {} within {} s", s_->peer, what, deadline_s));
   }
 }
 

@@ -118,10 +118,11 @@ std::vector<int> turn_alike(Surface& s, const Edges& edges, const std::vector<in
         if (component[other] < 0) {
           component[other] = count, turned[other] = wanted, next.push(other);
         } else {
-          check(turned[other] == wanted,
-                "is a surface of one side only: no way to turn the face of line {} suits its "
-                "neighbours",
-                lines[other]);
+          check(
+              turned[other] == wanted,
+              "has one side only, as a Moebius strip: no orientation of the face of line {} fits its neighbours; mend "
+              "the faces, or take surface HULL",
+              lines[other]);
         }
       }
     ++count;
@@ -241,8 +242,8 @@ Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygo
   check_crossings(s, lines);
   turn_outwards(s, component);
   const double volume = enclosed_volume(s);
-  check(volume > kLeastVolume * std::pow(box.diagonal().norm(), 3),
-        "encloses {:.3g} m^3, as good as none; a body needs a volume", volume);
+  check(volume > kLeastVolume * std::pow(box.diagonal().norm(), 3), "encloses {:.3g} m^3; a body needs a volume",
+        volume);
   return s;
 }
 

@@ -224,7 +224,7 @@ void interlayer(const Scene& s, const std::string& f, const proto::Shell& shell)
   s.check(core.thickness_m() < shell.thickness_m(), f + ".interlayer.thickness_m", "is {} m, and the whole shell {} m",
           core.thickness_m(), shell.thickness_m());
   s.check(shell.bending() == proto::Shell::LAYERED && !shell.has_surface_compression(), f + ".interlayer",
-          "goes neither with bending LINEAR nor with surface_compression; leave one of them out");
+          "excludes bending LINEAR and surface_compression; leave one of them out");
 }
 
 void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {

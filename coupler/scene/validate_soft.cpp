@@ -32,7 +32,7 @@ void soft_body(const LoadedScene& s, const std::string& f, const proto::SoftBody
        {std::pair{found->has_strength(), "strength"}, std::pair{found->has_yield_stress(), "yield_stress"},
         std::pair{found->has_mass_damping_per_s(), "mass_damping_per_s"},
         std::pair{found->has_stiffness_damping_s(), "stiffness_damping_s"}})
-    s.check(!given, f + ".material", "'{}' has a {}, which soft bodies do not know; name a material without",
+    s.check(!given, f + ".material", "'{}' has a {}, which soft bodies cannot have; name a material without it",
             b.material(), name);
   s.check(b.shape_case() != proto::SoftBody::SHAPE_NOT_SET, f, "has no shape; give sphere, box or mesh");
   if (b.has_sphere()) positive(s, f + ".sphere.radius_m", b.sphere().has_radius_m(), b.sphere().radius_m(), "m");
@@ -73,9 +73,9 @@ void validate_soft(const LoadedScene& s) {
     s.check(!is_soft(s, m.bodies(i).launch().target()), fmt::format("bodies[{}].launch.target", i),
             "'{}' is a soft body; name a shell or a rigid body, or give the twist", m.bodies(i).launch().target());
   s.check(!m.fracture().has_latest_freeze_s(), "fracture.latest_freeze_s",
-          "would freeze the shells, which soft bodies go on to touch until end_time_s; leave it out");
+          "would freeze the shells before end_time_s, while soft bodies still touch them; leave it out");
   s.check(m.coupling().scheme() == proto::Coupling::PROXY || m.coupling().scheme() == proto::Coupling::EXPORTED,
-          "coupling.scheme", "is {}, which soft bodies do not go with; take PROXY or EXPORTED",
+          "coupling.scheme", "is {}, which soft bodies exclude; take PROXY or EXPORTED",
           proto::Coupling::Scheme_Name(m.coupling().scheme()));
 }
 
