@@ -1,10 +1,11 @@
-// sunder-rigid: serves one session with a rigid-body engine.
+// sunder-rigid: the rigid process. It serves one session with a rigid-body engine.
 #include <csignal>
 #include <cstdio>
 #include <string>
 
 #include <sys/prctl.h>
 
+#include "coupler/core/command_line.h"
 #include "coupler/core/error.h"
 #include "coupler/link/keys.h"
 #include "coupler/link/session.h"
@@ -12,49 +13,37 @@
 
 namespace {
 
-constexpr const char* kUsage =
-    "sunder-rigid --endpoint ipc://PATH|tcp://HOST:PORT [--engine NAME] [--keys DIR] [--die-with-parent]\n"
-    "sunder-rigid --make-keys DIR             makes a folder of keys, for both sides of encrypted sessions\n"
-    "sunder-rigid --check [--engine NAME]     says whether there is such an engine\n"
-    "sunder-rigid --list                      the names of all engines\n"
-    "Binds the endpoint, serves one session and ends with it.\n"
-    "Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.\n";
-
 int run(int argc, char** argv) {
-  std::string endpoint, keys, name = "bullet";
-  bool check = false;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--help") return std::fputs(kUsage, stdout), 0;
-    if (option == "--check") {
-      check = true;
-      continue;
-    }
-    if (option == "--list") {
-      for (const std::string& engine : sunder::rigid::engine_names()) fmt::print("{}\n", engine);
-      return 0;
-    }
-    if (option == "--die-with-parent") {
-      prctl(PR_SET_PDEATHSIG, SIGTERM);
-      continue;
-    }
-    sunder::require(i + 1 < argc && (option == "--endpoint" || option == "--engine" || option == "--keys" ||
-                                     option == "--make-keys"),
-                    "{}: unknown option or no value\n{}", option, kUsage);
-    if (option == "--make-keys") {
-      const std::string folder = argv[++i];
-      sunder::link::make_keys(folder);
-      fmt::print(
-          "{0}: rigid.key and rigid.pub, shell.key and shell.pub\nCopy the folder to the other machine by a way that "
-          "nobody reads (scp -p -r); the .key of the other side may be left out.\n",
-          folder);
-      return 0;
-    }
-    (option == "--endpoint" ? endpoint : option == "--keys" ? keys : name) = argv[++i];
+  std::string endpoint, keys, key_folder, name = "bullet";
+  bool check = false, list = false, die_with_parent = false;
+  CLI::App app("Binds the endpoint, serves one session with a rigid-body engine and ends with it.", "sunder-rigid");
+  app.add_option("--endpoint", endpoint, "Where the shell process connects: ipc://PATH or tcp://HOST:PORT")
+      ->take_last();
+  app.add_option("--engine", name, "The engine, one of --list")->capture_default_str()->take_last();
+  app.add_option("--keys", keys, "Folder of keys: the session is encrypted")->type_name("DIR")->take_last();
+  app.add_option("--make-keys", key_folder, "Makes a folder of keys, for both sides of encrypted sessions, and ends")
+      ->type_name("DIR");
+  app.add_flag("--check", check, "Says by the exit status whether there is such an engine, and ends");
+  app.add_flag("--list", list, "Prints the names of all engines and ends");
+  app.add_flag("--die-with-parent", die_with_parent, "Ends when the process that started this one does");
+  app.footer("Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.");
+  if (!sunder::read_arguments(app, argc, argv)) return 0;
+  if (die_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (list) {
+    for (const std::string& engine : sunder::rigid::engine_names()) fmt::print("{}\n", engine);
+    return 0;
+  }
+  if (!key_folder.empty()) {
+    sunder::link::make_keys(key_folder);
+    fmt::print(
+        "{0}: rigid.key and rigid.pub, shell.key and shell.pub\nCopy the folder to the other machine by a way that "
+        "nobody reads (scp -p -r); the .key of the other side may be left out.\n",
+        key_folder);
+    return 0;
   }
   const auto engine = sunder::rigid::make_engine(name);
   if (check) return 0;
-  sunder::require(!endpoint.empty(), "--endpoint is missing\n{}", kUsage);
+  sunder::require(!endpoint.empty(), "--endpoint is missing; see sunder-rigid --help");
   sunder::link::serve(endpoint, *engine, keys);
   return 0;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// Plain state to bytes and back, by one list of members for both ways: checkpoints. Not a format for other programs: it
-// is read by the build that wrote it.
+// Turns plain state into bytes and back, for checkpoints. One list of members serves both ways. The format is not for
+// other programs: only the build that wrote it can read it.
 #include <array>
 #include <cstdint>
 #include <cstring>
@@ -17,7 +17,7 @@
 
 namespace sunder {
 
-/// Types that are copied as they lie in memory; true for what holds nothing but numbers.
+/// True for types that hold numbers only: they are copied as they lie in memory.
 template <class T>
 inline constexpr bool kAsBytes = std::is_trivially_copyable_v<T> && !std::is_pointer_v<T>;
 template <class S, int R, int C, int O>
@@ -25,6 +25,7 @@ inline constexpr bool kAsBytes<Eigen::Matrix<S, R, C, O, R, C>> = R != Eigen::Dy
 template <>
 inline constexpr bool kAsBytes<Quat> = true;
 
+/// Collects bytes.
 class ArchiveWriter {
  public:
   static constexpr bool kReading = false;
@@ -32,6 +33,7 @@ class ArchiveWriter {
   void raw(const void* data, std::size_t size) { bytes.append(static_cast<const char*>(data), size); }
 };
 
+/// Reads bytes in the order of writing. Throws Error (bad_checkpoint) where they end too early.
 class ArchiveReader {
  public:
   static constexpr bool kReading = true;
@@ -48,10 +50,12 @@ class ArchiveReader {
   std::size_t left_;
 };
 
-/// Members in order: archive(a, x, y, z). A class of its own brings a function `archive(A& a, T& t)` beside it.
+/// Writes or reads one member, by the kind of `a`. A class brings a function `archive(A& a, T& t)` that lists its
+/// members with archive_all.
 template <class A, class T>
 void archive_one(A& a, T& t);
 
+/// Writes or reads members in this order.
 template <class A, class... T>
 void archive_all(A& a, T&... t) {
   (archive_one(a, t), ...);
@@ -59,6 +63,8 @@ void archive_all(A& a, T&... t) {
 
 namespace archive_detail {
 
+// Length of a list, which has `now` entries while it is written. A length that the rest of the bytes cannot hold is
+// refused before memory is taken for it.
 template <class A>
 std::size_t length(A& a, std::size_t now, std::size_t least_bytes_each) {
   std::uint64_t n = now;

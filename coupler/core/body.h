@@ -1,5 +1,5 @@
 #pragma once
-// A rigid body as both processes know it: description once, motion every window.
+// A rigid body as both processes know it. Its description is sent once, its motion in every window.
 #include <array>
 #include <cstdint>
 #include <memory>
@@ -19,20 +19,20 @@ struct SphereShape {
 struct BoxShape {
   Vec3 half_size;  // [m]
 };
-struct HalfSpaceShape {};  // everything below the body's xy plane
+struct HalfSpaceShape {};  // all points below the body's xy plane
 /// Triangles that enclose a solid, in body coordinates [m].
 struct Surface {
   std::vector<Vec3> corners;
   std::vector<std::array<int, 3>> triangles;  // counter-clockwise seen from outside
 };
-/// Convex parts, each by its corners in body coordinates [m]; together they are the body.
+/// A body made of convex parts, each given by its corners in body coordinates [m].
 struct ConvexShape {
   std::vector<std::vector<Vec3>> parts;
-  std::shared_ptr<const Surface> surface = nullptr;  // of a solid that need not be convex; engines do without
+  std::shared_ptr<const Surface> surface = nullptr;  // of a solid that may be concave; engines do not need it
 };
 using Shape = std::variant<SphereShape, BoxShape, HalfSpaceShape, ConvexShape>;
 
-/// Where a body is and how it moves.
+/// Pose and velocities of a body, in world axes.
 struct BodyMotion {
   Vec3 position = Vec3::Zero();          // of the centre of mass [m]
   Quat orientation = Quat::Identity();   // body axes (principal) to world
@@ -40,6 +40,7 @@ struct BodyMotion {
   Vec3 angular_momentum = Vec3::Zero();  // about the centre of mass [kg m^2/s]
 };
 
+/// Description and motion of a rigid body. Its origin is the centre of mass, its axes are the principal ones.
 struct RigidBody {
   BodyId id = 0;
   std::string name;
@@ -48,26 +49,31 @@ struct RigidBody {
   Vec3 principal_inertia = Vec3::Zero();  // [kg m^2], about the body axes
   BodyMotion motion;
   Shape shape = SphereShape{0.0};
-  std::uint32_t contact_group = 0;  // indexes the table of contact coefficients
+  std::uint32_t contact_group = 0;  // selects the contact law of a pair of bodies
 
-  Vec3 angular_velocity() const;  // [rad/s], world
+  /// Angular velocity in world axes [rad/s], I^-1 L; zero for a static body.
+  Vec3 angular_velocity() const;
+  /// I^-1 times a vector in world axes, I being the inertia in world axes. Not for static bodies.
   Vec3 apply_inverse_inertia(const Vec3& world) const;
+  /// I times a vector in world axes.
   Vec3 apply_inertia(const Vec3& world) const;
-  double kinetic_energy() const;  // [J]
-  /// Moves freely for h seconds: position by velocity, orientation by the midpoint rule with the
-  /// angular momentum held (second order, exact for a sphere).
+  /// Translation and rotation [J]; zero for a static body.
+  double kinetic_energy() const;
+  /// Free flight for h seconds. The position follows the velocity. The orientation follows the midpoint rule with
+  /// constant angular momentum: second order in h, exact for a sphere.
   void drift(double h);
 };
 
-/// Coefficients between bodies of two contact groups (order does not matter).
+/// Friction and restitution [-] between bodies of two contact groups, in either order.
 struct ContactLaw {
   std::uint32_t first_group = 0, second_group = 0;
   double friction = 0.5;
   double restitution = 0.0;
 };
 
-/// What holds two bodies together, or one to the world. A frame is in body coordinates (of the world where `second` is
-/// 0); the axis of a hinge or slider is its z axis. Where the joint is not strained both frames coincide.
+/// A joint between two bodies, or between a body and the world. Frames are in body coordinates; the second one is in
+/// world coordinates where `second` is 0. The z axis of a frame is the axis of a hinge or slider. In a joint without
+/// strain both frames coincide.
 struct Joint {
   enum class Kind { kBall, kHinge, kSlider, kFixed };
   struct Frame {

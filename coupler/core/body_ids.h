@@ -1,5 +1,5 @@
 #pragma once
-// A set of bodies that is walked through every window: in one piece of memory, where a tree is a cache miss a body.
+// A set of bodies that is read in every window. A sorted vector, because a tree would cost a cache miss for each body.
 #include <algorithm>
 #include <cstddef>
 #include <vector>
@@ -8,10 +8,11 @@
 
 namespace sunder {
 
-/// Identities in rising order.
+/// A set of ids, read in ascending order.
 class BodyIds {
  public:
-  /// False where it is there already. Cheap for those that come in rising order, as newborn bodies do.
+  /// Adds an id; false where the set holds it already. Constant time for an id above all others, as newborn bodies
+  /// have.
   bool insert(BodyId id) {
     if (ids_.empty() || ids_.back() < id) {
       ids_.push_back(id);

@@ -1,5 +1,5 @@
 #pragma once
-// Principal axes of inertia: one place for an eigensolver that takes long to compile.
+// Principal axes of inertia. One file includes the eigensolver, because it is slow to compile.
 #include "coupler/core/vec.h"
 
 namespace sunder {
@@ -10,7 +10,7 @@ struct PrincipalAxes {
   Mat3 axes;     // columns, right-handed: a rotation
 };
 
-/// Of a symmetric tensor; its lower triangle is read.
+/// Eigenvalues and eigenvectors of a symmetric tensor. Only its lower triangle is read.
 PrincipalAxes principal_axes(const Mat3& tensor);
 
 }  // namespace sunder

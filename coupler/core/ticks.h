@@ -1,17 +1,19 @@
 #pragma once
-// Time is whole ticks. Beyond a window no length of time is summed up, so none drifts.
+// Time as a whole number of ticks. Times are products, never running sums, so they do not drift.
 #include <cmath>
 #include <cstdint>
 
 namespace sunder {
 
+/// Converts ticks to seconds and back.
 struct Ticks {
   double length = 1.0;  // [s]
 
-  /// When a tick begins, from the start of the run [s]: exact but for one rounding.
+  /// Start of a tick, measured from the start of the run [s]; one rounding.
   double time(std::int64_t tick) const { return static_cast<double>(tick) * length; }
+  /// The tick whose start is nearest to a time [s].
   std::int64_t nearest(double time) const { return std::llround(time / length); }
-  /// A substep of a window of `ticks` that takes n of them [s].
+  /// Length of a substep [s] in a window of `ticks` ticks and n substeps.
   double substep(std::int64_t ticks, int n) const { return time(ticks) / n; }
 };
 

@@ -1,5 +1,5 @@
 #pragma once
-// Vectors and rotations that every room speaks. World coordinates, SI, z up.
+// Vectors and rotations for all folders. World coordinates, SI, z up.
 #include <Eigen/Core>
 #include <Eigen/Geometry>
 
@@ -10,10 +10,10 @@ using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;  // Eigen's constructor takes w, x, y, z
 
-/// Rotation by the vector w [rad]; exact for any angle.
+/// Rotation by the angle |w| [rad] about w; exact for any angle.
 Quat rotation_from_vector(const Vec3& w);
 
-/// The shortest rotation vector of q [rad], |.| <= pi; inverse of rotation_from_vector.
+/// Shortest rotation vector of q [rad], with length at most pi. Inverse of rotation_from_vector.
 Vec3 rotation_vector(const Quat& q);
 
 }  // namespace sunder

@@ -18,18 +18,17 @@
 namespace sunder::link {
 namespace {
 
-constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped peer is noticed within 0.8 s
+constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped process is noticed within 0.8 s
 constexpr int kPollMs = 100, kLingerMs = 500;
-constexpr int kStayMs = 100;  // after our last word, for the other side's
+constexpr int kStayMs = 100;  // longest wait for the other side to close after the last reply
 constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
-// A connection that closes in the middle of a handshake may be a server that is being replaced; one that always does
-// is not meant for us.
+// A connection may close during its handshake because a server is replaced. After this many times it is refused.
 constexpr int kMostClosed = 3;
 const std::string kIpc = "ipc://", kZap = "inproc://zeromq.zap.01";
 
-// A signal interrupts any call of ZeroMQ, also one that does not wait. What a signal asks for is looked at elsewhere.
+// Repeats a call that a signal interrupts: any call of ZeroMQ can be. The signal itself is handled elsewhere.
 template <class Call>
-auto through_signals(Call call) {
+auto retried_after_signals(Call call) {
   while (true) {
     try {
       return call();
@@ -40,7 +39,7 @@ auto through_signals(Call call) {
 }
 
 bool receive_now(zmq::socket_t& socket, zmq::message_t& message) {
-  return through_signals([&] { return socket.recv(message, zmq::recv_flags::dontwait).has_value(); });
+  return retried_after_signals([&] { return socket.recv(message, zmq::recv_flags::dontwait).has_value(); });
 }
 
 [[noreturn]] void bad_endpoint(const std::string& endpoint, const std::string& why) {
@@ -61,9 +60,9 @@ void check_endpoint(const std::string& endpoint, bool with_keys) {
 
 struct Channel::Sockets {
   zmq::context_t context{1};
-  // Where ZeroMQ asks whom to admit; of a binding side with keys only. It would admit all where nobody answers: this
-  // one opens before `data` and closes after.
-  zmq::socket_t door;
+  // Answers ZeroMQ's question whom to admit (ZAP, RFC 27), on a binding side with keys. Without an answer ZeroMQ admits
+  // everybody, so this socket opens before `data` and closes after it.
+  zmq::socket_t authenticator;
   zmq::socket_t data{context, zmq::socket_type::pair};
   zmq::socket_t monitor{context, zmq::socket_type::pair};
   bool was_connected = false, lost = false;
@@ -71,59 +70,60 @@ struct Channel::Sockets {
   Role role;
   std::string peer, endpoint;
   bool with_keys = false;
-  std::string file;  // that bind has made; ZeroMQ leaves it behind
+  std::string file;  // of the ipc:// endpoint, made by bind; ZeroMQ does not remove it
   struct stat made {};
 
-  // Anybody may knock at a port: those who are turned away must not end the session with the one who is not.
-  std::set<int> open;     // connections, by their descriptors
-  int ours = -1;          // of them, once it has spoken
-  int turned_away = 0;    // handshakes that failed
-  std::string last_away;  // why the last of them did that says
+  // Any process may try a port. A refused connection must not end the session with the admitted one.
+  std::set<int> open;     // connections, by file descriptor
+  int ours = -1;          // the other side's one, known from its first message
+  int turned_away = 0;    // number of failed handshakes
+  std::string last_away;  // reason of the last one that gave a reason
 
   int closed_on_us = 0;
-  std::string refusal;  // why the side that we connect to will never have us
+  std::string refusal;  // why the binding side does not admit this process; empty: it may
 
-  void open_door(const std::string& admitted);
-  void answer_door();
+  void open_authenticator(const std::string& admitted);
+  void answer_authenticator();
   std::string admitted;  // public key, 32 bytes
 
-  void fail_if_lost() const;  // as of the last look at events
-  /// The peer is gone, and something that it said is still to be read. Its end is looked at first: what came before it
-  /// is there by then.
-  bool left_words() {
+  /// Throws Error where the events read so far say that the other side is gone or refuses this process.
+  void fail_if_lost() const;
+  /// True where the other side is gone and a message of it is still to be read. Events are read first, because messages
+  /// sent before the end have arrived by then.
+  bool has_unread_words() {
     read_events();
-    return lost && through_signals([&] { return (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0; });
+    return lost && retried_after_signals([&] { return (data.get(zmq::sockopt::events) & ZMQ_POLLIN) != 0; });
   }
   void read_events();
   void handshake_failed(std::uint16_t kind, int value);
-  void heard(zmq::message_t& message);
-  /// What has come, if anything has.
+  void note_sender(zmq::message_t& message);
+  /// Takes a message that has arrived; false where there is none.
   bool take(zmq::message_t& message);
-  /// What comes while we stay awake.
+  /// Polls for a message for kAwakeSeconds; false where none comes.
   bool take_soon(zmq::message_t& message);
 };
 
-// RFC 27: what is asked comes in seven parts for CURVE, the last is the public key of who wants in.
-void Channel::Sockets::open_door(const std::string& public_key) {
+// RFC 27: for CURVE a request has seven parts; the last one is the public key of the connecting side.
+void Channel::Sockets::open_authenticator(const std::string& public_key) {
   admitted = public_key;
-  door = zmq::socket_t(context, zmq::socket_type::rep);
-  door.set(zmq::sockopt::linger, 0);
-  door.bind(kZap);
+  authenticator = zmq::socket_t(context, zmq::socket_type::rep);
+  authenticator.set(zmq::sockopt::linger, 0);
+  authenticator.bind(kZap);
 }
 
-void Channel::Sockets::answer_door() {
-  while (door) {
+void Channel::Sockets::answer_authenticator() {
+  while (authenticator) {
     zmq::message_t part;
     std::vector<std::string> asked;
-    if (!receive_now(door, part)) return;
+    if (!receive_now(authenticator, part)) return;
     asked.push_back(part.to_string());
-    while (part.more() && receive_now(door, part)) asked.push_back(part.to_string());  // all parts come together
+    while (part.more() && receive_now(authenticator, part)) asked.push_back(part.to_string());  // parts arrive together
     const bool in = asked.size() == 7 && asked[0] == "1.0" && asked[5] == "CURVE" && asked[6] == admitted;
     const std::string reply[] = {
         "1.0", asked.size() > 1 ? asked[1] : "", in ? "200" : "400", in ? "" : "not the shell of these keys", "", ""};
     for (std::size_t i = 0; i < std::size(reply); ++i) {
       const auto flags = i + 1 < std::size(reply) ? zmq::send_flags::sndmore : zmq::send_flags::none;
-      through_signals([&] { return door.send(zmq::buffer(reply[i]), flags); });
+      retried_after_signals([&] { return authenticator.send(zmq::buffer(reply[i]), flags); });
     }
   }
 }
@@ -132,10 +132,10 @@ void Channel::Sockets::read_events() {
   zmq::message_t event, address;
   while (receive_now(monitor, event)) {
     std::uint16_t kind = 0;
-    std::int32_t value = 0;  // mostly the descriptor
+    std::int32_t value = 0;  // of most events: the file descriptor
     std::memcpy(&kind, event.data(), sizeof kind);
     std::memcpy(&value, event.data<char>() + sizeof kind, sizeof value);
-    receive_now(monitor, address);  // both parts come together
+    receive_now(monitor, address);  // both parts arrive together
     if (kind == ZMQ_EVENT_ACCEPTED || kind == ZMQ_EVENT_CONNECTED) open.insert(value);
     if (kind == ZMQ_EVENT_HANDSHAKE_SUCCEEDED) was_connected = true;
     if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH || kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL ||
@@ -153,7 +153,7 @@ void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
       kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL && value == ZMQ_PROTOCOL_ERROR_ZMTP_MECHANISM_MISMATCH;
   if (role == Role::kBind) {
     ++turned_away;
-    if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL && !last_away.empty()) return;  // others said more
+    if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_NO_DETAIL && !last_away.empty()) return;  // keep the earlier reason
     last_away = kind == ZMQ_EVENT_HANDSHAKE_FAILED_AUTH       ? "its public key is not the shell.pub here"
                 : mismatch && with_keys                       ? "it came without --keys"
                 : mismatch                                    ? "it came with --keys, and there are none here"
@@ -169,7 +169,7 @@ void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
     refusal = with_keys ? "it has no keys: start it with --keys DIR" : "it wants keys: give --keys DIR";
   else if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL)
     refusal = "what it answers is not for us: it is no rigid process, or has other keys";
-  else if (++closed_on_us >= kMostClosed)  // a server that cannot read us does not say so, or what it says is lost
+  else if (++closed_on_us >= kMostClosed)  // a server with other keys closes without a reason
     refusal = with_keys
                   ? "it closes the connection at our first word: our rigid.pub is not of its rigid.key, or it has "
                     "no --keys"
@@ -177,19 +177,19 @@ void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
                     "rigid process";
 }
 
-// The first message tells which of the connections is the peer's.
-void Channel::Sockets::heard(zmq::message_t& message) {
+// The first message shows which connection is the other side's.
+void Channel::Sockets::note_sender(zmq::message_t& message) {
   if (ours >= 0) return;
-  read_events();  // those of earlier connections, whose descriptor it may have
+  read_events();  // an earlier connection may have had the same descriptor
   const int from = zmq_msg_get(message.handle(), ZMQ_SRCFD);
   if (from < 0) return;
   ours = from;
-  if (!open.contains(from)) lost = true;  // it has spoken and gone
+  if (!open.contains(from)) lost = true;  // closed already
 }
 
 bool Channel::Sockets::take(zmq::message_t& message) {
   if (!receive_now(data, message)) return false;
-  heard(message);
+  note_sender(message);
   return true;
 }
 
@@ -222,7 +222,7 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
     if (role == Role::kBind) {
       d.set(zmq::sockopt::curve_server, true);
       d.set(zmq::sockopt::zap_domain, "sunder");
-      s_->open_door(k.peer_public);
+      s_->open_authenticator(k.peer_public);
     } else {
       d.set(zmq::sockopt::curve_publickey, k.own_public);
       d.set(zmq::sockopt::curve_serverkey, k.peer_public);
@@ -246,7 +246,7 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
 
 Channel::~Channel() {
   zmq_socket_monitor(s_->data.handle(), nullptr, 0);
-  struct stat there {};  // another process may be bound there by now: its file stays
+  struct stat there {};  // the file of another process that is bound there now stays
   if (!s_->file.empty() && stat(s_->file.c_str(), &there) == 0 && there.st_dev == s_->made.st_dev &&
       there.st_ino == s_->made.st_ino)
     unlink(s_->file.c_str());
@@ -267,17 +267,17 @@ void Channel::Sockets::fail_if_lost() const {
 int Channel::turned_away() const { return s_->turned_away; }
 
 void Channel::check_peer() {
-  if (!s_->left_words()) s_->fail_if_lost();  // what it said last is read first: it may be why
+  if (!s_->has_unread_words()) s_->fail_if_lost();  // its last message may say why it ended: read that first
 }
 
 void Channel::send(const std::string& bytes) {
-  if (bytes.size() > kMaxMessage)  // the other side would close the connection, and nobody would know why
+  if (bytes.size() > kMaxMessage)  // the other side would close the connection without a reason
     throw Error(Exit::kPeerLost, "message_size",
                 fmt::format("a message of {} bytes for {}; {} at most: take fewer or simpler bodies", bytes.size(),
                             s_->peer, kMaxMessage));
   const double start = now_();
-  while (!through_signals([&] { return s_->data.send(zmq::buffer(bytes), zmq::send_flags::none); })) {
-    if (s_->left_words()) return;  // nobody hears this any more, and what was said comes with the next receive
+  while (!retried_after_signals([&] { return s_->data.send(zmq::buffer(bytes), zmq::send_flags::none); })) {
+    if (s_->has_unread_words()) return;  // the other side is gone; the next receive reads its last message
     s_->fail_if_lost();
     if (now_() - start > kSendSeconds)
       throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
@@ -286,7 +286,7 @@ void Channel::send(const std::string& bytes) {
 
 void Channel::tell(const std::string& request) {
   s_->read_events();
-  s_->fail_if_lost();  // it would be kept for a peer that is gone, and hold up our end
+  s_->fail_if_lost();  // ZeroMQ would keep the message and delay the end of this process
   send(request);
 }
 
@@ -295,33 +295,33 @@ std::string Channel::ask(const std::string& request, double deadline_s, const ch
   return receive(kConnectSeconds, deadline_s, what);
 }
 
-void Channel::see_off() {
+void Channel::wait_for_close() {
   const double start = steady_seconds();
   for (zmq::message_t dropped; steady_seconds() - start < kStayMs * 1e-3;) {
     if (s_->take(dropped)) continue;
-    s_->answer_door(), s_->read_events();
+    s_->answer_authenticator(), s_->read_events();
     if (s_->lost || !s_->was_connected) return;
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0}, {s_->monitor.handle(), 0, ZMQ_POLLIN, 0}};
-    through_signals([&] { return zmq::poll(items, 2, std::chrono::milliseconds(kStayMs)); });
+    retried_after_signals([&] { return zmq::poll(items, 2, std::chrono::milliseconds(kStayMs)); });
   }
 }
 
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
   const double start = now_();
   zmq::message_t message;
-  s_->answer_door(), s_->read_events();  // they would fill up where nobody ever has to sleep
+  s_->answer_authenticator(), s_->read_events();  // also where a message is there already: queues would fill up
   if (s_->take_soon(message)) return message.to_string();
   while (true) {
     zmq::pollitem_t items[] = {{s_->data.handle(), 0, ZMQ_POLLIN, 0},
                                {s_->monitor.handle(), 0, ZMQ_POLLIN, 0},
-                               {s_->door.handle(), 0, ZMQ_POLLIN, 0}};
+                               {s_->authenticator.handle(), 0, ZMQ_POLLIN, 0}};
     try {
-      zmq::poll(items, s_->door ? 3 : 2, std::chrono::milliseconds(kPollMs));
+      zmq::poll(items, s_->authenticator ? 3 : 2, std::chrono::milliseconds(kPollMs));
     } catch (const zmq::error_t& e) {
       if (e.num() != EINTR) throw;
     }
     if (s_->take(message)) return message.to_string();
-    s_->answer_door();
+    s_->answer_authenticator();
     check_peer();
     const double waited = now_() - start;
     if (!s_->was_connected && waited > connect_s) {
@@ -334,7 +334,7 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     }
     if (deadline_s > 0.0 && waited > deadline_s)
       throw Error(Exit::kPeerLost, "deadline",
-                  fmt::format("{} is there, but has not answered {} within {} s", s_->peer, what, deadline_s));
+                  fmt::format("{} is connected, but has not answered {} within {} s", s_->peer, what, deadline_s));
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// One ZeroMQ socket pair between two processes. ZeroMQ is named here and in keys.cpp only.
+// A channel between two processes over a pair of ZeroMQ sockets. Only channel.cpp and keys.cpp use ZeroMQ.
 #include <functional>
 #include <memory>
 #include <string>
@@ -8,33 +8,35 @@
 
 namespace sunder::link {
 
-/// Sends and receives whole messages and notices when the other side is gone: a killed peer at once
-/// (its connection closes), a stopped or cut-off one by heartbeats from the I/O thread.
+/// Sends and receives whole messages, and notices that the other side is gone. A killed process closes its connection
+/// at once. A stopped or disconnected one misses heartbeats, which ZeroMQ's I/O thread sends and answers.
 class Channel final : public Transport {
  public:
   enum class Role { kBind, kConnect };
-  /// For so long [s] who waits stays awake, giving way to others, before it sleeps: to wake a processor that rests
-  /// takes ZeroMQ 40 us of each way on the development machine, more than a window of few bodies. The coding of a
-  /// thousand bodies on the other side ends within it; with 0.3 ms their round trips take 1.2 to 1.5 times as long.
+  /// Time [s] for which a waiting side polls, yielding the processor, before it sleeps. Waking a sleeping thread takes
+  /// longer than a window of few bodies. The time covers encoding and decoding of a thousand bodies on the other side.
   static constexpr double kAwakeSeconds = 1e-3;
-  /// `keys`: the folder of link/keys.h; with it the session is encrypted and the binding side, the rigid process,
-  /// admits the shell of these keys only. Empty: none, for ipc:// and tcp://127.0.0.1. Throws Error: bad_endpoint where
-  /// the endpoint cannot be bound, or is beyond this machine and there are no keys; bad_keys. `now`: the clock of
-  /// deadlines [s].
+  /// Binds or connects. `keys`: folder of keys (link/keys.h) of an encrypted session, in which the binding side, the
+  /// rigid process, admits only the shell process of these keys. Empty: no keys, for ipc:// and tcp://127.0.0.1 only.
+  /// `now`: clock of deadlines [s]. Throws Error: bad_keys; bad_endpoint where the endpoint cannot be bound, or can be
+  /// reached from other machines and there are no keys.
   Channel(Role role, const std::string& endpoint, const std::string& keys = "",
           std::function<double()> now = steady_seconds);
   ~Channel() override;
 
-  /// Throws Error: peer_lost where the other side takes nothing any more; message_size above kMaxMessage.
+  /// Sends a message. Throws Error: peer_lost where the other side takes no more messages; message_size above
+  /// kMaxMessage bytes.
   void send(const std::string& bytes);
-  /// Waits for a message. Throws Error: peer_lost where the peer is gone, or has not connected within `connect_s`;
-  /// deadline where it is there and nothing has come for `deadline_s`, if that is positive; not_admitted where the two
-  /// have no keys in common: at once where we connect, after `connect_s` where we bind, for the right one may yet come.
+  /// Waits for a message. `what`: the request that it answers, for errors. Throws Error:
+  /// - peer_lost where the other side is gone, or does not connect within `connect_s` seconds;
+  /// - deadline where it is connected and sends nothing for `deadline_s` seconds (0: no deadline);
+  /// - not_admitted where the keys of the two sides differ. A connecting side throws at once. A binding side waits for
+  ///   `connect_s`, because the right process may still come.
   std::string receive(double connect_s, double deadline_s = 0.0, const char* what = "");
-  /// Waits until the other side has gone, a tenth of a second at most; what it still says is dropped. libzmq 4.3.4 may
-  /// abort where a socket is closed while words for it arrive and the connection ends (its issues 4364, 4841).
-  void see_off();
-  /// Attempts to connect to us that came to nothing so far, as of the last look: by those without our keys.
+  /// Waits until the other side closes its connection, for a tenth of a second at most, and drops what it still sends.
+  /// libzmq 4.3.4 may abort where a socket closes while messages arrive (its issues 4364, 4841).
+  void wait_for_close();
+  /// Number of connections refused so far because of their keys.
   int turned_away() const;
   std::string ask(const std::string& request, double deadline_s, const char* what) override;
   void tell(const std::string& request) override;

@@ -1,5 +1,5 @@
 #pragma once
-// A rigid-body engine as the coupler asks for it: in this process, or behind a session.
+// The interface of a rigid-body engine, in this process or behind a session.
 #include <algorithm>
 #include <cstdint>
 #include <string>
@@ -10,7 +10,7 @@
 
 namespace sunder::link {
 
-/// Words of EngineInfo::capabilities; rigid/README.md says what each promises.
+/// Words of EngineInfo::capabilities. rigid/README.md says what each promises.
 namespace capability {
 constexpr const char* kSpheres = "spheres";
 constexpr const char* kBoxes = "boxes";
@@ -28,67 +28,75 @@ constexpr const char* kDoublePrecision = "double_precision";
 constexpr const char* kDeterministic = "deterministic";
 }  // namespace capability
 
+/// Name, version and capabilities of an engine.
 struct EngineInfo {
   std::string name, version;
   std::vector<std::string> capabilities;
+  /// True where the engine declares a capability.
   bool can(const std::string& what) const {
     return std::find(capabilities.begin(), capabilities.end(), what) != capabilities.end();
   }
 };
 
-/// A body and how it moves: at the end of a window before engine contacts (a handback), or where the engine has it.
+/// Motion of a body. At the end of a window before the engine's contacts it is the body's *predicted state* (field
+/// `handbacks` of a window).
 struct Motion {
   BodyId id = 0;
   BodyMotion motion;
 };
 
-/// What the engine makes of a body.
+/// A body as the engine holds it after a window.
 struct State {
   BodyId id = 0;
   double mass = 0.0;  // [kg], as the engine holds it
   BodyMotion motion;
 };
 
-/// A point of each of two bodies that must not pass one another along the normal.
+/// A contact of two bodies: a point of each, which must not pass one another along the normal.
 struct ContactRow {
   BodyId first = 0, second = 0;
   Vec3 first_point = Vec3::Zero(), second_point = Vec3::Zero();  // body coordinates [m]
   Vec3 normal = Vec3::UnitZ();                                   // world, from the second body to the first
   double friction = 0.0, restitution = 0.0;
-  double allowance = 0.0;  // by which the two may overlap [m]
+  double allowance = 0.0;  // overlap of the two bodies that is not pushed apart [m]
 };
 
+/// Holds rigid bodies and takes them through windows. Every call throws Error where its arguments cannot be.
 class Engine {
  public:
   virtual ~Engine() = default;
   virtual EngineInfo info() const = 0;
-  /// Throws Error (bad_body) where the engine cannot hold the shape.
+  /// Adds a body with its motion. Throws Error (bad_body) where the engine cannot hold the shape.
   virtual void add(const RigidBody& body) = 0;
+  /// Replaces the laws of all pairs of contact groups. Pairs without a law have friction 0.5 and restitution 0.
   virtual void set_contact_laws(const std::vector<ContactLaw>& laws) = 0;
-  /// One window of `window_s` seconds (rigid/README.md "A window"): each body takes the window with the average
-  /// velocity that leads to its handback pose, contacts and joints are found and solved on that, and it ends on its
-  /// handback velocity plus the change that the solver made; then a velocity-only solve at the new pose. One handback
-  /// for each body that is not static, by id. Contacts and joints of bodies in `solved` (by id) are left out.
-  virtual void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) = 0;
-  /// Every body that is not static, by ascending id.
+  /// One window of `window_s` seconds (rigid/README.md "A window"). Each body starts with the average velocity that
+  /// leads to its predicted pose; contacts and joints are found and solved on these velocities. A body ends with its
+  /// predicted velocity plus the change that the solver made. Then velocities are solved once more at the new pose.
+  /// `predicted`: one state for each body that is not static, by ascending id. Contacts and joints of bodies in
+  /// `solved` (by id) are left out. Throws Error (bad_handback) where the states do not match the bodies.
+  virtual void advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) = 0;
+  /// State of every body that is not static, by ascending id.
   virtual std::vector<State> states() const = 0;
 
-  /// Capability joints. Both bodies are there already. Throws Error (bad_joint).
+  /// Capability joints. Adds a joint between bodies that the engine holds. Throws Error (bad_joint).
   virtual void add_joint(const Joint& joint) { lacks(capability::kJoints, joint.name); }
-  /// Capability release_joints: it holds no longer, from the next window on; its bodies still do not collide with one
-  /// another. Of no effect where it let go before. The joint is there.
+  /// Capability release_joints. From the next window on the joint, which exists, does not hold. Its bodies still do not
+  /// collide with one another. A joint that is released already stays so.
   virtual void release_joint(std::uint32_t id) { lacks(capability::kReleaseJoints, std::to_string(id)); }
-  /// Capability export_rows: contacts that `bodies` (by id) may have in a window in which every body that is not static
-  /// would come to its place in `motions` without them. Nothing moves.
+  /// Capability export_rows. Contacts that `bodies` (by id) may have in a window of `window_s` seconds. `motions`: the
+  /// predicted state of every body that is not static, by id. Nothing moves.
   virtual std::vector<ContactRow> rows(double window_s, const std::vector<Motion>& motions,
                                        const std::vector<BodyId>& bodies) {
     (void)window_s, (void)motions, (void)bodies;
     lacks(capability::kExportRows, "rows");
   }
-  /// Capability save_restore: what states() do not tell. From here on this engine and another one that holds the same
-  /// bodies with the same motions, added in the same order, and is restored with it, agree to the bit.
+  /// Capability save_restore. Returns the state of the engine that states() does not show, such as starting impulses of
+  /// solvers. Another engine with the same bodies and motions, added in the same order and restored with these bytes,
+  /// agrees with this one to the bit from here on.
   virtual std::string save() { lacks(capability::kSaveRestore, "save"); }
-  /// Puts every body that is not static to its motion, by id, and takes the caches. Throws Error (bad_state).
+  /// Capability save_restore. Sets the motion of every body that is not static, by id, and the saved state. Throws
+  /// Error (bad_state).
   virtual void restore(const std::string& caches, const std::vector<Motion>& motions) {
     (void)caches, (void)motions;
     lacks(capability::kSaveRestore, "restore");

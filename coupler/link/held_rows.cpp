@@ -9,10 +9,10 @@ namespace sunder::link {
 namespace {
 
 constexpr int kSweeps = 20;                // at most
-constexpr double kConverged = 1e-11;       // change of a velocity in a sweep, of the fastest target or speed there is
+constexpr double kConverged = 1e-11;       // largest change of a velocity in a sweep, relative to the fastest one
 constexpr double kImpactSpeed_m_s = 0.05;  // slower contacts do not bounce
 
-constexpr double kSamePoint_m = 1e-3;
+constexpr double kSamePoint_m = 1e-3;  // a contact that moves by less between windows keeps its impulse
 
 bool moves(const RigidBody* b) { return b && !b->is_static; }
 
@@ -30,7 +30,7 @@ void twist(RigidBody* b, const Vec3& angular) {
   if (moves(b)) b->motion.angular_momentum += angular;
 }
 
-// Change of the velocity at `arm` per impulse there, along `axes` [1/kg].
+// Inverse mass of a body at `arm`: change of velocity per impulse there, along `axes` [1/kg].
 Mat3 inverse_mass(const RigidBody* b, const Vec3& arm, const Mat3& axes) {
   if (!moves(b)) return Mat3::Zero();
   Mat3 k;
@@ -46,7 +46,7 @@ Mat3 inverse_inertia(const RigidBody* b, const Mat3& axes) {
   return axes.transpose() * k;
 }
 
-// Of the first n entries.
+// Norm of the first n entries.
 double size(const Vec3& v, int n) {
   double sum = 0.0;
   for (int d = 0; d < n; ++d) sum += v[d] * v[d];
@@ -69,7 +69,7 @@ void HeldRows::take(const std::vector<ContactRow>& rows, const std::vector<Joint
   const std::vector<Contact> old = std::move(contacts_);
   const std::vector<Bilateral> old_joints = std::move(joints_);
   clear(), touched_.clear();
-  // Of the window before: a stack that started from nothing would sink in every window.
+  // Impulse of the same contact in the window before. A stack that starts from zero impulses sinks in every window.
   const auto impulse_before = [&](const ContactRow& row) {
     Vec3 best = Vec3::Zero();
     double nearest = kSamePoint_m;
@@ -105,7 +105,7 @@ void HeldRows::prepare(Contact& c, double h) {
   const BodyMotion &a = c.first->motion, &b = c.second->motion;
   const Vec3& n = c.row.normal;
   Vec3 pa = a.position + a.orientation * c.row.first_point, pb = b.position + b.orientation * c.row.second_point;
-  // A sphere touches below its centre, however it turns and wherever it slides: an impulse beside that would turn it.
+  // A sphere touches straight below its centre at any time. An impulse beside that point would turn it.
   const auto* first_sphere = std::get_if<SphereShape>(&c.first->shape);
   const auto* second_sphere = std::get_if<SphereShape>(&c.second->shape);
   if (first_sphere) pa = a.position - first_sphere->radius * n;
@@ -138,7 +138,7 @@ void HeldRows::prepare(Bilateral& b, double h) {
   b.second_arm = b.second ? Vec3(middle - b.second->motion.position) : Vec3(Vec3::Zero());
   b.linear_target = b.axes.transpose() * (pb - pa) / h;
   const Vec3 error = rotation_vector(qa * qb.conjugate());
-  // a hinge turns about z: what tilts its axis is the cross product of the two axes
+  // a hinge turns about z, so its error is the tilt of that axis: the cross product of the two axes
   const Vec3 tilt = (qb * Vec3::UnitZ()).cross(qa * Vec3::UnitZ());
   b.angular_target = -(b.axes.transpose() * (b.held_angular == 2 ? tilt : error)) / h;
   b.point_mass = leading_inverse(
@@ -188,7 +188,7 @@ double HeldRows::sweep(Bilateral& b) {
     const Vec3 l = -(b.turn_mass * w);
     twist(b.first, b.axes * l), twist(b.second, -(b.axes * l));
     b.angular += l;
-    // as a velocity: at an arm that is the body's radius of gyration
+    // as a velocity at the radius of gyration
     const double arm = std::sqrt(b.first->principal_inertia.maxCoeff() / std::max(b.first->mass, 1e-300));
     most = std::max(most, arm * size(w, b.held_angular));
   }
@@ -208,7 +208,7 @@ double HeldRows::solve(double h) {
   for (const RigidBody* b : touched_) fastest = std::max(fastest, b->motion.velocity.norm());
   for (Contact& c : contacts_) prepare(c, h), fastest = std::max(fastest, std::min(std::abs(c.target), 1.0));
   for (Bilateral& b : joints_) prepare(b, h);
-  for (Contact& c : contacts_) {  // as the last substep left off
+  for (Contact& c : contacts_) {  // start from the impulses of the last substep
     Mat3 axes;
     axes << c.row.normal, c.side, c.other;
     const Vec3 j = axes * c.impulse;

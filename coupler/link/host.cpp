@@ -18,7 +18,7 @@ void EngineHost::needs(const char* capability, const char* what) const {
   if (!info_.can(capability)) refuse(fmt::format("{}: the engine cannot do '{}'", what, capability));
 }
 
-// One for each body that moves, by id: the other side counts on the same bodies as this one, or the session is lost.
+// There must be one motion for each moving body, by ascending id. Otherwise the two sides hold different bodies.
 void EngineHost::match(const std::vector<Motion>& motions, const char* what) const {
   auto next = moving_.begin();
   for (const Motion& m : motions) {
@@ -126,14 +126,14 @@ std::vector<State> EngineHost::window(const WindowTask& w) {
   moved_ = true;
   engine_.advance(w.window_s, w.handbacks, w.solved);
   add(w.births, "births");
-  if (!w.births.empty()) last_tick_ = -1;  // what was born cannot be taken back
+  if (!w.births.empty()) last_tick_ = -1;  // births cannot be undone
   tick_ += w.ticks;
   return states();
 }
 
 std::vector<State> EngineHost::add_bodies(const std::vector<RigidBody>& bodies) {
   loaded("AddBodies");
-  needs(capability::kSaveRestore, "AddBodies");  // it comes only where windows are repeated
+  needs(capability::kSaveRestore, "AddBodies");  // sent only in runs that repeat windows
   BodyIds ids;
   add(bodies, "bodies");
   for (const RigidBody& b : bodies) ids.insert(b.id);

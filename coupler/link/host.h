@@ -1,6 +1,6 @@
 #pragma once
-// An engine in this process, asked in the right order: the rigid side of every session, and the link of a run without
-// one.
+// An engine in this process, with the rules of a session. It serves sessions, and runs without a session use it
+// directly.
 #include <set>
 
 #include "coupler/core/body_ids.h"
@@ -9,6 +9,8 @@
 
 namespace sunder::link {
 
+/// Checks the order and arguments of requests and passes them to an engine. Throws Error: bad_message for a wrong
+/// request, engine_failed where the engine returns numbers that are not finite.
 class EngineHost : public RigidLink {
  public:
   explicit EngineHost(Engine& engine) : engine_(engine), info_(engine.info()) {}
@@ -27,8 +29,10 @@ class EngineHost : public RigidLink {
 
  private:
   std::vector<Motion> motions() const;
-  /// What the engine has. Throws Error (engine_failed) where a number of it is not finite.
+  /// The engine's states. Throws Error (engine_failed) where a number is not finite.
   std::vector<State> states() const;
+  // Each refuses request `what`: before Load, without the capability, with motions that do not match the moving bodies,
+  // with an unknown id.
   void loaded(const char* what) const;
   void needs(const char* capability, const char* what) const;
   void match(const std::vector<Motion>& motions, const char* what) const;
@@ -41,7 +45,7 @@ class EngineHost : public RigidLink {
   std::int64_t tick_ = 0;
   BodyIds known_, moving_;
   std::set<std::uint32_t> joints_;
-  // Before the last window, where windows are kept.
+  // State before the last window, where windows may be taken again; last_tick_ is -1 where there is none.
   std::int64_t last_tick_ = -1;
   std::string last_caches_;
   std::vector<Motion> last_motions_;

@@ -41,7 +41,7 @@ struct File {
   File& operator=(const File&) = delete;
 };
 
-// Whoever can replace a public key is admitted by it.
+// A user who can replace a public key can make the session admit another process.
 void only_we_write(const std::string& path, const struct stat& info) {
   if ((info.st_mode & (S_IWGRP | S_IWOTH)) != 0)
     refuse(path, fmt::format("others may write it (mode {:04o})", info.st_mode & 07777),
@@ -49,10 +49,10 @@ void only_we_write(const std::string& path, const struct stat& info) {
 }
 
 Text read_text(const std::string& path, bool secret) {
-  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe must not hold us up
+  const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe must not block
   if (file.fd < 0)
     refuse(path, std::strerror(errno), "--keys DIR is a folder that 'sunder keys DIR' made, or a copy of it");
-  struct stat info {};  // of what was opened: the name may be another's a moment later
+  struct stat info {};  // of the open file: the path may name another one a moment later
   if (fstat(file.fd, &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is no file", kMakeNew);
   if (secret && (info.st_mode & (S_IRWXG | S_IRWXO)) != 0)
     refuse(path, fmt::format("the secret key is open to others (mode {:04o})", info.st_mode & 07777),
@@ -62,7 +62,7 @@ Text read_text(const std::string& path, bool secret) {
   const ssize_t count = read(file.fd, read_bytes, sizeof read_bytes);
   if (count < 0) refuse(path, std::strerror(errno), kMakeNew);
   std::size_t size = static_cast<std::size_t>(count);
-  if (size > 0 && read_bytes[size - 1] == '\n') --size;  // an editor's, or a shell's
+  if (size > 0 && read_bytes[size - 1] == '\n') --size;  // an editor may add it
   if (size != kCharacters)
     refuse(path,
            fmt::format("has {}{} characters, a key has {}", size > kCharacters ? "more than " : "",
@@ -86,7 +86,7 @@ void write_text(const std::string& path, const Text& text, mode_t mode, std::vec
   if (file.fd >= 0) made.push_back(path);
   const std::string line = std::string(text.characters) + "\n";
   if (file.fd < 0 || write(file.fd, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
-      fchmod(file.fd, mode) != 0)  // whatever the umask says: the other machine's user gets the public ones as a copy
+      fchmod(file.fd, mode) != 0)  // independent of the umask
     refuse(path, std::strerror(errno), "name a folder that may be written, on a disk with room");
 }
 

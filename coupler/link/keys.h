@@ -1,24 +1,24 @@
 #pragma once
-// The keys of an encrypted session: a folder with a pair for each side, one key a file, as 40 characters of Z85.
+// Keys of an encrypted session: a folder with a key pair for each side. A file holds one key in 40 characters of Z85.
 #include <string>
 
 namespace sunder::link {
 
 enum class Side { kRigid, kShell };
 
-/// What one side needs of the folder; 32 bytes each.
+/// The keys that one side needs, 32 bytes each.
 struct Keys {
   std::string secret, own_public, peer_public;
 };
 
-/// Makes a folder of mode 0700 with rigid.key and shell.key (secret, 0600), rigid.pub and shell.pub. An empty folder
-/// that is there already is taken. Throws Error (bad_keys) where there is something in it or it cannot be written;
-/// nothing is ever written over, and of what was begun nothing stays.
+/// Makes a folder of mode 0700 with rigid.key and shell.key (secret, mode 0600), rigid.pub and shell.pub. An empty
+/// folder may exist already. Throws Error (bad_keys) where the folder is not empty or cannot be written. No file is
+/// ever overwritten, and a failed call leaves no file.
 void make_keys(const std::string& folder);
 
-/// Reads this side's secret and both public keys; the other side's secret need not be there. Throws Error (bad_keys),
-/// with file, problem and remedy: a file is missing or damaged, others may read the secret or replace a key, or the
-/// secret and the public key are no pair.
+/// Reads this side's secret key and both public keys. The other side's secret key may be absent. Throws Error
+/// (bad_keys) with file, problem and remedy where a file is missing or damaged, where other users may read the secret
+/// or replace a key, or where secret and public key are no pair.
 Keys read_keys(const std::string& folder, Side side);
 
 }  // namespace sunder::link

@@ -1,5 +1,5 @@
 #pragma once
-// Where the thousands of small messages of a window live: made, and gone, together.
+// Memory for the thousands of small messages of a window, which are made and dropped together.
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -10,27 +10,27 @@
 
 namespace sunder::link {
 
-/// An arena that is used again and again, in one block: the power of two that holds what the largest so far took, but
-/// for its strings. What a larger one than `most` takes beyond its block is given back.
+/// A protobuf arena that is reused. Its block grows to the power of two that holds the largest message so far, strings
+/// not counted, up to `most` bytes. Memory beyond the block is freed with the message.
 class MessageMemory {
  public:
-  static constexpr std::size_t kMost = std::size_t{1} << 22;  // [bytes]: some 7,000 bodies there and back
+  static constexpr std::size_t kMost = std::size_t{1} << 22;  // [bytes]: a request and reply of some 7,000 bodies
 #ifdef __SANITIZE_ADDRESS__
-  static constexpr bool kUsedAgain = false;  // what has ended is seen as freed
+  static constexpr bool kUsedAgain = false;  // so that the sanitizer sees old messages as freed
 #else
   static constexpr bool kUsedAgain = true;
 #endif
   explicit MessageMemory(std::size_t most = kMost, bool used_again = kUsedAgain)
       : most_(most), used_again_(used_again) {}
 
-  /// Ends what was made before.
+  /// The empty arena. Messages made in it before are gone.
   google::protobuf::Arena& fresh() {
     const std::size_t taken = arena_ ? static_cast<std::size_t>(arena_->SpaceAllocated()) : kFirst;
     if (used_again_ && arena_ && (taken <= size_ || size_ == most_)) {
       arena_->Reset();
       return *arena_;
     }
-    arena_.reset();  // before its block
+    arena_.reset();  // before its block is freed
     size_ = std::min(std::bit_ceil(taken), most_);
     block_.reset();
     block_ = std::make_unique_for_overwrite<char[]>(size_);
@@ -41,8 +41,8 @@ class MessageMemory {
   }
 
  private:
-  static constexpr std::size_t kFirst = 4096;                 // [bytes]: requests without a list
-  static constexpr std::size_t kNext = std::size_t{1} << 20;  // [bytes]: of what is beyond the block, at most
+  static constexpr std::size_t kFirst = 4096;                 // first block [bytes]: holds requests without a list
+  static constexpr std::size_t kNext = std::size_t{1} << 20;  // largest further block [bytes]
   std::size_t most_, size_ = 0;
   bool used_again_;
   std::unique_ptr<char[]> block_;

@@ -8,8 +8,8 @@
 namespace sunder::link {
 namespace {
 
-// Name of a field of a list's member, as "states[7].position". It becomes text only where it has to be said: a window
-// has four of them for every body.
+// Path of a field in a list, as "states[7].position". It becomes text only in an error, since a window has four such
+// fields for every body.
 struct Member {
   const char* list;
   std::size_t id;
@@ -35,12 +35,12 @@ void check(bool good, fmt::format_string<Args...> format, Args&&... args) {
   if (!good) throw Error(Exit::kPeerLost, "bad_message", fmt::format(format, std::forward<Args>(args)...));
 }
 
-// In place: what is made apart is copied on its way into an arena.
+// In place, because a separate message would be copied into the arena.
 void encode(const Vec3& v, proto::Vec3* m) { m->set_x(v.x()), m->set_y(v.y()), m->set_z(v.z()); }
 
 void encode(const Quat& q, proto::Quaternion* m) { m->set_w(q.w()), m->set_x(q.x()), m->set_y(q.y()), m->set_z(q.z()); }
 
-// Into whatever has the four fields of a motion.
+// Encodes into any message with the four fields of a motion.
 template <class Message>
 void encode_motion(const BodyMotion& motion, Message* m) {
   encode(motion.position, m->mutable_position()), encode(motion.orientation, m->mutable_orientation());
@@ -63,7 +63,7 @@ Quat decode_quaternion(const proto::Quaternion& q, const Field& field) {
   return r;
 }
 
-// Of a member of `list`, by its id.
+// Decodes an entry of `list`, which errors name by its id.
 template <class Message>
 BodyMotion decode_motion(const Message& m, const char* list) {
   const auto field = [&](const char* name) { return Member{list, m.id(), name}; };
@@ -291,7 +291,7 @@ WindowTask decode(const proto::Window& w) {
 }
 
 EngineInfo decode_peer(const proto::HelloReply& hello) {
-  const auto plain = [](const std::string& word) {  // it is printed, and written into reports
+  const auto plain = [](const std::string& word) {  // printed and written into reports, so no control characters
     return std::all_of(word.begin(), word.end(),
                        [](unsigned char c) { return c >= 0x20 && c < 0x7f && c != '"' && c != '\\'; });
   };
@@ -317,10 +317,10 @@ Error decode_error(const proto::Error& error, const std::string& who) {
   });
   const std::string& whole = error.message();
   std::size_t size = std::min(whole.size(), kMaxReport);
-  while (size > 0 && size < whole.size() && (whole[size] & 0xc0) == 0x80) --size;  // no half of a character
+  while (size > 0 && size < whole.size() && (whole[size] & 0xc0) == 0x80) --size;  // keep UTF-8 characters whole
   std::string message = whole.substr(0, size);
   for (char& c : message)
-    if (static_cast<unsigned char>(c) < 0x20 && c != '\n') c = ' ';  // nothing that moves the terminal's cursor
+    if (static_cast<unsigned char>(c) < 0x20 && c != '\n') c = ' ';  // no control of the terminal
   return Error(Exit::kPeerLost, named ? kind : "peer_failed", who + " reports: " + message);
 }
 
@@ -328,7 +328,7 @@ std::vector<State> decode_states(const google::protobuf::RepeatedPtrField<proto:
                                  const BodyIds& expected) {
   std::vector<State> out;
   out.reserve(expected.size());
-  auto next = expected.begin();  // both go by id: no need to search
+  auto next = expected.begin();  // both lists are in ascending order
   for (const auto& m : states) {
     while (next != expected.end() && *next < m.id()) ++next;
     check(next != expected.end() && *next == m.id(), "{}: an unknown or repeated body", Member{"states", m.id(), ""});

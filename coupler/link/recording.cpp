@@ -45,13 +45,13 @@ std::ifstream open_recording(const std::string& path) {
   return file;
 }
 
-// The first field in which two messages differ; empty: none.
+// The first field in which two messages differ; empty where they are equal.
 template <class Message>
 std::string difference(const std::string& recorded, const std::string& now) {
   Message a, b;
   if (!a.ParseFromString(recorded) || !b.ParseFromString(now)) return "a message that does not parse";
   if constexpr (std::is_same_v<Message, proto::Reply>) a.clear_spans(), b.clear_spans();
-  if constexpr (std::is_same_v<Message, proto::Request>)  // whether times are told changes nothing else
+  if constexpr (std::is_same_v<Message, proto::Request>)  // tracing does not change the results
     for (Message* m : {&a, &b})
       if (m->has_hello()) m->mutable_hello()->clear_trace();
   std::string report;
@@ -120,7 +120,7 @@ ReplayReport replay_requests(Transport& rigid, const std::string& path) {
     if (kind != kRequest) bad(path, "has a reply without a request");
     ++report.requests;
     const std::string reply = rigid.ask(request, 0.0, "a recorded request");
-    if (!read_record(file, path, kind, recorded) || kind != kReply) break;  // the recorded run ended here
+    if (!read_record(file, path, kind, recorded) || kind != kReply) break;  // end of the recorded run
     const std::string differs = reply == recorded ? "" : difference<proto::Reply>(recorded, reply);
     if (differs.empty()) continue;
     ++report.different;

@@ -1,5 +1,5 @@
 #pragma once
-// A session on disk: written while it runs, played back to either side alone.
+// Records a session to a file, and plays it back to either side alone.
 #include <cstdint>
 #include <fstream>
 #include <memory>
@@ -9,8 +9,9 @@
 
 namespace sunder::link {
 
-/// Hands everything on and writes it down. The file: a line "sunder recording 1", then records of one character
-/// ('>' request, '<' reply, '!' told without reply), eight bytes of length (little-endian) and the message.
+/// Passes all messages on and records them. The file is a line "sunder recording 1" and then records. A record is one
+/// character ('>' request, '<' reply, '!' message without reply), a length of eight bytes (little-endian), and the
+/// message.
 class RecordingTransport final : public Transport {
  public:
   /// Throws Error (io) where the file cannot be written.
@@ -26,12 +27,13 @@ class RecordingTransport final : public Transport {
   std::ofstream file_;
 };
 
-/// Plays the rigid side: answers as was recorded, while every request is what was recorded.
+/// Plays the rigid side: gives the recorded reply to each request, as long as the requests are the recorded ones.
 class ReplayTransport final : public Transport {
  public:
   /// Throws Error (bad_recording).
   explicit ReplayTransport(const std::string& path);
-  /// Throws Error (replay_differs) with the field, where the request is another one.
+  /// The recorded reply. Throws Error (replay_differs), with the field, where the request differs from the recorded
+  /// one.
   std::string ask(const std::string& request, double deadline_s, const char* what) override;
   void tell(const std::string&) override {}
   void check_peer() override {}
@@ -42,13 +44,14 @@ class ReplayTransport final : public Transport {
   std::int64_t messages_ = 0;
 };
 
+/// Result of replay_requests.
 struct ReplayReport {
-  std::int64_t requests = 0, different = 0;
-  std::string first;  // difference
+  std::int64_t requests = 0, different = 0;  // number of requests, and of replies that differ
+  std::string first;                         // the first difference; empty: none
 };
 
-/// Plays the shell's side of a recording to `rigid` and compares its replies to the bit, times left out.
-/// Throws Error: bad_recording, or what the transport throws.
+/// Plays the shell side of a recording to `rigid` and compares replies to the bit, without times. Throws Error:
+/// bad_recording, or the transport's errors.
 ReplayReport replay_requests(Transport& rigid, const std::string& path);
 
 }  // namespace sunder::link

@@ -9,11 +9,11 @@
 namespace sunder::link {
 namespace {
 
-// Deadlines of the handshake [s]. A window may take as long as it does: a peer that has gone is noticed otherwise.
+// Deadlines of the handshake [s]. A window has none: heartbeats notice a process that is gone.
 constexpr double kHelloSeconds = 10.0, kLoadSeconds = 120.0, kByeSeconds = 10.0, kNone = 0.0;
-// Of requests that move nothing.
+// Deadline of requests that move no body [s].
 constexpr double kLookSeconds = 120.0;
-constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // of a peer's clock
+constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // plausible times of the other side's clock
 
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
@@ -64,7 +64,7 @@ RemoteRigid::RemoteRigid(std::unique_ptr<Transport> transport, const std::string
       refuse(fmt::format("the rigid process speaks protocol {}, this one {}", reply.hello().protocol(), kProtocol));
     if (reply.hello().scene_hash() != scene_hash) refuse("the rigid process holds another scene");
     peer_ = decode_peer(reply.hello());
-  } catch (const Error& e) {  // later failures are the owner's to report, who does not exist yet
+  } catch (const Error& e) {  // report it here: the owner, who reports later errors, does not exist yet
     abort(e.kind, e.what());
     throw;
   }
@@ -86,9 +86,9 @@ std::vector<State> RemoteRigid::load(const World& world) {
   expect(reply.has_load(), "Load");
   const auto states = decode_states(reply.load().states(), moving_);
   const double tolerance = peer_.can(capability::kDoublePrecision) ? 0.0 : 1e-6;
-  for (const RigidBody& b : world.bodies) {  // the other side holds what was sent
+  for (const RigidBody& b : world.bodies) {  // the other side must hold the masses that were sent
     if (b.is_static) continue;
-    const auto state =  // there is one for each that moves
+    const auto state =  // decode_states has checked that there is one
         std::lower_bound(states.begin(), states.end(), b.id, [](const State& s, BodyId id) { return s.id < id; });
     if (std::abs(state->mass - b.mass) > tolerance * b.mass)
       refuse(fmt::format("states[{}].mass: {} kg were loaded, {} kg came back", b.id, b.mass, state->mass));

@@ -1,5 +1,5 @@
 #pragma once
-// The rigid side behind messages.
+// The rigid side behind a transport of messages.
 #include <functional>
 #include <memory>
 
@@ -11,16 +11,18 @@
 
 namespace sunder::link {
 
-/// What a reply told of its time: spans on the engine's clock, and when it was asked and answered on ours [ns].
+/// Times of a request: spans on the engine's clock, and sending and receiving on this process's clock [ns].
 struct TimedReply {
   const char* request;
   std::int64_t sent_ns, received_ns;
   std::vector<proto::Span> spans;
 };
 
+/// Sends requests to the rigid process and decodes its replies.
 class RemoteRigid final : public RigidLink {
  public:
-  /// Says Hello. `heard`: called with every reply, where the session is traced; it must not ask in its turn.
+  /// Sends Hello. `heard`: where given, the session is traced and this is called with the times of every reply; it must
+  /// not send requests.
   RemoteRigid(std::unique_ptr<Transport> transport, const std::string& scene_hash,
               std::function<void(const TimedReply&)> heard = {});
   const EngineInfo& peer() const override { return peer_; }
@@ -36,9 +38,9 @@ class RemoteRigid final : public RigidLink {
   void check_peer() override { transport_->check_peer(); }
 
  private:
-  /// Ends the one before, and its reply.
+  /// An empty request. Invalidates the previous one and its reply.
   proto::Request& fresh_request();
-  /// The reply, beside the request.
+  /// Sends the request and returns the reply, which lives as long as the request.
   proto::Reply& ask(proto::Request& request, double deadline_s, const char* what);
 
   std::unique_ptr<Transport> transport_;
@@ -46,7 +48,7 @@ class RemoteRigid final : public RigidLink {
   EngineInfo peer_;
   std::uint64_t sequence_ = 0;
   MessageMemory memory_;
-  BodyIds all_, moving_;  // that the engine holds
+  BodyIds all_, moving_;  // bodies that the engine holds
 };
 
 }  // namespace sunder::link

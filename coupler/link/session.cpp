@@ -122,7 +122,7 @@ std::string Session::answer(const std::string& bytes) {
     answer.to(request);
   } catch (const Error& e) {
     failed(e);
-  } catch (const std::exception& e) {  // our own mistake or the engine's: the other side hears of it too
+  } catch (const std::exception& e) {  // an error in this program or in the engine: tell the other side too
     failed(Error(Exit::kPhysics, "internal", e.what()));
   }
   answer.reply.set_sequence(sequence_);
@@ -136,7 +136,7 @@ void serve(const std::string& endpoint, Engine& engine, const std::string& keys)
     const std::string reply = session.answer(channel.receive(kConnectSeconds));
     if (!session.abandoned()) channel.send(reply);
   }
-  channel.see_off();
+  channel.wait_for_close();
   session.rethrow();
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// The rigid side of a session: requests in, replies out, in the right order.
+// The rigid side of a session: decodes requests, asks the engine and encodes replies.
 #include <memory>
 #include <string>
 
@@ -8,18 +8,19 @@
 
 namespace sunder::link {
 
+/// State of one session with an engine.
 class Session {
  public:
   explicit Session(Engine& engine) : host_(engine) {}
-  /// The reply to a request, as bytes. Where the request is bad or the engine fails the reply says so and `failure`
-  /// holds the Error; the session is over then.
+  /// Reply to a request, as bytes. Where the request is wrong or the engine fails, the reply is an Error, rethrow()
+  /// throws it, and the session is over.
   std::string answer(const std::string& request);
   bool over() const { return state_ == kDone; }
-  /// Throws what ended the session, unless that was a goodbye.
+  /// Throws the error that ended the session; returns after Bye.
   void rethrow() const {
     if (failure_) throw *failure_;
   }
-  /// The other side said that it failed: there is nobody to answer.
+  /// True where the other side reported its own failure: it reads no reply.
   bool abandoned() const { return abandoned_; }
 
  private:
@@ -33,9 +34,9 @@ class Session {
   friend struct Answer;
 };
 
-/// Serves one session on `endpoint` and returns after Bye. Throws Error: peer_lost where the other side is gone or says
-/// it failed, bad_message where it speaks out of turn (it is told so). `keys`: folder of the keys of an encrypted
-/// session; empty: none.
+/// Serves one session on `endpoint` and returns after Bye. `keys`: folder of keys of an encrypted session; empty: none.
+/// Throws Error: peer_lost where the other side is gone, peer_failed where it reports a failure, bad_message for a
+/// wrong request (after an Error reply).
 void serve(const std::string& endpoint, Engine& engine, const std::string& keys = "");
 
 }  // namespace sunder::link

@@ -1,18 +1,19 @@
 #pragma once
-// How requests reach the other side and replies come back, as bytes.
+// Carries requests to the other side and replies back, as bytes.
 #include <string>
 
 namespace sunder::link {
 
+/// A connection to the other side: a socket, or a recording.
 class Transport {
  public:
   virtual ~Transport() = default;
-  /// Sends a request and waits for its reply; for `deadline_s` where that is positive, else for as long as the other
-  /// side lives. Throws Error (peer_lost, deadline).
+  /// Sends a request and returns its reply. Waits for `deadline_s` seconds; 0: as long as the other side lives. `what`:
+  /// name of the request for errors. Throws Error (peer_lost, deadline).
   virtual std::string ask(const std::string& request, double deadline_s, const char* what) = 0;
-  /// Sends what has no reply.
+  /// Sends a request that has no reply.
   virtual void tell(const std::string& request) = 0;
-  /// Throws Error (peer_lost) where the other side has gone; returns at once.
+  /// Throws Error (peer_lost) where the other side is gone; returns at once.
   virtual void check_peer() = 0;
 };
 

@@ -5,8 +5,8 @@
 namespace sunder::link {
 namespace {
 
-constexpr double kOurs = 4e-3;    // [m], of shards that engines' own lengths suit,
-constexpr double kSuited = 32.0;  // and as many times more or less
+constexpr double kUsualThickness = 4e-3;  // of shards that suit the engines' fixed lengths [m]
+constexpr double kSuited = 32.0;          // engines are used in SI up to this ratio to it, and down to its inverse
 
 double power(double unit, int exponent) { return std::ldexp(1.0, exponent * std::ilogb(unit)); }
 
@@ -14,7 +14,7 @@ Shape scaled(Shape shape, double by) {
   if (auto* s = std::get_if<SphereShape>(&shape)) s->radius *= by;
   if (auto* s = std::get_if<BoxShape>(&shape)) s->half_size *= by;
   if (auto* s = std::get_if<ConvexShape>(&shape)) {
-    s->surface = nullptr;  // of no use to an engine
+    s->surface = nullptr;  // engines do not use it
     for (auto& part : s->parts)
       for (Vec3& corner : part) corner *= by;
   }
@@ -24,13 +24,13 @@ Shape scaled(Shape shape, double by) {
 }  // namespace
 
 double length_unit(double thickness) {
-  const double ratio = thickness / kOurs;
+  const double ratio = thickness / kUsualThickness;
   if (!(ratio > 0.0) || (ratio <= kSuited && ratio >= 1.0 / kSuited)) return 1.0;
   return std::exp2(std::round(std::log2(ratio)));
 }
 
-// Lengths and times by one over the unit, masses by its cube: speeds stay, an angular momentum goes by the fourth
-// power.
+// Lengths and times are divided by the unit, masses by its cube. So speeds stay, and an angular momentum is divided by
+// the fourth power.
 BodyMotion InUnits::inward(BodyMotion m) const {
   m.position *= power(unit_, -1), m.angular_momentum *= power(unit_, -4);
   return m;
@@ -40,7 +40,7 @@ std::vector<Motion> InUnits::inward(std::vector<Motion> motions) const {
   return motions;
 }
 
-// Numbers in an error are the engine's.
+// Adds the units to an error, because its numbers are the engine's.
 template <class F>
 void InUnits::in_units(F&& call) const {
   try {
@@ -68,9 +68,9 @@ void InUnits::add_joint(const Joint& joint) {
   in_units([&] { inner_.add_joint(j); });
 }
 
-void InUnits::advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) {
-  if (unit_ == 1.0) return inner_.advance(window_s, handbacks, solved);
-  inner_.advance(window_s * power(unit_, -1), inward(handbacks), solved);
+void InUnits::advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) {
+  if (unit_ == 1.0) return inner_.advance(window_s, predicted, solved);
+  inner_.advance(window_s * power(unit_, -1), inward(predicted), solved);
 }
 
 std::vector<State> InUnits::states() const {

@@ -1,4 +1,4 @@
-// Whether the faces of a file enclose a solid, and which way they look.
+// Checks that the faces of a file enclose a solid, and turns them outwards.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -16,8 +16,8 @@
 namespace sunder::scene {
 namespace {
 
-constexpr double kNoArea = 1e-14;          // of the square of the diagonal
-constexpr std::size_t kMostCorners = 256;  // of a face: its ears take the cube of their number
+constexpr double kNoArea = 1e-14;          // share of the square of the diagonal below which a triangle has no area
+constexpr std::size_t kMostCorners = 256;  // of a face: ear clipping takes the cube of their number
 
 template <class... Args>
 void check(bool good, fmt::format_string<Args...> format, Args&&... args) {
@@ -26,7 +26,7 @@ void check(bool good, fmt::format_string<Args...> format, Args&&... args) {
 
 std::string place(const Vec3& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z()); }
 
-// Ears of a polygon that may be concave, by its mean normal.
+// Triangles of a polygon that may be concave, by ear clipping in the plane of its mean normal.
 std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, const Polygon& polygon) {
   std::vector<int> left = polygon.corners;
   Vec3 normal = Vec3::Zero();
@@ -96,10 +96,10 @@ void check_edges(const Surface& s, const Edges& edges, const std::vector<int>& l
           crowded->second.size(), ends(*crowded), lines[crowded->second.back().triangle]);
 }
 
-// Turns the triangles of each component alike. Returns the component of each.
+// Gives the triangles of each component one orientation. Returns the component of each triangle.
 std::vector<int> turn_alike(Surface& s, const Edges& edges, const std::vector<int>& lines) {
-  std::vector<std::vector<std::pair<int, bool>>> beside(
-      s.triangles.size());  // and whether it runs the other way, as it should
+  // Neighbours of each triangle. True: their common edge runs the other way in the neighbour, as it should.
+  std::vector<std::vector<std::pair<int, bool>>> beside(s.triangles.size());
   for (const auto& [ends, sides] : edges) {
     const bool good = sides[0].forward != sides[1].forward;
     beside[sides[0].triangle].emplace_back(sides[1].triangle, good);
@@ -118,10 +118,11 @@ std::vector<int> turn_alike(Surface& s, const Edges& edges, const std::vector<in
         if (component[other] < 0) {
           component[other] = count, turned[other] = wanted, next.push(other);
         } else {
-          check(turned[other] == wanted,
-                "is a surface of one side only: no way to turn the face of line {} suits its "
-                "neighbours",
-                lines[other]);
+          check(
+              turned[other] == wanted,
+              "has one side only, as a Moebius strip: no orientation of the face of line {} fits its neighbours; mend "
+              "the faces, or take surface HULL",
+              lines[other]);
         }
       }
     ++count;
@@ -131,12 +132,12 @@ std::vector<int> turn_alike(Surface& s, const Edges& edges, const std::vector<in
   return component;
 }
 
-// Around each corner the triangles are one fan.
+// Checks that the triangles around each corner are one fan: the surface does not touch itself there.
 void check_corners(const Surface& s, const Edges& edges) {
   std::vector<int> around(s.corners.size(), 0), fans(s.corners.size(), 0);
   for (const auto& t : s.triangles)
     for (const int c : t) ++around[c];
-  // A fan of n triangles about a corner holds n edges: where there are two fans, edges do not tell, so walk one.
+  // Two fans have as many edges as triangles too, so counting finds nothing: walk one fan and compare.
   std::vector<std::map<int, std::vector<int>>> at(s.corners.size());  // corner -> triangle -> triangles beside it there
   for (const auto& [ends, sides] : edges)
     for (const int c : {ends.first, ends.second}) {
@@ -176,7 +177,7 @@ void check_crossings(const Surface& s, const std::vector<int>& lines) {
         place(s.corners[s.triangles[pairs[0].first.idx()][0]]));
 }
 
-// Outwards each component by itself, then those within an odd number of others the other way: they are hollows.
+// Turns each component outwards, and inwards where it lies inside an odd number of others: then it is a hollow.
 void turn_outwards(Surface& s, const std::vector<int>& component) {
   const int count = 1 + *std::max_element(component.begin(), component.end());
   std::vector<Surface> parts(count, Surface{s.corners, {}});
@@ -226,7 +227,7 @@ Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygo
     check(static_cast<int>(s.triangles.size()) <= kMostTriangles, "has more than {} triangles; simplify it",
           kMostTriangles);
   }
-  std::vector<int> used(s.corners.size(), -1);  // points without a face are none of the surface
+  std::vector<int> used(s.corners.size(), -1);  // points without a face are left out
   std::vector<Vec3> corners;
   for (auto& t : s.triangles)
     for (int& c : t) {
@@ -241,8 +242,8 @@ Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygo
   check_crossings(s, lines);
   turn_outwards(s, component);
   const double volume = enclosed_volume(s);
-  check(volume > kLeastVolume * std::pow(box.diagonal().norm(), 3),
-        "encloses {:.3g} m^3, as good as none; a body needs a volume", volume);
+  check(volume > kLeastVolume * std::pow(box.diagonal().norm(), 3), "encloses {:.3g} m^3; a body needs a volume",
+        volume);
   return s;
 }
 

@@ -16,10 +16,10 @@
 namespace sunder::scene {
 namespace {
 
-constexpr double kThin = 1e-9;     // of the diagonal: points that near to a plane lie in it
-constexpr double kNothing = 1e-9;  // of the solid's volume: what is less, of a cell or added by a hull, is round-off
+constexpr double kThin = 1e-9;     // share of the diagonal: points nearer to a plane lie in it
+constexpr double kNothing = 1e-9;  // share of the solid's volume: less is round-off
 constexpr std::size_t kMostCells = 4000, kMostCandidates = 64;
-constexpr double kWhole = 1e-6;  // of the volume, that all cells together may miss
+constexpr double kWhole = 1e-6;  // share of the volume by which the sum of all cells may differ
 
 struct Plane {
   Vec3 normal;
@@ -27,7 +27,7 @@ struct Plane {
   double height(const Vec3& x) const { return normal.dot(x) - offset; }
 };
 using Loop = std::vector<Vec3>;  // corners of a flat, convex polygon
-struct Face {                    // what a cell holds of the surface
+struct Face {                    // the piece of a surface triangle inside a cell
   Loop loop;
   int plane;
 };
@@ -39,7 +39,8 @@ struct Halves {
   Loop front, back;
 };
 
-// A loop that only touches the plane lies on its own side alone; one that lies in it, on neither.
+// The two parts of a convex loop in front of a plane and behind it. A loop that only touches the plane is on its own
+// side only. A loop in the plane is on neither side.
 Halves cut(const Loop& loop, const Plane& plane, double thin) {
   Halves out;
   double low = 0.0, high = 0.0;
@@ -63,7 +64,7 @@ Halves cut(const Loop& loop, const Plane& plane, double thin) {
   return out;
 }
 
-// The polygon that a plane cuts out of a convex cell, from the corners of its sides that lie in it.
+// The polygon in which a plane cuts a convex cell, from the corners of the cell's sides in that plane.
 Loop cap(const std::vector<Loop>& sides, const Plane& plane, double thin) {
   Loop points;
   for (const Loop& side : sides)
@@ -82,7 +83,7 @@ Loop cap(const std::vector<Loop>& sides, const Plane& plane, double thin) {
 
 std::vector<Plane> planes_of(const Surface& s, double thin, std::vector<int>& of_triangle) {
   std::vector<Plane> planes;
-  std::vector<std::pair<double, std::size_t>> order;  // the largest first: slivers do not know their normal
+  std::vector<std::pair<double, std::size_t>> order;  // the largest first: normals of slivers are inaccurate
   const auto across = [&](std::size_t t) -> Vec3 {
     const auto& [i, j, k] = s.triangles[t];
     return (s.corners[j] - s.corners[i]).cross(s.corners[k] - s.corners[i]);
@@ -115,8 +116,8 @@ Reach reach(const Loop& loop, const Plane& plane) {
   return r;
 }
 
-// A plane with nothing outside it, which cuts no part; else, of some, that which cuts fewest faces and leaves as many
-// on either side.
+// Chooses the plane that cuts a cell. Best is a plane with no face in front of it: it cuts no part. Otherwise, of at
+// most kMostCandidates planes, the one that cuts fewest faces and leaves similar numbers on both sides.
 int choose(const Cell& cell, const std::vector<Plane>& planes, double thin) {
   std::vector<int> asked;
   for (const Face& f : cell.faces) asked.push_back(f.plane);
@@ -217,7 +218,7 @@ struct Pair {
   double added;  // by the hull of both [m^3]
 };
 
-// Of two parts that touch.
+// Hull of two parts that touch; nothing where they do not, or where it would have too many corners.
 std::optional<Pair> try_pair(const std::vector<Hull>& parts, std::size_t i, std::size_t j, double thin) {
   Eigen::AlignedBox3d a, b;
   for (const Vec3& x : parts[i].corners) a.extend(x);
@@ -256,7 +257,7 @@ Surface convex_surface(const std::vector<Vec3>& points) {
   for (const Vec3& p : points) in.emplace_back(p.x(), p.y(), p.z());
   CGAL::Surface_mesh<Point> mesh;
   CGAL::convex_hull_3(in.begin(), in.end(), mesh);
-  // CGAL's order follows addresses, which are others in every process: by place instead, or runs would not repeat.
+  // CGAL's order follows addresses, which differ from run to run. Order by coordinates, so that runs repeat.
   std::vector<CGAL::Surface_mesh<Point>::Vertex_index> order(mesh.vertices().begin(), mesh.vertices().end());
   std::sort(order.begin(), order.end(), [&](auto a, auto b) { return mesh.point(a) < mesh.point(b); });
   Surface s;
@@ -280,7 +281,7 @@ Surface convex_surface(const std::vector<Vec3>& points) {
 Hull hull_of(const std::vector<Vec3>& points) {
   const Surface s = convex_surface(points);
   if (s.triangles.size() < 4) return {};
-  // points that round-off has left on edges and faces are no corners: three planes meet in one
+  // In a corner three planes meet. Points that round-off leaves on edges and faces are no corners.
   std::vector<int> plane_of;
   Eigen::AlignedBox3d box;
   for (const Vec3& p : points) box.extend(p);
@@ -308,7 +309,7 @@ std::vector<std::vector<Vec3>> convex_parts(const Surface& surface) {
         fmt::format("its convex parts have {:.9g} m^3, and it has {:.9g} m^3: faces nearly touch or are nearly in "
                     "one plane; simplify it",
                     sum, volume));
-  // Merged are first those pairs that lose nothing by it, then, while there are too many, those that lose least.
+  // Merge pairs whose hull adds nothing first. While parts are too many, merge the pair whose hull adds least.
   std::vector<Pair> pairs;
   const auto ask = [&](std::size_t i, std::size_t j) {
     if (parts[i].corners.empty() || parts[j].corners.empty()) return;

@@ -1,15 +1,16 @@
 #include "coupler/scene/load.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <sstream>
 
 #include <google/protobuf/io/tokenizer.h>
+#include <google/protobuf/io/zero_copy_stream_impl_lite.h>
 #include <google/protobuf/text_format.h>
 
 #include "coupler/core/hash.h"
+#include "coupler/scene/names.h"
 
 namespace sunder::scene {
 namespace pb = google::protobuf;
@@ -25,53 +26,84 @@ namespace {
 
 constexpr std::size_t kMaxSceneBytes = 64u << 20;
 
-std::size_t edit_distance(const std::string& a, const std::string& b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  for (std::size_t j = 0; j <= b.size(); ++j) row[j] = j;
-  for (std::size_t i = 1; i <= a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i;
-    for (std::size_t j = 1; j <= b.size(); ++j) {
-      const std::size_t above = row[j];
-      row[j] = std::min({row[j] + 1, row[j - 1] + 1, diagonal + (a[i - 1] != b[j - 1])});
-      diagonal = above;
+/// Ignores what the tokenizer says: the parser has said it already.
+struct Quiet : pb::io::ErrorCollector {
+  void AddError(int, pb::io::ColumnNumber, const std::string&) override {}
+};
+
+/// A word of the text, and the message type that it stands in; null where that is unknown.
+struct Place {
+  int line, column;  // from 0
+  const pb::Descriptor* inside = nullptr;
+};
+
+/// The last place of `word` at or before an error that the parser reports. The parser names the token after the wrong
+/// one, which may be on another line.
+Place place_of(const std::string& word, const std::string& text, int line, int column) {
+  struct Level {
+    const pb::Descriptor* type;
+    std::string field;  // whose message begins here: in a list the next one is of the same field
+  };
+  Quiet quiet;
+  pb::io::ArrayInputStream in(text.data(), static_cast<int>(text.size()));
+  pb::io::Tokenizer tokens(&in, &quiet);
+  tokens.set_comment_style(pb::io::Tokenizer::SH_COMMENT_STYLE);
+  std::vector<Level> levels{{proto::Scene::descriptor(), ""}};
+  std::string name;
+  Place place{line, column, nullptr};
+  while (tokens.Next()) {
+    const auto& token = tokens.current();
+    if (token.line > line || (token.line == line && token.column > column)) break;
+    if (token.text == word) place = {token.line, token.column, levels.back().type};
+    if (token.type == pb::io::Tokenizer::TYPE_IDENTIFIER) name = token.text;
+    if (token.text == "{" || token.text == "<") {
+      const auto* field = levels.back().type ? levels.back().type->FindFieldByName(name) : nullptr;
+      levels.push_back({field ? field->message_type() : nullptr, name});
+    }
+    if ((token.text == "}" || token.text == ">") && levels.size() > 1) {
+      name = levels.back().field;
+      levels.pop_back();
     }
   }
-  return row.back();
+  return place;
 }
 
-// 'Message type "sunder.proto.Shell" has no field named "thicknes_m".' -> the nearest one that it has
-std::string remedy(const std::string& message) {
-  const auto quoted = [&](std::size_t from) {
-    const std::size_t a = message.find('"', from), b = message.find('"', a + 1);
-    return a == std::string::npos || b == std::string::npos ? std::string() : message.substr(a + 1, b - a - 1);
-  };
-  if (message.find("has no field named") == std::string::npos) return "see proto/scene.proto for fields and types";
-  const auto* type = pb::DescriptorPool::generated_pool()->FindMessageTypeByName(quoted(0));
-  const std::string name = quoted(message.find("named"));
-  std::string best, all;
-  for (int i = 0; type && i < type->field_count(); ++i) {
-    const std::string candidate = type->field(i)->name();
-    all += (i ? ", " : "") + candidate;
-    if (best.empty() || edit_distance(name, candidate) < edit_distance(name, best)) best = candidate;
-  }
-  return "did you mean '" + best + "'? It has: " + all;
+/// The `number`-th text in double quotes of a parser's message, from 0; empty: there are fewer.
+std::string quoted_part(const std::string& message, int number) {
+  std::size_t begin = message.find('"');
+  for (; number > 0 && begin != std::string::npos; --number)
+    begin = message.find('"', message.find('"', begin + 1) + 1);
+  const std::size_t end = begin == std::string::npos ? begin : message.find('"', begin + 1);
+  return end == std::string::npos ? "" : message.substr(begin + 1, end - begin - 1);
 }
 
+/// Turns the parser's first error into an Error with file, line, column, field and remedy.
 struct Collector : pb::io::ErrorCollector {
-  const std::string& path;
-  explicit Collector(const std::string& path) : path(path) {}
+  const std::string &path, &text;
+  Collector(const std::string& path, const std::string& text) : path(path), text(text) {}
+
   void AddError(int line, pb::io::ColumnNumber column, const std::string& message) override {
-    Error e(Exit::kBadInput, "bad_scene",
-            fmt::format("{}:{}:{}: {} {}", path, line + 1, column + 1, message, remedy(message)));
-    e.file = path, e.line = line + 1, e.column = column + 1;
-    const std::size_t at = message.find("named \"");
-    if (at != std::string::npos) e.field = message.substr(at + 7, message.rfind('"') - at - 7);
-    throw e;  // the first error is the one to mend
+    std::string field, problem = message + " see proto/scene.proto for fields and types";
+    Place place{line, column, nullptr};
+    if (message.find("has no field named") != std::string::npos) {
+      const auto* type = pb::DescriptorPool::generated_pool()->FindMessageTypeByName(quoted_part(message, 0));
+      field = quoted_part(message, 1);
+      place = place_of(field, text, line, column);
+      if (type) problem = unknown_field(field, *type);
+    } else if (message.find("Unknown enumeration value") != std::string::npos) {
+      const std::string value = quoted_part(message, 0);
+      field = quoted_part(message, 1);
+      place = place_of(value, text, line, column);
+      const auto* f = place.inside ? place.inside->FindFieldByName(field) : nullptr;
+      if (f && f->enum_type()) problem = field + ": " + unknown_value(value, *f->enum_type());
+    }
+    Error e(Exit::kBadInput, "bad_scene", fmt::format("{}:{}:{}: {}", path, place.line + 1, place.column + 1, problem));
+    e.file = path, e.line = place.line + 1, e.column = place.column + 1, e.field = field;
+    throw e;  // one error at a time: the others may follow from the first
   }
 };
 
-// A field's path without its indices or names.
+// A field's path without its indices and names in brackets.
 std::string plain(const std::string& path) {
   std::string out;
   int depth = 0;
@@ -86,7 +118,7 @@ std::string plain(const std::string& path) {
 }  // namespace
 
 void LoadedScene::fail(const std::string& field, const std::string& problem) const {
-  // walk the field as far as the file has it
+  // Follow the path as far as the file has it.
   const pb::TextFormat::ParseInfoTree* tree = &places_->tree;
   const pb::Descriptor* type = proto::Scene::descriptor();
   pb::TextFormat::ParseLocation place(-1, -1);
@@ -105,7 +137,7 @@ void LoadedScene::fail(const std::string& field, const std::string& problem) con
     tree = type ? tree->GetTreeForNested(f, f->is_repeated() ? std::max(index, 0) : -1) : nullptr;
   }
   std::string source = problem;
-  for (const std::string& setting : settings)  // the file is right then: the command says so
+  for (const std::string& setting : settings)  // the value may come from the command line, not from the file
     if (plain(setting.substr(0, setting.find('='))).rfind(plain(field), 0) == 0 ||
         plain(field).rfind(plain(setting.substr(0, setting.find('='))), 0) == 0)
       source += fmt::format(" (set by --set {})", setting);
@@ -129,15 +161,7 @@ std::string LoadedScene::file_beside(const std::string& field, const std::string
 
 namespace {
 
-std::string names_of(const pb::EnumDescriptor& type) {
-  std::string names;
-  for (int k = 0, last = type.value_count() - 1; k <= last; ++k)
-    if (!type.value(k)->name().ends_with("UNSPECIFIED"))
-      names += (names.empty() ? "" : k == last ? " or " : ", ") + type.value(k)->name();
-  return names;
-}
-
-// A number in the place of an enumerator's name is accepted by the parser, whatever it is.
+// Refuses numbers that are no value of their enum: the parser accepts any number there.
 void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std::string& inside) {
   const pb::Reflection& r = *m.GetReflection();
   std::vector<const pb::FieldDescriptor*> fields;
@@ -150,7 +174,7 @@ void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std
       if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_ENUM) {
         const int value = f->is_repeated() ? r.GetRepeatedEnumValue(m, f, i) : r.GetEnumValue(m, f);
         if (f->enum_type()->FindValueByNumber(value) == nullptr)
-          scene.fail(field, fmt::format("is {}; {}", value, names_of(*f->enum_type())));
+          scene.fail(field, fmt::format("is {}; {}", value, one_of(*f->enum_type())));
       }
       if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
         check_enumerators(scene, f->is_repeated() ? r.GetRepeatedMessage(m, f, i) : r.GetMessage(m, f), field);
@@ -158,8 +182,7 @@ void check_enumerators(const LoadedScene& scene, const pb::Message& m, const std
   }
 }
 
-// Adds what is in the files that a message names, each beside the scene: with another image or mesh it is another
-// scene.
+// Adds the contents of all files that a message names: a scene with another image or mesh has another hash.
 void add_files(const pb::Message& m, const std::filesystem::path& folder, Sha256& hash) {
   namespace fs = std::filesystem;
   std::error_code none;
@@ -170,7 +193,7 @@ void add_files(const pb::Message& m, const std::filesystem::path& folder, Sha256
     if (f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING && !f->is_repeated() && f->name() == "path") {
       const fs::path file = fs::weakly_canonical(folder / r.GetString(m, f), none);
       const bool beside = std::mismatch(folder.begin(), folder.end(), file.begin(), file.end()).first == folder.end();
-      if (beside && fs::is_regular_file(file, none)) {  // else it is refused where it is used
+      if (beside && fs::is_regular_file(file, none)) {  // otherwise validation refuses it
         std::ifstream in(file, std::ios::binary);
         for (std::string part(1 << 16, '\0'); in.read(part.data(), part.size()) || in.gcount() > 0;)
           hash.add(part.data(), static_cast<std::size_t>(in.gcount()));
@@ -192,13 +215,14 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   require(in.good(), "{}: cannot be read; is the path right?", path);
   std::stringstream text;
   text << in.rdbuf();
-  require(text.str().size() <= kMaxSceneBytes, "{}: {} bytes; a scene has at most {}", path, text.str().size(),
+  const std::string content = text.str();
+  require(content.size() <= kMaxSceneBytes, "{}: {} bytes; a scene has at most {}", path, content.size(),
           kMaxSceneBytes);
-  Collector collector(path);
+  Collector collector(path, content);
   pb::TextFormat::Parser parser;
   parser.RecordErrorsTo(&collector);
   parser.WriteLocationsTo(&scene.places_->tree);
-  require(parser.ParseFromString(text.str(), &scene.message), "{}: is no scene", path);
+  require(parser.ParseFromString(content, &scene.message), "{}: is no scene", path);
   scene.settings = settings;
   for (const std::string& setting : settings) apply_setting(scene.message, setting);
   std::string canonical;

@@ -1,6 +1,6 @@
 #pragma once
-// Reads a scene file: text -> message, settings applied, everything checked; every error says
-// file:line:column, field, value and remedy.
+// Reads a scene file, applies settings and checks the result. Every error says file:line:column, field, value and
+// remedy.
 #include <memory>
 #include <string>
 #include <vector>
@@ -11,6 +11,7 @@
 
 namespace sunder::scene {
 
+/// A scene with the places of its fields in the file.
 class LoadedScene {
  public:
   LoadedScene();
@@ -19,17 +20,19 @@ class LoadedScene {
 
   proto::Scene message;
   std::string path;
-  std::string hash;                   // SHA-256 of the message as text, settings included, and of files that it names
-  std::vector<std::string> settings;  // name.path=value, that changed the file's message
+  std::string hash;  // SHA-256 of the message as text with settings applied, and of the files that it names
+  std::vector<std::string> settings;  // applied to the file's message, each as name.path=value
 
-  /// Throws Error (bad_scene) at the place of `field` ("shells[0].plate.size_x_m"), or at the nearest
-  /// enclosing one that the file has.
+  /// Throws Error (bad_scene) at the place of `field` ("shells[0].plate.size_x_m"). Where the file does not have the
+  /// field, the place is that of the nearest enclosing message.
   [[noreturn]] void fail(const std::string& field, const std::string& problem) const;
+  /// fail() with the formatted text where `good` is false.
   template <class... Args>
   void check(bool good, const std::string& field, fmt::format_string<Args...> format, Args&&... args) const {
     if (!good) fail(field, fmt::format(format, std::forward<Args>(args)...));
   }
-  /// The file that a field names, in or below the scene's folder. Throws Error where it is elsewhere or cannot be read.
+  /// Absolute path of the file that a field names. Throws Error where it is not in or below the scene's folder, or
+  /// cannot be read.
   std::string file_beside(const std::string& field, const std::string& name) const;
 
  private:
@@ -38,25 +41,29 @@ class LoadedScene {
   std::unique_ptr<Places> places_;
 };
 
-/// `settings`: name.path=value, as in bodies[ball].twist.linear.z=-20.
+/// Reads and checks a scene file. `settings`: name.path=value, as in bodies[ball].twist.linear.z=-20. Throws Error
+/// (bad_scene, bad_setting, bad_input) with the remedy.
 LoadedScene load(const std::string& path, const std::vector<std::string>& settings);
 
-/// Applies one setting; throws Error (bad_setting) with what there is instead.
+/// Applies one setting. Throws Error (bad_setting) with the nearest right names.
 void apply_setting(proto::Scene& scene, const std::string& setting);
 
-/// What needs no geometry: numbers, names, references, counts, paths.
+/// Checks all that needs no geometry: numbers, names, references, counts, paths. Throws Error (bad_scene).
 void validate(const LoadedScene& scene);
-/// Its part about schemes, windows and joints.
+/// Its part about schemes, windows, joints and seams.
 void validate_coupling(const LoadedScene& scene);
 /// Its part about soft bodies.
 void validate_soft(const LoadedScene& scene);
-/// Fibres of shells.
+/// Its part about fibres of shells.
 void validate_fibres(const LoadedScene& scene);
+/// Its part about output and probes.
+void validate_output(const LoadedScene& scene);
 
-/// Factors of the strength, one by one and multiplied; from a thousand on nothing breaks that did not before.
+/// Bounds of a factor of the strength [-], and of the product of all factors at a point. A factor of a thousand is
+/// unbreakable in practice.
 constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
 
-/// Degree of a shell's patch, whatever its kind: 2 where the scene gives none.
+/// Degree of a shell's patch of any kind; 2 where the scene gives none.
 int patch_degree(const proto::Shell& shell);
 
 inline Vec3 to_vec(const proto::Vec3& v) { return {v.x(), v.y(), v.z()}; }

@@ -1,5 +1,5 @@
 #pragma once
-// Solids that the OFF and OBJ files beside a scene hold.
+// Solids from the OFF and OBJ files beside a scene.
 #include <array>
 #include <string>
 #include <vector>
@@ -9,48 +9,51 @@
 
 namespace sunder::scene {
 
+/// A solid with its surface and its division into convex parts, in the file's axes [m].
 struct Solid {
-  Surface surface;                       // in the file's axes [m]; of a hull its corners only
-  std::vector<std::vector<Vec3>> parts;  // convex, together the solid to kMostAdded of its volume; a hull is one
+  Surface surface;                       // a hull has corners only
+  std::vector<std::vector<Vec3>> parts;  // corners of convex parts; their volumes differ from it by kMostAdded at most
   bool is_hull = true;
   double volume = 0.0;  // enclosed by the surface [m^3]
 };
-constexpr int kMostHullCorners = 128;  // collision tests grow with the square and more
-constexpr int kMostTriangles = 20000;  // of a surface that is taken as it is
-constexpr int kMostParts = 128;        // each is a shape by itself to the engine
-constexpr double kMostAdded = 1e-2;    // of the volume, by hulls of parts that are merged to come down to kMostParts
-constexpr double kLeastVolume = 1e-9;  // of the cube of the diagonal: what is less is flat
+constexpr int kMostHullCorners = 128;  // of a convex part: the cost of collision grows at least with their square
+constexpr int kMostTriangles = 20000;  // of a surface of kind EXACT
+constexpr int kMostParts = 128;        // of a solid: each is a shape by itself in the engine
+constexpr double kMostAdded = 1e-2;    // share of the volume that merging down to kMostParts may add
+constexpr double kLeastVolume = 1e-9;  // share of the cube of the diagonal below which a solid counts as flat
 
-/// What the file below the scene's folder holds. Throws Error (bad_scene) at the place of `field`.
+/// Reads the solid in the mesh's file. Throws Error (bad_scene) at the place of `field`.
 Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh);
 
+/// A face of a file.
 struct Polygon {
-  std::vector<int> corners;  // of the file's points, from 0
+  std::vector<int> corners;  // indices of the file's points, from 0
   int line = 0;              // of the file
 };
-/// Triangles of a closed surface that does not cross itself, turned so that they are counter-clockwise from outside
-/// whichever way the file has them; a part that lies within another one is a hollow. Throws Error (bad_mesh) with the
-/// place, the line and what to mend.
+/// Triangles of a closed surface that does not cross itself. They are counter-clockwise seen from outside, whatever the
+/// file's order. A component inside another one is a hollow. Throws Error (bad_mesh) with place, line and remedy.
 Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygon>& polygons);
 
-/// Signed [m^3]: positive where triangles are counter-clockwise from outside.
+/// Signed volume [m^3]: positive where triangles are counter-clockwise seen from outside.
 double enclosed_volume(const Surface& surface);
-/// How often the surface goes round the point: 1 inside, 0 outside, to round-off off the surface itself.
+/// Winding number of the surface about a point that is not on it: 1 inside, 0 outside, to round-off (Van Oosterom and
+/// Strackee 1983).
 double winding_number(const Surface& surface, const Vec3& point);
 
-/// The convex hull of points, its corners in the order of their coordinates; no triangles where the points are flat.
+/// Convex hull of points (CGAL), with corners sorted by coordinates. Flat points give no triangles.
 Surface convex_surface(const std::vector<Vec3>& points);
 
-/// The convex hull's corners, and its volume [m^3]; empty where the points are flat.
+/// Corners and volume [m^3] of a convex hull.
 struct Hull {
   std::vector<Vec3> corners;
   double volume = 0.0;
 };
+/// Convex hull of points, without points that round-off leaves on its edges and faces. Flat points give an empty hull.
 Hull hull_of(const std::vector<Vec3>& points);
 
-/// Convex parts of what a closed surface encloses. It is cut along the planes of its own faces, those first that leave
-/// nothing outside, and parts whose hull is their union are merged again. Throws Error (bad_mesh) where these are too
-/// many.
+/// Convex parts of the solid inside a closed surface, each by its corners [m]. A binary partition of space cuts it
+/// along the planes of its faces. Then pairs of parts whose hull is their union are merged. Throws Error (bad_mesh)
+/// where more than kMostParts remain.
 std::vector<std::vector<Vec3>> convex_parts(const Surface& surface);
 
 }  // namespace sunder::scene

@@ -1,4 +1,4 @@
-// OFF and OBJ files.
+// Reads OFF and OBJ files.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -12,7 +12,7 @@
 namespace sunder::scene {
 namespace {
 
-constexpr double kFarthest = 1e6;  // of a point from the origin [m]; squares and volumes of such numbers are finite
+constexpr double kFarthest = 1e6;  // coordinate of a point [m]: squares and volumes of such numbers are finite
 constexpr std::size_t kMostPoints = 1000000;
 
 struct File {
@@ -59,7 +59,7 @@ class Reader {
   }
 
  private:
-  // The next line that says something.
+  // Goes to the next line that is neither empty nor a comment; false at the end.
   bool next() {
     while (std::getline(in_, line_)) {
       ++number_;

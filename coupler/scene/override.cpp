@@ -1,10 +1,10 @@
-// --set: one field of a scene by name.
+// Applies --set: one field of a scene, by its path.
 #include <sstream>
 
 #include <google/protobuf/io/tokenizer.h>
 #include <google/protobuf/text_format.h>
 
-#include "coupler/scene/load.h"
+#include "coupler/scene/names.h"
 
 namespace sunder::scene {
 namespace pb = google::protobuf;
@@ -15,8 +15,24 @@ std::string name_of(const pb::Message& m) {
   return f ? m.GetReflection()->GetString(m, f) : std::string();
 }
 
+/// What a field's value is, in words.
+const char* kind_of(const pb::FieldDescriptor& f) {
+  switch (f.cpp_type()) {
+    case pb::FieldDescriptor::CPPTYPE_DOUBLE:
+    case pb::FieldDescriptor::CPPTYPE_FLOAT:
+      return "number";
+    case pb::FieldDescriptor::CPPTYPE_BOOL:
+      return "truth value; give true or false";
+    case pb::FieldDescriptor::CPPTYPE_STRING:
+      return "text";
+    default:
+      return "whole number";
+  }
+}
+
 }  // namespace
 
+// Walks the steps of the path, field by field; an element of a list goes by its name or number.
 void apply_setting(proto::Scene& scene, const std::string& setting) {
   const auto fail = [&](const std::string& why) {
     throw Error(Exit::kBadInput, "bad_setting", fmt::format("--set {}: {}", setting, why));
@@ -35,26 +51,21 @@ void apply_setting(proto::Scene& scene, const std::string& setting) {
       step.resize(bracket);
     }
     const auto* f = at->GetDescriptor()->FindFieldByName(step);
-    if (!f) {
-      std::string has;
-      for (int i = 0; i < at->GetDescriptor()->field_count(); ++i)
-        has += (i ? ", " : "") + at->GetDescriptor()->field(i)->name();
-      fail(fmt::format("'{}' is no field of {}; it has: {}", step, at->GetDescriptor()->name(), has));
-    }
+    if (!f) fail(unknown_field(step, *at->GetDescriptor()));
     const auto* r = at->GetReflection();
     if (!more) {
       if (f->is_repeated() || f->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
         fail("'" + step + "' is not a single value");
       const std::string value = setting.substr(equals + 1);
-      const std::string quoted = f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING ? "\"" + value + "\"" : value;
+      const std::string literal = f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING ? "\"" + value + "\"" : value;
       r->ClearField(at, f);
       pb::TextFormat::Parser parser;
       struct Quiet : pb::io::ErrorCollector {
         void AddError(int, pb::io::ColumnNumber, const std::string&) override {}
       } quiet;
       parser.RecordErrorsTo(&quiet);
-      if (!parser.ParseFieldValueFromString(quoted, f, at))
-        fail(fmt::format("'{}' is no {}", value, f->cpp_type_name()));
+      if (!parser.ParseFieldValueFromString(literal, f, at))
+        fail(f->enum_type() ? unknown_value(value, *f->enum_type()) : fmt::format("'{}' is no {}", value, kind_of(*f)));
       return;
     }
     if (f->cpp_type() != pb::FieldDescriptor::CPPTYPE_MESSAGE) fail("'" + step + "' has no fields of its own");
@@ -62,14 +73,16 @@ void apply_setting(proto::Scene& scene, const std::string& setting) {
       at = r->MutableMessage(at, f);
     } else {
       pb::Message* found = nullptr;
-      std::string has;
+      std::vector<std::string> names;
       const bool number = !element.empty() && element.find_first_not_of("0123456789") == std::string::npos;
       for (int i = 0; i < r->FieldSize(*at, f); ++i) {
         pb::Message* candidate = r->MutableRepeatedMessage(at, f, i);
-        has += (i ? ", " : "") + name_of(*candidate);
+        names.push_back(name_of(*candidate));
         if (name_of(*candidate) == element || (number && std::to_string(i) == element)) found = candidate;
       }
-      if (!found) fail(fmt::format("{}[{}] is not there; there are: {}", step, element, has));
+      if (!found && f->message_type()->FindFieldByName("name"))
+        fail(fmt::format("{}[{}] is not there; {}", step, element, did_you_mean(element, names)));
+      if (!found) fail(fmt::format("{}[{}] is not there; it has {}, counted from 0", step, element, names.size()));
       at = found;
     }
     step = next;

@@ -1,8 +1,10 @@
+// What a scene's numbers, names and references must be. Fibres, soft bodies and coupling have files of their own.
 #include <cmath>
 #include <set>
 
-#include "coupler/scene/load.h"
+#include "coupler/scene/checks.h"
 #include "coupler/scene/mesh.h"
+#include "coupler/scene/names.h"
 
 namespace sunder::scene {
 namespace {
@@ -11,26 +13,6 @@ constexpr int kMaxElements = 4096;         // along one side of a patch
 constexpr double kMaxControlPoints = 4e6;  // of a scene
 
 using Scene = LoadedScene;
-
-void positive(const Scene& s, const std::string& field, bool has, double value, const char* unit) {
-  s.check(has, field, "is missing; give a positive number [{}]", unit);
-  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [{}]", value, unit);
-}
-void not_negative(const Scene& s, const std::string& field, bool has, double value) {
-  s.check(!has || (std::isfinite(value) && value >= 0.0), field, "is {}; must be finite and not negative", value);
-}
-void finite(const Scene& s, const std::string& field, const proto::Vec3& v) {
-  s.check(std::isfinite(v.x()) && std::isfinite(v.y()) && std::isfinite(v.z()), field,
-          "is ({}, {}, {}); must be finite", v.x(), v.y(), v.z());
-}
-void pose(const Scene& s, const std::string& field, const proto::Pose& p) {
-  finite(s, field + ".position", p.position());
-  if (!p.has_orientation()) return;
-  const auto& q = p.orientation();
-  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
-  s.check(std::abs(norm - 1.0) < 1e-6, field + ".orientation",
-          "has length {}; a rotation is a quaternion w x y z of length 1", norm);
-}
 
 void material(const Scene& s, const std::string& f, const proto::Material& m) {
   positive(s, f + ".density", m.has_density(), m.density(), "kg/m^3");
@@ -63,7 +45,7 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
   not_negative(s, f + ".stiffness_damping_s", m.has_stiffness_damping_s(), m.stiffness_damping_s());
 }
 
-// Angle, elements and pose that sectors of surfaces of revolution share.
+// Angle, elements and pose of a sector of any surface of revolution.
 template <class Sector>
 void sector(const Scene& s, const std::string& f, const Sector& c) {
   s.check(c.has_angle_deg() && c.angle_deg() > 0.0 && c.angle_deg() < 150.0, f + ".angle_deg",
@@ -75,7 +57,7 @@ void sector(const Scene& s, const std::string& f, const Sector& c) {
   pose(s, f + ".pose", c.pose());
 }
 
-// Elements that a patch of its own spans is asked to have at least.
+// Least numbers of elements of a patch that brings its own knot spans.
 template <class Message>
 void refinement(const Scene& s, const std::string& f, const Message& m) {
   const int u = m.has_elements_u() ? m.elements_u() : 1, v = m.has_elements_v() ? m.elements_v() : 1;
@@ -98,7 +80,7 @@ void known_edge(const Scene& s, const std::string& f, int edge) {
           "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
 }
 
-// Times that rise, values that are finite.
+// Checks a function of time: times must rise, values must be finite.
 template <class Points, class Value>
 void over_time(const Scene& s, const std::string& f, const Points& points, Value&& value) {
   for (int i = 0; i < points.size(); ++i) {
@@ -232,7 +214,7 @@ void interlayer(const Scene& s, const std::string& f, const proto::Shell& shell)
     s.check(m.name() != shell.material() || !m.has_yield_stress(), f + ".interlayer",
             "is for glass, and material '{}' yields; leave one of them out", m.name());
   }
-  s.check(found, f + ".interlayer.material", "'{}' is no material of this scene", core.material());
+  if (!found) refuse_name(s, f + ".interlayer.material", core.material(), "material", names_in(s.message.materials()));
   s.check(found->has_youngs_modulus() && found->has_poisson_ratio() && found->has_density(), f + ".interlayer.material",
           "'{}' needs density, youngs_modulus and poisson_ratio", core.material());
   s.check(!found->has_strength() && !found->has_yield_stress(), f + ".interlayer.material",
@@ -242,11 +224,12 @@ void interlayer(const Scene& s, const std::string& f, const proto::Shell& shell)
   s.check(core.thickness_m() < shell.thickness_m(), f + ".interlayer.thickness_m", "is {} m, and the whole shell {} m",
           core.thickness_m(), shell.thickness_m());
   s.check(shell.bending() == proto::Shell::LAYERED && !shell.has_surface_compression(), f + ".interlayer",
-          "goes neither with bending LINEAR nor with surface_compression; leave one of them out");
+          "excludes bending LINEAR and surface_compression; leave one of them out");
 }
 
 void shell(const Scene& s, const std::string& f, const proto::Shell& shell, const std::set<std::string>& materials) {
-  s.check(materials.count(shell.material()), f + ".material", "'{}' is no material of this scene", shell.material());
+  if (!materials.count(shell.material()))
+    refuse_name(s, f + ".material", shell.material(), "material", names_in(s.message.materials()));
   for (const auto& m : s.message.materials())
     if (m.name() == shell.material())
       s.check(m.has_youngs_modulus() && m.has_poisson_ratio(), f + ".material",
@@ -327,11 +310,21 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   finite(s, f + ".velocity", shell.velocity());
 }
 
+// Shells, bodies and soft bodies by name, `but` left out.
+std::vector<std::string> things_of(const proto::Scene& m, const std::string& but = "") {
+  std::vector<std::string> names = names_in(m.shells());
+  for (const std::string& name : names_in(m.bodies())) names.push_back(name);
+  for (const std::string& name : names_in(m.soft_bodies())) names.push_back(name);
+  std::erase(names, but);
+  return names;
+}
+
 void body(const Scene& s, const std::string& f, const proto::Body& b, const std::set<std::string>& materials,
           const std::set<std::string>& names) {
   const bool fixed = b.is_static() || b.has_half_space();
-  s.check(fixed || materials.count(b.material()), f + ".material",
-          "'{}' is no material of this scene; a moving body needs one for its density", b.material());
+  if (!fixed && !materials.count(b.material()))
+    refuse_name(s, f + ".material", b.material(), "material", names_in(s.message.materials()),
+                "a moving body needs one for its density");
   s.check(b.shape_case() != proto::Body::SHAPE_NOT_SET, f, "has no shape; give sphere, box, half_space or mesh");
   if (b.has_sphere()) positive(s, f + ".sphere.radius_m", b.sphere().has_radius_m(), b.sphere().radius_m(), "m");
   if (b.has_box())
@@ -349,8 +342,65 @@ void body(const Scene& s, const std::string& f, const proto::Body& b, const std:
   s.check(std::isfinite(b.launch().angle_deg()) && std::abs(b.launch().angle_deg()) < 90.0, f + ".launch.angle_deg",
           "is {}; less than 90 degrees off the normal", b.launch().angle_deg());
   s.check(std::isfinite(b.launch().azimuth_deg()), f + ".launch.azimuth_deg", "must be finite");
-  s.check(names.count(b.launch().target()) && b.launch().target() != b.name(), f + ".launch.target",
-          "'{}' is no other shell or body of this scene", b.launch().target());
+  if (!names.count(b.launch().target()) || b.launch().target() == b.name())
+    refuse_name(s, f + ".launch.target", b.launch().target(), "other shell or body", things_of(s.message, b.name()));
+}
+
+void contacts(const Scene& s, const std::set<std::string>& names) {
+  const proto::Scene& m = s.message;
+  for (int i = 0; i < m.contacts_size(); ++i) {
+    const auto& c = m.contacts(i);
+    const std::string f = fmt::format("contacts[{}]", i);
+    s.check(c.first().empty() == c.second().empty(), f, "names one side only; name both, or none for the default");
+    for (const auto& [side, named] : {std::pair{".first", &c.first()}, std::pair{".second", &c.second()}})
+      if (!named->empty() && !names.count(*named)) refuse_name(s, f + side, *named, "shell or body", things_of(m));
+    for (int j = 0; j < i; ++j) {
+      const auto& b = m.contacts(j);
+      s.check(
+          (b.first() != c.first() || b.second() != c.second()) && (b.first() != c.second() || b.second() != c.first()),
+          f, "says again what contacts[{}] says; leave one of them out", j);
+    }
+    not_negative(s, f + ".friction", c.has_friction(), c.friction());
+    if (c.has_hertz()) {
+      const auto is = [&](const auto& list, const std::string& name, auto&& test) {
+        for (const auto& thing : list)
+          if (thing.name() == name && test(thing)) return true;
+        return false;
+      };
+      const auto any = [](const auto&) { return true; };
+      const auto sphere = [](const proto::Body& b) { return b.has_sphere(); };
+      s.check((is(m.shells(), c.first(), any) && is(m.bodies(), c.second(), sphere)) ||
+                  (is(m.shells(), c.second(), any) && is(m.bodies(), c.first(), sphere)),
+              f + ".hertz", "is for a shell and a body that is a sphere; name them as first and second");
+      s.check(!c.has_friction() && !c.has_restitution(), f + ".hertz",
+              "is elastic and without friction; leave friction and restitution out");
+      if (c.hertz().has_stiffness()) positive(s, f + ".hertz.stiffness", true, c.hertz().stiffness(), "N/m^1.5");
+    }
+    s.check(!c.has_restitution() || (c.restitution() >= 0.0 && c.restitution() <= 1.0), f + ".restitution",
+            "is {}; 0 to 1", c.restitution());
+  }
+}
+
+void fracture(const Scene& s) {
+  const auto& r = s.message.fracture();
+  if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
+  s.check(!r.has_branch_ratio() || (r.branch_ratio() > 1.0 && r.branch_ratio() <= 1e6), "fracture.branch_ratio",
+          "is {}; a tip runs above 1 and branches above this; at most 1e6, which is never", r.branch_ratio());
+  if (r.has_damage_width_m()) {
+    positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
+    s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");
+  }
+  s.check(!r.has_extract_cracks() || r.mode() == proto::Fracture::DAMAGE, "fracture.extract_cracks",
+          "is for mode DAMAGE; leave it out");
+  s.check(!r.has_healing() || r.mode() == proto::Fracture::DAMAGE, "fracture.healing",
+          "says whether damage heals, which only mode DAMAGE has; leave it out");
+  if (r.has_quiet_growth())
+    s.check(r.quiet_growth() >= 0.0 && r.quiet_growth() < 1.0, "fracture.quiet_growth",
+            "is {}, must be a share from 0 to below 1", r.quiet_growth());
+  if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
+  if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
+  if (r.has_interlock_opening_m()) positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");
+  if (r.has_interlock_strength()) positive(s, "fracture.interlock_strength", true, r.interlock_strength(), "Pa");
 }
 
 }  // namespace
@@ -390,102 +440,22 @@ void validate(const LoadedScene& s) {
   if (m.transfer().has_grid_spacing_m())
     positive(s, "transfer.grid_spacing_m", true, m.transfer().grid_spacing_m(), "m");
   std::set<std::string> names, materials;
-  const auto name = [&](const std::string& field, const std::string& n, std::set<std::string>& set) {
-    s.check(!n.empty() && n.size() < 200 &&
-                n.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos,
-            field + ".name", "'{}' is no snake_case name", n);
-    s.check(set.insert(n).second, field + ".name", "'{}' is used twice; names are unique", n);
-  };
   for (int i = 0; i < m.materials_size(); ++i) {
-    name(fmt::format("materials[{}]", i), m.materials(i).name(), materials);
+    unique_name(s, fmt::format("materials[{}]", i), m.materials(i).name(), materials);
     material(s, fmt::format("materials[{}]", i), m.materials(i));
   }
-  for (int i = 0; i < m.shells_size(); ++i) name(fmt::format("shells[{}]", i), m.shells(i).name(), names);
-  for (int i = 0; i < m.bodies_size(); ++i) name(fmt::format("bodies[{}]", i), m.bodies(i).name(), names);
+  for (int i = 0; i < m.shells_size(); ++i) unique_name(s, fmt::format("shells[{}]", i), m.shells(i).name(), names);
+  for (int i = 0; i < m.bodies_size(); ++i) unique_name(s, fmt::format("bodies[{}]", i), m.bodies(i).name(), names);
   for (int i = 0; i < m.soft_bodies_size(); ++i)
-    name(fmt::format("soft_bodies[{}]", i), m.soft_bodies(i).name(), names);
+    unique_name(s, fmt::format("soft_bodies[{}]", i), m.soft_bodies(i).name(), names);
   for (int i = 0; i < m.shells_size(); ++i) shell(s, fmt::format("shells[{}]", i), m.shells(i), materials);
   for (int i = 0; i < m.bodies_size(); ++i) body(s, fmt::format("bodies[{}]", i), m.bodies(i), materials, names);
-  for (int i = 0; i < m.contacts_size(); ++i) {
-    const auto& c = m.contacts(i);
-    const std::string f = fmt::format("contacts[{}]", i);
-    s.check(c.first().empty() == c.second().empty(), f, "names one side only; name both, or none for the default");
-    s.check(c.first().empty() || names.count(c.first()), f + ".first", "'{}' is no shell or body of this scene",
-            c.first());
-    s.check(c.second().empty() || names.count(c.second()), f + ".second", "'{}' is no shell or body of this scene",
-            c.second());
-    for (int j = 0; j < i; ++j) {
-      const auto& b = m.contacts(j);
-      s.check(
-          (b.first() != c.first() || b.second() != c.second()) && (b.first() != c.second() || b.second() != c.first()),
-          f, "says again what contacts[{}] says; leave one of them out", j);
-    }
-    not_negative(s, f + ".friction", c.has_friction(), c.friction());
-    if (c.has_hertz()) {
-      const auto is = [&](const auto& list, const std::string& name, auto&& test) {
-        for (const auto& thing : list)
-          if (thing.name() == name && test(thing)) return true;
-        return false;
-      };
-      const auto any = [](const auto&) { return true; };
-      const auto sphere = [](const proto::Body& b) { return b.has_sphere(); };
-      s.check((is(m.shells(), c.first(), any) && is(m.bodies(), c.second(), sphere)) ||
-                  (is(m.shells(), c.second(), any) && is(m.bodies(), c.first(), sphere)),
-              f + ".hertz", "is for a shell and a body that is a sphere; name them as first and second");
-      s.check(!c.has_friction() && !c.has_restitution(), f + ".hertz",
-              "is elastic and without friction; leave friction and restitution out");
-      if (c.hertz().has_stiffness()) positive(s, f + ".hertz.stiffness", true, c.hertz().stiffness(), "N/m^1.5");
-    }
-    s.check(!c.has_restitution() || (c.restitution() >= 0.0 && c.restitution() <= 1.0), f + ".restitution",
-            "is {}; 0 to 1", c.restitution());
-  }
+  contacts(s, names);
   validate_coupling(s);
   validate_soft(s);
   validate_fibres(s);
-  const auto& r = m.fracture();
-  if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
-  s.check(!r.has_branch_ratio() || (r.branch_ratio() > 1.0 && r.branch_ratio() <= 1e6), "fracture.branch_ratio",
-          "is {}; a tip runs above 1 and branches above this; at most 1e6, which is never", r.branch_ratio());
-  if (r.has_damage_width_m()) {
-    positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
-    s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");
-  }
-  s.check(!r.has_extract_cracks() || r.mode() == proto::Fracture::DAMAGE, "fracture.extract_cracks",
-          "is for mode DAMAGE; leave it out");
-  s.check(!r.has_healing() || r.mode() == proto::Fracture::DAMAGE, "fracture.healing",
-          "says whether damage heals, which only mode DAMAGE has; leave it out");
-  if (r.has_quiet_growth())
-    s.check(r.quiet_growth() >= 0.0 && r.quiet_growth() < 1.0, "fracture.quiet_growth",
-            "is {}, must be a share from 0 to below 1", r.quiet_growth());
-  if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
-  if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
-  if (r.has_interlock_opening_m()) positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");
-  if (r.has_interlock_strength()) positive(s, "fracture.interlock_strength", true, r.interlock_strength(), "Pa");
-  if (m.output().has_frame_interval_s())
-    positive(s, "output.frame_interval_s", true, m.output().frame_interval_s(), "s");
-  if (m.output().has_shell_frame_interval_s())
-    positive(s, "output.shell_frame_interval_s", true, m.output().shell_frame_interval_s(), "s");
-  if (m.output().has_probe_interval_s())
-    positive(s, "output.probe_interval_s", true, m.output().probe_interval_s(), "s");
-  not_negative(s, "output.checkpoint_interval_s", m.output().has_checkpoint_interval_s(),
-               m.output().checkpoint_interval_s());
-  std::set<std::string> probes;
-  for (int i = 0; i < m.output().probes_size(); ++i) {
-    const auto& p = m.output().probes(i);
-    const std::string f = fmt::format("output.probes[{}]", i);
-    name(f, p.name(), probes);
-    bool known = false;
-    if (!p.body().empty()) {
-      for (const auto& body : m.bodies()) known = known || body.name() == p.body();
-      for (const auto& body : m.soft_bodies()) known = known || body.name() == p.body();
-      s.check(known, f + ".body", "'{}' is no body of this scene", p.body());
-      s.check(p.shell().empty() && !p.has_at(), f + ".body",
-              "is given, and so is a point of a shell; give one of them");
-      continue;
-    }
-    for (const auto& shell : m.shells()) known = known || shell.name() == p.shell();
-    s.check(known, f + ".shell", "'{}' is no shell of this scene; name a shell, or a body", p.shell());
-  }
+  fracture(s);
+  validate_output(s);
 }
 
 }  // namespace sunder::scene

@@ -1,9 +1,9 @@
-// What holds bodies and shells together, and how windows are shared.
+// Checks joints, seams, and the coupling scheme with its window.
 #include <algorithm>
 #include <cmath>
 #include <set>
 
-#include "coupler/scene/load.h"
+#include "coupler/scene/names.h"
 
 namespace sunder::scene {
 namespace {
@@ -21,11 +21,12 @@ void joint(const LoadedScene& s, const std::string& field, const proto::BodyJoin
     return nullptr;
   };
   const proto::Body *first = body(j.first()), *second = body(j.second());
-  s.check(first, field + ".first", "'{}' is no body of this scene", j.first());
+  if (!first) refuse_name(s, field + ".first", j.first(), "body", names_in(s.message.bodies()));
   s.check(!first->is_static() && !first->has_half_space(), field + ".first",
           "'{}' is static; name a body that moves first", j.first());
-  s.check(j.second().empty() || second, field + ".second",
-          "'{}' is no body of this scene; name one, or leave it out for the world", j.second());
+  if (!j.second().empty() && !second)
+    refuse_name(s, field + ".second", j.second(), "body", names_in(s.message.bodies()),
+                "name one, or leave it out for the world");
   s.check(j.first() != j.second(), field + ".second", "is '{}' as well; a joint is between two bodies", j.second());
   for (const auto& [name, v] : {std::pair{".position", &j.position()}, std::pair{".axis", &j.axis()}})
     s.check(std::isfinite(v->x()) && std::isfinite(v->y()) && std::isfinite(v->z()), field + name,
@@ -59,9 +60,9 @@ void seams(const LoadedScene& s) {
     const proto::SeamRule& r = m.rules(i);
     const std::string f = fmt::format("seams.rules[{}]", i);
     for (const auto& [name, field] : {std::pair{r.first(), ".first"}, std::pair{r.second(), ".second"}})
-      s.check(std::any_of(s.message.shells().begin(), s.message.shells().end(),
-                          [&, &name = name](const proto::Shell& shell) { return shell.name() == name; }),
-              f + field, "'{}' is no shell of this scene", name);
+      if (std::none_of(s.message.shells().begin(), s.message.shells().end(),
+                       [&, &name = name](const proto::Shell& shell) { return shell.name() == name; }))
+        refuse_name(s, f + field, name, "shell", names_in(s.message.shells()));
     s.check(r.first() != r.second(), f + ".second", "is '{}' as well; a seam is between two shells", r.second());
     s.check(pairs.insert(std::minmax(r.first(), r.second())).second, f, "says again how '{}' and '{}' hang together",
             r.first(), r.second());

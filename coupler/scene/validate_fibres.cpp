@@ -1,17 +1,12 @@
-// Fibres through the thickness of shells.
+// Checks fibres through the thickness of shells.
 #include <cmath>
 
-#include "coupler/scene/load.h"
+#include "coupler/scene/checks.h"
 
 namespace sunder::scene {
 namespace {
 
 constexpr double kMostFriction = 1e6;
-
-void positive(const LoadedScene& s, const std::string& field, bool has, double value) {
-  s.check(has, field, "is missing; give a positive number [Pa]");
-  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [Pa]", value);
-}
 
 const proto::Shell* with_fibres(const LoadedScene& s, const std::string& name) {
   for (const proto::Shell& shell : s.message.shells())
@@ -22,10 +17,9 @@ const proto::Shell* with_fibres(const LoadedScene& s, const std::string& name) {
 void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shell) {
   const std::string f = at + ".fibres";
   const proto::Fibres& m = shell.fibres();
-  positive(s, f + ".compression_modulus", m.has_compression_modulus(), m.compression_modulus());
-  positive(s, f + ".shear_modulus", m.has_shear_modulus(), m.shear_modulus());
-  s.check(!m.has_friction() || (std::isfinite(m.friction()) && m.friction() >= 0.0), f + ".friction",
-          "is {}; must be finite and not negative", m.friction());
+  positive(s, f + ".compression_modulus", m.has_compression_modulus(), m.compression_modulus(), "Pa");
+  positive(s, f + ".shear_modulus", m.has_shear_modulus(), m.shear_modulus(), "Pa");
+  not_negative(s, f + ".friction", m.has_friction(), m.friction());
   s.check(m.friction() <= kMostFriction, f + ".friction", "is {}; at most {:g}, which holds whatever is pressed",
           m.friction(), kMostFriction);
   s.check(!m.has_grid_spacing_m() || (std::isfinite(m.grid_spacing_m()) && m.grid_spacing_m() > 0.0),
@@ -35,13 +29,13 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
     s.check(!q.has_strength(), f, "are for shells that do not break, and material '{}' has a strength; leave one out",
             q.name());
     s.check(!q.has_stiffness_damping_s(), f,
-            "do not know stiffness_damping_s, which material '{}' has; take mass_damping_per_s, or leave one out",
+            "exclude stiffness_damping_s, which material '{}' has; take mass_damping_per_s, or leave one of them out",
             q.name());
   }
   s.check(shell.cuts_size() == 0, f, "are for shells that do not break, and this one has cuts; leave one out");
   s.check(!shell.has_equilibrium(), at + ".equilibrium",
-          "is for a shell by itself, and this one has fibres, which take up what others press; leave one out");
-  bool others = s.message.shells_size() > 1;  // it touches itself too
+          "is for a shell alone, and fibres carry the pressure of other shells; leave one of them out");
+  bool others = s.message.shells_size() > 1;  // a shell with fibres to touch: another one, or itself by a contact pair
   if (others) {
     int count = 0;
     for (const proto::Shell& q : s.message.shells()) count += q.has_fibres() ? 1 : 0;
@@ -49,11 +43,10 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
   }
   for (const proto::ContactPair& c : s.message.contacts())
     others = others || (c.first() == shell.name() && c.second() == shell.name());
-  s.check(
-      others, f,
-      "have nothing to touch: they meet those of other shells, or their own where contacts {{ first: \"{}\" second: "
-      "\"{}\" }} says so; give one of these, or leave them out",
-      shell.name(), shell.name());
+  s.check(others, f,
+          "have nothing to touch; give fibres to another shell, let this one touch itself by contacts {{ first: \"{}\" "
+          "second: \"{}\" }}, or leave them out",
+          shell.name(), shell.name());
 }
 
 }  // namespace
@@ -74,14 +67,13 @@ void validate_fibres(const LoadedScene& s) {
             "is between shells with fibres, which have their own friction and are elastic; leave friction and "
             "restitution out");
   }
-  s.check(!m.has_seams(), "seams",
-          "are given, and shells have fibres, which do not go with them; leave one of them out");
+  s.check(!m.has_seams(), "seams", "are given, and shells have fibres, which exclude seams; leave one of them out");
   s.check(m.transfer().kind() == proto::GridTransfer::DIRECT, "transfer",
           "cannot go with fibres, whose forces act on control points; leave one of them out");
   s.check(!m.fracture().has_latest_freeze_s(), "fracture.latest_freeze_s",
-          "would freeze the shells, whose fibres go on to bear until end_time_s; leave it out");
+          "would freeze the shells before end_time_s, while their fibres still carry forces; leave it out");
   s.check(m.coupling().scheme() != proto::Coupling::ITERATED, "coupling.scheme",
-          "is ITERATED, which fibres do not go with; take another");
+          "is ITERATED, which fibres exclude; take another scheme");
 }
 
 }  // namespace sunder::scene

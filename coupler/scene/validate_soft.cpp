@@ -1,8 +1,9 @@
-// Soft bodies.
+// Checks soft bodies.
 #include <cmath>
 
-#include "coupler/scene/load.h"
+#include "coupler/scene/checks.h"
 #include "coupler/scene/mesh.h"
+#include "coupler/scene/names.h"
 
 namespace sunder::scene {
 namespace {
@@ -15,19 +16,11 @@ bool is_soft(const LoadedScene& s, const std::string& name) {
   return false;
 }
 
-void positive(const LoadedScene& s, const std::string& field, bool has, double value) {
-  s.check(has, field, "is missing; give a positive number [m]");
-  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [m]", value);
-}
-void finite(const LoadedScene& s, const std::string& field, const proto::Vec3& v) {
-  s.check(to_vec(v).allFinite(), field, "is ({}, {}, {}); must be finite", v.x(), v.y(), v.z());
-}
-
 void soft_body(const LoadedScene& s, const std::string& f, const proto::SoftBody& b) {
   const proto::Material* found = nullptr;
   for (const proto::Material& m : s.message.materials())
     if (m.name() == b.material()) found = &m;
-  s.check(found, f + ".material", "'{}' is no material of this scene", b.material());
+  if (!found) refuse_name(s, f + ".material", b.material(), "material", names_in(s.message.materials()));
   s.check(found->has_youngs_modulus() && found->has_poisson_ratio(), f + ".material",
           "'{}' has no youngs_modulus or poisson_ratio; a soft body needs both", b.material());
   s.check(
@@ -39,26 +32,22 @@ void soft_body(const LoadedScene& s, const std::string& f, const proto::SoftBody
        {std::pair{found->has_strength(), "strength"}, std::pair{found->has_yield_stress(), "yield_stress"},
         std::pair{found->has_mass_damping_per_s(), "mass_damping_per_s"},
         std::pair{found->has_stiffness_damping_s(), "stiffness_damping_s"}})
-    s.check(!given, f + ".material", "'{}' has a {}, which soft bodies do not know; name a material without",
+    s.check(!given, f + ".material", "'{}' has a {}, which soft bodies cannot have; name a material without it",
             b.material(), name);
   s.check(b.shape_case() != proto::SoftBody::SHAPE_NOT_SET, f, "has no shape; give sphere, box or mesh");
-  if (b.has_sphere()) positive(s, f + ".sphere.radius_m", b.sphere().has_radius_m(), b.sphere().radius_m());
+  if (b.has_sphere()) positive(s, f + ".sphere.radius_m", b.sphere().has_radius_m(), b.sphere().radius_m(), "m");
   if (b.has_box())
     for (const double edge : {b.box().size_m().x(), b.box().size_m().y(), b.box().size_m().z()})
-      positive(s, f + ".box.size_m", b.box().has_size_m(), edge);
+      positive(s, f + ".box.size_m", b.box().has_size_m(), edge, "m");
   if (b.has_mesh()) {
     s.check(b.mesh().surface() == proto::Mesh::HULL, f + ".mesh.surface",
             "is EXACT, which is for rigid bodies; a soft body takes the HULL of its points");
     read_mesh(s, f + ".mesh", b.mesh());
   }
-  finite(s, f + ".pose.position", b.pose().position());
-  const auto& q = b.pose().orientation();
-  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
-  s.check(!b.pose().has_orientation() || std::abs(norm - 1.0) < 1e-6, f + ".pose.orientation",
-          "has length {}; a rotation is a quaternion w x y z of length 1", norm);
+  pose(s, f + ".pose", b.pose());
   finite(s, f + ".twist.linear", b.twist().linear());
   finite(s, f + ".twist.angular", b.twist().angular());
-  positive(s, f + ".spacing_m", b.has_spacing_m(), b.spacing_m());
+  positive(s, f + ".spacing_m", b.has_spacing_m(), b.spacing_m(), "m");
   const double ratio = b.grid_spacing_m() / b.spacing_m();
   s.check(!b.has_grid_spacing_m() || (ratio >= kLeastGrid * (1.0 - 1e-9) && ratio <= kMostGrid * (1.0 + 1e-9)),
           f + ".grid_spacing_m", "is {} m, {:.3g} times spacing_m; {} to {} times, 2 unless there is a reason",
@@ -84,9 +73,9 @@ void validate_soft(const LoadedScene& s) {
     s.check(!is_soft(s, m.bodies(i).launch().target()), fmt::format("bodies[{}].launch.target", i),
             "'{}' is a soft body; name a shell or a rigid body, or give the twist", m.bodies(i).launch().target());
   s.check(!m.fracture().has_latest_freeze_s(), "fracture.latest_freeze_s",
-          "would freeze the shells, which soft bodies go on to touch until end_time_s; leave it out");
+          "would freeze the shells before end_time_s, while soft bodies still touch them; leave it out");
   s.check(m.coupling().scheme() == proto::Coupling::PROXY || m.coupling().scheme() == proto::Coupling::EXPORTED,
-          "coupling.scheme", "is {}, which soft bodies do not go with; take PROXY or EXPORTED",
+          "coupling.scheme", "is {}, which soft bodies exclude; take PROXY or EXPORTED",
           proto::Coupling::Scheme_Name(m.coupling().scheme()));
 }
 

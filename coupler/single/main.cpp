@@ -1,11 +1,11 @@
-// sunder-single: shell and engine in one process, for tests and to measure what the border between them costs.
+// sunder-single: shell solver and engine in one process, for tests and to measure the cost of the process boundary.
 #include "coupler/link/host.h"
 #include "rigid/engine/engine.h"
 #include "shell/run/program.h"
 
 namespace {
 
-// A link that owns its engine.
+// A link that owns its engine. The engine is a base class, so that it exists before the host.
 struct Owned {
   std::unique_ptr<sunder::link::Engine> engine;
 };

@@ -1,12 +1,13 @@
-// What each triangle or corner is coloured by. Colours are [r, g, b], 0..1, as on the screen.
+// Colours of triangles and corners: [r, g, b] in 0..1, as on the screen.
 
 export const GLASS = [0.56, 0.79, 0.79];
-export const DEBRIS = [0.66, 0.69, 0.71]; // shards of one of several shells, not known which
+export const DEBRIS = [0.66, 0.69, 0.71]; // shards of an unknown one of several shells
 const STEEL = [0.58, 0.60, 0.63];
 const FLOOR = [0.87, 0.87, 0.86];
 const SHARD = 1, STATIC = 2, FROZEN = 3; // `kind` of a triangle of bodies
 
-// light grey over yellow and red to dark: reads in grey as well; coupler/sunder_tools/pictures/palette.py has the same
+// From light grey over yellow and red to dark, so that it also works in grey. The same as in
+// coupler/sunder_tools/pictures/palette.py.
 const STOPS = [[0.88, 0.90, 0.91], [0.95, 0.80, 0.47], [0.89, 0.49, 0.27], [0.69, 0.19, 0.25], [0.29, 0.06, 0.20]];
 
 export function ramp(share) {
@@ -15,13 +16,13 @@ export function ramp(share) {
   return STOPS[k].map((v, axis) => v + (at - k) * (STOPS[k + 1][axis] - v));
 }
 
-/** `base` lighter or darker, always the same for the same id; 0 is `base`. */
+/** `base`, lighter or darker by the id; id 0 gives `base`. */
 function varied(id, base, amount) {
   const tone = id === 0 ? 0 : 2 * ((id * 0.6180339887498949) % 1) - 1;
   return [1, 0.6, 0.4].map((share, axis) => Math.min(base[axis] * (1 + amount * share * tone), 1));
 }
 
-/** Different for neighbouring ids; the largest fragment stays pale. */
+/** A pale colour by the id, different for neighbouring ids. */
 function pastel(id) {
   const hue = ((id * 0.6180339887498949) % 1) * 2 * Math.PI;
   return [0, 2.0943951, 4.1887902].map((shift) => 0.72 + 0.2 * Math.cos(hue - shift));
@@ -35,7 +36,7 @@ function largest(values) {
   return best[0];
 }
 
-/** Highest value that the colours of this frame need; the legend's range is the highest so far. */
+/** Highest value of the coloured quantity in this frame. The legend ends at the highest value of all frames so far. */
 export function highest(frame, by) {
   const names = by === "speed" ? ["shell.speed", "bodies.speed"] : by === "c_his" ? ["shell.c_his"] : [];
   let top = by === "damage" ? 1 : 0;
@@ -43,7 +44,7 @@ export function highest(frame, by) {
   return top;
 }
 
-/** A function from (triangle, corner's point) to the colour of the shell there. */
+/** Returns a function from (triangle, point of a corner) to the shell's colour there. */
 export function shellColour(frame, by, top, look) {
   const of = (name) => frame.arrays[`shell.${name}`];
   if (by === "speed") return (_, point) => ramp(of("speed")[point] / (top || 1));

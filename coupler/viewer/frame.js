@@ -1,9 +1,9 @@
-// Frames as coupler/sunder_tools/pictures/playback.py packs them, decoded, and a store that keeps the last ones.
+// Decodes frames packed by coupler/sunder_tools/pictures/playback.py, and keeps the last ones.
 
 const KINDS = { f4: Float32Array, i4: Int32Array, u4: Uint32Array };
 const STORED_BYTES = 300e6;
 
-/** {time_s, origin, arrays: {name: typed array}} of a buffer; throws where it is cut short. */
+/** Decodes a buffer to {time_s, origin, arrays: {name: typed array}}. Throws where it is too short. */
 export function decode(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
@@ -14,17 +14,17 @@ export function decode(buffer) {
 }
 
 export class FrameStore {
-  #kept = new Map(); // key: promise of a frame, the one used longest ago first
+  #kept = new Map(); // promises of frames by key, the least recently used one first
   #bytes = 0;
 
-  /** Promise of frame k in this version; asked for once however often it is wanted. */
+  /** Promise of frame k of this version. The frame is fetched once only. */
   get(k, version) {
     const key = `${k} ${version}`;
     let promise = this.#kept.get(key);
     if (promise) this.#kept.delete(key);
     else {
       promise = this.#fetch(k, version);
-      promise.catch(() => this.#kept.delete(key)); // it may be there the next time
+      promise.catch(() => this.#kept.delete(key)); // a later request may succeed
     }
     this.#kept.set(key, promise);
     return promise;

@@ -1,9 +1,9 @@
-// Curves over time on small canvases, with a mark at the frame that is shown.
+// Draws curves over time on small canvases, with a mark at the shown frame.
 
 const COLOURS = ["#2f6f8f", "#c8553d", "#6a8d4e", "#8a5a9e", "#c79a2b", "#4d4d4d", "#5fa8a0", "#b0486f", "#7c7c3a", "#3f5bb0"];
 const MARGIN = { left: 46, right: 6, top: 6, bottom: 16 };
 
-/** '1.2k', '3.4M', '50m', '7µ': at most three digits. */
+/** A number as '1.2k', '3.4M', '50m' or '7µ', with at most three digits. */
 export function short(value) {
   if (value === 0 || !Number.isFinite(value)) return String(value);
   const power = Math.min(Math.max(Math.floor(Math.log10(Math.abs(value)) / 3 + 1e-9), -4), 4);
@@ -19,7 +19,7 @@ export class Plots {
     new ResizeObserver(() => this.draw()).observe(root);
   }
 
-  /** `plots` as /curves gives them. */
+  /** Shows `plots`, the reply to /curves. */
   set(plots) {
     this.#root.replaceChildren();
     this.#plots = plots.map((plot) => {
@@ -56,7 +56,7 @@ export class Plots {
     return key;
   }
 
-  /** 0..1 across the plot: time, or the number of the frame with what lies between in proportion. */
+  /** Position in 0..1 across the plot: by time, or by the number of the frame, linear between two frames. */
   #share(t) {
     const times = this.#times, last = times.length - 1;
     if (!this.#byFrame || last < 1) return (t - times[0]) / (times[last] - times[0] || 1);
@@ -85,7 +85,7 @@ export class Plots {
     const ink = canvas.getContext("2d");
     ink.scale(ratio, ratio);
     const seen = curves.filter((curve) => !this.#hidden.has(`${title} ${unit} ${curve.name}`));
-    let low = 0, high = 0; // zero is always in it
+    let low = 0, high = 0; // the range includes zero
     for (const curve of seen) for (const y of curve.y) if (y !== null) { low = Math.min(low, y); high = Math.max(high, y); }
     if (low === high) high = low + 1;
     const inner = width - MARGIN.left - MARGIN.right, tall = height - MARGIN.top - MARGIN.bottom;

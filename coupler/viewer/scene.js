@@ -1,15 +1,15 @@
-// The picture: a frame's triangles and lines with three.js, drawn when something has changed and not otherwise.
+// Draws a frame's triangles and lines with three.js, and only after a change.
 import * as THREE from "three";
 import { OrbitControls } from "./OrbitControls.js";
 import { bodyColour, shellColour } from "./colours.js";
 
 const MOVING = 0, STATIC = 2; // `kind` of a triangle of bodies
 const FIELD_DEG = 30;
-const FROM = new THREE.Vector3(0.42, -0.80, 0.46).normalize(); // where the eye is at first, as in the contact sheet
+const FROM = new THREE.Vector3(0.42, -0.80, 0.46).normalize(); // first direction of the camera, as in the contact sheet
 
 export class Picture {
   #canvas; #renderer; #camera; #controls; #scene = new THREE.Scene(); #shown = new THREE.Group(); #queued = false;
-  #origin = null; // of the first frame [m]; later ones are placed relative to it
+  #origin = null; // of the first frame [m]; later frames are placed relative to it
 
   constructor(canvas) {
     this.#canvas = canvas;
@@ -27,20 +27,21 @@ export class Picture {
     this.#resize();
   }
 
-  /** What was drawn last. */
+  /** Number of triangles drawn last. */
   get triangles() { return this.#renderer.info.render.triangles; }
 
+  /** Draws the scene before the next repaint of the screen, once for several calls. */
   redraw() {
     if (this.#queued) return;
     this.#queued = true;
     requestAnimationFrame(() => {
       this.#queued = false;
       this.#renderer.render(this.#scene, this.#camera);
-      document.body.dataset.triangles = this.triangles; // for who tests the page
+      document.body.dataset.triangles = this.triangles; // read by tests of the page
     });
   }
 
-  /** `options`: by, top, look, lines, bodies, fixed, mesh. */
+  /** Draws a frame. `options`: by, top, look, lines, bodies, fixed, mesh. */
   show(frame, options) {
     for (const object of this.#shown.children) { object.geometry.dispose(); object.material.dispose(); }
     this.#shown.clear();
@@ -89,7 +90,7 @@ export class Picture {
     const material = new THREE.MeshPhongMaterial({
       vertexColors: true, side: THREE.DoubleSide, flatShading: !normal, shininess: 40, specular: 0x222222,
       wireframe: options.mesh, transparent: opacity < 1, opacity, depthWrite: opacity > 0.6, forceSinglePass: true,
-      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, // lines on it stay in front
+      polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1, // keeps lines on a face in front of it
     });
     this.#shown.add(new THREE.Mesh(geometry, material));
   }
@@ -101,7 +102,7 @@ export class Picture {
     this.#shown.add(new THREE.LineSegments(geometry, new THREE.LineBasicMaterial({ color: 0x0f1f29, transparent: true, opacity })));
   }
 
-  /** The eye goes where the shell (where there is none, all that moves) fills the picture. */
+  /** Moves the camera so that the shell fills the picture; without a shell, all moving bodies do. */
   fit(frame) {
     const a = frame.arrays, box = new THREE.Box3(), point = new THREE.Vector3();
     if (a["shell.position"]?.length) box.setFromArray(a["shell.position"]);
@@ -119,7 +120,7 @@ export class Picture {
     const distance = radius / Math.sin(0.5 * THREE.MathUtils.degToRad(FIELD_DEG)) / narrow;
     box.getCenter(this.#controls.target);
     const from = FROM.clone();
-    if (this.#comesFrom(a) < this.#controls.target.x - 0.25 * radius) from.x *= -1; // to see the side that is hit
+    if (this.#comesFrom(a) < this.#controls.target.x - 0.25 * radius) from.x *= -1; // look at the side that is hit
     this.#camera.position.copy(this.#controls.target).addScaledVector(from, distance);
     this.#camera.near = distance / 100;
     this.#camera.far = distance * 100;
@@ -128,7 +129,7 @@ export class Picture {
     this.redraw();
   }
 
-  /** Mean x of the scene's moving bodies; NaN where there are none. */
+  /** Mean x of the scene's moving bodies [m]; NaN without any. */
   #comesFrom(arrays) {
     const index = arrays["bodies.index"] ?? [], kind = arrays["bodies.kind"];
     let sum = 0, count = 0;
@@ -148,7 +149,7 @@ export class Picture {
   }
 }
 
-/** A normal per point, weighted by area. Cracks have points of their own on either side, so they stay sharp. */
+/** Normals of points, weighted by area. The two sides of a crack have separate points, so cracks stay sharp. */
 function smoothNormals(points, index) {
   const normals = new Float32Array(points.length);
   const [a, b, c] = [0, 1, 2].map(() => new THREE.Vector3());

@@ -1,12 +1,12 @@
-// The page: asks the server for state, frames and curves, and plays them.
+// The page: gets state, frames and curves from the server, and plays them.
 import { DEBRIS, GLASS, highest, ramp } from "./colours.js";
 import { FrameStore } from "./frame.js";
 import { Plots, short } from "./plots.js";
 import { Picture } from "./scene.js";
 
-const AHEAD = 3;             // frames fetched before they are needed
-const ASK_RUNNING_MS = 2000; // how often a run under way is asked for more
-const ASK_ENDED_MS = 6000;   // one that ended may be resumed, or replaced by another
+const AHEAD = 3;             // number of frames fetched in advance
+const ASK_RUNNING_MS = 2000; // interval of requests for new frames of a run in progress
+const ASK_ENDED_MS = 6000;   // the same after its end: a run may be resumed or replaced
 const UNITS = { speed: "m/s", damage: "", c_his: "" };
 
 const $ = (id) => document.getElementById(id);
@@ -15,15 +15,15 @@ const plots = new Plots($("plots"), (k) => { pause(); go(k); });
 let picture = null;
 let state = { frames: [], shells: [], palette: [], part_of: {}, status: "" };
 let shown = -1, wanted = 0, timer = null, busy = false, current = null;
-const tops = {}; // by colour: highest value so far
+const tops = {}; // highest value so far, by coloured quantity
 
-// how the parts look; a lone shell is drawn as glass, as in the other pictures
+// look of the parts; a single shell is drawn as glass, as in the other pictures
 const look = {
   partColour: (n) => (look.isGlass(n) || !look.several() ? GLASS : state.palette[n % state.palette.length]),
   isGlass: (n) => state.shells[n]?.glass ?? state.shells.length === 0,
   several: () => state.shells.length > 1 || new Set(current?.arrays["shell.part"] ?? []).size > 1,
   shardColour: (body) => {
-    const part = state.part_of[body]; // not known of every shard
+    const part = state.part_of[body]; // not known for every shard
     return !look.several() ? GLASS : part === undefined ? DEBRIS : look.partColour(part);
   },
   get glassOpacity() { return look.several() ? 0.45 : 0.75; },
@@ -57,10 +57,10 @@ async function refresh() {
       plots.setTimes(state.frames.map((f) => f.time_s));
       plots.set((await ask("curves")).plots);
       if (replaced) { for (const key of Object.keys(tops)) delete tops[key]; wanted = 0; }
-      if (atEnd && !replaced) wanted = state.frames.length - 1; // who looks at the newest keeps looking at the newest
+      if (atEnd && !replaced) wanted = state.frames.length - 1; // follow the newest frame
       if (state.frames.length && (shown < 0 || replaced || wanted !== shown || state.frames[shown]?.version !== before))
         await go(Math.min(wanted, state.frames.length - 1));
-      else if (shown >= 0) draw(); // how many there are, and their names
+      else if (shown >= 0) draw(); // update counts and names
     }
     if (!state.frames.length)
       say(state.status === "running" ? "no frame yet" : "this run has no frames");
@@ -86,7 +86,7 @@ function options() {
            mesh: $("mesh").checked };
 }
 
-/** Shows frame k; of several wishes that come while one is fetched only the last is fulfilled. */
+/** Shows frame k. Of several calls while a frame is fetched only the last one counts. */
 async function go(k) {
   wanted = k;
   if (busy) return;
@@ -119,7 +119,7 @@ function draw() {
   picture.show(current, options());
   $("slider").value = shown;
   $("time").textContent = `${timeText(current.time_s)}  (${shown + 1}/${state.frames.length})`;
-  document.body.dataset.frame = shown; // for who tests the page
+  document.body.dataset.frame = shown; // read by tests of the page
   plots.setFrame(shown);
   legend(by);
 }
@@ -168,7 +168,7 @@ function play() {
   if (shown >= state.frames.length - 1) go(0);
   $("play").textContent = "Pause";
   timer = setInterval(() => {
-    if (busy) return; // slower than wished for rather than with gaps
+    if (busy) return; // play more slowly instead of skipping frames
     if (shown < state.frames.length - 1) go(shown + 1);
     else if (state.status !== "running") pause();
   }, 1000 / Number($("rate").value));

@@ -13,7 +13,7 @@
 namespace sunder::rigid {
 namespace {
 
-/// A point that has moved by less over the first body since the window before starts from its impulse of then.
+/// A contact point that moves less than this on the first body between two windows starts from its old impulse.
 constexpr double kSamePlace_m = 2e-3;
 
 Hull hull_of(const btCollisionObjectWrapper* object) {
@@ -85,8 +85,8 @@ class BoxesAlgorithm final : public btCollisionAlgorithm {
 
  private:
   btPersistentManifold* manifold_;
-  Hull first_, second_;                // their own coordinates [m]
-  Hull first_placed_, second_placed_;  // world
+  Hull first_, second_;                // in body coordinates [m]
+  Hull first_placed_, second_placed_;  // in world coordinates [m]
   std::vector<Touch> touches_;
 };
 

@@ -1,11 +1,12 @@
 #pragma once
-// Contact of two boxes by their true faces (touch.h). Private to the adapter.
-// Bullet's own finder sees boxes only once they overlap, so plates that lie on one another sink and creep.
+// Contacts of two boxes by their true faces (touch.h). Private to the adapter. Bullet's own finder reports boxes only
+// in an overlap, so plates on one another would sink and creep.
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
 namespace sunder::rigid {
 
+/// Makes Bullet's contact algorithm for two boxes.
 class BoxesCreateFunc final : public btCollisionAlgorithmCreateFunc {
  public:
   btCollisionAlgorithm* CreateCollisionAlgorithm(btCollisionAlgorithmConstructionInfo& info,

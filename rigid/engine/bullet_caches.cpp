@@ -9,8 +9,8 @@
 namespace sunder::rigid {
 namespace {
 
-// Layout, in the byte order of the machine: kMagic, kVersion (u32), the parts that Writer::to names, then the SHA-256
-// of all before it in hexadecimal. A list is its length (u32) and its entries.
+// Layout, in the byte order of the machine: kMagic, kVersion (u32), three lists (encode_caches), and the SHA-256 of all
+// this in hexadecimal. A list is its length (u32) and its entries.
 constexpr char kMagic[] = "sunder bullet caches";
 constexpr std::uint32_t kVersion = 1;
 constexpr std::size_t kDigest = 64;  // [bytes]
@@ -49,7 +49,7 @@ class Reader {
     at_ += sizeof(number);
     return number;
   }
-  /// Of a list with so many bytes in an entry: never more than there can be.
+  /// Length of a list whose entries take `entry` bytes each. Refuses lengths that the rest of the bytes cannot hold.
   std::size_t get_size(std::size_t entry) {
     const std::size_t size = get<std::uint32_t>();
     if (size > (end_ - at_) / entry) refuse(fmt::format("a list of {} entries does not fit in", size));

@@ -13,10 +13,6 @@
 namespace sunder::rigid {
 namespace {
 
-/// Turn per window above which the average angular velocity is not trusted (its logarithm is
-/// ambiguous from pi on); the handback's own is solved on instead.
-constexpr double kFastTurn = 0.7;  // [rad]
-
 btVector3 plain(const Vec3& v) { return btVector3(v.x(), v.y(), v.z()); }
 Vec3 plain(const btVector3& v) { return Vec3(v.x(), v.y(), v.z()); }
 
@@ -25,7 +21,8 @@ btTransform bullet_pose(const BodyMotion& m) {
   return btTransform(btQuaternion(q.x(), q.y(), q.z(), q.w()), plain(kLengthScale * m.position));
 }
 
-/// Orientation of the body after h seconds from `start` with the angular momentum held; `w` is its spin at first.
+/// Orientation after h seconds of free flight from `start` by the midpoint rule; w: angular velocity at the start
+/// [rad/s], `momentum`: angular momentum, constant [kg m^2/s].
 Quat midpoint_turn(const RigidBody& body, const Quat& start, const Vec3& w, const Vec3& momentum, double h) {
   const auto spin_at = [&](const Quat& q) -> Vec3 {
     return q * (q.conjugate() * momentum).cwiseQuotient(body.principal_inertia);
@@ -39,7 +36,7 @@ Quat free_turn(const RigidBody& body, const Vec3& w, double h) {
   return midpoint_turn(body, body.motion.orientation, w, body.apply_inertia(w), h);
 }
 
-/// The same for an angular momentum [kg m^2/s], and closer.
+/// The same for an angular momentum [kg m^2/s], in four steps of the midpoint rule.
 Quat free_flight(const RigidBody& body, const Vec3& momentum, double h) {
   constexpr int kSteps = 4;
   Quat q = body.motion.orientation;
@@ -50,26 +47,27 @@ Quat free_flight(const RigidBody& body, const Vec3& momentum, double h) {
   return q;
 }
 
+/// A body with its copies in Bullet.
 struct Held {
-  RigidBody body;  // the master: what Bullet holds is a rounded copy
+  RigidBody body;  // the reference: Bullet's copies are in other units
   BulletShape shape;
   std::unique_ptr<btRigidBody> rigid;   // null until the first window
   std::unique_ptr<btRigidBody> mirror;  // null until rows()
 };
 
-/// A body on its way through a window. Velocities are those that the solver is given [Bullet units].
+/// A body during a window. `linear` and `angular` are the velocities before the solve [Bullet units].
 struct Transit {
   Held* held;
-  const BodyMotion* handback;
+  const BodyMotion* predicted;
   bool fast = false, jointed = false;
   Vec3 spin = Vec3::Zero();  // [rad/s]
   btVector3 linear{0, 0, 0}, angular{0, 0, 0};
   btTransform pose = btTransform::getIdentity();
 };
 
-/// The average velocities that lead to the handback.
+/// Sets the average velocities that lead to the predicted state.
 void aim(Transit& t, double window_s) {
-  const BodyMotion &start = t.held->body.motion, &end = *t.handback;
+  const BodyMotion &start = t.held->body.motion, &end = *t.predicted;
   const Quat turn = end.orientation * start.orientation.conjugate();
   t.spin = rotation_vector(turn) / window_s;
   const Vec3 end_spin =
@@ -87,9 +85,9 @@ bool touched(const Transit& t) {
            rigid.getWorldTransform() == t.pose);
 }
 
-/// Where the body ends by what the solver made of its velocities and pose.
+/// Motion at the end of the window: the predicted state plus the solver's changes of velocities and pose.
 BodyMotion arrival(const Transit& t, double window_s) {
-  BodyMotion master = *t.handback;  // to the bit where nothing touched it
+  BodyMotion master = *t.predicted;  // unchanged, to the bit, where the solver changed nothing
   if (!touched(t)) return master;
   const btRigidBody& rigid = *t.held->rigid;
   const Vec3 dv = plain(rigid.getLinearVelocity() - t.linear) / kLengthScale;
@@ -99,21 +97,21 @@ BodyMotion arrival(const Transit& t, double window_s) {
   btQuaternion push_turn;
   (pushed.getBasis() * t.pose.getBasis().transpose()).getRotation(push_turn);
   master.position += window_s * dv + push;
-  // The handback pose, turned by the difference between two free flights from the start: with and
-  // without the change of spin. exp(H (w + dw)) alone holds w fixed, and a thin shard that an impact
-  // sets spinning then gains energy of order (|w| H)^2. Bounded however fast the body turns.
+  // Turn the predicted pose by the difference between two free flights from the start, with and without the change of
+  // angular velocity. exp(H (w + dw)) would keep w constant, and a thin shard that an impact sets spinning would gain
+  // energy of order (|w| H)^2. The difference is bounded at any angular velocity.
   Quat without = free_turn(t.held->body, t.spin, window_s), with = free_turn(t.held->body, t.spin + dw, window_s);
   if (t.jointed) {
-    // From the momenta: an impulse of the joint, then a free flight. The average spin is not that of the start, and
-    // what this leaves, of order (|w| H)^2, adds up where a joint acts in every window.
-    const Vec3& momentum = t.handback->angular_momentum;
+    // With a joint, fly from the angular momenta. The average angular velocity is not that of the start: an error of
+    // order (|w| H)^2, which adds up where a joint acts in every window.
+    const Vec3& momentum = t.predicted->angular_momentum;
     without = free_flight(t.held->body, momentum, window_s);
     with = free_flight(t.held->body, momentum + t.held->body.apply_inertia(dw), window_s);
   }
-  const Quat turned = with * without.conjugate() * t.handback->orientation;
+  const Quat turned = with * without.conjugate() * t.predicted->orientation;
   master.orientation = (Quat(push_turn.w(), push_turn.x(), push_turn.y(), push_turn.z()) * turned).normalized();
   master.velocity += dv;
-  master.angular_momentum += t.held->body.apply_inertia(dw);  // at the start, as the solver had it
+  master.angular_momentum += t.held->body.apply_inertia(dw);  // with the inertia at the start, as in the solver
   return master;
 }
 
@@ -130,18 +128,18 @@ std::unique_ptr<btRigidBody> make_rigid(const Held& held) {
 }  // namespace
 
 struct BulletEngine::Impl {
-  std::map<BodyId, Held> bodies;  // before the worlds: they refer to them to their end
+  std::map<BodyId, Held> bodies;  // before the worlds, whose destructors refer to them
   std::map<std::uint32_t, Joint> joints;
   BulletWorld world{BulletWorld::Use::kMove};
-  BulletWorld mirror{BulletWorld::Use::kLook};  // rows() looks for contacts here, so that `world` does not notice
+  BulletWorld mirror{BulletWorld::Use::kLook};  // rows() finds contacts here and leaves `world` unchanged
 
   void insert_new();
   void start_over(const WorldMemory& memory);
   std::set<BodyId> known(const std::vector<BodyId>& ids, const char* what) const;
-  std::vector<Transit> match(const std::vector<Handback>& handbacks);
+  std::vector<Transit> match(const std::vector<PredictedState>& predicted);
 };
 
-/// In id order whatever the order of add(). Joints with them.
+/// Adds new bodies to the world by ascending id, in whatever order add() was called; then new joints.
 void BulletEngine::Impl::insert_new() {
   for (auto& [id, held] : bodies) {
     if (held.rigid) continue;
@@ -152,32 +150,24 @@ void BulletEngine::Impl::insert_new() {
     if (!world.has_joint(id)) world.add_joint(joint);
 }
 
-/// Bodies are in their places.
+/// Resets the worlds to a saved state, after the bodies' motions are set.
 void BulletEngine::Impl::start_over(const WorldMemory& memory) {
   world.start_over(memory);
   mirror.clear();
   for (auto& [id, held] : bodies) held.mirror.reset();
 }
 
-std::vector<Transit> BulletEngine::Impl::match(const std::vector<Handback>& handbacks) {
+std::vector<Transit> BulletEngine::Impl::match(const std::vector<PredictedState>& predicted) {
   std::vector<Transit> transits;
-  auto next = handbacks.begin();
-  for (auto& [id, held] : bodies) {
-    if (held.body.is_static) continue;
-    if (next == handbacks.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
-    if (next->id < id) break;
-    check_handback(*next);
-    transits.push_back({.held = &held, .handback = &next->motion});
-    ++next;
-  }
-  if (next != handbacks.end())
-    reject_handback(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  match_predicted(
+      bodies, predicted, [](const Held& held) { return held.body.is_static; },
+      [&](Held& held, const BodyMotion& motion) { transits.push_back({.held = &held, .predicted = &motion}); });
   return transits;
 }
 
 std::set<BodyId> BulletEngine::Impl::known(const std::vector<BodyId>& ids, const char* what) const {
   for (const BodyId id : ids)
-    if (!bodies.count(id)) reject_handback(id, fmt::format("'{}' names it, and there is no such body", what));
+    if (!bodies.count(id)) reject_predicted(id, fmt::format("'{}' names it, and there is no such body", what));
   return {ids.begin(), ids.end()};
 }
 
@@ -221,9 +211,10 @@ void BulletEngine::set_contact_laws(const std::vector<ContactLaw>& laws) {
   impl_->mirror.set_contact_laws(laws);
 }
 
-void BulletEngine::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) {
+void BulletEngine::advance(double window_s, const std::vector<PredictedState>& predicted,
+                           const std::vector<BodyId>& solved) {
   check_window(window_s);
-  std::vector<Transit> transits = impl_->match(handbacks);
+  std::vector<Transit> transits = impl_->match(predicted);
   const std::set<BodyId> left_out = impl_->known(solved, "solved");
   impl_->insert_new();
 
@@ -286,7 +277,7 @@ std::vector<EngineState> BulletEngine::states() const {
   return result;
 }
 
-std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<Handback>& motions,
+std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<PredictedState>& motions,
                                            const std::vector<BodyId>& bodies) {
   check_window(window_s);
   std::vector<Transit> transits = impl_->match(motions);
@@ -321,13 +312,13 @@ std::vector<ContactRow> BulletEngine::rows(double window_s, const std::vector<Ha
 }
 
 std::string BulletEngine::save() {
-  impl_->insert_new();  // they are newborn on either side
+  impl_->insert_new();  // so that they are newborn here as after restore()
   const WorldMemory memory = impl_->world.memory();
   impl_->start_over(memory);
   return encode_caches(memory);
 }
 
-void BulletEngine::restore(const std::string& caches, const std::vector<Handback>& motions) {
+void BulletEngine::restore(const std::string& caches, const std::vector<PredictedState>& motions) {
   const WorldMemory memory = decode_caches(caches);
   const auto same_key = [](const auto& a, const auto& b) { return a.first == b.first; };
   if (!std::equal(memory.newborn.begin(), memory.newborn.end(), impl_->bodies.begin(), impl_->bodies.end(), same_key))
@@ -341,8 +332,8 @@ void BulletEngine::restore(const std::string& caches, const std::vector<Handback
   const std::vector<Transit> transits = impl_->match(motions);
   impl_->insert_new();
   for (const Transit& t : transits) {
-    t.held->body.motion = *t.handback;
-    t.held->rigid->setCenterOfMassTransform(bullet_pose(*t.handback));
+    t.held->body.motion = *t.predicted;
+    t.held->rigid->setCenterOfMassTransform(bullet_pose(*t.predicted));
   }
   impl_->start_over(memory);
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Rigid bodies held by Bullet in double precision, taken through windows by hand.
+// Rigid bodies in Bullet, in double precision. The adapter moves the bodies; Bullet finds and solves contacts.
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,19 +8,24 @@
 
 namespace sunder::rigid {
 
-/// What a user should know:
-/// - A body that nothing touches in a window comes back with its handback to the bit.
-/// - No damping, sleeping, rolling resistance or gravity of its own. A pile at rest keeps trembling by
-///   a few g H, and its energy does not grow.
-/// - Gaps: half spaces are met by true corners; other pairs by hulls rounded by at most 0.5 mm within
-///   their size (sharp corners lose up to 0.7 mm). Contacts other than with half spaces are foreseen
-///   over 2 mm: bodies should not close faster than about (thickness + 2 mm) per window.
-/// - Bodies that overlap in their first window (shards of one pane) may keep that overlap until they
-///   come apart; so add every body before the window in which it is born, not at a place to be left.
+/// Properties of the adapter:
+/// - A body without a contact or joint in a window ends in its predicted state, to the bit.
+/// - There is no damping, sleeping, rolling resistance or gravity. In a pile at rest velocities vary by a few g H (H:
+/// the
+///   window); its energy does not grow.
+/// - Shapes: contacts with half spaces use true corners, contacts of two boxes true faces. Other pairs use hulls with
+///   edges rounded by at most 0.5 mm inside their size. Sharp corners lose up to 0.7 mm.
+/// - Look-ahead: contacts are found within 2 mm plus the distance that the two centres move relative to each other in
+/// the
+///   window. For half spaces it is the distance that each corner moves, turning included. Two spheres are found in an
+///   overlap only.
+/// - Bodies that overlap in their first window, as shards of one pane do, may keep this overlap until they separate. So
+///   add a body where its first window starts.
 /// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s.
-/// - add() in any order between two windows gives the same result.
-/// - save() forgets what contacts pushed with: a stack that is saved in every window sinks (rigid/README.md).
-/// - restore() refuses motions that do not match as advance() does (bad_handback), and caches with bad_state.
+/// - Bodies added between two windows give the same result in any order.
+/// - save() drops the contact impulses that solves start from: a stack that is saved in every window sinks
+///   (rigid/README.md).
+/// - restore() refuses motions that do not match the bodies (bad_handback), and wrong saved state (bad_state).
 class BulletEngine final : public Engine {
  public:
   BulletEngine();
@@ -31,14 +36,15 @@ class BulletEngine final : public Engine {
   EngineInfo info() const override;
   void add(const RigidBody& body) override;
   void set_contact_laws(const std::vector<ContactLaw>& laws) override;
-  void advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) override;
+  void advance(double window_s, const std::vector<PredictedState>& predicted,
+               const std::vector<BodyId>& solved) override;
   std::vector<EngineState> states() const override;
   void add_joint(const Joint& joint) override;
   void release_joint(std::uint32_t id) override;
-  std::vector<ContactRow> rows(double window_s, const std::vector<Handback>& motions,
+  std::vector<ContactRow> rows(double window_s, const std::vector<PredictedState>& motions,
                                const std::vector<BodyId>& bodies) override;
   std::string save() override;
-  void restore(const std::string& caches, const std::vector<Handback>& motions) override;
+  void restore(const std::string& caches, const std::vector<PredictedState>& motions) override;
 
  private:
   struct Impl;

@@ -8,7 +8,7 @@
 namespace sunder::rigid {
 namespace {
 
-/// Of a strain that was there at the start of a window: the share that is taken back, and how fast at most.
+/// Share of a strain at the start of a window that the window removes, and the largest speed of it.
 constexpr double kStrainShare = 0.2;                              // [-]
 constexpr double kCorrectionSpeed = 0.05, kCorrectionSpin = 1.0;  // [m/s], [rad/s]
 
@@ -18,8 +18,7 @@ btTransform frame(const Joint::Frame& f) {
                      kLengthScale * btVector3(f.position.x(), f.position.y(), f.position.z()));
 }
 
-/// Axes of frames of the first and of the second body that stay at right angles, as columns. Hinges have the first two
-/// pairs, sliders and fixed joints the last three.
+/// Pairs of axes, one of each body's frame, that a joint keeps at right angles (columns of the frames).
 struct AxisPair {
   int first, second;
 };
@@ -64,7 +63,7 @@ BulletJoint::Strain BulletJoint::strain(const btTransform& first, const btTransf
 
 void BulletJoint::find_rows() {
   const btTransform a = m_rbA.getWorldTransform() * first_frame_, b = m_rbB.getWorldTransform() * second_frame_;
-  // A slider's axis is the first body's, the point upon it the second's.
+  // The axis of a slider is fixed to the first body, the point on it to the second.
   const bool slides = kind_ == Joint::Kind::kSlider;
   const btVector3 at = slides ? b.getOrigin() : 0.5 * (a.getOrigin() + b.getOrigin());
   first_arm_ = at - m_rbA.getCenterOfMassPosition();
@@ -130,7 +129,7 @@ void BulletJoint::take_in(Stage stage, double window_s) {
     const btVector3& axis = along(linear_rows() + k);
     axes.col(k) = Vec3(axis.x(), axis.y(), axis.z());
   }
-  if (angular == 2) axes.col(2) = axes.col(0).cross(axes.col(1));  // a hinge turns freely about it
+  if (angular == 2) axes.col(2) = axes.col(0).cross(axes.col(1));  // the free axis of a hinge
   const Vec3 parts = axes.inverse() * Vec3(turn.x(), turn.y(), turn.z());
   for (int k = 0; k < angular; ++k) impulses_[stage][linear_rows() + k] += parts[k];
 }

@@ -1,11 +1,10 @@
 #pragma once
 // A joint as rows of Bullet's solver. Private to the adapter. Lengths and masses are Bullet's (bullet_shapes.h).
 //
-// The scheme is that of RATTLE: the first solve of a window aims at poses that satisfy the joint at the window's end
-// (its rows are those of the start), the second takes out the velocities that would strain it there. So the energy of
-// a pendulum oscillates and does not drift; Bullet's own joints, which push with velocities against a strain that is
-// already there, feed it. Both bodies are pushed at one point, with one impulse: momentum and angular momentum are kept
-// to round-off.
+// The scheme is RATTLE. The first solve of a window finds poses that satisfy the joint at the window's end, with the
+// joint's rows at the start. The second solve removes velocities that would strain the joint there. So the energy of a
+// pendulum oscillates and does not drift. Bullet's own joints turn an existing strain into velocity, which adds energy.
+// One impulse acts on both bodies at one point: momentum and angular momentum are kept to round-off.
 #include <btBulletDynamicsCommon.h>
 
 #include <array>
@@ -16,9 +15,11 @@
 
 namespace sunder::rigid {
 
-/// One for each row. Not a vector in the room: that of the last window would do work where the joint has turned since.
+/// Impulse of each row. Stored by row and not as a world vector: the old vector would do work once the joint has
+/// turned.
 using JointImpulse = std::array<double, 6>;  // [g cm/s or g cm^2/s]
 
+/// A ball joint, hinge, slider or fixed joint with its rows in Bullet's solver.
 class BulletJoint final : public btTypedConstraint {
  public:
   enum Stage { kSolve, kRelax };
@@ -26,29 +27,31 @@ class BulletJoint final : public btTypedConstraint {
   BulletJoint(const Joint& joint, btRigidBody& first, btRigidBody& second);
 
   struct Row {
-    btVector3 linear{0, 0, 0};  // of the second body; the first has its negative
+    btVector3 linear{0, 0, 0};  // direction on the second body; the first body has its negative
     btVector3 first_angular{0, 0, 0}, second_angular{0, 0, 0};
   };
-  /// At the poses of the last find_rows().
+  /// Rows at the poses of the last find_rows().
   const std::vector<Row>& rows() const { return rows_; }
+  /// Sets the rows at the present poses.
   void find_rows();
 
-  /// Of the next solve: the velocities that lead to an unstrained joint at the end of the window, to first order. A
-  /// strain that is there already is taken back in shares, and slowly: nothing that is in the way is struck.
+  /// Sets the target of the next solve: velocities that leave the joint without strain at the end of the window, to
+  /// first order. An existing strain is reduced by a share per window, at a limited speed, so that bodies in the way
+  /// are not struck.
   void aim(double window_s);
-  /// Of the next solve: velocities that do not strain the joint.
+  /// Sets the target of the next solve to velocities that do not change the strain.
   void aim_still() { aim_.fill(0.0); }
-  /// Mends the aim by what comes of the present velocities: poses at the end of the window. Returns how far off they
-  /// are per second [m/s or rad/s, the largest].
+  /// Corrects the target by the poses to which the present velocities lead at the end of the window. Returns the
+  /// largest remaining error of strain per second [m/s or rad/s].
   double mend(const btTransform& first_end, const btTransform& second_end, double window_s);
-  /// What a row still needs to reach its aim.
+  /// Rate of strain that a row still needs to reach its target [cm/s or rad/s].
   double missing(int row) const { return aim_[row] - rate(row); }
 
-  /// Gives both bodies the impulse that the stage ended with last.
+  /// Gives both bodies the impulse with which this stage ended last.
   void push(Stage stage) { hand_out(impulses_[stage].data()); }
-  /// Adds what Bullet's solve has given them since.
+  /// Adds to the stored impulse what Bullet's solve has applied since push().
   void take_in(Stage stage, double window_s);
-  /// Gives them an impulse for each row. Returns the largest change of a velocity [m/s or rad/s].
+  /// Applies and stores an impulse for each row. Returns the largest change of a velocity [m/s or rad/s].
   double give(Stage stage, const double* impulses);
 
   const std::array<JointImpulse, 2>& impulses() const { return impulses_; }
@@ -67,15 +70,15 @@ class BulletJoint final : public btTypedConstraint {
   int row_count() const;
   const btVector3& along(int row) const { return row < linear_rows() ? rows_[row].linear : rows_[row].second_angular; }
   void hand_out(const double* impulses);
-  double rate(int row) const;  // at which the present velocities strain the joint
+  double rate(int row) const;  // rate of strain at the present velocities
   Strain strain(const btTransform& first, const btTransform& second) const;
 
   Joint::Kind kind_;
   btTransform first_frame_, second_frame_;
-  Strain aim_{};     // change of the strain per second
-  Strain wanted_{};  // strain at the window's end
+  Strain aim_{};     // target rate of strain [cm/s or rad/s]
+  Strain wanted_{};  // target strain at the window's end [cm or rad]
   std::array<JointImpulse, 2> impulses_{};
-  btVector3 first_arm_{0, 0, 0}, second_arm_{0, 0, 0};  // to the point where both are pushed, of find_rows()
+  btVector3 first_arm_{0, 0, 0}, second_arm_{0, 0, 0};  // from centres to the point of the impulse, at find_rows()
   std::vector<Row> rows_;
   btJointFeedback feedback_;
 };

@@ -10,8 +10,8 @@
 namespace sunder::rigid {
 namespace {
 
-/// Makes room for joints that say the same thing twice, as two hinges of one door do.
-constexpr double kSoftness = 1e-10;  // [-], of the diagonal
+/// Added share of the diagonal, for redundant joints, such as two hinges of one door: their matrix is singular.
+constexpr double kSoftness = 1e-10;  // [-]
 
 }  // namespace
 
@@ -34,7 +34,7 @@ bool BulletJoints::choose(const std::set<BodyId>& solved) {
     const bool elsewhere = solved.count(first) > 0 || solved.count(second) > 0 || released_.count(id) > 0;
     joint->setEnabled(!elsewhere);
     if (elsewhere) {
-      joint->set_impulses({});  // no start for the next time that it is solved here
+      joint->set_impulses({});  // they do not fit the next window in which it acts
       continue;
     }
     acting_.push_back(joint.get());
@@ -61,7 +61,7 @@ void BulletJoints::factorize() {
     std::size_t joint;
     bool second;
   };
-  std::map<BodyId, std::vector<End>> ends;  // by what moves
+  std::map<BodyId, std::vector<End>> ends;  // of joints, by moving body
   first_rows_ = {0};
   for (std::size_t j = 0; j < acting_.size(); ++j) {
     const BulletJoint& joint = *acting_[j];

@@ -18,7 +18,7 @@ class PlaneAlgorithm final : public btCollisionAlgorithm {
                  const btCollisionObjectWrapper* plane, bool plane_first)
       : btCollisionAlgorithm(info), plane_first_(plane_first) {
     const auto& points = static_cast<const PlanePoints*>(shape->getCollisionShape()->getUserPointer())->points;
-    // Corner k is always in manifold k/4 (four is a manifold's most): no corner pushes another one out.
+    // Corner k is always in manifold k/4, since a manifold holds four points: no corner replaces another one.
     for (std::size_t k = 0; k < points.size(); k += 4)
       manifolds_.push_back(m_dispatcher->getNewManifold(shape->getCollisionObject(), plane->getCollisionObject()));
   }
@@ -46,7 +46,7 @@ class PlaneAlgorithm final : public btCollisionAlgorithm {
       for (std::size_t k = 4 * m; k < std::min(4 * m + 4, tops.points.size()); ++k) {
         const btVector3 corner = pose * tops.points[k];
         const double gap = normal.dot(corner) - offset - tops.radius;
-        // Everything that can arrive within this window, so that speed does not carry it in.
+        // Include each corner that can arrive in this window, so that fast bodies do not sink in.
         const btVector3 velocity = body.getVelocityInLocalPoint(corner - body.getCenterOfMassPosition());
         const double approach = std::max(0.0, -normal.dot(velocity)) * info.m_timeStep;
         if (gap > manifold.getContactBreakingThreshold() + approach) continue;
@@ -55,7 +55,7 @@ class PlaneAlgorithm final : public btCollisionAlgorithm {
         point.m_positionWorldOnA = on_shape;
         point.m_positionWorldOnB = on_plane;
         point.m_index0 = static_cast<int>(k);
-        for (int i = 0; i < old_count; ++i)  // where the solver starts from
+        for (int i = 0; i < old_count; ++i)  // the solver starts from it
           if (old[i].m_index0 == point.m_index0) point.m_appliedImpulse = old[i].m_appliedImpulse;
         manifold.addManifoldPoint(point);
       }

@@ -1,7 +1,7 @@
 #pragma once
-// Contact of a shape with a half space by its true corners. Private to the adapter.
-// Bullet's own algorithm finds one corner per query, on the rounded hull: flat plates rock on the few
-// points that it has gathered, and sharp corners sink in by what the rounding took.
+// Contacts of a shape with a half space by its true corners. Private to the adapter. Bullet's own algorithm finds one
+// corner per query, on the rounded hull. Flat plates would rock on the few points found so far, and sharp corners would
+// sink in by their rounding.
 #include <BulletCollision/CollisionDispatch/btCollisionCreateFunc.h>
 #include <BulletCollision/CollisionDispatch/btCollisionDispatcher.h>
 
@@ -9,14 +9,14 @@
 
 namespace sunder::rigid {
 
-/// What may touch a plane, in the shape's coordinates: points with a radius around each. A shape
-/// carries it as its user pointer.
+/// Points of a shape that may touch a plane, in the shape's coordinates, with a radius. The shape's user pointer leads
+/// to it.
 struct PlanePoints {
   std::vector<btVector3> points;
   double radius = 0.0;
 };
 
-/// One for (shape, plane) and one for (plane, shape).
+/// Makes Bullet's contact algorithm for (shape, plane), or for (plane, shape).
 class PlaneCreateFunc final : public btCollisionAlgorithmCreateFunc {
  public:
   explicit PlaneCreateFunc(bool plane_first) { m_swapped = plane_first; }

@@ -10,13 +10,13 @@
 namespace sunder::rigid {
 namespace {
 
-/// Share of the distance from the middle to the nearest face that shrinking may take: a sliver
-/// thinner than two margins keeps a core, and its margin is what was taken, so its size is kept.
+/// Largest share of the distance from the centre to the nearest face that shrinking may take. So a sliver thinner than
+/// two margins keeps a core. Its margin is what shrinking took, so its size does not change.
 constexpr double kShrinkClamp = 0.45;  // [-]
-/// Shrinking and rounding cuts sharp corners by margin * (1/sin(half angle) - 1); where that is more
-/// than this, the margin is halved.
+/// Shrinking and rounding cuts sharp corners by margin * (1/sin(half angle) - 1). Where the cut is larger than this,
+/// the margin is halved.
 constexpr double kMaxCornerLoss_m = 0.7e-3;
-/// Below it the hull is used as it is: GJK works in double on a margin of 1 um.
+/// Least margin. Below it the hull keeps its corners and has this margin: GJK in double precision works with 1 um.
 constexpr double kLeastMargin_m = 1e-6;
 /// Share of (bounding diagonal)^3 below which a part is flat.
 constexpr double kFlatShare = 1e-12;  // [-]
@@ -40,8 +40,8 @@ double hull_volume(const btConvexHullComputer& hull) {
   return std::abs(six_volumes) / 6.0;
 }
 
-/// How far the worst corner of the part lies outside the shrunk and rounded hull [Bullet lengths];
-/// an upper bound, since it looks at the shrunk corners only.
+/// Largest distance of a corner from the shrunk and rounded hull [Bullet lengths]. An upper bound: it considers the
+/// corners of the shrunk hull only.
 double corner_loss(const btConvexHullComputer& unshrunk, const btConvexHullComputer& shrunk, double margin) {
   double worst = 0.0;
   for (int i = 0; i < unshrunk.vertices.size(); ++i) {
@@ -82,7 +82,7 @@ std::unique_ptr<btCollisionShape> make_hull(const RigidBody& body, const std::ve
   // No initializePolyhedralFeatures: on shrunk hulls contact would begin two margins too late.
   for (double shrink_m = kMargin_m; shrink_m >= kLeastMargin_m; shrink_m *= 0.5) {
     btConvexHullComputer hull;
-    const double margin = compute(hull, kLengthScale * shrink_m);  // < 0: nothing would remain
+    const double margin = compute(hull, kLengthScale * shrink_m);  // negative: no core would remain
     if (margin <= 0.0 || hull.vertices.size() < 4) continue;
     if (corner_loss(unshrunk, hull, margin) > kLengthScale * kMaxCornerLoss_m) continue;
     for (int i = 0; i < hull.vertices.size(); ++i) shape->addPoint(hull.vertices[i], false);
@@ -96,7 +96,7 @@ std::unique_ptr<btCollisionShape> make_hull(const RigidBody& body, const std::ve
   return shape;
 }
 
-/// Gives the youngest child what it meets half spaces with.
+/// Gives the last child its contact points for half spaces.
 void touch_planes_by(BulletShape& shape, PlanePoints points) {
   shape.plane_points.push_back(std::make_unique<PlanePoints>(std::move(points)));
   shape.children.back()->setUserPointer(shape.plane_points.back().get());
@@ -112,7 +112,7 @@ BulletShape make_bullet_shape(const RigidBody& body) {
   } else if (const auto* box = std::get_if<BoxShape>(&body.shape)) {
     const Vec3& h = box->half_size;
     auto shape = std::make_unique<btBoxShape>(scaled(h));
-    shape->setMargin(kLengthScale * std::min(kMargin_m, kShrinkClamp * h.minCoeff()));  // keeps the outer size
+    shape->setMargin(kLengthScale * std::min(kMargin_m, kShrinkClamp * h.minCoeff()));  // the outer size stays
     result.children.push_back(std::move(shape));
     PlanePoints corners;
     for (int k = 0; k < 8; ++k) {
@@ -121,7 +121,7 @@ BulletShape make_bullet_shape(const RigidBody& body) {
     }
     touch_planes_by(result, std::move(corners));
   } else if (std::holds_alternative<HalfSpaceShape>(body.shape)) {
-    // A plane, not a big box: depth is signed everywhere, so that nothing gets out below.
+    // A plane, not a large box: its depth is defined everywhere, so no body can leave at the bottom.
     result.children.push_back(std::make_unique<btStaticPlaneShape>(btVector3(0, 0, 1), 0.0));
   } else {
     const auto& parts = std::get<ConvexShape>(body.shape).parts;

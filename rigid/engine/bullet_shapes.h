@@ -10,14 +10,14 @@
 
 namespace sunder::rigid {
 
-/// Bullet's length unit is 1 cm and its mass unit 1 g. In SI a 20 mm shard has entries of inertia
-/// below Bullet's absolute tolerances.
+/// Units in Bullet: lengths in cm, masses in g. In SI the inertia of a 20 mm shard is below Bullet's absolute
+/// tolerances.
 constexpr double kLengthScale = 100.0;  // [1/m]
 constexpr double kMassScale = 1000.0;   // [1/kg]
-/// Rounding of hulls and boxes. Bullet's own 0.04 would hold shards visibly apart in SI.
+/// Rounding radius of hulls and boxes. Bullet's default of 0.04 units would leave visible gaps between shards.
 constexpr double kMargin_m = 0.5e-3;
 
-/// A Bullet shape with what it points to but does not own.
+/// A Bullet shape with the objects that it points to but does not own.
 struct BulletShape {
   std::vector<std::unique_ptr<PlanePoints>> plane_points;
   std::vector<std::unique_ptr<btCollisionShape>> children;
@@ -26,8 +26,8 @@ struct BulletShape {
   btCollisionShape* get() const { return compound ? compound.get() : children.front().get(); }
 };
 
-/// Of a body that check_body() lets through. Throws Error (bad_body) with id, name, value and remedy where a convex
-/// part cannot be held.
+/// Shape of a body that check_body() accepts. Throws Error (bad_body) with id, name, value and remedy where a convex
+/// part has too few corners, is not finite, or is flat.
 BulletShape make_bullet_shape(const RigidBody& body);
 
 }  // namespace sunder::rigid

@@ -1,5 +1,5 @@
 #pragma once
-// What the adapter keeps in the user indices of Bullet's bodies. Private to it.
+// Data of a body in the user indices of Bullet's objects. Private to the adapter.
 #include <btBulletCollisionCommon.h>
 
 #include <cstdint>
@@ -8,7 +8,7 @@
 
 namespace sunder::rigid {
 
-/// What the world reads of a body, kept in Bullet's user indices.
+/// Id, contact group and marks of a body.
 struct BodyTag {
   static void set(btCollisionObject& body, BodyId id, std::uint32_t contact_group) {
     body.setUserIndex(static_cast<int>(id));
@@ -16,10 +16,10 @@ struct BodyTag {
   }
   static BodyId id(const btCollisionObject& body) { return static_cast<BodyId>(body.getUserIndex()); }
   static std::uint32_t group(const btCollisionObject& body) { return static_cast<std::uint32_t>(body.getUserIndex2()); }
-  /// Not through detect() yet.
+  /// True until the body's first detect().
   static bool newborn(const btCollisionObject& body) { return (body.getUserIndex3() & 1) != 0; }
   static void set_newborn(btCollisionObject& body, bool yes) { body.setUserIndex3((body.getUserIndex3() & ~1) | yes); }
-  /// Whose contacts see() is asked for.
+  /// True where see() is asked for the body's contacts.
   static bool listed(const btCollisionObject& body) { return (body.getUserIndex3() & 2) != 0; }
   static void set_listed(btCollisionObject& body, bool yes) {
     body.setUserIndex3((body.getUserIndex3() & ~2) | (yes ? 2 : 0));

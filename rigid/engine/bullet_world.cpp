@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "rigid/engine/bullet_shapes.h"
+#include "rigid/engine/checks.h"
 
 // A global of Bullet without a declaration in its headers.
 extern btScalar gContactBreakingThreshold;
@@ -10,23 +11,21 @@ extern btScalar gContactBreakingThreshold;
 namespace sunder::rigid {
 namespace {
 
-/// Contacts of bodies at rest are kept up to this gap; less stacks worse, more keeps stale points.
+/// Contacts of bodies at rest are kept up to this gap. A smaller gap makes stacks less stable, a larger one keeps
+/// points that are out of date.
 constexpr double kContactGap_m = 2e-3;
-/// Meeting slower than this is no impact and does not bounce: resting closes with g H per window.
+/// Contacts that close more slowly do not bounce: a resting body closes with g H per window.
 constexpr double kImpactSpeed_m_s = 0.05;
-constexpr int kIterations = 60;  // twenty thin plates creep sideways by 0.30, 0.26, 0.21 mm in 2 s with 40, 50, 80
-/// Share of a penetration taken back per window by moving poses, never by velocities.
+/// Iterations of a solve. With fewer, a stack of thin plates creeps sideways more.
+constexpr int kIterations = 60;
+/// Share of a penetration that a window removes by moving poses. Velocities do not change.
 constexpr double kPositionShare = 0.2;  // [-]
-/// Joints are solved until none is farther off than this, and where there are contacts as well, until the joints have
-/// no more to change than that. [m/s or rad/s]
+/// Joints are solved until their largest error is below the first. With contacts, passes end once joints change
+/// velocities by less than the second. [m/s or rad/s]
 constexpr double kJointResidual = 1e-9, kContactResidual = 1e-5;
 constexpr int kMostTurns = 8, kMostPasses = 4;
-/// Bullet leaves out points farther apart than this; how relax() drops a row.
+/// Bullet ignores points farther apart than the first; relax() drops a row by setting its distance to the second.
 constexpr double kProcessed = 1e6, kLeftOut = 1e7;  // [Bullet lengths]
-
-std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
-  return {std::min(a, b), std::max(a, b)};
-}
 
 btDefaultCollisionConstructionInfo pool_sizes() {
   btDefaultCollisionConstructionInfo info;
@@ -40,14 +39,15 @@ btVector3 velocity_at(const btCollisionObject& object, const btVector3& world_po
   return body->getVelocityInLocalPoint(world_point - body->getCenterOfMassPosition());
 }
 
-/// Bullet pushes either body at its own point of a contact. What is foreseen or overlaps has these apart, and friction,
-/// or a normal that no longer leads from one to the other, would then turn the pair out of nothing.
+/// Moves both points of a contact to their middle. Bullet applies the impulse to each body at its own point. Where
+/// these are apart, friction, or a normal that has turned, would create angular momentum.
 void act_at_one_point(btManifoldPoint& point) {
   point.m_positionWorldOnA = point.m_positionWorldOnB = 0.5 * (point.m_positionWorldOnA + point.m_positionWorldOnB);
 }
 
-/// How far off contacts of two bodies are found: as far as they can come in the window, or a fast shard is first seen
-/// when most of it is behind a thin plate, and pushed out there. A plane looks ahead by itself, from point to point.
+/// Gap up to which contacts of two bodies are found [Bullet lengths]: the kept gap and the distance that the centres
+/// move relative to each other in the window. Otherwise a fast shard would be found behind a thin plate and pushed out
+/// there. The plane algorithm adds the motion of each corner itself.
 double foreseen(const btCollisionObject& a, const btCollisionObject& b, double h) {
   const auto is_plane = [](const btCollisionObject& o) {
     return o.getCollisionShape()->getShapeType() == STATIC_PLANE_PROXYTYPE;
@@ -58,7 +58,8 @@ double foreseen(const btCollisionObject& a, const btCollisionObject& b, double h
   return gap + h * apart.length();
 }
 
-/// Bullet gives what it makes here, manifolds of compounds' parts too, the distance that its global has.
+/// Finds contacts of a pair. Bullet takes the distance for new manifolds, also those of compounds' parts, from a
+/// global.
 void find_all(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& how) {
   const auto object = [](const btBroadphaseProxy* proxy) -> const btCollisionObject& {
     return *static_cast<const btCollisionObject*>(proxy->m_clientObject);
@@ -67,7 +68,7 @@ void find_all(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const b
   btCollisionDispatcher::defaultNearCallback(pair, dispatcher, how);
 }
 
-/// Contacts of the listed bodies only.
+/// Finds contacts of pairs with a listed body.
 void find_listed(btBroadphasePair& pair, btCollisionDispatcher& dispatcher, const btDispatcherInfo& how) {
   const auto listed = [](const btBroadphaseProxy* proxy) {
     return BodyTag::listed(*static_cast<const btCollisionObject*>(proxy->m_clientObject));
@@ -85,7 +86,7 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
  public:
   using btDiscreteDynamicsWorld::btDiscreteDynamicsWorld;
 
-  // No predict: without damping and forces it would only fill the pose for continuous collision.
+  // Bullet's prediction of motion is not called: it serves continuous collision only, which is off.
   void find(double h) {
     getDispatchInfo().m_timeStep = h;
     getDispatchInfo().m_stepCount = 0;
@@ -105,8 +106,7 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
       updateSingleAabb(&object);
     }
   }
-  // Islands anew for every solution: walking over them destroys them, and contacts of islands that are no more would
-  // silently be left out the next time.
+  // Islands are built for every solve, because solving destroys them. A second solve would leave out their contacts.
   void solve(double h) {
     calculateSimulationIslands();
     getSolverInfo().m_timeStep = h;
@@ -115,38 +115,38 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
 };
 
 BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&configuration_) {
-  configuration_.setConvexConvexMultipointIterations(3, 3);  // one point is too few for plate on plate
+  configuration_.setConvexConvexMultipointIterations(3, 3);  // one point is too few for two plates
   for (int shape : {SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
     dispatcher_.registerCollisionCreateFunc(shape, STATIC_PLANE_PROXYTYPE, &shape_on_plane_);
     dispatcher_.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, shape, &plane_under_shape_);
   }
-  // The further points come from turning a body a little and back: on a sphere they are no contacts, a
-  // ball on a plate sinks in by them and rolls off.
+  // Bullet finds further points by turning a body a little. On a sphere these are no contacts: a ball on a plate would
+  // sink in and roll off.
   for (int shape : {BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
     dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, shape, &one_point_);
     dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
   dispatcher_.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, &boxes_);
-  ground_.setUserIndex(0);  // no body's id
+  world_body_.setUserIndex(0);  // no body's id
   dispatcher_.setNearCallback(find_all);
   if (use == Use::kLook) {
     dispatcher_.setNearCallback(find_listed);
-    // Bullet's own for two spheres finds them only once they overlap.
+    // Bullet's own algorithm for two spheres finds them only in an overlap.
     dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
-  gContactBreakingThreshold = kLengthScale * kContactGap_m;  // process-wide; every instance sets the same
-  // Else the gap would be a share of each body's size.
+  gContactBreakingThreshold = kLengthScale * kContactGap_m;  // process-wide; every instance sets the same value
+  // Without this the gap would be a share of each body's size.
   dispatcher_.setDispatcherFlags(dispatcher_.getDispatcherFlags() &
                                  ~btCollisionDispatcher::CD_USE_RELATIVE_CONTACT_BREAKING_THRESHOLD);
   world_ = std::make_unique<World>(&dispatcher_, &broadphase_, &solver_, &configuration_);
-  world_->setGravity(btVector3(0, 0, 0));  // the handbacks carry gravity
+  world_->setGravity(btVector3(0, 0, 0));  // predicted states include gravity
   world_->getDispatchInfo().m_useContinuous = false;
   btContactSolverInfo& info = world_->getSolverInfo();
   info.m_numIterations = kIterations;
   info.m_erp2 = kPositionShare;
-  info.m_warmstartingFactor = 1.0;  // with Bullet's 0.85 a stack never carries all of its weight, and sinks
-  info.m_splitImpulsePenetrationThreshold = 0.0;  // Bullet's -0.04 turns shallow penetration into velocity
-  // Two directions, the first along the slip: one alone leaves the other free.
+  info.m_warmstartingFactor = 1.0;  // with Bullet's 0.85 a stack carries only part of its weight and sinks
+  info.m_splitImpulsePenetrationThreshold = 0.0;  // with Bullet's -0.04 shallow penetration becomes velocity
+  // Two friction directions, the first along the slip. With one, the other direction has no friction.
   info.m_solverMode |= SOLVER_USE_2_FRICTION_DIRECTIONS;
 }
 
@@ -158,7 +158,7 @@ void BulletWorld::add(btRigidBody& body, BodyId id, std::uint32_t contact_group)
   body.setDamping(0, 0);
   body.setSleepingThresholds(0, 0);
   body.setActivationState(DISABLE_DEACTIVATION);
-  body.setFlags(BT_DISABLE_WORLD_GRAVITY);  // and no gyroscopic flag: the handback turned the body already
+  body.setFlags(BT_DISABLE_WORLD_GRAVITY);  // no gyroscopic flag: the predicted state includes the turn
   body.setGravity(btVector3(0, 0, 0));
   body.setCcdMotionThreshold(0);
   body.setContactProcessingThreshold(kProcessed);
@@ -187,7 +187,7 @@ bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
       btManifoldPoint& point = manifold.getContactPoint(k);
       // Set here instead of through Bullet's callbacks, which are process-wide.
       point.m_combinedFriction = pair_law.friction;
-      point.m_combinedRestitution = 0.0;  // relax() gives it, see there
+      point.m_combinedRestitution = 0.0;  // relax() applies it
       act_at_one_point(point);
       const btVector3 closing =
           velocity_at(b, point.getPositionWorldOnB()) - velocity_at(a, point.getPositionWorldOnA());
@@ -203,7 +203,7 @@ bool BulletWorld::detect(double window_s, const std::set<BodyId>& solved) {
     if (!row.left_out) continue;
     btManifoldPoint& point = *row.point;
     point.setDistance(kLeftOut);
-    // what it pushed with when it was last solved here is no start for the next time
+    // its old impulses do not fit the next window in which it is solved here
     point.m_appliedImpulse = point.m_appliedImpulseLateral1 = point.m_appliedImpulseLateral2 = 0.0;
   }
   return any;
@@ -253,7 +253,7 @@ void BulletWorld::update_allowances() {
   std::map<BodyPair, double> next;
   for (const auto& [pair, depth] : depths) {
     const double kept = allowance(pair, depth);
-    if (kept > 0.0) next[pair] = kept;  // a pair that has come apart is as any other
+    if (kept > 0.0) next[pair] = kept;  // a pair that has separated has no allowance any more
   }
   allowances_ = std::move(next);
   for (const auto& [id, body] : bodies_) BodyTag::set_newborn(*body, false);
@@ -267,11 +267,11 @@ void BulletWorld::update_allowances() {
 }
 
 void BulletWorld::add_joint(const Joint& joint) {
-  btRigidBody &first = *bodies_.at(joint.first), &second = joint.second == 0 ? ground_ : *bodies_.at(joint.second);
-  // contacts that there are already would go on to be solved
+  btRigidBody &first = *bodies_.at(joint.first), &second = joint.second == 0 ? world_body_ : *bodies_.at(joint.second);
+  // drop existing contacts of the two, which would still be solved
   broadphase_.getOverlappingPairCache()->cleanProxyFromPairs(first.getBroadphaseHandle(), &dispatcher_);
   auto made = std::make_unique<BulletJoint>(joint, first, second);
-  world_->addConstraint(made.get(), &second != &ground_);
+  world_->addConstraint(made.get(), &second != &world_body_);
   joints_.add(joint.id, std::move(made));
 }
 
@@ -318,13 +318,13 @@ void BulletWorld::relax_joined(double window_s, int mode) {
     const double moved = joints_.correct();
     if (!contacts || moved <= kContactResidual || pass == kMostPasses) return;
     for (const Velocity& v : start) v.body->setLinearVelocity(v.linear), v.body->setAngularVelocity(v.angular);
-    world_->getSolverInfo().m_solverMode = mode;  // from the contact impulses of the last pass, as joints do
+    world_->getSolverInfo().m_solverMode = mode;  // start from the contact impulses of the last pass
   }
 }
 
 void BulletWorld::relax(double window_s) {
-  // Restitution is given here and not in solve(): there a foreseen contact (gap > 0) has to close its
-  // gap in the window, and Bullet would take that closing off the rebound.
+  // Restitution is applied here and not in solve(). There a contact with a gap still closes it in the window, and
+  // Bullet would subtract this closing speed from the rebound.
   struct Kept {
     double impulse, lateral_1, lateral_2;
   };
@@ -342,7 +342,7 @@ void BulletWorld::relax(double window_s) {
     row.acted = point.m_appliedImpulse > 0.0;
     point.setDistance(row.acted || gap <= 0.0 ? 0.0 : kLeftOut);
     if (row.acted && row.restitution > 0.0 && row.approach > kLengthScale * kImpactSpeed_m_s) {
-      // Bullet aims at the velocity -distance * erp / H
+      // Bullet's target velocity is -distance * erp / H
       point.setDistance(-row.restitution * row.approach * window_s);
       point.m_contactPointFlags |= BT_CONTACT_FLAG_HAS_CONTACT_ERP;
       point.m_contactERP = 1.0;
@@ -350,7 +350,7 @@ void BulletWorld::relax(double window_s) {
   }
   btContactSolverInfo& info = world_->getSolverInfo();
   const int mode = info.m_solverMode;
-  info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;  // the impulses of solve() are in the velocities already
+  info.m_solverMode &= ~SOLVER_USE_WARMSTARTING;  // velocities include the impulses of solve()
   info.m_splitImpulse = false;                    // poses stay
   if (joints_.any())
     relax_joined(window_s, mode);
@@ -358,8 +358,8 @@ void BulletWorld::relax(double window_s) {
     world_->solve(window_s);
   info.m_solverMode = mode;
   info.m_splitImpulse = true;
-  // solve() of the next window starts from its own impulses, but not where there was an impact: with a
-  // heavy body on a light one the iterations would not take back all of it, and it would push.
+  // The next solve() starts from the impulses of this one, except in islands with an impact. With a heavy body on a
+  // light one the iterations would not remove an impact's impulse completely.
   std::set<int> struck_islands;
   for (const Row& row : rows_)
     if (row.approach > kLengthScale * kImpactSpeed_m_s && row.acted) struck_islands.insert(island(row));
@@ -382,8 +382,8 @@ WorldMemory BulletWorld::memory() const {
 }
 
 void BulletWorld::clear() {
-  // All of them, static ones too: resetPool does nothing while one is left, and the order of pairs, which decides in
-  // which order contacts are solved, hangs on the history of the broadphase.
+  // Remove static bodies too: resetPool does nothing while a body is left. The order in which contacts are solved
+  // follows the order of pairs, which depends on the history of the broadphase.
   for (const auto& [id, joint] : joints_.all()) world_->removeConstraint(joint.get());
   joints_.take_out();
   for (const auto& [id, body] : bodies_) world_->removeRigidBody(body);
@@ -405,8 +405,8 @@ void BulletWorld::start_over(const WorldMemory& memory) {
   }
   bodies_ = bodies;
   allowances_ = memory.allowances;
-  for (auto& [id, joint] : joints) {  // by id too, whenever they were added: their order in the solver counts
-    world_->addConstraint(joint.get(), &joint->getRigidBodyB() != &ground_);
+  for (auto& [id, joint] : joints) {  // by id, because their order in the solver matters
+    world_->addConstraint(joint.get(), &joint->getRigidBodyB() != &world_body_);
     joint->set_impulses(memory.joints.at(id));
     joints_.add(id, std::move(joint));
   }

@@ -1,6 +1,6 @@
 #pragma once
-// A Bullet world whose step is taken apart: detect / solve / relax; the caller moves the bodies.
-// Private to the adapter. Lengths, masses and velocities here are Bullet's (bullet_shapes.h).
+// A Bullet world with its step in separate parts: detect, solve, relax. The caller moves the bodies. Private to the
+// adapter. Units are Bullet's (bullet_shapes.h).
 #include <BulletCollision/CollisionDispatch/btConvexConvexAlgorithm.h>
 #include <BulletCollision/NarrowPhaseCollision/btGjkEpaPenetrationDepthSolver.h>
 #include <btBulletDynamicsCommon.h>
@@ -23,87 +23,91 @@ namespace sunder::rigid {
 
 using BodyPair = std::pair<BodyId, BodyId>;  // lower first
 
-/// What a world keeps from window to window besides the bodies' motions.
+/// State of a world that lasts from window to window, besides the bodies' motions.
 struct WorldMemory {
-  std::map<BodyId, bool> newborn;         // every body
-  std::map<BodyPair, double> allowances;  // overlap that a pair may keep from birth [Bullet lengths], above 0
-  BulletJoints::Impulses joints;          // of every joint: what its solves start from
+  std::map<BodyId, bool> newborn;         // of every body
+  std::map<BodyPair, double> allowances;  // overlap that a pair keeps from birth [Bullet lengths], above 0
+  BulletJoints::Impulses joints;          // of every joint: its solves start from them
 };
 
-/// A contact as see() found it.
+/// A contact found by see().
 struct SeenContact {
-  const btManifoldPoint* point;  // until the next see()
+  const btManifoldPoint* point;  // valid until the next see()
   BodyPair bodies;               // the point's A and B, in this order
   ContactLaw law;
-  double depth;  // of the pair [Bullet lengths], 0 where its deepest point is none
+  double depth;  // largest overlap of the pair [Bullet lengths]; 0 where there is none
 };
 
+/// Finds and solves the contacts and joints of a window.
 class BulletWorld {
  public:
-  enum class Use { kMove, kLook };  // detect, solve, relax; or see
+  enum class Use { kMove, kLook };  // kMove: detect, solve, relax; kLook: see
   explicit BulletWorld(Use use);
   ~BulletWorld();
 
-  /// The body outlives the world.
+  /// Adds a body, which outlives the world.
   void add(btRigidBody& body, BodyId id, std::uint32_t contact_group);
+  /// Replaces all contact laws.
   void set_contact_laws(const std::vector<ContactLaw>& laws);
-  /// Both bodies are here; they collide no more. Use::kLook heeds only that.
+  /// Adds a joint between bodies of this world, which do not collide from here on. With Use::kLook this is its only
+  /// effect.
   void add_joint(const Joint& joint);
   void release_joint(std::uint32_t id) { joints_.release(id); }
   bool has_joint(std::uint32_t id) const { return joints_.has(id); }
 
-  /// Finds contacts at the present poses; false where there are none to solve. Contacts of bodies in `solved` count
-  /// for what overlap may be kept, but are not solved.
+  /// Finds contacts at the present poses; false where there is none to solve. Contacts of bodies in `solved` are not
+  /// solved, but they count for overlaps from birth.
   bool detect(double window_s, const std::set<BodyId>& solved);
-  /// Before solve(): joints that hold no body of `solved` act. False where there is none.
+  /// Before solve(): selects the joints without a body of `solved`. False where there is none.
   bool choose_joints(const std::set<BodyId>& solved) { return joints_.choose(solved); }
-  /// Whether one that acts holds the body.
+  /// True where an acting joint holds the body.
   bool holds(BodyId id) const { return joints_.hold(id); }
-  /// How joints look ahead: where a body would end with its present velocity [Bullet lengths], and what puts velocities
-  /// and poses back as they were before solve().
+  /// The caller's part in solving joints: the pose at which a body would end with its present velocity [Bullet
+  /// lengths], and a function that resets velocities and poses to those before solve().
   struct Ahead {
     std::function<btTransform(BodyId)> end_of;
     std::function<void()> put_back;
   };
-  /// Solves velocities, and moves poses out of penetration (split impulses).
+  /// Solves velocities, and moves poses out of penetration without changing velocities (split impulses).
   void solve(double window_s, const Ahead& ahead);
-  /// Velocity-only solve at the present poses of the contacts that acted in solve() or touch now;
-  /// gives contacts that met fast enough their restitution.
+  /// Solves velocities at the present poses, for contacts that acted in solve() or touch now. Applies restitution to
+  /// contacts that closed fast enough.
   void relax(double window_s);
 
-  /// Use::kLook. Contacts of the listed bodies at the present poses. They are kept from call to call
-  /// as detect() keeps them, so that flat faces have their four points.
+  /// Use::kLook. Contacts of the listed bodies at the present poses. Bullet keeps points between calls, so that flat
+  /// faces have four.
   std::vector<SeenContact> see(double window_s, const std::set<BodyId>& listed);
-  /// Overlap that the next detect() would let the pair keep; `depth` [Bullet lengths] is what it would find. Bodies
-  /// that are not here yet count as newborn.
+  /// Overlap that the pair may keep in the next detect() [Bullet lengths], if that finds an overlap of `depth`. Bodies
+  /// that are not in this world yet count as newborn.
   double allowance(const BodyPair& pair, double depth) const;
 
+  /// State for save().
   WorldMemory memory() const;
-  /// As a world that was made just now, given its bodies by ascending id where they are, and this memory: whatever
-  /// came before, the windows from here on are the same to the bit.
+  /// Resets the world to a saved state. From here on its windows are the same, to the bit, as those of a new world with
+  /// the same bodies at the same poses, whatever came before.
   void start_over(const WorldMemory& memory);
-  /// Takes all bodies out.
+  /// Removes all bodies and joints.
   void clear();
 
  private:
   struct Row {
     btManifoldPoint* point;
     const btCollisionObject *first, *second;
-    double approach;     // closing speed before solve()
+    double approach;     // closing speed before solve() [cm/s]
     double restitution;  // [-]
-    double allowance;    // penetration that does not count
-    bool acted;          // pushed in solve()
-    bool left_out;       // of a body whose contacts are solved elsewhere
+    double allowance;    // overlap that is not pushed apart [cm]
+    bool acted;          // had an impulse in solve()
+    bool left_out;       // the shell process has solved it
   };
   class World;
 
   static int island(const Row& row);
 
   const ContactLaw& law(const btCollisionObject& a, const btCollisionObject& b) const;
-  /// Pairs that overlap when one of the two is new (shards share faces with their neighbours) may keep
-  /// that overlap: it is subtracted until they come apart, and never grows again.
+  /// A pair that overlaps when one of the two bodies is newborn may keep this overlap, because shards share faces with
+  /// their neighbours. It is subtracted until they separate, and it never grows.
   void update_allowances();
-  /// The solve of relax() where joints act; `mode` is that of solve().
+  /// The solve of relax() with joints; `mode`: Bullet's solver mode in solve().
   void relax_joined(double window_s, int mode);
   bool contacts_to_solve() const;
   bool newborn(BodyId id) const;
@@ -117,7 +121,7 @@ class BulletWorld {
   btDbvtBroadphase broadphase_;
   btSequentialImpulseConstraintSolver solver_;
   std::unique_ptr<World> world_;
-  btRigidBody ground_{0.0, nullptr, nullptr};  // what joints to the world hold on to
+  btRigidBody world_body_{0.0, nullptr, nullptr};  // the static end of joints to the world
   BulletJoints joints_;
   std::map<std::pair<std::uint32_t, std::uint32_t>, ContactLaw> laws_;  // lower group first
   ContactLaw other_pairs_;                                              // friction 0.5, restitution 0

@@ -37,7 +37,7 @@ void reject_body(const RigidBody& body, const std::string& field, const std::str
   throw error;
 }
 
-void reject_handback(BodyId id, const std::string& what) {
+void reject_predicted(BodyId id, const std::string& what) {
   Error error(Exit::kBadInput, "bad_handback", fmt::format("handback of body {}: {}", id, what));
   error.body = std::to_string(id);
   throw error;
@@ -61,11 +61,11 @@ void check_body(const RigidBody& body) {
                             inertia.y(), inertia.z()));
 }
 
-void check_handback(const Handback& handback) {
-  if (!finite(handback.motion)) reject_handback(handback.id, "holds a number that is not finite");
-  const double length = handback.motion.orientation.norm();
+void check_predicted(const PredictedState& predicted) {
+  if (!finite(predicted.motion)) reject_predicted(predicted.id, "holds a number that is not finite");
+  const double length = predicted.motion.orientation.norm();
   if (std::abs(length - 1.0) > kUnitTolerance)
-    reject_handback(handback.id, fmt::format("orientation has length {}, must be 1", length));
+    reject_predicted(predicted.id, fmt::format("orientation has length {}, must be 1", length));
 }
 
 void check_window(double window_s) {

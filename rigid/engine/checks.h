@@ -1,26 +1,54 @@
 #pragma once
-// What every engine refuses. For adapters.
+// Checks and rules that all engines share. For adapters.
+#include <algorithm>
+#include <utility>
+
 #include "rigid/engine/engine.h"
 
 namespace sunder::rigid {
 
-/// Throws Error (bad_body).
+/// Turn per window above which an engine does not use the average angular velocity, because its logarithm is ambiguous
+/// from pi on. The solver then gets the predicted angular velocity.
+constexpr double kFastTurn = 0.7;  // [rad]
+
+/// Two ids or contact groups, the lower one first.
+inline std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
+  return {std::min(a, b), std::max(a, b)};
+}
+
+/// Throws Error (bad_body) with id, name and field of the body. `what`: value and remedy.
 [[noreturn]] void reject_body(const RigidBody& body, const std::string& field, const std::string& what);
-/// Throws Error (bad_handback).
-[[noreturn]] void reject_handback(BodyId id, const std::string& what);
-/// Id, motion, sizes of its shape (corners of convex parts left out), mass and inertia. Throws Error (bad_body) with
-/// id, name, value and remedy.
+/// Throws Error (bad_handback) for the predicted state of a body.
+[[noreturn]] void reject_predicted(BodyId id, const std::string& what);
+/// Checks id, motion, sizes of the shape, mass and inertia. Corners of convex parts are checked elsewhere. Throws Error
+/// (bad_body) with id, name, value and remedy.
 void check_body(const RigidBody& body);
-/// Finite, unit quaternion. Throws Error (bad_handback).
-void check_handback(const Handback& handback);
-/// Throws Error (bad_handback).
+/// Checks that a predicted state is finite and its quaternion has length 1. Throws Error (bad_handback).
+void check_predicted(const PredictedState& predicted);
+/// Calls take(entry, motion) for each entry of `bodies`, a map by id, that is not static, with its predicted motion.
+/// Throws Error (bad_handback) where a state is wrong, or where there is not one for each moving body, by ascending id.
+template <class Bodies, class IsStatic, class Take>
+void match_predicted(Bodies& bodies, const std::vector<PredictedState>& predicted, IsStatic is_static, Take take) {
+  auto next = predicted.begin();
+  for (auto& [id, entry] : bodies) {
+    if (is_static(entry)) continue;
+    if (next == predicted.end() || next->id > id) reject_predicted(id, "is missing; give one for each moving body");
+    if (next->id < id) break;
+    check_predicted(*next);
+    take(entry, next->motion);
+    ++next;
+  }
+  if (next != predicted.end())
+    reject_predicted(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+}
+/// Checks that a window [s] is positive and finite. Throws Error (bad_handback).
 void check_window(double window_s);
-/// Throws Error (bad_contact_law).
+/// Checks friction and restitution. Throws Error (bad_contact_law).
 void check_laws(const std::vector<ContactLaw>& laws);
 
-/// Throws Error (bad_joint).
+/// Throws Error (bad_joint) with id, name and bodies of the joint.
 [[noreturn]] void reject_joint(const Joint& joint, const std::string& what);
-/// Id, frames, and two ends that differ. Throws Error (bad_joint).
+/// Checks id, kind and frames, and that the two bodies differ. Throws Error (bad_joint).
 void check_joint(const Joint& joint);
 
 }  // namespace sunder::rigid

@@ -1,6 +1,7 @@
 #include "rigid/engine/engine.h"
 
 #include "coupler/core/error.h"
+#include "coupler/core/nearest.h"
 #include "rigid/engine/bullet_engine.h"
 #include "rigid/engine/free_flight.h"
 #include "rigid/engine/ode_engine.h"
@@ -14,7 +15,7 @@ std::unique_ptr<Engine> make_engine(const std::string& name) {
   if (name == "ode") return std::make_unique<OdeEngine>();
   if (name == "freeflight") return std::make_unique<FreeFlight>();
   throw Error(Exit::kBadInput, "unknown_engine",
-              fmt::format("engine '{}' is unknown; engines: {}", name, fmt::join(engine_names(), ", ")));
+              fmt::format("engine '{}' is unknown; {}", name, did_you_mean(name, engine_names())));
 }
 
 }  // namespace sunder::rigid

@@ -1,5 +1,5 @@
 #pragma once
-// The engines of this house, by name. Nothing outside this folder names one.
+// The engines of this project, by name. No other folder names an engine's classes.
 #include <memory>
 #include <string>
 #include <vector>
@@ -12,14 +12,14 @@ using link::ContactRow;
 using link::Engine;
 using link::EngineInfo;
 
-/// Where the solver's copy of a body has come by itself at the end of a window: free flight, gravity
-/// and contact with the shell included, contacts and joints between rigid bodies not.
-using Handback = link::Motion;
+/// Motion of a body at the end of a window as the shell process predicts it: free flight with gravity and contact with
+/// the shell. Contacts and joints between rigid bodies are the engine's part.
+using PredictedState = link::Motion;
 using EngineState = link::State;
 
 /// Names that make_engine takes.
 std::vector<std::string> engine_names();
-/// Throws Error (unknown_engine) with the names that there are.
+/// A new engine without bodies. Throws Error (unknown_engine) with the nearest right names.
 std::unique_ptr<Engine> make_engine(const std::string& name);
 
 }  // namespace sunder::rigid

@@ -17,22 +17,15 @@ void FreeFlight::add(const RigidBody& body) {
   if (!bodies_.emplace(body.id, body).second) reject_body(body, "id", "is held already; ids are for the whole run");
 }
 
-void FreeFlight::move(const std::vector<Handback>& motions) {
-  auto next = motions.begin();
-  for (auto& [id, body] : bodies_) {
-    if (body.is_static) continue;
-    if (next == motions.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
-    if (next->id < id) break;
-    check_handback(*next);
-    body.motion = next++->motion;
-  }
-  if (next != motions.end())
-    reject_handback(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+void FreeFlight::move(const std::vector<PredictedState>& motions) {
+  match_predicted(
+      bodies_, motions, [](const RigidBody& body) { return body.is_static; },
+      [](RigidBody& body, const BodyMotion& motion) { body.motion = motion; });
 }
 
-void FreeFlight::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>&) {
+void FreeFlight::advance(double window_s, const std::vector<PredictedState>& predicted, const std::vector<BodyId>&) {
   check_window(window_s);
-  move(handbacks);
+  move(predicted);
 }
 
 std::vector<EngineState> FreeFlight::states() const {
@@ -42,7 +35,7 @@ std::vector<EngineState> FreeFlight::states() const {
   return out;
 }
 
-void FreeFlight::restore(const std::string& caches, const std::vector<Handback>& motions) {
+void FreeFlight::restore(const std::string& caches, const std::vector<PredictedState>& motions) {
   if (!caches.empty())
     throw Error(Exit::kBadInput, "bad_state", fmt::format("freeflight keeps no caches; {} bytes given", caches.size()));
   move(motions);

@@ -11,17 +11,17 @@
 namespace sunder::rigid {
 namespace {
 
-/// Share of a part's diagonal within which points are one, or lie in one plane: corners come through principal axes
-/// and back with round-off of 1e-16, and a plate of 0.1 mm across 1 m is still far from flat.
+/// Share of a part's diagonal within which points coincide or lie in one plane. It is far above the round-off of
+/// corners turned into principal axes and back (1e-16), and far below the thickness of thin plates (1e-4).
 constexpr double kSame = 1e-9;  // [-]
-/// Share of (diagonal)^2 below which three corners do not tell a plane.
+/// Share of (diagonal)^2 below which a triangle is too thin to define a plane.
 constexpr double kLeastArea = 1e-11;  // [-]
 /// Edges whose directions differ by less (sine of the angle) are parallel.
 constexpr double kParallel = 1e-6;
-/// All triples of corners are tried for faces, once per part: seconds from about here on.
+/// Limit of corners of a part: all triples are tried for faces, which takes seconds above it.
 constexpr std::size_t kMostCorners = 512;
 
-/// Corners of `points` that lie in the plane, in order around its normal; those within edges left out.
+/// The points `in_plane`, in order around its normal. Points inside edges are left out.
 std::vector<int> outline(const std::vector<Vec3>& points, const std::vector<int>& in_plane, const Vec3& normal,
                          double tolerance) {
   const Vec3 x = normal.unitOrthogonal(), y = normal.cross(x);
@@ -41,7 +41,7 @@ std::vector<int> outline(const std::vector<Vec3>& points, const std::vector<int>
       }
       chain.push_back(i);
     }
-    chain.pop_back();  // begins the other side
+    chain.pop_back();  // the first of the other side
     std::reverse(sorted.begin(), sorted.end());
   }
   return chain;
@@ -69,7 +69,7 @@ void find_faces(Hull& hull, double diagonal) {
           else
             in_plane.push_back(m);
         }
-        if (above == below || !known.insert(in_plane).second) continue;  // inner, or found already; or all is flat
+        if (above == below || !known.insert(in_plane).second) continue;  // an inner plane, a known face, or a flat part
         if (above) normal = -normal;
         Hull::Face face;
         face.normal = normal;
@@ -95,7 +95,7 @@ void find_edges(Hull& hull) {
     }
 }
 
-/// Closed: every edge belongs to two faces. Says so of a hull that round-off could have torn.
+/// True where every edge belongs to two faces. Round-off can tear the hull of a bad part.
 bool is_closed(const Hull& hull) {
   std::map<std::pair<int, int>, int> uses;
   for (const Hull::Face& face : hull.faces)
@@ -134,7 +134,7 @@ Hull make_hull(const RigidBody& body, const std::vector<Vec3>& part, const std::
                     "nearly coincide; leave such parts out",
                     hull.faces.size(), diagonal));
   find_edges(hull);
-  // Only corners can touch: points within faces or edges would be superfluous rows.
+  // Keep corners only. Points inside faces or edges would add contacts without effect.
   std::set<int> used;
   for (const Hull::Edge& e : hull.edges) used.insert({e.from, e.to});
   std::vector<int> place_of(hull.points.size(), -1);

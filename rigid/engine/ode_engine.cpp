@@ -14,16 +14,12 @@
 namespace sunder::rigid {
 namespace {
 
-/// Turn per window above which the average angular velocity is not trusted: its logarithm is ambiguous from pi on. The
-/// handback's own is solved on instead.
-constexpr double kFastTurn = 0.7;  // [rad]
-
 struct Held {
   RigidBody body;
   HullShape shape;
 };
 
-/// A frame of a body that does not move, in the world.
+/// A frame of a static body, in world coordinates.
 Joint::Frame in_world(const Joint::Frame& frame, const BodyMotion& pose) {
   return {pose.position + pose.orientation * frame.position, pose.orientation * frame.orientation};
 }
@@ -36,25 +32,17 @@ struct OdeEngine::Impl {
   std::map<std::uint32_t, Joint> joints;
   Pairs pairs;
 
-  /// The moving bodies' new motions, by id. Throws Error (bad_handback).
-  std::vector<const BodyMotion*> match(const std::vector<Handback>& handbacks) const;
-  /// Every body, by id, with the average velocities that lead to these motions.
+  /// Predicted motions of the moving bodies, by id. Throws Error (bad_handback) where they do not match the bodies.
+  std::vector<const BodyMotion*> match(const std::vector<PredictedState>& predicted) const;
+  /// All bodies, by id, with the average velocities that lead to these motions.
   std::vector<Mover> movers(double window_s, const std::vector<const BodyMotion*>& ends) const;
 };
 
-std::vector<const BodyMotion*> OdeEngine::Impl::match(const std::vector<Handback>& handbacks) const {
+std::vector<const BodyMotion*> OdeEngine::Impl::match(const std::vector<PredictedState>& predicted) const {
   std::vector<const BodyMotion*> ends;
-  auto next = handbacks.begin();
-  for (const auto& [id, held] : bodies) {
-    if (held.body.is_static) continue;
-    if (next == handbacks.end() || next->id > id) reject_handback(id, "is missing; give one for each moving body");
-    if (next->id < id) break;
-    check_handback(*next);
-    ends.push_back(&next->motion);
-    ++next;
-  }
-  if (next != handbacks.end())
-    reject_handback(next->id, "names no moving body, or comes twice or out of order; give one each, by ascending id");
+  match_predicted(
+      bodies, predicted, [](const Held& held) { return held.body.is_static; },
+      [&](const Held&, const BodyMotion& motion) { ends.push_back(&motion); });
   return ends;
 }
 
@@ -108,12 +96,13 @@ void OdeEngine::add_joint(const Joint& joint) {
   if (joint.second != 0) impl_->pairs.leave_out(joint.first, joint.second);
 }
 
-// `pairs` go on to leave its bodies out.
+// Its bodies stay left out of `pairs`, so they still do not collide.
 void OdeEngine::release_joint(std::uint32_t id) { impl_->joints.erase(id); }
 
-void OdeEngine::advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) {
+void OdeEngine::advance(double window_s, const std::vector<PredictedState>& predicted,
+                        const std::vector<BodyId>& solved) {
   check_window(window_s);
-  const auto ends = impl_->match(handbacks);
+  const auto ends = impl_->match(predicted);
   const std::vector<Mover> movers = impl_->movers(window_s, ends);
   std::vector<Meeting> meetings = impl_->pairs.find(window_s, movers);
   impl_->pairs.remember(movers, meetings);
@@ -155,7 +144,7 @@ std::vector<EngineState> OdeEngine::states() const {
   return result;
 }
 
-std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<Handback>& motions,
+std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<PredictedState>& motions,
                                         const std::vector<BodyId>& bodies) {
   check_window(window_s);
   const auto ends = impl_->match(motions);
@@ -173,7 +162,7 @@ std::vector<ContactRow> OdeEngine::rows(double window_s, const std::vector<Handb
 
 std::string OdeEngine::save() { return impl_->pairs.save(); }
 
-void OdeEngine::restore(const std::string& caches, const std::vector<Handback>& motions) {
+void OdeEngine::restore(const std::string& caches, const std::vector<PredictedState>& motions) {
   const auto ends = impl_->match(motions);
   std::set<BodyId> known;
   for (const auto& [id, held] : impl_->bodies) known.insert(id);

@@ -1,5 +1,5 @@
 #pragma once
-// Rigid bodies taken through windows with ODE's solvers, in double precision.
+// Rigid bodies with ODE's solvers, in double precision. The adapter finds contacts and moves the bodies.
 #include <memory>
 #include <string>
 #include <vector>
@@ -8,17 +8,18 @@
 
 namespace sunder::rigid {
 
-/// What a user should know:
-/// - ODE solves contacts and joints for velocities. Where bodies touch is found here (touch.h): true sizes, no
-///   margins, and seen before they meet, so that speed does not carry a body through another.
-/// - A body that nothing touches in a window comes back with its handback to the bit.
-/// - No damping, sleeping, rolling resistance or gravity of its own.
-/// - Friction is Coulomb's along the slip, with the normal force that there would be without friction.
-/// - What hangs together by more than some hundred rows is solved by sweeps without a warm start: large heaps settle
-///   with overlaps that positions are moved out of, without energy.
-/// - Bodies that overlap in their first window (shards of one pane) may keep that overlap until they come apart.
+/// Properties of the adapter:
+/// - ODE solves contacts and joints for velocities. The adapter finds contacts (touch.h): with true sizes, without
+/// margins,
+///   and before the bodies meet, so that fast bodies do not pass through one another.
+/// - A body without a contact or joint in a window ends in its predicted state, to the bit.
+/// - There is no damping, sleeping, rolling resistance or gravity.
+/// - Coulomb friction acts along the slip, with the normal force of a solution without friction.
+/// - Groups of connected bodies with many rows (kExactRows in ode_solver.cpp) are solved by sweeps without warm start.
+///   Large heaps then settle with overlaps. Poses move out of them, without energy.
+/// - Bodies that overlap in their first window, as shards of one pane do, may keep this overlap until they separate.
 /// - Restitution acts on the closing speed of the average velocities, from 0.05 m/s.
-/// - One thread at a time per process: ODE's generator and its initialisation are process-wide.
+/// - One thread per process at a time: ODE's random generator and initialisation are process-wide.
 class OdeEngine final : public Engine {
  public:
   OdeEngine();
@@ -29,14 +30,15 @@ class OdeEngine final : public Engine {
   EngineInfo info() const override;
   void add(const RigidBody& body) override;
   void set_contact_laws(const std::vector<ContactLaw>& laws) override;
-  void advance(double window_s, const std::vector<Handback>& handbacks, const std::vector<BodyId>& solved) override;
+  void advance(double window_s, const std::vector<PredictedState>& predicted,
+               const std::vector<BodyId>& solved) override;
   std::vector<EngineState> states() const override;
   void add_joint(const Joint& joint) override;
   void release_joint(std::uint32_t id) override;
-  std::vector<ContactRow> rows(double window_s, const std::vector<Handback>& motions,
+  std::vector<ContactRow> rows(double window_s, const std::vector<PredictedState>& motions,
                                const std::vector<BodyId>& bodies) override;
   std::string save() override;
-  void restore(const std::string& caches, const std::vector<Handback>& motions) override;
+  void restore(const std::string& caches, const std::vector<PredictedState>& motions) override;
 
  private:
   struct Impl;

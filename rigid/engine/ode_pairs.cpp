@@ -4,18 +4,19 @@
 #include <cstring>
 
 #include "coupler/core/error.h"
+#include "rigid/engine/checks.h"
 #include "rigid/engine/touch.h"
 
 namespace sunder::rigid {
 namespace {
 
-/// Points nearer than this take part whatever the velocities: what rests on four corners is held at all four.
+/// Points nearer than this are contacts at any velocity, so that a body at rest on four corners is held at all four.
 constexpr double kNear_m = 1e-3;
 constexpr char kCachesBegin[] = "sunder-ode-1";
 
 struct Placed {
-  std::vector<Hull> parts;  // world
-  Vec3 low, high;           // of everything that the window can carry the body through
+  std::vector<Hull> parts;  // in world coordinates
+  Vec3 low, high;           // box around the body's motion in the window [m]
 };
 
 Placed placed(const Mover& m, double window_s) {
@@ -36,8 +37,8 @@ Placed placed(const Mover& m, double window_s) {
   return p;
 }
 
-/// Whether the spheres around the two bodies come near one another at all. Corners of a body that turns far within a
-/// window seem to fly off along their tangents; this holds them back.
+/// True where the spheres around two bodies come near one another in the window. It limits the tangential motion of
+/// corners, which is too large for a body that turns far in a window.
 bool come_together(const Mover& a, const Mover& b, double window_s) {
   const Vec3 apart = a.body->motion.position - b.body->motion.position;
   const Vec3 travel = window_s * (a.velocity - b.velocity);
@@ -50,11 +51,7 @@ bool come_together(const Mover& a, const Mover& b, double window_s) {
   return (apart + when * travel).norm() <= a.shape->reach + b.shape->reach + kNear_m;
 }
 
-std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uint32_t b) {
-  return {std::min(a, b), std::max(a, b)};
-}
-
-/// Indices of movers whose boxes overlap, by ascending index; not both static.
+/// Pairs of movers whose boxes overlap, by ascending index, without pairs of two static bodies.
 std::vector<std::pair<int, int>> overlapping(const std::vector<Mover>& movers, const std::vector<Placed>& boxes) {
   std::vector<int> by_x;
   for (std::size_t i = 0; i < movers.size(); ++i)
@@ -155,7 +152,7 @@ std::vector<Meeting> Pairs::find(double window_s, const std::vector<Mover>& move
 }
 
 void Pairs::remember(const std::vector<Mover>& movers, const std::vector<Meeting>& meetings) {
-  std::map<Pair, double> next;  // a pair that has come apart is as any other
+  std::map<Pair, double> next;  // a pair that has separated has no allowance any more
   for (const Meeting& m : meetings)
     if (m.allowance > 0.0) next[ordered(movers[m.first].id, movers[m.second].id)] = m.allowance;
   allowances_ = std::move(next);

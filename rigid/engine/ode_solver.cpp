@@ -7,9 +7,9 @@
 #include <cstdarg>
 #include <cstdio>
 #include <memory>
-#include <numeric>
 #include <type_traits>
 
+#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 
 namespace sunder::rigid {
@@ -17,26 +17,27 @@ namespace {
 
 static_assert(std::is_same_v<dReal, double>, "ode's headers are not those of the double precision build");
 
-/// Rows of an island up to which the exact solver is taken: its time grows with their cube, and sweeps do not hold a
-/// stack of plates.
+/// Largest number of rows of a group for the exact solver, whose time grows with their cube. Sweeps do not hold a stack
+/// of plates.
 constexpr int kExactRows = 500;
 constexpr int kSweeps = 100;
-constexpr double kOverRelaxation = 1.3;  // ODE's own
-/// Share of the softest row's answer by which every row gives: several corners of one plate say the same, and the exact
-/// solver factorises their matrix.
+constexpr double kOverRelaxation = 1.3;  // ODE's default
+/// Softness of every row relative to its inverse mass. The exact solver factorises a matrix that would be singular,
+/// because several corners of one plate are redundant.
 constexpr double kSoftness = 1e-9;  // [-]
-/// Slip slower than this has no direction.
+/// Slip below this speed has no direction.
 constexpr double kNoSlip = 1e-12;  // [m/s]
-/// QuickStep shuffles its rows by a process-wide generator; it starts from here each time.
+/// Seed before each solve: QuickStep shuffles its rows by a process-wide random generator.
 constexpr unsigned kSeed = 20;
 
-/// By which the rows' targets differ: corners of a symmetric stack that come free at the same instant leave the exact
-/// solver without a way on.
-constexpr double kUntie = 1e-9;  // [m/s]
+/// Largest difference of the rows' targets. The exact solver fails where corners of a symmetric stack separate at the
+/// same instant, so each row gets another small offset.
+constexpr double kTargetSpread = 1e-9;  // [m/s]
 
-/// Set by ODE when the exact solver stops half way.
+/// Set by hear() where the exact solver gives up.
 thread_local bool gave_up = false;
 
+/// ODE's handler of messages.
 void hear(int number, const char* message, va_list arguments) {
   gave_up = gave_up || number == d_ERR_LCP;
   if (number == d_ERR_LCP) return;
@@ -60,13 +61,14 @@ dBodyID make_body(dWorldID world, const SolverBody& b) {
   dMass mass;
   dMassSetParameters(&mass, b.mass, 0, 0, 0, b.inertia.x(), b.inertia.y(), b.inertia.z(), 0, 0, 0);
   dBodySetMass(body, &mass);
-  dBodySetGyroscopicMode(body, 0);  // the handback has turned it
+  dBodySetGyroscopicMode(body, 0);  // the predicted state includes the turn
   dBodySetLinearVel(body, b.velocity.x(), b.velocity.y(), b.velocity.z());
   dBodySetAngularVel(body, b.spin.x(), b.spin.y(), b.spin.z());
   return body;
 }
 
-/// Leaves the bodies where the joint is not strained: ODE takes a joint's frames from the poses at that moment.
+/// Moves the bodies to poses without strain and makes the joint there, since ODE takes its frames from the bodies'
+/// poses.
 void make_joint(dWorldID world, const SolverJoint& j, dBodyID first, dBodyID second) {
   Vec3 at = Vec3::Zero();
   Quat frame = Quat::Identity();
@@ -104,20 +106,20 @@ void make_joint(dWorldID world, const SolverJoint& j, dBodyID first, dBodyID sec
 
 Vec3 velocity_at(const SolverBody& b, const Vec3& point) { return b.velocity + b.spin.cross(point - b.position); }
 
-/// In [0, 1), the same for the same row, and without a pattern.
+/// A number in [0, 1) for a row, evenly spread (golden ratio sequence).
 double spread(std::size_t row) {
   const double x = 0.6180339887498949 * static_cast<double>(row + 1);
   return x - std::floor(x);
 }
 
-dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<SolverBody>& bodies, double untie) {
+dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<SolverBody>& bodies, double offset) {
   dContact contact = {};
   contact.surface.mode = dContactApprox1 | dContactFDir1 | dContactMotionN;
   contact.surface.mu = c.friction;
-  contact.surface.motionN = c.target - untie;
-  contact.geom.depth = 0.0;  // what a window may close by is in the target; nothing else pushes
+  contact.surface.motionN = c.target - offset;
+  contact.geom.depth = 0.0;  // gaps are part of the target; ODE must not correct positions
   for (int i = 0; i < 3; ++i) contact.geom.pos[i] = c.point[i], contact.geom.normal[i] = c.normal[i];
-  // Along the slip friction is Coulomb's; a fixed pair of directions would hold up to sqrt(2) as much between them.
+  // The first friction direction follows the slip. A fixed pair would resist up to sqrt(2) as much between the two.
   Vec3 slip = velocity_at(bodies[c.first], c.point);
   if (c.second >= 0) slip -= velocity_at(bodies[c.second], c.point);
   slip -= slip.dot(c.normal) * c.normal;
@@ -126,11 +128,13 @@ dJointID make_contact(dWorldID world, const SolverContact& c, const std::vector<
   return dJointCreateContact(world, nullptr, &contact);
 }
 
+/// A group of connected bodies.
 struct Island {
   std::vector<int> bodies;
   std::vector<const SolverJoint*> joints;
   std::vector<SolverContact*> contacts;
 
+  /// Number of rows of the solver.
   int rows() const {
     int n = 0;
     for (const SolverContact* c : contacts) n += c->friction > 0.0 ? 3 : 1;
@@ -141,31 +145,25 @@ struct Island {
 
 std::vector<Island> islands(std::size_t body_count, const std::vector<SolverJoint>& joints,
                             std::vector<SolverContact>& contacts) {
-  std::vector<int> root(body_count);
-  std::iota(root.begin(), root.end(), 0);
-  const auto top = [&](int i) {
-    while (root[i] != i) i = root[i] = root[root[i]];
-    return i;
-  };
+  DisjointSets sets(static_cast<int>(body_count));
   const auto join = [&](int a, int b) {
-    if (b < 0) return;
-    a = top(a), b = top(b);
-    root[std::max(a, b)] = std::min(a, b);
+    if (b >= 0) sets.join(a, b);
   };
   for (const SolverJoint& j : joints) join(j.first, j.second);
   for (const SolverContact& c : contacts) join(c.first, c.second);
   std::vector<Island> all(body_count);
-  for (const SolverJoint& j : joints) all[top(j.first)].joints.push_back(&j);
-  for (SolverContact& c : contacts) all[top(c.first)].contacts.push_back(&c);
-  for (std::size_t i = 0; i < body_count; ++i) all[top(static_cast<int>(i))].bodies.push_back(static_cast<int>(i));
+  for (const SolverJoint& j : joints) all[sets.root(j.first)].joints.push_back(&j);
+  for (SolverContact& c : contacts) all[sets.root(c.first)].contacts.push_back(&c);
+  for (std::size_t i = 0; i < body_count; ++i)
+    all[sets.root(static_cast<int>(i))].bodies.push_back(static_cast<int>(i));
   all.erase(
       std::remove_if(all.begin(), all.end(), [](const Island& i) { return i.joints.empty() && i.contacts.empty(); }),
       all.end());
   return all;
 }
 
-/// In a world of its own, so that neither earlier windows nor other islands show in the bits. False, and nothing is
-/// changed, where it gave up.
+/// Solves one group in an ODE world of its own, so that the result does not depend on earlier windows or other groups.
+/// False, without a change, where the solver fails.
 bool solve(double window_s, double joint_share, bool exactly, std::vector<SolverBody>& bodies, Island& island) {
   const std::unique_ptr<dxWorld, WorldDeleter> owner(dWorldCreate());
   dWorldID world = owner.get();
@@ -181,13 +179,13 @@ bool solve(double window_s, double joint_share, bool exactly, std::vector<Solver
   std::vector<dJointFeedback> feedback(island.contacts.size());
   for (std::size_t i = 0; i < island.contacts.size(); ++i) {
     const SolverContact& c = *island.contacts[i];
-    dJointID joint = make_contact(world, c, bodies, kUntie * spread(i));
+    dJointID joint = make_contact(world, c, bodies, kTargetSpread * spread(i));
     dJointAttach(joint, of(c.first), of(c.second));
     feedback[i] = {};
     dJointSetFeedback(joint, &feedback[i]);
   }
   dWorldSetERP(world, joint_share);
-  dWorldSetCFM(world, kSoftness * window_s / least_mass);  // ODE's are forces: [1/(N s)] times the window
+  dWorldSetCFM(world, kSoftness * window_s / least_mass);  // ODE's unit: softness [1/(N s)] times the window
   gave_up = false;
   if (exactly) {
     dWorldStep(world, window_s);

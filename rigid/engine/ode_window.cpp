@@ -6,23 +6,24 @@
 namespace sunder::rigid {
 namespace {
 
-/// Meeting slower than this is no impact and does not bounce: resting closes with g H per window.
+/// Contacts that close more slowly do not bounce: a resting body closes with g H per window.
 constexpr double kImpactSpeed = 0.05;  // [m/s]
-/// Overlap that is left alone, and the share of what is more that a window takes back by moving poses.
+/// Overlap that stays, and the share of the rest that a window removes by moving poses.
 constexpr double kSlack_m = 5e-6;
 constexpr double kPushShare = 0.2;  // [-]
-/// Of the joints' error, all: a body on a joint then goes along the chord of its arc, and the velocity, turned by the
-/// second solve, keeps its magnitude. With less it loses energy of order (|w| H)^2 in every window.
+/// Share of the joints' error that a window removes. With all of it a body on a joint moves along the chord of its arc,
+/// and the second solve turns the velocity without a change of magnitude. With less it would lose energy of order
+/// (|w| H)^2 in every window.
 constexpr double kJointShare = 1.0;  // [-]
 
-/// Orientation after a free flight of h seconds that starts with this angular velocity [rad/s].
+/// Orientation after h seconds of free flight; `spin`: angular velocity at the start [rad/s].
 Quat free_turn(RigidBody body, const Vec3& spin, double h) {
   body.motion.angular_momentum = body.apply_inertia(spin);
   body.drift(h);
   return body.motion.orientation;
 }
 
-/// Bodies on their way through a window, indexed as the movers.
+/// Bodies during a window, with the movers' indices.
 class Transit {
  public:
   Transit(double window_s, const std::vector<Mover>& movers, const std::vector<const BodyMotion*>& ends,
@@ -39,7 +40,7 @@ class Transit {
     }
   }
 
-  /// Where the bodies come, and how they move there.
+  /// Takes the window. Returns the bodies at its end.
   const std::vector<RigidBody>& run() {
     if (meetings_.empty() && joints_.empty()) return ends_;
     if (solve()) push(), relax();
@@ -47,7 +48,7 @@ class Transit {
   }
 
  private:
-  /// What slots of the solver are; static bodies have none.
+  /// Fills the solver's bodies with make(index); static bodies have no slot.
   template <class Make>
   void gather(Make make) {
     slots_.assign(movers_.size(), -1);
@@ -79,7 +80,7 @@ class Transit {
     return all;
   }
 
-  /// On the average velocities: contacts may close their gaps. False where nothing came of it.
+  /// First solve, on the average velocities: contacts may close their gaps. False where it changes no velocity.
   bool solve() {
     gather([&](std::size_t i) { return at(i, movers_[i].body->motion, movers_[i].velocity, movers_[i].spin); });
     std::vector<SolverContact> contacts;
@@ -97,8 +98,9 @@ class Transit {
       const RigidBody& start = *movers_[i].body;
       BodyMotion& end = ends_[i].motion;
       end.position += h_ * dv;
-      // Turned by the difference between two free flights from the start. exp(H (w + dw)) would hold w fixed, and a
-      // thin shard that an impact sets spinning would gain energy of order (|w| H)^2.
+      // Turn by the difference between two free flights from the start, with and without the change of angular
+      // velocity. exp(H (w + dw)) would keep w constant, and a thin shard that an impact sets spinning would gain
+      // energy of order (|w| H)^2.
       const Quat without = free_turn(start, movers_[i].spin, h_), with = free_turn(start, s.spin, h_);
       end.orientation = (with * without.conjugate() * end.orientation).normalized();
       end.velocity += dv;
@@ -107,7 +109,7 @@ class Transit {
     return any;
   }
 
-  /// Moves poses out of overlaps; velocities do not hear of it.
+  /// Moves poses out of overlaps. Velocities do not change.
   void push() {
     const auto too_deep = [&](const Meeting& m) { return gap_at_end(m) < -kSlack_m; };
     if (std::none_of(meetings_.begin(), meetings_.end(), too_deep)) return;
@@ -128,7 +130,7 @@ class Transit {
     }
   }
 
-  /// Velocities alone, where the bodies have come to: contacts that pushed or touch now do not close.
+  /// Second solve, of velocities only, at the new poses. Contacts that acted or touch now do not close.
   void relax() {
     gather(
         [&](std::size_t i) { return at(i, ends_[i].motion, ends_[i].motion.velocity, ends_[i].angular_velocity()); });
@@ -154,8 +156,8 @@ class Transit {
   double h_;
   const std::vector<Mover>& movers_;
   std::vector<Meeting> meetings_;
-  std::vector<SolverJoint> joints_;  // between movers
-  std::vector<char> acted_;          // by meeting
+  std::vector<SolverJoint> joints_;  // in indices of movers
+  std::vector<char> acted_;          // by meeting: had an impulse in solve()
   std::vector<RigidBody> ends_;
   std::vector<int> slots_;  // by mover
   std::vector<SolverBody> solver_bodies_;

@@ -1,6 +1,5 @@
 #pragma once
-// One window: joints and the meetings that were found, solved; and where that takes the bodies. Private to the ODE
-// adapter.
+// Solves the contacts and joints of one window, and moves the bodies. Private to the ODE adapter.
 #include <vector>
 
 #include "rigid/engine/ode_pairs.h"
@@ -8,8 +7,9 @@
 
 namespace sunder::rigid {
 
-/// Every mover as it is after the window (static ones as they were). `ends` are the handbacks of those that move, in
-/// their order; a body that nothing pushes has its own to the bit. Joints index the movers; those are not static.
+/// All movers after the window; static ones are unchanged. `ends`: predicted states of the moving ones, in their order.
+/// A body without contacts and joints ends in its predicted state, to the bit. Joints name movers by index, none of
+/// them static.
 std::vector<RigidBody> take_window(double window_s, const std::vector<Mover>& movers,
                                    const std::vector<const BodyMotion*>& ends, std::vector<Meeting> meetings,
                                    std::vector<SolverJoint> joints);

@@ -8,12 +8,12 @@ namespace sunder::rigid {
 namespace {
 
 constexpr double kFar = std::numeric_limits<double>::max();
-/// How much deeper an axis of two edges must separate than the best face before it is taken instead: faces give up to
-/// four points, and plates that lie on one another must not fall back to one because of round-off.
+/// An axis of two edges is used only where it separates by this much more than the best face. A face gives up to four
+/// points, and round-off must not reduce two plates in contact to one point.
 constexpr double kFaceAdvantage_m = 1e-5;
-/// Edges at a smaller angle (sine) do not tell a normal.
+/// Two edges at a smaller angle (its sine) do not define a normal.
 constexpr double kLeastSine = 1e-3;
-/// Nearer than this the line between two points does not tell a normal.
+/// Two points nearer than this do not define a normal.
 constexpr double kNoDistance_m = 1e-9;
 
 struct Range {
@@ -30,14 +30,15 @@ Range along(const Hull& hull, const Vec3& axis) {
   return r;
 }
 
-/// The plane that separates best, or overlaps least. `normal` points from the first hull to the second.
+/// A separating axis with its gap [m], negative in an overlap. `normal` points from the first hull to the second.
 struct Axis {
   double gap = -kFar;
   Vec3 normal = Vec3::UnitZ();
-  int first_face = -1, second_face = -1;            // one of them, or
-  int first_direction = -1, second_direction = -1;  // both of these
+  int first_face = -1, second_face = -1;            // the face that gives the normal, or
+  int first_direction = -1, second_direction = -1;  // the two edge directions
 };
 
+/// The axis with the largest gap (separating axis theorem).
 Axis best_axis(const Hull& a, const Hull& b, double reach) {
   Axis best;
   for (std::size_t i = 0; i < a.faces.size(); ++i) {
@@ -76,7 +77,7 @@ Closest closest(const Vec3& p0, const Vec3& p1, const Vec3& q0, const Vec3& q1) 
   const double uu = u.squaredNorm(), vv = v.squaredNorm(), uv = u.dot(v), uw = u.dot(w), vw = v.dot(w);
   const double det = uu * vv - uv * uv;
   const auto clamp = [](double x) { return std::min(1.0, std::max(0.0, x)); };
-  double s = det > 1e-12 * uu * vv ? clamp((uv * vw - vv * uw) / det) : 0.5;  // parallel: any will do
+  double s = det > 1e-12 * uu * vv ? clamp((uv * vw - vv * uw) / det) : 0.5;  // parallel: any point serves
   const double t = clamp((vw + s * uv) / vv);
   s = clamp((t * uv - uw) / uu);
   Closest c{p0 + s * u, q0 + t * v, 0.0};
@@ -84,11 +85,12 @@ Closest closest(const Vec3& p0, const Vec3& p1, const Vec3& q0, const Vec3& q1) 
   return c;
 }
 
+/// True where the edge lies in the plane of the hull's farthest points along the axis.
 bool supports(const Hull& hull, const Hull::Edge& e, const Vec3& axis, double highest) {
   return std::min(axis.dot(hull.points[e.from]), axis.dot(hull.points[e.to])) > highest - kFaceAdvantage_m;
 }
 
-/// Nearest points of the edges that lie on the supporting planes of the axis; of all edges where there are none.
+/// Nearest points of the edges in the supporting planes of the axis; without an axis, of all edges.
 Closest closest_edges(const Hull& a, const Hull& b, const Axis* axis) {
   Closest best;
   const double top_a = axis ? along(a, axis->normal).high : 0.0, top_b = axis ? along(b, -axis->normal).high : 0.0;
@@ -103,7 +105,7 @@ Closest closest_edges(const Hull& a, const Hull& b, const Axis* axis) {
   return best;
 }
 
-/// The part of `polygon` behind the plane.
+/// Keeps the part of `polygon` behind the plane.
 void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset) {
   std::vector<Vec3> kept;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -115,7 +117,7 @@ void clip(std::vector<Vec3>& polygon, const Vec3& normal, double offset) {
   polygon = std::move(kept);
 }
 
-/// What of the other hull's facing face lies over this face. `out` has the reference's points first.
+/// Touch points of a face: the opposite face of the other hull, clipped to it. `first` is on the reference hull.
 std::vector<Touch> over_face(const Hull& reference, int face_index, const Hull& other, double reach) {
   const Hull::Face& face = reference.faces[face_index];
   const Hull::Face* facing = &other.faces[0];
@@ -137,7 +139,8 @@ std::vector<Touch> over_face(const Hull& reference, int face_index, const Hull& 
   return out;
 }
 
-/// Four that carry what all of them would: the deepest, the farthest from it, and the farthest to either side.
+/// Reduces touch points to four that support as well: the deepest, the farthest from it, and the farthest on both sides
+/// of the line between these two.
 void keep_four(std::vector<Touch>& all) {
   if (all.size() <= 4) return;
   const auto take = [&](std::size_t place, auto value) {
@@ -161,7 +164,7 @@ void touch_points(const Vec3& a, double radius_a, const Vec3& b, double radius_b
   if (gap <= reach) out.push_back({a - radius_a * normal, b + radius_b * normal, normal, gap});
 }
 
-/// `out` has the point's side first.
+/// Touch point of a sphere and a polyhedron; `first` is on the sphere.
 void touch_point_hull(const Hull& point, const Hull& hull, double reach, std::vector<Touch>& out) {
   const Vec3& p = point.points[0];
   const Hull::Face* highest = nullptr;
@@ -183,7 +186,7 @@ void touch_point_hull(const Hull& point, const Hull& hull, double reach, std::ve
     out.push_back({p - point.radius * highest->normal, foot, highest->normal, height - point.radius});
     return;
   }
-  // Outside and not over the highest face: the nearest point may be on another face, or on an edge.
+  // Outside, and not over the highest face: the nearest point may be on another face or on an edge.
   double nearest = kFar;
   for (const Hull::Face& f : hull.faces) {
     const double h = f.normal.dot(p) - f.offset;
@@ -243,12 +246,12 @@ void touch_hulls(const Hull& first, const Hull& second, double reach, std::vecto
   double nearest = kFar;
   for (const Touch& t : found) nearest = std::min(nearest, t.gap);
   if (nearest > axis.gap + kFaceAdvantage_m) {
-    // Edge against edge, or the nearest features are not over one another: side by side.
+    // Edge against edge, or faces that are not opposite one another.
     const bool edges = axis.first_direction >= 0;
     const Closest c = closest_edges(first, second, edges && axis.gap <= 0.0 ? &axis : nullptr);
     const double distance = std::sqrt(c.squared);
     if (c.squared == kFar) {
-      // no edge of that direction on the supporting plane: round-off; the faces' points serve
+      // round-off: no edge of that direction in the supporting plane; the faces' points serve
     } else if (axis.gap > 0.0 && distance > kNoDistance_m) {
       if (distance <= std::min(reach, nearest - kFaceAdvantage_m))
         out.push_back({c.first, c.second, (c.first - c.second) / distance, distance});

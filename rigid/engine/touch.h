@@ -1,24 +1,23 @@
 #pragma once
-// Where two convex parts are nearest, or overlap least.
-// The colliders of engines report overlaps only, or rounded shapes; a window has to know beforehand what it would run
-// into.
+// Points where two convex parts are nearest, or overlap least. The contact finders of engines report overlaps only, or
+// use rounded shapes. A window needs contacts before the bodies meet.
 #include <vector>
 
 #include "rigid/engine/hulls.h"
 
 namespace sunder::rigid {
 
-/// A point of each part, in the world [m]. gap = normal . (first - second), negative where they overlap.
+/// A point of each part, in world coordinates [m]. gap = normal . (first - second) [m], negative in an overlap.
 struct Touch {
   Vec3 first, second;
   Vec3 normal;  // from the second to the first
   double gap = 0.0;
 };
 
-/// Adds every corner of the part that is nearer than `reach` to the half space below normal . x = offset.
+/// Adds each corner of the part within `reach` [m] of the half space below normal . x = offset.
 void touch_half_space(const Hull& part, const Vec3& normal, double offset, double reach, std::vector<Touch>& out);
 
-/// Adds up to four points at which the parts are nearer than `reach`.
+/// Adds points where the parts are within `reach` [m]: up to four of a face, and one of two edges.
 void touch_hulls(const Hull& first, const Hull& second, double reach, std::vector<Touch>& out);
 
 }  // namespace sunder::rigid

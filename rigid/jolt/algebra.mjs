@@ -1,4 +1,4 @@
-// Vectors [x, y, z] and unit quaternions [w, x, y, z] in double precision.
+// Algebra of vectors [x, y, z] and unit quaternions [w, x, y, z], in double precision.
 
 export const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
@@ -16,7 +16,7 @@ export const multiply = (a, b) => [
   a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0],
 ];
 
-/** x with a x[0] + b x[1] + c x[2] = d, of columns that are not in one plane. */
+/** Solves a x[0] + b x[1] + c x[2] = d for x; a, b and c are linearly independent. */
 export function solve([a, b, c], d) {
   const bc = cross(b, c), volume = dot(a, bc);
   return [dot(d, bc) / volume, dot(a, cross(d, c)) / volume, dot(a, cross(b, d)) / volume];
@@ -33,15 +33,15 @@ export function rotate(q, v) {
   return add(add(v, scale(q[0], t)), cross(u, t));
 }
 
-/** The turn by |v| radians about v. */
+/** Quaternion of the turn by |v| radians about v. */
 export function turnOf(v) {
   const angle = norm(v);
-  // sin(x/2)/x, without the division where it would be 0/0
+  // sin(x/2)/x; for small x its series, because the quotient would lose digits
   const share = angle < 1e-4 ? 0.5 - (angle * angle) / 48 : Math.sin(angle / 2) / angle;
   return [Math.cos(angle / 2), ...scale(share, v)];
 }
 
-/** The shorter rotation vector of a unit quaternion [rad]; inverse of turnOf. */
+/** Shortest rotation vector of a unit quaternion [rad]; inverse of turnOf. */
 export function vectorOf(q) {
   const s = q[0] < 0 ? -1 : 1;
   const u = [s * q[1], s * q[2], s * q[3]];
@@ -49,12 +49,13 @@ export function vectorOf(q) {
   return sine === 0 ? [0, 0, 0] : scale((2 * Math.atan2(sine, s * q[0])) / sine, u);
 }
 
-/** World inertia (principal moments along the body axes) times a world vector. */
+/** Inertia, given by principal moments along the body axes, times a vector in world axes. */
 export function applyInertia(q, principal, v) {
   const local = rotate(conjugate(q), v);
   return rotate(q, [local[0] * principal[0], local[1] * principal[1], local[2] * principal[2]]);
 }
 
+/** Inverse inertia times a vector in world axes. */
 export function applyInverseInertia(q, principal, v) {
   const local = rotate(conjugate(q), v);
   return rotate(q, [local[0] / principal[0], local[1] / principal[1], local[2] / principal[2]]);

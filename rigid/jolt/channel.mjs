@@ -1,17 +1,18 @@
-// Whole messages over a bound pair of ZeroMQ sockets. ZeroMQ's own thread beats while this one computes: a peer that
-// computes is not taken for one that has gone.
+// Whole messages over a pair of ZeroMQ sockets; this side binds. ZeroMQ's own thread answers heartbeats while this one
+// computes.
 import { Exit, Failure, refuse } from './failure.mjs';
 import { kMaxMessage } from './messages.mjs';
 
-const kHeartbeat_ms = 200, kHeartbeatTimeout_ms = 600; // a stopped peer is noticed within 0.8 s
+const kHeartbeat_ms = 200, kHeartbeatTimeout_ms = 600; // a stopped process is noticed within 0.8 s
 const kConnect_s = 30, kSend_ms = 2000, kLinger_ms = 500;
-/** What the peer said before it went is still read. */
+/** Wait after the end of the connection, so that the other side's last message is still read. */
 const kLastWords_ms = 100;
 
 const lost = (message) => new Failure(Exit.peerLost, 'peer_lost', message);
 
+/** A connection to the shell process. */
 export class Channel {
-  /** Throws Failure (bad_endpoint). */
+  /** Binds an endpoint. Throws Failure (bad_input, bad_endpoint). */
   static async bind(zmq, endpoint) {
     if (!endpoint.startsWith('ipc://') && !/^tcp:\/\/127\.0\.0\.1:[0-9]{1,5}$/.test(endpoint))
       throw new Failure(Exit.badInput, 'bad_input',
@@ -48,20 +49,22 @@ export class Channel {
         setTimeout(() => reject(lost(words)), kLastWords_ms);
       });
     });
-    this.gone.catch(() => {}); // heard by whoever waits
+    this.gone.catch(() => {}); // receive() and send() report it
   }
 
+  /** The next message. Throws Failure: peer_lost, bad_message. */
   async receive() {
     const parts = await Promise.race([this.socket.receive(), this.gone]);
     if (parts.length !== 1) refuse(`a message in ${parts.length} parts`);
     return parts[0];
   }
 
+  /** Sends a message. Throws Failure (peer_lost). */
   async send(bytes) {
     const sent = this.socket.send(bytes).catch(() => {
       throw lost('the shell process takes no messages any more');
     });
-    sent.catch(() => {}); // where it is too late to matter
+    sent.catch(() => {}); // it may fail after `gone` has
     await Promise.race([sent, this.gone]);
   }
 

@@ -1,22 +1,22 @@
-// Rigid bodies held by Jolt, taken through windows (rigid/README.md "A window"). The masters are double precision and
-// here; what Jolt has are rounded copies, so a body that nothing touches comes back with its handback to the bit.
+// Rigid bodies in Jolt, taken through windows (rigid/README.md "A window"). Motions are kept here in double precision;
+// Jolt has copies in single precision. So a body without contacts and joints ends in its predicted state, to the bit.
 import * as m from './algebra.mjs';
 import { freeIslands, giveBackTurn } from './jolt_islands.mjs';
 import { addJoint } from './jolt_joints.mjs';
 import { kLength, kMass } from './jolt_shapes.mjs';
 import { World } from './jolt_world.mjs';
 
-/** Turn per window above which the average angular velocity is not trusted (its logarithm is ambiguous from pi on); the
- * handback's own is solved on instead. */
+/** Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
+ * The solver then gets the predicted angular velocity. */
 const kFastTurn = 0.7; // [rad]
-/** Changes below single precision's round-off of a pose are none. */
-const kPositionNoise = 4 * 2 ** -24; // of the largest coordinate [-]
+/** Changes of a pose below the round-off of single precision do not count. */
+const kPositionNoise = 4 * 2 ** -24; // share of the largest coordinate [-]
 const kTurnNoise = 1e-6; // [rad]
 
 const rounded = (v) => v.map(Math.fround);
 const same = (a, b) => a[0] === b[0] && a[1] === b[1] && a[2] === b[2];
 
-/** Orientation after a free flight of h seconds that starts with angular velocity w [rad/s]. */
+/** Orientation after h seconds of free flight by the midpoint rule; w: angular velocity at the start [rad/s]. */
 function freeTurn(start, principal, w, h) {
   const momentum = m.applyInertia(start, principal, w);
   const middle = m.normalized(m.multiply(m.turnOf(m.scale(0.5 * h, w)), start));
@@ -24,14 +24,15 @@ function freeTurn(start, principal, w, h) {
   return m.normalized(m.multiply(m.turnOf(m.scale(h, spin)), start));
 }
 
+/** The engine that a session asks; its calls are those of link::Engine (coupler/link/engine.h). */
 export class JoltEngine {
   constructor({ jolt, version }) {
     this.world = new World(jolt);
     this.held = new Map(); // by id
     this.moving = []; // by ascending id
     this.newborn = [];
-    this.jointed = new Map(); // by the joint's id: the two that it holds
-    this.islands = null; // of them, held to nothing else; null: to be found
+    this.jointed = new Map(); // by the joint's id: its two bodies
+    this.islands = null; // groups of linked bodies without a link to the world; null: not found yet
     this.info = {
       name: 'jolt',
       version,
@@ -42,7 +43,7 @@ export class JoltEngine {
     };
   }
 
-  /** Gives back the world's memory; of Jolt's 128 MB one world takes a quarter. */
+  /** Frees the world's memory, which is a large part of Jolt's. */
   close() {
     this.world.close();
   }
@@ -51,7 +52,7 @@ export class JoltEngine {
     this.world.setLaws(laws);
   }
 
-  /** A body whose id is not held yet. Throws Failure (bad_body). */
+  /** Adds a body with a new id. Throws Failure (bad_body). */
   add(body) {
     const held = {
       id: body.id, group: body.contact_group, mass: body.mass, motion: body.motion, body, rigid: null,
@@ -64,7 +65,7 @@ export class JoltEngine {
     if (this.moving.at(-2)?.id > body.id) this.moving.sort((a, b) => a.id - b.id);
   }
 
-  /** Throws Failure (bad_joint). */
+  /** Adds a joint between bodies that the engine holds. Throws Failure (bad_joint). */
   addJoint(joint) {
     this.insertNewborn();
     addJoint(this.world, joint, this.held);
@@ -72,7 +73,7 @@ export class JoltEngine {
     this.islands = null;
   }
 
-  /** It holds no longer; what it held still does not collide. Of no effect where it let go before. */
+  /** Releases a joint; its bodies still do not collide. A released joint stays released. */
   releaseJoint(id) {
     const ends = this.jointed.get(id);
     if (!ends) return;
@@ -83,7 +84,7 @@ export class JoltEngine {
     for (const held of ends) if (held) held.jointed = left.some((pair) => pair.includes(held));
   }
 
-  /** In the order of ids whatever the order of add(). */
+  /** Adds new bodies to the world by ascending id, in whatever order add() was called. */
   insertNewborn() {
     this.newborn.sort((a, b) => a.id - b.id);
     for (const held of this.newborn) {
@@ -95,17 +96,19 @@ export class JoltEngine {
     this.newborn = [];
   }
 
+  /** State of every body that is not static, by ascending id. */
   states() {
     return this.moving.map(({ id, mass, motion }) => ({ id, mass, ...motion }));
   }
 
-  /** One handback for each body that moves, by ascending id: the session has seen to it. */
-  advance(window, handbacks, solved) {
+  /** One window [s]. `predicted`: one state for each moving body, by ascending id (checked by the session). `solved`:
+   * ids of bodies whose contacts and joints are left out. */
+  advance(window, predicted, solved) {
     this.insertNewborn();
     this.world.leaveOut(solved);
     let way = 0;
     this.moving.forEach((held, index) => {
-      this.depart(held, handbacks[index], window);
+      this.depart(held, predicted[index], window);
       way = Math.max(way, m.norm(held.linear) * window);
     });
     this.world.solve(window, way);
@@ -114,41 +117,41 @@ export class JoltEngine {
       this.arrive(held, window);
       anyTouched ||= held.touched;
     }
-    // where there are contacts as well, what moved a body may have been something outside
+    // only without contacts: with contacts, an outside body may have moved the group
     this.islands ??= freeIslands([...this.jointed.values()]);
     for (const island of this.islands) if (!island.some((held) => held.struck)) giveBackTurn(island);
     if (anyTouched) this.relax(window);
   }
 
   /** Gives Jolt the average velocity of the window. */
-  depart(held, handback, window) {
+  depart(held, predicted, window) {
     const start = held.motion, principal = held.body.principal_inertia;
-    held.handback = handback;
-    const turn = m.multiply(handback.orientation, m.conjugate(start.orientation));
+    held.predicted = predicted;
+    const turn = m.multiply(predicted.orientation, m.conjugate(start.orientation));
     let spin = m.scale(1 / window, m.vectorOf(turn));
-    const endSpin = m.applyInverseInertia(handback.orientation, principal, handback.angular_momentum);
+    const endSpin = m.applyInverseInertia(predicted.orientation, principal, predicted.angular_momentum);
     if (Math.max(m.norm(endSpin), m.norm(spin)) * window > kFastTurn) spin = endSpin;
     held.spin = spin;
     held.angular = rounded(spin);
-    held.linear = rounded(m.scale(kLength / window, m.subtract(handback.position, start.position)));
+    held.linear = rounded(m.scale(kLength / window, m.subtract(predicted.position, start.position)));
     held.met = held.jointed === true;
     held.struck = false;
     held.push = [0, 0, 0];
     this.world.put(held.rigid, start, held.linear, held.angular);
   }
 
-  /** The handback, and what Jolt has changed. */
+  /** Sets the motion at the end of the window: the predicted state plus Jolt's changes. */
   arrive(held, window) {
-    const { motion: start, handback } = held, principal = held.body.principal_inertia;
+    const { motion: start, predicted } = held, principal = held.body.principal_inertia;
     held.touched = false;
     held.motion = {
-      position: handback.position, orientation: handback.orientation, velocity: handback.velocity,
-      angular_momentum: handback.angular_momentum,
+      position: predicted.position, orientation: predicted.orientation, velocity: predicted.velocity,
+      angular_momentum: predicted.angular_momentum,
     };
     if (!held.met) return;
     const now = this.world.read(held.rigid);
     const dv = m.subtract(now.linear, held.linear), dw = m.subtract(now.angular, held.angular);
-    // Beyond what the velocities explain: overlaps that were taken back, ways that were cut short at an impact.
+    // Motion beyond that of the velocities: removed overlaps, and motions stopped at an impact.
     const from = rounded(m.scale(kLength, start.position));
     let push = m.subtract(now.position, m.add(from, m.scale(window, now.linear)));
     const furthest = Math.max(...from.map(Math.abs), ...now.position.map(Math.abs));
@@ -161,20 +164,20 @@ export class JoltEngine {
     if (!held.touched) return;
     held.push = m.scale(1 / kLength, push);
     const change = m.add(m.scale(window / kLength, dv), held.push);
-    // The handback pose, turned by the difference between two free flights: the change of spin with the body's own
-    // precession, else a thin shard that an impact sets spinning gains energy.
+    // Turn the predicted pose by the difference between two free flights, with and without the change of angular
+    // velocity. A turn with constant angular velocity would give energy to a thin shard that an impact sets spinning.
     const without = freeTurn(start.orientation, principal, held.spin, window);
     const withIt = freeTurn(start.orientation, principal, m.add(held.spin, dw), window);
-    const turned = m.multiply(m.multiply(withIt, m.conjugate(without)), handback.orientation);
+    const turned = m.multiply(m.multiply(withIt, m.conjugate(without)), predicted.orientation);
     held.motion = {
-      position: m.add(handback.position, change),
+      position: m.add(predicted.position, change),
       orientation: m.normalized(m.multiply(pushTurn, turned)),
-      velocity: m.add(handback.velocity, m.scale(1 / kLength, dv)),
-      angular_momentum: m.add(handback.angular_momentum, m.applyInertia(start.orientation, principal, dw)),
+      velocity: m.add(predicted.velocity, m.scale(1 / kLength, dv)),
+      angular_momentum: m.add(predicted.angular_momentum, m.applyInertia(start.orientation, principal, dw)),
     };
   }
 
-  /** Velocities once more at the new poses: without it bodies squeezed between shell and floor gain energy. */
+  /** Solves velocities once more, at the new poses. Without it bodies squeezed between shell and floor gain energy. */
   relax(window) {
     for (const held of this.moving) {
       const { orientation, velocity, angular_momentum: momentum } = held.motion;

@@ -1,8 +1,8 @@
-// Bodies that joints hold together and nothing holds to the world: what moving poses does to their angular momentum.
+// Restores the angular momentum of linked bodies that have no link to the world.
 import * as m from './algebra.mjs';
 
-/** Lists of bodies that joints connect. Those with an end that does not move are no islands: what holds them takes up
- * any angular momentum. `pairs`: of ends, undefined for the world. */
+/** Groups of bodies that joints connect. A group with a joint to a static body or to the world is left out, since that
+ * joint takes up angular momentum. `pairs`: the two bodies of each joint, undefined for the world. */
 export function freeIslands(pairs) {
   const above = new Map(); // union-find
   const top = (held) => {
@@ -21,9 +21,9 @@ export function freeIslands(pairs) {
   return [...islands.values()];
 }
 
-/** Jolt puts joints back together by moving bodies by `held.push` [m], and s x p is missing then: of bodies that go
- * round one another by (omega H)^2/2 in each window, always the same way. Gives it back as one turn of the whole
- * island, which keeps its momentum, and every joint's velocity, as they are. */
+/** Jolt corrects joints by moving bodies by s = `held.push` [m], which removes the angular momentum s x p. In bodies
+ * that circle one another this is a share (omega H)^2/2 per window, always with one sign. Restores it as a rotation of
+ * the whole group, which changes neither its momentum nor the velocity in any joint. */
 export function giveBackTurn(island) {
   let missing = [0, 0, 0], centre = [0, 0, 0], mass = 0;
   for (const held of island) {

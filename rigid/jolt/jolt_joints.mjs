@@ -1,4 +1,4 @@
-// Joints for Jolt. Frames are in body coordinates; z is the axis of a hinge or slider.
+// Makes Jolt's joints. Frames are in body coordinates; z is the axis of a hinge or slider.
 import { rotate } from './algebra.mjs';
 import { Exit, Failure } from './failure.mjs';
 import { kLength } from './jolt_shapes.mjs';
@@ -10,8 +10,8 @@ export function addJoint(world, joint, held) {
   if (first.body.is_static && (!second || second.body.is_static))
     throw new Failure(Exit.badInput, 'bad_joint',
       `joint ${joint.id} '${joint.name}': both bodies are static; name one that moves`);
-  // Jolt's slider carries the whole way slid as the lever arm of its first body: in single precision, one that moves
-  // leaves the line after some metres. One that cannot move carries it for nothing.
+  // The lever arm of the first body of Jolt's slider is the whole distance slid. In single precision a moving first
+  // body leaves the line after some metres, so a static one goes first.
   const ends = [{ held: first, frame: joint.first_frame }, { held: second, frame: joint.second_frame }];
   if (!second || second.body.is_static) ends.reverse();
   const frames = ends.map(({ frame }) => frame);

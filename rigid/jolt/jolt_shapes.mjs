@@ -1,16 +1,16 @@
-// Bodies' shapes for Jolt.
+// Makes Jolt's shapes.
 import { rejectBody } from './failure.mjs';
 
-/** Jolt's length unit here is 1 cm and its mass unit 1 g: its tolerances are made for things of some metres, shards
- * measure centimetres. */
+/** Units in Jolt: lengths in cm, masses in g. Jolt's tolerances suit sizes of some units, and shards measure some
+ * centimetres. */
 export const kLength = 100; // [1/m]
 export const kMass = 1000; // [1/kg]
 
-/** Edges and corners are rounded by at most so much, within the shape's size. */
+/** Largest rounding radius of edges and corners, inside the shape's size. */
 const kRounding = 0.03; // [cm]
-/** Of the smallest half size of a box, at most so much is rounded. */
+/** Largest share of a box's smallest half size that is rounded. */
 const kRoundedShare = 0.45;
-/** Corners closer to a face than this are taken as in it. The smaller ones are for slivers. */
+/** A corner nearer to a face than this counts as in it. The smaller values are for slivers. */
 const kHullTolerances = [1e-3, 1e-4, 1e-5]; // [cm]
 /** Share of (diagonal of the bounds)^3 below which a hull is flat. */
 const kFlatShare = 1e-12;
@@ -21,7 +21,7 @@ function hasVolume(shape) {
   return shape.GetVolume() > kFlatShare * Math.hypot(size.GetX(), size.GetY(), size.GetZ()) ** 3;
 }
 
-/** Makes shapes whose origin is the body's centre of mass whatever their geometry says. */
+/** Makes shapes with their origin in the body's centre of mass. */
 export class Shapes {
   constructor(jolt) {
     this.jolt = jolt;
@@ -29,7 +29,7 @@ export class Shapes {
     this.upright = new jolt.Quat(0, 0, 0, 1);
   }
 
-  /** Throws Failure (bad_body) where Jolt cannot hold the shape. */
+  /** Shape of a body. Throws Failure (bad_body) where Jolt cannot hold it. */
   make(body) {
     const { jolt } = this;
     const { sphere, box, half_space: halfSpace, parts } = body.shape;
@@ -52,7 +52,7 @@ export class Shapes {
     return this.centred(compound, body);
   }
 
-  /** Settings that Jolt makes a hull of. */
+  /** Settings of a convex hull. Throws Failure (bad_body) where it is flat. */
   hull(corners, body, field) {
     let said = '';
     for (const tolerance of kHullTolerances) {
@@ -82,7 +82,7 @@ export class Shapes {
     const shape = result.Get();
     shape.AddRef();
     settings.AddRef();
-    settings.Release(); // and what it was made from
+    settings.Release(); // also frees what they refer to
     return shape;
   }
 

@@ -1,26 +1,28 @@
-// A Jolt world without gravity, damping or sleep of its own. Lengths and masses are Jolt's (jolt_shapes.mjs).
+// A Jolt world without gravity, damping and sleeping. Lengths and masses are in Jolt's units (jolt_shapes.mjs).
 import { Exit, Failure } from './failure.mjs';
 import { kLength, kMass, Shapes } from './jolt_shapes.mjs';
 
-// The build's scratch memory is 10 MB, 472 bytes of it for each contact that there may be.
+// Limits: Jolt's scratch memory of 10 MB holds 472 bytes for each possible contact.
 const kMaxBodies = 65536, kMaxPairs = 131072, kMaxContacts = 12288;
-const kVelocitySteps = 20, kPositionSteps = 2; // a stack of twenty 3 mm plates sinks in by 0.2 mm in all at 1 ms
-const kCastShare = 0.75; // of a shape's inner radius: what moves further in a window is cast
-/** Overlap that is left alone. */
+const kVelocitySteps = 20, kPositionSteps = 2;
+const kCastShare = 0.75; // a body that moves by more than this share of its inner radius in a window is cast
+/** Overlap that stays. */
 const kSlop = 0.005; // [cm]
-/** Contacts are foreseen over the way that bodies may go in a window, within these bounds. */
+/** Bounds of the gap up to which contacts are found. Between them it is the farthest distance of a body in a window. */
 const kLeastForeseen = 0.02, kMostForeseen = 0.2; // [cm]
 const kTouching = 0.005; // [cm]
-/** Meeting slower than this is no impact: resting closes with g H per window. */
+/** Contacts that close more slowly do not bounce: a resting body closes with g H per window. */
 const kImpactSpeed = 5; // [cm/s]
-/** Jolt clamps what is faster, silently; nothing that is solved here comes near. */
+/** Jolt clamps larger speeds without a message; bodies here are far slower. */
 const kNoLimit = 1e9;
 const kStill = 0, kMoving = 1; // layers
 
 const kOtherPairs = { friction: 0.5, restitution: 0 };
 
-const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`); // of bodies, by id
+/** Key of a pair of bodies, in either order. */
+const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`);
 
+/** Finds and solves contacts and joints, and moves bodies. */
 export class World {
   constructor(jolt) {
     this.jolt = jolt;
@@ -48,11 +50,11 @@ export class World {
     this.angular = new jolt.Vec3(0, 0, 0);
     this.system.SetGravity(this.linear);
 
-    this.laws = new Map(); // of a group: to the other group's coefficients
-    this.byPointer = new Map(); // Jolt's body to what add() was given
-    this.solved = new Set(); // ids
+    this.laws = new Map(); // by contact group: a map from the other group to coefficients
+    this.byPointer = new Map(); // from Jolt's body to the argument of add()
+    this.solved = new Set(); // ids of bodies whose contacts are left out
     this.joints = [];
-    this.linked = new Set(); // pairs that go through one another: pair()
+    this.linked = new Set(); // pairs that do not collide: pair()
     this.contacts = 0;
     this.relaxing = false;
     this.recorder = new jolt.StateRecorderImpl();
@@ -73,11 +75,11 @@ export class World {
       const settings = jolt.wrapPointer(pointer, jolt.ContactSettings);
       ++this.contacts;
       if (this.solved.size && (this.solved.has(a.id) || this.solved.has(b.id))) {
-        settings.mIsSensor = true; // somebody else has solved it
+        settings.mIsSensor = true; // the shell process has solved it
         return;
       }
       if (this.linked.size && this.linked.has(pair(a.id, b.id))) {
-        settings.mIsSensor = true; // a joint holds them, or did
+        settings.mIsSensor = true; // a joint links them, or did
         return;
       }
       if (this.relaxing && !(a.touched || b.touched)) {
@@ -97,6 +99,7 @@ export class World {
     return listener;
   }
 
+  /** Replaces all contact laws. */
   setLaws(laws) {
     this.laws.clear();
     const put = (a, b, law) => {
@@ -109,8 +112,8 @@ export class World {
     }
   }
 
-  /** `held` is marked with `met` and `struck` in each step in which it has a contact. Returns Jolt's body, which turns
-   * about its origin. */
+  /** Adds a body and returns Jolt's one, whose origin is its centre of mass. A step marks `held` as `met` and `struck`
+   * where the body has a contact. Throws Failure (bad_body) above kMaxBodies. */
   add(held, body, shape) {
     const { jolt } = this;
     this.place(body.motion);
@@ -141,7 +144,7 @@ export class World {
     return rigid;
   }
 
-  /** Contacts and joints of these bodies (ids) are not solved until this is called again. */
+  /** Leaves out contacts and joints of these bodies (ids) until the next call. */
   leaveOut(ids) {
     if (ids.length === 0 && this.solved.size === 0) return;
     this.solved = new Set(ids);
@@ -149,12 +152,12 @@ export class World {
       constraint.SetEnabled(holds && !ends.some((id) => this.solved.has(id)));
   }
 
-  /** These two (ids) go through one another from now on. */
+  /** From now on these two bodies (ids) do not collide. */
   letThrough(first, second) {
     this.linked.add(pair(first, second));
   }
 
-  /** The joint acts no longer. */
+  /** Stops a joint for good. */
   release(id) {
     const joint = this.joints.find((one) => one.id === id);
     joint.holds = false;
@@ -167,7 +170,7 @@ export class World {
     this.rotation.Set(qx, qy, qz, qw);
   }
 
-  /** Puts a body to a motion's pose with velocities [cm/s, rad/s]. */
+  /** Sets a body's pose to that of `motion`, and its velocities [cm/s, rad/s]. */
   put(rigid, motion, linear, angular) {
     this.place(motion);
     this.linear.Set(...linear);
@@ -175,7 +178,7 @@ export class World {
     this.bodies.SetPositionRotationAndVelocity(rigid.GetID(), this.position, this.rotation, this.linear, this.angular);
   }
 
-  /** A body as it is: position, orientation, velocities. */
+  /** Position [cm], orientation and velocities of a body. Throws Failure (diverged) where they are not finite. */
   read(rigid) {
     const xyz = (v) => [v.GetX(), v.GetY(), v.GetZ()];
     const position = xyz(rigid.GetPosition());
@@ -189,7 +192,7 @@ export class World {
     return { position, orientation, linear, angular };
   }
 
-  /** Finds and solves contacts and joints, and moves. `way`: the furthest that a body may go [cm]. */
+  /** Finds and solves contacts and joints, and moves the bodies. `way`: farthest motion of a body in the window [cm]. */
   solve(window, way) {
     this.step(window, (settings) => {
       settings.mSpeculativeContactDistance = Math.min(kMostForeseen, Math.max(kLeastForeseen, way));
@@ -198,15 +201,15 @@ export class World {
     });
   }
 
-  /** Solves the velocities of contacts with bodies marked `touched`, at the present poses; what the bodies' poses are
-   * afterwards is no matter. */
+  /** Solves velocities at the present poses, for contacts of bodies marked `touched`. Jolt moves the bodies as well;
+   * the caller ignores these poses. */
   relax(window) {
     this.relaxing = true;
-    // The next window starts from the impulses of solve(), else stacks collapse.
+    // The next window must start from the impulses of solve(), or stacks collapse.
     this.recorder.Clear();
     this.system.SaveState(this.recorder, this.impulses);
     this.step(window, (settings) => {
-      settings.mSpeculativeContactDistance = kTouching; // what comes near later is for the next window
+      settings.mSpeculativeContactDistance = kTouching; // no look-ahead: later contacts belong to the next window
       settings.mNumPositionSteps = 0;
       settings.mLinearCastThreshold = kNoLimit;
     });
@@ -221,7 +224,7 @@ export class World {
     settings.mPenetrationSlop = kSlop;
     settings.mNumVelocitySteps = kVelocitySteps;
     settings.mMinVelocityForRestitution = kImpactSpeed;
-    settings.mConstraintWarmStart = !this.relaxing; // the impulses of solve() are in the velocities already
+    settings.mConstraintWarmStart = !this.relaxing; // velocities include the impulses of solve()
     settings.mAllowSleeping = false;
     this.system.SetPhysicsSettings(settings);
     this.contacts = 0;

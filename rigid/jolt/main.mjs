@@ -1,4 +1,4 @@
-// Serves one session with Jolt, as sunder-rigid does with the engines of rigid/engine.
+// sunder-rigid-jolt: serves one session with Jolt, as sunder-rigid does with the engines of rigid/engine.
 import { Channel } from './channel.mjs';
 import { Exit, Failure } from './failure.mjs';
 import { JoltEngine } from './jolt_engine.mjs';
@@ -10,7 +10,7 @@ sunder-rigid-jolt --check     says whether it can run
 Binds the endpoint, serves one session and ends with it. There is one engine here, whatever NAME is.
 Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.
 `;
-const kParent_ms = 250; // between looks at the parent; none while a window is solved
+const kParent_ms = 250; // interval of checks for the parent process; a window delays them
 
 function options(argv) {
   const found = { endpoint: '' };

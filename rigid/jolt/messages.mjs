@@ -1,19 +1,19 @@
-// Messages to plain values and back. Everything decoded here is checked, as in coupler/link/messages.cpp: finite,
-// sizes, ids, unit quaternions. What is absent counts as zero.
+// Converts messages to plain values and back. Decoding checks every value, as coupler/link/messages.cpp does: finite,
+// sizes, ids, unit quaternions. An absent value is zero.
 import { check } from './failure.mjs';
 
 export const kProtocol = 2;
 export const kMaxHash = 256; // [bytes]
 export const kMaxMessage = 256 * 2 ** 20; // [bytes]
-const kQuaternionTolerance = 1e-9; // off unit length: round-off of a window, no more
+const kQuaternionTolerance = 1e-9; // deviation from unit length: round-off of a window
 const kMaxBodies = 100000, kMaxParts = 65536, kMaxCorners = 4096, kMaxJoints = 100000, kMaxLaws = 1000000;
 const kMaxWord = 255; // [bytes]
 const kJointKinds = [null, 'BALL', 'HINGE', 'SLIDER', 'FIXED'];
 
-/** An integer of 64 bits as a number; what a number cannot hold comes back rounded. */
+/** A 64-bit integer as a number; above 2^53 it is rounded. */
 export const integer = (value) => (typeof value === 'number' ? value : value.toNumber());
 
-/** The other way, for nanoseconds. */
+/** A BigInt as a 64-bit integer of a message, for nanoseconds. */
 export const wide = (value) => ({
   low: Number(BigInt.asIntN(32, value)), high: Number(BigInt.asIntN(32, value >> 32n)), unsigned: false,
 });
@@ -26,7 +26,7 @@ function vector(v, field) {
 
 function quaternion(q, field) {
   const r = q ? [q.w, q.x, q.y, q.z] : [0, 0, 0, 0];
-  // also refuses what is not finite
+  // also false where a number is not finite
   check(Math.abs(Math.hypot(...r) - 1) < kQuaternionTolerance,
     () => `${field} is (${r.join(', ')}): not of unit length`);
   return r;

@@ -1,4 +1,4 @@
-// The packages that package-lock.json names, from where coupler/sunder_tools/launch/node.py unpacks them.
+// Loads the packages of package-lock.json from the folder where coupler/sunder_tools/launch/node.py unpacks them.
 import { existsSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { dirname, join } from 'node:path';
@@ -10,20 +10,20 @@ const repository = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
 const folder = join(repository, 'build', 'node', 'node_modules');
 const require = createRequire(join(folder, 'none.cjs'));
 
-/** Exports of a package. Throws Failure where it is not there or does not run on this machine. */
+/** Exports of a package. Throws Failure (no_package) where it is missing or does not run on this machine. */
 async function load(name, entry) {
   try {
     if (!existsSync(join(folder, name))) throw new Error('there is no such folder');
     return entry ? await import(pathToFileURL(require.resolve(entry))) : require(name);
   } catch (error) {
-    const remedy = `/usr/bin/python3 -m sunder_tools.launch.node in ${join(repository, 'coupler')} gets it`;
+    const remedy = `/usr/bin/python3 -m sunder_tools.node in ${join(repository, 'coupler')} gets it`;
     throw new Failure(Exit.badInput, 'no_package', `node package ${join(folder, name)}: ${error.message}; ${remedy}`);
   }
 }
 
 export const loadZeroMq = () => load('zeromq');
 
-/** The types of the exchange, with the names of the fields as in the .proto files. */
+/** Message types Request and Reply. Fields have their names in the .proto files. */
 export async function loadMessages() {
   const protobuf = await load('protobufjs');
   const root = new protobuf.Root();

@@ -1,4 +1,5 @@
-// The rigid side of a session: requests in, replies out, in the right order (coupler/link/session.cpp and host.cpp).
+// The rigid side of a session: decodes requests, checks their order, asks the engine and encodes replies (as
+// coupler/link/session.cpp and host.cpp).
 import { check, Exit, Failure, refuse } from './failure.mjs';
 import {
   decodeLoad, decodeWindow, encodeStates, integer, kMaxHash, kProtocol, wide,
@@ -6,8 +7,9 @@ import {
 
 const kNew = 0, kGreeted = 1, kLoaded = 2, kDone = 3;
 
+/** State of one session with an engine. */
 export class Session {
-  /** `types`: loadMessages(). */
+  /** `types`: result of loadMessages(). */
   constructor(engine, types) {
     this.engine = engine;
     this.types = types;
@@ -15,18 +17,19 @@ export class Session {
     this.sequence = 0;
     this.tick = 0;
     this.known = new Set(); // ids of bodies
-    this.joints = new Set(); // and of joints
-    this.moving = []; // those that are not static, ascending
+    this.joints = new Set(); // ids of joints
+    this.moving = []; // ids of bodies that are not static, ascending
     this.trace = false;
-    this.abandoned = false; // the other side said that it failed: there is nobody to answer
-    this.failure = null; // what ended the session, unless that was a goodbye
+    this.abandoned = false; // true: the other side reported its own failure and reads no reply
+    this.failure = null; // error that ended the session; null after Bye
   }
 
   get over() {
     return this.state === kDone;
   }
 
-  /** The reply to a request, as bytes; where the request is bad or the engine fails it says so, and `failure` too. */
+  /** Reply to a request, as bytes. Where the request is wrong or the engine fails, the reply is an Error, `failure` has
+   * it, and the session is over. */
   answer(bytes) {
     this.spans = [];
     let reply;
@@ -36,7 +39,7 @@ export class Session {
       check(sequence === ++this.sequence, () => `request ${sequence}, expected ${this.sequence}`);
       reply = { ...this.to(request), spans: this.spans };
     } catch (error) {
-      // not ours: our own mistake or the engine's, the other side hears of it too
+      // any other error is one in this program or in the engine: tell the other side too
       this.failure = error instanceof Failure
         ? error
         : new Failure(Exit.physics, 'internal', error.stack ?? String(error));
@@ -66,18 +69,18 @@ export class Session {
     check(this.state === kLoaded, () => `${what} before Load`);
   }
 
-  /** What an engine does not declare it is not asked for: the other side has read the list. */
+  /** Refuses a request for a capability that the engine does not declare. */
   needs(capability, what) {
     check(this.engine.info.capabilities.includes(capability), () => `${what}: the engine cannot do '${capability}'`);
   }
 
-  /** A request for capabilities that no engine has here. */
+  /** Refuses a request for a capability that Jolt's adapter does not have. */
   unable(capability, what) {
     this.loaded(what);
     return refuse(`${what}: the engine cannot do '${capability}'`);
   }
 
-  /** One for each body that moves, by id: the other side counts on the same bodies as this one. */
+  /** Checks that there is one state for each moving body, by ascending id. */
   match(handbacks) {
     let next = 0;
     for (const { id } of handbacks) {
@@ -100,7 +103,7 @@ export class Session {
     this.moving.sort((a, b) => a - b);
   }
 
-  /** What the engine has. Throws Failure (engine_failed) where a number of it is not finite. */
+  /** The engine's states. Throws Failure (engine_failed) where a number is not finite. */
   states() {
     const states = this.engine.states();
     for (const { id, mass, position, orientation, velocity, angular_momentum: momentum } of states)
@@ -126,8 +129,8 @@ export class Session {
       case 'export': return this.unable('export_rows', 'Export');
       case 'save': return this.unable('save_restore', 'Save');
       case 'restore': return this.unable('save_restore', 'Restore');
-      case 'add_bodies': return this.unable('save_restore', 'AddBodies'); // only where windows are repeated
-      default: // what another protocol has is left out in decoding
+      case 'add_bodies': return this.unable('save_restore', 'AddBodies'); // sent only in runs that repeat windows
+      default: // decoding drops kinds of another protocol
         return refuse('a request without content, or of a kind that is not known here');
     }
   }

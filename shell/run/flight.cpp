@@ -6,8 +6,8 @@
 namespace sunder::shell {
 namespace {
 
-// Of the thickness, that two bodies that can meet may approach in a window without a shell: engines find a contact
-// only at the end of a window, and one that has passed the middle of a plate is pushed out on the far side.
+// Largest approach of two bodies that can meet in a window without a shell, as a share of the thickness. A longer window
+// would depend on how far an engine looks ahead for contacts, which differs between engines.
 constexpr double kSettleTravel = 1.25;
 constexpr int kRigidSubsteps = 4;  // of free flight in a window without a shell
 

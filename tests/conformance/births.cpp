@@ -1,4 +1,4 @@
-// Bodies that are born: shards that share faces with their neighbours, and any body in the middle of a run.
+// Bodies born in a run: shards that share faces with their neighbours, and single bodies of every shape.
 #include <algorithm>
 #include <cmath>
 
@@ -10,13 +10,13 @@ namespace {
 using namespace link::capability;
 
 constexpr int kGrid = 5;
-// Shards that share faces to round-off have nothing between them to be pushed by. 1e-9 of the energy of motion at 1
-// m/s, under a tenth of a microjoule for the whole pane.
+// Shards that share faces to round-off must not push one another. The tolerance is 1e-9 of the kinetic energy at 1 m/s,
+// below a tenth of a microjoule for the whole pane.
 constexpr double kGainTolerance = 1e-9;
-// No impulse, so a handback comes back: as in free flight.
+// Without impulses bodies end in their predicted states: tolerance of free flight.
 constexpr double kFlightTolerance = 1e-9;
 
-// A pane of 150 mm in 25 shards with slanted edges that they share.
+// A pane of 150 mm in 25 shards that share slanted edges.
 std::vector<RigidBody> pane(BodyId first, double height) {
   std::mt19937 random(5);
   Vec2 nodes[kGrid + 1][kGrid + 1];
@@ -38,7 +38,7 @@ std::vector<RigidBody> pane(BodyId first, double height) {
 }
 
 void neighbours(Suite& s) {
-  for (const double speed : {0.0, 1.0}) {  // all alike: the pane flies on as one
+  for (const double speed : {0.0, 1.0}) {  // one velocity: the pane flies as a whole
     Play play(s.target, {{{at(fixed(plate(1, {rectangle(0, 0, 1, 1)}, 0.01)), {0, 0, -9})}, law(0.5, 0.0), {}}});
     play.run(0.01);
     std::vector<RigidBody> shards = pane(10, 0.0);
@@ -55,7 +55,7 @@ void neighbours(Suite& s) {
       const Vec3 there = b.motion.position + 0.2 * b.motion.velocity;
       apart = std::max(apart, (play.body(b.id).motion.position - there).norm());
     }
-    // A tenth of a millimetre, as for what rests: the picture of a pane that has just broken must not jump.
+    // A tenth of a millimetre, as for bodies at rest: a pane that has just broken must not jump in the picture.
     s.report.check(fmt::format("shift_at_{:g}m_s", speed), apart, 0.0, 1e-4, "worst of 25 shards [m]");
     play.end();
   }
@@ -64,17 +64,18 @@ void neighbours(Suite& s) {
 void part(Suite& s) {
   Play play(s.target, {{{}, law(0.5, 0.0), {}}});
   std::vector<RigidBody> shards = pane(1, 0.0);
-  for (RigidBody& b : shards) b.motion.velocity = Vec3(0, 0, 1) + 2.0 * b.motion.position;  // as a ring grows
+  for (RigidBody& b : shards) b.motion.velocity = Vec3(0, 0, 1) + 2.0 * b.motion.position;  // the pane expands
   play.window(shards);
   double worst = 0.0;
   for (int i = 0; i < 200; ++i) play.window();
   for (const RigidBody& b : shards)
     worst = std::max(worst, (play.body(b.id).motion.velocity - b.motion.velocity).norm() / b.motion.velocity.norm());
-  s.report.check("velocity", worst, 0.0, s.exact(kFlightTolerance), "change of a shard that leaves its neighbours");
+  s.report.check("velocity", worst, 0.0, s.exact(kFlightTolerance),
+                 "change of a shard that moves away from its neighbours");
   play.end();
 }
 
-// Any body of a shape that the engine has.
+// A body of a shape that the engine has.
 RigidBody some_body(const Suite& s, BodyId id) {
   if (s.info.can(kSpheres)) return sphere(id, 0.03);
   if (s.info.can(kBoxes)) return box(id, {0.03, 0.02, 0.01});
@@ -89,31 +90,32 @@ void births(Suite& s) {
   const std::vector<RigidBody> born[] = {{body(20, 2.0), body(31, 3.0)}, {body(5, 4.0)}};  // below, between, above
   for (const auto& several : born) {
     play.window(several);
-    for (const RigidBody& b : several)  // in the reply to the window, and where it was put: it has not moved yet
+    for (const RigidBody& b : several)  // the reply to the window has it, unmoved
       for (const link::State& state : play.states())
         if (state.id == b.id)
           birth = std::max({birth, pose_error(state.motion, b.motion, 0.03), velocity_error(state.motion, b.motion)});
     for (int i = 0; i < 50; ++i) {
       play.window();
       for (std::size_t k = 0; k < play.states().size(); ++k) {
-        const BodyMotion &got = play.states()[k].motion, &given = play.handbacks()[k].motion;
+        const BodyMotion &got = play.states()[k].motion, &given = play.predicted()[k].motion;
         flight = std::max({flight, pose_error(got, given, 0.03), velocity_error(got, given)});
       }
     }
   }
   s.report.check("birth", birth, 0.0, s.exact(kFlightTolerance), "against the body that was sent");
-  s.report.check("flight", flight, 0.0, s.exact(kFlightTolerance), "of old and new bodies against their handbacks");
+  s.report.check("flight", flight, 0.0, s.exact(kFlightTolerance),
+                 "of old and new bodies against their predicted states");
   play.end();
 }
 
-// What is born takes part: it comes to lie on a body that was there.
+// A newborn body comes to rest on an existing one.
 void births_meet(Suite& s) {
   Play play(s.target, {{{half_space(9)}, law(0.5, 0.0), {}}, gravity()});
   play.run(0.01);
   play.window({at(sphere(4, 0.03), {0, 0, 0.04})});
   play.run(1.0);
   const double height = play.body(4).motion.position.z();
-  // As what rests (resting.cpp).
+  // Tolerance of bodies at rest (resting.cpp).
   s.report.check_error("height", height, 0.03, std::abs(height - 0.03), 1e-4, "of a sphere born above a floor [m]");
   play.end();
 }
@@ -125,7 +127,7 @@ std::vector<Case> birth_cases() {
       {"newborn_neighbours", "a 5 x 5 grid of shards that share faces", {kConvexHulls, kContact}, neighbours},
       {"newborn_part", "the same, flying apart", {kConvexHulls, kContact}, part},
       {"births", "bodies born in the middle of a run", {}, births},
-      {"births_meet", "what is born meets what is there", {kSpheres, kHalfSpaces, kContact}, births_meet},
+      {"births_meet", "a newborn body meets an existing one", {kSpheres, kHalfSpaces, kContact}, births_meet},
   };
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// Bodies with their true mass and inertia.
+// Makes bodies with exact mass and inertia.
 #include <random>
 #include <vector>
 
@@ -13,10 +13,10 @@ using Polygon = std::vector<Vec2>;  // convex, anticlockwise [m]
 
 RigidBody sphere(BodyId id, double radius_m);
 RigidBody box(BodyId id, const Vec3& half_size_m);
-/// Everything below z = 0, turned by `tilt`.
+/// The half space below z = 0, turned by `tilt`.
 RigidBody half_space(BodyId id, const Quat& tilt = Quat::Identity());
-/// A plate of convex polygons that share edges, extruded by +- thickness/2 about z = 0; in its principal axes, where it
-/// was drawn.
+/// A plate of convex polygons [m] that share edges, extruded by +- thickness/2 about z = 0. The body has the plate's
+/// principal axes and place.
 RigidBody plate(BodyId id, const std::vector<Polygon>& polygons, double thickness_m);
 Polygon rectangle(double x0, double y0, double x1, double y1);
 
@@ -25,11 +25,11 @@ RigidBody at(RigidBody body, const Vec3& position);
 RigidBody moving(RigidBody body, const Vec3& velocity, const Vec3& spin_rad_s = Vec3::Zero());
 RigidBody turned(RigidBody body, const Vec3& rotation_rad);
 
-/// In [low, high), the same with every standard library.
+/// A random number in [low, high), the same with every standard library.
 double uniform(std::mt19937& random, double low, double high);
 
-/// Plates 20 to 60 mm across and 3 mm thick, every third an L of two parts where `compounds`, thrown down onto a floor
-/// from different heights, turning. Ids from `first`.
+/// Plates 20 to 60 mm wide and 3 mm thick that fall and turn, from different heights. With `compounds`, every third one
+/// is an L of two parts. Ids count from `first`.
 std::vector<RigidBody> thrown_plates(BodyId first, int count, bool compounds);
 
 }  // namespace sunder::conformance

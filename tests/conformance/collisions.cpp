@@ -1,4 +1,4 @@
-// Collisions between free bodies: momentum kept, energy never gained, restitution as the law says.
+// Collisions of free bodies: momentum is kept, energy does not grow, restitution follows the law.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -11,16 +11,16 @@ namespace {
 
 using namespace link::capability;
 
-// An engine applies each impulse to both bodies at one point: the sum closes to the round-off of some dozens of
-// additions, however far its solver has converged. Of angular momentum, shift.h says how much can be known so exactly.
+// An engine applies each impulse to both bodies at one point. So momentum closes to the round-off of some dozens of
+// additions, whatever the convergence of the solver. shift.h says which part of angular momentum closes as well.
 constexpr double kMomentumTolerance = 1e-12;
-// Impulses that take no more than the contact has leave round-off; 1e-9 of the kinetic energy is a thousand times that.
+// A correct impulse adds round-off only. 1e-9 of the kinetic energy is a thousand times that.
 constexpr double kGainTolerance = 1e-9;
-// A contact with restitution 1 ends on the speed that it met with. Two to four points solved by iteration leave some
-// tenths of a percent of it.
+// With restitution 1 the rebound has the speed of the impact. Two to four points solved by iteration err by some tenths
+// of a percent.
 constexpr double kElasticTolerance = 1e-2;
 constexpr double kRestitutionTolerance = 1e-2;
-// What a collision has to pass on to be one, of the momentum in relative motion.
+// Least share of the relative momentum that a collision passes on.
 constexpr double kMet = 0.1;
 
 RigidBody angle_iron(BodyId id) {  // an L of two convex parts
@@ -49,7 +49,7 @@ Meeting compounds(double friction) {
           moving(turned(at(angle_iron(2), {0, 0.02, 0.02}), {0.1, -0.9, 0}), {-0.5, 0, 0}, {1, 0, 1}), friction, 0.0};
 }
 
-// Half the diagonal of what is meant to meet is no farther from its centre than this.
+// Farthest surface point from the centre of a colliding body.
 constexpr double kReach_m = 0.1;
 
 void meet(Suite& s, const Meeting& m) {
@@ -65,21 +65,23 @@ void meet(Suite& s, const Meeting& m) {
     angular.before(play);
     play.window();
     angular.after(play);
-    gain = std::max(gain, (play.kinetic_energy() - play.handback_energy()) / start);  // flight has its own error
+    gain = std::max(gain, (play.kinetic_energy() - play.predicted_energy()) / start);  // flight has its own error
   }
   const Vec3 change = m.first.mass * (play.body(1).motion.velocity - m.first.motion.velocity);
   const double met = change.norm() / relative;
-  s.report.check_error("met", met, kMet, std::max(0.0, kMet - met), 0.0, "momentum passed on, of the relative one");
+  s.report.check_error("met", met, kMet, std::max(0.0, kMet - met), 0.0,
+                       "share of the relative momentum that is passed on");
   s.report.check("linear", (play.momentum() - linear).norm() / relative, 0.0, s.exact(kMomentumTolerance));
   angular.judge(play, s.report, relative * arm, s.exact(kMomentumTolerance));
   if (m.restitution < 1.0)
-    s.report.check("gain", gain, 0.0, s.exact(kGainTolerance), "largest gain of a window, of the kinetic energy");
+    s.report.check("gain", gain, 0.0, s.exact(kGainTolerance),
+                   "largest gain in a window, relative to the kinetic energy");
   else
     s.report.check("energy", play.kinetic_energy(), start, kElasticTolerance);
   play.end();
 }
 
-// Head-on at 2 m/s without gravity: what comes back of the speed.
+// Head-on impact at 2 m/s without gravity: ratio of the rebound speed.
 void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double half_width) {
   for (const double restitution : {0.0, 0.5, 1.0}) {
     Play play(s.target, {{{lower, moving(upper, {0, 0, -2.0})}, law(0.0, restitution), {}}});
@@ -90,13 +92,13 @@ void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double hal
     s.report.check_error(fmt::format("e_{:g}", restitution), measured, restitution, std::abs(measured - restitution),
                          kRestitutionTolerance, "absolute");
     s.report.check(fmt::format("turn_{:g}", restitution), turn, 0.0, kRestitutionTolerance,
-                   "speed of its rim, of the closing speed");
+                   "speed of its rim, relative to the closing speed");
     play.end();
   }
 }
 
-// Spheres that come down beside two that touch, the first and the last of all by id: engines that solve groups of what
-// touches apart from one another have to find each group in every solution.
+// Spheres fall beside two that touch and have the lowest and highest id. An engine that solves groups of touching
+// bodies separately must find each group in every solve.
 void bounce_beside(Suite& s) {
   for (const double restitution : {0.0, 0.5, 1.0}) {
     std::vector<RigidBody> bodies{half_space(1), at(sphere(2, 0.05), {0, 0, 1.0}), at(sphere(9, 0.05), {0.1, 0, 1.0})};

@@ -1,4 +1,4 @@
-// The suite can fail: each fault of wrong-engine is found by the case that is there for it, and only a fault is.
+// The suite can fail: each fault of wrong-engine fails the case for it, and an engine without a fault passes.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -55,7 +55,7 @@ Outcome with_fault(const std::string& base, const std::string& fault, const std:
 
 }  // namespace
 
-TEST(Conformance, FindsEachFaultByTheRowThatIsThereForIt) {
+TEST(Conformance, FindsEachFaultByTheRowForIt) {
   const struct {
     const char *base, *fault, *name, *fails, *passes;
   } cases[] = {
@@ -110,7 +110,7 @@ TEST(Conformance, FreeFlightHoldsAllThatItDeclares) {
   EXPECT_GT(all.verdicts.size(), 60u);
 }
 
-TEST(Conformance, SkipsByWhatIsNotDeclaredAndSaysWhich) {
+TEST(Conformance, SkipsACaseByAMissingCapabilityAndNamesIt) {
   Outcome flight = with_fault("freeflight", "none", "joint_ball");
   EXPECT_EQ(flight.status, 0) << flight.said;
   EXPECT_EQ(flight.verdicts["joint_ball"], "skipped");
@@ -134,16 +134,27 @@ TEST(Conformance, HoldsAnEngineToTheListOfItsKnownFailures) {
   Outcome other = with_list("collision_spheres.met because\n", "leaks");
   EXPECT_EQ(other.status, 1) << other.said;
   EXPECT_EQ(other.verdicts["collision_spheres.linear"], "fail") << other.said;
-  EXPECT_EQ(with_list("collision_spheres.nonsense because\n", "none").status, 1);      // a row that there is not
+  EXPECT_EQ(with_list("collision_spheres.nonsense because\n", "none").status, 1);      // no such row
   EXPECT_EQ(with_list("collision_boxes_elastic.energy because\n", "none").status, 0);  // a case that did not run
-  EXPECT_EQ(with_list("collision_spheres.gain\n", "none").status, 2);                  // why?
+  EXPECT_EQ(with_list("collision_spheres.gain\n", "none").status, 2);                  // without a reason
   EXPECT_EQ(with_list(gain + gain, "none").status, 2);
   std::filesystem::remove(list);
   EXPECT_EQ(suite(fmt::format("--engine '{}' --expect '{}'", WRONG_ENGINE, list)).status, 2);
   EXPECT_EQ(suite(fmt::format("--engine '{}' --leave-out nonsense", WRONG_ENGINE)).status, 2);
 }
 
-TEST(Conformance, RefusesWhatItCannotDo) {
+TEST(Conformance, AMistypedOptionOrCaseIsRefusedWithTheNearestRightOne) {
+  const auto says = [](const std::string& arguments, const std::string& words) {
+    const Outcome refused = suite(arguments);
+    EXPECT_EQ(refused.status, 2) << refused.said;
+    EXPECT_NE(refused.said.find(words), std::string::npos) << refused.said;
+  };
+  says("--engin x", "unknown option --engin (did you mean '--engine'");
+  says(fmt::format("--engine '{}' --case rest_bok", SUNDER_RIGID), "no such case (did you mean 'rest_box'?)");
+  says("--case rest_box", "give --engine or --endpoint");
+}
+
+TEST(Conformance, RefusesArgumentsThatCannotBe) {
   EXPECT_EQ(suite("").status, 2);
   EXPECT_EQ(suite("--engine a --endpoint b").status, 2);
   EXPECT_EQ(suite(fmt::format("--engine '{}' --case nonsense", WRONG_ENGINE)).status, 2);

@@ -1,4 +1,4 @@
-// What a window costs, the way over the wire included. Told, never judged.
+// Time of a window, exchange of messages included. Reported, never judged.
 #include <algorithm>
 
 #include "tests/conformance/suite.h"
@@ -9,7 +9,7 @@ namespace {
 using namespace link::capability;
 
 constexpr int kWindows = 100, kColumns = 32;
-constexpr double kSpacing = 0.1;  // [m]: nothing meets its neighbour
+constexpr double kSpacing = 0.1;  // [m]: bodies do not touch
 
 void cost(Suite& s, const std::function<RigidBody(BodyId)>& make, double height, bool floor) {
   for (const int count : {1, 100, 1000}) {
@@ -21,9 +21,9 @@ void cost(Suite& s, const std::function<RigidBody(BodyId)>& make, double height,
     Play play(s.target, {{bodies, law(0.5, 0.0), {}}, floor ? gravity() : Vec3(0, 0, 0)});
     std::vector<double> times;
     for (int i = 0; i < kWindows; ++i) {
-      const std::vector<link::Motion> handbacks = play.flight();
+      const std::vector<link::Motion> predicted = play.flight();
       const double before = seconds_now();
-      play.window_on(handbacks);
+      play.window_on(predicted);
       times.push_back(seconds_now() - before);
     }
     std::nth_element(times.begin(), times.begin() + kWindows / 2, times.end());

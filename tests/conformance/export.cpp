@@ -1,4 +1,4 @@
-// Contacts that the shell's side solves: rows of what lies on something, and an engine that then keeps out.
+// Contacts that the shell process solves: rows of bodies at rest, and an engine that leaves solved bodies alone.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -12,11 +12,11 @@ using namespace link::capability;
 
 const Vec3 kHalf(0.05, 0.03, 0.02);  // [m], of the box above
 constexpr double kMu = 0.37, kBounce = 0.25;
-// Where an engine rounds its shapes, by no more than rests show (resting.cpp).
+// Rounding of the engine's shapes, bounded as for bodies at rest (resting.cpp).
 constexpr double kPoint_m = 1e-4;
-// Points at the corners carry a box; half way out still does, with a wide margin.
+// Points at the corners support a box. Half of that distance from the centre still does, with a wide margin.
 constexpr double kSupport = 0.5;
-// What is solved elsewhere comes back as it was handed over (flight.cpp).
+// A solved body ends in its predicted state: tolerance of free flight (flight.cpp).
 constexpr double kFlightTolerance = 1e-9;
 constexpr BodyId kBelow = 1, kAbove = 2;
 
@@ -24,7 +24,7 @@ Scene lying_on(const RigidBody& below) {
   return {{{below, at(box(kAbove, kHalf), {0, 0, kHalf.z()})}, law(kMu, kBounce), {}}, gravity()};
 }
 
-// Rows of the box, turned so that it is the first body of each.
+// Rows of the box, with the box as first body of each.
 struct Seen {
   int count = 0, foreign = 0;
   double face = 0.0, apart = 0.0, normal = 0.0, law = 0.0;
@@ -59,21 +59,22 @@ void rows(Suite& s, const RigidBody& below) {
   Play play(s.target, lying_on(below));
   play.run(0.02);
   const Seen seen = look(play, play.link().rows(play.tick(), 1e-3, play.flight(), {kAbove}));
-  // Three points hold a plane up.
+  // Three points support a plane.
   s.report.check_error("count", seen.count, 3.0, std::max(0.0, 3.0 - seen.count), 0.0, "rows, at least");
   s.report.check("foreign", seen.foreign, 0.0, 0.0, "rows of other bodies");
   s.report.check("face", seen.face, 0.0, kPoint_m, "distance of the points from the common face [m]");
-  s.report.check("apart", seen.apart, 0.0, kPoint_m, "of a row's two points [m]");
+  s.report.check("apart", seen.apart, 0.0, kPoint_m, "distance of a row's two points [m]");
   double support = 1e300;  // how far out the points reach on the four sides
   for (int d = 0; d < 2; ++d) support = std::min({support, -seen.low[d] / kHalf[d], seen.high[d] / kHalf[d]});
   s.report.check_error("support", support, kSupport, std::max(0.0, kSupport - support), 0.0,
-                       "least reach of the points, of the half side");
+                       "least distance of the points from the centre, relative to the half side");
   s.report.check("normal", seen.normal, 0.0, s.exact(1e-6), "from the box below to the box above");
   s.report.check("law", seen.law, 0.0, s.exact(1e-12), "friction and restitution against what was loaded");
   play.end();
 }
 
-// Handed back half a millimetre too low and still falling: the engine would push, and must not where it is solved.
+// The predicted state is half a millimetre too low and still falls. The engine would push it up, but must not where the
+// body is solved.
 void solved(Suite& s, const RigidBody& below) {
   for (const bool is_solved : {true, false}) {
     if (!is_solved && !s.info.can(kContact)) continue;
@@ -91,10 +92,10 @@ void solved(Suite& s, const RigidBody& below) {
         if (m.id == kAbove && state.id == kAbove)
           off = std::max(pose_error(state.motion, m.motion, 0.05), velocity_error(state.motion, m.motion));
     if (is_solved)
-      s.report.check("solved", off, 0.0, s.exact(kFlightTolerance), "off its handback");
+      s.report.check("solved", off, 0.0, s.exact(kFlightTolerance), "off its predicted state");
     else
       s.report.check_error("not_solved", off, 0.5, std::max(0.0, 0.5 - off), 0.0,
-                           "the same without 'solved': it is stopped");
+                           "without 'solved' the engine stops it");
     play.end();
   }
 }
@@ -110,7 +111,7 @@ void joint_solved(Suite& s) {
   play.window_on(off, {}, {kAbove});
   const BodyMotion &got = play.states()[0].motion, &given = off[0].motion;
   s.report.check("solved", std::max(pose_error(got, given, 0.05), velocity_error(got, given)), 0.0,
-                 s.exact(kFlightTolerance), "off its handback");
+                 s.exact(kFlightTolerance), "off its predicted state");
   play.end();
 }
 

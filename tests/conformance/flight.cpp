@@ -1,4 +1,4 @@
-// What nothing touches: it ends each window where it was handed back, and keeps its spin.
+// Bodies without contacts: each window ends in the predicted state, and the angular momentum stays.
 #include <algorithm>
 
 #include "tests/conformance/shift.h"
@@ -10,12 +10,12 @@ namespace {
 using namespace link::capability;
 
 constexpr int kWindows = 10000;
-// An engine may hold positions in units of its own and as double: a few round-offs of 1e-16 a window, not kept from
-// window to window since each handback is new. 1e-9 leaves room for a rotation matrix and back.
+// An engine may hold positions in its own units, in double precision. This costs some round-offs of 1e-16 a window,
+// which do not add up, because each predicted state is new. 1e-9 allows for conversion to a rotation matrix and back.
 constexpr double kFlightTolerance = 1e-9;
-// Nothing turns the spin but what was handed back; as above.
+// Angular momentum is that of the predicted state; as above.
 constexpr double kSpinTolerance = 1e-9;
-// A contact's impulses are equal and opposite to round-off, whatever the solver's convergence.
+// The two impulses of a contact are equal and opposite to round-off, whatever the convergence of the solver.
 constexpr double kMomentumTolerance = 1e-12;
 
 void fly_freely(Suite& s, const RigidBody& body, double size) {
@@ -24,7 +24,7 @@ void fly_freely(Suite& s, const RigidBody& body, double size) {
   int exact = 0;
   for (int i = 0; i < kWindows; ++i) {
     play.window();
-    const BodyMotion &got = play.states()[0].motion, &given = play.handbacks()[0].motion;
+    const BodyMotion &got = play.states()[0].motion, &given = play.predicted()[0].motion;
     pose = std::max(pose, pose_error(got, given, size)), velocity = std::max(velocity, velocity_error(got, given));
     exact += same_bits(got, given);
   }
@@ -52,10 +52,10 @@ void spin_freely(Suite& s, const Vec3& size) {
   play.end();
 }
 
-// Broadside against a second one, off its centre, at 15 thicknesses a second: both leave spinning.
+// A splinter hits a second one off its centre, at 15 thicknesses a second. Both leave spinning.
 void spin_after_collision(Suite& s, const Vec3& size) {
   const double window_s = 5e-4;
-  const double speed = std::max(0.2, 15.0 * size.z());  // bounces: an engine may let what meets slower rest
+  const double speed = std::max(0.2, 15.0 * size.z());  // fast enough to bounce
   const RigidBody still = at(splinter(1, size), Vec3::Zero());
   const RigidBody thrown =
       moving(at(splinter(2, size), Vec3(0.35 * size.x(), 0.3 * size.y(), 3.0 * size.z())), {0, 0, -speed}, {1, 2, -3});
@@ -63,7 +63,7 @@ void spin_after_collision(Suite& s, const Vec3& size) {
   const Vec3 linear = play.momentum();
   ShiftRows angular(play, window_s, size.x());
   const double push = thrown.mass * speed, turn = push * size.x();
-  // by the end they are several lengths apart
+  // at the end they are several lengths apart
   for (long i = std::lround(12.0 * size.x() / speed / window_s); i > 0; --i) {
     angular.before(play);
     play.window();
@@ -91,17 +91,17 @@ std::vector<Case> flight_cases() {
   const Vec3 twenty(0.02, 0.015, 0.002), two(0.002, 0.0015, 0.0005);
   return {
       {"free_flight_sphere",
-       "10000 windows end on their handback",
+       "10000 windows end in the predicted state",
        {kSpheres},
        [](Suite& s) { fly_freely(s, sphere(1, 0.05), 0.05); }},
       {"free_flight_box",
-       "a tumbling box ends on its handback",
+       "a tumbling box ends in the predicted state",
        {kBoxes},
        [](Suite& s) {
          fly_freely(s, box(1, {0.1, 0.05, 0.02}), 0.1);
        }},
       {"free_flight_shard",
-       "half a metre of glass ends on its handback",
+       "half a metre of glass ends in the predicted state",
        {kConvexHulls},
        [](Suite& s) { fly_freely(s, half_metre_shard(1), 0.5); }},
       {"splinter_20mm", "a splinter keeps its spin", {kConvexHulls}, [=](Suite& s) { spin_freely(s, twenty); }},

@@ -1,4 +1,4 @@
-// Coulomb friction: where a block begins to slide, how fast it then does, when a sliding ball rolls.
+// Coulomb friction: the angle at which a block slides, its acceleration, and a sliding ball that starts to roll.
 #include <cmath>
 
 #include "tests/conformance/suite.h"
@@ -9,21 +9,20 @@ namespace {
 using namespace link::capability;
 
 constexpr double kMu = 0.5;
-// What holds may settle on its slope, but not creep: a tenth of a millimetre in 0.8 s, of the 1.3 m that it would slide
-// without friction.
+// A block at rest on a slope may settle but not creep: a tenth of a millimetre in 0.8 s. Without friction it would
+// slide by 1.3 m.
 constexpr double kCreep_m = 1e-4;
-// Asked for by the coupler's users: the difference of weight and friction is a tenth of either, so that 3 % of it is
-// 0.3 % of the friction.
+// The acceleration is the difference of weight and friction, a tenth of either. So 3 % of it is 0.3 % of the friction.
 constexpr double kSlideTolerance = 0.03;
-// Angular momentum about a line in the floor is kept whatever the friction does on the way; what is left is the radius,
-// off by the gap of the contact: 0.1 mm of 50 mm.
+// Angular momentum about a line in the floor is kept at any friction. The remaining error is that of the radius, by the
+// gap of the contact: 0.1 mm of 50 mm.
 constexpr double kRollTolerance = 2e-3;
 
 struct Slid {
   double distance, acceleration;
 };
 
-// A block at rest on a slope that falls at `angle` along `azimuth`: from 0.2 s, when it has settled, to 1 s.
+// A block on a slope of `angle` that falls along `azimuth`, from 0.2 s, when it has settled, to 1 s.
 Slid slide(Suite& s, double angle, double azimuth) {
   const Quat slope = tilt(angle, azimuth);
   const Vec3 half(0.05, 0.05, 0.02), down = slope * Vec3(std::cos(azimuth), std::sin(azimuth), 0.0);
@@ -39,7 +38,7 @@ Slid slide(Suite& s, double angle, double azimuth) {
 }
 
 void incline(Suite& s) {
-  for (const double azimuth_deg : {0.0, 30.0}) {  // a pyramid in place of the cone shows in one of them
+  for (const double azimuth_deg : {0.0, 30.0}) {  // a friction pyramid instead of a cone fails one of them
     const double azimuth = azimuth_deg * EIGEN_PI / 180.0;
     s.report.check(fmt::format("holds_{:g}deg", azimuth_deg), slide(s, std::atan(0.9 * kMu), azimuth).distance, 0.0,
                    kCreep_m, "slip [m] at 0.9 of the friction angle's tangent");
@@ -54,11 +53,12 @@ void roll(Suite& s) {
   constexpr double radius = 0.05, speed = 1.0, friction = 0.3;
   const RigidBody ball = moving(at(sphere(2, radius), {0, 0, radius}), {0.8 * speed, 0.6 * speed, 0});
   Play play(s.target, {{{half_space(1), ball}, law(friction, 0.0), {}}, gravity()});
-  play.run(1.5 * 2.0 / 7.0 * speed / (friction * kGravity));  // half as long again as it slides
+  play.run(1.5 * 2.0 / 7.0 * speed / (friction * kGravity));  // 1.5 times the time of sliding
   const RigidBody& b = play.body(2);
   const Vec3 slip = b.motion.velocity + b.angular_velocity().cross(Vec3(0, 0, -radius));
   s.report.check("speed", b.motion.velocity.norm() / speed, 5.0 / 7.0, kRollTolerance);
-  s.report.check("slip", slip.head<2>().norm() / speed, 0.0, kRollTolerance, "of the point below, of its first speed");
+  s.report.check("slip", slip.head<2>().norm() / speed, 0.0, kRollTolerance,
+                 "of the lowest point, relative to the first speed");
   play.end();
 }
 

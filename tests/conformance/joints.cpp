@@ -1,4 +1,4 @@
-// Joints: what they let move moves as it should, what they hold stays.
+// Joints: free motions follow theory, held ones do not occur.
 #include <algorithm>
 #include <cmath>
 
@@ -9,18 +9,19 @@ namespace {
 
 using namespace link::capability;
 
-// Ten seconds are 10000 windows: an anchor that creeps by 10 nm in each has left by what is seen (resting.cpp).
+// Ten seconds have 10000 windows: an anchor that creeps by 10 nm in each moves by as much as a picture shows
+// (resting.cpp).
 constexpr double kAnchor_m = 1e-4;
 constexpr double kAxis_rad = 1e-3;  // the same at the end of an arm of 0.1 m
-// The window scheme is of first or second order in omega H = 6e-3 for these pendulums; round the period up to 0.2 %.
+// The error of the period is of first or second order in omega H, which is 6e-3 for these pendulums: 0.2 %.
 constexpr double kPeriodTolerance = 2e-3;
-// A joint that is solved on velocities turns them by omega H each window, and loses (omega H)^2 of the kinetic energy:
-// some 0.1 % a second at this swing. It must lose, not gain: what gains in 10 s runs away in 100.
+// A joint solved on velocities turns them by omega H in each window and loses (omega H)^2 of the kinetic energy: about
+// 0.1 % a second here. It must not gain: energy that grows in 10 s diverges later.
 constexpr double kLossTolerance = 2e-2, kGainTolerance = 1e-3;
-constexpr double kMotionTolerance = 1e-2;  // of what a joint lets move: friction would show long before
-// Impulses of a joint are equal and opposite (collisions.cpp); and 1000 windows of them.
+constexpr double kMotionTolerance = 1e-2;  // of free motions: friction would be larger
+// The impulses of a joint are equal and opposite (collisions.cpp), in 1000 windows.
 constexpr double kMomentumTolerance = 1e-12;
-// Putting anchors back together moves bodies, not velocities: each time by some of (omega H)^2 of the arm.
+// Correcting the anchors moves bodies without their velocities, by a share (omega H)^2 of the arm in each window.
 constexpr double kTurnTolerance = 1e-3;
 
 Joint joint(Joint::Kind kind, BodyId first, BodyId second, const Vec3& first_point, const Vec3& second_point,
@@ -55,7 +56,7 @@ double turn_error(const Play& play, const Joint& j) {
       .norm();
 }
 
-// A rod that hangs by its upper end from the world, let go at 10 degrees.
+// A rod that hangs by its upper end from the world, released at 10 degrees.
 void pendulum(Suite& s) {
   const Vec3 half(0.01, 0.01, 0.15), up(0, 0, half.z());
   const double angle = 10.0 * EIGEN_PI / 180.0;
@@ -68,7 +69,7 @@ void pendulum(Suite& s) {
     return play.kinetic_energy() + rod.mass * kGravity * (play.body(1).motion.position.z() + half.z());
   };
   const double swing = energy(), about_pivot = rod.principal_inertia.y() + rod.mass * half.z() * half.z();
-  // To the fourth order of the angle.
+  // Period to the fourth order of the angle.
   const double period = 2.0 * EIGEN_PI * std::sqrt(about_pivot / (rod.mass * kGravity * half.z())) *
                         (1.0 + angle * angle / 16.0 + 11.0 / 3072.0 * angle * angle * angle * angle);
   double first = -1.0, last = -1.0, anchor = 0.0, most = swing, before = play.body(1).motion.position.x();
@@ -85,12 +86,12 @@ void pendulum(Suite& s) {
   s.report.check("period", crossings > 2 ? 2.0 * (last - first) / (crossings - 1) : NAN, period, kPeriodTolerance,
                  "[s], over 10 s");
   s.report.check("energy", energy(), swing, kLossTolerance, "[J], after 10 s");
-  s.report.check("gain", most / swing - 1.0, 0.0, kGainTolerance, "most energy at any time, above the first");
+  s.report.check("gain", most / swing - 1.0, 0.0, kGainTolerance, "largest energy, relative gain over the first");
   s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m], worst in 10 s");
   play.end();
 }
 
-// A door that turns about a level axis, pushed aside by its weight.
+// A door that swings about a horizontal axis by its weight.
 void hinge(Suite& s) {
   const Vec3 half(0.1, 0.01, 0.15), edge(-half.x(), 0, 0);
   const Quat level = rotation_from_vector({0.5 * EIGEN_PI, 0, 0});  // its z axis along the world's -y
@@ -107,14 +108,15 @@ void hinge(Suite& s) {
   }
   s.report.check("axis", axis, 0.0, kAxis_rad, "[rad], worst in 10 s");
   s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m], worst in 10 s");
-  s.report.check("swings", lowest / half.x(), -1.0, kMotionTolerance, "lowest in the first second, of its arm");
+  s.report.check("swings", lowest / half.x(), -1.0, kMotionTolerance,
+                 "lowest point in the first second, relative to its arm");
   play.end();
 }
 
-// Down a rail at 30 degrees, with its centre beside the rail.
+// A box slides down a rail at 30 degrees, with its centre beside the rail.
 void slider(Suite& s) {
   const double slope = 30.0 * EIGEN_PI / 180.0;
-  const Quat rail = rotation_from_vector({0, EIGEN_PI / 2 + slope, 0});  // z leads down the rail
+  const Quat rail = rotation_from_vector({0, EIGEN_PI / 2 + slope, 0});  // z points down the rail
   const Vec3 beside(0, 0.02, 0.03), along = rail * Vec3::UnitZ();
   const RigidBody block = at(box(1, {0.05, 0.02, 0.03}), -beside);
   const Joint line = joint(Joint::Kind::kSlider, 1, 0, beside, Vec3::Zero(), rail, rail);
@@ -150,7 +152,7 @@ void cantilever(Suite& s) {
   play.end();
 }
 
-// Two boxes that tumble about one another, nothing else being there.
+// Two linked boxes tumble about one another in free flight.
 void linked(Suite& s) {
   const Vec3 half(0.05, 0.03, 0.02), right(0.06, 0, 0);
   const RigidBody a = moving(at(box(1, half), -right), {1, -0.3, 0.2}, {0, 0, 5.0});
@@ -166,18 +168,18 @@ void linked(Suite& s) {
     change = std::max(change, (play.momentum() - before).norm() / linear.norm());
     anchor = std::max(anchor, gap(play, ball).norm()), most = std::max(most, play.kinetic_energy());
   }
-  const Vec3 moved = centre + linear / (a.mass + b.mass);  // the centre of mass goes straight on
+  const Vec3 moved = centre + linear / (a.mass + b.mass);  // the centre of mass moves on a straight line
   s.report.check("linear", change, 0.0, s.exact(kMomentumTolerance), "worst change in a window");
   s.report.check("path", (play.centre_of_mass() - moved).norm(), 0.0, kAnchor_m, "of the centre of mass in 1 s [m]");
   s.report.check("angular", (play.angular_momentum(moved) - angular).norm() / angular.norm(), 0.0, kTurnTolerance,
                  "after 1 s");
-  s.report.check("gain", most / start - 1.0, 0.0, kGainTolerance, "most kinetic energy at any time");
+  s.report.check("gain", most / start - 1.0, 0.0, kGainTolerance, "largest kinetic energy, relative gain");
   s.report.check("anchor", anchor, 0.0, kAnchor_m, "gap [m]");
   play.end();
 }
 
-// A rod that swings as a pendulum is let go at the bottom and flies on; another one next to it still hangs. What lets
-// go changes no motion, so that the flight is exact.
+// A pendulum is released at the bottom and flies on; another one beside it still hangs. The release changes no motion,
+// so the flight is exact.
 void released(Suite& s) {
   const Vec3 half(0.01, 0.01, 0.15), up(0, 0, half.z());
   const auto hung = [&](BodyId id, double y) {
@@ -196,18 +198,18 @@ void released(Suite& s) {
   double off = 0.0, anchor = 0.0;
   for (int i = 0; i < 500; ++i) {
     play.window();
-    off = std::max({off, pose_error(play.states()[0].motion, play.handbacks()[0].motion, 0.3),
-                    velocity_error(play.states()[0].motion, play.handbacks()[0].motion)});
+    off = std::max({off, pose_error(play.states()[0].motion, play.predicted()[0].motion, 0.3),
+                    velocity_error(play.states()[0].motion, play.predicted()[0].motion)});
     anchor = std::max(anchor, gap(play, other).norm());
   }
-  s.report.check("flies", off, 0.0, s.exact(1e-9), "off its handback, worst in 0.5 s");
+  s.report.check("flies", off, 0.0, s.exact(1e-9), "off its predicted state, worst in 0.5 s");
   const Vec3 path = before.motion.position + 0.5 * before.motion.velocity + 0.125 * gravity();
   s.report.check("path", (play.body(1).motion.position - path).norm(), 0.0, s.exact(1e-9), "of its centre [m]");
-  s.report.check("others", anchor, 0.0, kAnchor_m, "gap of one that holds [m]");
+  s.report.check("others", anchor, 0.0, kAnchor_m, "gap of the other joint [m]");
   play.end();
 }
 
-// Two boxes that overlap and are linked, then are not: they go on through one another as they did.
+// Two linked boxes overlap. After the release of the joint they still do not collide.
 void parted(Suite& s) {
   const Vec3 half(0.05, 0.03, 0.02), right(0.03, 0, 0);
   const RigidBody a = moving(at(box(1, half), -right), {0, 0, 0.1}, {0, 0, 2.0});
@@ -220,12 +222,12 @@ void parted(Suite& s) {
   for (int i = 0; i < 300; ++i) {
     play.window();
     for (int k = 0; k < 2; ++k)
-      off = std::max({off, pose_error(play.states()[k].motion, play.handbacks()[k].motion, 0.1),
-                      velocity_error(play.states()[k].motion, play.handbacks()[k].motion)});
+      off = std::max({off, pose_error(play.states()[k].motion, play.predicted()[k].motion, 0.1),
+                      velocity_error(play.states()[k].motion, play.predicted()[k].motion)});
   }
-  s.report.check("through", off, 0.0, s.exact(1e-9), "off their handbacks, worst in 0.3 s");
+  s.report.check("through", off, 0.0, s.exact(1e-9), "off their predicted states, worst in 0.3 s");
   s.report.check_error("apart", gap(play, ball).norm(), 0.005, std::max(0.0, 0.005 - gap(play, ball).norm()), 0.0,
-                       "what was linked has parted [m]");
+                       "distance of the two at the end [m]");
   play.end();
 }
 
@@ -241,8 +243,8 @@ std::vector<Case> joint_cases() {
       one("joint_slider", "a slider keeps its line and slides", slider),
       one("joint_fixed", "a fixed joint holds a cantilever", cantilever),
       one("joint_linked", "two free bodies linked by a ball joint", linked),
-      {"joint_released", "a pendulum that is let go flies on", {kBoxes, kJoints, kReleaseJoints}, released},
-      {"joint_parted", "what was linked still goes through", {kBoxes, kJoints, kReleaseJoints}, parted},
+      {"joint_released", "a released pendulum flies on", {kBoxes, kJoints, kReleaseJoints}, released},
+      {"joint_parted", "bodies linked before still do not collide", {kBoxes, kJoints, kReleaseJoints}, parted},
   };
 }
 

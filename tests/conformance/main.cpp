@@ -1,22 +1,17 @@
 // sunder-conformance: holds an engine, in whatever language, to what rigid/README.md promises. Exit status 1 where a
 // case fails.
+#include <algorithm>
 #include <cstdio>
 #include <set>
 
+#include "coupler/core/command_line.h"
+#include "coupler/core/nearest.h"
 #include "tests/conformance/suite.h"
 
 namespace {
 
 using namespace sunder;
 using namespace sunder::conformance;
-
-constexpr const char* kUsage =
-    "sunder-conformance --engine EXECUTABLE [--engine-arg A]... [--case NAME]... [--leave-out NAME]...\n"
-    "                   [--expect FILE] [--json FILE]\n"
-    "sunder-conformance --endpoint ADDRESS ...    an engine that serves session after session there\n"
-    "sunder-conformance --list\n"
-    "--expect: rows that are known to fail, NAME and why on a line; it is wrong if one of them passes.\n"
-    "Exit status: 0 all pass but those, 1 a case fails, 2 bad arguments, 3 no session with the engine.\n";
 
 std::vector<Case> all_cases() {
   std::vector<Case> all;
@@ -38,44 +33,52 @@ void run_case(Suite& suite, const Case& c) {
   }
 }
 
+void check_names(const char* option, const std::set<std::string>& names, const std::vector<Case>& cases) {
+  std::vector<std::string> known;
+  for (const Case& c : cases) known.push_back(c.name);
+  for (const std::string& name : names)
+    require(std::find(known.begin(), known.end(), name) != known.end(), "{} {}: there is no such case ({}); see --list",
+            option, name, did_you_mean(name, known));
+}
+
 int run(int argc, char** argv) {
   Suite suite;
+  std::string engine, expected, json;
+  std::vector<std::string> engine_arguments;
   std::set<std::string> only, left_out;
-  std::string json;
+  bool list = false;
+  CLI::App app("Holds a rigid-body engine to what rigid/README.md promises.", "sunder-conformance");
+  app.add_option("--engine", engine, "The engine's program; each case starts it anew")
+      ->type_name("PROGRAM")
+      ->take_last();
+  app.add_option("--engine-arg", engine_arguments, "An argument for it; may be given again")
+      ->type_name("A")
+      ->allow_extra_args(false);
+  app.add_option("--endpoint", suite.target.endpoint, "Address of an engine that serves session after session there")
+      ->take_last();
+  app.add_option("--case", only, "Runs this case; may be given again")->type_name("NAME")->allow_extra_args(false);
+  app.add_option("--leave-out", left_out, "Does not run this case; may be given again")
+      ->type_name("NAME")
+      ->allow_extra_args(false);
+  app.add_option("--expect", expected, "Rows that are known to fail, NAME and why on a line; wrong if one passes")
+      ->type_name("FILE")
+      ->take_last();
+  app.add_option("--json", json, "Writes the rows here too")->type_name("FILE")->take_last();
+  app.add_flag("--list", list, "Prints the cases and ends");
+  app.footer("Exit status: 0 all pass but those of --expect, 1 a case fails, 2 bad arguments, 3 no session.");
+  if (!read_arguments(app, argc, argv)) return 0;
   const std::vector<Case> cases = all_cases();
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    if (option == "--help") return std::fputs(kUsage, stdout), 0;
-    if (option == "--list") {
-      for (const Case& c : cases) fmt::print("{:<26} {} [{}]\n", c.name, c.what, fmt::join(c.needs, ", "));
-      return 0;
-    }
-    require(i + 1 < argc, "{}: unknown option or no value\n{}", option, kUsage);
-    const std::string value = argv[++i];
-    if (option == "--engine")
-      suite.target.command.insert(suite.target.command.begin(), value);
-    else if (option == "--engine-arg")
-      suite.target.command.push_back(value);
-    else if (option == "--endpoint")
-      suite.target.endpoint = value;
-    else if (option == "--case")
-      only.insert(value);
-    else if (option == "--leave-out")
-      left_out.insert(value);
-    else if (option == "--expect")
-      suite.report.expect(value);
-    else if (option == "--json")
-      json = value;
-    else
-      require(false, "{}: unknown option\n{}", option, kUsage);
+  if (list) {
+    for (const Case& c : cases) fmt::print("{:<26} {} [{}]\n", c.name, c.what, fmt::join(c.needs, ", "));
+    return 0;
   }
-  require(suite.target.command.empty() != suite.target.endpoint.empty(), "give --engine or --endpoint\n{}", kUsage);
-  for (const auto& [option, names] : {std::pair{"--case", only}, {"--leave-out", left_out}})
-    for (const std::string& name : names) {
-      bool found = false;
-      for (const Case& c : cases) found = found || c.name == name;
-      require(found, "{} {}: there is no such case; --list shows them", option, name);
-    }
+  require(engine.empty() != suite.target.endpoint.empty(),
+          "give --engine or --endpoint; see sunder-conformance --help");
+  if (!engine.empty()) suite.target.command.push_back(engine);
+  suite.target.command.insert(suite.target.command.end(), engine_arguments.begin(), engine_arguments.end());
+  if (!expected.empty()) suite.report.expect(expected);
+  check_names("--case", only, cases);
+  check_names("--leave-out", left_out, cases);
   {
     Play greeting(suite.target, {});
     suite.info = greeting.peer();

@@ -11,10 +11,10 @@
 namespace sunder::conformance {
 namespace {
 
-constexpr int kSubsteps = 4;            // of a window, as the shell's side takes where no shell is left
-constexpr double kReplySeconds = 60.0;  // longer than any window of this suite takes by far
-constexpr double kEndSeconds = 2.0;     // what a session has to end in
-constexpr int kAttempts = 20;           // at an engine that is there already and may still end its last session
+constexpr int kSubsteps = 4;            // of a window, as in the shell process once no shell is left
+constexpr double kReplySeconds = 60.0;  // far longer than any window of this suite
+constexpr double kEndSeconds = 2.0;     // limit for the end of a session
+constexpr int kAttempts = 20;           // to connect to an engine that may still end its last session
 constexpr int kPause_us = 100000;
 
 class Patient final : public link::Transport {
@@ -45,7 +45,7 @@ std::vector<link::Motion> fly(const std::map<BodyId, RigidBody>& bodies, const V
     for (int k = 0; k < kSubsteps; ++k) {
       b.motion.velocity += h * gravity;
       b.drift(h);
-      b.motion.position -= 0.5 * h * h * gravity;  // exact: by the mean of both velocities
+      b.motion.position -= 0.5 * h * h * gravity;  // exact: mean of both velocities
     }
     out.push_back({id, b.motion});
   }
@@ -110,11 +110,11 @@ std::vector<link::Motion> Play::flight() const { return fly(bodies_, scene_.grav
 
 void Play::window(const std::vector<RigidBody>& births) { window_on(flight(), births); }
 
-void Play::window_on(std::vector<link::Motion> handbacks, const std::vector<RigidBody>& births,
+void Play::window_on(std::vector<link::Motion> predicted, const std::vector<RigidBody>& births,
                      const std::vector<BodyId>& solved, bool again) {
-  handbacks_ = std::move(handbacks);
+  predicted_ = std::move(predicted);
   if (again) --tick_;
-  const auto states = link_->window({tick_, 1, scene_.window_s, handbacks_, solved, births, again, released_});
+  const auto states = link_->window({tick_, 1, scene_.window_s, predicted_, solved, births, again, released_});
   ++tick_;
   for (const RigidBody& b : births) bodies_[b.id] = b;
   take(states);
@@ -127,7 +127,7 @@ void Play::run(double seconds) {
 void Play::end() {
   over_ = true;
   link_->bye();
-  link_.reset();  // an engine may stay for as long as we do
+  link_.reset();  // an engine may stay as long as the connection
   if (!process_.ours()) return;
   const auto status = process_.wait(kEndSeconds);
   if (status != 0)
@@ -143,9 +143,9 @@ double Play::kinetic_energy() const {
   return sum;
 }
 
-double Play::handback_energy() const {
+double Play::predicted_energy() const {
   double sum = 0.0;
-  for (const link::Motion& m : handbacks_) {
+  for (const link::Motion& m : predicted_) {
     RigidBody b = bodies_.at(m.id);
     b.motion = m.motion;
     sum += b.kinetic_energy();

@@ -16,9 +16,9 @@ namespace sunder::conformance {
 namespace {
 
 constexpr useconds_t kPoll_us = 2000;
-constexpr useconds_t kLastSession_us = 200000;  // that an engine of somebody else's may still be ending
+constexpr useconds_t kLastSession_us = 200000;  // a running engine may still end its last session
 constexpr double kKillSeconds = 5.0;
-constexpr double kBindSeconds = 20.0;  // an interpreter may have to start first
+constexpr double kBindSeconds = 20.0;  // includes the start of an interpreter
 constexpr int kCannotExecute = 127;
 
 }  // namespace

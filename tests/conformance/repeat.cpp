@@ -1,4 +1,4 @@
-// The same again: a session twice, a session that is saved and goes on elsewhere, a window that is taken once more.
+// Repetition: a session twice, a session that continues in another process, a window taken again.
 #include "tests/conformance/suite.h"
 
 namespace sunder::conformance {
@@ -10,7 +10,7 @@ using States = std::vector<std::vector<link::State>>;  // of each window
 constexpr int kWindows = 300;
 constexpr BodyId kBornFirst = 100;
 
-// A heap that is being made: shapes that the engine has, on a floor where it has one.
+// A falling heap of shapes that the engine has, on a floor where it has half spaces.
 Scene heap(const Suite& s, bool keep_windows = false) {
   std::vector<RigidBody> bodies;
   if (s.info.can(kHalfSpaces)) bodies.push_back(half_space(1));
@@ -80,7 +80,7 @@ void save_and_restore(Suite& s) {
                  fmt::format("windows of 300 that differ in a bit; {} bytes saved", caches.size()));
 }
 
-// Every third window is taken once on other handbacks, then again on the right ones.
+// Every third window is taken with other predicted states first, then again with the right ones.
 void again(Suite& s) {
   States runs[2];
   for (const bool repeats : {false, true}) {
@@ -107,7 +107,7 @@ void again(Suite& s) {
 std::vector<Case> repeat_cases() {
   return {
       {"deterministic", "the same session twice", {kDeterministic}, twice},
-      {"save_restore", "a fresh process goes on from what was saved", {kSaveRestore}, save_and_restore},
+      {"save_restore", "another process continues from saved state", {kSaveRestore}, save_and_restore},
       {"again", "a window taken once more", {kSaveRestore}, again},
   };
 }

@@ -1,5 +1,5 @@
 #pragma once
-// What a suite found: a row for each number that was held against what is known.
+// Result of a suite: a row for each number that is compared with a reference.
 #include <map>
 #include <string>
 #include <vector>
@@ -8,7 +8,7 @@
 
 namespace sunder::conformance {
 
-/// kKnown: fails, as the list of known failures says it does.
+/// kKnown: fails, and is in the list of known failures. kReported: not judged.
 enum class Verdict { kPass, kFail, kKnown, kSkipped, kReported };
 
 struct Row {
@@ -19,37 +19,40 @@ struct Row {
   std::string note;
 };
 
+/// Collects and prints rows.
 class Report {
  public:
-  /// Reads what is known to fail: a line holds the name of a row and why it fails, `#` begins a comment. A row of the
-  /// list is known where it fails, and fails where it passes: a list that is out of date is found out. Throws Error
-  /// (bad_file).
+  /// Reads the list of known failures. A line has the name of a row and the reason; `#` begins a comment. A listed row
+  /// that passes fails the suite, so a list stays up to date. Throws Error (bad_file).
   void expect(const std::string& path);
-  /// Rows of the list that belong to the case, which has run, and were not judged, fail.
+  /// After a case has run: fails its listed rows that were not judged.
   void check_list(const std::string& case_name);
-  /// Rows from here on belong to a case.
+  /// Later rows belong to this case.
   void begin(const std::string& name, const std::vector<std::string>& needs);
-  /// A row whose error is the distance from the reference, relative where that is not zero. NaN fails.
+  /// Adds a row. Its error is |computed - reference|, relative where the reference is not 0. NaN fails.
   void check(const std::string& what, double computed, double reference, double tolerance,
              const std::string& note = "");
-  /// A row whose error is said.
+  /// Adds a row with a given error.
   void check_error(const std::string& what, double computed, double reference, double error, double tolerance,
                    const std::string& note = "");
-  /// A number that is never judged.
+  /// Adds a number that is not judged.
   void tell(const std::string& what, double computed, const std::string& note);
+  /// Adds a skipped row: the engine lacks a capability.
   void skip(const std::string& missing);
+  /// Adds a failed row without numbers.
   void fail(const std::string& note);
 
+  /// Number of rows with a verdict.
   int count(Verdict verdict) const;
-  /// Throws Error (bad_file) where the file cannot be written.
+  /// Writes all rows. Throws Error (bad_file) where the file cannot be written.
   void write_json(const std::string& path, const link::EngineInfo& engine) const;
 
  private:
   void add(Row row);
   std::string case_;
   std::vector<std::string> needs_;
-  std::string list_;                          // the file
-  std::map<std::string, std::string> known_;  // rows: why
+  std::string list_;                          // path of the list of known failures
+  std::map<std::string, std::string> known_;  // reason by row
   std::vector<Row> rows_;
 };
 

@@ -1,4 +1,4 @@
-// Bodies at rest: they lie where they lie, and a stack of thin plates stands.
+// Bodies at rest do not move, and a stack of thin plates stands.
 #include <algorithm>
 #include <cmath>
 
@@ -9,15 +9,14 @@ namespace {
 
 using namespace link::capability;
 
-// A shell is a few millimetres thick, and meets bodies where they are drawn: a tenth of a millimetre is not seen in a
-// picture and is a few percent of the thinnest pane.
+// A tenth of a millimetre is a few percent of the thinnest pane and does not show in a picture.
 constexpr double kHeight_m = 1e-4;
-// At rest a contact solver leaves a few percent of what gravity adds in a window, 10 mm/s at 1 ms.
+// At rest a contact solver leaves a few percent of the speed that gravity adds in a window, 10 mm/s at 1 ms.
 constexpr double kSpeed_m_s = 1e-3;
-// A tenth of a plate for all twenty: what sinks by a thickness in a pile shows, and nothing pushes sideways.
+// A tenth of a plate's thickness for all twenty: a pile that sinks by a thickness would show.
 constexpr double kStack_m = 3e-4;
 
-// Dropped by a little: what is born in contact may keep an overlap, and would hide an engine that lets bodies hover.
+// Dropped from a small height. A body born in contact may keep an overlap, which would hide an engine with gaps.
 constexpr double kDrop_m = 2e-3;
 
 void lie(Suite& s, const RigidBody& lower, const RigidBody& upper) {

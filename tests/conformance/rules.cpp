@@ -1,4 +1,4 @@
-// The rules of a session: what is wrong is refused by a reply that says so, and the process ends.
+// The rules of a session: a wrong request gets an Error as reply, and the process ends.
 #include <cmath>
 #include <functional>
 
@@ -12,7 +12,7 @@ namespace {
 using namespace link::capability;
 using Requests = std::vector<proto::Request>;
 
-constexpr double kEndSeconds = 2.0;  // promised: both sides end within it
+constexpr double kEndSeconds = 2.0;  // limit of both sides for the end of a session
 constexpr int kPeerLost = static_cast<int>(Exit::kPeerLost);
 
 RigidBody any_body(const Suite& s, BodyId id) {
@@ -41,7 +41,7 @@ proto::Request window(const Suite& s, std::int64_t tick = 0) {
   return r;
 }
 
-// The last of the requests is wrong. Counts what was promised and not kept.
+// Sends requests of which the last one is wrong. The row counts broken rules.
 void refused(Suite& s, const std::string& what, const Requests& requests) {
   EngineProcess process(s.target);
   std::string broken;
@@ -88,7 +88,7 @@ Requests spoiled(const Suite& s, const std::function<void(proto::Window&)>& spoi
   return {hello(), load(s), r};
 }
 
-// What the engine does not declare; an engine that declares all of it has no row here.
+// Requests for capabilities that the engine does not declare. An engine with all capabilities has no row here.
 void undeclared(Suite& s) {
   proto::Request save, restore, more, rows, kept = load(s);
   save.mutable_save(), restore.mutable_restore(), more.mutable_add_bodies();
@@ -140,7 +140,7 @@ void windows(Suite& s) {
   refused(s, "birth_of_held_id", spoiled(s, [&](auto& w) { *w.add_births() = link::encode(any_body(s, 1)); }));
 }
 
-// Ends of a session: `leave` says how this side goes.
+// Ends of a session; `leave` ends this side.
 void ends(Suite& s, const std::string& what, int right, const std::function<void(link::Transport&)>& leave) {
   EngineProcess process(s.target);
   {
@@ -169,7 +169,7 @@ void endings(Suite& s) {
     r.set_sequence(3), r.mutable_error()->set_kind("unstable"), r.mutable_error()->set_message("the energy is nan");
     channel.tell(r.SerializeAsString());
   });
-  ends(s, "shell_gone", kPeerLost, [](link::Transport&) {});  // as one that was killed: its connection closes
+  ends(s, "shell_gone", kPeerLost, [](link::Transport&) {});  // as a killed process: its connection closes
   ends(s, "no_request", kPeerLost, [](link::Transport& channel) {
     proto::Reply reply;
     const std::string answer = channel.ask("\xff\xff\xff not a request", 10.0, "bytes that are no request");
@@ -183,7 +183,7 @@ void endings(Suite& s) {
 std::vector<Case> rule_cases() {
   return {
       {"rules_turn", "requests out of turn are refused", {}, turns},
-      {"rules_window", "windows that are wrong are refused", {}, windows},
+      {"rules_window", "wrong windows are refused", {}, windows},
       {"rules_end", "a session ends as it should", {}, endings},
   };
 }

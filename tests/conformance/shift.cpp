@@ -7,9 +7,9 @@
 namespace sunder::conformance {
 namespace {
 
-// A contact that is found late has an overlap of no more than the surfaces close in a window; taking that back moves
-// the bodies by so much against one another, and the relative momentum has that as its arm. To it comes what a body at
-// rest may be off (resting.cpp).
+// A contact found late overlaps at most by the distance that the surfaces close in a window. Removing the overlap moves
+// the bodies by this distance, which is the arm of the relative momentum. The tolerance of bodies at rest is added
+// (resting.cpp).
 constexpr double kOverlap_m = 1e-4;
 
 }  // namespace
@@ -18,7 +18,7 @@ Shift shift(const Play& play, const Motions& before, const Vec3& about, double w
   Shift out;
   Vec3 way = Vec3::Zero(), apart = Vec3::Zero();
   double sign = 1.0;
-  for (const link::Motion& given : play.handbacks()) {
+  for (const link::Motion& given : play.predicted()) {
     const RigidBody& b = play.body(given.id);
     const BodyMotion &now = b.motion, &hb = given.motion;
     const Vec3 moved = (now.position - hb.position) - window_s * (now.velocity - hb.velocity);
@@ -51,8 +51,7 @@ void ShiftRows::after(const Play& play) {
 void ShiftRows::judge(const Play& play, Report& report, double unit, double exact) const {
   report.check("angular", (play.angular_momentum(centre_) - start_).norm() / unit, 0.0, allowed_ / unit,
                fmt::format("{:.1e} of it by poses moved, {:.2g} mm in all", moved_.norm() / unit, 1e3 * apart_));
-  report.check("angular_rest", rest_ / unit, 0.0, exact,
-               "what moved poses do not explain, along the way past one another");
+  report.check("angular_rest", rest_ / unit, 0.0, exact, "part not due to moved poses, along the relative motion");
 }
 
 }  // namespace sunder::conformance

@@ -1,5 +1,5 @@
 #pragma once
-// Angular momentum of two bodies that meet: what a window did to it, and what of that an engine may do.
+// Change of the angular momentum of two colliding bodies in a window, and the part of it that an engine may cause.
 #include <map>
 
 #include "tests/conformance/play.h"
@@ -7,33 +7,33 @@
 
 namespace sunder::conformance {
 
-/// What a window did to the angular momentum of two bodies, from what can be seen: changes dv of velocity, dL of spin
-/// and dx of position against the handbacks. A window (rigid/README.md) has impulses J at the start, which also move
-/// the bodies, and K at its end, which do not, and moves poses by s. With J and K at one point each the change is the
-/// sum of s x (p - K), p = m v after the window. Only s - H K/m = dx - H dv is seen, not K, so the sum of (dx - H dv) x
-/// p leaves out d x K, d being the way of the first body past the second one in the window. That is at right angles to
-/// d: along d the two sums are equal, whatever the engine did at which end of the window.
+/// Change of the angular momentum of two bodies in a window. Observed are the changes against the predicted states: dv
+/// of velocity, dL of angular momentum, dx of position. In a window of length H (rigid/README.md) impulses J at its
+/// start also move the bodies, impulses K at its end do not, and poses move by s. If J and K each act at one point, the
+/// change is the sum of s x (p - K), with p = m v after the window. K is not observed, only s - H K/m = dx - H dv. So
+/// the sum of (dx - H dv) x p misses d x K, where d is the motion of the first body relative to the second one in the
+/// window. This is normal to d: along d the two sums are equal, whatever impulses the engine applied at either end.
 struct Shift {
-  Vec3 change = Vec3::Zero();  // of angular momentum
-  Vec3 moved = Vec3::Zero();   // the part that moved poses explain
-  double apart = 0.0;          // how far poses were moved against one another [m]
-  double rest = 0.0;           // of change - moved, along d
+  Vec3 change = Vec3::Zero();  // of angular momentum [kg m^2/s]
+  Vec3 moved = Vec3::Zero();   // part of it due to moved poses
+  double apart = 0.0;          // relative motion of the poses [m]
+  double rest = 0.0;           // component of change - moved along d
 };
 
 using Motions = std::map<BodyId, BodyMotion>;
 
-/// Of the window from `before` to where the two bodies of the play are now; `about` a fixed point.
+/// Shift of the window from `before` to the present motions of the play's two bodies; `about`: a fixed point.
 Shift shift(const Play& play, const Motions& before, const Vec3& about, double window_s);
 
-/// Adds up shifts, and judges them.
+/// Sums shifts and judges them.
 class ShiftRows {
  public:
-  /// From the bodies as they are. `reach_m`: of their surfaces from their centres.
+  /// Starts from the present motions. `reach_m`: largest distance of a surface point from its body's centre.
   ShiftRows(const Play& play, double window_s, double reach_m);
-  /// Before and after a window.
+  /// To be called before and after each window.
   void before(const Play& play);
   void after(const Play& play);
-  /// Rows `angular` and `angular_rest`, in shares of `unit` [kg m^2/s]; `exact`: tolerance of the latter.
+  /// Adds rows `angular` and `angular_rest`, relative to `unit` [kg m^2/s]; `exact`: tolerance of the second one.
   void judge(const Play& play, Report& report, double unit, double exact) const;
 
  private:

@@ -1,5 +1,5 @@
 #pragma once
-// The cases, and what each is given.
+// The cases and their arguments.
 #include <cmath>
 #include <functional>
 #include <string>
@@ -11,23 +11,25 @@
 
 namespace sunder::conformance {
 
+/// The engine under test, and the report.
 struct Suite {
   Target target;
   link::EngineInfo info;
   Report report;
 
-  /// Tolerance of what is exact but for round-off: as said for an engine in double precision; single precision keeps
-  /// seven digits, of which a window's sums and differences lose up to three.
+  /// Tolerance of a quantity that is exact up to round-off. It is `tolerance` for an engine in double precision. Single
+  /// precision keeps seven digits, and sums and differences of a window lose up to three of them.
   double exact(double tolerance) const { return info.can(link::capability::kDoublePrecision) ? tolerance : 1e-4; }
 };
 
+/// A case of the suite.
 struct Case {
   std::string name, what;
   std::vector<std::string> needs;  // capabilities; the first one that the engine does not declare skips the case
   std::function<void(Suite&)> run;
 };
 
-/// Angle that leads from z to the normal of a plane which falls along `azimuth` in the xy plane.
+/// Rotation from z to the normal of a plane that falls at `angle` along `azimuth` in the xy plane [rad].
 inline Quat tilt(double angle_rad, double azimuth_rad) {
   return rotation_from_vector(angle_rad * Vec3(-std::sin(azimuth_rad), std::cos(azimuth_rad), 0.0));
 }
@@ -35,7 +37,7 @@ inline Quat tilt(double angle_rad, double azimuth_rad) {
 constexpr double kGravity = 9.81;  // [m/s^2]
 inline Vec3 gravity() { return {0.0, 0.0, -kGravity}; }
 
-/// One law for bodies that are all in contact group 0.
+/// One law for all bodies, in contact group 0.
 inline std::vector<ContactLaw> law(double friction, double restitution) { return {{0, 0, friction, restitution}}; }
 
 std::vector<Case> flight_cases();

@@ -1,4 +1,4 @@
-// Fast thin shards onto a thin plate: how many pass through.
+// Number of fast thin shards that pass through a thin plate.
 #include <cmath>
 #include <set>
 
@@ -27,7 +27,7 @@ std::vector<RigidBody> rain() {
   return out;
 }
 
-// Those whose centre has been a shard's half thickness below the lower face, while beside no edge.
+// Counts shards whose centre was half a thickness below the lower face, away from the edges.
 void fall(Suite& s, const RigidBody& below, double lower_face, double window_s, double allowed) {
   std::vector<RigidBody> bodies = rain();
   bodies.push_back(below);
@@ -47,13 +47,13 @@ void fall(Suite& s, const RigidBody& below, double lower_face, double window_s, 
 
 void onto_plate(Suite& s) {
   const RigidBody pane = fixed(box(1, {0.6, 0.6, 0.5 * kThickness}));
-  // 5 mm a window, 1.25 thicknesses: as far as the coupler lets bodies approach in a window (shell/io/rigid_phase.cpp),
-  // so none may pass. 10 mm a window is beyond what it asks for: one in a hundred.
+  // 5 mm a window is 1.25 thicknesses, the largest approach in a window that the coupler allows: no shard may pass. At
+  // 10 mm a window one in a hundred may.
   fall(s, pane, -0.5 * kThickness, 5e-4, 0.0);
   fall(s, pane, -0.5 * kThickness, 1e-3, 0.01 * kShards);
 }
 
-void onto_half_space(Suite& s) {  // it has no other side: none passes at any speed
+void onto_half_space(Suite& s) {  // no shard passes at any speed
   for (const double window_s : {5e-4, 1e-3}) fall(s, half_space(1), 0.0, window_s, 0.0);
 }
 

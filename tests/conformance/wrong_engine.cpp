@@ -1,5 +1,5 @@
-// wrong-engine: an engine with one fault, to see that the suite finds it. Without a fault it is as good as the one that
-// it is made from.
+// wrong-engine: an engine with one fault, to show that the suite finds it. Without a fault it behaves as its base
+// engine.
 #include <chrono>
 #include <cstdio>
 #include <map>
@@ -57,12 +57,12 @@ class WrongEngine final : public Engine {
     inner_->set_contact_laws(changed);
   }
 
-  void advance(double window_s, const std::vector<Motion>& handbacks, const std::vector<BodyId>& solved) override {
+  void advance(double window_s, const std::vector<Motion>& predicted, const std::vector<BodyId>& solved) override {
     if (fault_ == "stale") before_ = inner_->states();
-    inner_->advance(window_s, handbacks, fault_ == "meddling" ? std::vector<BodyId>{} : solved);
-    handbacks_.clear();
-    for (const Motion& m : handbacks) handbacks_[m.id] = m.motion;
-    // An honest engine leaves what is solved at its handback.
+    inner_->advance(window_s, predicted, fault_ == "meddling" ? std::vector<BodyId>{} : solved);
+    predicted_.clear();
+    for (const Motion& m : predicted) predicted_[m.id] = m.motion;
+    // A correct engine leaves a solved body in its predicted state.
     left_ = fault_ == "meddling" ? std::set<BodyId>{} : std::set<BodyId>(solved.begin(), solved.end());
     ++advanced_;
   }
@@ -71,8 +71,8 @@ class WrongEngine final : public Engine {
     if (fault_ == "stale" && !before_.empty()) return before_;
     std::vector<State> out = inner_->states();
     for (State& s : out) {
-      const auto given = handbacks_.find(s.id);
-      if (given == handbacks_.end()) continue;
+      const auto given = predicted_.find(s.id);
+      if (given == predicted_.end()) continue;
       BodyMotion& m = s.motion;
       if (left_.count(s.id)) m = given->second;
       const Vec3 change = m.velocity - given->second.velocity;
@@ -93,7 +93,7 @@ class WrongEngine final : public Engine {
     if (fault_ != "clinging") inner_->release_joint(id);
   }
 
-  /// Right for boxes whose lower face lies on the plane z = 0 of body 1.
+  /// Rows for boxes with their lower face on the plane z = 0 of body 1.
   std::vector<ContactRow> rows(double, const std::vector<Motion>&, const std::vector<BodyId>& ids) override {
     std::vector<ContactRow> out;
     for (const BodyId id : ids) {
@@ -119,7 +119,7 @@ class WrongEngine final : public Engine {
   std::string fault_;
   std::map<BodyId, RigidBody> bodies_;
   std::vector<ContactLaw> laws_;
-  std::map<BodyId, BodyMotion> handbacks_;
+  std::map<BodyId, BodyMotion> predicted_;
   std::set<BodyId> left_;
   std::vector<State> before_;
   long advanced_ = 0;

@@ -1,5 +1,5 @@
 #pragma once
-// A block with a gap, open downwards, that stands on two feet; and how it is written as a mesh.
+// An arch: a block on two feet with a gap below, and its mesh files.
 #include <array>
 #include <string>
 #include <vector>
@@ -10,7 +10,7 @@
 
 namespace arch {
 
-// Outside and gap in x and z, and the depth in y [m].
+// Outer size and gap in x and z, and depth in y [m].
 constexpr double kWide = 0.06, kHigh = 0.05, kDeep = 0.03, kLeft = 0.02, kRight = 0.04, kGapHigh = 0.03;
 constexpr double kVolume = kDeep * (kWide * kHigh - (kRight - kLeft) * kGapHigh);
 
@@ -19,7 +19,7 @@ struct Mesh {
   std::vector<std::vector<int>> faces;
 };
 
-/// An outline in x and z, clockwise seen from -y, drawn out from y = 0: two faces of many corners, the rest quads.
+/// An outline in x and z, clockwise seen from -y, extruded from y = 0: two faces of many corners, the others are quads.
 inline Mesh prism(const std::vector<std::array<double, 2>>& outline, double deep) {
   const int n = static_cast<int>(outline.size());
   Mesh m;
@@ -57,7 +57,7 @@ inline std::string obj(const Mesh& m) {
   for (const sunder::Vec3& p : m.points) text += fmt::format("v {} {} {}\n", p.x(), p.y(), p.z());
   for (const auto& face : m.faces) {
     text += "f";
-    for (std::size_t i = 0; i < face.size(); ++i)  // as files write it, with textures, normals, and from the end
+    for (std::size_t i = 0; i < face.size(); ++i)  // in all forms of OBJ: textures, normals, from the end
       text += i == 0 ? fmt::format(" {}//1", face[i] - static_cast<int>(m.points.size()))
                      : fmt::format(" {}/2/3", face[i] + 1);
     text += "\n";

@@ -1,4 +1,4 @@
-// Cuts, strengths and damage of a scene: what is refused, with field and remedy, and what becomes of the rest.
+// Cuts, strengths and damage of a scene: refusals with field and remedy, and the built model.
 #include <cmath>
 
 #include "tests/coupler/small_scene.h"
@@ -10,7 +10,7 @@ using sunder::Vec2;
 
 const std::string kStrong = "strength: 6e7 fracture_energy: 8 ";
 
-// The small scene with more fields of the shell (line 10), the material and the scene.
+// The small scene with additional fields of the shell (line 10), the material and the scene.
 std::string scene(const std::string& shell, const std::string& material = "", const std::string& more = "") {
   std::string text = replaced("poisson_ratio: 0.22 }", "poisson_ratio: 0.22 " + material + "}");
   text.insert(text.find("elements_y: 16 }\n") + 17, "  " + shell + "\n");
@@ -25,7 +25,7 @@ sunder::shell::RunSetup built(const std::string& text, const std::vector<std::st
   return sunder::shell::build(scene);
 }
 
-// Beside the scene; gone with it.
+// A file beside the scene, removed at the end.
 struct MapFile {
   std::string name = fmt::format("{}_map.pgm", getpid());
   explicit MapFile(const std::string& content) { std::ofstream(own_file("map.pgm"), std::ios::binary) << content; }
@@ -42,7 +42,7 @@ TEST(Cut, ThatWouldNeverBeMadeIsRefused) {
                  "shells[0].cuts[0].time_s", {"is 1000 s", "would never be made"});
 }
 
-TEST(BranchRatio, AtWhichATipDoesNotEvenRunIsRefused) {
+TEST(BranchRatio, BelowThatOfARunningTipIsRefused) {
   expect_refusal(scene("", kStrong, "fracture { branch_ratio: 0.5 }\n"), "fracture.branch_ratio",
                  {"is 0.5", "above 1"});
 }
@@ -57,7 +57,7 @@ TEST(Cut, ThatLeavesTheDomainIsRefusedWithHowFar) {
   expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.9 } points { u: 0.3 v: 0.9 } "
                        "points { u: 0.4 v: 0.1 } } }"),
                  "shells[0].cuts[0].curve", {"reaches", "outside the patch"});
-  // control points may lie outside as long as the curve does not; a circle may touch the border
+  // control points may lie outside if the curve does not; a circle may touch the border
   EXPECT_EQ(refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.6 } points { u: 0.3 v: 0.6 } "
                           "points { u: 0.4 v: 0.1 } } } cuts { circle { center { u: 0.25 v: 0.25 } radius_m: 0.25 } }"))
                 .kind,
@@ -100,7 +100,7 @@ TEST(Cut, ThatMeetsItselfIsRefusedWithBothSegmentsAndThePlace) {
   expect_refusal(scene("cuts { curve { points { u: 0.1 v: 0.1 } points { u: 0.5 v: 0.4 } points { u: 0 v: 0.4 } "
                        "points { u: 0.4 v: 0.1 } } }"),
                  "shells[0].cuts[0].curve", {"meets itself at (0.25", "two cuts"});
-  // two cuts that cross each other are fine, and so is one that closes
+  // two cuts may cross each other, and a cut may be closed
   EXPECT_EQ(refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } } cuts { points { u: 0.2 v: 0.2 } "
                           "points { u: 0.2 v: 0.05 } } cuts { points { u: 0.3 v: 0.3 } points { u: 0.4 v: 0.3 } "
                           "points { u: 0.3 v: 0.4 } points { u: 0.3 v: 0.3 } }"))
@@ -139,7 +139,7 @@ TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
   EXPECT_TRUE(built(scene("", kStrong)).shells[0].model.strength_factor.empty());
 }
 
-TEST(StrengthRegions, AreRefusedWhereTheySayNothingSound) {
+TEST(StrengthRegions, AreRefusedWhereFactorOrPlaceIsWrong) {
   const std::string box = "low { u: 0.1 v: 0.1 } high { u: 0.3 v: 0.3 } ";
   const auto refused = [](const std::string& region, const std::string& field, const std::string& says) {
     expect_refusal(scene("strength_regions { " + region + " }", kStrong), "shells[0].strength_regions" + field, {says});
@@ -176,7 +176,7 @@ TEST(StrengthMap, IsStretchedOverTheDomainLinearBetweenPixels) {
   }
 }
 
-TEST(StrengthMap, OfAWrongShapeIsRefusedWithSizesThatDo) {
+TEST(StrengthMap, OfAWrongShapeIsRefusedWithSizesThatFit) {
   const auto refused = [](const std::string& head, const std::vector<std::string>& says, const std::string& settings) {
     const MapFile map(head);
     std::vector<std::string> list;
@@ -245,7 +245,7 @@ TEST(Healing, IsForDamageOnly) {
                  {"is for mode DAMAGE"});
 }
 
-TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {
+TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatWork) {
   const std::string text = scene("", "strength: 6e7 fracture_energy: 2000 ", "fracture { mode: DAMAGE }\n");
   // sqrt(3) 0.5 / 16 = 0.0541 m, 2 E G_f / strength^2 = 0.0778 m: resolved; with 1000 J/m^2 it is not
   EXPECT_EQ(refusal(text).kind, "accepted");
@@ -260,7 +260,7 @@ TEST(Damage, OnAGridTooCoarseIsRefusedWithElementsAndEnergyThatDo) {
   expect_refusal(text, "fracture.mode", {"a narrower damage_width_m"}, {set, "fracture.damage_width_m=0.05"});
 }
 
-TEST(StrengthMap, IsPartOfWhatSceneItIs) {
+TEST(StrengthMap, IsPartOfTheSceneHash) {
   const auto hash = [](const std::string& pixels) {
     const MapFile map("P5 2 2 255\n" + pixels);
     const std::string path = own_file("crack_scene.textproto");
@@ -273,13 +273,13 @@ TEST(StrengthMap, IsPartOfWhatSceneItIs) {
   EXPECT_NE(hash("abcd"), hash("abcc"));
 }
 
-TEST(Cut, WithMorePointsThanAShellCouldTellIsRefused) {
+TEST(Cut, WithMorePointsThanAShellCanResolveIsRefused) {
   std::string points;
   for (int k = 0; k <= 20000; ++k) points += fmt::format("points {{ u: {} v: 0.1 }} ", 0.1 + 1e-5 * k);
   expect_refusal(scene("cuts { " + points + "}"), "shells[0].cuts[0]", {"has 20001 points", "at most 20000"});
 }
 
-TEST(Enumerators, ThatAreNoneAreRefused) {
+TEST(Enumerators, UnknownNumbersAreRefused) {
   expect_refusal(scene("", "", "fracture { mode: 7 }\n"), "fracture.mode", {"is 7", "TIPS", "DAMAGE"});
   expect_refusal(scene("supports { edges: 9 kind: CLAMPED }"), "shells[0].supports[0].edges[0]", {"is 9", "ALL"});
 }

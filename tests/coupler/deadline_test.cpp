@@ -1,4 +1,4 @@
-// Ten minutes of work on the other side, on a clock of the test's own: a window is waited for, a handshake is not.
+// The other side computes for ten minutes, by a clock of the test: a window may take so long, a handshake may not.
 #include <atomic>
 #include <chrono>
 #include <filesystem>
@@ -22,7 +22,7 @@ using namespace sunder::link;
 namespace {
 
 constexpr double kTenMinutes = 600.0;
-constexpr int kLooks = 3;  // at the clock, of a client that has seen it jump and waits on
+constexpr int kLooks = 3;  // reads of the clock by a client that sees the jump and still waits
 
 RigidBody ball() {
   RigidBody b;
@@ -31,12 +31,12 @@ RigidBody ball() {
   return b;
 }
 
-// A rigid process in a thread whose clock jumps while it computes the answer to one kind of request.
+// A rigid process in a thread. The clock jumps while it computes the reply to one kind of request.
 struct SlowServer {
   TemporaryFolder folder;
   std::string endpoint;
   std::atomic<double> clock{0.0};
-  std::atomic<int> looks{0};          // of the client at the clock
+  std::atomic<int> looks{0};          // reads of the clock by the client
   std::atomic<bool> given_up{false};  // by the client
   std::thread thread;
 
@@ -51,7 +51,7 @@ struct SlowServer {
           const std::string bytes = channel.receive(10.0);
           proto::Request request;
           if (request.ParseFromString(bytes) && request.kind_case() == slow) {
-            wait_for_looks(2);  // one as it begins to wait, one while it does
+            wait_for_looks(2);  // one when it begins to wait, one while it waits
             clock = kTenMinutes;
             wait_for_looks(kLooks);
           }
@@ -59,7 +59,7 @@ struct SlowServer {
           if (!session.abandoned()) channel.send(reply);
         }
         session.rethrow();
-      } catch (const Error&) {  // the client has left, as it should where it gives up
+      } catch (const Error&) {  // the client has left, as it should after a deadline
       }
     });
   }
@@ -77,7 +77,7 @@ struct SlowServer {
     ++looks;
     return clock;
   }
-  // Hello, Load, a window, Export, AddBodies, Save, Bye; what went wrong.
+  // Runs Hello, Load, a window, Export, AddBodies, Save and Bye. Returns the error.
   std::string session() {
     try {
       RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, endpoint, "", [this] { return now(); }),
@@ -104,13 +104,13 @@ struct SlowServer {
 
 }  // namespace
 
-TEST(TenMinutes, OfAWindowAreWaitedFor) {
-  SlowServer server(proto::Request::kWindow);  // answers once the client has seen how late it is and waits on
+TEST(TenMinutes, OfAWindowAreAllowed) {
+  SlowServer server(proto::Request::kWindow);  // replies once the client has seen the time and still waits
   EXPECT_EQ(server.session(), "");
   EXPECT_EQ(server.clock, kTenMinutes);
 }
 
-TEST(TenMinutes, OfWhatMovesNothingAreTooMany) {
+TEST(TenMinutes, OfARequestThatMovesNoBodyAreTooMany) {
   for (const auto& [kind, name] :
        {std::pair(proto::Request::kHello, "Hello"), std::pair(proto::Request::kLoad, "Load"),
         std::pair(proto::Request::kExport, "Export"), std::pair(proto::Request::kAddBodies, "AddBodies"),
@@ -122,9 +122,9 @@ TEST(TenMinutes, OfWhatMovesNothingAreTooMany) {
   }
 }
 
-TEST(TenMinutes, OfNobodyAreTooMany) {
+TEST(TenMinutes, WithoutAConnectionAreTooMany) {
   std::atomic<int> looks{0};
-  // by the clock of the test: the first look is at the start, later ones ten minutes on
+  // clock of the test: the first read is at the start, later ones are ten minutes on
   Channel channel(Channel::Role::kConnect, "ipc://" + testing::TempDir() + "/nobody", "",
                   [&] { return looks++ == 0 ? 0.0 : kTenMinutes; });
   try {
@@ -136,7 +136,7 @@ TEST(TenMinutes, OfNobodyAreTooMany) {
   }
 }
 
-TEST(Goodbye, IsFollowedByWhatTheOtherSideStillSaysUntilItHasGone) {
+TEST(Goodbye, WaitsUntilTheOtherSideHasClosed) {
   using Clock = std::chrono::steady_clock;
   for (int k = 0; k < 5; ++k) {
     const TemporaryFolder folder;
@@ -157,7 +157,7 @@ TEST(Goodbye, IsFollowedByWhatTheOtherSideStillSaysUntilItHasGone) {
       const auto parted = Clock::now();
       try {
         for (int more = 0; more < 10; ++more) channel.send("words that nobody waits for");
-      } catch (const Error& e) {  // we were held up for longer than it stays
+      } catch (const Error& e) {  // this thread was delayed for longer than the other side waits
         EXPECT_EQ(e.kind, "peer_lost");
       }
       const bool gone = served;

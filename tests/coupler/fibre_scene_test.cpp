@@ -1,4 +1,4 @@
-// Fibres of a scene's shells: what is accepted, and what is refused, with field and remedy.
+// Fibres of a scene's shells: accepted scenes, and refusals with field and remedy.
 #include "tests/coupler/small_scene.h"
 
 namespace {
@@ -7,7 +7,7 @@ using namespace small_scene;
 
 const std::string kFibres = "fibres { compression_modulus: 1e7 shear_modulus: 1e7 friction: 0.3 }";
 
-// Two panes, both with fibres; the second by `second`.
+// Two panes with fibres; `second`: fields of the second one.
 std::string scene(const std::string& from = "", const std::string& to = "", const std::string& more = "",
                   const std::string& second = kFibres) {
   std::string text = kScene;
@@ -33,11 +33,11 @@ sunder::shell::RunSetup built(const std::string& text, std::string& report) {
 
 }  // namespace
 
-TEST(FibreScene, IsAcceptedAndSaysWhatItIs) {
+TEST(FibreScene, IsAcceptedAndReported) {
   std::string report;
   const auto setup = built(scene(), report);
   EXPECT_NE(report.find("fibres         on a grid of 0.0375 m"), std::string::npos) << report;
-  EXPECT_FALSE(setup.shells_meet);                  // fibres are all that acts between these
+  EXPECT_FALSE(setup.shells_meet);                  // only fibres act between these
   EXPECT_NEAR(setup.fibre_spacing, 0.0375, 1e-12);  // the longest element, of the second
   const auto mixed = built(scene("", "", R"(shells {
   name: "third"
@@ -50,7 +50,7 @@ TEST(FibreScene, IsAcceptedAndSaysWhatItIs) {
   EXPECT_TRUE(mixed.shells_meet);
 }
 
-TEST(FibreScene, WithoutFibresNothingIsThere) {
+TEST(FibreScene, WithoutFibresHasNoFibreModel) {
   std::string report;
   const auto setup = built(kScene, report);
   EXPECT_EQ(report.find("fibres"), std::string::npos) << report;
@@ -65,12 +65,12 @@ TEST(FibreScene, StiffFibresShortenTheStep) {
     built(text, report);
     return std::stod(report.substr(report.find("stable step") + 11));
   };
-  // sqrt of the modulus, once it is all that counts
+  // square root of the modulus, once it dominates
   const double soft = step(scene("compression_modulus: 1e7", "compression_modulus: 1e12"));
   EXPECT_NEAR(step(scene("compression_modulus: 1e7", "compression_modulus: 1e14")), 0.1 * soft, 0.02 * 0.1 * soft);
 }
 
-TEST(FibreScene, RefusesWhatIsMissingOrOutOfRange) {
+TEST(FibreScene, RefusesFieldsThatAreMissingOrOutOfRange) {
   const std::string f = "shells[0].fibres";
   expect_refusal(scene("compression_modulus: 1e7 ", ""), f + ".compression_modulus", {"is missing"});
   expect_refusal(scene("compression_modulus: 1e7", "compression_modulus: -1"), f + ".compression_modulus",
@@ -94,7 +94,7 @@ TEST(FibreScene, RefusesWhatIsMissingOrOutOfRange) {
   expect_refusal(scene("friction: 0.3", "grid_spacing_m: -1"), f + ".grid_spacing_m", {"must be positive"});
 }
 
-TEST(FibreScene, RefusesWhatDoesNotGoWithThem) {
+TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
   const std::string f = "shells[0].fibres";
   expect_refusal(scene("", "", "", ""), f, {"have nothing to touch", "contacts { first: \"pane\" second: \"pane\" }"});
   EXPECT_EQ(refusal(scene("", "", "contacts { first: \"pane\" second: \"pane\" }\n", "")).kind, "accepted");

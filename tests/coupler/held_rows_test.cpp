@@ -29,7 +29,7 @@ ContactRow on_floor(BodyId id) { return {id, 9, {0, 0, -0.04}, {0, 0, 0}, Vec3::
 
 }  // namespace
 
-// Pushed down and sideways for a thousand substeps, a ball neither sinks in nor is turned by what holds it up.
+// A ball is pushed down and sideways for a thousand substeps. It neither sinks in nor turns by the contact.
 TEST(HeldRows, ABallThatSlidesStaysOnTheFloorAndIsNotTurned) {
   RigidBody b = ball(1, {0, 0, 0.04}), f = floor_body();
   HeldRows rows;
@@ -46,7 +46,7 @@ TEST(HeldRows, ABallThatSlidesStaysOnTheFloorAndIsNotTurned) {
   EXPECT_LT(b.motion.angular_momentum.norm(), 1e-15);
 }
 
-TEST(HeldRows, AGapMayCloseWithinASubstepAndNoMore) {
+TEST(HeldRows, AGapClosesWithinASubstepWithoutAnOverlap) {
   RigidBody b = ball(1, {0, 0, 0.04 + 1e-5}), f = floor_body();
   b.motion.velocity = {0, 0, -10};
   HeldRows rows;
@@ -94,11 +94,11 @@ TEST(HeldRows, TwoLinkedBodiesKeepTheirMomenta) {
     if (kind == Joint::Kind::kSlider) continue;
     const Vec3 gap = a.motion.position + a.motion.orientation * joint.first_frame.position - b.motion.position -
                      b.motion.orientation * joint.second_frame.position;
-    EXPECT_LT(gap.norm(), 1e-9) << static_cast<int>(kind);  // a Newton step a substep
+    EXPECT_LT(gap.norm(), 1e-9) << static_cast<int>(kind);  // one Newton step in each substep
   }
 }
 
-// Half a period of a pendulum that starts level.
+// Half a period of a pendulum that starts horizontally.
 TEST(HeldRows, AHingedRodKeepsItsEnergyAndItsAxis) {
   RigidBody b = ball(1, {0.1, 0, 0});
   Joint joint;

@@ -1,4 +1,4 @@
-// When joints break: what is refused, and what is built.
+// Fields of breaking joints: refusals with field and remedy.
 #include "tests/coupler/small_scene.h"
 
 using namespace small_scene;
@@ -9,7 +9,7 @@ std::string jointed(const std::string& joint) {
   return kScene + "joints {\n  name: \"peg\"\n  first: \"ball\"\n  " + joint + "\n}\n";
 }
 
-TEST(JointBreak, IsRefusedWhereItSaysNothingOrWhatItsKindCannotDo) {
+TEST(JointBreak, IsRefusedWithoutACriterionOrWithOneThatItsKindCannotHave) {
   EXPECT_EQ(refusal(jointed("kind: HINGE breaks { angle_deg: 30 }")).kind, "accepted");
   const auto refused = [](const std::string& joint, const std::string& field, const std::string& says) {
     expect_refusal(jointed(joint), "joints[0].breaks" + field, {says});

@@ -1,4 +1,4 @@
-// Encrypted sessions: who is admitted, what is said to who is not, and which folders of keys are refused.
+// Encrypted sessions: which processes are admitted, errors of the others, and folders of keys that are refused.
 #include <atomic>
 #include <filesystem>
 #include <fstream>
@@ -45,7 +45,7 @@ mode_t mode(const std::string& path) {
   return s.st_mode & 07777;
 }
 
-// What `call` throws, as "kind: words"; empty: nothing.
+// The error of `call`, as "kind: message"; empty where it throws none.
 template <class Call>
 std::string thrown(Call call) {
   try {
@@ -56,7 +56,7 @@ std::string thrown(Call call) {
   return "";
 }
 
-// A port that was free a moment ago.
+// Address of a port that was free a moment ago.
 std::string free_endpoint() {
   const int fd = socket(AF_INET, SOCK_STREAM, 0);
   sockaddr_in at{};
@@ -68,7 +68,7 @@ std::string free_endpoint() {
   return fmt::format("tcp://127.0.0.1:{}", ntohs(at.sin_port));
 }
 
-// A rigid process in a thread. Its patience ends, by a clock of the test's own, when the test says so.
+// A rigid process in a thread. The test's clock decides when its time to connect ends.
 struct Server {
   std::string endpoint = free_endpoint(), said;
   std::atomic<double> clock{0.0};
@@ -94,7 +94,7 @@ struct Server {
           });
         }) {}
   ~Server() { end(); }
-  // A client may know that it is not admitted before the other side does.
+  // A client may see its refusal before the other side does.
   void wait_until_it_turns_one_away() const {
     for (int i = 0; i < 3000 && turned_away == 0; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
   }
@@ -134,7 +134,7 @@ TEST(Keys, AreMadeForBothSidesAndReadBack) {
   EXPECT_NE(read_keys(folder.made("others"), Side::kRigid).secret, rigid.secret);
 }
 
-TEST(Keys, AreNeverWrittenOver) {
+TEST(Keys, AreNeverOverwritten) {
   const Folder folder;
   const std::string keys = folder.made("keys"), before = text(keys + "/rigid.key");
   EXPECT_SAYS(thrown([&] { make_keys(keys); }), "bad_keys: " + keys + ": is there already");
@@ -150,7 +150,7 @@ TEST(Keys, AreNeverWrittenOver) {
   read_keys(empty, Side::kShell);
 }
 
-TEST(Keys, OfTheOtherSideAreNotNeeded) {
+TEST(Keys, TheOtherSidesSecretIsNotNeeded) {
   const Folder folder;
   const std::string keys = folder.made("keys");
   fs::remove(keys + "/shell.key");
@@ -228,22 +228,22 @@ TEST(EncryptedSession, NoticesThatTheOtherSideHasGone) {
   const std::string keys = folder.made("keys");
   Server server(keys);
   { RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint, keys), "scene"); }
-  server.thread.join();  // its clock stands still: by the closed connection alone
+  server.thread.join();  // its clock stands still: only the closed connection can end it
   EXPECT_SAYS(server.said, "peer_lost: the shell process is gone");
 }
 
-TEST(EncryptedSession, IsNotForOthers) {
+TEST(EncryptedSession, RefusesOtherKeys) {
   const Folder folder;
   const std::string keys = folder.made("keys"), others = folder.made("others");
-  // the right rigid.pub, but a shell of its own; and the right shell, which expects another rigid process
+  // the right rigid.pub with another shell key; and the right shell key with another rigid.pub
   const std::string stranger = folder.made("stranger"), misled = folder.made("misled");
   copy(keys + "/rigid.pub", stranger + "/rigid.pub");
   for (const char* name : {"/shell.key", "/shell.pub"}) copy(keys + name, misled + name);
   const struct {
     const char* what;
     std::string rigid, shell;
-    const char* told;     // to the shell
-    const char* noticed;  // by the rigid process; where each sees that the other is of another kind, one leaves first
+    const char* told;     // error of the shell process
+    const char* noticed;  // error of the rigid process; where both see a mismatch, either may close first
   } cases[] = {
       {"a wrong client key", keys, stranger, "it does not know our shell.key", "is not the shell.pub here"},
       {"a wrong server key", keys, misled, "our rigid.pub is not of its rigid.key", "expects another rigid.pub"},
@@ -266,12 +266,12 @@ TEST(EncryptedSession, IsNotForOthers) {
   }
 }
 
-TEST(EncryptedSession, GoesOnWhileStrangersKnock) {
+TEST(EncryptedSession, ContinuesWhileOthersTryToConnect) {
   const Folder folder;
   const std::string keys = folder.made("keys"), stranger = folder.made("stranger");
   copy(keys + "/rigid.pub", stranger + "/rigid.pub");
   Server server(keys);
-  EXPECT_SAYS(session(server.endpoint, stranger), "not_admitted");  // before anybody is in
+  EXPECT_SAYS(session(server.endpoint, stranger), "not_admitted");  // before the right process connects
   RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint, keys), "scene");
   for (const std::string& who : {stranger, std::string()}) EXPECT_SAYS(session(server.endpoint, who), "not_admitted");
   RigidBody ball;

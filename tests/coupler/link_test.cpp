@@ -46,7 +46,7 @@ TEST(Messages, ABodyComesBackBitwise) {
   EXPECT_EQ(std::get<ConvexShape>(a.shape).parts, std::get<ConvexShape>(b.shape).parts);
 }
 
-TEST(BodyIds, RiseWhateverTheOrderTheyComeIn) {
+TEST(BodyIds, AreAscendingInAnyOrderOfInsertion) {
   BodyIds ids;
   for (const BodyId id : {7u, 2u, 9u, 4u}) EXPECT_TRUE(ids.insert(id));
   EXPECT_FALSE(ids.insert(4));
@@ -57,7 +57,7 @@ TEST(BodyIds, RiseWhateverTheOrderTheyComeIn) {
   EXPECT_FALSE(ids.contains(9));
 }
 
-TEST(MessageMemory, IsOneBlockThatGrowsAndIsUsedAgain) {
+TEST(MessageMemory, IsOneBlockThatGrowsAndIsReused) {
   constexpr std::size_t kMost = 1 << 18;
   link::MessageMemory memory(kMost, true);
   const auto fill = [&memory](int bodies) {
@@ -72,14 +72,14 @@ TEST(MessageMemory, IsOneBlockThatGrowsAndIsUsedAgain) {
   const proto::Request* const grown = fill(300);
   EXPECT_EQ(fill(300), grown);
   EXPECT_EQ(fill(1), grown);
-  // more than it may keep: it takes what is missing and gives it back, in the same block
+  // above its limit it takes more memory, frees it afterwards, and keeps its block
   fill(3000);
   const proto::Request* const largest = fill(3000);
   for (int k = 0; k < 3; ++k) EXPECT_EQ(fill(3000), largest);
   EXPECT_EQ(fill(1), largest);
 }
 
-TEST(Messages, WhatParsesButMakesNoSenseIsRefusedByName) {
+TEST(Messages, WrongValuesAreRefusedWithTheirField) {
   const proto::RigidBody good = link::encode(shard());
   EXPECT_EQ(refusal(good), "");
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -106,7 +106,7 @@ TEST(Messages, WhatParsesButMakesNoSenseIsRefusedByName) {
   }
 }
 
-TEST(Messages, WhatTheOtherSideReportsIsNamedAndNoLongerThanATerminalTakes) {
+TEST(Messages, ErrorsOfTheOtherSideHaveAKindAndLimitedPlainText) {
   proto::Error report;
   report.set_kind("bad_body"), report.set_message("body 3");
   EXPECT_EQ(link::decode_error(report, "it").kind, "bad_body");
@@ -115,17 +115,17 @@ TEST(Messages, WhatTheOtherSideReportsIsNamedAndNoLongerThanATerminalTakes) {
     report.set_kind(kind);
     EXPECT_EQ(link::decode_error(report, "it").kind, "peer_failed");
   }
-  report.set_message("\x1b[2J");  // would clear the screen
+  report.set_message("\x1b[2J");  // would clear the terminal
   EXPECT_STREQ(link::decode_error(report, "it").what(), "it reports:  [2J");
   std::string accents;
   for (std::size_t i = 0; i < link::kMaxReport; ++i) accents += "\u00e9";
   report.set_message("x" + accents);
   const std::string said = link::decode_error(report, "").what(), start = " reports: x";
-  EXPECT_EQ(said.size(), start.size() - 1 + link::kMaxReport - 1);  // one byte less than could be: é has two
+  EXPECT_EQ(said.size(), start.size() - 1 + link::kMaxReport - 1);  // one byte below the limit: é has two bytes
   EXPECT_EQ(said.substr(said.size() - 2), "\u00e9");
 }
 
-TEST(Contact, ImpulseObeysCoulombAndNeverPulls) {
+TEST(Contact, ImpulseObeysCoulombAndOnlyPushes) {
   using shell::contact_impulse;
   const Vec3 n(0, 0, 1);
   const Mat3 two = 0.5 * Mat3::Identity();  // a mass of 2 kg
@@ -143,12 +143,12 @@ TEST(Contact, NeverAddsEnergyHoweverRoughAndHoweverTheBodyTurns) {
   const auto vector = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
   for (int i = 0; i < 20000; ++i) {
     const Vec3 arm = vector(), n = vector().normalized(), v = vector();
-    Mat3 k = std::abs(uniform(random)) * Mat3::Identity();  // a point against a body of 1 kg and unlike inertias
+    Mat3 k = std::abs(uniform(random)) * Mat3::Identity();  // a point and a body of 1 kg, unequal moments of inertia
     for (int d = 0; d < 3; ++d)
       k.col(d) += Vec3(0.5, 5.0, 50.0).cwiseProduct(arm.cross(Vec3::Unit(d))).cross(arm) + Vec3::Unit(d);
     const Vec3 j = shell::contact_impulse(n, v, k, 5.0 * std::abs(uniform(random)), 0.0);
     EXPECT_GE(n.dot(j), 0.0);
-    EXPECT_LE(j.dot(v + 0.5 * (k * j)), 1e-14);  // its work
+    EXPECT_LE(j.dot(v + 0.5 * (k * j)), 1e-14);  // work of the impulse
     EXPECT_GE(n.dot(v + k * j), -1e-12 * (1.0 + v.norm()));
   }
 }

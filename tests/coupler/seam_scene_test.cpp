@@ -1,11 +1,11 @@
-// Seams of a scene: what is refused, with field and remedy.
+// Seams of a scene: refusals with field and remedy.
 #include "tests/coupler/small_scene.h"
 
 namespace {
 
 using namespace small_scene;
 
-// Two plates side by side, more fields of the second one, and seams.
+// Two plates side by side, additional fields of the second one, and seams.
 std::string scene(const std::string& seams, const std::string& shell = "", double x = 0.5) {
   std::string text = replaced("bodies {", "# bodies: none\nbodies {");
   text.resize(text.find("# bodies"));
@@ -31,7 +31,7 @@ TEST(SceneSeams, AreAcceptedWithEveryRule) {
   }
 }
 
-TEST(SceneSeams, OfShellsThatAreNotThereAreRefused) {
+TEST(SceneSeams, OfUnknownShellsAreRefused) {
   expect_refusal(scene("seams { rules { first: \"pane\" second: \"wnig\" kind: HINGE } }"), "seams.rules[0].second",
                  {"'wnig' is no shell of this scene"});
   expect_refusal(scene("seams { rules { first: \"pane\" second: \"pane\" kind: HINGE } }"), "seams.rules[0].second",
@@ -41,7 +41,7 @@ TEST(SceneSeams, OfShellsThatAreNotThereAreRefused) {
       "seams.rules[1]", {"says again"});
 }
 
-TEST(SceneSeams, ThatAreNotThereAreRefused) {
+TEST(SceneSeams, WithoutACommonEdgeAreRefused) {
   const std::string fastened = "seams { rules { first: \"pane\" second: \"wing\" } }";
   EXPECT_EQ(refusal(scene(fastened)).kind, "accepted");
   expect_refusal(scene(fastened, "", 1.5), "seams.rules[0]", {"'pane' and 'wing'", "no whole edge in common"});
@@ -55,7 +55,7 @@ TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
                    {"above 0, at most 1"});
 }
 
-TEST(SceneSeams, WithWhatIsForOneShellAreRefused) {
+TEST(SceneSeams, WithFieldsForSingleShellsAreRefused) {
   expect_refusal(scene("seams {}", "equilibrium {} supports { edges: ALL kind: CLAMPED }"), "shells[1].equilibrium",
                  {"leave one of them out"});
   expect_refusal(scene("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams"});
@@ -68,8 +68,8 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
                  {"a support of shell 'wing' holds its seam with shell 'pane'", "give both of them"});
 }
 
-// A flaw's ground goes on there.
-TEST(SceneSeams, TellShellsWhichOfTheirEdgesGoOnInAnother) {
+// The energy-release zone of a flaw continues over such an edge.
+TEST(SceneSeams, TellShellsWhichOfTheirEdgesContinueInAnother) {
   const auto joined = [](const std::string& seams) {
     const std::string path = own_file("seam_scene.textproto");
     std::ofstream(path) << scene(seams);
@@ -82,8 +82,9 @@ TEST(SceneSeams, TellShellsWhichOfTheirEdgesGoOnInAnother) {
   EXPECT_EQ(joined(""), std::pair(0, 0));
 }
 
-// A seam is opened; a clamped edge is parted just inside; the rectangle's other three sides are one line.
-TEST(SceneCuts, OnEdgesOfThePatchPartWhatHangsThere) {
+// A cut on a seam opens it. A cut on a clamped edge runs just inside. The other three sides of the rectangle are one
+// line.
+TEST(SceneCuts, OnEdgesOfThePatchOpenSeamsAndSupports) {
   const std::string rectangle =
       "cuts { points { u: 0 v: 0.1 } points { u: 0 v: 0.4 } points { u: 0.2 v: 0.4 } points { u: 0.2 v: 0.1 } "
       "points { u: 0 v: 0.1 } }";
@@ -92,7 +93,7 @@ TEST(SceneCuts, OnEdgesOfThePatchPartWhatHangsThere) {
     std::ofstream(path) << scene(seams, rectangle + more);
     const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
     std::remove(path.c_str());
-    // what it is joined to gets a free edge, and its step allows for that
+    // the other shell gets a free edge, and its stable step accounts for it
     EXPECT_EQ(setup.shells[0].can_crack(), !seams.empty());
     return setup.shells[1].cuts.at(0);
   };

@@ -27,7 +27,7 @@ RigidBody ball() {
   return b;
 }
 
-// Serves one session in a thread; what it threw is its verdict.
+// Serves one session in a thread and keeps its error.
 struct Served {
   TemporaryFolder folder;
   std::string endpoint, said;
@@ -92,7 +92,7 @@ TEST(Session, RunsFromHelloToBye) {
   EXPECT_EQ(server.said, "");
 }
 
-TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
+TEST(Session, RefusesWrongOrderAndValuesAndTellsBothSides) {
   using Requests = std::vector<proto::Request>;
   const auto spoiled = [](const std::function<void(proto::Window&)>& spoil) {
     proto::Request w = window();
@@ -167,7 +167,7 @@ TEST(Session, RefusesWhatIsOutOfTurnOrOutOfRangeAndSaysSoToBothSides) {
   }
 }
 
-TEST(Session, RefusesAWrongSequenceAndBytesThatAreNoRequest) {
+TEST(Session, RefusesAWrongSequenceAndUnreadableBytes) {
   proto::Request late = hello();
   late.set_sequence(5);
   for (const std::string& bytes : {std::string("\xff\xff\xff not a request"), late.SerializeAsString()}) {
@@ -184,7 +184,7 @@ TEST(Session, RefusesAWrongSequenceAndBytesThatAreNoRequest) {
   }
 }
 
-TEST(Session, AClientThatFailsSaysWhy) {
+TEST(Session, AClientThatFailsReportsWhy) {
   Served server;
   {
     RemoteRigid client(std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint), "scene");
@@ -194,7 +194,7 @@ TEST(Session, AClientThatFailsSaysWhy) {
   EXPECT_NE(server.said.find("the energy is nan"), std::string::npos) << server.said;
 }
 
-TEST(EngineHost, DoesNotHandOnWhatIsNotFinite) {
+TEST(EngineHost, RefusesStatesThatAreNotFinite) {
   struct Broken final : Engine {
     rigid::FreeFlight whole;
     double z = 0.0;  // of every body
@@ -219,13 +219,13 @@ TEST(EngineHost, DoesNotHandOnWhatIsNotFinite) {
   }
 }
 
-TEST(Channel, LeavesTheSocketOfAnotherThatTookItsPlace) {
+TEST(Channel, LeavesTheSocketFileOfALaterChannel) {
   const TemporaryFolder folder;
   const std::string path = folder.path + "/socket";
   {
     const Channel second = [&] {
       const Channel first(Channel::Role::kBind, "ipc://" + path);
-      return Channel(Channel::Role::kBind, "ipc://" + path);  // ZeroMQ lets it, as it must after a killed process
+      return Channel(Channel::Role::kBind, "ipc://" + path);  // ZeroMQ allows it, as it must after a killed process
     }();
     EXPECT_EQ(access(path.c_str(), F_OK), 0);
   }
@@ -233,7 +233,7 @@ TEST(Channel, LeavesTheSocketOfAnotherThatTookItsPlace) {
   EXPECT_TRUE(std::filesystem::is_empty(folder.path));
 }
 
-TEST(Channel, RefusesToSendWhatTheOtherSideWouldNotTake) {
+TEST(Channel, RefusesToSendMessagesThatAreTooLong) {
   Served server;
   {
     auto channel = std::make_unique<Channel>(Channel::Role::kConnect, server.endpoint);
@@ -243,7 +243,7 @@ TEST(Channel, RefusesToSendWhatTheOtherSideWouldNotTake) {
     } catch (const Error& e) {
       EXPECT_EQ(e.kind, "message_size");
     }
-    RemoteRigid(std::move(channel), "").bye();  // the session goes on
+    RemoteRigid(std::move(channel), "").bye();  // the session continues
   }
 }
 

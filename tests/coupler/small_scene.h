@@ -1,5 +1,5 @@
 #pragma once
-// A scene that is accepted as it stands, and what becomes of it where a test breaks it.
+// A small scene that is accepted, and helpers that change it.
 #include <cstdio>
 #include <fstream>
 #include <string>
@@ -40,7 +40,7 @@ inline std::string replaced(const std::string& from, const std::string& to) {
   return text.replace(at, from.size(), to);
 }
 
-// Of this process alone: tests run side by side.
+// A path of this process alone, because tests run in parallel.
 inline std::string own_file(const std::string& name) {
   return fmt::format("{}/{}_{}", testing::TempDir(), getpid(), name);
 }
@@ -61,7 +61,7 @@ inline sunder::Error refusal(const std::string& text, const std::vector<std::str
   return sunder::Error(sunder::Exit::kDone, "accepted", "");
 }
 
-/// What `sunder check` says of a scene that is accepted.
+/// The report of `sunder check` for an accepted scene.
 inline std::string report(const std::string& text) {
   const std::string path = own_file("scene_test.textproto");
   std::ofstream(path) << text;
@@ -70,7 +70,7 @@ inline std::string report(const std::string& text) {
   return sunder::shell::check_report(scene, sunder::shell::build(scene));
 }
 
-/// Refused as bad input at the line of `field`, in words that hold all of `says`.
+/// Expects that the scene is refused as bad input at `field`, with all of `says` in the message.
 inline void expect_refusal(const std::string& text, const std::string& field, const std::vector<std::string>& says,
                            const std::vector<std::string>& settings = {}) {
   const sunder::Error e = refusal(text, settings);

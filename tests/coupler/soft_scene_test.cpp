@@ -1,4 +1,4 @@
-// Soft bodies of a scene: what is refused, with field and remedy.
+// Soft bodies of a scene: refusals with field and remedy.
 #include "tests/coupler/small_scene.h"
 
 namespace {
@@ -25,7 +25,7 @@ std::string scene(const std::string& from = "", const std::string& to = "", cons
 
 }  // namespace
 
-TEST(SoftScene, IsAcceptedAndSaysWhatItCosts) {
+TEST(SoftScene, IsAcceptedAndReportsItsCost) {
   EXPECT_EQ(refusal(scene()).kind, "accepted") << refusal(scene()).what();
   EXPECT_EQ(refusal(scene("sphere { radius_m: 0.05 }", "box { size_m { x: 0.1 y: 0.05 z: 0.04 } }")).kind, "accepted");
   const std::string said = report(scene());
@@ -33,7 +33,7 @@ TEST(SoftScene, IsAcceptedAndSaysWhatItCosts) {
     EXPECT_NE(said.find(part), std::string::npos) << said;
 }
 
-TEST(SoftScene, RefusesWhatIsMissingOrOutOfRange) {
+TEST(SoftScene, RefusesFieldsThatAreMissingOrOutOfRange) {
   const std::string f = "soft_bodies[0]";
   expect_refusal(scene("name: \"soft\"", "name: \"pane\""), f + ".name", {"used twice"});
   expect_refusal(scene("material: \"rubber\"", "material: \"ruber\""), f + ".material", {"is no material"});
@@ -51,7 +51,7 @@ TEST(SoftScene, RefusesWhatIsMissingOrOutOfRange) {
                  {"times its waves; at most 10"});
 }
 
-TEST(SoftScene, RefusesMaterialsThatItDoesNotKnow) {
+TEST(SoftScene, RefusesMaterialsThatSoftBodiesCannotHave) {
   const std::string f = "soft_bodies[0].material";
   expect_refusal(scene("poisson_ratio: 0.45 }", "}"), f, {"a soft body needs both"});
   expect_refusal(scene("poisson_ratio: 0.45", "poisson_ratio: -0.2"), f, {"is 0 or more"});
@@ -61,7 +61,7 @@ TEST(SoftScene, RefusesMaterialsThatItDoesNotKnow) {
                  {"has a mass_damping_per_s"});
 }
 
-TEST(SoftScene, RefusesWhatStartsInsideSomething) {
+TEST(SoftScene, RefusesBodiesThatOverlapAtTheStart) {
   const std::string f = "soft_bodies[0].pose";
   expect_refusal(scene("x: 0.3 z: 0.1", "x: 0.06 z: 0.1"), f, {"inside body 'ball'"});
   expect_refusal(scene("x: 0.3 z: 0.1", "x: 0.2 z: 0.04"), f, {"inside shell 'pane'"});
@@ -72,13 +72,13 @@ TEST(SoftScene, RefusesWhatStartsInsideSomething) {
   std::string coarse = scene("spacing_m: 0.01", "spacing_m: 0.02");
   coarse.replace(coarse.find("radius_m: 0.02"), 14, "radius_m: 0.016");
   expect_refusal(coarse, "soft_bodies[0].spacing_m", {"could pass between the particles"});
-  std::string thin = scene("spacing_m: 0.01", "spacing_m: 0.02");  // a rod, which may come end on
+  std::string thin = scene("spacing_m: 0.01", "spacing_m: 0.02");  // a rod, which may hit with its end
   thin.replace(thin.find("sphere { radius_m: 0.02 }"), 25, "box { size_m { x: 0.06 y: 0.034 z: 0.034 } }");
   expect_refusal(thin, "soft_bodies[0].spacing_m", {"could pass between the particles"});
   expect_refusal(scene("x: 0.3 z: 0.1", "x: 3e6 z: 0.1"), f, {"3e+06 m off", "grid spacings, 2e+06 m"});
 }
 
-TEST(SoftScene, RefusesWhatDoesNotGoWithIt) {
+TEST(SoftScene, RefusesFieldsThatExcludeSoftBodies) {
   expect_refusal(scene("", "", "contacts { first: \"soft\" second: \"pane\" restitution: 0.5 }\n"),
                  "contacts[0].restitution", {"bounce by their elasticity"});
   expect_refusal(scene("", "", "contacts { first: \"soft\" second: \"soft\" friction: 0.5 }\n"), "contacts[0].second",

@@ -1,4 +1,4 @@
-// Meshes whose own surface is meant: what they weigh, how they are divided, what is refused.
+// Meshes with surface EXACT: mass and inertia, division into convex parts, refusals.
 #include <algorithm>
 #include <filesystem>
 #include <random>
@@ -13,7 +13,7 @@ using namespace sunder::scene;
 
 namespace {
 
-// The scene with a mesh of this text in the ball's place.
+// The scene with a mesh of this text instead of the ball.
 std::string scene_with(const std::string& file, const std::string& text, const std::string& more = "surface: EXACT") {
   std::ofstream(own_file(file)) << text;
   return replaced("sphere { radius_m: 0.02 }", fmt::format("mesh {{ path: \"{}_{}\" {} }}", getpid(), file, more));
@@ -42,11 +42,11 @@ double volume_of(const std::vector<std::vector<Vec3>>& parts) {
 }
 
 TEST(SolidMesh, HasMassCentreAndInertiaOfTheBlockWithoutItsGap) {
-  // of boxes about the middle of the whole block: outside less gap, then to the common centre
+  // the outer box less the gap, about the middle of the block, then moved to the common centre
   using namespace arch;
   const double outside = 2500 * kWide * kDeep * kHigh, gap = 2500 * (kRight - kLeft) * kDeep * kGapHigh;
   const double mass = outside - gap, centre = (outside * kHigh - gap * kGapHigh) / 2.0 / mass;
-  const auto box = [](double m, const Vec3& size, double up) {  // about the point `up` below its centre
+  const auto box = [](double m, const Vec3& size, double up) {  // about a point `up` below its centre
     const Vec3 s = size.cwiseProduct(size);
     return Vec3(m / 12.0 * (s.y() + s.z()) + m * up * up, m / 12.0 * (s.x() + s.z()) + m * up * up,
                 m / 12.0 * (s.x() + s.y()));
@@ -76,16 +76,16 @@ TEST(SolidMesh, IsDividedIntoConvexPartsThatFillIt) {
     const double r = i % 2 ? 0.4 : 1.0, angle = -2.0 * M_PI * i / 16;
     star.push_back({r * std::cos(angle), r * std::sin(angle)});
   }
-  arch::Mesh turned = arch;  // no face along an axis: coordinates are round
+  arch::Mesh turned = arch;  // no face along an axis: coordinates have round-off
   for (Vec3& p : turned.points) p = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * p;
   for (const auto& [m, most] : {std::pair{arch, 3u}, std::pair{turned, 3u}, std::pair{arch::prism(star, 0.3), 9u}}) {
     const sunder::Surface s = surface_of(m);
     const auto parts = convex_parts(s);
     EXPECT_LE(parts.size(), most);
-    EXPECT_NEAR(volume_of(parts), enclosed_volume(s), 1e-9 * enclosed_volume(s));  // merged parts may add that
+    EXPECT_NEAR(volume_of(parts), enclosed_volume(s), 1e-9 * enclosed_volume(s));  // merged parts may add this share
     Eigen::AlignedBox3d box;
     for (const Vec3& p : s.corners) box.extend(p);
-    for (int k = 0; k < 300; ++k) {  // a point is in the solid where it is in a part: adding it leaves that hull alone
+    for (int k = 0; k < 300; ++k) {  // a point in the solid is in a part: adding it does not change that part's hull
       Vec3 x;
       for (int d = 0; d < 3; ++d) x[d] = std::uniform_real_distribution(box.min()[d], box.max()[d])(random);
       const double inside = winding_number(s, x);
@@ -100,7 +100,7 @@ TEST(SolidMesh, IsDividedIntoConvexPartsThatFillIt) {
   }
 }
 
-TEST(SolidMesh, IsTurnedOutwardsWhicheverWayItsFacesLook) {
+TEST(SolidMesh, IsTurnedOutwardsForAnyOrientationOfItsFaces) {
   arch::Mesh inside_out = arch::mesh(), mixed = arch::mesh();
   for (auto& face : inside_out.faces) std::reverse(face.begin(), face.end());
   for (std::size_t i = 0; i < mixed.faces.size(); i += 3) std::reverse(mixed.faces[i].begin(), mixed.faces[i].end());
@@ -108,14 +108,14 @@ TEST(SolidMesh, IsTurnedOutwardsWhicheverWayItsFacesLook) {
     EXPECT_NEAR(enclosed_volume(surface_of(m)), arch::kVolume, 1e-15);
 }
 
-TEST(SolidMesh, WithinAnotherOneIsAHollow) {
+TEST(SolidMesh, InsideAnotherOneIsAHollow) {
   const auto cube = [](double low, double high) {
     arch::Mesh m = arch::prism({{low, low}, {low, high}, {high, high}, {high, low}}, high - low);
     for (Vec3& p : m.points) p.y() += low;
     return m;
   };
   arch::Mesh shell = cube(0.0, 3.0);
-  const arch::Mesh hollow = cube(1.0, 2.0);  // its faces look outwards in the file
+  const arch::Mesh hollow = cube(1.0, 2.0);  // its faces point outwards in the file
   shell.points.insert(shell.points.end(), hollow.points.begin(), hollow.points.end());
   for (auto face : hollow.faces) {
     for (int& c : face) c += 8;
@@ -132,7 +132,7 @@ TEST(SolidMesh, IsRefusedWhereItIsNotClosed) {
   m.faces.pop_back();
   expect_mesh_refused(m, {"is not closed: 4 of its edges", "line ", "close it, or take surface HULL"});
   m = arch::mesh();
-  m.points.push_back(m.points[0] + Vec3(1e-9, 0, 0));  // a corner that almost meets
+  m.points.push_back(m.points[0] + Vec3(1e-9, 0, 0));  // a corner that almost coincides
   m.faces[2][0] = 16;
   expect_mesh_refused(m, {"is not closed"});
   m.faces.clear();
@@ -140,7 +140,7 @@ TEST(SolidMesh, IsRefusedWhereItIsNotClosed) {
 }
 
 TEST(SolidMesh, IsRefusedWhereItCrossesOrTouchesItself) {
-  const auto two = [](const Vec3& by) {  // arches, in one file
+  const auto two = [](const Vec3& by) {  // arches in one file
     arch::Mesh m = arch::mesh();
     const arch::Mesh other = m;
     for (const Vec3& p : other.points) m.points.push_back(p + by);
@@ -153,10 +153,10 @@ TEST(SolidMesh, IsRefusedWhereItCrossesOrTouchesItself) {
   expect_mesh_refused(two({0.005, 0.005, 0.005}), {"crosses itself: the faces of lines "});
   expect_mesh_refused(two({arch::kWide, arch::kDeep, 0.0}), {"has an edge of 4 faces"});
   expect_mesh_refused(two({arch::kWide, arch::kDeep, arch::kHigh}), {"touches itself in the point (0.06, 0.03, 0.05)"});
-  EXPECT_NEAR(enclosed_volume(surface_of(two({1.0, 0.0, 0.0}))), 2.0 * arch::kVolume, 1e-12);  // apart: one body
+  EXPECT_NEAR(enclosed_volume(surface_of(two({1.0, 0.0, 0.0}))), 2.0 * arch::kVolume, 1e-12);  // separate: one body
 }
 
-TEST(SolidMesh, IsRefusedByTheLineOfABadFace) {
+TEST(SolidMesh, IsRefusedWithTheLineOfAWrongFace) {
   const std::string good = arch::off(arch::mesh());
   const auto off = [&](const std::string& from, const std::string& to, const std::vector<std::string>& says) {
     std::string text = good;
@@ -164,7 +164,7 @@ TEST(SolidMesh, IsRefusedByTheLineOfABadFace) {
     ASSERT_NE(at, std::string::npos) << from;
     expect_refusal(scene_with("bad.off", text.replace(at, from.size(), to)), "bodies[0].mesh.path", says);
   };
-  // 3 lines of heading, an empty one, 16 points and 10 faces: the last one is line 30
+  // 3 lines of header, an empty one, 16 points and 10 faces: the last face is on line 30
   off("4 7 0 8 15", "4 7 0 8 16", {"line 30: the face names point 16, and there are 16"});
   off("4 7 0 8 15", "4 7 0 8", {"line 30: '4 7 0 8' is no face"});
   off("4 7 0 8 15", "2 7 0", {"line 30: '2 7 0' is no face"});
@@ -182,7 +182,7 @@ TEST(SolidMesh, IsRefusedByTheLineOfABadFace) {
   expect_refusal(scene_with("bad.off", good, "surface: 7"), "bodies[0].mesh.surface", {"is 7; HULL or EXACT"});
 }
 
-TEST(SolidMesh, IsNotForSoftBodies) {
+TEST(SolidMesh, IsRefusedForSoftBodies) {
   expect_refusal(
       scene_with("arch.off", arch::off(arch::mesh())) +
           fmt::format("soft_bodies {{ name: \"jelly\" material: \"glass\" spacing_m: 0.005 pose {{ position {{ z: 5 }} "

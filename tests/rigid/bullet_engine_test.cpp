@@ -25,8 +25,8 @@ void expect_same_bits(const BodyMotion& a, const BodyMotion& b) {
 
 RigidBody small_shard(BodyId id) { return plate(id, {{Vec2(0, 0), Vec2(0.02, 0.003), Vec2(0.007, 0.013)}}, 0.003); }
 
-TEST(BulletEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
-  // 4000 rad/s turns 1 rad per window: more than Bullet itself would follow
+TEST(BulletEngine, ReturnsPredictedStatesToTheBitWhereNothingTouches) {
+  // 4000 rad/s is 1 rad per window: more than Bullet's own integration allows
   for (double spin : {0.0, 3.0, 300.0, 4000.0, 20000.0}) {
     BulletEngine engine;
     Caller caller(engine, kWindow, kGravity);
@@ -38,7 +38,7 @@ TEST(BulletEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
     caller.add(half_space(1));
     for (int i = 0; i < 200; ++i) {
       caller.window();
-      expect_same_bits(caller.handbacks()[0].motion, caller.body(7).motion);
+      expect_same_bits(caller.predicted()[0].motion, caller.body(7).motion);
     }
   }
 }
@@ -96,9 +96,9 @@ TEST(BulletEngine, KeepsMomentumWhenAShardIsHitAside) {
   };
   const Vec3 p = linear(), l = angular();
   caller.run(0.1);
-  EXPECT_GT((caller.body(2).motion.velocity - ball.motion.velocity).norm(), 0.05);  // they did meet
+  EXPECT_GT((caller.body(2).motion.velocity - ball.motion.velocity).norm(), 0.05);  // they collided
   EXPECT_LT((linear() - p).norm(), 1e-12 * p.norm());
-  // the engine's impulse acts at the start of the window, the velocities belong to its end: O(H)
+  // the engine's impulse acts at the start of the window, velocities are those at its end: error O(H)
   EXPECT_LT((angular() - l).norm(), 0.02 * l.norm());
 }
 
@@ -110,7 +110,7 @@ TEST(BulletEngine, BallComesToRestOnAHalfSpace) {
   caller.add(ball);
   caller.add(floor);
   caller.run(1.0);
-  EXPECT_NEAR(caller.body(1).motion.position.z(), 0.04, 1e-5);           // no margin between
+  EXPECT_NEAR(caller.body(1).motion.position.z(), 0.04, 1e-5);           // no gap
   EXPECT_LT(caller.body(1).motion.velocity.norm(), kGravity * kWindow);  // less than one window of gravity
 }
 
@@ -125,12 +125,12 @@ TEST(BulletEngine, BallReboundsByItsRestitution) {
   caller.add(ball);
   caller.add(floor);
   const double fall = std::sqrt(2.0 * 0.2 / kGravity);
-  caller.run(fall + 0.5 * fall);  // e v / g after the impact it is at its top
+  caller.run(fall + 0.5 * fall);  // e v / g after the impact it is at its highest
   EXPECT_NEAR(caller.body(1).motion.position.z() - 0.04, 0.25 * 0.2, 0.02 * 0.05);  // O(g H / v)
 }
 
 TEST(BulletEngine, BallsReboundTheSameBesideOthersThatTouch) {
-  // two boxes, the first and the last body, are one island; the balls between them are one each
+  // The first and last body are boxes in contact, one island. Each ball is an island of its own.
   std::vector<BodyMotion> alone;
   for (const bool beside : {false, true}) {
     BulletEngine engine;
@@ -191,12 +191,12 @@ TEST(BulletEngine, NewbornShardsGainNoEnergy) {
       for (int i = 0; i < 5; ++i) {
         RigidBody shard = plate(static_cast<BodyId>(1 + 5 * j + i),
                                 {rectangle(i * a - o, j * a - o, (i + 1) * a + o, (j + 1) * a + o)}, 0.004);
-        // the middle one stands still: what is left of a pane
+        // the middle one is static: the rest of a pane
         shard.is_static = i == 2 && j == 2;
         caller.add(shard);
         born[shard.id] = shard.motion.position;
       }
-    RigidBody ball = sphere(100, 0.03, 0.5);  // sunk into four shards
+    RigidBody ball = sphere(100, 0.03, 0.5);  // overlaps four shards
     ball.motion.position = Vec3(a, a, 0.002 + 0.03 - overlap);
     caller.add(ball);
     double most = 0.0;
@@ -222,7 +222,7 @@ TEST(BulletEngine, OverlapAtBirthIsForgottenOnceApart) {
   caller.add(b);
   caller.run(0.003);
   EXPECT_EQ(Vec3(0.5, 0, 0), caller.body(2).motion.velocity);
-  // with 0.5 mm between them another one pushes it back: they meet at their faces
+  // 0.5 mm apart, a third body pushes it back: they meet at their faces
   RigidBody c = box(3, Vec3::Constant(0.02), 1000.0);
   c.motion.position = Vec3(0.081, 0, 0);
   c.motion.velocity = Vec3(-0.5, 0, 0);
@@ -248,7 +248,7 @@ TEST(BulletEngine, ThrownShardsComeToRestOnTheFloor) {
       for (const auto& [id, b] : caller.bodies()) lowest = std::min(lowest, lowest_corner(b));
   }
   EXPECT_LT(most, before + 1e-9);
-  // positions taken out of penetration lift some mg*10 um; impulses kept from an impact gave 1e-3 J
+  // poses moved out of penetration rise by 10 um, some mg * 10 um of energy
   EXPECT_LT(jump, 1e-4);
   EXPECT_GT(lowest, -1e-3);  // a third of a thickness, at impact
   for (const auto& [id, b] : caller.bodies()) {
@@ -270,7 +270,7 @@ TEST(BulletEngine, SliversAndCompoundsKeepTheirSize) {
     beside.motion.position = Vec3(0.08, 0.08, 0.02);  // in the notch of the L
     for (const RigidBody& b : {shelf, first, second, beside}) caller.add(b);
     caller.run(0.2);
-    // 2 um: Bullet's hulls are computed on a grid
+    // 2 um: Bullet computes hulls on a grid
     EXPECT_NEAR(caller.body(2).motion.position.z(), 0.01 + 0.5 * thickness, 2e-6) << thickness;
     EXPECT_NEAR(caller.body(3).motion.position.z(), 0.01 + 0.5 * thickness, 2e-6) << thickness;
     EXPECT_LT(caller.body(4).motion.position.z(), -0.1) << thickness;
@@ -286,12 +286,12 @@ TEST(BulletEngine, FastSpinnersLandWithoutGainingEnergy) {
     shard.motion.angular_momentum = shard.apply_inertia(spin * Vec3(0.6, 0.0, 0.8));
     caller.add(shard);
     caller.add(half_space(2));
-    // The caller's own midpoint rule drifts at such a turn, so what the engine did is counted alone.
+    // The caller's midpoint rule drifts at such a turn, so count the engine's changes only.
     const double before = caller.energy();
     double gained = 0.0, lost = 0.0;
     for (int i = 0; i < 8000; ++i) {
       caller.window();
-      const double change = caller.energy() - caller.handback_energy();
+      const double change = caller.energy() - caller.predicted_energy();
       (change > 0.0 ? gained : lost) += change;
     }
     EXPECT_LT(gained, 0.01 * before) << spin;
@@ -310,7 +310,7 @@ TEST(BulletEngine, SameCallsGiveTheSameBits) {
     Caller caller(engine, kWindow, kGravity);
     std::vector<RigidBody> bodies = thrown_shards(24, 5);
     bodies.push_back(half_space(1000));
-    if (run == 1) std::reverse(bodies.begin(), bodies.end());  // nor does the order of add() count
+    if (run == 1) std::reverse(bodies.begin(), bodies.end());  // the order of add() does not matter either
     for (const RigidBody& b : bodies) caller.add(b);
     caller.run(0.3);
     results.push_back(engine.states());
@@ -362,10 +362,10 @@ TEST(BulletEngine, RejectsBodiesThatCannotBe) {
     EXPECT_EQ(kind_of([&] { engine.add(body); }), "bad_body") << name;
   }
   EXPECT_EQ(engine.states().size(), 1u);
-  engine.add(small_shard(2));  // unspoilt it is taken
+  engine.add(small_shard(2));  // without a fault it is accepted
 }
 
-TEST(BulletEngine, RejectsHandbacksThatDoNotMatch) {
+TEST(BulletEngine, RejectsPredictedStatesThatDoNotMatch) {
   BulletEngine engine;
   engine.add(sphere(1, 0.01, 1.0));
   engine.add(sphere(3, 0.01, 1.0));
@@ -373,7 +373,7 @@ TEST(BulletEngine, RejectsHandbacksThatDoNotMatch) {
   BodyMotion there, bad;
   there.position = Vec3(1, 0, 0);
   bad.orientation.w() = 1.1;
-  const std::vector<std::vector<Handback>> faults = {
+  const std::vector<std::vector<PredictedState>> faults = {
       {},
       {{1, there}},
       {{3, there}},

@@ -20,7 +20,7 @@ Joint joint(std::uint32_t id, Kind kind, BodyId first, BodyId second, const Vec3
 
 Vec3 at(const RigidBody& body, const Vec3& point) { return body.motion.position + body.motion.orientation * point; }
 
-/// How far the ends of a joint are from where it wants them [m and rad, the largest].
+/// Largest strain of a joint [m or rad].
 double strain(const Joint& joint, const RigidBody& a, const RigidBody& b) {
   const Quat qa = a.motion.orientation * joint.first_frame.orientation,
              qb = b.motion.orientation * joint.second_frame.orientation;
@@ -44,7 +44,7 @@ Momenta momenta(const Caller& caller) {
   return sum;
 }
 
-/// Rods that hang from the world, one from the other, turned up by 1.1 rad; the axes of hinges are y.
+/// A chain of rods that hangs from the world, turned up by 1.1 rad. Hinges turn about y.
 struct Chain {
   static constexpr double kLength = 0.1;  // [m]
   Trial trial;
@@ -86,8 +86,8 @@ TEST(BulletJoints, EnergyOfPendulumsAndChainsDoesNotDrift) {
         if (i >= 5000) late = std::max(late, std::abs(chain.trial.caller.energy() - before));
         strained = std::max(strained, chain.strained());
       }
-      // It swings by a share of order H |w|, since the caller gives gravity not quite in the middle of a window, and
-      // comes back: in the second half it is no farther off.
+      // The energy oscillates by a share of order H |w|, because the caller's gravity is not centred in the window. It
+      // does not drift: the error in the second half is no larger.
       EXPECT_GT(kinetic, 5e-3);
       EXPECT_LT(off, 2.0 * window * kinetic) << window << " s, " << links;
       EXPECT_LT(late, 1.05 * off + 1e-9) << window << " s, " << links;
@@ -108,7 +108,7 @@ TEST(BulletJoints, ASmallPendulumKeepsItsTime) {
   const double period = 2.0 * EIGEN_PI * std::sqrt(inertia / (rod.mass * kGravity * 0.05));
   trial.caller.run(10.25 * period);  // a zero of the swing
   const double x = trial.caller.body(1).motion.position.x();
-  // a hundredth of an amplitude is 1/6400 of these ten periods
+  // a hundredth of the amplitude is 1/6400 of these ten periods
   EXPECT_LT(std::abs(x), 0.01 * 0.05 * angle);
 }
 
@@ -124,7 +124,7 @@ TEST(BulletJoints, FreePairsKeepMomentumAndEnergy) {
     const Joint held = joint(1, kind, 1, 2, Vec3(0.05, 0, 0), Vec3(-0.03, -0.01, 0));
     trial.engine.add_joint(held);
     const Momenta start = momenta(trial.caller);
-    trial.caller.window();  // takes out what the joint does not let happen
+    trial.caller.window();  // removes velocities that the joint forbids
     const double energy = trial.caller.kinetic_energy();
     EXPECT_LT(energy, a.kinetic_energy() + b.kinetic_energy());
     for (int i = 0; i < 10000; ++i) {
@@ -169,7 +169,7 @@ TEST(BulletJoints, LinkedBodiesDoNotCollide) {
     const Joint slider = joint(1, Kind::kSlider, 1, 2, Vec3::Zero(), Vec3::Zero(),
                                Quat(Eigen::AngleAxisd(0.5 * EIGEN_PI, Vec3::UnitY())));
     if (at_once) trial.engine.add_joint(slider);
-    trial.windows(75);  // 1.25 mm before they would meet: contacts are there already
+    trial.windows(75);  // 1.25 mm before they would meet: contacts exist already
     if (!at_once) trial.engine.add_joint(slider);
     EXPECT_TRUE(trial.engine.rows(kWindow, trial.motions(), {1}).empty());
     trial.windows(400);
@@ -206,8 +206,8 @@ TEST(BulletJoints, JointsAndContactsHoldAtOnce) {
   }
 }
 
-TEST(BulletJoints, WhatLiesOnTheFloorStaysThereBesideAChainThatHits) {
-  // where joints and contacts act on one another, contacts are solved several times in a window
+TEST(BulletJoints, BodiesAtRestStayAtRestBesideAChainThatHits) {
+  // with joints and contacts, contacts are solved several times in a window
   Trial trial(Scene{});
   RigidBody floor = half_space(1), post = box(2, Vec3(0.1, 0.1, 0.1), 1.0);
   post.is_static = true, post.motion.position = Vec3(0.3, 0, 0.1);
@@ -234,7 +234,7 @@ TEST(BulletJoints, WhatLiesOnTheFloorStaysThereBesideAChainThatHits) {
   EXPECT_GT(lowest, 0.01 - 1e-4);
 }
 
-TEST(BulletJoints, StrainIsTakenBackWithoutEnergy) {
+TEST(BulletJoints, StrainIsReducedWithoutEnergy) {
   for (const Kind kind : kKinds) {
     Trial trial(Scene{}, kWindow, 0.0);
     RigidBody a = box(1, Vec3(0.05, 0.02, 0.01), 0.3), b = box(2, Vec3(0.03, 0.03, 0.01), 0.1);
@@ -249,7 +249,8 @@ TEST(BulletJoints, StrainIsTakenBackWithoutEnergy) {
       trial.caller.window();
       most = std::max(most, trial.caller.kinetic_energy());
     }
-    // it moves at up to 0.05 m/s and 1 rad/s, which is 1e-4 J; what is left of that is of second order in the strain
+    // The correction moves at up to 0.05 m/s and 1 rad/s, or 1e-4 J. The remaining energy is of second order in the
+    // strain.
     EXPECT_LT(most, 1e-7) << static_cast<int>(kind);
     EXPECT_LT(strain(held, trial.caller.body(1), trial.caller.body(2)), 1e-6) << static_cast<int>(kind);
   }
@@ -258,8 +259,8 @@ TEST(BulletJoints, StrainIsTakenBackWithoutEnergy) {
 TEST(BulletJoints, JointsOfSolvedBodiesAreLeftOut) {
   Chain chain(Kind::kBall, 3, kWindow);
   chain.trial.windows(50);
-  std::vector<Handback> down = chain.trial.motions();
-  for (Handback& m : down) {
+  std::vector<PredictedState> down = chain.trial.motions();
+  for (PredictedState& m : down) {
     m.motion.velocity.z() -= kGravity * kWindow;
     m.motion.position += kWindow * m.motion.velocity;
   }
@@ -270,7 +271,7 @@ TEST(BulletJoints, JointsOfSolvedBodiesAreLeftOut) {
   EXPECT_NE(bits(states[0].motion), bits(down[0].motion));  // held by the world as well
 }
 
-TEST(BulletJoints, AJointAtRestGivesHandbacksBackToTheBit) {
+TEST(BulletJoints, AJointAtRestLeavesPredictedStatesToTheBit) {
   Trial trial(Scene{}, kWindow, 0.0);
   RigidBody a = box(1, Vec3::Constant(0.02), 1.0), b = a;
   b.id = 2;
@@ -282,7 +283,7 @@ TEST(BulletJoints, AJointAtRestGivesHandbacksBackToTheBit) {
   EXPECT_EQ(bits(trial.engine), before);
 }
 
-TEST(BulletJoints, TwoHingesOfOneDoorAgree) {  // the same said twice: their matrix is singular
+TEST(BulletJoints, TwoHingesOfOneDoorAgree) {  // redundant: their matrix is singular
   Trial trial(Scene{});
   RigidBody door = box(1, Vec3(0.1, 0.01, 0.2), 1.0);
   door.motion.position = Vec3(0.1, 0, 0);

@@ -19,7 +19,7 @@ std::vector<BodyId> moving(const Engine& engine) {
 
 Vec3 at(const RigidBody& body, const Vec3& point) { return body.motion.position + body.motion.orientation * point; }
 
-/// How far the points of a row are apart along its normal, at these places [m].
+/// Distance of a row's points along its normal, at these poses [m].
 double gap(const ContactRow& row, const RigidBody& first, const RigidBody& second) {
   return (at(first, row.first_point) - at(second, row.second_point)).dot(row.normal);
 }
@@ -35,7 +35,7 @@ TEST(BulletRows, SpheresHaveTheirExactPoints) {
     b.motion.position = a.motion.position + distance * axis;
     b.contact_group = 4;
     engine.add(a), engine.add(b);
-    engine.advance(kWindow, {{1, a.motion}, {2, b.motion}}, {});  // an overlap from birth is another matter
+    engine.advance(kWindow, {{1, a.motion}, {2, b.motion}}, {});  // so that the overlap is not one from birth
     const auto rows = engine.rows(kWindow, {{1, a.motion}, {2, b.motion}}, {2});
     ASSERT_EQ(rows.size(), 1u);
     const ContactRow& row = rows[0];
@@ -71,7 +71,7 @@ TEST(BulletRows, ABoxMeetsTheFloorByItsCorners) {
   }
 }
 
-TEST(BulletRows, ForeseesWhatAFastBodyReachesInTheWindow) {
+TEST(BulletRows, FindsContactsThatAFastBodyReachesInTheWindow) {
   BulletEngine engine;
   RigidBody brick = box(1, Vec3(0.03, 0.02, 0.01), 1.0);
   brick.motion.position = Vec3(0, 0, 0.030);
@@ -82,7 +82,7 @@ TEST(BulletRows, ForeseesWhatAFastBodyReachesInTheWindow) {
   EXPECT_EQ(engine.rows(kWindow, {{1, end}}, {1}).size(), 4u);
 }
 
-TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowDoesNotNotice) {
+TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowIsUnchanged) {
   const Scene scene = pile();
   Trial asked(scene), unasked(scene);
   std::size_t most = 0;
@@ -96,7 +96,7 @@ TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowDoesNotNotice) {
       const RigidBody second = row.second == 500 ? half_space(500) : asked.caller.body(row.second);
       EXPECT_NEAR(row.normal.norm(), 1.0, 1e-12);
       EXPECT_GE(row.allowance, 0.0);
-      // found at this pose or kept from an earlier one; 2 mm is as far as contacts are kept
+      // found at this pose or kept from an earlier one, up to 2 mm
       const double apart = gap(row, first, second);
       EXPECT_LT(apart, 2.1e-3);
       EXPECT_GT(apart + row.allowance, -1.5e-3);
@@ -107,7 +107,7 @@ TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowDoesNotNotice) {
         EXPECT_NEAR(row.first_point.norm(), 0.015, 1e-9);
       }
     }
-    // of one body: exactly those rows that it takes part in are asked for
+    // for one body: exactly the rows with it
     if (i % 100 == 0) {
       Trial one(moved(scene, asked));
       for (const ContactRow& row : one.engine.rows(kWindow, one.motions(), {1}))
@@ -117,7 +117,7 @@ TEST(BulletRows, PointsLieOnTheBodiesAndTheNextWindowDoesNotNotice) {
     asked.caller.window(), unasked.caller.window();
     ASSERT_EQ(bits(asked.engine), bits(unasked.engine)) << i;
   }
-  EXPECT_GT(most, 40u);  // nine shards with four corners each, and what lies on them
+  EXPECT_GT(most, 40u);  // nine shards with four corners each, and the bodies on them
 }
 
 TEST(BulletRows, OverlapFromBirthIsAllowedAndLaterOverlapIsNot) {
@@ -127,7 +127,7 @@ TEST(BulletRows, OverlapFromBirthIsAllowedAndLaterOverlapIsNot) {
   b.motion.position.x() = 0.039;
   c.motion.position.x() = -0.0395 - 0.01;
   for (const RigidBody& body : {a, b, c}) engine.add(body);
-  std::vector<Handback> there{{1, a.motion}, {2, b.motion}, {3, c.motion}};
+  std::vector<PredictedState> there{{1, a.motion}, {2, b.motion}, {3, c.motion}};
   const auto largest = [&] {
     std::map<BodyId, double> most{{2, -1.0}, {3, -1.0}};
     for (const ContactRow& row : engine.rows(kWindow, there, {1})) {
@@ -147,7 +147,7 @@ TEST(BulletRows, OverlapFromBirthIsAllowedAndLaterOverlapIsNot) {
   EXPECT_NEAR(largest().at(2), 0.001, 1e-5);
 }
 
-TEST(BulletRows, SolvedBodiesEndOnTheirHandbacksAndOthersAsBefore) {
+TEST(BulletRows, SolvedBodiesEndInTheirPredictedStateAndOthersAsBefore) {
   Scene scene;
   scene.bodies.push_back(half_space(9));
   for (int i = 0; i < 4; ++i) {  // 2 upon 1, 4 beside 3
@@ -158,8 +158,8 @@ TEST(BulletRows, SolvedBodiesEndOnTheirHandbacksAndOthersAsBefore) {
   Trial all(scene), some(scene);
   all.windows(200), some.windows(200);
   ASSERT_EQ(bits(all.engine), bits(some.engine));
-  std::vector<Handback> down = all.motions();
-  for (Handback& m : down) {
+  std::vector<PredictedState> down = all.motions();
+  for (PredictedState& m : down) {
     m.motion.velocity.z() = -0.1;
     m.motion.position.z() -= 0.1 * kWindow;
   }
@@ -171,13 +171,13 @@ TEST(BulletRows, SolvedBodiesEndOnTheirHandbacksAndOthersAsBefore) {
   EXPECT_EQ(bits(without[1].motion), bits(down[1].motion));  // it touches 1 only
   EXPECT_EQ(bits(without[3].motion), bits(with[3].motion));
   for (const EngineState& s : with) EXPECT_GT(s.motion.velocity.z(), -1e-3);
-  // and taken up again
+  // and solved by the engine again
   down = some.motions();
   some.engine.advance(kWindow, down, {});
   for (const EngineState& s : some.engine.states()) EXPECT_GT(s.motion.velocity.z(), -1e-3) << s.id;
 }
 
-/// What the other side does with rows: impulses per substep, projected Gauss-Seidel, started from the last ones.
+/// The shell process's solver for rows: impulses per substep by projected Gauss-Seidel, started from the last ones.
 class RowSolver {
  public:
   RowSolver(std::map<BodyId, RigidBody>& bodies, std::vector<ContactRow> rows)
@@ -236,7 +236,7 @@ TEST(BulletRows, AStackSolvedByItsRowsAloneStands) {
   engine.add(half_space(100));
   const std::vector<BodyId> ids = moving(engine);
   for (int w = 0; w < 1000; ++w) {
-    std::vector<Handback> free;
+    std::vector<PredictedState> free;
     for (const auto& [id, b] : bodies) {
       BodyMotion m = b.motion;
       m.velocity.z() -= kGravity * kWindow;
@@ -250,9 +250,9 @@ TEST(BulletRows, AStackSolvedByItsRowsAloneStands) {
       solver.substep(h);
       for (auto& [id, b] : bodies) b.drift(h);
     }
-    std::vector<Handback> handbacks;
-    for (const auto& [id, b] : bodies) handbacks.push_back({id, b.motion});
-    engine.advance(kWindow, handbacks, ids);
+    std::vector<PredictedState> predicted;
+    for (const auto& [id, b] : bodies) predicted.push_back({id, b.motion});
+    engine.advance(kWindow, predicted, ids);
     for (const EngineState& s : engine.states()) ASSERT_EQ(bits(s.motion), bits(bodies.at(s.id).motion));
   }
   for (const auto& [id, b] : bodies) {
@@ -262,7 +262,7 @@ TEST(BulletRows, AStackSolvedByItsRowsAloneStands) {
   }
 }
 
-TEST(BulletRows, RefusesBodiesAndMotionsThatThereAreNot) {
+TEST(BulletRows, RefusesUnknownBodiesAndWrongMotions) {
   BulletEngine engine;
   engine.add(sphere(1, 0.01, 1.0)), engine.add(half_space(2));
   const BodyMotion there;

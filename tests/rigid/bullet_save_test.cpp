@@ -18,7 +18,7 @@ std::vector<RigidBody> late_shards(BodyId first) {
   return shards;
 }
 
-TEST(BulletSave, AFreshEngineGoesOnToTheBit) {
+TEST(BulletSave, AnotherEngineContinuesToTheBit) {
   for (int before : {0, 1, 40, 400}) {  // nothing inserted yet, newborn, in flight, at rest
     const Scene scene = pile();
     Trial first(scene);
@@ -39,7 +39,7 @@ TEST(BulletSave, BodiesAddedSinceTheLastWindowAreNewbornOnBothSides) {
   Scene scene = pile();
   Trial first(scene);
   first.windows(100);
-  // sunk 1 mm into the box: kept, not thrown out
+  // overlaps the box by 1 mm: the overlap stays, without a throw
   RigidBody born = box(200, Vec3(0.02, 0.015, 0.01), 0.06);
   born.motion = first.caller.body(1).motion;
   born.motion.position.z() += 0.019;
@@ -61,14 +61,14 @@ TEST(BulletSave, TheSameEngineTakesWindowsAgain) {
   run.windows(60);
   for (int i = 0; i < 50; ++i) {
     const std::string caches = run.engine.save(), start = bits(run.engine);
-    const std::vector<Handback> motions = run.motions();
-    const auto advance = [&] {  // with the same handbacks each time: the caller's own copies do not go back
-      std::vector<Handback> handbacks = motions;
+    const std::vector<PredictedState> motions = run.motions();
+    const auto advance = [&] {  // with the same predicted states each time: the caller's copies are not restored
+      std::vector<PredictedState> predicted = motions;
       for (int k = 0; k < 3; ++k)
-        for (Handback& m : handbacks) {
+        for (PredictedState& m : predicted) {
           m.motion.velocity.z() -= kGravity * Trial::kWindow;
           m.motion.position += Trial::kWindow * m.motion.velocity;
-          if (m.id == handbacks.back().id) run.engine.advance(Trial::kWindow, handbacks, {});
+          if (m.id == predicted.back().id) run.engine.advance(Trial::kWindow, predicted, {});
         }
       return bits(run.engine);
     };
@@ -88,7 +88,7 @@ TEST(BulletSave, RefusesCachesThatItCannotHaveWritten) {
   Trial run(scene);
   run.windows(20);
   const std::string caches = run.engine.save();
-  const std::vector<Handback> there = run.motions();
+  const std::vector<PredictedState> there = run.motions();
   const std::string before = bits(run.engine);
   const auto refused = [&](const std::string& bytes) {
     return kind_of([&] { run.engine.restore(bytes, there); }) == "bad_state";
@@ -105,7 +105,7 @@ TEST(BulletSave, RefusesCachesThatItCannotHaveWritten) {
     }
   BulletEngine other;  // without these bodies
   EXPECT_EQ(kind_of([&] { other.restore(caches, {}); }), "bad_state");
-  std::vector<Handback> fewer = there, wrong = there;
+  std::vector<PredictedState> fewer = there, wrong = there;
   fewer.pop_back();
   wrong[0].motion.position.x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(kind_of([&] { run.engine.restore(caches, fewer); }), "bad_handback");

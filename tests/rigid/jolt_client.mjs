@@ -1,9 +1,8 @@
-// The shell's side of sessions for tests: a line of JSON in is a request, a line of JSON out is its reply.
-// Instead of a request: {"raw": TEXT} sends these bytes, {"silent": REQUEST} awaits no reply, {"anew": true} begins
-// another session where there is no socket. Numbers that JSON has not are strings, as "NaN". A reply {"lost": true}:
-// the other side is gone.
-// Arguments: folder of the engine, and an endpoint; without one the sessions are within this process, and their
-// replies carry `ends_with`, the exit status that a server would have.
+// The shell side of sessions, for tests. A line of JSON on standard input is a request, a line on standard output is its
+// reply. Instead of a request: {"raw": TEXT} sends these bytes, {"silent": REQUEST} waits for no reply, and
+// {"anew": true} begins another session where there is no socket. Numbers that JSON lacks are strings, as "NaN". The
+// reply {"lost": true} means that the other side is gone. Arguments: folder of the engine, and an endpoint. Without an
+// endpoint sessions are in this process, and their replies have `ends_with`, the exit status of a server.
 import { join, resolve } from 'node:path';
 import { createInterface } from 'node:readline';
 import { pathToFileURL } from 'node:url';
@@ -21,7 +20,7 @@ async function connected() {
   const gone = new Promise((done) => {
     let known = false;
     socket.events.on('handshake', () => { known = true; });
-    // its last words are read first
+    // its last messages are read first
     socket.events.on('disconnect', () => known && setTimeout(done, 100, null));
   });
   socket.connect(endpoint);

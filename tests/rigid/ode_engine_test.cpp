@@ -33,7 +33,7 @@ void expect_same_bits(const std::vector<EngineState>& a, const std::vector<Engin
 
 RigidBody small_shard(BodyId id) { return plate(id, {{Vec2(0, 0), Vec2(0.02, 0.003), Vec2(0.007, 0.013)}}, 0.003); }
 
-TEST(OdeEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
+TEST(OdeEngine, ReturnsPredictedStatesToTheBitWhereNothingTouches) {
   for (double spin : {0.0, 3.0, 300.0, 4000.0, 20000.0}) {  // up to 5 rad per window
     OdeEngine engine;
     Caller caller(engine, kWindow, kGravity);
@@ -42,15 +42,15 @@ TEST(OdeEngine, ReturnsHandbacksToTheBitWhereNothingTouches) {
     shard.motion.velocity = Vec3(1.0 / 3.0, 2.0, 3.0);
     shard.motion.angular_momentum = shard.apply_inertia(spin * Vec3(0.3, 0.5, 0.8));
     near.motion = shard.motion;
-    // In one another's reach, never touching: where they do not spin the solver has rows for them.
+    // Near one another but never in contact. Without spin the solver has rows for them.
     near.motion.position.z() += spin == 0.0 ? 0.0035 : 0.03;
     caller.add(shard);
     caller.add(near);
     caller.add(half_space(1));
     for (int i = 0; i < 200; ++i) {
       caller.window();
-      EXPECT_TRUE(same_bits(caller.handbacks()[0].motion, caller.body(7).motion));
-      EXPECT_TRUE(same_bits(caller.handbacks()[1].motion, caller.body(8).motion));
+      EXPECT_TRUE(same_bits(caller.predicted()[0].motion, caller.body(7).motion));
+      EXPECT_TRUE(same_bits(caller.predicted()[1].motion, caller.body(8).motion));
     }
   }
 }
@@ -94,9 +94,9 @@ TEST(OdeEngine, KeepsMomentumWhenAShardIsHitAside) {
   };
   const Vec3 p = linear(), l = angular();
   caller.run(0.1);
-  EXPECT_GT((caller.body(2).motion.velocity - ball.motion.velocity).norm(), 0.05);  // they did meet
+  EXPECT_GT((caller.body(2).motion.velocity - ball.motion.velocity).norm(), 0.05);  // they collided
   EXPECT_LT((linear() - p).norm(), 1e-12 * p.norm());
-  // the impulse acts at the start of the window, the velocities belong to its end: O(H)
+  // the impulse acts at the start of the window, velocities are those at its end: error O(H)
   EXPECT_LT((angular() - l).norm(), 0.02 * l.norm());
 }
 
@@ -153,7 +153,7 @@ TEST(OdeEngine, BoxSlidesToRestByFriction) {
   }
 }
 
-/// Distance that a box goes down a slope of this angle within half a second.
+/// Distance that a box slides down a slope of this angle in half a second [m].
 double slid(double degrees, double azimuth, double friction, bool on_box) {
   OdeEngine engine;
   engine.set_contact_laws({{0, 1, friction, 0.0}});
@@ -186,7 +186,7 @@ TEST(OdeEngine, BoxStartsToSlideAtTheFrictionAngle) {
 }
 
 TEST(OdeEngine, StackOfTwentyPlatesStands) {
-  for (double window : {1e-3, 0.25e-3}) {  // exactly solved: the second solver would need a warm start
+  for (double window : {1e-3, 0.25e-3}) {  // solved exactly; sweeps would need a warm start
     OdeEngine engine;
     Caller caller(engine, window, kGravity);
     caller.add(half_space(100));
@@ -199,7 +199,7 @@ TEST(OdeEngine, StackOfTwentyPlatesStands) {
     caller.run(400 * window);
     for (int i = 0; i < 20; ++i) {
       const BodyMotion& m = caller.body(static_cast<BodyId>(1 + i)).motion;
-      EXPECT_NEAR(m.position.z(), (i + 0.5) * thick, 1e-5) << i;  // the slack that is left alone, at each face at most
+      EXPECT_NEAR(m.position.z(), (i + 0.5) * thick, 1e-5) << i;  // at most the overlap that stays, at each face
       EXPECT_LT(std::hypot(m.position.x(), m.position.y()), 1e-5) << i;
       EXPECT_LT(m.velocity.norm(), 1e-5) << i;
     }
@@ -244,11 +244,11 @@ TEST(OdeEngine, NewbornShardsGainNoEnergy) {
       for (int i = 0; i < 5; ++i) {
         RigidBody shard = plate(static_cast<BodyId>(1 + 5 * j + i),
                                 {rectangle(i * a - o, j * a - o, (i + 1) * a + o, (j + 1) * a + o)}, 0.004);
-        shard.is_static = i == 2 && j == 2;  // what is left of a pane
+        shard.is_static = i == 2 && j == 2;  // the rest of a pane
         caller.add(shard);
         born[shard.id] = shard.motion.position;
       }
-    RigidBody ball = sphere(100, 0.03, 0.5);  // sunk into four shards
+    RigidBody ball = sphere(100, 0.03, 0.5);  // overlaps four shards
     ball.motion.position = Vec3(a, a, 0.002 + 0.03 - overlap);
     caller.add(ball);
     double most = 0.0;
@@ -299,8 +299,8 @@ TEST(OdeEngine, ThrownShardsComeToRestOnTheFloor) {
       for (const auto& [id, b] : caller.bodies()) lowest = std::min(lowest, lowest_corner(b));
   }
   EXPECT_LT(most, before + 1e-9);
-  EXPECT_LT(jump, 1e-6);       // positions taken out of overlap lift some mg times a micrometre
-  EXPECT_GT(lowest, -0.3e-3);  // turning corners are foreseen along their tangents
+  EXPECT_LT(jump, 1e-6);       // poses moved out of overlaps rise by a micrometre
+  EXPECT_GT(lowest, -0.3e-3);  // look-ahead follows the tangents of turning corners
   for (const auto& [id, b] : caller.bodies()) {
     EXPECT_LT(b.motion.velocity.norm(), 0.05) << id;
     EXPECT_GT(lowest_corner(b), -0.1e-3) << id;
@@ -335,12 +335,12 @@ TEST(OdeEngine, FastSpinnersLandWithoutGainingEnergy) {
     shard.motion.angular_momentum = shard.apply_inertia(spin * Vec3(0.6, 0.0, 0.8));
     caller.add(shard);
     caller.add(half_space(2));
-    // The caller's own midpoint rule drifts at such a turn, so what the engine did is counted alone.
+    // The caller's midpoint rule drifts at such a turn, so count the engine's changes only.
     const double before = caller.energy();
     double gained = 0.0, lost = 0.0;
     for (int i = 0; i < 8000; ++i) {
       caller.window();
-      const double change = caller.energy() - caller.handback_energy();
+      const double change = caller.energy() - caller.predicted_energy();
       (change > 0.0 ? gained : lost) += change;
     }
     EXPECT_LT(gained, 0.01 * before) << spin;
@@ -359,7 +359,7 @@ TEST(OdeEngine, SameCallsGiveTheSameBits) {
     Caller caller(engine, kWindow, kGravity);
     std::vector<RigidBody> bodies = thrown_shards(24, 5);
     bodies.push_back(half_space(1000));
-    if (run == 1) std::reverse(bodies.begin(), bodies.end());  // nor does the order of add() count
+    if (run == 1) std::reverse(bodies.begin(), bodies.end());  // the order of add() does not matter either
     for (const RigidBody& b : bodies) caller.add(b);
     caller.run(0.3);
     results.push_back(engine.states());
@@ -367,32 +367,32 @@ TEST(OdeEngine, SameCallsGiveTheSameBits) {
   expect_same_bits(results[0], results[1]);
 }
 
-TEST(OdeEngine, GoesOnToTheBitInAnotherEngineThatIsRestored) {
+TEST(OdeEngine, ARestoredEngineContinuesToTheBit) {
   OdeEngine engine;
   Caller caller(engine, kWindow, kGravity);
   std::vector<RigidBody> bodies = thrown_shards(24, 5);
   bodies.push_back(half_space(1000));
-  RigidBody sunk = box(2000, Vec3::Constant(0.05), 1.0);  // keeps its 5 mm in the floor: an allowance to be saved
+  RigidBody sunk = box(2000, Vec3::Constant(0.05), 1.0);  // keeps 5 mm of overlap with the floor: a saved allowance
   sunk.motion.position = Vec3(-1, 0, 0.045);
   bodies.push_back(sunk);
   for (const RigidBody& b : bodies) caller.add(b);
-  caller.run(0.1);  // among the impacts
+  caller.run(0.1);  // during impacts
   const std::string caches = engine.save();
   OdeEngine other;
   for (RigidBody b : bodies) {
     if (!b.is_static) b.motion = caller.body(b.id).motion;
     other.add(b);
   }
-  std::vector<Handback> motions;
+  std::vector<PredictedState> motions;
   for (const EngineState& s : engine.states()) motions.push_back({s.id, s.motion});
   other.restore(caches, motions);
   for (int i = 0; i < 400; ++i) {
     caller.window();
-    other.advance(kWindow, caller.handbacks(), {});
+    other.advance(kWindow, caller.predicted(), {});
   }
   expect_same_bits(engine.states(), other.states());
   EXPECT_NEAR(caller.body(2000).motion.position.z(), 0.045, 1e-5);
-  // and back: the same engine takes the same windows once more
+  // and restored itself, the engine takes the same windows again
   const auto there = engine.states();
   engine.restore(caches, motions);
   const auto start = engine.states();

@@ -35,9 +35,9 @@ TEST(OdeJoints, PendulumKeepsItsEnergyOverTenThousandWindows) {
     OdeEngine engine;
     Caller caller(engine, 1e-3, kGravity);
     RigidBody rod = box(1, Vec3(0.1, 0.01, 0.02), 0.5);
-    caller.add(rod);  // held at its left end, let go level
+    caller.add(rod);  // held at its left end, released horizontally
     engine.add_joint(along_y(joint(kind, 1, 0, Vec3(-0.1, 0, 0), Vec3(-0.1, 0, 0))));
-    const double swing = rod.mass * kGravity * 0.1;  // [J] from level to the bottom
+    const double swing = rod.mass * kGravity * 0.1;  // [J] from horizontal to the bottom
     const double before = caller.energy();
     double low = 1e300, high = -1e300, strain = 0.0, deepest = 0.0;
     for (int i = 0; i < 10000; ++i) {
@@ -47,10 +47,10 @@ TEST(OdeJoints, PendulumKeepsItsEnergyOverTenThousandWindows) {
       strain = std::max(strain, (anchor(caller.body(1), Vec3(-0.1, 0, 0)) - Vec3(-0.1, 0, 0)).norm());
       deepest = std::min(deepest, caller.body(1).motion.position.z());
     }
-    EXPECT_NEAR(deepest, -0.1, 1e-4);  // it does swing
+    EXPECT_NEAR(deepest, -0.1, 1e-4);  // it swings
     EXPECT_GT(low, before - 0.01 * swing);
     EXPECT_LT(high, before + 0.01 * swing);
-    EXPECT_LT(strain, 1e-4);  // (w H)^2 L / 2 is 7 um at 12 rad/s; on a ball it comes to turn about its length as well
+    EXPECT_LT(strain, 1e-4);  // (w H)^2 L / 2 is 7 um at 12 rad/s; on a ball joint it also turns about its length
   }
 }
 
@@ -99,7 +99,7 @@ TEST(OdeJoints, DoublePendulumKeepsItsEnergy) {
   EXPECT_LT(strain, 5e-5);
 }
 
-/// Two boxes linked along x at the origin, thrown apart and set spinning: what the joint left them.
+/// Two boxes linked along x at the origin, with velocities apart and spins: their motion after the joint has acted.
 struct Linked {
   explicit Linked(Joint::Kind kind) : caller(engine, 0.25e-3, 0.0) {
     RigidBody a = box(1, Vec3(0.05, 0.02, 0.03), 0.4), b = box(2, Vec3(0.05, 0.03, 0.02), 0.7);
@@ -217,7 +217,7 @@ TEST(OdeJoints, LinkedBodiesDoNotCollide) {
   }
 }
 
-TEST(OdeJoints, WhatIsSolvedAlreadyIsLeftOut) {
+TEST(OdeJoints, JointsAndContactsOfSolvedBodiesAreLeftOut) {
   OdeEngine engine;
   RigidBody ball = sphere(1, 0.01, 0.1), other = sphere(2, 0.01, 0.1);
   ball.motion.position = Vec3(0, 0, 0.01);
@@ -237,7 +237,7 @@ TEST(OdeJoints, WhatIsSolvedAlreadyIsLeftOut) {
   EXPECT_EQ(engine.states()[1].motion.position.x(), 0.1);           // the joint does not
 }
 
-TEST(OdeRows, TellWhatMayTouchAndMoveNothing) {
+TEST(OdeRows, AreTheContactsThatMayActAndMoveNothing) {
   OdeEngine engine;
   engine.set_contact_laws({{0, 4, 0.2, 0.3}});
   RigidBody plate_ = plate(1, {rectangle(-0.05, -0.04, 0.05, 0.04)}, 4e-3), floor = half_space(2);
@@ -250,7 +250,7 @@ TEST(OdeRows, TellWhatMayTouchAndMoveNothing) {
   engine.add(far);
   BodyMotion down = plate_.motion;
   down.position.z() -= 4e-3;
-  const std::vector<Handback> motions = {{1, down}, {3, far.motion}};
+  const std::vector<PredictedState> motions = {{1, down}, {3, far.motion}};
   const std::string caches = engine.save();
   const auto rows = engine.rows(1e-3, motions, {1});
   ASSERT_EQ(rows.size(), 4u);  // its lower corners; the upper ones are 8.5 mm above the floor
@@ -322,7 +322,7 @@ TEST(OdeRefusals, BodiesThatCannotBe) {
   engine.add(good);
 }
 
-TEST(OdeRefusals, HandbacksLawsAndCachesThatDoNotMatch) {
+TEST(OdeRefusals, PredictedStatesLawsAndCachesThatDoNotMatch) {
   OdeEngine engine;
   engine.add(sphere(1, 0.01, 1.0));
   engine.add(sphere(3, 0.01, 1.0));
@@ -330,21 +330,21 @@ TEST(OdeRefusals, HandbacksLawsAndCachesThatDoNotMatch) {
   BodyMotion there, bad;
   there.position = Vec3(1, 0, 0);
   bad.orientation.w() = 1.1;
-  const std::vector<std::vector<Handback>> faults = {{},
-                                                     {{1, there}},
-                                                     {{3, there}},
-                                                     {{1, there}, {2, there}, {3, there}},
-                                                     {{3, there}, {1, there}},
-                                                     {{1, there}, {3, there}, {3, there}},
-                                                     {{1, there}, {4, there}},
-                                                     {{1, there}, {3, bad}}};
+  const std::vector<std::vector<PredictedState>> faults = {{},
+                                                           {{1, there}},
+                                                           {{3, there}},
+                                                           {{1, there}, {2, there}, {3, there}},
+                                                           {{3, there}, {1, there}},
+                                                           {{1, there}, {3, there}, {3, there}},
+                                                           {{1, there}, {4, there}},
+                                                           {{1, there}, {3, bad}}};
   const std::string caches = engine.save();
   for (std::size_t i = 0; i < faults.size(); ++i) {
     EXPECT_EQ(kind_of([&] { engine.advance(1e-3, faults[i], {}); }), "bad_handback") << i;
     EXPECT_EQ(kind_of([&] { engine.restore(caches, faults[i]); }), "bad_handback") << i;
     EXPECT_EQ(kind_of([&] { engine.rows(1e-3, faults[i], {1}); }), "bad_handback") << i;
   }
-  const std::vector<Handback> good = {{1, there}, {3, there}};
+  const std::vector<PredictedState> good = {{1, there}, {3, there}};
   EXPECT_EQ(kind_of([&] { engine.advance(0.0, good, {}); }), "bad_handback");
   engine.advance(1e-3, {{1, {}}, {3, there}}, {});
   const std::string full = engine.save();
@@ -353,7 +353,7 @@ TEST(OdeRefusals, HandbacksLawsAndCachesThatDoNotMatch) {
     EXPECT_EQ(kind_of([&] { engine.restore(wrong, good); }), "bad_state");
   OdeEngine smaller;
   smaller.add(sphere(1, 0.01, 1.0));
-  EXPECT_EQ(kind_of([&] { smaller.restore(full, {{1, there}}); }), "bad_state");  // of bodies that are not there
+  EXPECT_EQ(kind_of([&] { smaller.restore(full, {{1, there}}); }), "bad_state");  // of bodies not held there
   EXPECT_EQ(engine.states()[0].motion.position, Vec3::Zero());
   EXPECT_EQ(kind_of([&] { engine.set_contact_laws({{0, 0, -0.1, 0.0}}); }), "bad_contact_law");
   EXPECT_EQ(kind_of([&] { engine.set_contact_laws({{0, 0, 0.1, 1.1}}); }), "bad_contact_law");

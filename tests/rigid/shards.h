@@ -1,5 +1,5 @@
 #pragma once
-// Bodies and a caller for tests of engines: shards, and windows with gravity in the handbacks.
+// Bodies and a caller for tests of engines: shards, and windows with gravity in the predicted states.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -23,7 +23,7 @@ inline std::vector<Vec3> prism(const Polygon& polygon, double thickness, const V
   return corners;
 }
 
-/// A plate made of convex polygons that share edges, in its principal axes, moved to where it was drawn.
+/// A plate of convex polygons that share edges. The body has the plate's principal axes and place.
 inline RigidBody plate(BodyId id, const std::vector<Polygon>& polygons, double thickness) {
   double area = 0.0, xx = 0.0, yy = 0.0, xy = 0.0;
   Vec2 first = Vec2::Zero();
@@ -42,7 +42,7 @@ inline RigidBody plate(BodyId id, const std::vector<Polygon>& polygons, double t
   xx -= area * centre.x() * centre.x();
   yy -= area * centre.y() * centre.y();
   xy -= area * centre.x() * centre.y();
-  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);  // of the axis of the largest spread
+  const double angle = 0.5 * std::atan2(2.0 * xy, xx - yy);  // of the axis of the largest moment
   const Eigen::Rotation2Dd turn(-angle);
   const double c = std::cos(angle), s = std::sin(angle);
   const double along = c * c * xx + 2.0 * s * c * xy + s * s * yy, across = xx + yy - along;
@@ -98,13 +98,13 @@ inline RigidBody half_space(BodyId id) {
   return body;
 }
 
-/// Uniform in [low, high) from the raw generator: the same on every standard library.
+/// A random number in [low, high) from the raw generator: the same with every standard library.
 inline double uniform(std::mt19937& random, double low, double high) {
   return low + (high - low) * (random() / 4294967296.0);
 }
 
-/// Shards 2 to 20 cm across and 3 to 4 mm thick, every fourth an L of two parts, thrown down at
-/// 1 to 10 m/s from about 0.3 m above the floor, turned and turning at random.
+/// Shards 2 to 20 cm wide and 3 to 4 mm thick, every fourth one an L of two parts. They fall at 1 to 10 m/s from about
+/// 0.3 m above the floor, with random orientation and spin.
 inline std::vector<RigidBody> thrown_shards(int count, unsigned seed) {
   std::mt19937 random(seed);
   std::vector<RigidBody> bodies;
@@ -134,7 +134,7 @@ inline std::vector<RigidBody> thrown_shards(int count, unsigned seed) {
   return bodies;
 }
 
-/// The other side of an engine: proxies that fly freely through the substeps of each window.
+/// The shell process's part for an engine: proxies that fly freely through the substeps of each window.
 class Caller {
  public:
   Caller(Engine& engine, double window_s, double gravity) : engine_(engine), window_s_(window_s), gravity_(gravity) {}
@@ -147,15 +147,15 @@ class Caller {
   void window() {
     constexpr int kSubsteps = 4;
     const double h = window_s_ / kSubsteps;
-    handbacks_.clear();
+    predicted_.clear();
     for (auto& [id, proxy] : proxies_) {
       for (int i = 0; i < kSubsteps; ++i) {
         proxy.motion.velocity.z() -= gravity_ * h;
         proxy.drift(h);
       }
-      handbacks_.push_back({id, proxy.motion});
+      predicted_.push_back({id, proxy.motion});
     }
-    engine_.advance(window_s_, handbacks_, {});
+    engine_.advance(window_s_, predicted_, {});
     for (const EngineState& state : engine_.states()) proxies_.at(state.id).motion = state.motion;
   }
 
@@ -165,26 +165,26 @@ class Caller {
 
   const RigidBody& body(BodyId id) const { return proxies_.at(id); }
   const std::map<BodyId, RigidBody>& bodies() const { return proxies_; }
-  const std::vector<Handback>& handbacks() const { return handbacks_; }
+  const std::vector<PredictedState>& predicted() const { return predicted_; }
 
   double kinetic_energy() const {
     double sum = 0.0;
     for (const auto& [id, body] : proxies_) sum += body.kinetic_energy();
     return sum;
   }
-  /// Kinetic and by height [J].
+  /// Kinetic and potential energy [J].
   double energy() const {
     double sum = kinetic_energy();
     for (const auto& [id, body] : proxies_) sum += body.mass * gravity_ * body.motion.position.z();
     return sum;
   }
 
-  /// The same of the last handbacks: the difference is what the engine did.
-  double handback_energy() const {
+  /// Energy of the last predicted states [J]. The difference from energy() is the engine's.
+  double predicted_energy() const {
     double sum = 0.0;
-    for (const Handback& handback : handbacks_) {
-      RigidBody body = proxies_.at(handback.id);
-      body.motion = handback.motion;
+    for (const PredictedState& state : predicted_) {
+      RigidBody body = proxies_.at(state.id);
+      body.motion = state.motion;
       sum += body.kinetic_energy() + body.mass * gravity_ * body.motion.position.z();
     }
     return sum;
@@ -194,7 +194,7 @@ class Caller {
   Engine& engine_;
   double window_s_, gravity_;
   std::map<BodyId, RigidBody> proxies_;
-  std::vector<Handback> handbacks_;
+  std::vector<PredictedState> predicted_;
 };
 
 /// Height of a convex body's lowest corner [m].

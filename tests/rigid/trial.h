@@ -1,5 +1,5 @@
 #pragma once
-// One engine with its caller, for tests that compare runs to the bit.
+// An engine with its caller, for tests that compare runs to the bit.
 #include <functional>
 #include <string>
 #include <vector>
@@ -10,14 +10,14 @@
 
 namespace sunder::rigid::testing {
 
-/// Everything an engine is given before its first window.
+/// All that an engine gets before its first window.
 struct Scene {
   std::vector<RigidBody> bodies;
   std::vector<ContactLaw> laws{{0, 0, 0.4, 0.2}};
   std::vector<Joint> joints{};
 };
 
-/// A pane cut into overlapping neighbours above the floor, a box and a ball upon it, a shard of two parts, and a hinge
+/// A pane cut into overlapping neighbours above the floor, with a box and a ball on it, a shard of two parts, a hinge
 /// and a ball joint.
 inline Scene pile() {
   Scene scene;
@@ -58,8 +58,8 @@ struct Trial {
     for (const RigidBody& b : scene.bodies) caller.add(b);
     for (const Joint& j : scene.joints) engine.add_joint(j);
   }
-  std::vector<Handback> motions() const {
-    std::vector<Handback> out;
+  std::vector<PredictedState> motions() const {
+    std::vector<PredictedState> out;
     for (const EngineState& s : engine.states()) out.push_back({s.id, s.motion});
     return out;
   }
@@ -91,7 +91,7 @@ inline std::string bits(const Engine& engine) {
   return out;
 }
 
-/// Of the Error that the call throws.
+/// Kind of the Error that the call throws.
 inline std::string kind_of(const std::function<void()>& call) {
   try {
     call();

@@ -1,4 +1,4 @@
-// Engines have lengths of their own; in units of the scene's size a small or large scene is the same to the bit.
+// Engines have fixed lengths. In units of the scene's size a small or large scene gives the same result, to the bit.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ using namespace sunder::rigid::testing;
 
 namespace {
 
-/// Lengths and times `by` as large, masses by its cube: speeds stay.
+/// A scene with lengths and times multiplied by `by` and masses by its cube. Speeds stay.
 Scene scaled(Scene scene, double by) {
   for (RigidBody& b : scene.bodies) {
     b.mass *= std::pow(by, 3), b.principal_inertia *= std::pow(by, 5);
@@ -27,7 +27,7 @@ Scene scaled(Scene scene, double by) {
   return scene;
 }
 
-/// Motions after windows of the scene, `by` as large, brought back; rows of the next window likewise.
+/// Motions after windows of the scaled scene, scaled back, and rows of the next window.
 std::string ends(const std::string& name, double by, double unit) {
   const auto inner = make_engine(name);
   link::InUnits engine(*inner);
@@ -41,7 +41,7 @@ std::string ends(const std::string& name, double by, double unit) {
     for (const Joint& j : scene.joints) engine.add_joint(j);
   for (int i = 0; i < 150; ++i) caller.window();
   std::string out;
-  std::vector<Handback> motions;
+  std::vector<PredictedState> motions;
   for (EngineState s : engine.states()) {
     motions.push_back({s.id, s.motion});
     s.motion.position /= by, s.motion.angular_momentum /= std::pow(by, 4);
@@ -49,7 +49,7 @@ std::string ends(const std::string& name, double by, double unit) {
     EXPECT_EQ(s.mass, caller.body(s.id).mass);
   }
   if (!meets) return out;
-  if (engine.info().can(link::capability::kSaveRestore)) {  // another one goes on from there
+  if (engine.info().can(link::capability::kSaveRestore)) {  // another engine continues from there
     const auto fresh = make_engine(name);
     link::InUnits other(*fresh);
     other.set_unit(unit);
@@ -58,7 +58,7 @@ std::string ends(const std::string& name, double by, double unit) {
     for (const Joint& j : scene.joints) other.add_joint(j);
     other.restore(engine.save(), motions);
     caller.window();
-    other.advance(Trial::kWindow * by, caller.handbacks(), {});
+    other.advance(Trial::kWindow * by, caller.predicted(), {});
     EXPECT_EQ(bits(other), bits(engine));
     motions.clear();
     for (const EngineState& s : engine.states()) motions.push_back({s.id, s.motion});
@@ -76,7 +76,7 @@ std::string ends(const std::string& name, double by, double unit) {
 
 }  // namespace
 
-TEST(Units, ArePowersOfTwoBeyondWhatAHandCanHold) {
+TEST(Units, ArePowersOfTwoForVeryThinAndThickShells) {
   for (const double length : {0.0, 1.26e-4, 0.004, 0.1, 0.127}) EXPECT_EQ(link::length_unit(length), 1.0) << length;
   EXPECT_EQ(link::length_unit(std::ldexp(0.005, -18)), std::ldexp(1.0, -18));
   EXPECT_EQ(link::length_unit(1e-6), std::ldexp(1.0, -12));
@@ -91,10 +91,10 @@ TEST(Units, ScalesAreTheSameToTheBit) {
       EXPECT_EQ(ends(name, by, by), one) << name << exponent;
     }
   }
-  EXPECT_NE(ends("bullet", 16.0, 1.0), ends("bullet", 1.0, 1.0));  // whose margins are lengths
+  EXPECT_NE(ends("bullet", 16.0, 1.0), ends("bullet", 1.0, 1.0));  // without units: its margins are fixed lengths
 }
 
-TEST(Units, AreToldWhereABodyIsRefused) {
+TEST(Units, AreNamedWhereABodyIsRefused) {
   const auto inner = make_engine("bullet");
   link::InUnits engine(*inner);
   engine.set_unit(std::ldexp(1.0, -18));

@@ -14,7 +14,7 @@ from .logged import run_logged, tail
 PACKAGES = (
     "g++", "cmake", "ninja-build", "pkg-config", "libeigen3-dev", "libcgal-dev", "libbullet-dev",
     "libode-dev", "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
-    "libfmt-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
+    "libfmt-dev", "libcli11-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
     "python3-protobuf",
 )
 SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own

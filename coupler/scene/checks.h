@@ -1,0 +1,45 @@
+#pragma once
+// Checks that the parts of validate() share. Each refuses at the place of `field`, with the value.
+#include <cmath>
+#include <set>
+#include <string>
+
+#include "coupler/scene/load.h"
+
+namespace sunder::scene {
+
+/// A number that must be given and be above 0; `unit` is for the message.
+inline void positive(const LoadedScene& s, const std::string& field, bool has, double value, const char* unit) {
+  s.check(has, field, "is missing; give a positive number [{}]", unit);
+  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [{}]", value, unit);
+}
+
+/// A number that must be 0 or more where it is given.
+inline void not_negative(const LoadedScene& s, const std::string& field, bool has, double value) {
+  s.check(!has || (std::isfinite(value) && value >= 0.0), field, "is {}; must be finite and not negative", value);
+}
+
+inline void finite(const LoadedScene& s, const std::string& field, const proto::Vec3& v) {
+  s.check(to_vec(v).allFinite(), field, "is ({}, {}, {}); must be finite", v.x(), v.y(), v.z());
+}
+
+/// A finite position, and a quaternion of length 1 where one is given.
+inline void pose(const LoadedScene& s, const std::string& field, const proto::Pose& p) {
+  finite(s, field + ".position", p.position());
+  if (!p.has_orientation()) return;
+  const auto& q = p.orientation();
+  const double norm = std::sqrt(q.w() * q.w() + q.x() * q.x() + q.y() * q.y() + q.z() * q.z());
+  s.check(std::abs(norm - 1.0) < 1e-6, field + ".orientation",
+          "has length {}; a rotation is a quaternion w x y z of length 1", norm);
+}
+
+/// A snake_case name of fewer than 200 letters that is not in `taken` yet; adds it.
+inline void unique_name(const LoadedScene& s, const std::string& field, const std::string& name,
+                        std::set<std::string>& taken) {
+  s.check(!name.empty() && name.size() < 200 &&
+              name.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos,
+          field + ".name", "'{}' is no snake_case name", name);
+  s.check(taken.insert(name).second, field + ".name", "'{}' is used twice; names are unique", name);
+}
+
+}  // namespace sunder::scene
