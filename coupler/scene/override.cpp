@@ -46,14 +46,14 @@ void apply_setting(proto::Scene& scene, const std::string& setting) {
       if (f->is_repeated() || f->cpp_type() == pb::FieldDescriptor::CPPTYPE_MESSAGE)
         fail("'" + step + "' is not a single value");
       const std::string value = setting.substr(equals + 1);
-      const std::string quoted = f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING ? "\"" + value + "\"" : value;
+      const std::string literal = f->cpp_type() == pb::FieldDescriptor::CPPTYPE_STRING ? "\"" + value + "\"" : value;
       r->ClearField(at, f);
       pb::TextFormat::Parser parser;
       struct Quiet : pb::io::ErrorCollector {
         void AddError(int, pb::io::ColumnNumber, const std::string&) override {}
       } quiet;
       parser.RecordErrorsTo(&quiet);
-      if (!parser.ParseFieldValueFromString(quoted, f, at))
+      if (!parser.ParseFieldValueFromString(literal, f, at))
         fail(fmt::format("'{}' is no {}", value, f->cpp_type_name()));
       return;
     }

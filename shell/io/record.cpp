@@ -15,7 +15,7 @@ namespace {
 constexpr double kProgressInterval = 0.5;  // [s]
 constexpr double kCountedShare = 1e-3;     // of the shells' area: smaller shards are splinters
 
-std::string quoted(const std::string& text) {
+std::string json_string(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\')
@@ -165,7 +165,7 @@ std::vector<std::string> Run::warnings() const {
 std::string Run::joints_summary() const {
   std::string all;
   for (std::size_t i = 0; i < setup_.joints.size(); ++i)
-    all += fmt::format("{}{{\"name\": {}, \"let_go_s\": {}}}", all.empty() ? "" : ", ", quoted(setup_.joints[i].name),
+    all += fmt::format("{}{{\"name\": {}, \"let_go_s\": {}}}", all.empty() ? "" : ", ", json_string(setup_.joints[i].name),
                        let_go_s_[i] < 0.0 ? "null" : number(let_go_s_[i]));
   return "  \"joints\": [" + all + "],\n";
 }
@@ -181,17 +181,17 @@ double Run::crack_resistance() const {
 void Run::write_summary(const std::string& status, const Error* error) {
   const EnergyBook b = book();
   std::string j =
-      "{\n  \"schema\": 1,\n  \"status\": " + quoted(status) + ",\n  \"scene\": " + quoted(setup_.name) + ",\n";
-  j += "  \"scene_hash\": " + quoted(options_.scene_hash) + ",\n";
+      "{\n  \"schema\": 1,\n  \"status\": " + json_string(status) + ",\n  \"scene\": " + json_string(setup_.name) + ",\n";
+  j += "  \"scene_hash\": " + json_string(options_.scene_hash) + ",\n";
   if (error)
     j += fmt::format(
         "  \"error\": {{\"kind\": {}, \"message\": {}, \"file\": {}, \"line\": {}, \"field\": {}, \"window\": {}, "
         "\"body\": {}}},\n",
-        quoted(error->kind), quoted(error->what()), quoted(error->file), error->line, quoted(error->field),
-        error->window, quoted(error->body));
+        json_string(error->kind), json_string(error->what()), json_string(error->file), error->line, json_string(error->field),
+        error->window, json_string(error->body));
   if (rigid_)
-    j += fmt::format("  \"engine\": {{\"name\": {}, \"version\": {}}},\n", quoted(rigid_->peer().name),
-                     quoted(rigid_->peer().version));
+    j += fmt::format("  \"engine\": {{\"name\": {}, \"version\": {}}},\n", json_string(rigid_->peer().name),
+                     json_string(rigid_->peer().version));
   int patches = 0, points = 0, gauss = 0, layers = 0;
   int rubble = rubble_points_;
   double initial = 0.0, smallest = 0.0, rest = 0.0, now = 0.0;
@@ -212,12 +212,12 @@ void Run::write_summary(const std::string& status, const Error* error) {
   std::string stages;
   double total = 0.0;
   for (const auto& [name, seconds] : stage_s_)
-    stages += fmt::format("{}{}: {}", stages.empty() ? "" : ", ", quoted(name), number(seconds)), total += seconds;
+    stages += fmt::format("{}{}: {}", stages.empty() ? "" : ", ", json_string(name), number(seconds)), total += seconds;
   j += fmt::format(
       "  \"time\": {{\"simulated_s\": {}, \"wall_s\": {}, \"windows\": {}, \"substeps\": {}, \"frozen_at_s\": {}, "
       "\"frozen_why\": {}, \"stage_s\": {{{}}}, \"cracks_grew\": {{\"wall_s\": {}, \"crack_update_s\": {}}}}},\n",
       number(time()), number(wall_clock() - wall_start_), windows_, substeps_,
-      frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : quoted(frozen_why_), stages,
+      frozen_at_ < 0.0 ? "null" : number(frozen_at_), frozen_at_ < 0.0 ? "null" : json_string(frozen_why_), stages,
       number(growing_s_), number(growing_update_s_));
   j += fmt::format(
       "  \"energy\": {{\"kinetic\": {}, \"elastic\": {}, \"dissipated_fracture\": {}, \"dissipated_plastic\": {}, "
@@ -251,13 +251,13 @@ void Run::write_summary(const std::string& status, const Error* error) {
   j += fmt::format(
       "  \"coupling\": {{\"scheme\": {}, \"residual_sum\": {}, \"residual_max\": {}, \"exported_bodies\": {}, "
       "\"exported_windows\": {}, \"hardest\": {}, \"passes_a_window\": {}, \"shortest_window_s\": {}}},\n",
-      quoted(kSchemes[static_cast<int>(setup_.coupling.scheme)]), number(residual_sum_), number(residual_max_),
+      json_string(kSchemes[static_cast<int>(setup_.coupling.scheme)]), number(residual_sum_), number(residual_max_),
       ever_exported_.size(), exported_windows_, number(hardest_),
       number(windows_ > 0 && passes_ > 0 ? static_cast<double>(passes_) / static_cast<double>(windows_) : 1.0),
       number(shortest_window_ * setup_.tick));
   if (!setup_.joints.empty()) j += joints_summary();
   std::string warned;
-  for (const std::string& w : warnings()) warned += (warned.empty() ? "" : ", ") + quoted(w);
+  for (const std::string& w : warnings()) warned += (warned.empty() ? "" : ", ") + json_string(w);
   j += "  \"warnings\": [" + warned + "],\n";
   j += shards_summary();
   j +=
@@ -268,8 +268,8 @@ void Run::write_summary(const std::string& status, const Error* error) {
   std::string models;
   const auto model = [&](const char* name, const char* why, const char* stage) {
     const auto it = stage_s_.find(stage);
-    models += fmt::format("{}{{\"name\": {}, \"why\": {}, \"share\": {}}}", models.empty() ? "" : ", ", quoted(name),
-                          quoted(why), number(it == stage_s_.end() || total == 0.0 ? 0.0 : it->second / total));
+    models += fmt::format("{}{{\"name\": {}, \"why\": {}, \"share\": {}}}", models.empty() ? "" : ", ", json_string(name),
+                          json_string(why), number(it == stage_s_.end() || total == 0.0 ? 0.0 : it->second / total));
   };
   const auto any = [&](auto&& test) { return std::any_of(setup_.shells.begin(), setup_.shells.end(), test); };
   static constexpr const char* kStressModels[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection",
@@ -302,7 +302,7 @@ void Run::write_summary(const std::string& status, const Error* error) {
   if (any([](const ShellSetup& s) { return !s.cuts.empty(); }))
     model("prescribed_cuts", "a shell has cuts", "crack_update");
   if (!setup_.bodies.empty() || handed_off_ > 0) model("rigid_engine", "there are rigid bodies", "coupling");
-  j += "  \"models\": [" + models + "],\n  \"state_hash\": " + quoted(state_hash()) + "\n}\n";
+  j += "  \"models\": [" + models + "],\n  \"state_hash\": " + json_string(state_hash()) + "\n}\n";
   write_shards();
   write_atomically(options_.out + "/run.json", j);
 }
