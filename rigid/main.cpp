@@ -6,6 +6,7 @@
 #include <sys/prctl.h>
 
 #include "coupler/core/error.h"
+#include "coupler/core/version.h"
 #include "coupler/link/keys.h"
 #include "coupler/link/session.h"
 #include "rigid/engine/engine.h"
@@ -17,6 +18,7 @@ constexpr const char* kUsage =
     "sunder-rigid --make-keys DIR             makes a folder of keys, for both sides of encrypted sessions\n"
     "sunder-rigid --check [--engine NAME]     says whether there is such an engine\n"
     "sunder-rigid --list                      the names of all engines\n"
+    "sunder-rigid --version                   the version of the project\n"
     "Binds the endpoint, serves one session and ends with it.\n"
     "Exit status: 0 after a goodbye, 2 bad arguments or bodies, 3 the shell process is lost.\n";
 
@@ -26,6 +28,7 @@ int run(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
     if (option == "--help") return std::fputs(kUsage, stdout), 0;
+    if (option == "--version") return fmt::print("sunder-rigid {}\n", sunder::version()), 0;
     if (option == "--check") {
       check = true;
       continue;

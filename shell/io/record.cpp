@@ -5,6 +5,7 @@
 #include <unistd.h>
 
 #include "coupler/core/hash.h"
+#include "coupler/core/version.h"
 #include "shell/io/audit.h"
 #include "shell/io/run.h"
 #include "shell/io/vtp.h"
@@ -165,8 +166,8 @@ std::vector<std::string> Run::warnings() const {
 std::string Run::joints_summary() const {
   std::string all;
   for (std::size_t i = 0; i < setup_.joints.size(); ++i)
-    all += fmt::format("{}{{\"name\": {}, \"let_go_s\": {}}}", all.empty() ? "" : ", ", json_string(setup_.joints[i].name),
-                       let_go_s_[i] < 0.0 ? "null" : number(let_go_s_[i]));
+    all += fmt::format("{}{{\"name\": {}, \"let_go_s\": {}}}", all.empty() ? "" : ", ",
+                       json_string(setup_.joints[i].name), let_go_s_[i] < 0.0 ? "null" : number(let_go_s_[i]));
   return "  \"joints\": [" + all + "],\n";
 }
 
@@ -180,15 +181,15 @@ double Run::crack_resistance() const {
 
 void Run::write_summary(const std::string& status, const Error* error) {
   const EnergyBook b = book();
-  std::string j =
-      "{\n  \"schema\": 1,\n  \"status\": " + json_string(status) + ",\n  \"scene\": " + json_string(setup_.name) + ",\n";
+  std::string j = "{\n  \"schema\": 1,\n  \"version\": " + json_string(version()) +
+                  ",\n  \"status\": " + json_string(status) + ",\n  \"scene\": " + json_string(setup_.name) + ",\n";
   j += "  \"scene_hash\": " + json_string(options_.scene_hash) + ",\n";
   if (error)
     j += fmt::format(
         "  \"error\": {{\"kind\": {}, \"message\": {}, \"file\": {}, \"line\": {}, \"field\": {}, \"window\": {}, "
         "\"body\": {}}},\n",
-        json_string(error->kind), json_string(error->what()), json_string(error->file), error->line, json_string(error->field),
-        error->window, json_string(error->body));
+        json_string(error->kind), json_string(error->what()), json_string(error->file), error->line,
+        json_string(error->field), error->window, json_string(error->body));
   if (rigid_)
     j += fmt::format("  \"engine\": {{\"name\": {}, \"version\": {}}},\n", json_string(rigid_->peer().name),
                      json_string(rigid_->peer().version));
@@ -268,8 +269,9 @@ void Run::write_summary(const std::string& status, const Error* error) {
   std::string models;
   const auto model = [&](const char* name, const char* why, const char* stage) {
     const auto it = stage_s_.find(stage);
-    models += fmt::format("{}{{\"name\": {}, \"why\": {}, \"share\": {}}}", models.empty() ? "" : ", ", json_string(name),
-                          json_string(why), number(it == stage_s_.end() || total == 0.0 ? 0.0 : it->second / total));
+    models +=
+        fmt::format("{}{{\"name\": {}, \"why\": {}, \"share\": {}}}", models.empty() ? "" : ", ", json_string(name),
+                    json_string(why), number(it == stage_s_.end() || total == 0.0 ? 0.0 : it->second / total));
   };
   const auto any = [&](auto&& test) { return std::any_of(setup_.shells.begin(), setup_.shells.end(), test); };
   static constexpr const char* kStressModels[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection",
