@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 
+#include "coupler/core/version.h"
 #include "coupler/link/messages.h"
 
 namespace sunder::link {
@@ -57,6 +58,7 @@ RemoteRigid::RemoteRigid(std::unique_ptr<Transport> transport, const std::string
   auto* hello = request.mutable_hello();
   hello->set_protocol_min(kProtocol), hello->set_protocol_max(kProtocol);
   hello->set_scene_hash(scene_hash), hello->set_trace(static_cast<bool>(heard_));
+  hello->set_version(version());
   try {
     const proto::Reply& reply = ask(request, kHelloSeconds, "Hello");
     expect(reply.has_hello(), "Hello");

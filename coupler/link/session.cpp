@@ -3,6 +3,7 @@
 #include <chrono>
 #include <memory>
 
+#include "coupler/core/version.h"
 #include "coupler/link/channel.h"
 #include "coupler/link/messages.h"
 
@@ -96,7 +97,7 @@ struct Answer {
     if (hello.scene_hash().size() > kMaxHash)
       refuse(fmt::format("hello.scene_hash has {} bytes; {} at most", hello.scene_hash().size(), kMaxHash));
     auto* h = reply.mutable_hello();
-    h->set_protocol(kProtocol), h->set_scene_hash(hello.scene_hash());
+    h->set_protocol(kProtocol), h->set_scene_hash(hello.scene_hash()), h->set_version(version());
     const EngineInfo& info = s.host_.peer();
     h->set_engine_name(info.name), h->set_engine_version(info.version);
     for (const auto& c : info.capabilities) h->add_capabilities(c);

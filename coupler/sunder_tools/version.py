@@ -2,12 +2,10 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 from .errors import CommandError
-from .places import REPOSITORY
+from .places import INSTALLED, REPOSITORY
 
-INSTALLED = Path(__file__).resolve().parents[1] / "VERSION"  # written when the project is installed; a checkout has none
 CHECKOUT = REPOSITORY / "CMakeLists.txt"
 
 

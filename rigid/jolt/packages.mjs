@@ -1,13 +1,16 @@
 // Loads the packages of package-lock.json from the folder where coupler/sunder_tools/launch/node.py unpacks them.
 import { existsSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { homedir } from 'node:os';
 import { dirname, join } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
 import { Exit, Failure } from './failure.mjs';
 
 const repository = join(dirname(fileURLToPath(import.meta.url)), '..', '..');
-const folder = join(repository, 'build', 'node', 'node_modules');
+const installed = existsSync(join(repository, 'coupler', 'VERSION')); // else a checkout, as in coupler/sunder_tools/places.py
+const work = installed ? join(process.env.XDG_CACHE_HOME || join(homedir(), '.cache'), 'sunder') : join(repository, 'build');
+const folder = join(work, 'node', 'node_modules');
 const require = createRequire(join(folder, 'none.cjs'));
 
 /** Exports of a package. Throws Failure (no_package) where it is missing or does not run on this machine. */

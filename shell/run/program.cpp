@@ -7,6 +7,7 @@
 #include <omp.h>
 #include <sys/prctl.h>
 
+#include "coupler/core/version.h"
 #include "coupler/scene/load.h"
 #include "shell/io/check.h"
 
@@ -15,6 +16,7 @@ namespace {
 
 constexpr const char* kUsage =
     "{0} --scene FILE --check [--set name.path=value]...\n"
+    "{0} --version\n"
     "{0} --scene FILE --out DIR {1} {2} [--set name.path=value]...\n"
     "    [--until SECONDS] [--threads N] [--resume] [--record FILE] [--replay FILE] [--trace FILE] [--keys DIR]\n"
     "    [--quiet] [--die-with-parent]\n"
@@ -46,6 +48,7 @@ int run(const Program& program, int argc, char** argv) {
       return argv[++i];
     };
     if (option == "--help") return std::fputs(usage.c_str(), stdout), 0;
+    if (option == "--version") return fmt::print("{} {}\n", program.name, version()), 0;
     if (option == "--scene")
       scene_path = value();
     else if (option == "--out")

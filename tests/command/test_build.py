@@ -15,7 +15,7 @@ from unittest import mock
 from sunder_tools.command import build as command
 from sunder_tools.command.main import main
 from sunder_tools.errors import CommandError
-from sunder_tools.launch import build, install, logged
+from sunder_tools.launch import build, install, level, logged
 from sunder_tools.places import BUILD_DIR_VARIABLE
 
 
@@ -43,8 +43,9 @@ class Building(unittest.TestCase):
             self.folder.mkdir(parents=True, exist_ok=True)
             (self.folder / "build.ninja").write_text("")
             self.cad = self.cad or "-DSUNDER_CAD=ON" in command  # cmake's cache keeps it
+            tests = "ON" if "-DBUILD_TESTING=ON" in command else "OFF"
             (self.folder / "CMakeCache.txt").write_text(f"CMAKE_HOME_DIRECTORY:INTERNAL={self.root}\n"
-                                                        f"SUNDER_CAD:BOOL={'ON' if self.cad else 'OFF'}\n")
+                                                        f"SUNDER_CAD:BOOL={'ON' if self.cad else 'OFF'}\nBUILD_TESTING:BOOL={tests}\n")
         with log.open("a") as sink:
             sink.write("".join(f"line {k}\n" for k in range(100)))
         for line in ("[1/2] one", "[2/2] two") if on_line and len(self.commands) < 3 else ():
@@ -59,17 +60,43 @@ class Building(unittest.TestCase):
         self.assertIn("sunder-rigid", self.commands[1])
         self.assertIn("building 2 steps", self.said.getvalue())
         said = self.said.getvalue()
-        build.ensure_built(all_targets=True)
+        build.ensure_built()
         self.assertEqual(len(self.commands), 3)
-        self.assertNotIn("--target", self.commands[2])
         self.assertEqual(self.said.getvalue(), said, "nothing to do, nothing to say")
+
+    def test_what_a_run_needs_comes_first_and_tests_when_they_are_wanted(self) -> None:
+        build.ensure_built()
+        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES)
+        self.assertEqual(self.commands[0], ["cmake", "--preset", "release", "-DBUILD_TESTING=OFF"])
+        build.ensure_built(targets=("sunder-single",))
+        self.assertEqual([c[1] for c in self.commands[2:]], ["--build"], "it needs no package of tests")
+        build.ensure_built(targets=("sunder-bench",))
+        self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES + install.TEST_PACKAGES)
+        self.assertEqual(self.commands[3], ["cmake", "--preset", "release", "-DBUILD_TESTING=ON"])
+        self.assertEqual(self.commands[4][3:-2], ["--target", "sunder-shell", "sunder-rigid", "sunder-bench"])
+        build.ensure_built(all_targets=True)
+        self.assertNotIn("--target", self.commands[5])
+        build.ensure_built(cad=True)
+        self.assertEqual(self.commands[6], ["cmake", "--preset", "release", "-DBUILD_TESTING=ON", "-DSUNDER_CAD=ON"])
+
+    def test_an_installation_uses_its_own_programs(self) -> None:
+        programs = self.root / "libexec"
+        here = programs / "x86-64-v2"
+        here.mkdir(parents=True)
+        (here / "sunder-shell").write_text("")
+        (self.root / "VERSION").write_text("1.2.3\n")
+        with mock.patch.object(build, "INSTALLED", self.root / "VERSION"), mock.patch.object(build, "PROGRAMS", programs):
+            self.assertEqual(build.ensure_built().rigid, here / "sunder-rigid")
+            with self.assertRaisesRegex(CommandError, "which an installation does not have"):
+                build.ensure_built(targets=("sunder-bench",))
+        self.assertEqual(self.commands, [], "nothing is built")
 
     def test_cad_installs_and_configures_once_more_and_stays(self) -> None:
         build.ensure_built()
         self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES)
         build.ensure_built(cad=True)
         self.assertEqual(build.ensure_installed.call_args.args[1], install.PACKAGES + install.CAD_PACKAGES)
-        self.assertEqual(self.commands[2], ["cmake", "--preset", "release", "-DSUNDER_CAD=ON"])
+        self.assertEqual(self.commands[2], ["cmake", "--preset", "release", "-DBUILD_TESTING=OFF", "-DSUNDER_CAD=ON"])
         before = len(self.commands)
         build.ensure_built(cad=True)
         build.ensure_built()
@@ -120,6 +147,33 @@ class Building(unittest.TestCase):
             build.ensure_built()
 
 
+class Levels(unittest.TestCase):
+    """The programs of an installation: the highest level that the processor has, of those that are there."""
+
+    def chosen(self, flags: set[str], there: tuple[str, ...]) -> str:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            (folder / "cpuinfo").write_text(f"processor : 0\nflags : {' '.join(sorted(flags))}\n")
+            for entry in there:
+                (folder / "levels" / entry).mkdir(parents=True)
+                (folder / "levels" / entry / "sunder-shell").write_text("")
+            return level.level(folder / "levels", folder / "cpuinfo").name
+
+    def test_the_highest_that_the_processor_has(self) -> None:
+        second, third, fourth = level.NEEDS.values()
+        everything = tuple(level.NEEDS)
+        self.assertEqual(self.chosen(second, everything), "x86-64-v2")
+        self.assertEqual(self.chosen(second | third, everything), "x86-64-v3")
+        self.assertEqual(self.chosen(second | third | fourth, everything), "x86-64-v4")
+        self.assertEqual(self.chosen(second | third | fourth, everything[:2]), "x86-64-v3")
+        self.assertEqual(self.chosen(second | fourth, everything), "x86-64-v2", "a level needs those below it")
+
+    def test_a_processor_that_is_too_old_is_refused_by_what_it_lacks(self) -> None:
+        second, *_ = level.NEEDS.values()
+        with self.assertRaisesRegex(CommandError, "this processor lacks popcnt"):
+            self.chosen(second - {"popcnt"}, tuple(level.NEEDS))
+
+
 class Installing(unittest.TestCase):
     def setUp(self) -> None:
         temporary = tempfile.TemporaryDirectory()
@@ -158,6 +212,27 @@ class Installing(unittest.TestCase):
                 mock.patch.object(install, "run_logged", fail), contextlib.redirect_stderr(io.StringIO()), \
                 self.assertRaisesRegex(CommandError, "(?s)Could not resolve.*update failed with status 100.*check network"):
             install.ensure_installed(self.log)
+
+    def test_another_distribution_is_told_what_to_install(self) -> None:
+        elsewhere = {"ID": "fedora", "VERSION_ID": "41", "PRETTY_NAME": "Fedora Linux 41"}
+        with mock.patch.object(install.platform, "freedesktop_os_release", return_value=elsewhere), \
+                mock.patch.object(install.subprocess, "run", side_effect=FileNotFoundError), \
+                self.assertRaisesRegex(CommandError, "Fedora Linux 41 has no dpkg.*Debian 13, Ubuntu 24.04 .names only, not "
+                                                     "tried.*Eigen.*protoc.*SUNDER_BUILD_DIR"):
+            install.missing_packages()
+
+    def test_an_untried_distribution_is_named_before_it_is_installed_on(self) -> None:
+        ubuntu = {"ID": "ubuntu", "VERSION_ID": "24.04", "PRETTY_NAME": "Ubuntu 24.04.1 LTS"}
+        debian = {"ID": "debian", "VERSION_ID": "13", "PRETTY_NAME": "Debian GNU/Linux 13"}
+        for told, expected in ((ubuntu, "Ubuntu 24.04.1 LTS was not tried"), (debian, "")):
+            said = io.StringIO()
+            with mock.patch.object(install.platform, "freedesktop_os_release", return_value=told), \
+                    mock.patch.object(install, "missing_packages", side_effect=[["cmake"], []]), \
+                    mock.patch.object(install, "_as_root", return_value=[]), \
+                    mock.patch.object(install, "run_logged", return_value=0), contextlib.redirect_stderr(said):
+                install.ensure_installed(self.log)
+            self.assertEqual("was not tried" in said.getvalue(), bool(expected), said.getvalue())
+            self.assertIn(expected, said.getvalue())
 
     def test_unknown_package_is_missing(self) -> None:
         self.assertEqual(install.missing_packages(("python3", "no-such-package-here")), ["no-such-package-here"])

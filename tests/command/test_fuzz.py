@@ -63,7 +63,7 @@ class Fuzz(unittest.TestCase):
 
     def test_what_is_fuzzed_is_complete(self) -> None:
         """The fuzzers have a list of rooms and packages of their own: what a room comes to need must be found there."""
-        done = subprocess.run(["cmake", "-S", str(REPOSITORY / "tests" / "fuzz"), "-B", str(self.top / "configured")],
+        done = subprocess.run(["cmake", "-S", str(REPOSITORY / "tests" / "fuzz"), "-B", str(self.top / "configured"), "-G", "Ninja"],
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
         self.assertEqual(done.returncode, 0, done.stdout)
 

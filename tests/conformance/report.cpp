@@ -28,7 +28,7 @@ const char* word(Verdict verdict) {
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
 
-std::string quoted(const std::string& text) {
+std::string json_string(const std::string& text) {
   std::string out = "\"";
   for (const char c : text) {
     const auto code = static_cast<unsigned char>(c);
@@ -44,7 +44,7 @@ std::string quoted(const std::string& text) {
 
 std::string list(const std::vector<std::string>& words) {
   std::string out;
-  for (const std::string& w : words) out += (out.empty() ? "" : ", ") + quoted(w);
+  for (const std::string& w : words) out += (out.empty() ? "" : ", ") + json_string(w);
   return "[" + out + "]";
 }
 
@@ -134,16 +134,16 @@ int Report::count(Verdict verdict) const {
 
 void Report::write_json(const std::string& path, const link::EngineInfo& engine) const {
   std::ofstream out(path);
-  out << fmt::format("{{\"engine\": {}, \"version\": {}, \"capabilities\": {},\n\"cases\": [", quoted(engine.name),
-                     quoted(engine.version), list(engine.capabilities));
+  out << fmt::format("{{\"engine\": {}, \"version\": {}, \"capabilities\": {},\n\"cases\": [", json_string(engine.name),
+                     json_string(engine.version), list(engine.capabilities));
   for (std::size_t i = 0; i < rows_.size(); ++i) {
     const Row& r = rows_[i];
     out << (i ? ",\n  " : "\n  ")
         << fmt::format(
                "{{\"name\": {}, \"needs\": {}, \"computed\": {}, \"reference\": {}, \"error\": {}, \"tolerance\": {}, "
                "\"verdict\": \"{}\", \"note\": {}}}",
-               quoted(r.name), list(r.needs), number(r.computed), number(r.reference), number(r.error),
-               number(r.tolerance), word(r.verdict), quoted(r.note));
+               json_string(r.name), list(r.needs), number(r.computed), number(r.reference), number(r.error),
+               number(r.tolerance), word(r.verdict), json_string(r.note));
   }
   out << "\n]}\n";
   out.close();

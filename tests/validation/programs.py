@@ -11,7 +11,7 @@ from sunder_tools.launch.build import build_dir, ensure_built
 
 def program(name: str) -> Path:
     """A program of the build folder tests/; builds it as far as needed. Raises CommandError."""
-    ensure_built(all_targets=True)
+    ensure_built(targets=(name,))
     path = build_dir() / "tests" / name
     if not os.access(path, os.X_OK):
         raise CommandError(f"{path} is not an executable; build the target {name}", BAD_INPUT)

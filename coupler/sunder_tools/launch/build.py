@@ -13,11 +13,14 @@ from pathlib import Path
 from typing import Iterator
 
 from ..errors import CommandError
-from ..places import BUILD_DIR_VARIABLE, REPOSITORY
-from .install import CAD_PACKAGES, PACKAGES, ensure_installed
+from ..places import BUILD_DIR_VARIABLE, CHECKOUT_ONLY, INSTALLED, PROGRAMS, REPOSITORY
+from .install import CAD_PACKAGES, PACKAGES, TEST_PACKAGES, ensure_installed
+from .level import level
 from .logged import run_logged, tail
 
 MEMORY_PER_JOB = 1.5e9  # [bytes]; CGAL's headers take about this much
+OF_A_RUN = ("sunder-shell", "sunder-rigid")
+UNTESTED = (*OF_A_RUN, "sunder-single")  # all that is built without the packages of tests
 
 
 @dataclass(frozen=True)
@@ -33,11 +36,18 @@ def build_dir() -> Path:
     return Path(os.environ.get(BUILD_DIR_VARIABLE) or REPOSITORY / "build" / "release").absolute()
 
 
-def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
+def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[str, ...] = ()) -> Executables:
     """Installs packages and builds as far as needed; quick when nothing is. Raises CommandError.
 
+    Always what a run needs; `targets` beside that, or all. The packages of tests are installed for these only.
     `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on.
     """
+    testing = all_targets or any(target not in UNTESTED for target in targets)
+    if INSTALLED.is_file() and not os.environ.get(BUILD_DIR_VARIABLE):
+        if testing or cad:
+            raise CommandError(f"this {CHECKOUT_ONLY}")
+        programs = level(PROGRAMS)
+        return Executables(*(programs / name for name in UNTESTED))
     folder = build_dir()
     found = Executables(folder / "shell" / "sunder-shell", folder / "rigid" / "sunder-rigid",
                         folder / "coupler" / "single" / "sunder-single")
@@ -50,8 +60,9 @@ def ensure_built(all_targets: bool = False, cad: bool = False) -> Executables:
     try:
         folder.parent.mkdir(exist_ok=True)
         with only_builder(folder.parent / "lock"):
-            ensure_installed(folder.parent / "install.log", PACKAGES + (CAD_PACKAGES if cad else ()))
-            _build(folder, folder.parent / "build.log", all_targets, cad)
+            ensure_installed(folder.parent / "install.log",
+                             PACKAGES + (TEST_PACKAGES if testing else ()) + (CAD_PACKAGES if cad else ()))
+            _build(folder, folder.parent / "build.log", [] if all_targets else [*OF_A_RUN, *targets], testing, cad)
     except OSError as error:
         raise CommandError(f"cannot build in {folder.parent}: {error.strerror or error}: {error.filename}; "
                            "mend that, or use a checkout that you may write to") from None
@@ -84,10 +95,10 @@ def _needs_configure(folder: Path) -> bool:
     return not ninja.exists() or (presets.exists() and presets.stat().st_mtime > ninja.stat().st_mtime)
 
 
-def _has_cad(folder: Path) -> bool:
-    """True if the build tree was configured with OpenCASCADE."""
+def _has(folder: Path, option: str) -> bool:
+    """True if the build tree was configured with this option."""
     cache = folder / "CMakeCache.txt"
-    return cache.exists() and re.search(r"^SUNDER_CAD:BOOL=ON$", cache.read_text(errors="replace"), re.M) is not None
+    return cache.exists() and re.search(rf"^{option}:BOOL=ON$", cache.read_text(errors="replace"), re.M) is not None
 
 
 def _jobs() -> int:
@@ -98,18 +109,21 @@ def _jobs() -> int:
     return max(1, min(processors, int(min(memory / MEMORY_PER_JOB, 1e6))))
 
 
-def _build(folder: Path, log: Path, all_targets: bool, cad: bool) -> None:
-    """Configures if needed and runs ninja; the whole output goes to `log`."""
+def _build(folder: Path, log: Path, targets: list[str], testing: bool, cad: bool) -> None:
+    """Configures if needed and builds the targets, all where none is named; the whole output goes to `log`."""
     start = time.monotonic()
     log.unlink(missing_ok=True)
-    if _needs_configure(folder) or (cad and not _has_cad(folder)):
+    fresh = _needs_configure(folder)
+    if fresh or (cad and not _has(folder, "SUNDER_CAD")) or (testing and not _has(folder, "BUILD_TESTING")):
         print("sunder: configuring", file=sys.stderr, flush=True)
-        _checked(["cmake", "--preset", "release", *(["-DSUNDER_CAD=ON"] if cad else [])], log, "configuring")
+        tests = "ON" if testing or _has(folder, "BUILD_TESTING") else "OFF"
+        _checked(["cmake", "--preset", "release", f"-DBUILD_TESTING={tests}", *(["-DSUNDER_CAD=ON"] if cad else [])], log,
+                 "configuring")
         os.utime(folder / "build.ninja")  # newer than the presets, even where cmake left it as it was
-    targets = [] if all_targets else ["--target", "sunder-shell", "sunder-rigid"]
     progress = _Progress()
     try:
-        _checked(["cmake", "--build", str(folder), *targets, "-j", str(_jobs())], log, "building", progress)
+        _checked(["cmake", "--build", str(folder), *(["--target", *targets] if targets else []), "-j", str(_jobs())], log,
+                 "building", progress)
     finally:
         progress.close()
     if progress.worked:

@@ -9,9 +9,9 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
-from ..places import REPOSITORY
+from ..places import REPOSITORY, work_folder
 from ..words import did_you_mean
-from .build import Executables
+from .build import Executables, ensure_built
 from .socket_dir import SocketDir
 
 IN_PROCESS = "inprocess"
@@ -38,6 +38,8 @@ def resolve(text: str, executables: Executables) -> Rigid:
         return Rigid(text, endpoint=text)
     name, _, inner = text.partition(":")
     if name == IN_PROCESS:
+        if not executables.single.is_file():  # few want it: it is not built before
+            ensure_built(targets=("sunder-single",))
         return Rigid(text, in_process=inner or "bullet")
     if "/" in text:
         if not (os.path.isfile(text) and os.access(text, os.X_OK)):
@@ -47,7 +49,7 @@ def resolve(text: str, executables: Executables) -> Rigid:
         return Rigid(text, command=(os.path.abspath(text), "--engine", Path(text).stem))
     if text == JOLT and JOLT_PROGRAM.is_file():
         from .node import ensure_node
-        ensure_node(REPOSITORY / "build" / "install.log")
+        ensure_node(work_folder() / "install.log")
         return Rigid(text, command=(str(JOLT_PROGRAM), "--engine", text))
     return Rigid(text, command=(str(executables.rigid), "--engine", text))
 

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -13,32 +14,61 @@ from .logged import run_logged, tail
 
 PACKAGES = (
     "g++", "cmake", "ninja-build", "pkg-config", "libeigen3-dev", "libcgal-dev", "libbullet-dev",
-    "libode-dev", "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libgtest-dev", "libbenchmark-dev",
-    "libfmt-dev", "libcli11-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil",
-    "python3-protobuf",
-)
+    "libode-dev", "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libfmt-dev", "libcli11-dev",
+    "nlohmann-json3-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil", "python3-protobuf",
+)  # all that a run needs
+TEST_PACKAGES = ("libgtest-dev", "libbenchmark-dev")  # all that tests, `validate` and `bench` cannot do without
+LINT_PACKAGES = ("clang-format", "clang-tidy", "mypy", "pyflakes3")  # for a test only, of the sources
 SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own
 BROWSER_PACKAGES = ("chromium",)  # for a test only, of the viewer's page
 FILM_PACKAGES = ("ffmpeg",)  # for `sunder render --film`
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
+# The names above are those of these distributions: ID and VERSION_ID of os-release, and whether a run was seen there.
+DISTRIBUTIONS = {("debian", "12"): True, ("debian", "13"): True, ("ubuntu", "24.04"): False}
+BY_HAND = ("a C++20 compiler, CMake 3.25, Ninja, pkg-config; with their headers Eigen 3.4, CGAL 5.5, Bullet in double "
+           "precision, ODE, ZeroMQ and cppzmq, Protobuf with protoc, fmt, OpenSSL; /usr/bin/python3 with numpy, Pillow and "
+           "protobuf. Then 'cmake --preset release -DBUILD_TESTING=OFF && cmake --build build/release', and set "
+           "SUNDER_BUILD_DIR to that folder")
 
 
 def missing_packages(packages: tuple[str, ...] = PACKAGES) -> list[str]:
     """The packages of `packages` that dpkg does not list as installed.
 
-    Raises CommandError where there is no dpkg (not a Debian).
+    Raises CommandError where there is no dpkg: the names are of Debian and what is made from it.
     """
     try:
         listing = subprocess.run(
             ["dpkg-query", "-W", "-f=${Package} ${db:Status-Status}\n", *packages],
             stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, check=False).stdout
     except FileNotFoundError:
-        raise CommandError(
-            "dpkg-query not found: sunder installs its packages on Debian 12 only; elsewhere build with "
-            "CMake by hand and name the build folder in SUNDER_BUILD_DIR") from None
+        raise CommandError(f"{_here()[2]} has no dpkg: packages are installed by name on {_supported()} only; install here: "
+                           f"{BY_HAND}") from None
     installed = {line.split()[0] for line in listing.splitlines() if line.endswith(" installed")}
     return [name for name in packages if name not in installed]
+
+
+def _here() -> tuple[str, str, str]:
+    """ID, VERSION_ID and PRETTY_NAME of this distribution; ('', '', 'this system') where it does not say."""
+    try:
+        told = platform.freedesktop_os_release()
+    except OSError:
+        told = {}
+    return told.get("ID", ""), told.get("VERSION_ID", ""), told.get("PRETTY_NAME", "this system")
+
+
+def _supported() -> str:
+    return ", ".join(f"{name.capitalize()} {number}{'' if tried else ' (names only, not tried)'}"
+                     for (name, number), tried in DISTRIBUTIONS.items())
+
+
+def _caution() -> str:
+    """A sentence where nobody saw a run on this distribution; '' where somebody did."""
+    name, number, words = _here()
+    if DISTRIBUTIONS.get((name, number)):
+        return ""
+    known = "was not tried" if (name, number) in DISTRIBUTIONS else f"is none of {_supported()}"
+    return f"{words} {known}; should a package be missing, install here: {BY_HAND}"
 
 
 def _as_root() -> list[str] | None:
@@ -61,7 +91,11 @@ def ensure_installed(log: Path, packages: tuple[str, ...] = PACKAGES) -> None:
     prefix = _as_root()
     if prefix is None:
         raise CommandError(f"{len(missing)} Debian packages are missing and there is no right to install "
-                           f"them without a password; run: sudo sh -c '{command}'")
+                           f"them without a password; run: sudo sh -c '{command}'" +
+                           (f"\nnote: {_caution()}" if _caution() else ""))
+    caution = _caution()
+    if caution:
+        print(f"sunder: note: {caution}", file=sys.stderr, flush=True)
     print(f"sunder: installing {len(missing)} packages: {' '.join(missing)}", file=sys.stderr, flush=True)
     start = time.monotonic()
     apt = [*prefix, "env", "DEBIAN_FRONTEND=noninteractive", "apt-get", "-o",

@@ -20,7 +20,7 @@ import urllib.request
 from pathlib import Path, PurePosixPath
 
 from ..errors import CommandError
-from ..places import REPOSITORY
+from ..places import REPOSITORY, work_folder
 from ..words import command_line
 from .install import ensure_installed
 from .logged import run_logged, tail
@@ -34,13 +34,14 @@ PATIENCE_S = 60.0  # without a byte
 
 
 def ensure_node(log: Path, sources: Path = REPOSITORY / "rigid" / "jolt",
-                folder: Path = REPOSITORY / "build" / "node") -> None:
-    """Installs Node.js, and the packages of `sources`/package-lock.json in `folder`/node_modules; quick when all is there.
+                folder: Path | None = None) -> None:
+    """Installs Node.js, and the packages of `sources`/package-lock.json in `folder`/node_modules (default: the
+    work folder's node/); quick when all is there.
 
     What apt and npm say goes to `log`. Raises CommandError.
     """
     ensure_installed(log, NODE_PACKAGES)
-    ensure_packages(log, sources, folder)
+    ensure_packages(log, sources, folder or work_folder() / "node")
 
 
 def ensure_packages(log: Path, sources: Path, folder: Path, whose: str = "the Jolt engine") -> None:
@@ -162,8 +163,8 @@ def _unpack(archive: bytes, target: Path, name: str) -> None:
 def main() -> int:
     """Installs the engine's packages for users who do not run the tests."""
     try:
-        (REPOSITORY / "build").mkdir(exist_ok=True)
-        ensure_node(REPOSITORY / "build" / "node.log")
+        work_folder().mkdir(parents=True, exist_ok=True)
+        ensure_node(work_folder() / "node.log")
     except (CommandError, OSError) as error:
         print(f"sunder: {error}", file=sys.stderr)
         return error.status if isinstance(error, CommandError) else 2

@@ -23,7 +23,7 @@ def draw_text(image: Image.Image, at: tuple[int, int], text: str, size: int) -> 
         return
     plain = ImageFont.load_default()
     text = text.encode("latin-1", "replace").decode("latin-1")  # all that the built-in font has
-    mask = Image.new("L", plain.getsize(text))
+    mask = Image.new("L", plain.getbbox(text)[2:])
     ImageDraw.Draw(mask).text((0, 0), text, fill=255, font=plain)
     factor = max(size / 11.0, 1.0)
     mask = mask.resize((max(1, round(mask.width * factor)), max(1, round(mask.height * factor))), Image.BICUBIC)

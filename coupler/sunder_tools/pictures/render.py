@@ -19,7 +19,7 @@ from PIL import Image
 from ..errors import DONE, CommandError
 from ..launch.folder import existing_run
 from ..launch.install import FILM_PACKAGES, ensure_installed
-from ..places import BUILD_DIR_VARIABLE, REPOSITORY
+from ..places import BUILD_DIR_VARIABLE, work_folder
 from .contact_sheet import SAMPLES, boxes, time_text, towards_what_is_hit, write_contact_sheet
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .lettering import draw_text
@@ -240,8 +240,8 @@ def _film_file(target: Path, given: bool, size: tuple[int, int]) -> Path:
     try:
         if os.environ.get(BUILD_DIR_VARIABLE):
             raise CommandError(f"there is no ffmpeg, and {BUILD_DIR_VARIABLE} is set: nothing is installed then")
-        (REPOSITORY / "build").mkdir(exist_ok=True)
-        ensure_installed(REPOSITORY / "build" / "install.log", FILM_PACKAGES)
+        work_folder().mkdir(parents=True, exist_ok=True)
+        ensure_installed(work_folder() / "install.log", FILM_PACKAGES)
         return target
     except (CommandError, OSError) as error:
         if given:

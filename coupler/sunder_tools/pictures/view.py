@@ -17,13 +17,13 @@ from typing import Any, Callable
 
 from ..errors import DONE, CommandError, Interrupted
 from ..launch.folder import existing_run
-from ..places import BUILD_DIR_VARIABLE, REPOSITORY
+from ..places import BUILD_DIR_VARIABLE, REPOSITORY, work_folder
 from .playback import Playback
 from .vtp import VtpError
 
 HOST = "127.0.0.1"
 PAGE = REPOSITORY / "coupler" / "viewer"
-PACKAGES = REPOSITORY / "build" / "viewer"
+PACKAGES = work_folder() / "viewer"
 THREE = PACKAGES / "node_modules" / "three"
 FILES = {  # all that is ever served from disk
     "/": PAGE / "index.html", "/view.css": PAGE / "view.css",
@@ -34,15 +34,15 @@ KINDS = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=u
 
 
 def ensure_page() -> None:
-    """three.js in build/viewer, from npm's registry, once. Raises CommandError."""
+    """three.js in the work folder's viewer/, from npm's registry, once. Raises CommandError."""
     if (THREE / "build" / "three.module.js").is_file() and os.environ.get(BUILD_DIR_VARIABLE):
         return
     if os.environ.get(BUILD_DIR_VARIABLE):
         raise CommandError(f"{THREE}: three.js is missing, and {BUILD_DIR_VARIABLE} is set: nothing is installed then; "
                            "unset it for once")
     from ..launch.node import ensure_packages  # it needs no Node.js: these files run in the browser
-    (REPOSITORY / "build").mkdir(exist_ok=True)
-    ensure_packages(REPOSITORY / "build" / "viewer.log", PAGE, PACKAGES, "the viewer")
+    work_folder().mkdir(parents=True, exist_ok=True)
+    ensure_packages(work_folder() / "viewer.log", PAGE, PACKAGES, "the viewer")
 
 
 def content_policy(page: bytes) -> str:

@@ -1,0 +1,7 @@
+#include "coupler/core/version.h"
+
+namespace sunder {
+
+const char* version() { return SUNDER_VERSION; }
+
+}  // namespace sunder
