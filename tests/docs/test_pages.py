@@ -62,7 +62,8 @@ class Pages(unittest.TestCase):
         self.assertEqual(long, [])
 
     def test_no_measured_figure_is_typed(self) -> None:
-        found = [f"{p.relative_to(TOP)}:{n}: {figure}" for p in readmes() for n, figure in figures(p.read_text())]
+        found = [f"{p.relative_to(TOP)}:{n}: {figure}" for p in readmes() if p.parent.name != "proto"  # made from schemas
+                 for n, figure in figures(p.read_text())]
         self.assertEqual(found, [], "figures of runs are written by 'coupler/sunder report'")
 
     def test_figures_are_found(self) -> None:

@@ -4,6 +4,7 @@ Long commands are parsed only, and the files that they name must exist; such a b
 """
 from __future__ import annotations
 
+import json
 import os
 import re
 import shlex
@@ -113,6 +114,22 @@ class Snippets(unittest.TestCase):
                 self.assertIn(snippet.language, LANGUAGES, f"{snippet.place}: name the language; output is text")
                 if snippet.mode != "run":
                     self.assertGreater(len(snippet.reason), 8, f"{snippet.place}: say why it is not run")
+
+    def test_every_key_of_a_run_is_explained(self) -> None:
+        """coupler/README.md has run.json key by key, two levels deep."""
+        page = (TOP / "coupler" / "README.md").read_text()
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            folder_of_a_reader(folder)
+            for scene in ("intact_pane", "soft_ball"):
+                self._run(Snippet(TOP / "coupler" / "README.md", 0, "sh", "", ""),
+                          ["coupler/sunder", "run", f"scenes/{scene}.textproto", "--until", "1e-3", "--no-pictures",
+                           "--quiet", "--out", scene], folder)
+                run = json.loads((folder / scene / "run.json").read_text())
+                keys = [f"{section}.{key}" for section, part in run.items() if isinstance(part, dict) for key in part]
+                self.assertGreater(len(keys), 40)
+                missing = [key for key in [*run, *keys] if f"`{key}`" not in page]
+                self.assertEqual(missing, [], f"coupler/README.md does not explain these keys of {scene}")
 
 
 def _add_tests() -> None:
