@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 import unittest
-from pathlib import Path
 
 from tests.docs.snippets import TOP, readmes, snippets
 
@@ -22,10 +21,10 @@ MEASURED = (
     rf"\b(?:takes?|took|costs?|within|after|in) (?:some |about )?{NUMBER} (?:s|ms|µs|ns|min|minutes|seconds|hours)\b",
     rf"{NUMBER} (?:ns|GFLOP/s|GB/s|substeps/s)\b",                      # speed
     r"\b\d(?:\.\d+)?e-\d+\b",                                           # residuals and round-off
-    rf"\b(?:of|all) \d{{2,}} (?:cases|rows|tests|faults)\b",
+    r"\b(?:of|all) \d{2,} (?:cases|rows|tests|faults)\b",
 )
-GIVEN = (r"default|at most|at least|limit|tolerance|margin|bound|goal|below|above|less than|more than|within|refuse|until|every"
-         r"|allowed|promise|required|must|round-off|share of|protocol|heartbeat|timeout")
+GIVEN = (r"\b(?:defaults?|at most|at least|limits?|tolerances?|margins?|bounds?|goals?|below|above|less than|more than"
+         r"|refused?|allowed|promise[sd]?|required|round-off|share of|timeouts?)\b")
 
 
 def prose(text: str) -> list[tuple[int, str]]:
