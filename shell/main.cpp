@@ -1,4 +1,7 @@
 // sunder-shell: the fracture solver's process; owns the loop, asks the rigid side once a window.
+#include <nlohmann/json.hpp>
+
+#include "coupler/core/command_line.h"
 #include "coupler/link/channel.h"
 #include "coupler/link/recording.h"
 #include "shell/run/program.h"
@@ -18,53 +21,56 @@ std::unique_ptr<sunder::link::RigidLink> connect(const std::string& endpoint, co
 
 }  // namespace
 
-constexpr const char* kUsage =
-    "sunder-shell hello --endpoint ADDRESS [--keys DIR]           asks an engine who it is, and prints that as JSON\n"
-    "sunder-shell replay-rigid FILE --endpoint ADDRESS [--keys DIR]  plays a recording to an engine; status 1 where "
-    "its\n"
-    "                                                             answers differ\n";
+namespace {
 
-// What asks an engine something without a scene. Returns the exit status.
-int ask(const std::string& what, const std::vector<std::string>& arguments) {
-  using namespace sunder;
-  std::string endpoint, keys, file;
-  for (std::size_t i = 0; i < arguments.size(); ++i) {
-    const std::string& option = arguments[i];
-    if (option == "--endpoint" || option == "--keys") {
-      require(i + 1 < arguments.size(), "{} needs a value\n{}", option, kUsage);
-      (option == "--keys" ? keys : endpoint) = arguments[++i];
-    } else {
-      require(what == "replay-rigid" && file.empty() && option.rfind("--", 0) != 0, "{}: unknown option\n{}", option,
-              kUsage);
-      file = option;
-    }
-  }
-  require(!endpoint.empty(), "--endpoint is missing\n{}", kUsage);
-  auto channel = std::make_unique<link::Channel>(link::Channel::Role::kConnect, endpoint, keys);
-  if (what == "hello") {
-    link::RemoteRigid rigid(std::move(channel), "");
-    std::string words;
-    for (const std::string& word : rigid.peer().capabilities)
-      words += fmt::format("{}\"{}\"", words.empty() ? "" : ", ", word);
-    fmt::print("{{\"name\": \"{}\", \"version\": \"{}\", \"capabilities\": [{}]}}\n", rigid.peer().name,
-               rigid.peer().version, words);
-    rigid.bye();
-    return 0;
-  }
-  require(!file.empty(), "replay-rigid: the recording is missing\n{}", kUsage);
-  const link::ReplayReport report = link::replay_requests(*channel, file);
+using namespace sunder;
+
+std::unique_ptr<link::Channel> channel_to(const std::string& endpoint, const std::string& keys) {
+  return std::make_unique<link::Channel>(link::Channel::Role::kConnect, endpoint, keys);
+}
+
+int hello(const std::string& endpoint, const std::string& keys) {
+  link::RemoteRigid rigid(channel_to(endpoint, keys), "");
+  const link::EngineInfo& peer = rigid.peer();
+  const nlohmann::ordered_json said = {
+      {"name", peer.name}, {"version", peer.version}, {"capabilities", peer.capabilities}};
+  fmt::print("{}\n", said.dump());
+  rigid.bye();
+  return 0;
+}
+
+int replay_rigid(const std::string& file, const std::string& endpoint, const std::string& keys) {
+  const link::ReplayReport report = link::replay_requests(*channel_to(endpoint, keys), file);
   fmt::print("{} requests, {} answers differ{}{}\n", report.requests, report.different,
              report.first.empty() ? "" : "; first: ", report.first);
   return report.different == 0 ? 0 : static_cast<int>(Exit::kCheckFailed);
 }
 
+/// Asks an engine something without a scene. Returns the exit status.
+int ask(const std::string& what, int argc, char** argv) {
+  std::string endpoint, keys, file;
+  const bool is_hello = what == "hello";
+  CLI::App app(is_hello ? "Asks an engine who it is, and prints the answer as JSON."
+                        : "Plays a recording to an engine; exit status 1 where its answers differ.",
+               "sunder-shell " + what);
+  app.add_option("--endpoint", endpoint, "Where the engine waits: ipc://PATH or tcp://HOST:PORT")
+      ->required()
+      ->take_last();
+  app.add_option("--keys", keys, "Folder of keys: the session is encrypted")->type_name("DIR")->take_last();
+  if (!is_hello) app.add_option("FILE", file, "The recording")->required();
+  if (!read_arguments(app, argc, argv)) return 0;
+  return is_hello ? hello(endpoint, keys) : replay_rigid(file, endpoint, keys);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "";
   if (first == "hello" || first == "replay-rigid") try {
-      return ask(first, {argv + 2, argv + argc});
-    } catch (const sunder::Error& e) {
+      return ask(first, argc - 1, argv + 1);
+    } catch (const Error& e) {
       fmt::print(stderr, "sunder-shell: {}: {}\n", e.kind, e.what());
       return static_cast<int>(e.status);
     }
-  return sunder::shell::run_program({"sunder-shell", "--endpoint", "ipc://PATH|tcp://HOST:PORT", connect}, argc, argv);
+  return shell::run_program({"sunder-shell", "--endpoint", "ipc://PATH|tcp://HOST:PORT", connect}, argc, argv);
 }

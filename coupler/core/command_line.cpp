@@ -2,6 +2,7 @@
 
 #include "coupler/core/error.h"
 #include "coupler/core/nearest.h"
+#include "coupler/core/version.h"
 
 namespace sunder {
 namespace {
@@ -24,9 +25,7 @@ std::vector<std::string> option_names(const CLI::App& app) {
 
 bool read_arguments(CLI::App& app, int argc, const char* const* argv) {
   app.set_help_flag("--help", "Prints this and ends");
-#ifdef SUNDER_VERSION
-  app.set_version_flag("--version", app.get_name() + " " SUNDER_VERSION, "Prints the version and ends");
-#endif
+  app.set_version_flag("--version", fmt::format("{} {}", app.get_name(), version()), "Prints the version and ends");
   app.allow_extras();  // refused here: CLI11 does not propose other names
   try {
     app.parse(argc, argv);

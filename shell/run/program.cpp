@@ -7,80 +7,62 @@
 #include <omp.h>
 #include <sys/prctl.h>
 
-#include "coupler/core/version.h"
+#include "coupler/core/command_line.h"
 #include "coupler/scene/load.h"
 #include "shell/io/check.h"
 
 namespace sunder::shell {
 namespace {
 
-constexpr const char* kUsage =
-    "{0} --scene FILE --check [--set name.path=value]...\n"
-    "{0} --version\n"
-    "{0} --scene FILE --out DIR {1} {2} [--set name.path=value]...\n"
-    "    [--until SECONDS] [--threads N] [--resume] [--record FILE] [--replay FILE] [--trace FILE] [--keys DIR]\n"
-    "    [--quiet] [--die-with-parent]\n"
-    "Exit status: 0 done, 1 a replay differs, 2 bad input, 3 the rigid side is lost, 4 physics or ledger, 130 "
-    "interrupted.\n";
+constexpr int kMostThreads = 64;              // by default
+constexpr double kMostUsefulThreads = 256.0;  // that may be asked for
 
 std::atomic<bool> interrupted{false};
 void on_signal(int) { interrupted = true; }
 
-double positive_number(const std::string& option, const std::string& text) {
-  char* end = nullptr;
-  const double value = std::strtod(text.c_str(), &end);
-  require(end && *end == '\0' && !text.empty() && value > 0.0 && value < 1e9, "{} {}: must be a positive number",
-          option, text);
-  return value;
-}
+/// Accepts a positive number that is no absurd one.
+const CLI::Validator kPositive(
+    [](std::string& text) -> std::string {
+      char* end = nullptr;
+      const double value = std::strtod(text.c_str(), &end);
+      const bool good = end && *end == '\0' && !text.empty() && value > 0.0 && value < 1e9;
+      return good ? "" : fmt::format("'{}' must be a positive number", text);
+    },
+    "POSITIVE");
 
 int run(const Program& program, int argc, char** argv) {
-  const std::string usage = fmt::format(fmt::runtime(kUsage), program.name, program.rigid_option, program.rigid_usage);
   std::string scene_path, where;
   std::vector<std::string> settings;
   RunOptions options;
-  options.threads = std::min(omp_get_num_procs(), 64);
-  bool check = false;
-  for (int i = 1; i < argc; ++i) {
-    const std::string option = argv[i];
-    const auto value = [&]() -> std::string {
-      require(i + 1 < argc, "{} needs a value\n{}", option, usage);
-      return argv[++i];
-    };
-    if (option == "--help") return std::fputs(usage.c_str(), stdout), 0;
-    if (option == "--version") return fmt::print("{} {}\n", program.name, version()), 0;
-    if (option == "--scene")
-      scene_path = value();
-    else if (option == "--out")
-      options.out = value();
-    else if (option == program.rigid_option)
-      where = value();
-    else if (option == "--set")
-      settings.push_back(value());
-    else if (option == "--until")
-      options.until = positive_number(option, value());
-    else if (option == "--threads")
-      options.threads = static_cast<int>(std::min(256.0, std::max(1.0, positive_number(option, value()))));
-    else if (option == "--record")
-      options.record = value();
-    else if (option == "--replay")
-      options.replay = value();
-    else if (option == "--trace")
-      options.trace = value();
-    else if (option == "--keys")
-      options.keys = value();
-    else if (option == "--resume")
-      options.resume = true;
-    else if (option == "--check")
-      check = true;
-    else if (option == "--quiet")
-      options.quiet = true;
-    else if (option == "--die-with-parent")
-      prctl(PR_SET_PDEATHSIG, SIGTERM);
-    else
-      require(false, "{}: unknown option\n{}", option, usage);
-  }
-  require(!scene_path.empty(), "--scene is missing\n{}", usage);
+  options.threads = std::min(omp_get_num_procs(), kMostThreads);
+  double threads = options.threads;
+  bool check = false, die_with_parent = false;
+  CLI::App app("Runs a scene: the fracture solver, which asks the rigid side once a window.", program.name);
+  app.add_option("--scene", scene_path, "The scene, a .textproto file")->required()->take_last();
+  app.add_option("--out", options.out, "The run folder")->take_last();
+  app.add_option(program.rigid_option, where, "Where the rigid side is")->type_name(program.rigid_usage)->take_last();
+  app.add_option("--set", settings, "Changes a field for this run; repeatable")
+      ->type_name("NAME.PATH=VALUE")
+      ->expected(1)
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  app.add_option("--until", options.until, "Ends at this simulated time [s]")->check(kPositive)->take_last();
+  app.add_option("--threads", threads, "Of the solver; results are the same for any number")
+      ->check(kPositive)
+      ->take_last();
+  app.add_option("--record", options.record, "Keeps all messages in this file")->take_last();
+  app.add_option("--replay", options.replay, "Takes the rigid side's answers from this recording")->take_last();
+  app.add_option("--trace", options.trace, "Writes a trace of both processes to this file")->take_last();
+  app.add_option("--keys", options.keys, "Folder of keys: the session is encrypted")->take_last();
+  app.add_flag("--resume", options.resume, "Goes on from the checkpoint in the run folder");
+  app.add_flag("--check", check, "Checks the scene, says what it will cost, and ends");
+  app.add_flag("--quiet", options.quiet, "No progress");
+  app.add_flag("--die-with-parent", die_with_parent, "Ends when the process that started this one does");
+  app.footer(
+      "Exit status: 0 done, 1 a replay differs, 2 bad input, 3 the rigid side is lost, 4 physics or ledger, 130 "
+      "interrupted.");
+  if (!read_arguments(app, argc, argv)) return 0;
+  if (die_with_parent) prctl(PR_SET_PDEATHSIG, SIGTERM);
+  options.threads = static_cast<int>(std::clamp(threads, 1.0, kMostUsefulThreads));
   const auto scene = scene::load(scene_path, settings);
   RunSetup setup = build(scene);
   require(options.until <= 0.0 || options.until >= setup.window, "--until {}: less than one window of {} s",
@@ -89,8 +71,9 @@ int run(const Program& program, int argc, char** argv) {
     fmt::print("{}", check_report(scene, setup));
     return 0;
   }
-  require(!options.out.empty(), "--out is missing\n{}", usage);
-  require(!where.empty() || !options.replay.empty(), "{} is missing\n{}", program.rigid_option, usage);
+  require(!options.out.empty(), "--out is missing; see {} --help", program.name);
+  require(!where.empty() || !options.replay.empty(), "{} is missing; see {} --help", program.rigid_option,
+          program.name);
   options.scene_hash = scene.hash;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);

@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "coupler/core/version.h"
 #include "shell/run/recorder.h"
 #include "shell/run/state_hash.h"
 
@@ -211,7 +212,11 @@ Json models_of(const RunParts& run) {
 
 std::string run_json(const RunParts& run, const Recorder& recorder, const std::string& status, const Error* error) {
   const State& state = run.simulation.state;
-  Json j = {{"schema", 1}, {"status", status}, {"scene", run.setup.name}, {"scene_hash", recorder.scene_hash()}};
+  Json j = {{"schema", 1},
+            {"version", version()},
+            {"status", status},
+            {"scene", run.setup.name},
+            {"scene_hash", recorder.scene_hash()}};
   if (error) j["error"] = error_of(*error);
   if (recorder.peer()) j["engine"] = {{"name", recorder.peer()->name}, {"version", recorder.peer()->version}};
   j["counts"] = counts_of(run);

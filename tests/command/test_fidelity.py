@@ -81,7 +81,7 @@ class Presets(unittest.TestCase):
         self.assertFalse([s for s in found.settings if "elements" in s])
 
     def test_the_guide_says_the_same(self) -> None:
-        guide = (REPOSITORY / "README.md").read_text()
+        guide = (REPOSITORY / "coupler" / "experiments" / "README.md").read_text()
         rows = re.findall(r"^\| `(draft|standard|reference)`: elements × ([0-9.]+)(?:, window × ([0-9.]+))? \|", guide, re.M)
         self.assertEqual({name: (float(elements), float(window or 1)) for name, elements, window in rows},
                          {n: (float(f"{p.elements:.3g}"), p.window) for n, p in PRESETS.items()})

@@ -86,7 +86,8 @@ def _run(folder: Path, name: str, runs: int) -> bool:
 
 def _dictionary(path: Path) -> Path:
     """The words of scenes: names of fields and of enumerations."""
-    text = "".join((REPOSITORY / "proto" / name).read_text() for name in ("scene.proto", "bodies.proto", "geometry.proto"))
+    files = (REPOSITORY / "proto" / f"{name}.proto" for name in ("scene", "shell", "patch", "bodies", "geometry"))
+    text = "".join(file.read_text() for file in files)
     words = sorted(set(re.findall(r"\b(\w+) = \d+;", text)))
     path.write_text("".join(f'"{word}"\n' for word in words))
     return path

@@ -26,8 +26,8 @@ NEARER = 2.0 ** 0.25  # a coarser scene that is refused is tried again with so m
 @dataclass(frozen=True)
 class Preset:
     """Factors of the elements that a scene has along either side of a shell, and of its window. Both were worth
-    their cost in every scene by which presets were chosen: README, "The trade", has what each costs and how far off it
-    is."""
+    their cost in every scene by which presets were chosen. coupler/experiments/README.md, "The trade", says how both cost and
+    error are measured."""
     elements: float = 1.0
     window: float = 1.0
 

@@ -7,7 +7,7 @@ from typing import Callable, Sequence
 from .rows import Outcome, Quantity, Refused, Row, Runner, Stable, Stopped
 from .scenes import CLAMPED, GLASS, SIMPLE, material, message, scene, sheet, shell
 
-SMOOTH = 1e-5  # of the books without cracks and contact: README
+SMOOTH = 1e-5  # what the books miss without cracks and contact: round-off
 SUDDEN = 1e-3  # of a swing: what bends by strains of 1e-12 is known to so many digits
 BENDING = 0.03  # static deflection over thickness: linear to a thousandth
 ELEMENTS = 8

@@ -1,0 +1,96 @@
+"""READMEs keep to their size, their links lead somewhere, and no measured figure is typed in one.
+
+A measured figure is what a run gave: seconds that it took, an error, a share, a number of pieces. It is true of one machine
+and one commit, so it belongs in a RESULTS.md, which a command writes. A figure that is given stays: a default, a limit, a
+tolerance, a size in a scene. Text alone cannot always tell the two apart. MEASURED lists the forms that figures of runs
+take; GIVEN lists the words that mark a given one in the same sentence or cell. Code, comments and output are not looked at.
+"""
+from __future__ import annotations
+
+import re
+import unittest
+
+from tests.docs.snippets import TOP, readmes, snippets
+
+MOST_BYTES, MOST_LINES, MOST_IN_A_LINE = 10240, 160, 1200
+NUMBER = r"\d[\d.,]*(?:e[-+]?\d+)?"
+MEASURED = (
+    rf"{NUMBER} ± {NUMBER}",                                            # scatter of a series
+    rf"{NUMBER} ?%",                                                    # errors and shares
+    rf"{NUMBER} (?:to|–|-) {NUMBER} ?(?:s|ms|µs|ns|min|minutes|seconds|hours)\b",  # how long something took
+    rf"\b(?:takes?|took|costs?|within|after|in) (?:some |about )?{NUMBER} (?:s|ms|µs|ns|min|minutes|seconds|hours)\b",
+    rf"{NUMBER} (?:ns|GFLOP/s|GB/s|substeps/s)\b",                      # speed
+    r"\b\d(?:\.\d+)?e-\d+\b",                                           # residuals and round-off
+    r"\b(?:of|all) \d{2,} (?:cases|rows|tests|faults)\b",
+)
+GIVEN = (r"\b(?:defaults?|at most|at least|limits?|tolerances?|margins?|bounds?|goals?|below|above|less than|more than"
+         r"|refused?|allowed|promise[sd]?|required|round-off|share of|timeouts?)\b")
+
+
+def prose(text: str) -> list[tuple[int, str]]:
+    """Lines with their numbers, without fenced blocks, code in backticks, comments and targets of links."""
+    out, fenced = [], False
+    for number, line in enumerate(text.splitlines(), 1):
+        if re.match(r"\s*```", line):
+            fenced = not fenced
+        elif not fenced:
+            out.append((number, re.sub(r"`[^`]*`|<!--.*?-->|\]\([^)]*\)", "", line)))
+    return out
+
+
+def figures(text: str) -> list[tuple[int, str]]:
+    """Measured figures in the text of a page: line and what stands there."""
+    found = []
+    for number, line in prose(text):
+        for part in re.split(r"\||(?<=[.;:]) ", line):
+            if re.search(GIVEN, part, re.IGNORECASE):
+                continue
+            found += [(number, match[0]) for pattern in MEASURED for match in re.finditer(pattern, part)]
+    return found
+
+
+class Pages(unittest.TestCase):
+    def test_the_first_page_is_short(self) -> None:
+        text = (TOP / "README.md").read_bytes()
+        self.assertLessEqual(len(text), MOST_BYTES)
+        self.assertLessEqual(text.count(b"\n"), MOST_LINES)
+
+    def test_no_line_is_long(self) -> None:
+        long = [f"{p.relative_to(TOP)}:{n}: {len(line)}" for p in readmes()
+                for n, line in enumerate(p.read_text().splitlines(), 1) if len(line) > MOST_IN_A_LINE]
+        self.assertEqual(long, [])
+
+    def test_no_measured_figure_is_typed(self) -> None:
+        found = [f"{p.relative_to(TOP)}:{n}: {figure}" for p in readmes() if p.parent.name != "proto"  # made from schemas
+                 for n, figure in figures(p.read_text())]
+        self.assertEqual(found, [], "figures of runs are written by 'coupler/sunder report'")
+
+    def test_figures_are_found(self) -> None:
+        for typed in ("glass has 25 ± 3 pieces", "energy closes to 3e-5", "it takes 40 s", "20 to 40 s", "an error of 0.5 %",
+                      "5.3 ns a layer point", "all 107 rows pass"):
+            self.assertTrue(figures(typed), typed)
+        for given in ("thickness of 4 mm", "at most 0.5 %", "`takes 40 s`", "the default is 1e-6", "windows of 0.5 ms",
+                      "```text\nit took 40 s\n```", "Debian 12", "degree 2 or 3"):
+            self.assertEqual(figures(given), [], given)
+
+    def test_links_lead_somewhere(self) -> None:
+        """Files that a command writes (RESULTS.md) may be missing until it has run."""
+        broken = []
+        for page in readmes():
+            shown = {n for s in snippets(page) for n in range(s.line, s.line + s.text.count("\n") + 2)}
+            for number, line in enumerate(page.read_text().splitlines(), 1):
+                for target in re.findall(r"\]\(([^)#\s]+)", line) if number not in shown else ():
+                    path = page.parent / target
+                    if "://" not in target and path.name != "RESULTS.md" and not path.exists():
+                        broken.append(f"{page.relative_to(TOP)}:{number}: {target}")
+        self.assertEqual(broken, [])
+
+    def test_every_picture_is_shown(self) -> None:
+        text = "\n".join(p.read_text() for p in readmes())
+        pictures = [p for room in ("scenes", "rigid", "coupler") for p in (TOP / room).rglob("*.png")]
+        self.assertGreater(len(pictures), 3)
+        self.assertEqual([p.name for p in pictures if f"{p.name})" not in text], [])
+
+
+if __name__ == "__main__":
+    unittest.main()

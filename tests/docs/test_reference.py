@@ -1,0 +1,83 @@
+"""proto/README.md is what the comments of the .proto files say, and every field has one."""
+from __future__ import annotations
+
+import importlib.util
+import re
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from types import ModuleType
+
+TOP = Path(__file__).resolve().parents[2]
+
+
+def load_reference() -> ModuleType:
+    """proto/reference.py as a module."""
+    spec = importlib.util.spec_from_file_location("reference", TOP / "proto" / "reference.py")
+    assert spec is not None and spec.loader is not None
+    module = importlib.util.module_from_spec(spec)
+    sys.modules["reference"] = module  # dataclasses look their module up
+    spec.loader.exec_module(module)
+    return module
+
+
+REFERENCE = load_reference()
+
+
+class Reference(unittest.TestCase):
+    def test_the_page_is_that_of_the_schemas(self) -> None:
+        self.assertEqual((TOP / "proto" / "README.md").read_text(), REFERENCE.page(),
+                         "run /usr/bin/python3 -B proto/reference.py")
+
+    def test_every_schema_is_in_it(self) -> None:
+        self.assertEqual(sorted(p.stem for p in (TOP / "proto").glob("*.proto")),
+                         sorted(REFERENCE.SCENE + REFERENCE.SESSION))
+
+    def test_every_link_leads_to_a_message(self) -> None:
+        page = REFERENCE.page()
+        headings = {h.replace(".", "").lower() for h in re.findall(r"^### (\S+)$", page, re.MULTILINE)}
+        links = set(re.findall(r"\]\(#([^)]+)\)", page))
+        self.assertGreater(len(links), 30)
+        self.assertEqual(links - headings, set())
+
+    def test_parts_of_a_comment(self) -> None:
+        said = REFERENCE.parse(" [m/s] Of the ball.\n Default: 0\n Excludes: launch, is_static\n Needs: a name\n")
+        self.assertEqual((said.unit, said.meaning), ("m/s", "Of the ball."))
+        self.assertEqual(said.parts, {"Default": "0", "Excludes": "launch, is_static", "Needs": "a name"})
+
+    def _refused(self, text: str) -> str:
+        """What a schema with this body of a message is refused with."""
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "scene.proto").write_text(f'syntax = "proto3";\npackage sunder.proto;\n{text}\n')
+            here, REFERENCE.HERE = REFERENCE.HERE, Path(folder)
+            try:
+                REFERENCE.Page(REFERENCE.descriptors(("scene",)), session=False)
+            except REFERENCE.NoComment as error:
+                return str(error)
+            finally:
+                REFERENCE.HERE = here
+        return ""
+
+    def test_what_has_no_comment_is_refused(self) -> None:
+        good = "// A ball.\nmessage Ball {\n  // [m] Its radius.\n  // Default: required\n  optional double radius_m = 1;\n}"
+        self.assertEqual(self._refused(good), "")
+        self.assertEqual(self._refused(good.replace("// A ball.\n", "")), "message Ball has no comment")
+        self.assertEqual(self._refused(re.sub(r"  //.*\n", "", good)), "field Ball.radius_m has no comment")
+        self.assertEqual(self._refused(good.replace("  // Default: required\n", "")),
+                         "field Ball.radius_m does not say its Default:")
+        kind = "// A ball.\nmessage Ball {\n  enum Kind {\n    HARD = 0;\n  }\n}"
+        self.assertEqual(self._refused(kind), "value Ball.Kind.HARD has no comment")
+
+    def test_lengths_times_and_angles_have_their_unit(self) -> None:
+        """A name that ends in a unit has the same unit in its comment."""
+        units = {"_m": "m", "_s": "s", "_deg": "deg", "_per_s": "1/s"}
+        for line in REFERENCE.page().splitlines():
+            cells = [cell.strip() for cell in line.split("|")]
+            ending = re.search(r"(_per_s|_m|_s|_deg)`$", cells[1]) if len(cells) > 4 else None
+            if ending:
+                self.assertEqual(cells[3], units[ending[1]], line)
+
+
+if __name__ == "__main__":
+    unittest.main()

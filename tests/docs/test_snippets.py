@@ -1,0 +1,149 @@
+"""What READMEs show works: their commands run, their scenes pass. And READMEs keep to their size.
+
+Long commands are parsed only, and the files that they name must exist; such a block says so, with the reason.
+"""
+from __future__ import annotations
+
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+
+from google.protobuf import text_format
+
+from tests.docs.snippets import LANGUAGES, TOP, Snippet, dropped, merged, readmes, snippets
+
+sys.path.insert(0, str(TOP / "coupler"))
+sys.pycache_prefix = str(TOP / "build" / "pycache")
+from sunder_lab.schema import scene_class  # noqa: E402
+from sunder_tools.command.main import make_parser, subcommands  # noqa: E402
+from sunder_tools.errors import CommandError  # noqa: E402
+
+SECONDS = 600  # for a block, on a machine that is busy
+COPIED = ("scenes", "coupler/experiments")  # what commands may write beside
+LINKED = ("proto", "rigid", "shell", "tests")
+MODULES = ("sunder", "sunder.py", "sunder_tools", "sunder_lab", "viewer", "VERSION")
+
+
+def folder_of_a_reader(folder: Path) -> None:
+    """What a reader has: the files of the checkout, of which scenes may be written beside."""
+    (folder / "coupler").mkdir()
+    for name in COPIED:
+        shutil.copytree(TOP / name, folder / name, ignore=shutil.ignore_patterns("*.png", "__pycache__"))
+    for name in (*LINKED, *(f"coupler/{module}" for module in MODULES)):
+        if (TOP / name).exists():
+            (folder / name).symlink_to(TOP / name)
+
+
+def commands_of(text: str) -> list[list[str]]:
+    """The commands of a block as words; comments, assignments and continued lines are understood."""
+    lines = text.replace("\\\n", " ").splitlines()
+    split = [shlex.split(line, comments=True) for line in lines]
+    return [words for words in split if words]
+
+
+class Snippets(unittest.TestCase):
+    def _run(self, snippet: Snippet, command: list[str], folder: Path) -> None:
+        environment = dict(os.environ, PYTHONPATH=str(TOP / "coupler"), PYTHONDONTWRITEBYTECODE="1")
+        done = subprocess.run(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, errors="replace", timeout=SECONDS, env=environment,
+                              check=False)
+        self.assertEqual(done.returncode, 0, f"{snippet.place}: {' '.join(command)[:200]}\n{done.stdout[-3000:]}")
+
+    def _scene(self, snippet: Snippet, folder: Path) -> None:
+        name = snippet.option("file") or f"line_{snippet.line}.textproto"
+        text = snippet.text
+        if base := snippet.option("into"):
+            scene: Any = text_format.Parse((folder / base).read_text(), scene_class()())
+            for path in filter(None, (snippet.option("drop") or "").split(",")):
+                dropped(scene, path)
+            merged(scene, text_format.Parse(text, scene_class()()))
+            text = text_format.MessageToString(scene)
+            name = str(Path(base).parent / name)  # beside the base's files
+        (folder / name).write_text(text)
+        sunder = "coupler/sunder"
+        self._run(snippet, [sunder, "check", name], folder)
+        if until := snippet.option("until"):
+            self._run(snippet, [sunder, "run", name, "--until", until, "--no-pictures", "--quiet", "--out", f"{name}.run"],
+                      folder)
+
+    def _parsed(self, snippet: Snippet, folder: Path) -> None:
+        """Arguments are understood, and the files that they name are there."""
+        parser, _ = make_parser(subcommands(("sunder_tools.command", "tests.commands")))
+        for words in commands_of(snippet.text):
+            self.assertEqual(words[0], "coupler/sunder", f"{snippet.place}: only commands of sunder can be checked: {words}")
+            try:
+                parser.parse_args(words[1:])
+            except (CommandError, SystemExit) as error:
+                self.fail(f"{snippet.place}: {' '.join(words)}: {error}")
+            for word in words[1:]:
+                if re.match(r"(scenes|coupler|tests|rigid)/", word):
+                    self.assertTrue((folder / word).exists(), f"{snippet.place}: {word} is not there")
+
+    def _readme(self, readme: Path) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            folder_of_a_reader(folder)
+            for snippet in snippets(readme):
+                with self.subTest(place=snippet.place):
+                    if snippet.option("file") and snippet.language != "textproto":
+                        (folder / str(snippet.option("file"))).write_text(snippet.text)
+                    if snippet.mode == "norun":
+                        continue
+                    if snippet.language == "textproto":
+                        self._scene(snippet, folder)
+                    elif snippet.language == "sh" and snippet.mode == "check":
+                        self._parsed(snippet, folder)
+                    elif snippet.language == "sh":
+                        self._run(snippet, ["bash", "-euo", "pipefail", "-c", snippet.text], folder)
+                    elif snippet.language == "python":
+                        compile(snippet.text, snippet.place, "exec")
+                        if snippet.info.split()[:1] == ["run"]:
+                            self._run(snippet, ["/usr/bin/python3", "-c", snippet.text], folder)
+
+    def test_every_block_says_what_it_is(self) -> None:
+        for readme in readmes():
+            for snippet in snippets(readme):
+                self.assertIn(snippet.language, LANGUAGES, f"{snippet.place}: name the language; output is text")
+                if snippet.mode != "run":
+                    self.assertGreater(len(snippet.reason), 8, f"{snippet.place}: say why it is not run")
+
+    def test_every_key_of_a_run_is_explained(self) -> None:
+        """coupler/README.md has run.json key by key, two levels deep."""
+        page = (TOP / "coupler" / "README.md").read_text()
+        with tempfile.TemporaryDirectory() as name:
+            folder = Path(name)
+            folder_of_a_reader(folder)
+            for scene in ("intact_pane", "soft_ball"):
+                self._run(Snippet(TOP / "coupler" / "README.md", 0, "sh", "", ""),
+                          ["coupler/sunder", "run", f"scenes/{scene}.textproto", "--until", "1e-3", "--no-pictures",
+                           "--quiet", "--out", scene], folder)
+                run = json.loads((folder / scene / "run.json").read_text())
+                keys = [f"{section}.{key}" for section, part in run.items() if isinstance(part, dict) for key in part]
+                self.assertGreater(len(keys), 40)
+                missing = [key for key in [*run, *keys] if f"`{key}`" not in page]
+                self.assertEqual(missing, [], f"coupler/README.md does not explain these keys of {scene}")
+
+
+def _add_tests() -> None:
+    """A test for each README that shows something, so that one can be run alone."""
+    for readme in readmes():
+        if snippets(readme):
+            name = re.sub(r"\W", "_", str(readme.relative_to(TOP).parent)).strip("_") or "root"
+
+            def test(self: Snippets, readme: Path = readme) -> None:
+                self._readme(readme)
+            setattr(Snippets, f"test_{name}", test)
+
+
+_add_tests()
+
+if __name__ == "__main__":
+    unittest.main()
