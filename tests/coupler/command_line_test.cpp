@@ -68,7 +68,7 @@ TEST(Arguments, AMistypedOptionIsRefusedWithTheNearestRightOne) {
   EXPECT_EQ(refused({"--endpiont", "ipc://x"}),
             "unknown option --endpiont (did you mean '--endpoint'?); see program --help");
   EXPECT_NE(refused({"--quite=1"}).find("unknown option --quite (did you mean '--quiet'?)"), std::string::npos);
-  EXPECT_NE(refused({"--frames"}).find("(there are: --help, "), std::string::npos) << refused({"--frames"});
+  EXPECT_NE(refused({"--frames"}).find("(there are: --endpoint, "), std::string::npos) << refused({"--frames"});
 }
 
 TEST(Arguments, AWordTooManyAndAWrongOrMissingValueAreRefused) {
