@@ -1,8 +1,12 @@
+#include <cmath>
+#include <numbers>
+#include <utility>
+
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
-#include "shell/geometry/quadrature.h"
+#include "shell/geometry/patch.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -46,79 +50,50 @@ TEST(RefinedAtLeast, CutsLongSpansMoreOftenAndKeepsTheSurface) {
   EXPECT_THROW(refined_at_least(p, 0, 1), Error);
 }
 
-TEST(KnotVector, RefusesWhatIsNoOpenQuadratic) {
-  EXPECT_THROW(KnotVector({0, 0, 0, 1, 0.5, 2, 2, 2}, 2, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 1, 1, 1}, 2, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1}, 2, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 0, std::nan(""), 1, 1, 1}, 2, "u"), Error);
-}
-
-TEST(GaussRule, IntegratesPolynomialsOfDegreeTwoNMinusOne) {
-  for (int n = 1; n <= 16; ++n) {
-    const GaussRule& g = gauss_rule(n);
-    for (int power = 0; power <= 2 * n - 1; ++power) {
-      double sum = 0.0;
-      for (int i = 0; i < n; ++i) sum += g.weight[i] * std::pow(g.point[i], power);
-      EXPECT_NEAR(sum, power % 2 ? 0.0 : 2.0 / (power + 1), 1e-14);
-    }
+TEST(CubicPatch, DerivativesAreThoseOfItsPosition) {
+  const Patch p = cubic_patch();
+  const double e = 1e-5;
+  for (const Vec2& q : {Vec2(0.11, 0.7), Vec2(0.41, 0.21), Vec2(0.83, 0.55)}) {
+    const auto at = [&](double du, double dv) { return p.evaluate(q + Vec2(du, dv)).x; };
+    const SurfacePoint s = p.evaluate(q);
+    // as for quadratic patches: truncation 1e-10 of third derivatives, round-off 1e-16 / e^2 = 1e-6
+    EXPECT_LT((s.u - (at(e, 0) - at(-e, 0)) / (2 * e)).norm(), 1e-8);
+    EXPECT_LT((s.motion.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-8);
+    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.motion.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.vv - (at(0, e) - 2 * s.motion.x + at(0, -e)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.uv - (at(e, e) - at(e, -e) - at(-e, e) + at(-e, -e)) / (4 * e * e)).norm(), 2e-5);
   }
 }
 
-namespace {
-double energy_density(const Sym2<double>& c, const Sym2<double>& a, const Elasticity& e) {
-  return plane_stress_energy<double>(plane_stress<double>(c, a, e), c, a, e);
-}
-}  // namespace
-
-TEST(PlaneStress, IsTwiceTheDerivativeOfItsEnergyAtSmallAndLargeStrain) {
-  for (const double nu : {0.0, 0.22, 0.45, -0.3})
-    for (const double stretch : {1.0, 1.01, 1.0199, 1.0201, 1.5, 0.6}) {  // across the switch to logarithms
-      const Elasticity e = elasticity(1.0, nu);
-      const Sym2<double> a{1.1, 0.9, 0.2};
-      const Sym2<double> c{1.1 * stretch, 0.9 * stretch + 0.01, 0.2 * stretch - 0.003};
-      const PlaneStress<double> p = plane_stress<double>(c, a, e);
-      const double h = 1e-5;
-      const auto slope = [&](double d11, double d22, double d12) {
-        return (energy_density({c.c11 + h * d11, c.c22 + h * d22, c.c12 + h * d12}, a, e) -
-                energy_density({c.c11 - h * d11, c.c22 - h * d22, c.c12 - h * d12}, a, e)) /
-               (2 * h);
-      };
-      // S^ab = 2 d psi / d C_ab; C_12 stands twice in the tensor
-      EXPECT_NEAR(p.s.c11, 2.0 * slope(1, 0, 0), 1e-9) << nu << " " << stretch;
-      EXPECT_NEAR(p.s.c22, 2.0 * slope(0, 1, 0), 1e-9) << nu << " " << stretch;
-      EXPECT_NEAR(p.s.c12, slope(0, 0, 1), 1e-9) << nu << " " << stretch;
+TEST(CubicPatch, ElevatedIsTheSameSurface) {
+  const Patch quadratic = revolved({Vec2(1.0, 0.0), Vec2(0.9, 0.7), Vec2(0.3, 1.0)}, {1.0, 0.8, 1.3}, 1.7);
+  const Patch cubic = elevated(quadratic), fine = refined(cubic, 5, 3);
+  EXPECT_EQ(cubic.degree(), 3);
+  EXPECT_EQ(fine.columns(), 8);
+  EXPECT_EQ(fine.rows(), 6);
+  for (double u = 0.0; u <= 1.0; u += 0.125)
+    for (double v = 0.0; v <= 1.0; v += 0.125) {
+      const SurfacePoint a = quadratic.evaluate({u, v});
+      for (const Patch* p : {&cubic, &fine}) {
+        const SurfacePoint b = p->evaluate({u, v});
+        EXPECT_LT((a.x - b.x).norm(), 1e-14);
+        EXPECT_LT((a.u - b.u).norm() + (a.v - b.v).norm(), 1e-13);
+        EXPECT_LT((a.uu - b.uu).norm() + (a.uv - b.uv).norm() + (a.vv - b.vv).norm(), 1e-11);
+      }
     }
+  EXPECT_THROW(elevated(cubic), Error);
+  EXPECT_THROW(elevated(refined(quadratic, 2, 1)), Error);
+  EXPECT_THROW(cylinder(1.0, 1.0, 1.0, 4, 4, 4), Error);
 }
 
-TEST(PlaneStress, FindsTheThicknessToRoundOffOnBothSidesOfTheSwitch) {
-  for (const double nu : {-0.9, -0.3, 0.0, 0.22, 0.3, 0.45, 0.49})
-    for (const double z : {-0.0201, -0.0199, -0.01, -1e-6, 0.0, 1e-6, 0.005, 0.0199, 0.0201}) {
-      const Elasticity e = elasticity(1.0, nu);
-      const double area = std::sqrt((1.0 + z) / (1.0 - z));
-      const PlaneStress<double> p = plane_stress<double>({area, area, 0.0}, {1.0, 1.0, 0.0}, e);
-      const double residual =
-          e.mu * (p.stretch2 - 1.0) + 0.5 * e.lambda * std::log(p.stretch2) + e.lambda * std::atanh(z);
-      // of the largest term; what the series leaves out at its end is (2 z)^11
-      EXPECT_NEAR(residual, 0.0, (1e-15 + 4e-16) * (e.mu + std::abs(e.lambda))) << nu << " " << z;
-      EXPECT_NEAR(volume_ratio<double>(p, e), area * std::sqrt(p.stretch2), 2e-15) << nu << " " << z;
+TEST(CubicPatch, SectorsAreExact) {
+  const Patch c = cylinder(2.0, 3.0, 1.2, 5, 3, 3), s = sphere(2.0, 1.1, -0.4, 0.5 * std::numbers::pi, 4, 6, 3),
+              k = cone(2.0, 0.5, 3.0, 0.9, 3, 2, 3);
+  for (double u = 0.0; u <= 1.0; u += 0.1)
+    for (double v = 0.0; v <= 1.0; v += 0.1) {
+      const Vec3 d = k.evaluate({u, v}).x;
+      EXPECT_NEAR(c.evaluate({u, v}).x.head<2>().norm(), 2.0, 1e-14);
+      EXPECT_NEAR(s.evaluate({u, v}).x.norm(), 2.0, 1e-14);
+      EXPECT_NEAR(d.head<2>().norm(), 2.0 - 0.5 * d.z(), 1e-14);
     }
-}
-
-TEST(PlaneStress, FindsTheThicknessHoweverFarTheSheetIsStretched) {
-  for (const double nu : {-0.5, 0.0, 0.3, 0.45, 0.49})
-    for (const double area : {0.6, 1.5, 3.0, 5.0, 20.0}) {
-      const Elasticity e = elasticity(1.0, nu);
-      const PlaneStress<double> p = plane_stress<double>({area, area, 0.0}, {1.0, 1.0, 0.0}, e);
-      const double residual =
-          e.mu * (p.stretch2 - 1.0) + 0.5 * e.lambda * std::log(p.stretch2) + e.lambda * std::log(area);
-      EXPECT_NEAR(residual, 0.0, 1e-13 * (e.mu + std::abs(e.lambda))) << nu << " " << area;
-    }
-}
-
-TEST(PlaneStress, HasTheModuliOfLinearElasticityAtSmallStrain) {
-  const double nu = 0.3, strain = 1e-7;
-  const Elasticity e = elasticity(2e11, nu);
-  const PlaneStress<double> p = plane_stress<double>({1 + 2 * strain, 1, 0}, {1, 1, 0}, e);
-  EXPECT_NEAR(p.s.c11 / strain, 2e11 / (1 - nu * nu), 1e-5 * 2e11);  // O(strain) and round-off / strain
-  EXPECT_NEAR(p.s.c22 / strain, nu * 2e11 / (1 - nu * nu), 1e-5 * 2e11);
 }

@@ -1,11 +1,10 @@
 // Patches of degree 3. What holds for any degree is tested on quadratic patches in the other files.
-#include <numbers>
-#include <random>
+#include <algorithm>
+#include <cmath>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "coupler/core/error.h"
-#include "shell/geometry/builders.h"
 #include "shell/io/probes.h"
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
@@ -21,12 +20,6 @@ using namespace sunder::shell;
 
 namespace {
 
-// Unequal weights, unequal knots, one of them double, and curvature.
-Patch cubic_patch() {
-  return rational_patch(KnotVector({0, 0, 0, 0, 0.3, 0.5, 0.5, 1, 1, 1, 1}, 3, "u"),
-                        KnotVector({0, 0, 0, 0, 0.4, 1, 1, 1, 1}, 3, "v"));
-}
-
 Patch cubic_plate(int across, int along) { return plate(0.5, 0.4, across, along, Vec3::Zero(), Quat::Identity(), 3); }
 
 double largest_force(const ShellState& s) {
@@ -36,108 +29,6 @@ double largest_force(const ShellState& s) {
 }
 
 }  // namespace
-
-TEST(CubicBasis, SumsToOneReproducesLinesAndHasTheDerivativesOfItsValues) {
-  const KnotVector k({-1, -1, -1, -1, -0.2, 0.1, 0.1, 0.7, 2, 2, 2, 2}, 3, "k");
-  ASSERT_EQ(k.control_points(), 8);
-  const double e = 1e-4;
-  for (int span = 0; span < k.spans(); ++span) {
-    if (k.span_length(span) == 0.0) continue;
-    for (const double share : {0.0, 0.1, 0.5, 0.93, 1.0}) {
-      const double u = k.span_begin(span) + share * k.span_length(span);
-      // the polynomials of a span go on beyond it, so that its ends can be tested too
-      const Basis b = k.basis(span, u), low = k.basis(span, u - e), high = k.basis(span, u + e);
-      double sum = 0.0, first = 0.0, second = 0.0, line = 0.0;
-      for (int i = 0; i < 4; ++i) {
-        EXPECT_GE(b.value[i], -1e-30);  // at a span's end a knot may be missed by round-off
-        sum += b.value[i], first += b.first[i], second += b.second[i], line += b.value[i] * k.greville(span + i);
-        // central differences of cubics: exact to e^2 of the third derivative, below 6/0.3^3, and round-off
-        EXPECT_NEAR(b.first[i], (high.value[i] - low.value[i]) / (2 * e), 1e-6);
-        EXPECT_NEAR(b.second[i], (high.first[i] - low.first[i]) / (2 * e), 1e-9);
-      }
-      EXPECT_NEAR(sum, 1.0, 1e-15);
-      EXPECT_NEAR(first, 0.0, 1e-13);
-      EXPECT_NEAR(second, 0.0, 1e-12);
-      EXPECT_NEAR(line, u, 1e-15);
-    }
-  }
-  // across the double knot slopes are continuous, across a simple one curvature too
-  const auto jump = [&](int left, int right, auto member) {
-    const double u = k.span_begin(right);
-    double most = 0.0;
-    for (int i = 0; i < k.control_points(); ++i) {
-      const auto at = [&](int span) {
-        return i < span || i > span + 3 ? 0.0 : (k.basis(span, u).*member)[static_cast<std::size_t>(i - span)];
-      };
-      most = std::max(most, std::abs(at(left) - at(right)));
-    }
-    return most;
-  };
-  EXPECT_LT(jump(0, 1, &Basis::second), 1e-12);
-  EXPECT_LT(jump(1, 3, &Basis::first), 1e-13);
-  EXPECT_GT(jump(1, 3, &Basis::second), 1.0);
-}
-
-TEST(CubicBasis, RefusesOtherDegreesAndKnotsThatAreNotOpenOrFold) {
-  EXPECT_THROW(KnotVector({0, 0, 0, 0, 0, 1, 1, 1, 1, 1}, 4, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 1, 1}, 1, "u"), Error);
-  EXPECT_THROW(KnotVector({0, 0, 0, 1, 1, 1}, 3, "u"), Error);                       // too few
-  EXPECT_THROW(KnotVector({0, 0, 0, 0.5, 1, 1, 1, 1}, 3, "u"), Error);               // not open
-  EXPECT_THROW(KnotVector({0, 0, 0, 0, 0.5, 0.5, 0.5, 1, 1, 1, 1}, 3, "u"), Error);  // a fold
-  EXPECT_THROW(KnotVector({0, 0, 0, 0, 0, 1, 1, 1, 1}, 3, "u"), Error);              // one too many at the end
-  EXPECT_NO_THROW(KnotVector({0, 0, 0, 0, 0.5, 0.5, 1, 1, 1, 1}, 3, "u"));
-  Patch mixed{KnotVector::uniform(2, 1.0, 3), KnotVector::uniform(2, 1.0, 2), {}, {}};
-  mixed.control_points.assign(20, Vec3::Zero()), mixed.weights.assign(20, 1.0);
-  EXPECT_THROW(validate(mixed, "patch"), Error);
-}
-
-TEST(CubicPatch, DerivativesAreThoseOfItsPosition) {
-  const Patch p = cubic_patch();
-  const double e = 1e-5;
-  for (const Vec2& q : {Vec2(0.11, 0.7), Vec2(0.41, 0.21), Vec2(0.83, 0.55)}) {
-    const auto at = [&](double du, double dv) { return p.evaluate(q + Vec2(du, dv)).x; };
-    const SurfacePoint s = p.evaluate(q);
-    // as for quadratic patches: truncation 1e-10 of third derivatives, round-off 1e-16 / e^2 = 1e-6
-    EXPECT_LT((s.u - (at(e, 0) - at(-e, 0)) / (2 * e)).norm(), 1e-8);
-    EXPECT_LT((s.motion.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-8);
-    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.motion.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
-    EXPECT_LT((s.vv - (at(0, e) - 2 * s.motion.x + at(0, -e)) / (e * e)).norm(), 2e-5);
-    EXPECT_LT((s.uv - (at(e, e) - at(e, -e) - at(-e, e) + at(-e, -e)) / (4 * e * e)).norm(), 2e-5);
-  }
-}
-
-TEST(CubicPatch, ElevatedIsTheSameSurface) {
-  const Patch quadratic = revolved({Vec2(1.0, 0.0), Vec2(0.9, 0.7), Vec2(0.3, 1.0)}, {1.0, 0.8, 1.3}, 1.7);
-  const Patch cubic = elevated(quadratic), fine = refined(cubic, 5, 3);
-  EXPECT_EQ(cubic.degree(), 3);
-  EXPECT_EQ(fine.columns(), 8);
-  EXPECT_EQ(fine.rows(), 6);
-  for (double u = 0.0; u <= 1.0; u += 0.125)
-    for (double v = 0.0; v <= 1.0; v += 0.125) {
-      const SurfacePoint a = quadratic.evaluate({u, v});
-      for (const Patch* p : {&cubic, &fine}) {
-        const SurfacePoint b = p->evaluate({u, v});
-        EXPECT_LT((a.x - b.x).norm(), 1e-14);
-        EXPECT_LT((a.u - b.u).norm() + (a.v - b.v).norm(), 1e-13);
-        EXPECT_LT((a.uu - b.uu).norm() + (a.uv - b.uv).norm() + (a.vv - b.vv).norm(), 1e-11);
-      }
-    }
-  EXPECT_THROW(elevated(cubic), Error);
-  EXPECT_THROW(elevated(refined(quadratic, 2, 1)), Error);
-  EXPECT_THROW(cylinder(1.0, 1.0, 1.0, 4, 4, 4), Error);
-}
-
-TEST(CubicPatch, SectorsAreExact) {
-  const Patch c = cylinder(2.0, 3.0, 1.2, 5, 3, 3), s = sphere(2.0, 1.1, -0.4, 0.5 * std::numbers::pi, 4, 6, 3),
-              k = cone(2.0, 0.5, 3.0, 0.9, 3, 2, 3);
-  for (double u = 0.0; u <= 1.0; u += 0.1)
-    for (double v = 0.0; v <= 1.0; v += 0.1) {
-      const Vec3 d = k.evaluate({u, v}).x;
-      EXPECT_NEAR(c.evaluate({u, v}).x.head<2>().norm(), 2.0, 1e-14);
-      EXPECT_NEAR(s.evaluate({u, v}).x.norm(), 2.0, 1e-14);
-      EXPECT_NEAR(d.head<2>().norm(), 2.0 - 0.5 * d.z(), 1e-14);
-    }
-}
 
 TEST(CubicShell, WeighsWhatItIsAndHasPositiveMasses) {
   const ShellModel m = make_shell("p", cubic_plate(7, 5), 0.004, glass(), 2, 3, {});

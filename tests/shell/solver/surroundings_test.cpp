@@ -1,175 +1,133 @@
-// What a crack that starts has about it: how far its line is free, and what is stored in its own ground.
+// What surrounds a point near cracks: kept between two looks, it is what a whole look would find.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <random>
+#include <utility>
+#include <vector>
 
 #include <gtest/gtest.h>
 
-#include "shell/solver/cracking/nucleation.h"
-#include "shell/solver/cracking/tip_drive.h"
-#include "shell/solver/forces.h"
 #include "shell/solver/surroundings.h"
-#include "tests/shell/critical_sheet.h"
+#include "tests/shell/fixtures.h"
+#include "tests/shell/wanderers.h"
 
 using namespace sunder;
 using namespace sunder::shell;
 
 namespace {
 
-ShellModel sheet(int degree = 2) {
-  return make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity(), degree), 0.004, glass(), 2, degree,
-                    {});
+constexpr double kParallel = 0.85;
+
+void expect_same(const std::vector<SeenPoint>& a, const std::vector<SeenPoint>& b) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t k = 0; k < a.size(); ++k)
+    ASSERT_TRUE(a[k].block == b[k].block && a[k].lane == b[k].lane && a[k].offset == b[k].offset &&
+                a[k].angle == b[k].angle && a[k].weight == b[k].weight);
 }
 
 }  // namespace
 
-TEST(Ground, LinesEndAtCracksAndAtTheBorder) {
-  const ShellModel m = sheet();  // 0.2 m
-  ShellState s = make_state(m, Vec3::Zero(), 1);
-  const Vec2 p(0.08, 0.11), along = Vec2(3, 4).normalized();
-  const FlawLine alone = line_through(m, s.cracks.graph, p, along, 0.02);
-  EXPECT_EQ(alone.ahead, 0.02);
-  EXPECT_EQ(alone.behind, 0.02);
-  const FlawLine whole = line_through(m, s.cracks.graph, p, along, 1e9);
-  EXPECT_NEAR(whole.ahead, 0.09 / 0.8, 1e-12);  // to v = 0.2
-  EXPECT_NEAR(whole.behind, 0.08 / 0.6, 1e-12);
-  const auto crack = [&](const Vec2& a, const Vec2& b) {
-    s.cracks.graph.add_edge(s.cracks.graph.add_vertex(a), s.cracks.graph.add_vertex(b), s.cracks.graph.new_crack(), 0.0,
-                            1);
-  };
-  crack({0.14, 0.02}, {0.14, 0.2});  // crosses ahead at 0.1 m
-  crack({0.1, 0.12}, {0.13, 0.14});  // beside
-  crack({0.11, 0.1}, {0.11, 0.16});  // crosses ahead at 0.05 m
-  crack({0.02, 0.08}, {0.1, 0.08});  // behind at 0.03 / 0.8 m
-  const FlawLine between = line_through(m, s.cracks.graph, p, along, 1.0);
-  EXPECT_NEAR(between.ahead, 0.05, 1e-12);
-  EXPECT_NEAR(between.behind, 0.0375, 1e-12);
-  EXPECT_EQ(between.length(), between.ahead + between.behind);
-  EXPECT_EQ(line_through(m, s.cracks.graph, p, along, 0.03).length(), 0.06);
-  crack({0.1, 0.01}, {0.13, 0.01});  // on its line ahead, beside it and over it
-  EXPECT_NEAR(line_through(m, s.cracks.graph, {0.04, 0.01}, {1.0, 0.0}, 0.1).ahead, 0.06, 0.01 * m.spacing);
-  EXPECT_EQ(line_through(m, s.cracks.graph, {0.04, 0.01}, {-1.0, 0.0}, 0.03).ahead, 0.03);
-  EXPECT_EQ(line_through(m, s.cracks.graph, {0.04, 0.0101}, {1.0, 0.0}, 0.1).ahead, 0.1);
-  EXPECT_EQ(line_through(m, s.cracks.graph, {0.11, 0.01}, {1.0, 0.0}, 0.1).length(), 0.0);
-}
-
-// Stress is written into the points, as no sheet need bear it.
-TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
-  for (const int degree : {2, 3}) {
-    const ShellModel m = sheet(degree);
-    ShellState s = make_state(m, Vec3::Zero(), 1);
-    const Vec2 p(0.1, 0.1), u(1, 0), v(0, 1);
-    const double radius = 0.06, bent = 1e14 / 3.0;       // to 10 MPa
-    const auto fill = [&](double below, auto&& above) {  // across v, on the lower face a share of the upper's
-      for (int q = 0; q < m.tables.blocks(); ++q)
-        for (int lane = 0; lane < m.tables.spans_u; ++lane)
-          for (int k = 0; k < 6; ++k)
-            s.layers.surface_stress[m.tables.at(q, 6, k, lane)] =
-                k % 3 == 1 ? (k < 3 ? below : 1.0) * above(gauss_point(m.patch, m.tables, q, lane).parameter) : 0.0;
-    };
-    const auto stored = [&](int face, const Vec2& along, double even) {
-      OwnGround own;
-      return stored_in_ground(m, s, own, radius, p, along, face, even);
-    };
-    const auto everywhere = [](const Vec2&) { return 12e6; };
-    fill(-1.0, everywhere);
-    EXPECT_NEAR(stored(1, u, bent), 1.44, 1e-9);
-    EXPECT_EQ(stored(-1, u, bent), 0.0);  // pressed
-    EXPECT_EQ(stored(1, v, bent), 0.0);   // nothing opens it
-    fill(1.0, everywhere);                // stretched, it stores three times as much
-    EXPECT_NEAR(stored(1, u, bent), 3.0 * 1.44, 1e-9);
-    EXPECT_NEAR(stored(1, u, stored_by(10e6, 0.0)), 1.44, 1e-9);
-    fill(0.0, everywhere);  // half and half
-    EXPECT_NEAR(stored(1, u, stored_by(5e6, 5e6)), 1.44, 1e-9);
-    fill(-11.0, everywhere);  // pulled by 12 MPa on its face, though all in all it is pressed
-    EXPECT_NEAR(stored(1, u, bent), 1.44, 1e-9);
-    fill(-1.0 / 3.0, everywhere);  // 4 MPa stretch it, 8 bend it
-    EXPECT_NEAR(stored(1, u, 1e14), 0.16 + 0.64 / 3.0, 1e-9);
-    // in a strip of half the circle's width, and half as much beyond, which is pressed on one side
-    fill(-1.0, [&](const Vec2& q) {
-      return std::abs(q.y() - p.y()) < 0.5 * radius ? 12e6 : q.y() > p.y() ? 6e6 : -6e6;
-    });
-    const double strip = (2.0 * std::asin(0.5) + std::sqrt(0.75)) / std::numbers::pi;
-    EXPECT_NEAR(stored(1, u, bent), 1.44 * strip + 0.36 * 0.5 * (1.0 - strip), 0.03);
-    if (degree == 3) {  // in the middle row of each element, which has 4 / 9 of it
-      fill(-1.0, [&](const Vec2& q) { return std::abs(std::fmod(q.y(), 0.01) - 0.005) < 1e-3 ? 12e6 : 0.0; });
-      EXPECT_NEAR(stored(1, u, bent), 1.44 * 4.0 / 9.0, 0.01);
+TEST(NearCracks, KeptWhileCracksGrowAreThoseFoundAnew) {
+  std::mt19937_64 random(7);
+  std::uniform_real_distribution<double> uniform(0.0, 0.2);
+  const double reach = 0.025, clearance = 0.02;
+  CrackGraph g({0, 0}, {0.2, 0.2}, 0.02, 1e-4);
+  std::vector<Vec2> points;
+  for (int i = 0; i < 80; ++i) points.emplace_back(uniform(random), uniform(random));
+  std::vector<NearCracks> kept(points.size());
+  int shielded = 0, open = 0;
+  for (int step = 0; step < 40; ++step) {
+    for (int k = 0; k < 12; ++k) {
+      const Vec2 a(uniform(random), uniform(random)), d(uniform(random) - 0.1, uniform(random) - 0.1);
+      const int from = g.add_vertex(a);
+      g.add_edge(from, g.add_vertex(a + 0.01 * d.normalized()), g.new_crack(), 0.0, 0);
     }
-    // of what a crack relieves nothing counts
-    const double below = 0.07;
-    const int from = s.cracks.graph.add_vertex({0.0, below}), to = s.cracks.graph.add_vertex({0.2, below});
-    s.cracks.graph.add_edge(from, to, s.cracks.graph.new_crack(), 0.0, 1);
-    OwnGround own;
-    const double share = own.share(m, s.cracks.graph, p, radius);
-    const double past = 0.012;  // where it ends by its middle line a sector's sides reach so much further
-    EXPECT_LT(share, 0.8);
-    fill(-1.0, [&](const Vec2& q) { return (q - p).norm() > std::abs(q.y() - below) + past ? 1e12 : 12e6; });
-    EXPECT_NEAR(stored(1, u, bent), 1.44 * share, 1e-9);
-  }
-}
-
-// Every so many elements of a large circle tell what all of them do.
-TEST(Ground, StoredInALargeGroundIsTheSame) {
-  const ShellModel m = sheet_that_needs(6.0);  // 40 x 40
-  ShellState s = make_state(m, Vec3::Zero(), 1);
-  for (int q = 0; q < m.tables.blocks(); ++q)
-    for (int lane = 0; lane < m.tables.spans_u; ++lane) {
-      const Vec2 p = gauss_point(m.patch, m.tables, q, lane).parameter;
-      s.layers.surface_stress[m.tables.at(q, 6, 3, lane)] =
-          10e6 * std::cos(8.0 * (p.x() - 0.1)) * std::cos(8.0 * (p.y() - 0.1));
-      s.layers.surface_stress[m.tables.at(q, 6, 0, lane)] = -s.layers.surface_stress[m.tables.at(q, 6, 3, lane)];
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const std::vector<SeenEdge>& seen = kept[i].seen(g, points[i], reach, clearance, kParallel);
+      std::vector<SeenEdge> all;
+      for (int e = 0; e < static_cast<int>(g.edges().size()); ++e) {
+        Vec2 foot;
+        const double distance = g.distance(points[i], e, foot);
+        if (distance < reach && g.visible(points[i], foot + 0.02 * (points[i] - foot), e))
+          all.push_back({distance, foot, (g.edges()[e].b - g.edges()[e].a).normalized()});
+      }
+      ASSERT_EQ(seen.size(), all.size()) << "step " << step << ", point " << i;
+      for (std::size_t k = 0; k < all.size(); ++k) {
+        EXPECT_EQ(seen[k].distance, all[k].distance);
+        EXPECT_EQ(seen[k].foot, all[k].foot);
+        EXPECT_EQ(seen[k].along, all[k].along);
+      }
+      int unshielded = 0;  // of directions
+      for (int angle = 0; angle < 3600; ++angle) {
+        const Vec2 d(std::cos(angle * std::numbers::pi / 3600), std::sin(angle * std::numbers::pi / 3600));
+        unshielded += std::none_of(all.begin(), all.end(), [&](const SeenEdge& e) {
+          return e.distance < clearance && std::abs(e.along.dot(d)) > kParallel;
+        });
+      }
+      EXPECT_EQ(kept[i].shield_all(), unshielded == 0) << "step " << step << ", point " << i;
+      ++(kept[i].shield_all() ? shielded : open);
     }
-  for (const double radius : {0.03, 0.09}) {  // 6 and 18 spacings: all, every other
-    double sum = 0.0;
-    int all = 0;
-    for (double x = -radius; x <= radius; x += radius / 200)
-      for (double y = -radius; y <= radius; y += radius / 200) {
-        if (std::hypot(x, y) > radius) continue;
-        sum += std::pow(std::cos(8.0 * x) * std::cos(8.0 * y), 2), ++all;
-      }
-    OwnGround own;
-    EXPECT_NEAR(stored_in_ground(m, s, own, radius, {0.1, 0.1}, {0.0, 1.0}, 1, 1e14 / 3.0), sum / all, 0.02) << radius;
   }
+  EXPECT_GT(shielded, 100);
+  EXPECT_GT(open, 100);
 }
 
-// A crack needs a line of 12 spacings at the strength, 10 MPa times a share of it, and what is stored in a circle of as
-// many about it; half of both at the border.
-TEST(Ground, StartOnlyWhereTheirGroundStoresTheEnergy) {
-  struct Sheet {
-    double half_width, stress, beside;                   // of a strip along v [m], in it and beside it [Pa]
-    double weak_from = 1.0, weak_to = 1.0, share = 1.0;  // off its middle line [m], of the strength
-    bool border_only = false;                            // elsewhere nothing breaks
-  };
-  const auto starts = [](const Sheet& sheet) {
-    ShellModel m = sheet_that_needs(6.0);
-    const auto at = [&](int q, int lane) { return gauss_point(m.patch, m.tables, q, lane).parameter; };
-    m.strength_factor.assign(static_cast<std::size_t>(m.tables.blocks()) * m.tables.lanes, 1.0f);
-    for (int q = 0; q < m.tables.blocks(); ++q)
-      for (int lane = 0; lane < m.tables.spans_u; ++lane) {
-        const double off = std::abs(at(q, lane).x() - 0.1);
-        if (off >= sheet.weak_from && off < sheet.weak_to)
-          m.strength_factor[m.tables.at(q, 1, 0, lane)] = static_cast<float>(sheet.share);
+TEST(Surroundings, AreTheSameWhetherKeptOrFoundAnew) {
+  const ShellModel m = wandered_sheet();
+  Wanderers w{m, {Vec2::Zero(), Vec2(kSide, kSide), 0.02, 1e-4}, std::mt19937_64(3)};
+  std::vector<std::pair<Look, Surroundings>> kept;
+  for (int k = 0; k < 40; ++k) {
+    const double angle = w.uniform(0.0, 2.0 * std::numbers::pi);
+    kept.push_back({{{w.uniform(0.0, kSide), w.uniform(0.0, kSide)},
+                     2.5 * m.spacing,
+                     k % 2 ? Vec2(std::cos(angle), std::sin(angle)) : Vec2(Vec2::Zero()),
+                     k % 4 == 1 ? k : -1},
+                    {}});
+  }
+  w.start();
+  std::vector<std::size_t> uncracked;
+  for (auto& [look, known] : kept) uncracked.push_back(known.seen(m, w.graph, look).size());
+  int hidden = 0;
+  for (int step = 0; step < 400; ++step) {
+    w.step();
+    if (step % 7 != 0) continue;
+    for (std::size_t i = 0; i < kept.size(); ++i) {
+      auto& [look, known] = kept[i];
+      expect_same(known.seen(m, w.graph, look), Surroundings().seen(m, w.graph, look));
+      if (step > 390) hidden += 2 * known.seen(m, w.graph, look).size() < uncracked[i];
+    }
+  }
+  EXPECT_GT(hidden, 20U);              // cracks did hide some
+  auto& [look, known] = kept.front();  // another look is no old one
+  look.p += Vec2(0.013, 0.004);
+  expect_same(known.seen(m, w.graph, look), Surroundings().seen(m, w.graph, look));
+}
+
+TEST(Neighbours, AreWhatSurroundsAPointWhetherKeptOrFoundAnew) {
+  const ShellModel m = wandered_sheet();
+  Wanderers w{m, {Vec2::Zero(), Vec2(kSide, kSide), 0.02, 1e-4}, std::mt19937_64(5)};
+  std::vector<std::pair<Vec2, Neighbours>> kept;
+  for (int k = 0; k < 40; ++k) kept.push_back({{w.uniform(0.0, kSide), w.uniform(0.0, kSide)}, {}});
+  w.start();
+  std::size_t most = 0, least = 1000000;
+  for (int step = 0; step < 400; ++step) {
+    w.step();
+    if (step % 7 != 0) continue;
+    for (auto& [p, known] : kept) {
+      // now a larger circle, now the first again
+      const double radius = (step % 91 == 0 ? 3.5 : 2.5) * m.spacing;
+      const auto& near = known.seen(m, w.graph, p, radius);
+      Surroundings anew;
+      const auto& around = anew.seen(m, w.graph, {p, radius});
+      ASSERT_EQ(near.size(), around.size());
+      most = std::max(most, near.size()), least = std::min(least, near.size());
+      for (std::size_t i = 0; i < near.size(); ++i) {
+        EXPECT_EQ(near[i].block, around[i].block);
+        EXPECT_EQ(near[i].lane, around[i].lane);
+        EXPECT_EQ(near[i].weight, around[i].weight);
       }
-    ShellState s = make_state(m, Vec3::Zero(), 1);
-    compute_forces(m, s, false, 1.0, 1);
-    s.caches.over.assign(s.caches.over.size(), 1);
-    for (int q = 0; q < m.tables.blocks(); ++q)
-      for (int lane = 0; lane < m.tables.spans_u; ++lane) {
-        const Vec2 p = at(q, lane);
-        const double stress = std::abs(p.x() - 0.1) < sheet.half_width ? sheet.stress : sheet.beside;
-        for (int k = 0; k < 6; ++k) s.layers.surface_stress[m.tables.at(q, 6, k, lane)] = k % 3 == 0 ? stress : 0.0;
-        if (sheet.border_only && p.y() > 0.005) s.layers.strength[m.tables.at(q, 1, 0, lane)] = 1e12;
-      }
-    const CrackRules r = make_crack_rules(m, 0.0);
-    const double half_length = critical_length(m.material, 10e6, 1.0, 0.0);
-    EXPECT_TRUE(opens_along(m, s, r, line_through(m, s.cracks.graph, {0.1, 0.1}, {0.0, 1.0}, half_length), 1,
-                            {half_length, 10e6, 1.0}, 0.0));
-    std::uint64_t random = 1;
-    return nucleate(m, s, r, 0.0, random) > 0;
-  };
-  EXPECT_TRUE(starts({0.045, 12e6, 0.0}));                     // 1.23 times the energy
-  EXPECT_FALSE(starts({0.02, 12e6, 0.0}));                     // 0.6 times, though the line is as long
-  EXPECT_TRUE(starts({1.0, 12e6, 0.0, 1.0, 1.0, 1.0, true}));  // 0.72 times for half a line
-  // a weak line takes less, and has what all about it stores; what is weak beside a line stores no more for that
-  EXPECT_TRUE(starts({1.0, 6e6, 0.0, 0.0, 0.01, 0.5}));
-  EXPECT_FALSE(starts({0.03, 12e6, 1.9e6, 0.03, 1.0, 0.2}));
+    }
+  }
+  EXPECT_LT(3 * least, most);  // cracks did hide some
 }

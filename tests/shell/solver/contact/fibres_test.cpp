@@ -1,11 +1,15 @@
-// Shear and compression through the thickness: the law, the grid that layers share, what control points feel.
+// Shells with fibres: what control points feel, and what that costs.
+#include <algorithm>
 #include <cmath>
 #include <random>
+#include <string>
+#include <vector>
 
 #include <gtest/gtest.h>
+#include <Eigen/Dense>
 
 #include "coupler/core/error.h"
-
+#include "shell/solver/contact/fibres.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/pile.h"
 
@@ -15,10 +19,6 @@ using namespace sunder::shell;
 namespace {
 
 const FibreLaw kLaw{3e5, 2e5, 0.4};
-
-double uniform(std::mt19937_64& random, double low, double high) {
-  return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
-}
 
 ShellModel sheet(double size, int elements, const Vec3& at, const Quat& turn = Quat::Identity(),
                  double thickness = 0.01) {
@@ -60,109 +60,6 @@ Felt felt(Pile& l) {
 }
 
 }  // namespace
-
-TEST(FibreLaw, ReturnsToTheConeExactly) {
-  std::mt19937_64 random(1);
-  int inside = 0, beyond = 0, slipped = 0;
-  for (int i = 0; i < 100000; ++i) {
-    const Vec3 a(uniform(random, -0.5, 0.5), uniform(random, -0.5, 0.5), uniform(random, 0.1, 1.2));
-    const Vec3 b = fibre_return(kLaw, a);
-    const double shear = a.head<2>().norm(), most = kLaw.friction * kLaw.compression * (1.0 - a.z()) * (1.0 - a.z());
-    if (a.z() > 1.0) {
-      EXPECT_EQ(b, Vec3::UnitZ());
-      ++beyond;
-    } else if (kLaw.shear * shear <= most) {
-      EXPECT_EQ(b, a);
-      ++inside;
-    } else {
-      EXPECT_NEAR(kLaw.shear * b.head<2>().norm(), most, 1e-14 * kLaw.shear);
-      EXPECT_EQ(b.z(), a.z());
-      EXPECT_NEAR(b.x() * a.y(), b.y() * a.x(), 1e-16);  // the same direction
-      ++slipped;
-    }
-    EXPECT_LE(fibre_energy(kLaw, b), fibre_energy(kLaw, a) * (1.0 + 1e-15));
-    const Vec3 again = fibre_return(kLaw, b);  // but for round-off of a division
-    EXPECT_LT((again - b).norm(), 1e-15);
-  }
-  EXPECT_GT(std::min({inside, beyond, slipped}), 1000);
-}
-
-TEST(FibreLaw, StressIsTheGradientOfEnergy) {
-  std::mt19937_64 random(2);
-  constexpr double kEps = 1e-5;  // central differences: error eps^2 k/3, and round-off 1e-16/eps of the energy
-  for (int i = 0; i < 1000; ++i) {
-    const Vec3 a(uniform(random, -0.5, 0.5), uniform(random, -0.5, 0.5), uniform(random, 0.1, 1.2));
-    Vec3 slope;
-    for (int d = 0; d < 3; ++d)
-      slope[d] =
-          (fibre_energy(kLaw, a + kEps * Vec3::Unit(d)) - fibre_energy(kLaw, a - kEps * Vec3::Unit(d))) / (2.0 * kEps);
-    EXPECT_LT((slope - fibre_stress(kLaw, a)).norm(), 1e-9 * kLaw.compression);
-  }
-}
-
-TEST(FibreGrid, LayersHaveTheGradientBetweenThemAtAnySpacing) {
-  for (const double spacing : {0.02, 0.05, 0.2}) {
-    FibreGrid grid(spacing, {{1, 0}, {0, 1}});
-    std::vector<LayerSample> samples;
-    for (int i = 0; i < 60; ++i)
-      for (int j = 0; j < 60; ++j)
-        for (const int shell : {0, 1}) {
-          LayerSample q;
-          q.x = q.rest = Vec3(0.01 * i, 0.01 * j, 0.0137 + 0.009 * shell);
-          q.v = Vec3(3.0 * shell, 0, -2.0 * shell);
-          q.normal = Vec3::UnitZ(), q.gradient = Mat3::Zero();
-          q.mass = shell == 0 ? 1.0 : 0.3, q.area = 1e-4, q.thickness = 0.01, q.shell = shell;
-          samples.push_back(q);
-        }
-    ASSERT_TRUE(grid.find(samples));
-    const LayerSample &low = samples[2 * (30 * 60 + 30)], &high = samples[2 * (30 * 60 + 30) + 1];
-    EXPECT_EQ(low.share[0], 0.0);
-    EXPECT_EQ(high.share[1], 0.0);
-    // spread of 2 % of the thickness against a variance of m1 m2 / (m1 + m2)^2 d^2: 0.0028; nodes that only one layer
-    // reaches have (d/h)^2 / 2 of its weight, and those that one of them nearly leaves have some
-    const double exact = 1.0 / 0.009, near = 0.003 + 0.7 * std::pow(0.009 / spacing, 2);
-    for (const Mat3& l : {low.together[1], high.together[0]}) {
-      EXPECT_NEAR(l(2, 2), -2.0 * exact, 2.0 * exact * near) << spacing;
-      EXPECT_NEAR(l(0, 2), 3.0 * exact, 3.0 * exact * near) << spacing;
-    }
-  }
-}
-
-TEST(FibreGrid, ALayerBetweenTwoOthersIsPressedByOneAndLeavesTheOther) {
-  FibreGrid grid(0.05, {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}});
-  std::vector<LayerSample> samples;
-  for (int i = 0; i < 30; ++i)
-    for (int j = 0; j < 30; ++j)
-      for (const int shell : {0, 1, 2}) {
-        LayerSample q;
-        q.x = q.rest = Vec3(0.02 * i, 0.02 * j, 0.0137 + 0.009 * shell);
-        q.v = Vec3(0, 0, shell == 1 ? 1.0 : 0.0);
-        q.normal = Vec3::UnitZ(), q.gradient = Mat3::Zero();
-        q.mass = 1.0, q.area = 4e-4, q.thickness = 0.01, q.shell = shell;
-        samples.push_back(q);
-      }
-  ASSERT_TRUE(grid.find(samples));
-  const LayerSample& middle = samples[3 * (15 * 30 + 15) + 1];
-  const double exact = 1.0 / 0.009, near = 0.002 + 0.7 * std::pow(0.009 / 0.05, 2);  // as above
-  EXPECT_NEAR(middle.together[0](2, 2), exact, near * exact);
-  EXPECT_NEAR(middle.together[1](2, 2), -exact, near * exact);
-}
-
-TEST(FibreGrid, WhatIsFurtherApartThanItsThicknessDoesNotKnowOfIt) {
-  for (const double gap : {-1e-6, 1e-6}) {
-    FibreGrid grid(0.1, {{1, 0}, {0, 1}});
-    std::vector<LayerSample> samples;
-    for (const int shell : {0, 1}) {
-      LayerSample q;
-      q.x = q.rest = Vec3(0.01, 0.02, (0.01 + gap) * shell);
-      q.v = Vec3(0, 0, -2.0 * shell);
-      q.normal = Vec3::UnitZ(), q.gradient = Mat3::Zero();
-      q.mass = 1.0, q.area = 1e-4, q.thickness = 0.01, q.shell = shell;
-      samples.push_back(q);
-    }
-    EXPECT_EQ(grid.find(samples), gap < 0.0);
-  }
-}
 
 TEST(Fibres, ForcesHaveNeitherSumNorTorque) {
   Pile l;

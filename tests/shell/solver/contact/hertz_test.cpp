@@ -1,13 +1,13 @@
 // Bodies against a shell: Hertz contact.
+#include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <vector>
 
 #include <gtest/gtest.h>
 
 #include "coupler/core/error.h"
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/contact/rigid_contact.h"
-#include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/stepping/kick_drift.h"
@@ -136,29 +136,4 @@ TEST(HertzContact, DoesNotReachAcrossACrack) {
 TEST(HertzContact, ApproachIsThatOfTheEnergy) {
   const double d = hertz_approach(0.3, 1e9, 2.0);
   EXPECT_NEAR(0.4 * 1e9 * std::pow(d, 2.5), 0.5 * 0.3 * 4.0, 1e-12);
-}
-
-// Of a prism with few corners and with many, which take another way to its faces.
-TEST(Proxy, OfAPrismIsAsFarAsItsFaces) {
-  for (const int n : {3, 7, 12, 13, 40, 300}) {
-    const double inner = std::cos(std::numbers::pi / n), half = 0.05;  // of a ring of radius 1
-    ConvexShape shape;
-    shape.parts.emplace_back();
-    for (int k = 0; k < n; ++k)
-      for (const double z : {-half, half})
-        shape.parts[0].emplace_back(std::cos(2.0 * k * std::numbers::pi / n), std::sin(2.0 * k * std::numbers::pi / n),
-                                    z);
-    RigidBody b;
-    b.shape = shape;
-    const Proxy prism(b);
-    EXPECT_NEAR(prism.distance(Vec3::Zero()).value, -half, 1e-9) << n;
-    EXPECT_NEAR(prism.distance(Vec3(0.1, -0.2, 0.15)).value, 0.1, 1e-9) << n;
-    for (int k = 0; k < n; ++k) {  // before the middle of each face
-      const double angle = (2 * k + 1) * std::numbers::pi / n;
-      const Vec3 way(std::cos(angle), std::sin(angle), 0.0);
-      const Proxy::Distance d = prism.distance((inner + 0.3) * way);
-      EXPECT_NEAR(d.value, 0.3, 1e-9) << n;
-      EXPECT_LT((d.normal - way).norm(), 1e-6) << n;
-    }
-  }
 }

@@ -7,6 +7,8 @@
 #include "shell/mechanics/principal.h"
 #include "shell/solver/cracking/tip_drive.h"
 #include "shell/solver/forces.h"
+#include "shell/solver/surroundings.h"
+#include "tests/shell/critical_sheet.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -71,4 +73,34 @@ TEST(TipDrive, TurnsNoFurtherThanItMayAndOnlyThenByThat) {
     EXPECT_NEAR(drive_of(angle, angle + sign * 30.0 * kDegree, -1.0, most).ratio, bent * std::pow(std::cos(away), 2),
                 3e-3 * bent);
   }
+}
+
+TEST(CriticalLength, IsGriffithsStretchedAndThatOfWilliamsFieldBent) {
+  ShellMaterial m = glass();
+  m.youngs_modulus = 70e9, m.poisson_ratio = 0.22, m.fracture_energy = 8.0;
+  EXPECT_NEAR(critical_length(m, 60e6, 2.0, 0.0), 4.95149e-5, 1e-10);
+  EXPECT_NEAR(critical_length(m, 60e6, 0.0, 3.0), 3.92061e-4, 1e-9);   // 3 (3 + nu) / (1 + nu) times as long
+  EXPECT_NEAR(critical_length(m, 60e6, -1.0, 3.0), 3.92061e-4, 1e-9);  // pressed as well: it opens by bending
+  EXPECT_TRUE(std::isinf(critical_length(m, 60e6, -1.0, 0.0)));
+  // both release energy: half a stress by each
+  EXPECT_NEAR(1.0 / critical_length(m, 60e6, 1.0, 1.0), 0.25 / 4.95149e-5 + 0.25 / 3.92061e-4, 0.1);
+}
+
+// The energy of a sheet per area, h E e^2 / 2 or h E k^2 h^2 / 24 in one direction, times the circle's area is the
+// energy of the crack's faces.
+TEST(GroundRadius, StoresWhatTheCrackCosts) {
+  ShellMaterial m = glass();
+  m.youngs_modulus = 70e9, m.poisson_ratio = 0.22, m.fracture_energy = 8.0;
+  const double strength = 60e6, thickness = 1.3e-3, strain = strength / m.youngs_modulus;
+  const double curvature = 2.0 * strain / thickness;
+  for (const double bent : {0.0, 0.3, 0.7, 1.0}) {
+    const double half_length = critical_length(m, strength, 1.0 - bent, bent);
+    const double radius = ground_radius(m, half_length, 1.0 - bent, bent);
+    const double e = (1.0 - bent) * strain, k = bent * curvature;
+    const double stored = m.youngs_modulus * thickness * (e * e / 2.0 + k * k * thickness * thickness / 24.0);
+    EXPECT_NEAR(std::numbers::pi * radius * radius * stored / (2.0 * half_length * thickness * m.fracture_energy), 1.0,
+                1e-9)
+        << "bent " << bent;
+  }
+  EXPECT_EQ(ground_radius(m, 1e-3, 0.0, 3.0), ground_radius(m, 1e-3, -1.0, 3.0));  // what is pressed drives nothing
 }

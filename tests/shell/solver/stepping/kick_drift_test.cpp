@@ -1,12 +1,19 @@
 // Cracks change the force between two half kicks: what they say they changed, and what the books make of it.
-#include <gtest/gtest.h>
-
+#include <algorithm>
+#include <cmath>
+#include <deque>
 #include <random>
+#include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
 
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/interlock.h"
+#include "shell/solver/state.h"
 #include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
@@ -231,4 +238,33 @@ TEST(Jump, OverASeamItKeepsEnergyAndMomenta) {
   const Stitched::Sums now = s.sums();
   EXPECT_LT((now.momentum - then.momentum).norm(), 1e-13 * now.momentum_scale);
   EXPECT_LT((now.angular - then.angular).norm(), 1e-13 * now.angular_scale);
+}
+
+TEST(Damping, LetsAModeDecayAtItsRate) {
+  ShellMaterial material = glass();
+  material.mass_damping = 400.0, material.stiffness_damping = 2e-6;
+  const Support all{kUMin | kUMax | kVMin | kVMax, false};
+  const ShellModel m =
+      make_shell("p", plate(0.2, 0.2, 12, 12, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {all});
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  // first bending mode of a simply supported square, small: linear
+  for (int i = 0; i < m.control_points(); ++i)
+    if (!m.held[m.tables.slot(i)])
+      s.motion.v[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] =
+          0.1 * std::sin(M_PI * m.parameter[i].x() / 0.2) * std::sin(M_PI * m.parameter[i].y() / 0.2);
+  const double rigidity = 70e9 * std::pow(0.004, 3) / (12 * (1 - 0.22 * 0.22));
+  const double omega = 2 * std::pow(M_PI / 0.2, 2) * std::sqrt(rigidity / (2500 * 0.004));
+  const double dt = 0.5 * stable_step(m, s, 100, 1, false), end = 10 * 2 * M_PI / omega;
+  double energy = 0.0, first = -1.0;
+  for (double time = 0.0; time < end; time += dt) {
+    energy = compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
+    if (first < 0.0) first = energy;
+    const double before = energy + s.book.damping;
+    kick(m, s, Vec3::Zero(), dt), drift(m, s, dt);
+    compute_forces(m, s, false, 0.0, 1);
+    ASSERT_LE(std::abs(before - first), 1e-5 * first);  // booked, but for 1e-10 J of round-off
+  }
+  // energy goes as exp(-(alpha + beta omega^2) t); omega of the grid is within 1 % of the plate's
+  const double rate = 400.0 + 2e-6 * omega * omega;
+  EXPECT_NEAR(std::log(first / energy), rate * end, 0.03 * rate * end);
 }
