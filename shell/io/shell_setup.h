@@ -1,5 +1,5 @@
 #pragma once
-// A shell of a scene with all that decides how it moves and breaks.
+// A shell of a scene with all settings of its motion and fracture.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -11,40 +11,40 @@
 
 namespace sunder::shell {
 
-/// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
-/// crack starts there: a crack that is born within a window must not find the step too large.
+/// Stable step of a shell full of cracks, as a share of the intact shell's. A shell that can crack starts with this
+/// share: cracks may begin within a window, and the step must be stable for them.
 constexpr double kCrackedStep = 0.8;
 
-/// Of the stable step, what a scene may ask for: iteration finds it from above.
+/// Largest share of the stable step that a scene may ask for: iteration approaches the stable step from above.
 constexpr double kMostOfStable = 0.95;
 
 /// A shell of the scene, and how it breaks.
 struct ShellSetup {
   ShellModel model;
-  Vec3 velocity = Vec3::Zero();  // at the start
+  Vec3 velocity = Vec3::Zero();  // initial [m/s]
   std::vector<PrescribedCut> cuts{};
-  double equilibrium = 0.0;    // tolerance of the equilibrium that it starts from; 0: starts as it is
-  bool tips = false;           // cracks find their own way
-  double brittleness = 0.0;    // H of the damage law; 0: no damage
-  bool healing = true;         // of damage, as the stress falls
-  bool extract_cracks = true;  // where damage is complete
+  double equilibrium = 0.0;    // tolerance of the initial equilibrium; 0: starts as given
+  bool tips = false;           // cracks run at tips
+  double brittleness = 0.0;    // H of the damage law [-]; 0: no damage
+  bool healing = true;         // damage falls with the stress
+  bool extract_cracks = true;  // cracks are extracted where damage is complete
   CrackRules rules{};
   TransferRules transfer{};
-  double fibre_spacing = 0.0;   // of the grid, as the scene asks for it [m]
-  std::vector<double> hertz{};  // stiffness of each body against it [N/m^1.5]; 0: impulses
-  bool seam_may_part = false;   // with a shell that can crack
+  double fibre_spacing = 0.0;   // of the fibres' grid, as the scene asks for it [m]
+  std::vector<double> hertz{};  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
+  bool seam_may_part = false;   // a seam with a shell that can crack
 
   bool can_crack() const { return tips || brittleness > 0.0 || !cuts.empty() || seam_may_part; }
 };
 
-/// `field` is that of the shell; stiffnesses of Hertz contacts are left to the caller. Throws Error with the field that
-/// is wrong.
+/// Makes the setup of a shell, except for Hertz stiffnesses, which the caller adds. `field` is the shell's field.
+/// Throws Error with the field that is wrong.
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
-/// Shells that are too thick for a theory without shear through the thickness, in words: some 5 (thickness / width)^2
-/// is missing from deflections (of a square plate, simply supported; Timoshenko and Woinowsky-Krieger, section 39).
-/// Empty where all are thin. The width is the root of the area of all that hangs together by seams.
+/// Returns a warning about shells that are too thick for a theory without transverse shear, or an empty text. Their
+/// deflections are too small by some 5 (thickness / width)^2 (square plate, simply supported; Timoshenko and
+/// Woinowsky-Krieger, section 39). The width is the square root of the area of all shells that seams join.
 std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<Seam>& seams);
-/// A grid that all shells with fibres share must not be too coarse for any of them. Throws Error.
+/// Throws Error where the grid of all fibres is too coarse for this shell.
 void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& shell, std::size_t index, double spacing);
 
 }  // namespace sunder::shell

@@ -12,11 +12,10 @@
 namespace sunder::shell {
 namespace {
 
-// Windows between two measurements of the stable step: what cracks leave of it is a little more than is taken of it,
-// but not always. Every 800 substeps is too late: in a blast one crack then got a quarter of what all release out of
-// nothing.
+// Windows between two measurements of the stable step. The stable step of a cracked shell usually stays above its
+// allowance, but not always. A rare measurement is too late: a growing crack then gains energy.
 constexpr int kMeasureEvery = 4;
-constexpr int kStrainedWindows = 8;  // the same where there is damage
+constexpr int kStrainedWindows = 8;  // interval [windows] of a measurement at damaged points
 
 }  // namespace
 
@@ -77,7 +76,8 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
     const Proxy& p = proxies[i];
     const double speed = p.body.motion.velocity.norm() + gravity.norm() * window + shell_speed;
     if (space.exteriorDistance(p.body.motion.position) > p.radius() + m.thickness + 2.0 * speed * window) continue;
-    // contact stores it, and gives it back; in powers of two: every change of the step costs leapfrog some energy
+    // The contact stores the energy and returns it. The speed is rounded up to a power of two, since each change of the
+    // step costs leapfrog some energy.
     if (speed > hertz_speed) hertz_speed = std::exp2(std::ceil(std::log2(speed)));
     step = hertz_step(m, p.body, setup->hertz[i], hertz_speed, step);
   }
@@ -93,7 +93,7 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
 
 std::vector<EdgeCut> ShellPart::cut(double now, double until) {
   std::vector<EdgeCut> on_edges;
-  std::vector<std::pair<int, int>> made;  // edges from, to before
+  std::vector<std::pair<int, int>> made;  // edges of each cut: first, one past the last
   for (std::size_t i = 0; i < setup->cuts.size(); ++i)
     if (!state->cracks.cut_done[i] && setup->cuts[i].time <= until) {
       const int before = static_cast<int>(state->cracks.graph.edges().size());
@@ -102,7 +102,7 @@ std::vector<EdgeCut> ShellPart::cut(double now, double until) {
       made.emplace_back(before, static_cast<int>(state->cracks.graph.edges().size()));
       state->cracks.cut_done[i] = 1;
     }
-  if (setup->tips)  // once all are there: an end on another is not open
+  if (setup->tips)  // after all cuts: a cut that ends on another has no tip there
     for (const auto& [first, last] : made) start_at_ends(model(), *state, first, last);
   return on_edges;
 }
@@ -111,7 +111,7 @@ void ShellPart::measure_step(std::int64_t window, int threads) {
   const ShellModel& m = model();
   const auto& edges = state->cracks.graph.edges();
   for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
-  if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)  // what is damaged may be strained far
+  if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)  // damaged points may be strained strongly
     for (const GatheredPoint& g : state->cracked.gathered)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
   if (changed.empty() || window < next_measure) return;
