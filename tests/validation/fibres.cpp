@@ -154,16 +154,16 @@ void parting(Report& report) {
     Stack s(1, 1e3, 0.5, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
     s.go(0.03);
     s.let_go();
-    s.models[1]->loads = {}, s.states[1]->external.clear();
+    s.models[1]->loads = {}, s.states[1]->motion.external.clear();
     s.gravity = Vec3(0, 0, 50.0);
     double most = 0.0, free = 0.0;  // what pulls it down, of what draws it up, and where nothing acts any more
     s.run(static_cast<int>(0.02 / s.dt), s.dt, [&] {
       ShellState& t = *s.states[1];
       const double gap = s.mean(1, false).z();
-      t.force.assign(t.force.size(), 0.0);
-      s.layers.fibres->add_forces(s.shells);
+      t.motion.force.assign(t.motion.force.size(), 0.0);
+      s.fibres->add_forces(s.shells);
       double sum = 0.0;
-      for (std::size_t i = 0; i < t.mass.size(); ++i) sum += t.force[2 * t.mass.size() + i];
+      for (std::size_t i = 0; i < t.motion.mass.size(); ++i) sum += t.motion.force[2 * t.motion.mass.size() + i];
       most = std::max(most, -sum / (50.0 * kDensity * kThickness * kSize * kSize));
       if (sum != 0.0) free = gap;
     });

@@ -32,7 +32,7 @@ std::vector<Freedom> freedoms(const Stitched& s) {
     const ShellModel& m = s.models[k];
     for (int i = 0; i < m.control_points(); ++i) {
       const int at = m.tables.slot(i);
-      if (s.states[k].inverse_mass[at] == 0.0 || s.states[k].mass[at] == 0.0) continue;
+      if (s.states[k].motion.inverse_mass[at] == 0.0 || s.states[k].motion.mass[at] == 0.0) continue;
       for (int d = 0; d < 3; ++d) {
         const auto& held = m.constraints.held[d];
         if (std::binary_search(held.begin(), held.end(), at)) continue;
@@ -57,21 +57,22 @@ Linear linear_response(Stitched& s, int modes) {
   std::vector<std::vector<double>> still;  // forces at rest, before they are shared
   for (std::size_t k = 0; k < s.models.size(); ++k) {
     compute_forces(s.models[k], s.states[k], false, 0.0, 1);
-    still.push_back(s.states[k].force);
+    still.push_back(s.states[k].motion.force);
   }
   const auto force = [&](const Freedom& f) {
-    const std::vector<double>& all_of = s.states[f.shell].force;
+    const std::vector<double>& all_of = s.states[f.shell].motion.force;
     return all_of[f.axis * all_of.size() / 3 + f.slot];
   };
   s.stitching.share_forces(s.refs());
   Eigen::VectorXd load(n), mass(n);
-  for (Eigen::Index i = 0; i < n; ++i) load[i] = force(all[i]), mass[i] = s.states[all[i].shell].mass[all[i].slot];
+  for (Eigen::Index i = 0; i < n; ++i)
+    load[i] = force(all[i]), mass[i] = s.states[all[i].shell].motion.mass[all[i].slot];
   Eigen::MatrixXd stiffness(n, n);
   for (Eigen::Index c = 0; c < n; ++c) {
     const Freedom& f = all[c];
     const auto move = [&](double by) {
       for (const auto& [shell, slot, share] : f.moves) {
-        std::vector<double>& x = s.states[shell].x;
+        std::vector<double>& x = s.states[shell].motion.x;
         x[f.axis * x.size() / 3 + slot] += by * share;
       }
     };
@@ -82,7 +83,7 @@ Linear linear_response(Stitched& s, int modes) {
         if (touched[k])
           compute_forces(s.models[k], s.states[k], false, 0.0, 1);
         else
-          s.states[k].force = still[k];
+          s.states[k].motion.force = still[k];
       s.stitching.share_forces(s.refs());
       for (Eigen::Index i = 0; i < n; ++i) stiffness(i, c) -= sign * force(all[i]) / (2.0 * step);
     };

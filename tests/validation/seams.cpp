@@ -359,10 +359,10 @@ void motion_case(Report& r, int) {
     const Quat turn = rotation_from_vector(Vec3(0.9, -1.3, 0.6));
     double volume = 0.0;
     for (std::size_t k = 0; k < s.models.size(); ++k) {
-      const std::vector<double> x = s.states[k].x;
+      const std::vector<double> x = s.states[k].motion.x;
       for (std::size_t i = 0; i < x.size() / 3; ++i) {
         const Vec3 y = turn * s.states[k].at(x, static_cast<int>(i)) + Vec3(0.3, 0.1, -0.7);
-        for (int d = 0; d < 3; ++d) s.states[k].x[d * x.size() / 3 + i] = y[d];
+        for (int d = 0; d < 3; ++d) s.states[k].motion.x[d * x.size() / 3 + i] = y[d];
       }
       for (const double m : s.models[k].mass) volume += m / s.models[k].material.density;
     }

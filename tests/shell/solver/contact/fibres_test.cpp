@@ -108,7 +108,7 @@ TEST(Fibres, KeepTheirStateInRigidMotion) {
   for (int k = 0; k < 60 && felt(l).sum == 0.0; ++k) l.run(10, dt);
   l.run(30, dt);
   ASSERT_GT(felt(l).sum, 0.0);
-  const std::vector<double> before = l.states[0]->fibres;
+  const std::vector<double> before = l.states[0]->layers.fibres;
   const double contact = l.states[0]->book.contact;
   const Vec3 spin(30, -50, 80);  // a tenth of a radian in all
   for (int k = 0; k < 100; ++k) {
@@ -128,7 +128,7 @@ TEST(Fibres, KeepTheirStateInRigidMotion) {
   int kept = 0;
   for (std::size_t i = 0; i < before.size(); i += 3) {
     const Vec3 was(before[i], before[i + 1], before[i + 2]);
-    const Vec3 is(l.states[0]->fibres[i], l.states[0]->fibres[i + 1], l.states[0]->fibres[i + 2]);
+    const Vec3 is(l.states[0]->layers.fibres[i], l.states[0]->layers.fibres[i + 1], l.states[0]->layers.fibres[i + 2]);
     if (was == Vec3::UnitZ()) continue;
     // at the rim, nodes of the grid that the surfaces now share are others: there fibres let go
     if (is != Vec3::UnitZ()) {

@@ -335,7 +335,8 @@ TEST(ShellContact, AFoldOverASeamStaysOpenAndIsNotDriven) {
   ASSERT_EQ(s.stitches.seams.size(), 1u);
   const auto put = [&](int k, int slot, const Vec3& x, const Vec3& v) {
     const int plane = s.models[k].tables.plane;
-    for (int d = 0; d < 3; ++d) s.states[k].x[d * plane + slot] = x[d], s.states[k].v[d * plane + slot] = v[d];
+    for (int d = 0; d < 3; ++d)
+      s.states[k].motion.x[d * plane + slot] = x[d], s.states[k].motion.v[d * plane + slot] = v[d];
   };
   for (int k = 0; k < 2; ++k)
     for (int i = 0; i < s.models[k].control_points(); ++i) {

@@ -15,10 +15,6 @@ namespace {
 using namespace sunder;
 using namespace sunder::shell;
 
-Patch flat(double x0, double x1, double y0, double y1, int nx, int ny) {
-  return plate(x1 - x0, y1 - y0, nx, ny, Vec3(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0), Quat::Identity());
-}
-
 ShellModel model(const Patch& p) { return make_shell("p", p, 0.01, glass(), 2, p.degree(), {}); }
 
 // Two plates side by side, twelve elements and as many or seventeen along their seam at x = 1.
@@ -40,7 +36,7 @@ Vec3 momentum(const ShellState& s) {
 
 // Lets it move, the second plate away from the first, and returns how much of its momentum that loses.
 double lost_momentum(Stitched& s) {
-  for (std::size_t i = 0; i < s.states[1].mass.size(); ++i)
+  for (std::size_t i = 0; i < s.states[1].motion.mass.size(); ++i)
     s.states[1].add_velocity(static_cast<int>(i), Vec3(1.0, 0.2, 0.3));
   s.stitching.follow(s.refs());
   const Vec3 before = momentum(s.states[1]);
@@ -80,7 +76,7 @@ TEST(SeamCracks, GoOnAsWhatTheyWere) {
   for (const double grown : {0.4, 2.0}) {
     Stitched s = two_plates(true);
     insert_polyline(s.models[0], s.states[0], {{0.6, 0.5}, {1.0, 0.52}}, 0.0);
-    const CrackGraph& cracks = s.states[0].cracks;
+    const CrackGraph& cracks = s.states[0].cracks.graph;
     Tip tip;
     tip.direction = Vec2(1.0, 0.05).normalized();
     for (const CrackEdge& e : cracks.edges())  // the one that leaves the patch
@@ -88,10 +84,10 @@ TEST(SeamCracks, GoOnAsWhatTheyWere) {
         tip.edge = static_cast<int>(&e - cracks.edges().data()), tip.vertex = e.to, tip.p = e.b;
     tip.alive = false;
     tip.strength = 7e6, tip.flaw = 0.9, tip.grown = grown, tip.since_branch = 0.3;
-    s.states[0].tips.push_back(tip);
+    s.states[0].cracks.tips.push_back(tip);
     EXPECT_EQ(carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0), 1);
-    ASSERT_EQ(s.states[1].tips.size(), 1u);
-    const Tip& on = s.states[1].tips[0];
+    ASSERT_EQ(s.states[1].cracks.tips.size(), 1u);
+    const Tip& on = s.states[1].cracks.tips[0];
     EXPECT_TRUE(on.alive);
     const bool young = grown < 1.8;  // a whole crack
     EXPECT_EQ(on.strength, young ? 7e6 : Tip().strength);

@@ -17,6 +17,7 @@
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
+namespace sunder::shell {
 namespace {
 
 ShellModel model(const Patch& p, const std::string& name = "p", const std::vector<Support>& supports = {}) {
@@ -90,8 +91,8 @@ TEST(Stitching, WorkOfWhatASupportDrivesAtTheEndOfASeamIsBookedOnce) {
       for (const int slot : s.models[i].constraints.held[1]) supported[slot] = 1;
       for (const int slot : s.models[i].constraints.driven[0].slots[1]) supported[slot] = 1;
       for (int slot = 0; slot < plane; ++slot) {
-        if (s.states[i].mass[slot] == 0.0) continue;  // follows others, which have its force
-        const double force = s.states[i].force[plane + slot];
+        if (s.states[i].motion.mass[slot] == 0.0) continue;  // follows others, which have its force
+        const double force = s.states[i].motion.force[plane + slot];
         size += std::abs(force), left += supported[slot] ? 0.0 : force;
       }
     }
@@ -221,3 +222,5 @@ TEST(Stitching, ASupportAlongASeamOfOneShellOnlyIsRefused) {
     EXPECT_NE(std::string(e.what()).find("a support of shell 'a' holds its seam with shell 'b'"), std::string::npos);
   }
 }
+
+}  // namespace sunder::shell

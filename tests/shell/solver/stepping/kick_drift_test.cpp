@@ -219,7 +219,7 @@ TEST(Jump, OverASeamItKeepsEnergyAndMomenta) {
   Stitched s(std::move(models));
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
-  for (double& v : s.states[0].v) v = uniform(random);  // positions of what follows stay what they follow
+  for (double& v : s.states[0].motion.v) v = uniform(random);  // positions of what follows stay what they follow
   s.stitching.follow(s.refs());
   const auto energy = [&] {
     const double stored = s.forces(true);
@@ -232,7 +232,7 @@ TEST(Jump, OverASeamItKeepsEnergyAndMomenta) {
   for (int k = 0; k < 2; ++k) {
     const double x = k == 0 ? 0.0912 : 0.0021;
     ASSERT_GE(insert(s.models[k], s.states[k], {x, 0.0342}, {x + 0.0061, 0.0318}), 0);
-    ASSERT_FALSE(s.states[k].jump.empty());
+    ASSERT_FALSE(s.states[k].cracks.force_discontinuity.empty());
   }
   EXPECT_NEAR(energy(), before, 1e-10 * before);
   const Stitched::Sums now = s.sums();
