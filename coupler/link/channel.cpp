@@ -2,11 +2,14 @@
 
 #include <atomic>
 #include <chrono>
+#include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <regex>
 #include <set>
 
 #include <sched.h>
+#include <sys/socket.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zmq.hpp>
@@ -18,10 +21,17 @@
 namespace sunder::link {
 namespace {
 
-constexpr int kHeartbeatMs = 200, kHeartbeatTimeoutMs = 600;  // a stopped process is noticed within 0.8 s
+// A connection within this machine closes when its process ends, and never earlier: silence on it means nothing. Over a
+// network, a heartbeat goes out every kHeartbeatMs. The connection is given up where the other machine acknowledges
+// none for kCutOffMs, so a cut cable is noticed within 2 s. The kernel acknowledges, even where the process is stopped.
+constexpr int kHeartbeatMs = 500, kCutOffMs = 1500, kNeverMs = 1 << 30;
 constexpr int kPollMs = 100, kLingerMs = 500;
 constexpr int kStayMs = 100;  // longest wait for the other side to close after the last reply
-constexpr double kConnectSeconds = 10.0, kSendSeconds = 2.0;
+constexpr double kConnectSeconds = 30.0, kSendSeconds = 2.0;
+constexpr double kSilentSeconds = 1.0;  // silence after which a stopped process is looked for
+// Largest share of a limit that the time between two reads of the clock may use up. After this process was stopped, or
+// the machine slept, hours may lie between two reads, and the other side could do nothing in them.
+constexpr double kOneLook = 0.1;
 // A connection may close during its handshake because a server is replaced. After this many times it is refused.
 constexpr int kMostClosed = 3;
 const std::string kIpc = "ipc://", kZap = "inproc://zeromq.zap.01";
@@ -40,6 +50,23 @@ auto retried_after_signals(Call call) {
 
 bool receive_now(zmq::socket_t& socket, zmq::message_t& message) {
   return retried_after_signals([&] { return socket.recv(message, zmq::recv_flags::dontwait).has_value(); });
+}
+
+/// The process that holds the other end of a socket of this machine; 0 where the system does not say.
+pid_t process_behind(int descriptor) {
+  ucred who{};
+  socklen_t size = sizeof who;
+  return getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.pid : 0;
+}
+
+/// Whether a process is stopped, as by Ctrl-Z, a debugger or a batch system.
+bool is_stopped(pid_t process) {
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  std::string line;
+  std::getline(file, line);
+  const std::size_t name_end = line.rfind(')');
+  return name_end != std::string::npos && name_end + 2 < line.size() &&
+         (line[name_end + 2] == 'T' || line[name_end + 2] == 't');
 }
 
 [[noreturn]] void bad_endpoint(const std::string& endpoint, const std::string& why) {
@@ -88,6 +115,9 @@ struct Channel::Sockets {
 
   /// Throws Error where the events read so far say that the other side is gone or refuses this process.
   void fail_if_lost() const;
+  /// Says once on stderr that the other process is stopped, where it is.
+  void tell_if_stopped();
+  bool told_stopped = false;
   /// True where the other side is gone and a message of it is still to be read. Events are read first, because messages
   /// sent before the end have arrived by then.
   bool has_unread_words() {
@@ -212,8 +242,11 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
   auto& d = s_->data;
   d.set(zmq::sockopt::linger, kLingerMs);
   d.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxMessage));
-  d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
-  d.set(zmq::sockopt::heartbeat_timeout, kHeartbeatTimeoutMs);
+  if (endpoint.rfind(kIpc, 0) != 0) {
+    d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
+    d.set(zmq::sockopt::heartbeat_timeout, kNeverMs);
+    d.set(zmq::sockopt::tcp_maxrt, kCutOffMs);
+  }
   d.set(zmq::sockopt::sndtimeo, kPollMs);
   if (endpoint.find('[') != std::string::npos) d.set(zmq::sockopt::ipv6, true);
   if (s_->with_keys) {
@@ -260,8 +293,17 @@ void Channel::Sockets::fail_if_lost() const {
   if (lost)
     throw Error(
         Exit::kPeerLost, "peer_lost",
-        fmt::format("{} is gone: its connection closed, or it answered no heartbeat for {} ms, without a goodbye", peer,
-                    kHeartbeatTimeoutMs));
+        fmt::format("{} is gone: its connection closed, or its machine answered nothing for {} ms, without a goodbye",
+                    peer, kCutOffMs));
+}
+
+void Channel::Sockets::tell_if_stopped() {
+  if (told_stopped || !was_connected || open.empty()) return;
+  const pid_t process = process_behind(ours >= 0 ? ours : *open.begin());
+  if (process <= 0 || !is_stopped(process)) return;
+  told_stopped = true;
+  fmt::print(stderr, "sunder: {} is stopped, and this process waits for it. To continue it: kill -CONT {}\n", peer,
+             process);
 }
 
 int Channel::turned_away() const { return s_->turned_away; }
@@ -307,7 +349,7 @@ void Channel::wait_for_close() {
 }
 
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
-  const double start = now_();
+  double looked = now_(), silent = 0.0, unconnected = 0.0, unanswered = 0.0;  // [s]
   zmq::message_t message;
   s_->answer_authenticator(), s_->read_events();  // also where a message is there already: queues would fill up
   if (s_->take_soon(message)) return message.to_string();
@@ -323,8 +365,12 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     if (s_->take(message)) return message.to_string();
     s_->answer_authenticator();
     check_peer();
-    const double waited = now_() - start;
-    if (!s_->was_connected && waited > connect_s) {
+    const double now = now_(), since = now - looked;
+    looked = now;
+    unconnected += std::min(since, kOneLook * connect_s), unanswered += std::min(since, kOneLook * deadline_s);
+    silent += since;
+    if (silent > kSilentSeconds) s_->tell_if_stopped(), silent = 0.0;
+    if (!s_->was_connected && unconnected >= connect_s) {
       const std::string late = fmt::format("{} did not connect within {} s", s_->peer, connect_s);
       if (s_->turned_away == 0) throw Error(Exit::kPeerLost, "peer_lost", late);
       throw Error(Exit::kPeerLost, "not_admitted",
@@ -332,7 +378,7 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
                               "'sunder keys DIR'",
                               late, s_->turned_away, s_->last_away));
     }
-    if (deadline_s > 0.0 && waited > deadline_s)
+    if (deadline_s > 0.0 && unanswered >= deadline_s)
       throw Error(Exit::kPeerLost, "deadline",
                   fmt::format("{} is connected, but has not answered {} within {} s", s_->peer, what, deadline_s));
   }

@@ -9,7 +9,8 @@
 namespace sunder::link {
 
 /// Sends and receives whole messages, and notices that the other side is gone. A killed process closes its connection
-/// at once. A stopped or disconnected one misses heartbeats, which ZeroMQ's I/O thread sends and answers.
+/// at once. A machine that is cut off acknowledges nothing, which is noticed within 2 s. A process that computes, waits
+/// for a processor or is stopped is waited for.
 class Channel final : public Transport {
  public:
   enum class Role { kBind, kConnect };

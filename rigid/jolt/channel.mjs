@@ -1,9 +1,8 @@
-// Whole messages over a pair of ZeroMQ sockets; this side binds. ZeroMQ's own thread answers heartbeats while this one
-// computes.
+// Whole messages over a pair of ZeroMQ sockets of this machine; this side binds. A connection within a machine closes
+// when its process ends, and never earlier: a process that computes or is stopped is waited for.
 import { Exit, Failure, refuse } from './failure.mjs';
 import { kMaxMessage } from './messages.mjs';
 
-const kHeartbeat_ms = 200, kHeartbeatTimeout_ms = 600; // a stopped process is noticed within 0.8 s
 const kConnect_s = 30, kSend_ms = 2000, kLinger_ms = 500;
 /** Wait after the end of the connection, so that the other side's last message is still read. */
 const kLastWords_ms = 100;
@@ -18,8 +17,7 @@ export class Channel {
       throw new Failure(Exit.badInput, 'bad_input',
         `--endpoint ${endpoint}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet`);
     const channel = new Channel(new zmq.Pair({
-      linger: kLinger_ms, maxMessageSize: kMaxMessage, heartbeatInterval: kHeartbeat_ms,
-      heartbeatTimeout: kHeartbeatTimeout_ms, sendTimeout: kSend_ms,
+      linger: kLinger_ms, maxMessageSize: kMaxMessage, sendTimeout: kSend_ms,
     }));
     try {
       await channel.socket.bind(endpoint);
@@ -44,9 +42,7 @@ export class Channel {
       });
       socket.events.on('disconnect', () => {
         if (!connected) return;
-        const words = 'the shell process is gone: its connection closed, or it answered no heartbeat for ' +
-          `${kHeartbeatTimeout_ms} ms, without a goodbye`;
-        setTimeout(() => reject(lost(words)), kLastWords_ms);
+        setTimeout(() => reject(lost('the shell process is gone: its connection closed without a goodbye')), kLastWords_ms);
       });
     });
     this.gone.catch(() => {}); // receive() and send() report it

@@ -99,8 +99,8 @@ class Command(unittest.TestCase):
 
     def sunder(self, *arguments: str) -> tuple[int, str]:
         done = subprocess.run([REPOSITORY / "coupler" / "sunder", *arguments], cwd=self.here, capture_output=True, text=True,
-                              check=False, timeout=60, env={**os.environ, "SUNDER_BUILD_DIR": str(self.here / "build"),
-                                                            "FAKE_PIDS": str(self.here / "pids")})
+                              check=False, timeout=1800, env={**os.environ, "SUNDER_BUILD_DIR": str(self.here / "build"),
+                                                              "FAKE_PIDS": str(self.here / "pids")})
         return done.returncode, done.stderr
 
     def test_a_run_says_what_it_took_and_keeps_it(self) -> None:

@@ -10,8 +10,14 @@ import time
 import unittest
 from pathlib import Path
 
+from sunder_tools.launch.own_time import OwnTime
+from sunder_tools.launch.run import _verdict
+from sunder_tools.launch.watch import Ending
+
 from . import REPOSITORY
 from .fakes import write_executables
+
+STUCK_S = 1800.0  # after which a process hangs, whatever else the machine does
 
 
 class RunCommand(unittest.TestCase):
@@ -46,13 +52,20 @@ class RunCommand(unittest.TestCase):
 
     def run_to_end(self, *arguments: str, **environment: str) -> tuple[int, str, str]:
         process = self.start(*arguments, **environment)
-        out, err = process.communicate(timeout=60)
+        out, err = process.communicate(timeout=STUCK_S)
         return process.returncode, out, err
 
     def wait_for_frames(self, folder: Path, count: int = 3) -> None:
-        end = time.monotonic() + 10
+        end = time.monotonic() + STUCK_S
         while len(list(folder.glob("frames/bodies_*.vtp"))) < count:
             self.assertLess(time.monotonic(), end, "no frames came")
+            time.sleep(0.01)
+
+    def wait_for_end(self, pid: int, limit_s: float, launcher: subprocess.Popen[str]) -> None:
+        """Fails where a process takes longer than `limit_s` to end, in its own time and the launcher's together."""
+        had = OwnTime(pid, launcher.pid)
+        while Path(f"/proc/{pid}").exists():
+            self.assertLess(had.look(), limit_s, f"process {pid} still runs")
             time.sleep(0.01)
 
     def pid(self, name: str) -> int:
@@ -102,11 +115,8 @@ class RunCommand(unittest.TestCase):
                 process = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400")
                 self.wait_for_frames(out)
                 os.kill(self.pid(victim), signal.SIGKILL)
-                killed = time.monotonic()
-                while Path(f"/proc/{self.pid(other)}").exists():
-                    self.assertLess(time.monotonic() - killed, 2.0, f"{other} still runs")
-                    time.sleep(0.01)
-                _, err = process.communicate(timeout=60)
+                self.wait_for_end(self.pid(other), 2.0, process)
+                _, err = process.communicate(timeout=STUCK_S)
                 self.assertEqual(process.returncode, 3)
                 self.assertIn(f"(sunder-{victim}) was killed by SIGKILL", err)
                 self.assertIn(f"{victim}.log", err)
@@ -127,11 +137,8 @@ class RunCommand(unittest.TestCase):
                                      **{"FAKE_" + deaf: "deaf"})
                 self.wait_for_frames(out)
                 os.kill(self.pid(victim), signal.SIGKILL)
-                killed = time.monotonic()
-                while Path(f"/proc/{self.pid(deaf.lower())}").exists():
-                    self.assertLess(time.monotonic() - killed, 3.5)  # 2 s grace, 0.5 s after SIGTERM, slack
-                    time.sleep(0.02)
-                _, err = process.communicate(timeout=60)
+                self.wait_for_end(self.pid(deaf.lower()), 3.5, process)  # 2 s grace, 0.5 s after SIGTERM, slack
+                _, err = process.communicate(timeout=STUCK_S)
                 self.assertEqual(process.returncode, 3)
                 self.assertIn(f"(sunder-{victim}) was killed by SIGKILL", err)
                 self.assertEqual(json.loads((out / "run.json").read_text())["error"]["kind"], "peer_lost")
@@ -145,7 +152,7 @@ class RunCommand(unittest.TestCase):
                 process = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400")
                 self.wait_for_frames(out)
                 os.kill(process.pid, number)
-                text, err = process.communicate(timeout=60)
+                text, err = process.communicate(timeout=STUCK_S)
                 self.assertEqual(process.returncode, 130, err)
                 self.assertIn("interrupted", text)
                 self.assertTrue((out / "contact_sheet.png").exists())
@@ -160,7 +167,7 @@ class RunCommand(unittest.TestCase):
         time.sleep(0.3)
         self.assertIsNone(process.poll())
         os.kill(process.pid, signal.SIGINT)
-        process.communicate(timeout=60)
+        process.communicate(timeout=STUCK_S)
         self.assertEqual(process.returncode, 130)
         self.assertEqual(json.loads((out / "run.json").read_text())["status"], "interrupted")
         self.assert_nothing_left()
@@ -168,7 +175,7 @@ class RunCommand(unittest.TestCase):
     def test_two_at_once_get_their_own_folders(self) -> None:
         processes = [self.start("run", str(self.scene), "--quiet") for _ in range(2)]
         for process in processes:
-            process.communicate(timeout=60)
+            process.communicate(timeout=STUCK_S)
             self.assertEqual(process.returncode, 0)
         self.assertEqual(len(list((self.here / "work" / "runs").glob("pane-*/run.json"))), 2)
 
@@ -181,7 +188,7 @@ class RunCommand(unittest.TestCase):
         self.assertIn("another run is writing there", err)
         self.assertIsNone(first.poll())
         first.send_signal(signal.SIGINT)  # and waited for, or it writes into a folder that is being removed
-        first.communicate(timeout=60)
+        first.communicate(timeout=STUCK_S)
 
     def test_foreign_folder_is_refused_and_own_is_replaced(self) -> None:
         out = self.here / "out"
@@ -247,6 +254,46 @@ class RunCommand(unittest.TestCase):
         self.assertEqual((status, out), (0, "report\n"))
         self.scene.write_text("wrong: 1\n")
         self.assertEqual(self.run_to_end("check", str(self.scene))[0], 2)
+
+
+class Verdict(unittest.TestCase):
+    """Which process is named where both have ended before the launcher looked."""
+
+    def test_a_killed_shell_is_the_shells_failure(self) -> None:
+        for first in (False, True):  # the rigid process, which noticed, ended before the launcher saw either
+            ending = Ending(shell=-signal.SIGKILL, rigid=3, rigid_first=first)
+            status, message = _verdict(ending, Path("run"))
+            self.assertEqual(status, 3)
+            self.assertIn("(sunder-shell) was killed by SIGKILL", message)
+
+    def test_a_killed_rigid_process_is_its_own_failure(self) -> None:
+        for shell in (3, -signal.SIGTERM):
+            status, message = _verdict(Ending(shell=shell, rigid=-signal.SIGKILL, rigid_first=True), Path("run"))
+            self.assertEqual(status, 3)
+            self.assertIn("(sunder-rigid) was killed by SIGKILL", message)
+
+
+class Own(unittest.TestCase):
+    """Time of a process's own."""
+
+    def test_sleep_and_work_count_and_waiting_for_a_processor_does_not(self) -> None:
+        cpu = min(os.sched_getaffinity(0))
+        sleeper = subprocess.Popen(["sleep", "60"])
+        workers = [subprocess.Popen(["/usr/bin/python3", "-c", f"import os\nos.sched_setaffinity(0, {{{cpu}}})\nwhile 1: pass"])
+                   for _ in range(4)]
+        try:
+            time.sleep(0.5)
+            asleep, busy = OwnTime(sleeper.pid), OwnTime(workers[0].pid)
+            start = time.monotonic()
+            while time.monotonic() - start < 2.0:
+                asleep.look(), busy.look()
+                time.sleep(0.02)
+            self.assertGreater(asleep.look(), 0.3)
+            self.assertLess(busy.look(), 1.2, "four share a processor: each has half a second of two")
+        finally:
+            for process in (sleeper, *workers):
+                process.kill()
+                process.wait()
 
 
 if __name__ == "__main__":

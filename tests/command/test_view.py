@@ -55,7 +55,7 @@ class Served(InAFolder):
         self.addCleanup(self.server.shutdown)
 
     def get(self, path: str, host: str | None = None) -> tuple[int, bytes, dict[str, str]]:
-        connection = http.client.HTTPConnection("127.0.0.1", self.server.server_port, timeout=20)
+        connection = http.client.HTTPConnection("127.0.0.1", self.server.server_port, timeout=1800)
         try:
             connection.request("GET", path, headers={"Host": host} if host else {})
             answer = connection.getresponse()

@@ -11,10 +11,10 @@
 namespace sunder::conformance {
 namespace {
 
-constexpr int kSubsteps = 4;            // of a window, as in the shell process once no shell is left
-constexpr double kReplySeconds = 60.0;  // far longer than any window of this suite
-constexpr double kEndSeconds = 2.0;     // limit for the end of a session
-constexpr int kAttempts = 20;           // to connect to an engine that may still end its last session
+constexpr int kSubsteps = 4;              // of a window, as in the shell process once no shell is left
+constexpr double kReplySeconds = 1800.0;  // far longer than any window of this suite
+constexpr double kEndSeconds = 2.0;       // limit for the end of a session, in the engine's own time
+constexpr int kAttempts = 20;             // to connect to an engine that may still end its last session
 constexpr int kPause_us = 100000;
 
 class Patient final : public link::Transport {

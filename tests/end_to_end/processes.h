@@ -17,6 +17,7 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
+#include "tests/own_time.h"
 #include "tests/temporary_folder.h"
 
 namespace sunder::test {
@@ -57,9 +58,9 @@ class Process {
     }
     return status_ < 0;
   }
-  /// Exit status; 256 + the signal where one ended it, -1 where it still runs after `seconds`.
+  /// Exit status; 256 + the signal where one ended it, -1 where it still runs after `seconds` of its own time.
   int wait(double seconds) {
-    for (const double end = now() + seconds; running() && now() < end;) pause(0.005);
+    for (OwnTime had(pid_); running() && had.look() < seconds;) pause(0.005);
     return status_;
   }
 

@@ -67,7 +67,7 @@ joints { name: "late" kind: HINGE first: "upper" position {} axis { y: 1 } break
 def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
     more = ["--no-pictures"] if arguments[0] == "run" else []
     return subprocess.run([*SUNDER, *arguments, *more], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-                          text=True, timeout=200, check=False)
+                          text=True, timeout=1800, check=False)
 
 
 def state(folder: Path) -> str:
@@ -125,7 +125,7 @@ class Resume(unittest.TestCase):
         def run(name: str, *more: str) -> list[str]:
             return [*SUNDER, "run", GLASS, "--out", str(self.here / name), "--quiet", "--no-pictures", *SHATTERING, *more]
 
-        done = subprocess.run(run("whole"), capture_output=True, text=True, timeout=200, check=False)
+        done = subprocess.run(run("whole"), capture_output=True, text=True, timeout=1800, check=False)
         self.assertEqual(done.returncode, 0, done.stderr)
         whole = json.loads((self.here / "whole" / "run.json").read_text())
         for program in ("sunder-shell", "sunder-rigid"):
@@ -137,7 +137,7 @@ class Resume(unittest.TestCase):
                     time.sleep(0.005)
                 for process in children(launcher.pid, program):
                     os.kill(process, signal.SIGKILL)
-                said = launcher.communicate(timeout=200)[1]
+                said = launcher.communicate(timeout=1800)[1]
                 if launcher.returncode != 0:  # else it was done before it could be killed
                     break
             with self.subTest(program):

@@ -25,7 +25,7 @@ def play_matrix(names: list[str], all_again: bool = False) -> dict[Cell, Outcome
     """Plays all cells of the named faults. One that is only late is given a second chance, alone: the machine may have
     been busy. `all_again`: every folder is used again."""
     jobs = [(cell, all_again or used_again(cell)) for name in names for cell in FAULTS[name].cells()]
-    jobs.sort(key=lambda job: job[0].fault not in ("stop", "half open", "slow"))  # long ones first
+    jobs.sort(key=lambda job: job[0].fault not in ("stop", "pause", "slow"))  # long ones first
     with tempfile.TemporaryDirectory() as folder:
         exchange(Path(folder))
         with multiprocessing.get_context("fork").Pool(WORKERS) as pool:

@@ -135,6 +135,13 @@ class Relay:
             if side.socket is not None and not side.closed:
                 self._selector.unregister(side.socket)
 
+    def go_on(self) -> None:
+        """Ends `stand_still`, and forwards the bytes that have piled up."""
+        self.stands_still = False
+        for side in self.sides.values():
+            if side.socket is not None and not side.closed:
+                self._selector.register(side.socket, selectors.EVENT_READ, side)
+
     def send_and_cut(self, side: str, data: bytes) -> None:
         """Sends on what `side` has begun to say, then closes both connections."""
         self._write(self.sides[side], data)

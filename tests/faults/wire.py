@@ -1,6 +1,6 @@
 """ZMTP 3 as it lies on the wire: a greeting of fixed length, then frames that are messages or commands.
 
-The relay stands below ZeroMQ, not between two of its sockets: those would answer heartbeats for the process behind them.
+The relay stands below ZeroMQ. A relay of two ZeroMQ sockets would itself refuse the damaged bytes that it has to forward.
 """
 from __future__ import annotations
 

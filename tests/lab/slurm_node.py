@@ -11,7 +11,7 @@ import time
 from pathlib import Path
 
 PROGRAMS = ("munged", "slurmctld", "slurmd", "sbatch", "squeue", "scancel", "sinfo")
-PATIENCE_S = 30.0
+PATIENCE_S = 1800.0  # after which a process hangs, whatever else the machine does
 NODE = "node"
 
 CONFIGURATION = """\

@@ -38,7 +38,7 @@ def start(*arguments: str, **environment: str) -> "subprocess.Popen[str]":
 def sweep(*arguments: str, **environment: str) -> tuple[int, str, str]:
     """Exit status, stdout, stderr of `sunder sweep`."""
     process = start(*arguments, **environment)
-    out, err = process.communicate(timeout=200)
+    out, err = process.communicate(timeout=1800)
     return process.returncode, out, err
 
 
@@ -49,7 +49,7 @@ def outcomes(folder: Path) -> dict[str, int]:
 
 def kill_half_way(process: "subprocess.Popen[str]", folder: Path, after: int) -> dict[str, int]:
     """kill -9 once `after` members have ended; those that had ended."""
-    end = time.monotonic() + 60
+    end = time.monotonic() + 1800
     while len(outcomes(folder)) < after:
         if process.poll() is not None or time.monotonic() > end:
             raise AssertionError(f"nothing to kill: {process.communicate()}")

@@ -40,7 +40,7 @@ class Arrays(unittest.TestCase):
 
     def test_the_table_is_that_of_local_processes(self) -> None:
         process = self.slurm(self.here / "slurm")
-        out, err = process.communicate(timeout=120)
+        out, err = process.communicate(timeout=1800)
         self.assertEqual(process.returncode, 1, err)
         self.assertIn("4 of 6 runs done", out)
         self.assertEqual((self.here / "slurm" / "results.csv").read_bytes(), self.local)
@@ -53,7 +53,7 @@ class Arrays(unittest.TestCase):
         self.assertLess(len(done), 4)
         job = json.loads((out / "slurm.json").read_text())["job"]
         process = self.slurm(out, "--jobs", "1")
-        _, err = process.communicate(timeout=120)
+        _, err = process.communicate(timeout=1800)
         self.assertEqual(process.returncode, 1, err)
         self.assertIn(f"Slurm job {job} of an earlier start is waited for", err)
         self.assertTrue(set(done.items()) <= set(sweeps.outcomes(out).items()), "a member that was done ran again")
@@ -63,21 +63,21 @@ class Arrays(unittest.TestCase):
         out = self.here / "slurm"
         sweeps.write_file(self.file, [30], end="5e-3")
         process = self.slurm(out, "--jobs", "1")
-        end = time.monotonic() + 60
+        end = time.monotonic() + 1800
         while not list(out.glob("members/*/run/shell.log")):
             self.assertTrue(process.poll() is None and time.monotonic() < end)
             time.sleep(0.05)
         job = json.loads((out / "slurm.json").read_text())["job"]
         self.node.command("scancel", "--signal=KILL", "--full", job)
         self.node.command("scancel", job)
-        text, err = process.communicate(timeout=120)
+        text, err = process.communicate(timeout=1800)
         self.assertEqual(process.returncode, 1, err)
         self.assertIn("0 of 2 runs done", text)
         self.assertIn(f"Slurm's task of job {job} ended without an outcome", text)
 
     def test_what_sbatch_refuses_is_said(self) -> None:
         process = self.slurm(self.here / "slurm", "--sbatch=--partition=moon")
-        _, err = process.communicate(timeout=60)
+        _, err = process.communicate(timeout=1800)
         self.assertEqual(process.returncode, 2)
         self.assertIn("invalid partition", err)
 

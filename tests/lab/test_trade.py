@@ -268,7 +268,7 @@ class Whole(unittest.TestCase):
 
     def trade(self, *arguments: str, scene: str = str(sunder.SCENES / "intact_pane.textproto")) -> tuple[int, str, str]:
         done = subprocess.run([SUNDER, "trade", scene, "--out", str(self.out), *arguments], stdin=subprocess.DEVNULL,
-                              capture_output=True, text=True, check=False, timeout=120, env=dict(os.environ))
+                              capture_output=True, text=True, check=False, timeout=1800, env=dict(os.environ))
         return done.returncode, done.stdout, done.stderr
 
     def test_what_cannot_be_traded_is_refused_before_anything_runs(self) -> None:

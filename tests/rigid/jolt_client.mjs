@@ -16,7 +16,7 @@ const decode = (bytes) => Reply.toObject(Reply.decode(bytes), plain);
 
 async function connected() {
   const zmq = await loadZeroMq();
-  const socket = new zmq.Pair({ linger: 500, heartbeatInterval: 200, heartbeatTimeout: 600, sendTimeout: 2000 });
+  const socket = new zmq.Pair({ linger: 500, sendTimeout: 2000 });
   const gone = new Promise((done) => {
     let known = false;
     socket.events.on('handshake', () => { known = true; });

@@ -17,7 +17,7 @@ import numpy as np
 from PIL import Image
 
 PROGRAMS = ("chromium", "chromium-browser", "google-chrome")
-PATIENCE_S = 20.0
+PATIENCE_S = 1800.0  # after which a browser hangs, whatever else the machine does
 
 
 def find_browser() -> str | None:

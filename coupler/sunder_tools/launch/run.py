@@ -239,7 +239,7 @@ def _verdict(ending: Ending, folder: Path) -> tuple[int, str]:
     if ending.shell_was_signalled:
         what = of_rigid if rigid_died else "the rigid-body process ended early"
         return PEER_LOST, f"{what}, the fracture process did not end by itself and was stopped; see {folder}/rigid.log"
-    if shell < 0 and not (rigid_died and ending.rigid_first):
+    if shell < 0 and (not (rigid_died and ending.rigid_first) or rigid == PEER_LOST):  # status 3 says that the shell ended first
         return PEER_LOST, f"the fracture process (sunder-shell) {how_it_ended(shell)}; see {folder}/shell.log"
     if (shell == PEER_LOST or shell < 0) and rigid_died:
         return PEER_LOST, f"{of_rigid}; see {folder}/rigid.log"

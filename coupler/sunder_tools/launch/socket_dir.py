@@ -8,8 +8,11 @@ import tempfile
 import time
 from pathlib import Path
 
+from ..errors import CommandError
+
 PREFIX = "sunder-link-"  # of no other temporary folder: an empty one of that name is swept up
 LONGEST_SOCKET_PATH = 100  # [bytes]; the system's limit is 107
+NAME_BYTES = 32            # of the path below the folder: /PREFIX, a random part, /link
 STALE_AFTER_S = 60.0       # an unlocked folder younger than this may be one that is just being made
 
 
@@ -20,9 +23,8 @@ class SocketDir:
     """
 
     def __init__(self) -> None:
-        parent = tempfile.gettempdir()
-        if len(os.fsencode(parent)) + 30 > LONGEST_SOCKET_PATH:
-            parent = "/tmp"
+        """Makes the folder. Raises CommandError where no place is suitable."""
+        parent = _parent()
         _sweep(Path(parent))
         self.path = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
         self._handle = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY)
@@ -39,6 +41,22 @@ class SocketDir:
     def __exit__(self, *exception: object) -> None:
         shutil.rmtree(self.path, ignore_errors=True)
         os.close(self._handle)
+
+
+def _parent() -> str:
+    """The first folder that can be written to and leaves room for the socket's name. Raises CommandError."""
+    tried = []
+    for folder in (os.environ.get("TMPDIR"), os.environ.get("XDG_RUNTIME_DIR"), "/tmp", "/dev/shm", "/var/tmp"):
+        if not folder or not os.path.isabs(folder):
+            continue
+        if len(os.fsencode(folder)) + NAME_BYTES > LONGEST_SOCKET_PATH:
+            tried.append(f"{folder} (too long for a socket's name)")
+        elif not os.access(folder, os.W_OK | os.X_OK):
+            tried.append(f"{folder} (may not be written to)")
+        else:
+            return folder
+    raise CommandError(f"no place for the socket of a run: {', '.join(tried)}; set TMPDIR to a folder of your own with a "
+                       f"path of at most {LONGEST_SOCKET_PATH - NAME_BYTES} bytes")
 
 
 def _sweep(parent: Path) -> None:

@@ -7,7 +7,10 @@ import sys
 import time
 from dataclasses import dataclass
 
+from .own_time import OwnTime
+
 PERIOD_S = 0.02          # between two looks
+# Limits below are in the process's own time (own_time.py), so they last longer on a busy machine.
 GRACE_S = 2.0            # for the other process to end by itself
 AFTER_GOODBYE_S = 60.0   # the rigid side left in peace (status 0); the shell may still write frames and hashes
 TERM_TO_KILL_S = 0.5
@@ -30,16 +33,17 @@ class _Deadline:
 
     def __init__(self, process: subprocess.Popen[bytes], grace_s: float) -> None:
         self.process = process
-        self._at = time.monotonic() + grace_s
+        self._had = OwnTime(process.pid)
+        self._limit_s = grace_s
         self.signalled = False
 
     def look(self) -> None:
-        if self.process.poll() is not None or time.monotonic() < self._at:
+        if self.process.poll() is not None or self._had.look() < self._limit_s:
             return
         if not self.signalled:
             self.process.terminate()
             self.signalled = True
-            self._at += TERM_TO_KILL_S
+            self._limit_s += TERM_TO_KILL_S
         else:
             self.process.kill()
 
@@ -54,7 +58,10 @@ def watch(shell: subprocess.Popen[bytes], rigid: subprocess.Popen[bytes] | None,
     ending = Ending()
     deadline: _Deadline | None = None
     while True:
-        shell_ended, rigid_ended = shell.poll() is not None, rigid is None or rigid.poll() is not None
+        # The rigid process is polled first. Where it has ended and the shell still runs afterwards, it ended first,
+        # however long this process waited between the two polls.
+        rigid_ended = rigid is None or rigid.poll() is not None
+        shell_ended = shell.poll() is not None
         if shell_ended and rigid_ended:
             break
         if interrupts and not ending.interrupted:

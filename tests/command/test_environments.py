@@ -1,0 +1,115 @@
+"""Real runs in unusual environments: other users, paths and languages, and read-only folders.
+
+A test that needs root, or a right that a container lacks, is skipped with the reason.
+"""
+from __future__ import annotations
+
+import json
+import os
+import shutil
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+from sunder_tools.errors import CommandError
+from sunder_tools.launch.socket_dir import SocketDir
+
+from . import REPOSITORY
+
+BUILD = Path(os.environ.get("SUNDER_BUILD_DIR") or REPOSITORY / "build" / "release").absolute()
+SCENE = REPOSITORY / "scenes" / "cut_pane.textproto"
+UNTIL_S = "0.0005"
+STUCK_S = 1800.0  # after which a process hangs, whatever else the machine does
+NOBODY = 65534
+
+
+class Environments(unittest.TestCase):
+    def setUp(self) -> None:
+        # not below TMPDIR or /tmp, which the tests change
+        self.here = Path(tempfile.mkdtemp(prefix="sunder-environments-", dir="/var/tmp"))
+        self.addCleanup(shutil.rmtree, self.here, ignore_errors=True)
+        self.here.chmod(0o755)
+        self.environment = {**os.environ, "SUNDER_BUILD_DIR": str(BUILD)}
+
+    def run_scene(self, checkout: Path = REPOSITORY, before: tuple[str, ...] = (), user: int | None = None,
+                  out: str = "out") -> None:
+        """Runs a scene in this environment. It has to end well and leave run.json and the contact sheet."""
+        work = self.here / "work"
+        work.mkdir(exist_ok=True)
+        if user is not None:
+            os.chown(work, user, user)
+        ids = {} if user is None else {"user": user, "group": user, "extra_groups": []}
+        done = subprocess.run([*before, str(checkout / "coupler" / "sunder"), "run",
+                               str(checkout / "scenes" / SCENE.name), "--until", UNTIL_S, "--out", out], cwd=work,
+                              env=self.environment, capture_output=True, timeout=STUCK_S, check=False, **ids)
+        said = done.stderr.decode(errors="replace")
+        self.assertEqual(done.returncode, 0, said)
+        self.assertEqual(json.loads((work / out / "run.json").read_text(encoding="utf-8"))["status"], "done")
+        self.assertTrue((work / out / "contact_sheet.png").is_file(), said)
+
+    def mounted(self, script: str) -> tuple[str, ...]:
+        """Prefix of a command that gives it mounts of its own, made by a line of shell. Skips where that is not allowed."""
+        prefix = ("unshare", "--mount", "sh", "-c", f'{script} && exec "$@"', "sh")
+        tried = subprocess.run([*prefix, "true"], capture_output=True, text=True, check=False) \
+            if os.geteuid() == 0 and shutil.which("unshare") else None
+        if tried is None or tried.returncode != 0:
+            self.skipTest(f"mounts of one's own: {tried.stderr.strip() if tried else 'need root and unshare'}")
+        return prefix
+
+    def test_a_path_with_a_space_and_an_umlaut(self) -> None:
+        checkout = self.here / "Prüfstand zwei" / "sunder"
+        checkout.mkdir(parents=True)
+        for room in ("coupler", "scenes", "proto"):
+            shutil.copytree(REPOSITORY / room, checkout / room)
+        shutil.copy(REPOSITORY / "CMakeLists.txt", checkout)
+        temporary = self.here / "Ablage für alles"
+        temporary.mkdir()
+        self.environment["TMPDIR"] = str(temporary)
+        self.run_scene(checkout, out="Läufe/der erste")
+
+    def test_another_language_and_no_home(self) -> None:
+        del self.environment["HOME"]
+        for name in ("LC_ALL", "LC_NUMERIC", "LANG"):
+            self.environment[name] = "de_DE.UTF-8"  # its decimal comma, where the language is installed
+        self.run_scene()
+        self.environment["LC_ALL"] = "C"
+        self.run_scene(out="C")
+
+    def test_a_temporary_folder_with_a_long_path(self) -> None:
+        long = self.here / "t"
+        while len(str(long)) < 200:
+            long = long / "a_long_name_of_a_folder"
+        long.mkdir(parents=True)
+        self.environment["TMPDIR"] = str(long)
+        self.run_scene()
+
+    def test_tmp_is_read_only(self) -> None:
+        self.environment["TMPDIR"] = str(self.here)
+        self.run_scene(before=self.mounted("mount --bind /tmp /tmp && mount -o remount,bind,ro /tmp && ! touch /tmp/x 2>&-"))
+
+    def test_the_checkout_is_read_only(self) -> None:
+        here = str(REPOSITORY)
+        self.run_scene(before=self.mounted(f"mount --bind '{here}' '{here}' && mount -o remount,bind,ro '{here}'"))
+
+    def test_another_user_than_root(self) -> None:
+        if os.geteuid() != 0:
+            self.skipTest("the tests do not run as root: every other test here covers this case")
+        seen = subprocess.run(["test", "-x", str(BUILD / "shell" / "sunder-shell")], user=NOBODY, group=NOBODY,
+                              extra_groups=[], check=False)
+        if seen.returncode != 0:
+            self.skipTest(f"{BUILD} is in a folder that only root may enter")
+        self.environment.pop("HOME", None)
+        self.run_scene(user=NOBODY)
+
+
+class Socket(unittest.TestCase):
+    def test_no_place_is_said_with_what_was_tried(self) -> None:
+        with mock.patch.dict(os.environ, {"TMPDIR": "/" + 200 * "x"}), mock.patch("os.access", return_value=False), \
+                self.assertRaisesRegex(CommandError, "too long for a socket's name.*/tmp .may not be written to.*set TMPDIR"):
+            SocketDir()
+
+
+if __name__ == "__main__":
+    unittest.main()
