@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "shell/soft/soft_bodies.h"
-#include "shell/solver/forces.h"
-#include "shell/solver/stepping/kick_drift.h"
 
 namespace sunder::soft_blocks {
 
@@ -52,9 +50,9 @@ inline double wave_speed(double spacing, double* left = nullptr) {
   SoftState s = make_soft_state(m, Vec3::Zero(), Vec3::Zero());
   const double c = m.material.wave_speed(), k = std::numbers::pi / length, dt = 0.8 * soft_stable_step(m, s);
   const auto phase = [&](std::size_t p) { return k * (m.rest[p].x() - 0.001); };
-  for (std::size_t p = 0; p < s.motion.x.size(); ++p) {
-    s.motion.v[p].x() = 1e-3 * c * std::cos(phase(p));
-    s.motion.affine[p](0, 0) = -1e-3 * c * k * std::sin(phase(p));
+  for (std::size_t p = 0; p < s.x.size(); ++p) {
+    s.v[p].x() = 1e-3 * c * std::cos(phase(p));
+    s.affine[p](0, 0) = -1e-3 * c * k * std::sin(phase(p));
   }
   double time = 0.0, last = 0.0, crossed = 0.0, first = 0.0, least = 0.0;
   for (int crossings = 0; crossings < 3;) {
@@ -62,7 +60,7 @@ inline double wave_speed(double spacing, double* left = nullptr) {
     for (Vec3& v : s.grid.v) v.y() = v.z() = 0.0;
     from_grid(m, s, dt, 1);
     double now = 0.0;
-    for (std::size_t p = 0; p < s.motion.x.size(); ++p) now += m.mass[p] * s.motion.v[p].x() * std::cos(phase(p));
+    for (std::size_t p = 0; p < s.x.size(); ++p) now += m.mass[p] * s.v[p].x() * std::cos(phase(p));
     if (now * last < 0.0) crossed = time - 0.5 * dt + dt * last / (last - now), ++crossings;
     if (first == 0.0) first = now;
     least = std::min(least, now / first);
@@ -94,18 +92,6 @@ inline double sag(double spacing) {
     }
   }
   return (0.5 * height - soft.sums(gravity).centre.z()) / (1000 * 9.81 * height * height / (3 * young));
-}
-
-/// One substep of a shell, with a soft body that begins a step of its own where none is `open`.
-inline void substep(const ShellModel& sheet, ShellState& s, SoftBodies& soft, const std::vector<ShellRef>& shells,
-                    double dt, int left, int& open) {
-  std::vector<Proxy> nobody;
-  compute_forces(sheet, s, false, 0.0, 1);
-  kick(sheet, s, Vec3::Zero(), dt);
-  if (open == 0) open = soft.begin(Vec3::Zero(), dt, left, 0.8, nobody, shells, 1);
-  soft.touch(shells, dt);
-  constrain(sheet, s, dt), drift(sheet, s, dt);
-  if (--open == 0) soft.finish(1);
 }
 
 }  // namespace sunder::soft_blocks

@@ -6,8 +6,6 @@
 
 #include "coupler/core/nearest.h"
 
-using namespace small_scene;
-
 namespace {
 
 using Names = std::vector<std::string>;

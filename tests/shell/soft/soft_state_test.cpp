@@ -19,9 +19,9 @@ TEST(SoftState, TransfersKeepWhatIsLinear) {
   SoftState s = make_soft_state(b.model, b.velocity, b.angular);
   const SoftState before = s;
   to_grid(b.model, s, Vec3::Zero(), 1e-12, 2), from_grid(b.model, s, 1e-12, 2);
-  for (std::size_t p = 0; p < s.motion.x.size(); ++p) {
-    EXPECT_LT((s.motion.v[p] - before.v[p]).norm(), 1e-12 * 10);
-    EXPECT_LT((s.motion.affine[p] - before.affine[p]).norm(), 1e-10);
+  for (std::size_t p = 0; p < s.x.size(); ++p) {
+    EXPECT_LT((s.v[p] - before.v[p]).norm(), 1e-12 * 10);
+    EXPECT_LT((s.affine[p] - before.affine[p]).norm(), 1e-10);
   }
   EXPECT_NEAR(s.book.transfer, 0.0, 1e-12);
 }
