@@ -6,7 +6,7 @@
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include "coupler/core/vec.h"
-#include "shell/fracture/disjoint_sets.h"
+#include "coupler/core/disjoint_sets.h"
 
 namespace sunder::shell {
 

@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 #include "shell/io/vtp.h"
 #include "shell/solver/cracking/insertion.h"
@@ -56,25 +57,17 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
 // around it.
 std::vector<std::array<int, 3>> fans(const Triangulation& t) {
   const int n = static_cast<int>(t.triangles.size());
-  std::vector<int> parent(3 * static_cast<std::size_t>(n));
-  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = static_cast<int>(i);
-  const auto root = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets corners(3 * n);
   for (int i = 0; i < n; ++i)
     for (const int other : t.neighbours[i]) {
       if (other < 0) continue;
       for (int k = 0; k < 3; ++k)
         for (int l = 0; l < 3; ++l)
-          if (t.triangles[i][k] == t.triangles[other][l]) {
-            const int a = root(3 * i + k), b = root(3 * other + l);
-            parent[std::max(a, b)] = std::min(a, b);
-          }
+          if (t.triangles[i][k] == t.triangles[other][l]) corners.join(3 * i + k, 3 * other + l);
     }
   std::vector<std::array<int, 3>> fan(n);
   for (int i = 0; i < n; ++i)
-    for (int k = 0; k < 3; ++k) fan[i][k] = root(3 * i + k);
+    for (int k = 0; k < 3; ++k) fan[i][k] = corners.root(3 * i + k);
   return fan;
 }
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "coupler/core/disjoint_sets.h"
 #include "shell/solver/contact/near_tiles.h"
 #include "shell/solver/interlock.h"
 
@@ -80,7 +81,8 @@ Pieces::PartBoxes Pieces::boxes_of(const std::vector<PartPieces>& now, const std
 
 std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
   std::vector<PartPieces> out(state_.shells.size());
-  std::vector<int> first, parent;
+  std::vector<int> first;  // number of the first piece of each shell
+  DisjointSets together(0);
   for (std::size_t k = 0; k < state_.shells.size(); ++k) {
     ShellPart& part = state_.shells[k];
     const ShellModel& m = part.model();
@@ -96,13 +98,9 @@ std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
       p.pieces = pieces_of(m, *part.state, *p.triangulation);
       part.mark_rubble(p);
     }
-    first.push_back(static_cast<int>(parent.size()));
-    for (std::size_t i = 0; i < p.pieces.size(); ++i) parent.push_back(static_cast<int>(parent.size()));
+    first.push_back(together.size());
+    for (std::size_t i = 0; i < p.pieces.size(); ++i) together.add();
   }
-  const auto root = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
   const auto piece_of = [&](int shell, int slot) {
     const int own =
         out[shell].whole ? 0 : out[shell].triangulation->owner[state_.shells[shell].model().tables.control_point(slot)];
@@ -110,19 +108,18 @@ std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
   };
   for (std::size_t k = 0; k < state_.shells.size(); ++k)  // an interlayer holds cracked pieces together
     for (std::size_t i = 1; i < out[k].pieces.size() && state_.shells[k].model().laminated(); ++i)
-      parent[first[k] + static_cast<int>(i)] = first[k];
+      together.join(first[k] + static_cast<int>(i), first[k]);
   state_.stitching.each_link([&](int shell, int slot, int other, int other_slot) {
     const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
     if (a < 0 || b < 0) return;
-    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
-    parent[high] = low;
+    together.join(a, b);
   });
-  std::vector<char> held(parent.size(), 0), interlocked(parent.size(), 0);
+  std::vector<char> held(together.size(), 0), interlocked(together.size(), 0);
   for (const bool gather : {true, false})
     for (std::size_t k = 0; k < state_.shells.size(); ++k)
       for (std::size_t i = 0; i < out[k].pieces.size(); ++i) {
         Piece& p = out[k].pieces[i];
-        const int r = root(first[k] + static_cast<int>(i));
+        const int r = together.root(first[k] + static_cast<int>(i));
         if (gather) {
           held[r] |= p.held, interlocked[r] |= p.interlocked;
           continue;
