@@ -56,6 +56,7 @@ class Rig {
   const RunSetup& setup() const { return *setup_; }
   State& now() { return simulation_->state; }
   const State& now() const { return simulation_->state; }
+  Simulation& simulation() { return *simulation_; }
   StageTimes& times() { return simulation_->scratch.times; }
   const ShellModel& model(std::size_t k = 0) const { return setup_->shells[k].model; }
   ShellState& state(std::size_t k = 0) { return *now().shells[k].state; }
