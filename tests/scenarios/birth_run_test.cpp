@@ -39,7 +39,7 @@ struct Forgetful final : link::Engine {
   std::vector<link::State> states() const override {
     std::vector<link::State> out = exact.states();
     for (link::State& s : out) {
-      s.motion.mass *= 1.0 + mass, s.motion.velocity *= 1.0 + momentum;
+      s.mass *= 1.0 + mass, s.motion.velocity *= 1.0 + momentum;
       s.motion.angular_momentum += spin * Vec3::UnitX();
     }
     return out;

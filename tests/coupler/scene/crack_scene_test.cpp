@@ -131,7 +131,7 @@ TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
     for (int e = 0; e < m.tables.spans_u; ++e) {
       const Vec2 p = gauss_point(m.patch, m.tables, q, e).parameter;
       const bool box = p.x() <= 0.25, disc = (p - Vec2(0.25, 0.25)).norm() <= 0.1;
-      EXPECT_EQ(state.strength[static_cast<std::size_t>(q) * m.tables.lanes + e],
+      EXPECT_EQ(state.layers.strength[static_cast<std::size_t>(q) * m.tables.lanes + e],
                 6e7 * (box ? 0.5 : 1.0) * (disc ? 2.0 : 1.0));
       ++seen[box + 2 * disc];
     }

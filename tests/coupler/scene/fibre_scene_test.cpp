@@ -56,7 +56,7 @@ TEST(FibreScene, WithoutFibresHasNoFibreModel) {
   EXPECT_EQ(report.find("fibres"), std::string::npos) << report;
   EXPECT_EQ(setup.fibre_spacing, 0.0);
   const auto state = sunder::shell::make_state(setup.shells[0].model, sunder::Vec3::Zero(), 0);
-  EXPECT_EQ(state.fibres.capacity(), 0u);
+  EXPECT_EQ(state.layers.fibres.capacity(), 0u);
 }
 
 TEST(FibreScene, StiffFibresShortenTheStep) {

@@ -10,6 +10,7 @@
 
 #include "shell/fracture/crack_loops.h"
 #include "shell/fracture/triangulation.h"
+#include "shell/solver/parting/pieces.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/wanderers.h"
 

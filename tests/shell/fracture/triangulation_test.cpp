@@ -8,6 +8,7 @@
 #include "shell/fracture/outline.h"
 #include "shell/fracture/triangulation.h"
 #include "shell/solver/cracking/polyline.h"
+#include "shell/solver/parting/pieces.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;

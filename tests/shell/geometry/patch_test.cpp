@@ -20,9 +20,9 @@ TEST(Patch, DerivativesAreThoseOfItsPosition) {
     const SurfacePoint s = p.evaluate(q);
     // central differences: truncation O(e^2) = 1e-10 of third derivatives, round-off 1e-16 / e^2 = 1e-6
     EXPECT_LT((s.u - (at(e, 0) - at(-e, 0)) / (2 * e)).norm(), 1e-9);
-    EXPECT_LT((s.motion.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-9);
-    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.motion.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
-    EXPECT_LT((s.vv - (at(0, e) - 2 * s.motion.x + at(0, -e)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-9);
+    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.vv - (at(0, e) - 2 * s.x + at(0, -e)) / (e * e)).norm(), 2e-5);
     EXPECT_LT((s.uv - (at(e, e) - at(e, -e) - at(-e, e) + at(-e, -e)) / (4 * e * e)).norm(), 2e-5);
   }
 }
@@ -58,9 +58,9 @@ TEST(CubicPatch, DerivativesAreThoseOfItsPosition) {
     const SurfacePoint s = p.evaluate(q);
     // as for quadratic patches: truncation 1e-10 of third derivatives, round-off 1e-16 / e^2 = 1e-6
     EXPECT_LT((s.u - (at(e, 0) - at(-e, 0)) / (2 * e)).norm(), 1e-8);
-    EXPECT_LT((s.motion.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-8);
-    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.motion.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
-    EXPECT_LT((s.vv - (at(0, e) - 2 * s.motion.x + at(0, -e)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.v - (at(0, e) - at(0, -e)) / (2 * e)).norm(), 1e-8);
+    EXPECT_LT((s.uu - (at(e, 0) - 2 * s.x + at(-e, 0)) / (e * e)).norm(), 2e-5);
+    EXPECT_LT((s.vv - (at(0, e) - 2 * s.x + at(0, -e)) / (e * e)).norm(), 2e-5);
     EXPECT_LT((s.uv - (at(e, e) - at(e, -e) - at(-e, e) + at(-e, -e)) / (4 * e * e)).norm(), 2e-5);
   }
 }

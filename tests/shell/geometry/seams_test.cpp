@@ -42,8 +42,8 @@ std::string refusal(const std::vector<Patch>& patches) {
 // Weights sum to 1, what is followed follows nothing, and it all agrees with where the control points are at rest.
 void expect_sound(const std::vector<Patch>& patches, const Stitches& s, double least) {
   std::set<PatchPoint> follow;
-  for (const Dependence& d : s.cracked.gathered) EXPECT_TRUE(follow.insert(d.point).second);
-  for (const Dependence& d : s.cracked.gathered) {
+  for (const Dependence& d : s.points) EXPECT_TRUE(follow.insert(d.point).second);
+  for (const Dependence& d : s.points) {
     double sum = 0.0;
     Vec3 x = Vec3::Zero();
     for (const auto& [p, weight] : d.on) {
@@ -83,8 +83,8 @@ TEST(Seams, MatchingOnesAreFoundSmoothWhereverTheParametersRun) {
       EXPECT_NEAR(s.seams[0].length, 1.0, 1e-12);
       EXPECT_NEAR(s.seams[0].angle, 0.0, 1e-6);  // of an arc cosine near 1
       expect_sound(patches, s, -1e-12);
-      EXPECT_EQ(s.cracked.gathered.size(), 2u * (5 + degree));
-      for (const Dependence& d : s.cracked.gathered) EXPECT_EQ(d.on.size(), 2u);  // the point to either side
+      EXPECT_EQ(s.points.size(), 2u * (5 + degree));
+      for (const Dependence& d : s.points) EXPECT_EQ(d.on.size(), 2u);  // the point to either side
     }
 }
 
@@ -96,7 +96,7 @@ TEST(Seams, OfKnotsThatDoNotMatchFollowWithinAnElementOrTwo) {
       ASSERT_EQ(s.seams.size(), 1u);
       expect_sound(patches, s, -1.5);
       const double reach = 2.0 * (degree + 1) / std::min(a, b);
-      for (const Dependence& d : s.cracked.gathered)
+      for (const Dependence& d : s.points)
         for (const auto& [p, weight] : d.on)
           EXPECT_LT(std::abs(patches[p.patch].control_points[p.point].y() -
                              patches[d.point.patch].control_points[d.point.point].y()),
@@ -113,7 +113,7 @@ TEST(Seams, FinerSideIsTheCoarserOneWithKnotsInserted) {
     std::uniform_real_distribution<double> uniform(-1.0, 1.0);
     std::vector<std::vector<Vec3>> moved{patches[0].control_points, patches[1].control_points};
     for (Vec3& x : moved[0]) x += Vec3(uniform(random), uniform(random), uniform(random));
-    for (const Dependence& d : s.cracked.gathered) {
+    for (const Dependence& d : s.points) {
       ASSERT_EQ(d.point.patch, 1);
       Vec3 x = Vec3::Zero();
       for (const auto& [p, weight] : d.on) x += weight * moved[p.patch][p.point];
@@ -161,7 +161,7 @@ TEST(Seams, FourPatchesAtACornerAgreeOnIt) {
     EXPECT_EQ(s.seams.size(), 4u);
     expect_sound(patches, s, matching ? -1e-12 : -1.5);
     std::vector<std::vector<std::pair<PatchPoint, double>>> corner;
-    for (const Dependence& d : s.cracked.gathered)
+    for (const Dependence& d : s.points)
       if (is_at(patches, d.point, Vec3(1, 1, 0))) corner.push_back(d.on);
     ASSERT_EQ(corner.size(), 4u);  // all follow the control points within
     for (const auto& on : corner) {
@@ -181,7 +181,7 @@ TEST(Seams, ThreePatchesAtTheCornerOfACubeShareIt) {
   expect_sound(patches, s, -1.5);
   std::set<PatchPoint> lead;
   int follow = 0;
-  for (const Dependence& d : s.cracked.gathered)
+  for (const Dependence& d : s.points)
     if (is_at(patches, d.point, Vec3::Zero())) {
       ++follow;
       ASSERT_EQ(d.on.size(), 1u);

@@ -171,8 +171,8 @@ TEST(Plasticity, BesideACrackLayersYieldAsInTheirRows) {
   ShellState whole = make_state(m, Vec3::Zero(), 0), before = make_state(m, Vec3::Zero(), 0), after = before;
   const std::vector<Vec2> cut{{0.31, 0.37}, {0.63, 0.58}};
   insert_polyline(m, before, cut, 0.0);
-  ASSERT_GT(before.points.size(), 50u);
-  for (const GatheredPoint& p : before.points) ASSERT_EQ(p.kind, PointKind::kQuadratic);
+  ASSERT_GT(before.cracked.gathered.size(), 50u);
+  for (const GatheredPoint& p : before.cracked.gathered) ASSERT_EQ(p.kind, PointKind::kQuadratic);
   const double way[][2] = {{2e-3, 0.5}, {1e-3, 0.1}, {4e-3, -0.8}};  // on, back, and on the other way
   for (const auto& [e, k] : way) {
     double energy[3], *now = energy;
@@ -182,18 +182,18 @@ TEST(Plasticity, BesideACrackLayersYieldAsInTheirRows) {
     }
     EXPECT_NEAR(energy[1] / energy[0], 1.0, 1e-9);
     EXPECT_NEAR(energy[2] / energy[0], 1.0, 1e-9);
-    if (after.points.empty()) insert_polyline(m, after, cut, 0.0);
+    if (after.cracked.gathered.empty()) insert_polyline(m, after, cut, 0.0);
     EXPECT_NEAR(after.book.injected - after.book.fracture, 0.0, 1e-9 * energy[0]);
   }
   EXPECT_GT(whole.book.plastic, 0.0);
   EXPECT_NEAR(before.book.plastic / whole.book.plastic, 1.0, 1e-9);
   EXPECT_NEAR(after.book.plastic / whole.book.plastic, 1.0, 1e-9);
-  for (std::size_t i = 0; i < whole.plastic.size(); ++i) {
-    ASSERT_NEAR(before.plastic[i], whole.plastic[i], 1e-11);
-    ASSERT_NEAR(after.plastic[i], whole.plastic[i], 1e-11);
+  for (std::size_t i = 0; i < whole.layers.plastic.size(); ++i) {
+    ASSERT_NEAR(before.layers.plastic[i], whole.layers.plastic[i], 1e-11);
+    ASSERT_NEAR(after.layers.plastic[i], whole.layers.plastic[i], 1e-11);
   }
-  for (std::size_t i = 0; i < whole.surface_stress.size(); ++i)
-    ASSERT_NEAR(before.surface_stress[i], whole.surface_stress[i], 1e-6 * kSteel.yield_stress);
+  for (std::size_t i = 0; i < whole.layers.surface_stress.size(); ++i)
+    ASSERT_NEAR(before.layers.surface_stress[i], whole.layers.surface_stress[i], 1e-6 * kSteel.yield_stress);
 }
 
 TEST(Plasticity, FacesOfABentSheetBearTheYieldStressAndNoMore) {

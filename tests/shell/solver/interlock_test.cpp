@@ -269,16 +269,16 @@ TEST(Interlock, FacesThatRememberTheirSightGoOnAsThoseThatLookAnew) {
   crack(m, s, {0.05, -0.002}, {0.05, 0.082});
   disturb(s, m, 1e-5);
   ShellState anew = s;
-  for (Interlock& lock : anew.interlocks) lock.looked = false, lock.sights = lock.uses = {}, lock.planes = {};
+  for (Interlock& lock : anew.cracks.interlocks) lock.looked = false, lock.sights = lock.uses = {}, lock.planes = {};
   const std::vector<Interlock> before = s.cracks.interlocks;
   for (ShellState* state : {&s, &anew}) {  // ends beside the first, and later crosses it
     crack(m, *state, {0.03, 0.041}, {0.0495, 0.0415});
     crack(m, *state, {0.0495, 0.0415}, {0.062, 0.043});
   }
-  ASSERT_EQ(s.cracks.interlocks.size(), anew.interlocks.size());
+  ASSERT_EQ(s.cracks.interlocks.size(), anew.cracks.interlocks.size());
   int changed = 0, kept = 0;
   for (std::size_t i = 0; i < s.cracks.interlocks.size(); ++i) {
-    const Interlock &a = s.cracks.interlocks[i], &b = anew.interlocks[i];
+    const Interlock &a = s.cracks.interlocks[i], &b = anew.cracks.interlocks[i];
     EXPECT_EQ(a.holds, b.holds);
     EXPECT_EQ(a.stiffness, b.stiffness);
     EXPECT_EQ(a.rest, b.rest);

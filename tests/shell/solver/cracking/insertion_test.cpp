@@ -32,13 +32,13 @@ TEST(ExtendCracks, ThatWouldAddEnergyIsRefusedAndChangesNothing) {
                       points = s.cracked.gathered.size();
     const double length = s.cracks.graph.total_length(), energy = compute_forces(m, s, true, 0.0, 1);
     const int edge = extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false);
-    forgetful.cracks.add_vertex(from), forgetful.trials.clear();
+    forgetful.cracks.graph.add_vertex(from), forgetful.caches.trials.clear();
     EXPECT_EQ(extend_cracks(m, forgetful, {{vertex, to, k, 1}}, 0.0, false), edge);
     if (edge < 0) {  // once more, by what is remembered
       EXPECT_LT(extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false), 0);
     }
     EXPECT_EQ(compute_forces(m, forgetful, true, 0.0, 1), compute_forces(m, s, true, 0.0, 1));
-    EXPECT_EQ(forgetful.force, s.motion.force);
+    EXPECT_EQ(forgetful.motion.force, s.motion.force);
     EXPECT_EQ(s.book.injected, 0.0);
     if (edge >= 0) {
       EXPECT_LE(compute_forces(m, s, true, 0.0, 1), energy * (1.0 + 1e-12));
