@@ -7,6 +7,7 @@
 #include <iostream>
 #include <map>
 #include <memory>
+#include <utility>
 
 #include <benchmark/benchmark.h>
 #include <fmt/format.h>
@@ -14,10 +15,10 @@
 
 #include "coupler/core/error.h"
 #include "shell/solver/forces.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "tests/benchmarks/absent.h"
 #include "tests/benchmarks/counting.h"
 #include "tests/benchmarks/two_processes.h"
+#include "tests/shell/rig.h"
 // the counting type must be known before the templates that it runs
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
@@ -62,14 +63,13 @@ void force(benchmark::State& b, Sheet& s, int threads) {
   for (auto _ : b) benchmark::DoNotOptimize(compute_forces(s.model, s.state, false, 0.0, threads));
 }
 
-void whole_substep(benchmark::State& b, Sheet& s, int threads) {
+void whole_substep(benchmark::State& b, const Sheet& s, int threads) {
   const double dt = 1e-9;  // it must not wander off while it is timed
-  for (auto _ : b) {
-    compute_forces(s.model, s.state, false, 0.0, threads);
-    kick(s.model, s.state, Vec3(0, 0, -9.81), dt);
-    constrain(s.model, s.state, dt);
-    drift(s.model, s.state, dt);
-  }
+  RunSetup setup = setup_of({{s.model}});
+  setup.gravity = Vec3(0, 0, -9.81);
+  Rig rig(std::move(setup), threads);
+  rig.state() = s.state;
+  for (auto _ : b) rig.step(dt);
 }
 
 // Point by point in plain double: the formulas of the kernel without rows and packs.

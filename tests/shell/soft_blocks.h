@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "shell/soft/soft_bodies.h"
-#include "shell/solver/forces.h"
-#include "shell/solver/stepping/kick_drift.h"
 
 namespace sunder::soft_blocks {
 
@@ -94,18 +92,6 @@ inline double sag(double spacing) {
     }
   }
   return (0.5 * height - soft.sums(gravity).centre.z()) / (1000 * 9.81 * height * height / (3 * young));
-}
-
-/// One substep of a shell, with a soft body that begins a step of its own where none is `open`.
-inline void substep(const ShellModel& sheet, ShellState& s, SoftBodies& soft, const std::vector<ShellRef>& shells,
-                    double dt, int left, int& open) {
-  std::vector<Proxy> nobody;
-  compute_forces(sheet, s, false, 0.0, 1);
-  kick(sheet, s, Vec3::Zero(), dt);
-  if (open == 0) open = soft.begin(Vec3::Zero(), dt, left, 0.8, nobody, shells, 1);
-  soft.touch(shells, dt);
-  constrain(sheet, s, dt), drift(sheet, s, dt);
-  if (--open == 0) soft.finish(1);
 }
 
 }  // namespace sunder::soft_blocks

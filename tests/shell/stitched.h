@@ -1,16 +1,15 @@
 #pragma once
-// Shells that hang together, stepped as a run steps them, without bodies and cracks.
+// Shells that hang together along seams.
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <string>
 #include <vector>
 
 #include "shell/geometry/builders.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/joining/stitching.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/rig.h"
 
 namespace sunder::shell {
 
@@ -38,61 +37,45 @@ inline Patch turned(Patch p, int times) {
   return p;
 }
 
-struct Stitched {
-  std::deque<ShellModel> models;
-  std::vector<ShellState> states;
-  Stitches stitches;
-  Stitching stitching;
+/// Shells that hang together along their common edges.
+struct Stitched : Rig {
+  explicit Stitched(std::vector<ShellModel> models, Join join = Join::kClamped, double tolerance = 1e-6)
+      : Rig(joined(std::move(models), join, tolerance)) {}
 
-  explicit Stitched(std::deque<ShellModel> all, Join join = Join::kClamped, double tolerance = 1e-6)
-      : models(std::move(all)) {
+  static RunSetup joined(std::vector<ShellModel> models, Join join, double tolerance) {
+    RunSetup out;
+    for (ShellModel& m : models) out.shells.push_back({std::move(m)});
     std::vector<const Patch*> patches;
     std::vector<std::string> names;
-    std::vector<const ShellModel*> pointers;
-    for (const ShellModel& m : models) patches.push_back(&m.patch), names.push_back(m.name), pointers.push_back(&m);
-    stitches = find_stitches(
-        patches, names, tolerance, {models.size(), std::vector<Join>(models.size(), join)},
-        [&](const PatchPoint& p) { return models[p.patch].held[models[p.patch].tables.slot(p.point)] != 0; });
-    stitching = Stitching(stitches, pointers);
-    for (const ShellModel& m : models) states.push_back(make_state(m, Vec3::Zero(), 0));
-    stitching.tie(refs());
-  }
-
-  std::vector<ShellRef> refs() {
-    std::vector<ShellRef> out;
-    for (std::size_t k = 0; k < models.size(); ++k) out.push_back({&models[k], &states[k]});
+    for (const ShellSetup& s : out.shells) patches.push_back(&s.model.patch), names.push_back(s.model.name);
+    out.stitches = find_stitches(patches, names, tolerance, {patches.size(), std::vector<Join>(patches.size(), join)},
+                                 [&](const PatchPoint& p) {
+                                   const ShellModel& m = out.shells[p.patch].model;
+                                   return m.held[m.tables.slot(p.point)] != 0;
+                                 });
     return out;
   }
-  /// Returns the stored energy [J] where `energy`.
+  Stitching& stitching() { return now().stitching; }
+  const Stitching& stitching() const { return now().stitching; }
+  const Stitches& stitches() const { return setup().stitches; }
+  const std::vector<Seam>& seams() const { return setup().stitches.seams; }
+
+  /// Forces at the present positions. Returns the stored energy [J] where `energy`.
   double forces(bool energy = false) {
     double sum = 0.0;
-    for (std::size_t k = 0; k < models.size(); ++k) sum += compute_forces(models[k], states[k], energy, 0.0, 1);
-    stitching.share_forces(refs());
+    for (std::size_t k = 0; k < size(); ++k) sum += compute_forces(model(k), state(k), energy, 0.0, 1);
+    stitching().share_forces(refs());
     return sum;
   }
-  double kinetic(double dt) {
+  double kinetic(double dt) const {
     double sum = 0.0;
-    for (std::size_t k = 0; k < models.size(); ++k) sum += kinetic_energy(models[k], states[k], dt);
+    for (std::size_t k = 0; k < size(); ++k) sum += kinetic_energy(model(k), state(k), dt);
     return sum;
-  }
-  /// After forces(): the rest of a substep, with `contact` after the kick.
-  void advance(double dt) {
-    advance(dt, [] {});
-  }
-  template <class F>
-  void advance(double dt, F&& contact) {
-    for (std::size_t k = 0; k < models.size(); ++k) kick(models[k], states[k], Vec3::Zero(), dt);
-    stitching.mark(refs());
-    contact();
-    stitching.share_impulses(refs()), stitching.keep_angles(refs(), dt);
-    for (std::size_t k = 0; k < models.size(); ++k) constrain(models[k], states[k], dt);
-    stitching.follow(refs());
-    for (std::size_t k = 0; k < models.size(); ++k) drift(models[k], states[k], dt);
   }
   /// Between passes of contact, as a run does.
-  void hand_on() { stitching.share_impulses(refs()), stitching.mark(refs()); }
+  void hand_on() { stitching().share_impulses(refs()), stitching().mark(refs()); }
   double stable(int iterations = 200) {
-    return stable_step(refs(), stitching, iterations, 1, std::vector<char>(models.size(), 0));
+    return stable_step(refs(), stitching(), iterations, 1, std::vector<char>(size(), 0));
   }
   /// Mass, momentum and angular momentum, with the sums of magnitudes that their round-off is relative to.
   struct Sums {
@@ -101,19 +84,21 @@ struct Stitched {
   };
   Sums sums() const {
     Sums t;
-    for (const ShellState& s : states)
+    for (std::size_t k = 0; k < size(); ++k) {
+      const ShellState& s = state(k);
       for (std::size_t i = 0; i < s.motion.mass.size(); ++i) {
         const Vec3 p = s.motion.mass[i] * s.velocity(static_cast<int>(i)), l = s.position(static_cast<int>(i)).cross(p);
-        t.mass += s.motion.mass[i], t.momentum += p, t.angular += l, t.momentum_scale += p.norm(),
-            t.angular_scale += l.norm();
+        t.mass += s.motion.mass[i], t.momentum += p, t.angular += l;
+        t.momentum_scale += p.norm(), t.angular_scale += l.norm();
       }
+    }
     return t;
   }
   /// Where a material point is.
   Vec3 at(int shell, const Vec2& p) const {
-    const ShellModel& m = models[shell];
+    const ShellModel& m = model(shell);
     std::vector<Vec3> net;
-    for (int i = 0; i < m.control_points(); ++i) net.push_back(states[shell].position(m.tables.slot(i)));
+    for (int i = 0; i < m.control_points(); ++i) net.push_back(state(shell).position(m.tables.slot(i)));
     return m.patch.evaluate(p, net).x;
   }
 };

@@ -2,6 +2,7 @@
 // fracture energy.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -9,8 +10,8 @@
 #include "shell/solver/cracking/damage_cracks.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/parting/handoff.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/rig.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -78,28 +79,29 @@ ShellModel make_bar(int elements, double duration) {
 
 Pulled pull(int elements, double width, bool heals, int threads) {
   const double duration = kTransits * kLength / std::sqrt(kYoung / 1000.0);
-  const ShellModel m = make_bar(elements, duration);
+  RunSetup setup = setup_of({{make_bar(elements, duration)}});
+  setup.seed = 1;
+  setup.shells[0].brittleness = brittleness(kStrength, kYoung, kToughness, width), setup.shells[0].healing = heals;
+  Rig rig(std::move(setup), threads);
+  const ShellModel& m = rig.model();
   const RowTables& t = m.tables;
-  ShellState s = make_state(m, Vec3::Zero(), 1);
-  s.layers.brittleness = brittleness(kStrength, kYoung, kToughness, width), s.layers.heals = heals;
+  ShellState& s = rig.state();
   const double section = kWidth * kThickness;
   const int steps = static_cast<int>(std::ceil(duration / (0.5 * stable_step(m, s, 200, threads, true))));
   const int often = std::max(1, steps / 400);
   const double dt = duration / steps;
   Pulled out;
   for (int k = 0; k < steps; ++k) {
-    compute_forces(m, s, false, 1.0, threads);
+    const double time = s.motion.time;
+    rig.step(dt);         // leaves the force that it began with
     double stress = 0.0;  // mean of both ends, in which waves between them cancel
     for (int j = 0; j < t.rows; ++j)
       stress += 0.5 * (s.motion.force[t.slot(j * t.columns)] - s.motion.force[t.slot(j * t.columns + t.columns - 1)]) /
                 section;
     out.peak = std::max(out.peak, stress);
     if (k % often == 0)
-      out.opening.push_back(1e6 * m.constraints.driven[0].displacement(s.motion.time).x()),
+      out.opening.push_back(1e6 * m.constraints.driven[0].displacement(time).x()),
           out.stress.push_back(stress / kStrength);
-    kick(m, s, Vec3::Zero(), dt);
-    constrain(m, s, dt);
-    drift(m, s, dt);
     watch_stress(m, s);
     if (k % 8 || !s.cracks.graph.edges().empty()) continue;
     std::vector<float> worst;

@@ -6,8 +6,8 @@
 #include "shell/solver/contact/shell_contact.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/parting/handoff.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/rig.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -15,29 +15,23 @@ namespace {
 
 using namespace sunder::shell;
 
-struct Pair {
-  ShellModel low, high;
-  ShellState a, b;
-  ShellContact contact;
-  std::vector<ShellRef> shells;
+struct Pair : Rig {
+  const ShellModel &low, &high;
+  ShellState &a, &b;
 
   Pair(ShellModel l, ShellModel h, const SurfaceLaw& law, const Vec3& velocity)
-      : low(std::move(l)),
-        high(std::move(h)),
-        a(make_state(low, Vec3::Zero(), 0)),
-        b(make_state(high, velocity, 0)),
-        contact({&low, &high}, {}, {2, std::vector<SurfaceLaw>(2, law)}),
-        shells{{&low, &a}, {&high, &b}} {}
-  Pair(const Pair&) = delete;
+      : Rig(setup_of({{std::move(l)}, {std::move(h), velocity}})),
+        low(model(0)),
+        high(model(1)),
+        a(state(0)),
+        b(state(1)) {
+    meet(law);
+  }
 
-  double step() { return 0.6 * std::min(stable_step(low, a, 80, 1, false), stable_step(high, b, 80, 1, false)); }
-  void run(double time, double dt, const Vec3& gravity) {
-    for (std::int64_t k = std::llround(time / dt); k > 0; --k) {
-      for (const ShellRef& r : shells) compute_forces(*r.model, *r.state, false, 0.0, 1);
-      for (const ShellRef& r : shells) kick(*r.model, *r.state, gravity, dt);
-      contact.act(shells, dt);
-      for (const ShellRef& r : shells) constrain(*r.model, *r.state, dt), drift(*r.model, *r.state, dt);
-    }
+  double length() { return 0.6 * std::min(stable_step(low, a, 80, 1, false), stable_step(high, b, 80, 1, false)); }
+  void go(double time, double dt, const Vec3& gravity) {
+    setup().gravity = gravity;
+    run(static_cast<int>(std::lround(time / dt)), dt);
   }
 };
 
@@ -74,11 +68,11 @@ void incline(Report& report) {
                       2, {clamp}),
            make_shell("block", plate(0.3, 0.3, 8, 8, Vec3(-0.3, 0.0, 0.0500), turn), 0.05, material(1e9), 2, 2, {}),
            {kFriction, 0.0}, Vec3::Zero());
-    const double dt = p.step();
+    const double dt = p.length();
     const Vec3 gravity = kGravity * Vec3(std::sin(angle), 0.0, -std::cos(angle));
-    p.run(0.1, dt, gravity);  // until what it has set in motion has passed
+    p.go(0.1, dt, gravity);  // until what it has set in motion has passed
     const Vec3 before = mean(p.high, p.b).v;
-    p.run(kTime, dt, gravity);
+    p.go(kTime, dt, gravity);
     const double found = (mean(p.high, p.b).v.x() - before.x()) / kTime;
     const double exact = share < 1.0 ? 0.0 : kGravity * (std::sin(angle) - kFriction * std::cos(angle));
     // what holds it: of gravity's pull along the slope
@@ -100,7 +94,7 @@ void pressed(Report& report) {
            make_shell("high", plate(0.4, 0.4, 16, 16, Vec3(0.013, 0.007, 0.0045), Quat::Identity()), kThickness,
                       material(1e10, 400.0), 2, 2, {}, {load}),
            {}, Vec3::Zero());
-    p.run(0.05, p.step(), Vec3::Zero());
+    p.go(0.05, p.length(), Vec3::Zero());
     // distance of both middles, over the thickness
     const auto middle = [](const ShellModel& m, const ShellState& s, const Vec2& at) {
       Vec3 x = Vec3::Zero();
@@ -127,17 +121,17 @@ void collision(Report& report) {
       t += totals(p.high, p.b);
       return t;
     };
-    const double dt = p.step();
+    const double dt = p.length();
     const auto energy = [&] {
       double sum = 0.0;
-      for (const ShellRef& r : p.shells)
+      for (const ShellRef& r : p.refs())
         sum += compute_forces(*r.model, *r.state, true, 0.0, 1) + kinetic_energy(*r.model, *r.state, dt) +
                r.state->book.contact;
       return sum;
     };
     const Totals before = totals_now();
     const double stored = energy();
-    p.run(0.02, dt, Vec3::Zero());
+    p.go(0.02, dt, Vec3::Zero());
     const Totals after = totals_now();
     const std::string name = restitution == 0.0 ? "inelastic" : "elastic";
     report.add("momentum_" + name, (after.momentum - before.momentum).norm() / before.momentum_scale, 0.0, 1e-12,

@@ -6,8 +6,8 @@
 
 #include "shell/geometry/builders.h"
 #include "shell/solver/forces.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/rig.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -28,8 +28,9 @@ ShellModel square(int elements, const std::vector<Support>& supports, int degree
 double frequency(int p, int q, int elements, int threads, int degree = 2) {
   Support hinge;
   hinge.edges = kUMin | kUMax | kVMin | kVMax, hinge.clamped = false;
-  const ShellModel m = square(elements, {hinge}, degree);
-  ShellState s = make_state(m, Vec3::Zero(), 0);
+  Rig rig(setup_of({{square(elements, {hinge}, degree)}}), threads);
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
   const std::size_t plane = m.tables.plane;
   std::vector<double> shape(plane, 0.0);
   for (int i = 0; i < m.control_points(); ++i) {
@@ -49,8 +50,7 @@ double frequency(int p, int q, int elements, int threads, int degree = 2) {
   double before = 0.0, first = -1.0, last = 0.0;
   int crossings = 0;
   for (std::int64_t k = 1; crossings < 7; ++k) {
-    compute_forces(m, s, false, 0.0, threads);
-    kick(m, s, Vec3::Zero(), dt), constrain(m, s, dt), drift(m, s, dt);
+    rig.step(dt);
     const double now = share();
     if (before != 0.0 && (before > 0.0) != (now > 0.0)) {
       last = (static_cast<double>(k) - now / (now - before)) * dt;
@@ -106,8 +106,9 @@ void cubic_frequency_case(Report& r, int threads) {
 
 void vibration_case(Report& r, int threads) {
   const double start = seconds_now();
-  const ShellModel m = square(6, {});
-  ShellState s = make_state(m, Vec3(1.0, -2.0, 0.5), 0);
+  Rig rig(setup_of({{square(6, {}), Vec3(1.0, -2.0, 0.5)}}), threads);
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
   const std::size_t plane = m.tables.plane;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
@@ -132,13 +133,8 @@ void vibration_case(Report& r, int threads) {
   Vec3 p0 = Vec3::Zero(), l0 = p0, p1 = p0, l1 = p0;
   double scale_p = 0.0, scale_l = 0.0;
   for (int k = 0; k < kSteps; ++k) {
-    if (k < kMean || k >= kSteps - kMean) {
-      const double e = energy();
-      (k < kMean ? first : last) += e / kMean;
-    } else {
-      compute_forces(m, s, false, 0.0, threads);
-    }
-    kick(m, s, Vec3::Zero(), dt), drift(m, s, dt);
+    if (k < kMean || k >= kSteps - kMean) (k < kMean ? first : last) += energy() / kMean;
+    rig.step(dt);
     if (k == 0) momenta(p0, l0, scale_p, scale_l);
   }
   momenta(p1, l1, scale_p, scale_l);

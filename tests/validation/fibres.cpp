@@ -33,36 +33,39 @@ Support everywhere() {
 /// A sheet held flat, and others over it, the uppermost pressed; sizes in elements.
 struct Stack : Pile {
   double dt = 0.0;
-  Stack(int sheets, double pressure, double friction, double elements, int below, const Quat& turn) {
+  Stack(int sheets, double pressure, double friction, double elements, int below, const Quat& turn)
+      : Pile(layers(sheets, pressure, friction, below, turn), elements * kSize / kElements) {
+    double least = 1e300;
+    for (std::size_t k = 1; k < size(); ++k) least = std::min(least, stable_step(model(k), state(k), 80, 1, false));
+    dt = 0.8 * stable_step_with_fibres(least, setup().models());
+  }
+  static std::vector<Layer> layers(int sheets, double pressure, double friction, int below, const Quat& turn) {
     const FibreLaw law{kModulus, kModulus, friction};
     const double h = kSize / kElements;
-    add(make_shell("low", plate(below * h, below * h, below, below, Vec3::Zero(), Quat::Identity()), kThickness,
-                   material(0.0), 2, 2, {everywhere()}),
-        law);
+    std::vector<Layer> out{{make_shell("low", plate(below * h, below * h, below, below, Vec3::Zero(), Quat::Identity()),
+                                       kThickness, material(0.0), 2, 2, {everywhere()}),
+                            law}};
     Load load;
     load.kind = Load::Kind::kPressure, load.size = -pressure;
     for (int k = 1; k <= sheets; ++k)
-      add(make_shell("high", plate(kSize, kSize, kElements, kElements, Vec3(0, 0, k * (kThickness + 1e-6)), turn),
-                     kThickness, material(1000.0), 2, 2, {},
-                     k == sheets ? std::vector<Load>{load} : std::vector<Load>{}),
-          law);
-    join(elements * h);
-    double least = 1e300;
-    for (const ShellRef& r : shells)
-      if (r.state != states[0].get()) least = std::min(least, stable_step(*r.model, *r.state, 80, 1, false));
-    dt = 0.8 * stable_step_with_fibres(least, pointers());
+      out.push_back(
+          {make_shell("high", plate(kSize, kSize, kElements, kElements, Vec3(0, 0, k * (kThickness + 1e-6)), turn),
+                      kThickness, material(1000.0), 2, 2, {},
+                      k == sheets ? std::vector<Load>{load} : std::vector<Load>{}),
+           law});
+    return out;
   }
   void go(double time) { run(static_cast<int>(std::lround(time / dt)), dt); }
   void let_go() {
-    for (auto& m : models) m->material.mass_damping = 0.0;
+    for (ShellSetup& s : setup().shells) s.model.material.mass_damping = 0.0;
   }
   Vec3 mean(std::size_t k, bool speed) const {
     Vec3 sum = Vec3::Zero();
     double mass = 0.0;
-    for (int i = 0; i < models[k]->control_points(); ++i) {
-      const int slot = models[k]->tables.slot(i);
-      const double m = models[k]->mass[slot];
-      mass += m, sum += m * (speed ? states[k]->velocity(slot) : states[k]->position(slot));
+    for (int i = 0; i < model(k).control_points(); ++i) {
+      const int slot = model(k).tables.slot(i);
+      const double m = model(k).mass[slot];
+      mass += m, sum += m * (speed ? state(k).velocity(slot) : state(k).position(slot));
     }
     return sum / mass;
   }
@@ -134,7 +137,7 @@ void friction(Report& report) {
       const double start = seconds_now();
       Stack s(1, kPressure, kFriction, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
       s.go(0.03);
-      s.gravity.x() = share * holds;
+      s.setup().gravity.x() = share * holds;
       s.go(0.015);  // until what the jump has set in motion has passed
       s.let_go();
       const Vec3 before = s.mean(1, true);
@@ -154,16 +157,16 @@ void parting(Report& report) {
     Stack s(1, 1e3, 0.5, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
     s.go(0.03);
     s.let_go();
-    s.models[1]->loads = {}, s.states[1]->motion.external.clear();
-    s.gravity = Vec3(0, 0, 50.0);
+    s.setup().shells[1].model.loads = {}, s.state(1).motion.external.clear();
+    s.setup().gravity = Vec3(0, 0, 50.0);
     double most = 0.0, free = 0.0;  // what pulls it down, of what draws it up, and where nothing acts any more
     s.run(static_cast<int>(0.02 / s.dt), s.dt, [&] {
-      ShellState& t = *s.states[1];
+      Motion& t = s.state(1).motion;
       const double gap = s.mean(1, false).z();
-      t.motion.force.assign(t.motion.force.size(), 0.0);
-      s.fibres->add_forces(s.shells);
+      t.force.assign(t.force.size(), 0.0);
+      s.fibres().add_forces(s.refs());
       double sum = 0.0;
-      for (std::size_t i = 0; i < t.motion.mass.size(); ++i) sum += t.motion.force[2 * t.motion.mass.size() + i];
+      for (std::size_t i = 0; i < t.mass.size(); ++i) sum += t.force[2 * t.mass.size() + i];
       most = std::max(most, -sum / (50.0 * kDensity * kThickness * kSize * kSize));
       if (sum != 0.0) free = gap;
     });
@@ -177,18 +180,17 @@ void collision(Report& report) {
   const FibreLaw law{3e5, 2e5, 0.3};
   for (const double share : {0.5, 0.25}) {
     const double start = seconds_now();
-    Pile p;
     const ShellMaterial m = material(0.0);
-    p.add(make_shell("low", plate(0.5, 0.5, 12, 12, Vec3::Zero(), Quat::Identity()), 0.01, m, 2, 2, {}), law);
-    p.add(make_shell("high", plate(0.4, 0.4, 9, 9, Vec3(0.1, 0.05, 0.012), Quat(Eigen::AngleAxisd(0.4, Vec3::UnitZ()))),
-                     0.01, m, 2, 2, {}),
-          law, Vec3(1, 0, -3));
-    p.join(0.05);
-    const double dt = share * p.step();
+    const Quat askew(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
+    Pile p({{make_shell("low", plate(0.5, 0.5, 12, 12, Vec3::Zero(), Quat::Identity()), 0.01, m, 2, 2, {}), law},
+            {make_shell("high", plate(0.4, 0.4, 9, 9, Vec3(0.1, 0.05, 0.012), askew), 0.01, m, 2, 2, {}), law,
+             Vec3(1, 0, -3)}},
+           0.05);
+    const double dt = share * p.stable();
     const Totals before = p.sums();
     const double stored = p.energy(dt);
     double pressed = 0.0;
-    p.run(static_cast<int>(0.02 / dt), dt, [&] { pressed = std::max(pressed, p.fibres->energy()); });
+    p.run(static_cast<int>(0.02 / dt), dt, [&] { pressed = std::max(pressed, p.fibres().energy()); });
     const Totals after = p.sums();
     const auto name = [&](const char* what) { return fmt::format("fibres_{}_{:g}", what, share); };
     report.add(name("momentum"), (after.momentum - before.momentum).norm() / before.momentum_scale, 0.0, 1e-12,
@@ -197,7 +199,7 @@ void collision(Report& report) {
                0.0);
     report.add(name("energy"), p.energy(dt) / stored, 1.0, 1e-3 * share, 0.0);  // of first order in the step
     report.lines.push_back(fmt::format("fibres held up to {:.3g} of the energy, slipping took {:.3g}", pressed / stored,
-                                       (p.states[0]->book.contact + p.states[1]->book.contact) / stored));
+                                       p.contact() / stored));
   }
 }
 
@@ -206,16 +208,16 @@ void bounded(Report& report) {
   for (const double share : {0.98, 3.0}) {
     const double start = seconds_now();
     const FibreLaw law{3e6, 3e6, 0.5};
-    Pile p;
+    std::vector<Layer> layers;
     for (int k = 0; k < 3; ++k)
-      p.add(make_shell("sheet", plate(0.4, 0.4, 10, 10, Vec3(0.003 * k, 0, 0.0101 * k), Quat::Identity()), 0.01,
-                       material(0.0), 2, 2, {}),
-            law, Vec3(0, 0, -1.0 * k));
-    p.join(0.04);
-    const double dt = share * p.step(), stored = p.energy(dt);
+      layers.push_back({make_shell("sheet", plate(0.4, 0.4, 10, 10, Vec3(0.003 * k, 0, 0.0101 * k), Quat::Identity()),
+                                   0.01, material(0.0), 2, 2, {}),
+                        law, Vec3(0, 0, -1.0 * k)});
+    Pile p(layers, 0.04);
+    const double dt = share * p.stable(), stored = p.energy(dt);
     double most = 0.0;
     try {
-      p.run(2000, dt, [&] { most = std::max(most, p.fibres->energy() / stored); });
+      p.run(2000, dt, [&] { most = std::max(most, p.fibres().energy() / stored); });
     } catch (const std::exception&) {
       most = 1e9;
     }

@@ -23,16 +23,16 @@ struct Freedom {
 
 std::vector<Freedom> freedoms(const Stitched& s) {
   std::map<std::pair<int, int>, std::vector<std::tuple<int, int, double>>> followers;
-  const auto slot = [&](const PatchPoint& p) { return s.models[p.patch].tables.slot(p.point); };
-  for (const Dependence& d : s.stitches.points)
+  const auto slot = [&](const PatchPoint& p) { return s.model(p.patch).tables.slot(p.point); };
+  for (const Dependence& d : s.stitches().points)
     for (const auto& [p, weight] : d.on)
       followers[{p.patch, slot(p)}].emplace_back(d.point.patch, slot(d.point), weight);
   std::vector<Freedom> out;
-  for (int k = 0; k < static_cast<int>(s.models.size()); ++k) {
-    const ShellModel& m = s.models[k];
+  for (int k = 0; k < static_cast<int>(s.size()); ++k) {
+    const ShellModel& m = s.model(k);
     for (int i = 0; i < m.control_points(); ++i) {
       const int at = m.tables.slot(i);
-      if (s.states[k].motion.inverse_mass[at] == 0.0 || s.states[k].motion.mass[at] == 0.0) continue;
+      if (s.state(k).motion.inverse_mass[at] == 0.0 || s.state(k).motion.mass[at] == 0.0) continue;
       for (int d = 0; d < 3; ++d) {
         const auto& held = m.constraints.held[d];
         if (std::binary_search(held.begin(), held.end(), at)) continue;
@@ -52,39 +52,39 @@ Linear linear_response(Stitched& s, int modes) {
   const std::vector<Freedom> all = freedoms(s);
   const auto n = static_cast<Eigen::Index>(all.size());
   double spacing = 1e300;
-  for (const ShellModel& m : s.models) spacing = std::min(spacing, m.spacing);
+  for (std::size_t k = 0; k < s.size(); ++k) spacing = std::min(spacing, s.model(k).spacing);
   const double step = kStep * spacing;
   std::vector<std::vector<double>> still;  // forces at rest, before they are shared
-  for (std::size_t k = 0; k < s.models.size(); ++k) {
-    compute_forces(s.models[k], s.states[k], false, 0.0, 1);
-    still.push_back(s.states[k].motion.force);
+  for (std::size_t k = 0; k < s.size(); ++k) {
+    compute_forces(s.model(k), s.state(k), false, 0.0, 1);
+    still.push_back(s.state(k).motion.force);
   }
   const auto force = [&](const Freedom& f) {
-    const std::vector<double>& all_of = s.states[f.shell].motion.force;
+    const std::vector<double>& all_of = s.state(f.shell).motion.force;
     return all_of[f.axis * all_of.size() / 3 + f.slot];
   };
-  s.stitching.share_forces(s.refs());
+  s.stitching().share_forces(s.refs());
   Eigen::VectorXd load(n), mass(n);
   for (Eigen::Index i = 0; i < n; ++i)
-    load[i] = force(all[i]), mass[i] = s.states[all[i].shell].motion.mass[all[i].slot];
+    load[i] = force(all[i]), mass[i] = s.state(all[i].shell).motion.mass[all[i].slot];
   Eigen::MatrixXd stiffness(n, n);
   for (Eigen::Index c = 0; c < n; ++c) {
     const Freedom& f = all[c];
     const auto move = [&](double by) {
       for (const auto& [shell, slot, share] : f.moves) {
-        std::vector<double>& x = s.states[shell].motion.x;
+        std::vector<double>& x = s.state(shell).motion.x;
         x[f.axis * x.size() / 3 + slot] += by * share;
       }
     };
-    std::vector<char> touched(s.models.size(), 0);
+    std::vector<char> touched(s.size(), 0);
     for (const auto& [shell, slot, share] : f.moves) touched[shell] = 1;
     const auto column = [&](double sign) {
-      for (std::size_t k = 0; k < s.models.size(); ++k)
+      for (std::size_t k = 0; k < s.size(); ++k)
         if (touched[k])
-          compute_forces(s.models[k], s.states[k], false, 0.0, 1);
+          compute_forces(s.model(k), s.state(k), false, 0.0, 1);
         else
-          s.states[k].motion.force = still[k];
-      s.stitching.share_forces(s.refs());
+          s.state(k).motion.force = still[k];
+      s.stitching().share_forces(s.refs());
       for (Eigen::Index i = 0; i < n; ++i) stiffness(i, c) -= sign * force(all[i]) / (2.0 * step);
     };
     stiffness.col(c).setZero();
@@ -95,7 +95,7 @@ Linear linear_response(Stitched& s, int modes) {
   require(factors.info() == Eigen::Success, "the stiffness is not positive: the supports leave the shells free");
   Linear out;
   const Eigen::VectorXd u = factors.solve(load);
-  for (const ShellState& state : s.states) out.under_load.emplace_back(state.motion.x.size(), 0.0);
+  for (std::size_t k = 0; k < s.size(); ++k) out.under_load.emplace_back(s.state(k).motion.x.size(), 0.0);
   for (Eigen::Index i = 0; i < n; ++i)
     for (const auto& [shell, slot, share] : all[i].moves)
       out.under_load[shell][all[i].axis * out.under_load[shell].size() / 3 + slot] += share * u[i];

@@ -110,7 +110,7 @@ constexpr double kProbeU = 0.4, kProbeV = 0.3;
 std::string place_name(int i, int j) { return fmt::format("p{}_{}", i, j); }
 
 Divided divide(const Surface& whole, const Division& d) {
-  std::deque<ShellModel> models;
+  std::vector<ShellModel> models;
   int shell = 0;
   Vec2 at = Vec2::Zero();
   double finest_u = 1.0, finest_v = 1.0;
@@ -149,7 +149,7 @@ Divided divide(const Surface& whole, const Division& d) {
 }
 
 double probe(const Divided& d, const Displacement& u) {
-  const ShellModel& m = d.shells.models[d.shell];
+  const ShellModel& m = d.shells.model(d.shell);
   std::vector<Vec3> net;
   for (int i = 0; i < m.control_points(); ++i) {
     const std::vector<double>& all = u[d.shell];
@@ -163,7 +163,7 @@ double probe(const Divided& d, const Displacement& u) {
 // How far the probe moves along the normal in `steps` steps from rest under the load [m].
 std::vector<double> swing(Divided& d, double dt, int steps) {
   std::vector<double> out;
-  const SurfacePoint x = d.shells.models[d.shell].patch.evaluate(d.at);
+  const SurfacePoint x = d.shells.model(d.shell).patch.evaluate(d.at);
   const Vec3 normal = x.u.cross(x.v).normalized();
   for (int k = 0; k < steps; ++k) {
     d.shells.forces(), d.shells.advance(dt);
@@ -246,7 +246,7 @@ Patch strip(const Vec3& a, const Vec3& b, int elements, int across) {
 Vec3 settled(Stitched& s, int shell, int edge, double period) {
   const double dt = 0.8 * s.stable();
   const auto at = [&] {
-    const Patch& p = s.models[shell].patch;
+    const Patch& p = s.model(shell).patch;
     return s.at(shell, edge_point(p, edge, 0.5));
   };
   const Vec3 start = at();
@@ -254,7 +254,7 @@ Vec3 settled(Stitched& s, int shell, int edge, double period) {
   Vec3 sum = Vec3::Zero();
   std::int64_t count = 0;
   for (std::int64_t k = 0; k < steps; ++k) {
-    s.forces(), s.advance(dt);
+    s.step(dt);
     if (k >= steps - steps / 8 && k % 16 == 0) sum += at() - start, ++count;
   }
   return sum / static_cast<double>(count);
@@ -291,7 +291,7 @@ void frame_case(Report& r, int) {
       const double start = seconds_now();
       const double exact = -kForce * (std::pow(kArm, 3) / 3.0 + kArm * kArm * kHeight) / bending;
       const double omega = lowest(-exact);
-      std::deque<ShellModel> models;
+      std::vector<ShellModel> models;
       models.push_back(
           make_shell("column", strip(base, corner, n, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
       models.push_back(make_shell("arm", strip(corner, tip, n, other_knots ? 4 : 3), kThickness, damped(omega), 2, 2,
@@ -312,7 +312,7 @@ void frame_case(Report& r, int) {
     const double k = kHeight / kArm, all = kForce * std::pow(kHeight, 3) / bending;
     const double exact = join == Join::kHinge ? all / 6.0 : all / 12.0 * (3.0 * k + 2.0) / (6.0 * k + 1.0);
     const double omega = lowest(exact);
-    std::deque<ShellModel> models;
+    std::vector<ShellModel> models;
     models.push_back(
         make_shell("left", strip(base, corner, 12, 3), kThickness, damped(omega), 2, 2, {edge_support(kUMin)}));
     models.push_back(make_shell("beam", strip(corner, tip, 16, 3), kThickness, damped(omega), 2, 2, {},
@@ -325,8 +325,8 @@ void frame_case(Report& r, int) {
   }
 }
 
-std::deque<ShellModel> tube() {
-  std::deque<ShellModel> models;
+std::vector<ShellModel> tube() {
+  std::vector<ShellModel> models;
   for (int k = 0; k < 3; ++k) {
     const Quat turn(Eigen::AngleAxisd(2.0 * kPi / 3.0 * k, Vec3::UnitZ()));
     const Patch p =
@@ -335,8 +335,8 @@ std::deque<ShellModel> tube() {
   }
   return models;
 }
-std::deque<ShellModel> box() {
-  std::deque<ShellModel> models;
+std::vector<ShellModel> box() {
+  std::vector<ShellModel> models;
   int k = 0;
   for (int axis = 0; axis < 3; ++axis)
     for (const double side : {-1.0, 1.0}) {
@@ -358,40 +358,39 @@ void motion_case(Report& r, int) {
     Stitched s(round ? tube() : box());
     const Quat turn = rotation_from_vector(Vec3(0.9, -1.3, 0.6));
     double volume = 0.0;
-    for (std::size_t k = 0; k < s.models.size(); ++k) {
-      const std::vector<double> x = s.states[k].motion.x;
+    for (std::size_t k = 0; k < s.size(); ++k) {
+      const std::vector<double> x = s.state(k).motion.x;
       for (std::size_t i = 0; i < x.size() / 3; ++i) {
-        const Vec3 y = turn * s.states[k].at(x, static_cast<int>(i)) + Vec3(0.3, 0.1, -0.7);
-        for (int d = 0; d < 3; ++d) s.states[k].motion.x[d * x.size() / 3 + i] = y[d];
+        const Vec3 y = turn * s.state(k).at(x, static_cast<int>(i)) + Vec3(0.3, 0.1, -0.7);
+        for (int d = 0; d < 3; ++d) s.state(k).motion.x[d * x.size() / 3 + i] = y[d];
       }
-      for (const double m : s.models[k].mass) volume += m / s.models[k].material.density;
+      for (const double m : s.model(k).mass) volume += m / s.model(k).material.density;
     }
     // relative to the energy of a strain of 1
     r.add(name + "_turned_energy", s.forces(true) / (kYoung * volume), 0.0, 1e-12, seconds_now() - start);
     start = seconds_now();
     Stitched f(round ? tube() : box());
-    for (std::size_t k = 0; k < f.models.size(); ++k)
-      for (int i = 0; i < f.models[k].control_points(); ++i) {
-        const int slot = f.models[k].tables.slot(i);
-        const Vec3 x = f.states[k].position(slot);
+    for (std::size_t k = 0; k < f.size(); ++k)
+      for (int i = 0; i < f.model(k).control_points(); ++i) {
+        const int slot = f.model(k).tables.slot(i);
+        const Vec3 x = f.state(k).position(slot);
         const Vec3 v = Vec3(1.0, -2.0, 0.5) + Vec3(4.0, 3.0, 7.0).cross(x) +
                        0.5 * Vec3(std::sin(7.0 * x.y()), std::cos(9.0 * x.z()), std::sin(8.0 * x.x() + x.y()));
-        f.states[k].add_velocity(slot, v);
+        f.state(k).add_velocity(slot, v);
       }
-    f.stitching.follow(f.refs());
+    f.stitching().follow(f.refs());
     const double dt = 0.8 * f.stable();
     constexpr int kSteps = 20000;
     const auto before = f.sums();
     double first = 0.0, drift = 0.0;
     for (int k = 0; k < kSteps; ++k) {
       const bool look = k % 100 == 0;
-      const double stored = f.forces(look);
       if (look) {
-        const double energy = stored + f.kinetic(dt);
+        const double stored = f.forces(true), energy = stored + f.kinetic(dt);
         if (k == 0) first = energy;
         drift = std::max(drift, std::abs(energy / first - 1.0));
       }
-      f.advance(dt);
+      f.step(dt);
     }
     const auto after = f.sums();
     r.add(name + "_momentum", (after.momentum - before.momentum).norm() / before.momentum_scale, 0.0, 1e-12,
@@ -399,9 +398,9 @@ void motion_case(Report& r, int) {
     r.add(name + "_angular_momentum", (after.angular - before.angular).norm() / before.angular_scale, 0.0, 1e-12, 0.0);
     r.add(name + "_energy", drift, 0.0, 1e-3, 0.0);
     double apart = 0.0;  // of what follows from what it follows
-    for (const Dependence& d : f.stitches.points) {
+    for (const Dependence& d : f.stitches().points) {
       const auto position = [&](const PatchPoint& p) {
-        return f.states[p.patch].position(f.models[p.patch].tables.slot(p.point));
+        return f.state(p.patch).position(f.model(p.patch).tables.slot(p.point));
       };
       Vec3 mean = Vec3::Zero();
       for (const auto& [p, weight] : d.on) mean += weight * position(p);

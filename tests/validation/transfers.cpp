@@ -3,12 +3,11 @@
 #include <chrono>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include <fmt/format.h>
 
-#include "shell/solver/forces.h"
-#include "shell/solver/stepping/grid_transfer.h"
-#include "shell/solver/stepping/kick_drift.h"
+#include "tests/shell/rig.h"
 #include "tests/validation/cases.h"
 
 namespace sunder::validation {
@@ -36,9 +35,12 @@ void swing(Swing& out) {
   material.density = kDensity, material.youngs_modulus = kYoung, material.poisson_ratio = kPoisson;
   Support hinge;
   hinge.edges = kUMin | kUMax | kVMin | kVMax, hinge.clamped = false;
-  const ShellModel m = make_shell("plate", plate(1.0, 1.0, kElements, kElements, Vec3::Zero(), Quat::Identity()),
-                                  kThickness, material, 2, 2, {hinge});
-  ShellState s = make_state(m, Vec3::Zero(), 0);
+  RunSetup setup = setup_of({{make_shell("plate", plate(1.0, 1.0, kElements, kElements, Vec3::Zero(), Quat::Identity()),
+                                         kThickness, material, 2, 2, {hinge})}});
+  setup.shells[0].transfer = {out.kind, out.spacing * setup.shells[0].model.spacing, out.leaky};
+  Rig rig(std::move(setup));
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
   const std::size_t plane = m.tables.plane;
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
@@ -46,24 +48,17 @@ void swing(Swing& out) {
     s.motion.x[2 * plane + slot] += 0.3 / kElements;  // no plane of nodes in the plate
     if (s.motion.inverse_mass[slot] == 0.0) s.motion.v[2 * plane + slot] = 0.0;
   }
-  const TransferRules rules{out.kind, out.spacing * m.spacing, out.leaky};
-  if (rules.kind != Transfer::kDirect) s.motion.before = s.motion.v;
+  if (out.kind != Transfer::kDirect) s.motion.before = s.motion.v;
   const double rigidity = kYoung * std::pow(kThickness, 3) / 12.0 / (1.0 - kPoisson * kPoisson);
   const double period = 2.0 * kPi / (2.0 * kPi * kPi * std::sqrt(rigidity / (kDensity * kThickness)));
   const double dt = out.step * m.spacing / m.wave_speed();
   const int middle = m.tables.slot(m.control_points() / 2 + m.tables.columns / 2);
   const double rest = s.motion.x[2 * plane + middle];
-  double before = 1e-12, peak = 0.0, first_peak = 0.0, last_peak = 0.0, first = 0.0, last = 0.0, through = 0.0;
+  double before = 1e-12, peak = 0.0, first_peak = 0.0, last_peak = 0.0, first = 0.0, last = 0.0;
   int crossings = 0;
   const std::int64_t steps = std::llround(kPeriods * period / dt);
   for (std::int64_t k = 1; k <= steps; ++k) {
-    compute_forces(m, s, false, 0.0, 1);
-    kick(m, s, Vec3::Zero(), dt);
-    const double start = seconds_now();
-    through_grid(m, s, rules, dt, 1);
-    through += seconds_now() - start;
-    if (rules.kind == Transfer::kDirect) constrain(m, s, dt);
-    drift(m, s, dt);
+    rig.step(dt);
     const double now = s.motion.x[2 * plane + middle] - rest;
     peak = std::max(peak, std::abs(now));
     if ((now > 0.0) != (before > 0.0)) {
@@ -73,7 +68,7 @@ void swing(Swing& out) {
     }
     before = now;
   }
-  out.nanoseconds = 1e9 * through / static_cast<double>(steps) / m.control_points();
+  out.nanoseconds = 1e9 * rig.times()[Stage::kTransfer] / static_cast<double>(steps) / m.control_points();
   if (crossings < 2) return;  // nothing swings any more
   out.period = 2.0 * (last - first) / (crossings - 1) / period;
   out.amplitude = last_peak / first_peak;

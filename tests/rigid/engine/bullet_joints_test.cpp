@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include <limits>
+#include <utility>
 
 #include "tests/rigid/trial.h"
 
@@ -299,33 +299,15 @@ TEST(BulletJoints, TwoHingesOfOneDoorAgree) {  // redundant: their matrix is sin
   EXPECT_NEAR(trial.caller.body(1).motion.position.z(), 0.0, 1e-9);
 }
 
-TEST(BulletJoints, RefusesJointsThatCannotBe) {
+TEST(BulletJoints, RefusesJointsOfNothingThatMoves) {
   BulletEngine engine;
-  engine.add(sphere(1, 0.01, 1.0)), engine.add(sphere(2, 0.01, 1.0)), engine.add(half_space(3)), engine.add([] {
-    RigidBody wall = box(4, Vec3::Constant(1.0), 1.0);
-    wall.is_static = true;
-    return wall;
-  }());
-  const Joint good = joint(1, Kind::kBall, 1, 2, Vec3::Zero(), Vec3::Zero());
-  const std::vector<std::pair<std::string, std::function<void(Joint&)>>> faults = {
-      {"id 0", [](Joint& j) { j.id = 0; }},
-      {"first is the world", [](Joint& j) { j.first = 0; }},
-      {"no such body", [](Joint& j) { j.second = 7; }},
-      {"no such first", [](Joint& j) { j.first = 7; }},
-      {"one body", [](Joint& j) { j.second = 1; }},
-      {"nothing moves", [](Joint& j) { j.first = 3, j.second = 4; }},
-      {"static to the world", [](Joint& j) { j.first = 4, j.second = 0; }},
-      {"kind", [](Joint& j) { j.kind = static_cast<Kind>(9); }},
-      {"position", [](Joint& j) { j.first_frame.position.x() = std::numeric_limits<double>::quiet_NaN(); }},
-      {"orientation", [](Joint& j) { j.second_frame.orientation.w() = 1.5; }},
-  };
-  for (const auto& [name, spoil] : faults) {
-    Joint bad = good;
-    spoil(bad);
-    EXPECT_EQ(kind_of([&] { engine.add_joint(bad); }), "bad_joint") << name;
-  }
-  engine.add_joint(good);
-  EXPECT_EQ(kind_of([&] { engine.add_joint(good); }), "bad_joint") << "id twice";
+  RigidBody wall = box(4, Vec3::Constant(1.0), 1.0);
+  wall.is_static = true;
+  engine.add(half_space(3)), engine.add(wall), engine.add(sphere(1, 0.01, 1.0));
+  for (const auto& [first, second] : {std::pair(3u, 4u), {4u, 0u}})
+    EXPECT_EQ(kind_of([&] { engine.add_joint(joint(1, Kind::kBall, first, second, Vec3::Zero(), Vec3::Zero())); }),
+              "bad_joint");
+  engine.add_joint(joint(1, Kind::kBall, 1, 4, Vec3::Zero(), Vec3::Zero()));  // one of them moves
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Joints, exported rows and refusals of the ODE adapter.
+// Joints and exported rows of the ODE adapter.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -193,30 +193,6 @@ TEST(OdeJoints, AStaticBodyOnEitherSideHoldsAsTheWorldDoes) {
   EXPECT_LT((ends[2] - ends[0]).norm(), 1e-9);
 }
 
-TEST(OdeJoints, LinkedBodiesDoNotCollide) {
-  for (bool linked : {false, true}) {
-    OdeEngine engine;
-    Caller caller(engine, 1e-3, 0.0);
-    RigidBody a = box(1, Vec3::Constant(0.05), 1.0), b = box(2, Vec3::Constant(0.05), 1.0);
-    b.motion.position.x() = 0.3;
-    b.motion.velocity.x() = -2.0;
-    caller.add(a);
-    caller.add(b);
-    if (linked)
-      engine.add_joint([] {  // slides along x
-        Joint j = joint(Joint::Kind::kSlider, 1, 2, Vec3(0.15, 0, 0), Vec3(-0.15, 0, 0));
-        j.first_frame.orientation = j.second_frame.orientation = rotation_from_vector(Vec3(0, EIGEN_PI / 2.0, 0));
-        return j;
-      }());
-    caller.run(0.15);
-    const double apart = caller.body(2).motion.position.x() - caller.body(1).motion.position.x();
-    if (linked)
-      EXPECT_NEAR(apart, 0.0, 1e-9);  // right through
-    else
-      EXPECT_NEAR(apart, 0.1, 1e-5);
-  }
-}
-
 TEST(OdeJoints, JointsAndContactsOfSolvedBodiesAreLeftOut) {
   OdeEngine engine;
   RigidBody ball = sphere(1, 0.01, 0.1), other = sphere(2, 0.01, 0.1);
@@ -269,123 +245,6 @@ TEST(OdeRows, AreTheContactsThatMayActAndMoveNothing) {
   EXPECT_EQ(engine.rows(1e-3, {{1, plate_.motion}, {3, far.motion}}, {1}).size(), 0u);
   EXPECT_EQ(engine.states()[0].motion.position, plate_.motion.position);
   EXPECT_EQ(engine.save(), caches);
-}
-
-std::string kind_of(const std::function<void()>& call) {
-  try {
-    call();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.status, Exit::kBadInput);
-    return error.kind;
-  }
-  return "accepted";
-}
-
-TEST(OdeRefusals, BodiesThatCannotBe) {
-  const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<std::pair<std::string, std::function<void(RigidBody&)>>> faults = {
-      {"id 0", [](RigidBody& b) { b.id = 0; }},
-      {"id twice", [](RigidBody& b) { b.id = 1; }},
-      {"mass 0", [](RigidBody& b) { b.mass = 0.0; }},
-      {"inertia", [](RigidBody& b) { b.principal_inertia.y() = -1.0; }},
-      {"position", [&](RigidBody& b) { b.motion.position.z() = nan; }},
-      {"orientation", [](RigidBody& b) { b.motion.orientation.w() = 2.0; }},
-      {"no parts", [](RigidBody& b) { b.shape = ConvexShape{}; }},
-      {"3 corners", [](RigidBody& b) { std::get<ConvexShape>(b.shape).parts[0].resize(3); }},
-      {"513 corners", [](RigidBody& b) { std::get<ConvexShape>(b.shape).parts[0].resize(513); }},
-      {"flat",
-       [](RigidBody& b) {
-         for (Vec3& p : std::get<ConvexShape>(b.shape).parts[0]) p.z() = 0.001;
-       }},
-      {"a line",
-       [](RigidBody& b) {
-         for (Vec3& p : std::get<ConvexShape>(b.shape).parts[0]) p = p.x() * Vec3(1, 2, 3);
-       }},
-      {"a point",
-       [](RigidBody& b) {
-         for (Vec3& p : std::get<ConvexShape>(b.shape).parts[0]) p = Vec3(1, 2, 3);
-       }},
-      {"corner nan", [&](RigidBody& b) { std::get<ConvexShape>(b.shape).parts[0][2].x() = nan; }},
-      {"radius", [](RigidBody& b) { b.shape = SphereShape{-1.0}; }},
-      {"half size", [](RigidBody& b) { b.shape = BoxShape{Vec3(1, 0, 1)}; }},
-      {"moving half space", [](RigidBody& b) { b.shape = HalfSpaceShape{}; }},
-  };
-  OdeEngine engine;
-  const RigidBody good = plate(2, {rectangle(0, 0, 0.02, 0.01)}, 0.003);
-  engine.add(sphere(1, 0.1, 1.0));
-  for (const auto& [name, spoil] : faults) {
-    RigidBody body = good;
-    spoil(body);
-    EXPECT_EQ(kind_of([&] { engine.add(body); }), "bad_body") << name;
-  }
-  EXPECT_EQ(engine.states().size(), 1u);
-  engine.add(good);
-}
-
-TEST(OdeRefusals, PredictedStatesLawsAndCachesThatDoNotMatch) {
-  OdeEngine engine;
-  engine.add(sphere(1, 0.01, 1.0));
-  engine.add(sphere(3, 0.01, 1.0));
-  engine.add(half_space(2));
-  BodyMotion there, bad;
-  there.position = Vec3(1, 0, 0);
-  bad.orientation.w() = 1.1;
-  const std::vector<std::vector<PredictedState>> faults = {{},
-                                                           {{1, there}},
-                                                           {{3, there}},
-                                                           {{1, there}, {2, there}, {3, there}},
-                                                           {{3, there}, {1, there}},
-                                                           {{1, there}, {3, there}, {3, there}},
-                                                           {{1, there}, {4, there}},
-                                                           {{1, there}, {3, bad}}};
-  const std::string caches = engine.save();
-  for (std::size_t i = 0; i < faults.size(); ++i) {
-    EXPECT_EQ(kind_of([&] { engine.advance(1e-3, faults[i], {}); }), "bad_handback") << i;
-    EXPECT_EQ(kind_of([&] { engine.restore(caches, faults[i]); }), "bad_handback") << i;
-    EXPECT_EQ(kind_of([&] { engine.rows(1e-3, faults[i], {1}); }), "bad_handback") << i;
-  }
-  const std::vector<PredictedState> good = {{1, there}, {3, there}};
-  EXPECT_EQ(kind_of([&] { engine.advance(0.0, good, {}); }), "bad_handback");
-  engine.advance(1e-3, {{1, {}}, {3, there}}, {});
-  const std::string full = engine.save();
-  EXPECT_NE(full, caches);
-  for (const std::string& wrong : {std::string(), std::string("what"), full.substr(0, full.size() - 1), full + "x"})
-    EXPECT_EQ(kind_of([&] { engine.restore(wrong, good); }), "bad_state");
-  OdeEngine smaller;
-  smaller.add(sphere(1, 0.01, 1.0));
-  EXPECT_EQ(kind_of([&] { smaller.restore(full, {{1, there}}); }), "bad_state");  // of bodies not held there
-  EXPECT_EQ(engine.states()[0].motion.position, Vec3::Zero());
-  EXPECT_EQ(kind_of([&] { engine.set_contact_laws({{0, 0, -0.1, 0.0}}); }), "bad_contact_law");
-  EXPECT_EQ(kind_of([&] { engine.set_contact_laws({{0, 0, 0.1, 1.1}}); }), "bad_contact_law");
-}
-
-TEST(OdeRefusals, JointsThatCannotBe) {
-  OdeEngine engine;
-  engine.add(sphere(1, 0.01, 1.0));
-  engine.add(sphere(2, 0.01, 1.0));
-  const Joint good = joint(Joint::Kind::kBall, 1, 2, Vec3::Zero(), Vec3::Zero());
-  const std::vector<std::pair<std::string, std::function<void(Joint&)>>> faults = {
-      {"id 0", [](Joint& j) { j.id = 0; }},
-      {"first is the world", [](Joint& j) { j.first = 0; }},
-      {"first unknown", [](Joint& j) { j.first = 7; }},
-      {"second unknown", [](Joint& j) { j.second = 7; }},
-      {"to itself", [](Joint& j) { j.second = 1; }},
-      {"not finite", [](Joint& j) { j.first_frame.position.x() = std::numeric_limits<double>::infinity(); }},
-      {"not a turn", [](Joint& j) { j.second_frame.orientation.w() = 0.5; }},
-  };
-  for (const auto& [name, spoil] : faults) {
-    Joint j = good;
-    spoil(j);
-    EXPECT_EQ(kind_of([&] { engine.add_joint(j); }), "bad_joint") << name;
-  }
-  engine.add_joint(good);
-  EXPECT_EQ(kind_of([&] { engine.add_joint(good); }), "bad_joint");  // twice
-}
-
-TEST(OdeEngine, IsMadeByName) {
-  const EngineInfo info = make_engine("ode")->info();
-  EXPECT_EQ(info.name, "ode");
-  EXPECT_EQ(info.version.substr(0, 4), "0.16");
 }
 
 }  // namespace

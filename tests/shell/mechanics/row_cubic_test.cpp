@@ -14,6 +14,7 @@
 #include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -101,21 +102,18 @@ TEST(CubicShell, BalancesForceAndTorqueBesideACut) {
 }
 
 TEST(CubicShell, KeepsMomentumAngularMomentumAndEnergyInFlight) {
-  const ShellModel m = make_shell("p", cubic_plate(6, 5), 0.004, glass(), 2, 3, {});
-  ShellState s = make_state(m, Vec3(1.0, -2.0, 0.5), 0);
+  Rig rig(setup_of({{make_shell("p", cubic_plate(6, 5), 0.004, glass(), 2, 3, {}), Vec3(1.0, -2.0, 0.5)}}));
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
   for (int i = 0; i < m.control_points(); ++i) {
     const Vec3 x = s.position(m.tables.slot(i));
     s.add_velocity(m.tables.slot(i), Vec3(0.3, 0.2, 2.0).cross(x) + Vec3(0, 0, 0.2 * std::cos(12.0 * x.x())));
   }
   const double dt = 0.8 * stable_step(m, s, 150, 1, false);
-  compute_forces(m, s, false, 0.0, 1);
-  kick(m, s, Vec3::Zero(), dt), drift(m, s, dt);
+  rig.step(dt);
   const Totals before = totals(m, s);
   const double energy = compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
-  for (int k = 0; k < 2000; ++k) {
-    kick(m, s, Vec3::Zero(), dt), drift(m, s, dt);
-    compute_forces(m, s, false, 0.0, 1);
-  }
+  rig.run(2000, dt);
   const Totals after = totals(m, s);
   // sums of 2000 steps, one part in 1e16 each
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum_scale);

@@ -10,6 +10,7 @@
 #include "shell/solver/forces.h"
 #include "shell/solver/parting/handoff.h"
 #include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/rig.h"
 #include "tests/shell/soft_blocks.h"
 
 using namespace sunder;
@@ -89,17 +90,19 @@ TEST(SoftContact, ABallOnASheetKeepsMomentum) {
   Support clamp;
   clamp.edges = kUMin | kUMax | kVMin | kVMax;
   for (const bool held : {false, true}) {
-    ShellModel sheet = make_shell("sheet", plate(0.3, 0.3, 14, 14, Vec3::Zero(), Quat::Identity()), 0.002, film, 2, 2,
-                                  held ? std::vector<Support>{clamp} : std::vector<Support>{});
-    ShellState s = make_state(sheet, Vec3::Zero(), 0);
+    RunSetup setup = setup_of({{make_shell("sheet", plate(0.3, 0.3, 14, 14, Vec3::Zero(), Quat::Identity()), 0.002,
+                                           film, 2, 2, held ? std::vector<Support>{clamp} : std::vector<Support>{})}});
     SoftSetup ball{make_soft("ball", rubber(5e5, 0.4), SphereShape{0.03}, at({0.02, 0.01, 0.033}), 0.006, 0.012),
                    {0.3, 0, -2},
                    {0, 5, 0}};
     ball.model.contact_group = 1;
-    SoftBodies soft({ball}, 1, laws(0.4));
+    setup.soft = {ball}, setup.laws = laws(0.4);
+    Rig rig(std::move(setup));
+    const ShellModel& sheet = rig.model();
+    ShellState& s = rig.state();
+    SoftBodies& soft = rig.now().soft;
     const double dt = 0.8 * stable_step(sheet, s, 80, 1, false);
     const int steps = static_cast<int>(0.02 / dt);
-    const std::vector<ShellRef> shells{{&sheet, &s}};
     const auto all = [&] {
       Totals t = totals(sheet, s);
       const SoftSums sums = soft.sums(Vec3::Zero());
@@ -113,7 +116,7 @@ TEST(SoftContact, ABallOnASheetKeepsMomentum) {
     };
     const Totals before = all();
     const double first = energy();
-    for (int k = 0, open = 0; k < steps; ++k) substep(sheet, s, soft, shells, dt, steps - k, open);
+    rig.run(steps, dt);
     const Totals after = all();
     const SoftSums end = soft.sums(Vec3::Zero());
     EXPECT_NEAR(energy() / first, 1.0, 0.01);
@@ -138,16 +141,16 @@ TEST(SoftContact, BlocksLeaveASheetThatTheyHit) {
   const Quat turned(0.0, 1.0, 0.0, 0.0);
   for (const double height : {0.06, 0.012})
     for (const bool down : {false, true}) {
-      const ShellModel sheet = make_shell(
-          "sheet", plate(0.3, 0.3, 14, 14, Vec3::Zero(), down ? turned : Quat::Identity()), 0.002, film, 2, 2, {clamp});
-      ShellState s = make_state(sheet, Vec3::Zero(), 0);
+      RunSetup setup =
+          setup_of({{make_shell("sheet", plate(0.3, 0.3, 14, 14, Vec3::Zero(), down ? turned : Quat::Identity()), 0.002,
+                                film, 2, 2, {clamp})}});
       SoftSetup box = block({0.03, 0.03, 0.5 * height}, at({0, 0, 0.5 * height + 0.0015}), 0.006, {0, 0, -1});
       box.model.contact_group = 1;
-      SoftBodies soft({box}, 1, laws(0.3));
-      const double dt = 0.8 * stable_step(sheet, s, 80, 1, false);
-      const int steps = static_cast<int>(0.03 / dt);
-      const std::vector<ShellRef> shells{{&sheet, &s}};
-      for (int k = 0, open = 0; k < steps; ++k) substep(sheet, s, soft, shells, dt, steps - k, open);
+      setup.soft = {box}, setup.laws = laws(0.3);
+      Rig rig(std::move(setup));
+      const SoftBodies& soft = rig.now().soft;
+      const double dt = 0.8 * stable_step(rig.model(), rig.state(), 80, 1, false);
+      rig.run(static_cast<int>(0.03 / dt), dt);
       const SoftSums end = soft.sums(Vec3::Zero());
       EXPECT_GT(end.momentum.z() / end.mass, 0.05) << height << down;
       EXPECT_GT(end.centre.z(), 0.5 * height + 0.002) << height << down;

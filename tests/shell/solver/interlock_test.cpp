@@ -4,9 +4,9 @@
 #include <gtest/gtest.h>
 
 #include "shell/solver/cracking/insertion.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -147,7 +147,8 @@ TEST(Interlock, BeatingFacesMakeNoEnergy) {
   const ShellModel m = sheet();
   constexpr int kSteps = 10000, kPart = 2000;
   for (const double speed : {0.5, 10.0}) {
-    ShellState s = halves(m);
+    Rig rig(setup_of({{m}}));
+    ShellState& s = rig.state() = halves(m);
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
       const double x = m.parameter[i].x(), y = m.parameter[i].y();
@@ -158,9 +159,7 @@ TEST(Interlock, BeatingFacesMakeNoEnergy) {
     double first = 0.0, last = 0.0;  // sums of energies: each alone is off by what leapfrog keeps instead
     int closed = 0, changes = 0;
     for (int n = 0; n < kSteps; ++n) {
-      compute_forces(m, s, false, 1.0, 1);
-      kick(m, s, Vec3::Zero(), dt, dt);
-      drift(m, s, dt);
+      rig.step(dt);
       int now = 0;
       for (const Interlock& lock : s.cracks.interlocks) now += lock.opening < 0.0;
       changes += now != closed, closed = now;

@@ -11,6 +11,7 @@
 #include "shell/solver/stepping/stable_step.h"
 #include "shell/solver/supports.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -79,8 +80,9 @@ TEST(Supports, PrescribedMotionMovesAndItsWorkIsBooked) {
   clamp.edges = kUMin;
   pull.edges = kUMax, pull.clamped = false, pull.axes = {true, false, true};
   pull.motion = {{0.0, Vec3::Zero()}, {1e-3, Vec3(1e-5, 0, 0)}};
-  const ShellModel m = strip({clamp, pull}, {});
-  ShellState s = make_state(m, Vec3::Zero(), 0);
+  Rig rig(setup_of({{strip({clamp, pull}, {})}}));
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
   const double dt = 0.8 * stable_step(m, s, 150, 1, false);
   double scale = 0.0, energy = 0.0;
   while (s.motion.time < 2e-3) {
@@ -88,7 +90,7 @@ TEST(Supports, PrescribedMotionMovesAndItsWorkIsBooked) {
     scale = std::max(scale, energy);
     // the half kick that energies have already is booked with the next one; round-off of displacements of 1e-5 m
     EXPECT_NEAR(energy - 0.5 * dt * external_power(m, s), s.book.external, 1e-6 * scale + 1e-12) << s.motion.time;
-    kick(m, s, Vec3::Zero(), dt), constrain(m, s, dt), drift(m, s, dt);
+    rig.step(dt);
   }
   EXPECT_NEAR(displacement(m, s, {1.0, 0.1}).x(), 1e-5, 1e-12);
   EXPECT_GT(s.book.external, 0.0);

@@ -1,6 +1,7 @@
 // Bodies against a shell: Hertz contact.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,9 +11,9 @@
 #include "shell/solver/contact/rigid_contact.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -34,30 +35,30 @@ struct Bounce {
 
 Bounce bounce(const ShellModel& m, const Vec3& at, double stiffness, double safety, double radius = 0.01) {
   constexpr double kSpeed = 0.5;
-  ShellState s = make_state(m, Vec3::Zero(), 0);
-  std::vector<Proxy> bodies{ball(radius, 7800, at, Vec3(0, 0, -kSpeed))};
-  const std::vector<ContactCoefficients> coefficients{{0.5, 0.0, stiffness}};
-  ContactCandidates candidates;
+  RunSetup setup = setup_of({{m}});
+  setup.bodies = {ball(radius, 7800, at, Vec3(0, 0, -kSpeed)).body};
+  setup.shells[0].hertz = {stiffness};
+  Rig rig(std::move(setup));
+  ShellState& s = rig.state();
+  std::vector<Proxy>& bodies = rig.now().bodies;
+  const ShellPart& part = rig.now().shells[0];
   const double own = stable_step(m, s, 150, 1, false);
   const double dt = hertz_step(m, bodies[0].body, stiffness, kSpeed, safety * own);
   const double start = 0.5 * bodies[0].body.mass * kSpeed * kSpeed;
   Bounce out{};
   bool met = false;
   for (int k = 0; k < 200000; ++k) {
-    compute_forces(m, s, false, 0.0, 1);
-    kick(m, s, Vec3::Zero(), dt);
-    if (k % kContactRefresh == 0) refresh_candidates(m, s, bodies, coefficients, dt, candidates), candidates.age = 0;
-    ++candidates.age;
-    const bool touching = contact(m, s, bodies, coefficients, candidates, dt, dt) > 0;
-    if (touching) out.stored = std::max(out.stored, hertz_energy(m, s, bodies, coefficients, candidates, 0.0));
-    drift(m, s, dt), bodies[0].body.drift(dt);
+    rig.step(dt);
+    const double stored = hertz_energy(m, s, bodies, part.coefficients, part.candidates, 0.0);
+    const bool touching = stored > 0.0;
+    out.stored = std::max(out.stored, stored);
     met = met || touching;
     if (met && !touching) break;
   }
   const double elastic = compute_forces(m, s, true, 0.0, 1);
   out.restitution = bodies[0].body.motion.velocity.z() / kSpeed;
   out.residual = (elastic + kinetic_energy(m, s, dt) + bodies[0].body.kinetic_energy() +
-                  hertz_energy(m, s, bodies, coefficients, candidates, dt) - start) /
+                  hertz_energy(m, s, bodies, part.coefficients, part.candidates, dt) - start) /
                  start;
   EXPECT_EQ(s.book.contact, 0.0);  // nothing is lost
   out.push = (bodies[0].linear_impulse + bodies[0].shell_linear).norm() / bodies[0].impulse_sum;

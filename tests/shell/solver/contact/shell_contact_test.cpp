@@ -6,7 +6,6 @@
 
 #include "shell/solver/contact/shell_contact.h"
 #include "shell/solver/forces.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
@@ -31,18 +30,10 @@ struct Sum {
   double scale = 0.0, angular_scale = 0.0, energy = 0.0;  // sums of sizes; J with what contact took
 };
 
-// `steps` substeps of free shells that touch; `look` after each.
-template <class F>
-Sum fly(const std::vector<ShellRef>& shells, ShellContact& contact, double dt, int steps, F&& look) {
-  for (int k = 0; k < steps; ++k) {
-    for (const ShellRef& r : shells) compute_forces(*r.model, *r.state, false, 0.0, 1);
-    for (const ShellRef& r : shells) kick(*r.model, *r.state, Vec3::Zero(), dt);
-    contact.act(shells, dt);
-    for (const ShellRef& r : shells) drift(*r.model, *r.state, dt);
-    look();
-  }
+// Sums of free shells, for substeps of `dt` [s].
+Sum sums(Rig& rig, double dt) {
   Sum sum;
-  for (const ShellRef& r : shells) {
+  for (const ShellRef& r : rig.refs()) {
     sum.energy += compute_forces(*r.model, *r.state, true, 0.0, 1) + r.state->book.contact;
     sum.energy += kinetic_energy(*r.model, *r.state, dt);
     for (int i = 0; i < r.model->control_points(); ++i) {
@@ -117,14 +108,16 @@ std::vector<SurfaceSample> strip(double thickness, F&& x, G&& along, bool rests)
 }  // namespace
 
 TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
-  const ShellModel low = sheet(0.5, 20, Vec3::Zero(), 0.004),
-                   high = sheet(0.4, 14, Vec3(0.02, 0.01, 0.008), 0.004, Quat(Eigen::AngleAxisd(0.4, Vec3::UnitZ())));
-  ShellState a = make_state(low, Vec3::Zero(), 0), b = make_state(high, Vec3(1, 0, -5), 0);
-  const std::vector<ShellRef> shells{{&low, &a}, {&high, &b}};
-  ShellContact contact({&low, &high}, {}, {2, std::vector<SurfaceLaw>(2, {0.3, 0.0})});
+  const Quat askew(Eigen::AngleAxisd(0.4, Vec3::UnitZ()));
+  Rig rig(setup_of({{sheet(0.5, 20, Vec3::Zero(), 0.004)},
+                    {sheet(0.4, 14, Vec3(0.02, 0.01, 0.008), 0.004, askew), Vec3(1, 0, -5)}}));
+  rig.meet({0.3, 0.0});
+  const ShellModel &low = rig.model(0), &high = rig.model(1);
+  ShellState &a = rig.state(0), &b = rig.state(1);
   const double dt = 0.5 * std::min(stable_step(low, a, 60, 1, false), stable_step(high, b, 60, 1, false));
-  const Sum before = fly(shells, contact, dt, 0, [] {});
-  const Sum after = fly(shells, contact, dt, 400, [] {});
+  const Sum before = sums(rig, dt);
+  rig.run(400, dt);
+  const Sum after = sums(rig, dt);
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.scale);
   EXPECT_LT((after.angular - before.angular).norm(), 1e-12 * before.angular_scale);
   const double lost = a.book.contact + b.book.contact;
@@ -146,15 +139,11 @@ TEST(ShellContact, MomentumStaysAndEnergyIsBooked) {
 
 TEST(ShellContact, SheetsThatMeetSquarelyGoOnTogetherAtAThicknessApart) {
   // equal, one over the other: without restitution both go on with half the velocity
-  const ShellModel low = sheet(0.3, 10, Vec3::Zero(), 0.01), high = sheet(0.3, 10, Vec3(0, 0, 0.0101), 0.01);
-  ShellState a = make_state(low, Vec3::Zero(), 0), b = make_state(high, Vec3(0, 0, -2), 0);
-  const std::vector<ShellRef> shells{{&low, &a}, {&high, &b}};
-  ShellContact contact({&low, &high}, {}, {2, std::vector<SurfaceLaw>(2)});
-  const double dt = 2e-6;
-  fly(shells, contact, dt, 200, [] {});
-  EXPECT_NEAR(a.velocity(low.tables.slot(70)).z(), -1.0, 0.05);
-  EXPECT_NEAR(b.velocity(high.tables.slot(70)).z(), -1.0, 0.05);
-  EXPECT_NEAR(mean_z(shells[1]) - mean_z(shells[0]), 0.01, 1e-4);
+  Rig rig(setup_of({{sheet(0.3, 10, Vec3::Zero(), 0.01)}, {sheet(0.3, 10, Vec3(0, 0, 0.0101), 0.01), Vec3(0, 0, -2)}}));
+  rig.meet();
+  rig.run(200, 2e-6);
+  for (const int k : {0, 1}) EXPECT_NEAR(rig.state(k).velocity(rig.model(k).tables.slot(70)).z(), -1.0, 0.05);
+  EXPECT_NEAR(mean_z(rig.refs()[1]) - mean_z(rig.refs()[0]), 0.01, 1e-4);
 }
 
 double upward(const ShellModel& m, const ShellState& s, const Vec2& parameter) {
@@ -168,18 +157,17 @@ TEST(ShellContact, ASeamIsStoppedLikeWhatIsBesideIt) {
   // two patches that hang together fall on a sheet; control points at their seam follow others
   Stitched s({sheet(0.4, 8, Vec3(-0.2, 0, 0), 0.01), sheet(0.4, 8, Vec3(0.2, 0, 0), 0.01),
               sheet(0.6, 12, Vec3(0.01, 0.02, -0.01), 0.01)});
-  ASSERT_EQ(s.stitches.seams.size(), 1u);
+  ASSERT_EQ(s.seams().size(), 1u);
   for (const int k : {0, 1})
-    for (int i = 0; i < s.models[k].control_points(); ++i)
-      s.states[k].add_velocity(s.models[k].tables.slot(i), Vec3(0, 0, -2));
-  ShellContact contact({&s.models[0], &s.models[1], &s.models[2]}, s.stitches.seams,
-                       {3, std::vector<SurfaceLaw>(3, {0.0, 0.0})});
-  s.stitching.mark(s.refs());
+    for (int i = 0; i < s.model(k).control_points(); ++i)
+      s.state(k).add_velocity(s.model(k).tables.slot(i), Vec3(0, 0, -2));
+  ShellContact contact({&s.model(0), &s.model(1), &s.model(2)}, s.seams(), {3, std::vector<SurfaceLaw>(3, {0.0, 0.0})});
+  s.stitching().mark(s.refs());
   contact.act(s.refs(), 2e-6, [&] { s.hand_on(); });
-  s.stitching.share_impulses(s.refs());
+  s.stitching().share_impulses(s.refs());
   for (const double beside : {0.4, 0.38, 0.3}) {
     const double parting =
-        upward(s.models[0], s.states[0], {beside, 0.2}) - upward(s.models[2], s.states[2], {beside - 0.4 + 0.29, 0.28});
+        upward(s.model(0), s.state(0), {beside, 0.2}) - upward(s.model(2), s.state(2), {beside - 0.4 + 0.29, 0.28});
     EXPECT_NEAR(parting, 0.0, 0.02 * 2.0) << beside;  // -0.025; 0.26 at the seam if it handed on at the end only
   }
 }
@@ -238,20 +226,18 @@ TEST(ShellContact, OverlapsAreLetGoSlowlyOrSlowerThanTheyCame) {
 
 // A soft strip of four elements bent to a hairpin, within four spacings at rest, whose legs are thrown together from
 // 0.1 m apart, one of them aside.
-struct Hairpin {
-  ShellModel model;
-  ShellState state;
+struct Hairpin : Rig {
   explicit Hairpin(double thickness)
-      : model(make_shell("strip", plate(4 * kElement, 10 * kElement, 4, 10, Vec3::Zero(), Quat::Identity()), thickness,
-                         soft(), 2, 2, {})),
-        state(make_state(model, Vec3::Zero(), 0)) {
-    for (int i = 0; i < model.control_points(); ++i) {
-      const int slot = model.tables.slot(i);
-      const Vec3 rest = state.position(slot);
+      : Rig(setup_of({{make_shell("strip", plate(4 * kElement, 10 * kElement, 4, 10, Vec3::Zero(), Quat::Identity()),
+                                  thickness, soft(), 2, 2, {})}})) {
+    meet();
+    ShellState& s = state();
+    for (int i = 0; i < model().control_points(); ++i) {
+      const int slot = model().tables.slot(i), plane = model().tables.plane;
+      const Vec3 rest = s.position(slot);
       const bool upper = rest.x() > 0.0;
       const Vec3 x(std::abs(rest.x()), rest.y(), upper ? 0.1 : 0.0), v = upper ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5);
-      for (int d = 0; d < 3; ++d)
-        state.motion.x[d * model.tables.plane + slot] = x[d], state.motion.v[d * model.tables.plane + slot] = v[d];
+      for (int d = 0; d < 3; ++d) s.motion.x[d * plane + slot] = x[d], s.motion.v[d * plane + slot] = v[d];
     }
   }
   static ShellMaterial soft() {
@@ -262,8 +248,8 @@ struct Hairpin {
   Vec3 at(double s, double y) const {
     Vec3 x = Vec3::Zero();
     const Vec2 parameter(s + 2.0 * kElement, y + 5.0 * kElement);
-    for (const GatheredFunction& f : patch_functions(model.patch, parameter, model.tables.stride))
-      x += f.n[0] * state.position(f.slot);
+    for (const GatheredFunction& f : patch_functions(model().patch, parameter, model().tables.stride))
+      x += f.n[0] * state().position(f.slot);
     return x;
   }
 };
@@ -292,13 +278,11 @@ double nearest_samples(F&& at) {
 TEST(ShellContact, BothSidesOfATightFoldStayApart) {
   for (const double thickness : {0.02, 0.04}) {
     Hairpin h(thickness);
-    ShellContact contact({&h.model}, {}, {1, std::vector<SurfaceLaw>(1)});
-    const std::vector<ShellRef> shells{{&h.model, &h.state}};
     const double dt = 5e-4;
-    const Sum before = fly(shells, contact, dt, 0, [] {});
+    const Sum before = sums(h, dt);
     double nearest = 1e300, samples = 1e300, stretch = 0.0;
     int k = 0;
-    const Sum after = fly(shells, contact, dt, 400, [&] {
+    h.run(400, dt, [&] {
       samples = std::min(samples, nearest_samples([&](double s, double y) { return h.at(s, y); }));
       if (++k % 4 != 0) return;  // they come by 3 mm
       std::vector<Vec3> lower;   // every 5 mm
@@ -312,12 +296,13 @@ TEST(ShellContact, BothSidesOfATightFoldStayApart) {
           stretch = std::max(stretch, (h.at(0.04 + 0.005 * i, 0.005 * (j - 92)) - p).norm() / 0.02);
         }
     });
+    const Sum after = sums(h, dt);
     EXPECT_GT(samples, 0.9 * apart_of(thickness));  // 0.95, 1
     EXPECT_GT(nearest, 0.9 * thickness);            // 0.24 if they were pushed with the samples' own mass
     EXPECT_LT(nearest, apart_of(thickness));        // they came together
     EXPECT_LT(stretch, 1.5);                        // neighbours on a leg do not push one another
     // what cannot part, in the bend, is not driven: contact takes 1.5 and 6.5 J, of 4.9 and 13.8; else it gave 5 and 42
-    EXPECT_GT(h.state.book.contact, 0.2 * before.energy);
+    EXPECT_GT(h.state().book.contact, 0.2 * before.energy);
     EXPECT_NEAR(after.energy, before.energy, 1e-4 * before.energy);
     EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum.norm());
     EXPECT_LT((after.angular - before.angular).norm(), 1e-12 * before.angular.norm());
@@ -332,42 +317,41 @@ TEST(ShellContact, AFoldOverASeamStaysOpenAndIsNotDriven) {
     return make_shell("leg", p, thickness, Hairpin::soft(), 2, 2, {});
   };
   Stitched s({leg(-kElement), leg(kElement)});
-  ASSERT_EQ(s.stitches.seams.size(), 1u);
+  ASSERT_EQ(s.seams().size(), 1u);
   const auto put = [&](int k, int slot, const Vec3& x, const Vec3& v) {
-    const int plane = s.models[k].tables.plane;
+    const int plane = s.model(k).tables.plane;
     for (int d = 0; d < 3; ++d)
-      s.states[k].motion.x[d * plane + slot] = x[d], s.states[k].motion.v[d * plane + slot] = v[d];
+      s.state(k).motion.x[d * plane + slot] = x[d], s.state(k).motion.v[d * plane + slot] = v[d];
   };
   for (int k = 0; k < 2; ++k)
-    for (int i = 0; i < s.models[k].control_points(); ++i) {
-      const int slot = s.models[k].tables.slot(i);
-      const Vec3 rest = s.states[k].position(slot);
+    for (int i = 0; i < s.model(k).control_points(); ++i) {
+      const int slot = s.model(k).tables.slot(i);
+      const Vec3 rest = s.state(k).position(slot);
       put(k, slot, Vec3(std::abs(rest.x()), rest.y(), 0.1 * k), k == 1 ? Vec3(0.3, 0.1, -1) : Vec3(0, 0, 0.5));
     }
-  for (const Dependence& d : s.stitches.points) {
+  for (const Dependence& d : s.stitches().points) {
     Vec3 x = Vec3::Zero();
     for (const auto& [on, weight] : d.on)
-      x += weight * s.states[on.patch].position(s.models[on.patch].tables.slot(on.point));
-    put(d.point.patch, s.models[d.point.patch].tables.slot(d.point.point), x, Vec3::Zero());
+      x += weight * s.state(on.patch).position(s.model(on.patch).tables.slot(on.point));
+    put(d.point.patch, s.model(d.point.patch).tables.slot(d.point.point), x, Vec3::Zero());
   }
-  s.stitching.follow(s.refs());
-  ShellContact contact({&s.models[0], &s.models[1]}, s.stitches.seams, {2, std::vector<SurfaceLaw>(2)});
+  s.stitching().follow(s.refs());
+  s.meet();
   const auto energy = [&] {
-    return s.forces(true) + s.kinetic(dt) + s.states[0].book.contact + s.states[1].book.contact;
+    return s.forces(true) + s.kinetic(dt) + s.state(0).book.contact + s.state(1).book.contact;
   };
   const double first = energy();
   const auto before = s.sums();
   double nearest = 1e300;
   for (int step = 0; step < 400; ++step) {
-    s.forces();
-    s.advance(dt, [&] { contact.act(s.refs(), dt, [&] { s.hand_on(); }); });
+    s.step(dt);
     nearest = std::min(
         nearest, nearest_samples([&](double x, double y) {
           return x < 0.0 ? s.at(0, {x + 2.0 * kElement, y + 5.0 * kElement}) : s.at(1, {x, y + 5.0 * kElement});
         }));
   }
   const auto after = s.sums();
-  const double taken = s.states[0].book.contact + s.states[1].book.contact;
+  const double taken = s.state(0).book.contact + s.state(1).book.contact;
   EXPECT_GT(nearest, thickness);  // 1.3: at a seam they are stopped with the samples' own mass
   EXPECT_GT(taken, 0.05 * first);
   EXPECT_NEAR(energy(), first, 1e-4 * first);  // with what impulses that were handed on twice a substep took
@@ -399,21 +383,21 @@ TEST(ShellContact, WhatCannotMeetCostsNothing) {
 }
 
 TEST(ShellContact, ASheetFoldedOnItselfDoesNotPassThrough) {
-  const ShellModel m = sheet(1.0, 40, Vec3::Zero(), 0.01);
-  ShellState s = make_state(m, Vec3::Zero(), 0);
+  Rig rig(setup_of({{sheet(1.0, 40, Vec3::Zero(), 0.01)}}));
+  rig.meet();
+  const ShellModel& m = rig.model();
+  ShellState& s = rig.state();
   // both ends are turned up and thrown at one another
   fold_up(m, s, [](double straight) { return 60.0 * straight; });
-  ShellContact contact({&m}, {}, {1, std::vector<SurfaceLaw>(1)});
-  const std::vector<ShellRef> shells{{&m, &s}};
   const double dt = 0.5 * stable_step(m, s, 60, 1, false);
   double nearest = 1.0;
   int met = 0;
   const int right = m.tables.slot(21 * m.tables.columns + m.tables.columns - 2),
             left = m.tables.slot(21 * m.tables.columns + 1);
   for (int k = 0; k < 40; ++k) {
-    fly(shells, contact, dt, static_cast<int>(0.001 / dt),
-        [&] { nearest = std::min(nearest, s.position(right).x() - s.position(left).x()); });
-    met += contact.candidates() > 0;
+    rig.run(static_cast<int>(0.001 / dt), dt,
+            [&] { nearest = std::min(nearest, s.position(right).x() - s.position(left).x()); });
+    met += rig.now().contact->candidates() > 0;
   }
   EXPECT_GT(met, 0);
   EXPECT_LT(nearest, 0.1);         // they came together

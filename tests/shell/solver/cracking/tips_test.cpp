@@ -1,15 +1,11 @@
-// Running tips: when they divide, and when an extension is refused.
+// Running tips: when they divide.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <random>
 
 #include <gtest/gtest.h>
 
-#include "shell/mechanics/principal.h"
-#include "shell/solver/cracking/insertion.h"
-#include "shell/solver/cracking/nucleation.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/cracking/tips.h"
 #include "shell/solver/forces.h"
@@ -18,46 +14,6 @@
 
 using namespace sunder;
 using namespace sunder::shell;
-
-TEST(ExtendCracks, ThatWouldAddEnergyIsRefusedAndChangesNothing) {
-  const ShellModel m = brittle_sheet();
-  ShellState s = make_state(m, Vec3::Zero(), 1);
-  std::mt19937_64 random(7);
-  std::uniform_real_distribution<double> uniform(-1.0, 1.0);
-  for (double& x : s.motion.x) x += 1e-5 * uniform(random);
-  ShellState forgetful = s;  // of what was tried before: the same comes of it
-  int refused = 0, taken = 0;
-  for (int k = 0; k < 60; ++k) {
-    const Vec2 from(0.1 + 0.06 * uniform(random), 0.1 + 0.06 * uniform(random));
-    const Vec2 to = from + 0.75 * m.spacing * turned(Vec2(1, 0), 3.0 * uniform(random));
-    const int vertex = s.cracks.graph.add_vertex(from);
-    const std::size_t edges = s.cracks.graph.edges().size(), vertices = s.cracks.graph.vertices().size(),
-                      points = s.cracked.gathered.size();
-    const double length = s.cracks.graph.total_length(), energy = compute_forces(m, s, true, 0.0, 1);
-    const int edge = extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false);
-    forgetful.cracks.graph.add_vertex(from), forgetful.caches.trials.clear();
-    EXPECT_EQ(extend_cracks(m, forgetful, {{vertex, to, k, 1}}, 0.0, false), edge);
-    if (edge < 0) {  // once more, by what is remembered
-      EXPECT_LT(extend_cracks(m, s, {{vertex, to, k, 1}}, 0.0, false), 0);
-    }
-    EXPECT_EQ(compute_forces(m, forgetful, true, 0.0, 1), compute_forces(m, s, true, 0.0, 1));
-    EXPECT_EQ(forgetful.motion.force, s.motion.force);
-    EXPECT_EQ(s.book.injected, 0.0);
-    if (edge >= 0) {
-      EXPECT_LE(compute_forces(m, s, true, 0.0, 1), energy * (1.0 + 1e-12));
-      ++taken;
-      continue;
-    }
-    EXPECT_EQ(s.cracks.graph.edges().size(), edges);
-    EXPECT_EQ(s.cracks.graph.vertices().size(), vertices);
-    EXPECT_EQ(s.cracked.gathered.size(), points);
-    EXPECT_NEAR(s.cracks.graph.total_length(), length, 1e-15);
-    EXPECT_EQ(compute_forces(m, s, true, 0.0, 1), energy);
-    ++refused;
-  }
-  EXPECT_GT(refused, 0);
-  EXPECT_GT(taken, 0);
-}
 
 // In the field of a crack that opens with four times the energy that it takes; one divides at twice.
 TEST(Tips, DivideOnlyAfterTheLengthOfAWholeCrack) {

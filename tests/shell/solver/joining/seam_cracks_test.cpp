@@ -10,10 +10,10 @@
 #include "tests/shell/fixtures.h"
 #include "tests/shell/stitched.h"
 
-namespace {
-
 using namespace sunder;
 using namespace sunder::shell;
+
+namespace {
 
 ShellModel model(const Patch& p) { return make_shell("p", p, 0.01, glass(), 2, p.degree(), {}); }
 
@@ -24,7 +24,7 @@ Stitched two_plates(bool matching) {
 
 int links(const Stitched& s) {
   int count = 0;
-  s.stitching.each_link([&](int, int, int, int) { ++count; });
+  s.stitching().each_link([&](int, int, int, int) { ++count; });
   return count;
 }
 
@@ -36,13 +36,13 @@ Vec3 momentum(const ShellState& s) {
 
 // Lets it move, the second plate away from the first, and returns how much of its momentum that loses.
 double lost_momentum(Stitched& s) {
-  for (std::size_t i = 0; i < s.states[1].motion.mass.size(); ++i)
-    s.states[1].add_velocity(static_cast<int>(i), Vec3(1.0, 0.2, 0.3));
-  s.stitching.follow(s.refs());
-  const Vec3 before = momentum(s.states[1]);
+  for (std::size_t i = 0; i < s.state(1).motion.mass.size(); ++i)
+    s.state(1).add_velocity(static_cast<int>(i), Vec3(1.0, 0.2, 0.3));
+  s.stitching().follow(s.refs());
+  const Vec3 before = momentum(s.state(1));
   const double dt = 0.5 * s.stable();
-  for (int k = 0; k < 200; ++k) s.forces(), s.advance(dt);
-  return (momentum(s.states[1]) - before).norm() / before.norm();
+  s.run(200, dt);
+  return (momentum(s.state(1)) - before).norm() / before.norm();
 }
 
 }  // namespace
@@ -52,18 +52,18 @@ TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
     Stitched s = two_plates(matching);
     // the crack crosses at 0.52: what is four elements off stays tied
     const auto far = [&](int shell, int slot) {
-      return std::abs(s.models[shell].of_slot[slot].y() - 0.52) > 4.0 / 12.0;
+      return std::abs(s.model(shell).of_slot[slot].y() - 0.52) > 4.0 / 12.0;
     };
     int before = 0, after = 0, across = 0;
-    s.stitching.each_link([&](int a, int i, int, int) { before += far(a, i); });
-    insert_polyline(s.models[0], s.states[0], {{0.0, 0.31}, {1.0, 0.52}}, 0.0);
-    insert_polyline(s.models[1], s.states[1], {{0.0, 0.52}, {1.0, 0.73}}, 0.0);
-    carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
+    s.stitching().each_link([&](int a, int i, int, int) { before += far(a, i); });
+    insert_polyline(s.model(0), s.state(0), {{0.0, 0.31}, {1.0, 0.52}}, 0.0);
+    insert_polyline(s.model(1), s.state(1), {{0.0, 0.52}, {1.0, 0.73}}, 0.0);
+    carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
     const auto above = [&](int shell, int slot) {
-      const Vec2 g = s.models[shell].of_slot[slot];
+      const Vec2 g = s.model(shell).of_slot[slot];
       return g.y() > (shell == 0 ? 0.31 : 0.52) + 0.21 * g.x();
     };
-    s.stitching.each_link(
+    s.stitching().each_link(
         [&](int a, int i, int b, int j) { after += far(a, i), across += above(a, i) != above(b, j); });
     EXPECT_EQ(across, 0);
     EXPECT_GT(before, 10);
@@ -75,8 +75,8 @@ TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
 TEST(SeamCracks, GoOnAsWhatTheyWere) {
   for (const double grown : {0.4, 2.0}) {
     Stitched s = two_plates(true);
-    insert_polyline(s.models[0], s.states[0], {{0.6, 0.5}, {1.0, 0.52}}, 0.0);
-    const CrackGraph& cracks = s.states[0].cracks.graph;
+    insert_polyline(s.model(0), s.state(0), {{0.6, 0.5}, {1.0, 0.52}}, 0.0);
+    const CrackGraph& cracks = s.state(0).cracks.graph;
     Tip tip;
     tip.direction = Vec2(1.0, 0.05).normalized();
     for (const CrackEdge& e : cracks.edges())  // the one that leaves the patch
@@ -84,10 +84,10 @@ TEST(SeamCracks, GoOnAsWhatTheyWere) {
         tip.edge = static_cast<int>(&e - cracks.edges().data()), tip.vertex = e.to, tip.p = e.b;
     tip.alive = false;
     tip.strength = 7e6, tip.flaw = 0.9, tip.grown = grown, tip.since_branch = 0.3;
-    s.states[0].cracks.tips.push_back(tip);
-    EXPECT_EQ(carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0), 1);
-    ASSERT_EQ(s.states[1].cracks.tips.size(), 1u);
-    const Tip& on = s.states[1].cracks.tips[0];
+    s.state(0).cracks.tips.push_back(tip);
+    EXPECT_EQ(carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0), 1);
+    ASSERT_EQ(s.state(1).cracks.tips.size(), 1u);
+    const Tip& on = s.state(1).cracks.tips[0];
     EXPECT_TRUE(on.alive);
     const bool young = grown < 1.8;  // a whole crack
     EXPECT_EQ(on.strength, young ? 7e6 : Tip().strength);
@@ -111,13 +111,13 @@ TEST(SeamCracks, AlongASeamPartWhatHangsAcrossThem) {
         Stitched s = two_plates(matching);
         EXPECT_GT(links(s), 20);
         const double u = shell == 0 ? 1.0 - beside / 12.0 : beside / 12.0;
-        insert_polyline(s.models[shell], s.states[shell], {{u, 0.0}, {u, 1.0}}, 0.0);
-        carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
+        insert_polyline(s.model(shell), s.state(shell), {{u, 0.0}, {u, 1.0}}, 0.0);
+        carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
         // control points of the strip that the crack leaves may hang on the other plate
-        s.stitching.each_link([&](int a, int i, int b, int j) {
+        s.stitching().each_link([&](int a, int i, int b, int j) {
           if (a == b) return;
           const int own = a == shell ? i : j;
-          EXPECT_LT(std::abs(s.models[shell].of_slot[own].x() - (shell == 0 ? 1.0 : 0.0)), beside / 12.0);
+          EXPECT_LT(std::abs(s.model(shell).of_slot[own].x() - (shell == 0 ? 1.0 : 0.0)), beside / 12.0);
         });
         EXPECT_LT(lost_momentum(s), 1e-12) << matching << " " << shell << " " << beside;
       }
@@ -128,7 +128,7 @@ TEST(SeamCracks, AlongASeamPartWhatHangsAcrossThem) {
 TEST(SeamCracks, PartTheSeamThatTheyAreAtAndNoOther) {
   const auto links_to = [](const Stitched& s, int shell) {
     int count = 0;
-    s.stitching.each_link([&](int a, int, int b, int) { count += (a != b) && (a >= shell || b >= shell); });
+    s.stitching().each_link([&](int a, int, int b, int) { count += (a != b) && (a >= shell || b >= shell); });
     return count;
   };
   for (const bool hinge : {false, true})
@@ -141,11 +141,11 @@ TEST(SeamCracks, PartTheSeamThatTheyAreAtAndNoOther) {
       for (Stitched* s : {&row, &square}) {
         const int before = links_to(*s, 2), all = links_to(*s, 0);
         if (opened) {
-          open_seams(s->stitches.seams, s->refs(), s->stitching, 0, kUMax, 0.0, 1.0);
+          open_seams(s->seams(), s->refs(), s->stitching(), 0, kUMax, 0.0, 1.0);
         } else {
           const double u = 1.0 - 0.3 / 12.0;
-          insert_polyline(s->models[0], s->states[0], {{u, 0.0}, {u, 1.0}}, 0.0);
-          carry_on(s->stitches.seams, s->refs(), {1, 1, 1, 1}, s->stitching, 0.0);
+          insert_polyline(s->model(0), s->state(0), {{u, 0.0}, {u, 1.0}}, 0.0);
+          carry_on(s->seams(), s->refs(), {1, 1, 1, 1}, s->stitching(), 0.0);
         }
         // a crack within a plate does not part a hinge, on whose far side the strip stays
         EXPECT_LT(links_to(*s, 0), opened || !hinge ? all - 10 : all + 1);
@@ -164,13 +164,13 @@ TEST(SeamCracks, PartACornerOnceNothingElseHoldsItThere) {
                  join);
       const auto links_between = [&](bool own) {
         int count = 0;
-        s.stitching.each_link([&](int a, int, int b, int) { count += a != b && (a == off || b == off) == own; });
+        s.stitching().each_link([&](int a, int, int b, int) { count += a != b && (a == off || b == off) == own; });
         return count;
       };
       const int others = links_between(false);
-      open_seams(s.stitches.seams, s.refs(), s.stitching, off, off % 2 == 0 ? kUMax : kUMin, 0.0, 1.0);
+      open_seams(s.seams(), s.refs(), s.stitching(), off, off % 2 == 0 ? kUMax : kUMin, 0.0, 1.0);
       EXPECT_GT(links_between(true), 10);
-      open_seams(s.stitches.seams, s.refs(), s.stitching, off, off < 2 ? kVMax : kVMin, 0.0, 1.0);
+      open_seams(s.seams(), s.refs(), s.stitching(), off, off < 2 ? kVMax : kVMin, 0.0, 1.0);
       EXPECT_EQ(links_between(true), 0) << off << " " << int(join);
       EXPECT_GE(links_between(false), others - 6) << off << " " << int(join);  // but for the corner
     }
@@ -180,19 +180,19 @@ TEST(SeamCracks, PartACornerOnceNothingElseHoldsItThere) {
 TEST(SeamCracks, AlongAPartOfASeamPartNoMoreThanThat) {
   for (const bool matching : {true, false}) {
     Stitched s = two_plates(matching);
-    insert_polyline(s.models[0], s.states[0], {{1.0 - 0.3 / 12.0, 0.0}, {1.0 - 0.3 / 12.0, 0.5}}, 0.0);
+    insert_polyline(s.model(0), s.state(0), {{1.0 - 0.3 / 12.0, 0.0}, {1.0 - 0.3 / 12.0, 0.5}}, 0.0);
     const auto ahead = [&] {
       int count = 0;
-      s.stitching.each_link([&](int a, int i, int, int) { count += s.models[a].of_slot[i].y() > 0.5 + 4.0 / 12.0; });
+      s.stitching().each_link([&](int a, int i, int, int) { count += s.model(a).of_slot[i].y() > 0.5 + 4.0 / 12.0; });
       return count;
     };
     const int before = ahead();
-    carry_on(s.stitches.seams, s.refs(), {1, 1}, s.stitching, 0.0);
+    carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
     EXPECT_GT(before, 5);
     EXPECT_EQ(ahead(), before);
-    s.stitching.each_link([&](int a, int i, int b, int j) {
+    s.stitching().each_link([&](int a, int i, int b, int j) {
       if (a == b) return;
-      EXPECT_GT(std::max(s.models[a].of_slot[i].y(), s.models[b].of_slot[j].y()), 0.5 - 1.0 / 12.0);
+      EXPECT_GT(std::max(s.model(a).of_slot[i].y(), s.model(b).of_slot[j].y()), 0.5 - 1.0 / 12.0);
     });
   }
 }
@@ -201,18 +201,18 @@ TEST(SeamCracks, ACutOnASeamOpensItAsFarAsItGoes) {
   for (const bool matching : {true, false})
     for (const int shell : {0, 1}) {
       Stitched s = two_plates(matching);
-      open_seams(s.stitches.seams, s.refs(), s.stitching, shell, shell == 0 ? kUMax : kUMin, 0.25, 0.75);
+      open_seams(s.seams(), s.refs(), s.stitching(), shell, shell == 0 ? kUMax : kUMin, 0.25, 0.75);
       int left = 0;
-      s.stitching.each_link([&](int a, int i, int b, int j) {
+      s.stitching().each_link([&](int a, int i, int b, int j) {
         if (a == b) return;
         ++left;
-        for (const double y : {s.models[a].of_slot[i].y(), s.models[b].of_slot[j].y()})
+        for (const double y : {s.model(a).of_slot[i].y(), s.model(b).of_slot[j].y()})
           EXPECT_TRUE(y < 0.25 || y > 0.75) << y;
       });
       EXPECT_GT(left, 10);
-      open_seams(s.stitches.seams, s.refs(), s.stitching, shell, shell == 0 ? kUMax : kUMin, 0.0, 1.0);
+      open_seams(s.seams(), s.refs(), s.stitching(), shell, shell == 0 ? kUMax : kUMin, 0.0, 1.0);
       EXPECT_EQ(links(s), 0);
-      EXPECT_TRUE(s.stitching.parted());
+      EXPECT_TRUE(s.stitching().parted());
       EXPECT_LT(lost_momentum(s), 1e-12);
     }
 }

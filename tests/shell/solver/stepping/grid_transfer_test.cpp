@@ -1,5 +1,6 @@
 // A shell whose velocities go through the background grid.
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -10,6 +11,7 @@
 #include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -26,25 +28,23 @@ TEST(GridTransfer, BooksWhatItLoses) {
   for (const bool loaded : {false, true})
     for (const auto& supports : {Supports{}, Supports{held}, Supports{held, driven}})
       for (const Transfer kind : {Transfer::kDirect, Transfer::kFlip, Transfer::kApic, Transfer::kPic}) {
-        const ShellModel m = make_shell("p", plate(0.5, 0.4, 10, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2,
-                                        2, supports, loaded ? std::vector<Load>{load} : std::vector<Load>{});
-        ShellState s = make_state(m, Vec3(1, 0, 2), 0);
+        RunSetup setup =
+            setup_of({{make_shell("p", plate(0.5, 0.4, 10, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2,
+                                  supports, loaded ? std::vector<Load>{load} : std::vector<Load>{}),
+                       Vec3(1, 0, 2)}});
+        setup.shells[0].transfer = {kind, setup.shells[0].model.spacing, false};
+        Rig rig(std::move(setup), 2);
+        const ShellModel& m = rig.model();
+        ShellState& s = rig.state();
         const std::size_t plane = m.tables.plane;
         for (int i = 0; i < m.control_points(); ++i)
           s.motion.v[2 * plane + m.tables.slot(i)] += std::cos(12.0 * m.parameter[i].x());
         constrain(m, s, 1.0);
         if (kind != Transfer::kDirect) s.motion.before = s.motion.v;
-        const TransferRules rules{kind, m.spacing, false};
         const double dt = 0.25 * stable_step(m, s, 100, 1, false);
         const auto energy = [&] { return compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt); };
         const double start = energy();
-        for (int k = 0; k < 200; ++k) {
-          compute_forces(m, s, false, 0.0, 1);
-          kick(m, s, Vec3::Zero(), dt);
-          through_grid(m, s, rules, dt, 2);
-          constrain(m, s, dt);
-          drift(m, s, dt);
-        }
+        rig.run(200, dt);
         // trapezoidal rule: second order in the step
         EXPECT_NEAR(energy() + s.book.lost(), start, 0.02 * start)
             << static_cast<int>(kind) << " " << supports.size() << loaded;

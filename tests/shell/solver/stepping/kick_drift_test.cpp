@@ -211,7 +211,7 @@ TEST(Jump, BesideSupportsTheBooksCloseToo) {
 TEST(Jump, OverASeamItKeepsEnergyAndMomenta) {
   ShellMaterial material = glass();
   material.strength = 100e6, material.fracture_energy = 10.0;
-  std::deque<ShellModel> models;
+  std::vector<ShellModel> models;
   for (const auto& [x, rows] : {std::pair{0.0, 16}, std::pair{0.1, 19}})
     models.push_back(make_shell(x == 0.0 ? "left" : "right",
                                 plate(0.1, 0.08, 20, rows, Vec3(x, 0, 0), Quat::Identity()), 0.004, material, 2, 3,
@@ -219,20 +219,20 @@ TEST(Jump, OverASeamItKeepsEnergyAndMomenta) {
   Stitched s(std::move(models));
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
-  for (double& v : s.states[0].motion.v) v = uniform(random);  // positions of what follows stay what they follow
-  s.stitching.follow(s.refs());
+  for (double& v : s.state(0).motion.v) v = uniform(random);  // positions of what follows stay what they follow
+  s.stitching().follow(s.refs());
   const auto energy = [&] {
     const double stored = s.forces(true);
     take_up_jump(s.refs(), kStep);
-    return stored + s.kinetic(kStep) + s.states[0].book.lost() + s.states[1].book.lost();
+    return stored + s.kinetic(kStep) + s.state(0).book.lost() + s.state(1).book.lost();
   };
-  for (int n = 0; n < 40; ++n) s.forces(), s.advance(kStep);
+  s.run(40, kStep);
   const double before = energy();
   const Stitched::Sums then = s.sums();
   for (int k = 0; k < 2; ++k) {
     const double x = k == 0 ? 0.0912 : 0.0021;
-    ASSERT_GE(insert(s.models[k], s.states[k], {x, 0.0342}, {x + 0.0061, 0.0318}), 0);
-    ASSERT_FALSE(s.states[k].cracks.force_discontinuity.empty());
+    ASSERT_GE(insert(s.model(k), s.state(k), {x, 0.0342}, {x + 0.0061, 0.0318}), 0);
+    ASSERT_FALSE(s.state(k).cracks.force_discontinuity.empty());
   }
   EXPECT_NEAR(energy(), before, 1e-10 * before);
   const Stitched::Sums now = s.sums();

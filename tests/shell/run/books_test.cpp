@@ -1,0 +1,76 @@
+// The energy books of a run.
+#include <limits>
+
+#include <gtest/gtest.h>
+
+#include "coupler/core/error.h"
+#include "shell/run/books.h"
+#include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+TEST(EnergyBook, LosesWhatEachEntryTakesAndGainsWorkAndInjection) {
+  EnergyBook b;
+  b.fracture = 1, b.injected = 2, b.contact = 4, b.handoff = 8, b.external = 16, b.healing = 32, b.plastic = 64;
+  b.damping = 128, b.transfer = 256, b.frozen = 512;
+  EXPECT_EQ(b.lost(), 1 + 4 + 8 + 32 + 64 + 128 + 256 + 512 - 2 - 16);
+  EnergyBook twice = b;
+  twice += b;
+  EXPECT_EQ(twice.lost(), 2.0 * b.lost());
+  EXPECT_EQ(twice.handoff, 16.0);
+}
+
+TEST(Books, SumThoseOfShellsThatAreFrozenAndThatAreNot) {
+  Rig rig(setup_of({{brittle_sheet(4)}, {brittle_sheet(4)}}));
+  rig.state(0).book.contact = 2.0, rig.state(1).book.contact = 3.0;
+  Books books;
+  books.frozen.contact = 10.0;
+  EXPECT_EQ(books.sum(rig.simulation()).contact, 15.0);
+  rig.now().shells[1].state.reset();
+  EXPECT_EQ(books.sum(rig.simulation()).contact, 12.0);
+}
+
+TEST(Books, ResidualIsWhatIsMissingOverTheLargestEnergyThereWas) {
+  Rig rig(setup_of({{brittle_sheet(4)}}));
+  Books books;
+  rig.now().kinetic = 3.0, rig.now().elastic = 1.0;
+  books.open(rig.simulation(), 5.0);
+  EXPECT_EQ(books.scale, 4.0);
+  rig.now().kinetic = 7.0;
+  books.close(rig.simulation(), 5.4);
+  EXPECT_EQ(books.scale, 8.0);
+  EXPECT_NEAR(books.residual, 0.4 / 8.0, 1e-15);
+  rig.now().kinetic = 1.0;
+  books.close(rig.simulation(), 4.6);
+  EXPECT_NEAR(books.residual, -0.4 / 8.0, 1e-15);  // it was more once
+}
+
+TEST(Books, KeepTheMostThatContactHasGivenBack) {
+  Rig rig(setup_of({{brittle_sheet(4)}}));
+  Books books;
+  books.open(rig.simulation(), 0.0);
+  for (const double taken : {1.0, 0.7, 3.0, 2.5, 2.9})
+    rig.state().book.contact = taken, books.close(rig.simulation(), 0);
+  EXPECT_EQ(books.contact_taken, 3.0);
+  EXPECT_NEAR(books.contact_given, 0.5, 1e-15);
+}
+
+TEST(Books, StopARunWhoseEnergyHasGoneBeyondWhatTheSceneHas) {
+  Rig rig(setup_of({{brittle_sheet(4)}}));
+  rig.now().kinetic = 1.0;
+  Books books;
+  books.open(rig.simulation(), 1.0);
+  books.check_stable(rig.simulation(), 3.0, 5);
+  // an element at a strain of 1e-3 stores less than 0.4 J
+  for (const double energy : {1e4, -1e4, std::numeric_limits<double>::quiet_NaN()}) {
+    try {
+      books.check_stable(rig.simulation(), energy, 5);
+      ADD_FAILURE() << energy;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind, "unstable");
+      EXPECT_EQ(e.window, 5);
+    }
+  }
+}

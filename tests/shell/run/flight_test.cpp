@@ -1,0 +1,71 @@
+// Windows without a shell: free fall, and how long they may be.
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "shell/run/flight.h"
+#include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+Proxy ball(const Vec3& at, const Vec3& velocity) {
+  RigidBody b;
+  b.id = 1, b.name = "ball", b.mass = 0.1, b.principal_inertia = Vec3::Constant(1e-5), b.shape = SphereShape{0.01};
+  b.motion.position = at, b.motion.velocity = velocity;
+  return Proxy(b);
+}
+
+Proxy of_static(Proxy p) {
+  p.body.is_static = true;
+  return p;
+}
+
+/// A shell of 4 mm, so that bodies may approach one another by 5 mm; windows of 1 to 20 ticks of 1 ms.
+RunSetup settling() {
+  RunSetup s = setup_of({{brittle_sheet(4)}});
+  s.tick = 1e-3, s.settle_window = 0.02;
+  return s;
+}
+
+}  // namespace
+
+TEST(Flight, IsAParabola) {
+  const Vec3 gravity(0.5, 0, -9.81), x(1, 2, 3), v(-1, 0.3, 2);
+  for (const double window : {1e-3, 0.1}) {
+    std::vector<Proxy> bodies{ball(x, v), of_static(ball(x, v)), ball(x, v)};
+    fly(bodies, 2, gravity, window);
+    const BodyMotion& m = bodies[0].body.motion;
+    EXPECT_LT((m.position - (x + window * v + 0.5 * window * window * gravity)).norm(), 1e-15 * 10);
+    EXPECT_LT((m.velocity - (v + window * gravity)).norm(), 1e-15 * 10);
+    for (const int still : {1, 2}) EXPECT_EQ(bodies[still].body.motion.position, x);  // static, and not asked for
+  }
+}
+
+TEST(SettleWindow, IsAsLongAsTwoBodiesTakeForTheirTravel) {
+  const RunSetup s = settling();
+  const Vec3 right(1, 0, 0);
+  EXPECT_EQ(settle_ticks(s, {}), 20);
+  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), right)}), 20);
+  // 5 mm at a relative speed of 1 m/s
+  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), 0.4 * right), ball(Vec3(0.03, 0, 0), -0.6 * right)}), 5);
+  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), 100 * right), ball(Vec3(0.03, 0, 0), Vec3::Zero())}), 1);
+  // too slow for that travel, or too far apart to meet
+  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), 0.2 * right), ball(Vec3(0.03, 0, 0), Vec3::Zero())}), 20);
+  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), right), ball(Vec3(0.05, 0, 0), Vec3::Zero())}), 20);
+}
+
+TEST(SettleWindow, DoesNotCountWhatCannotPassThrough) {
+  const RunSetup s = settling();
+  const Vec3 right(1, 0, 0), near(0.03, 0, 0);
+  EXPECT_EQ(settle_ticks(s, {of_static(ball(Vec3::Zero(), right)), of_static(ball(near, Vec3::Zero()))}), 20);
+  RigidBody floor;
+  floor.id = 2, floor.is_static = true, floor.shape = HalfSpaceShape{};
+  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), right), Proxy(floor)}), 20);
+  RunSetup none = settling();
+  none.shells.clear();
+  EXPECT_EQ(settle_ticks(none, {ball(Vec3::Zero(), right), ball(near, Vec3::Zero())}), 20);
+}

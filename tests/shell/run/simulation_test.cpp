@@ -1,0 +1,113 @@
+// How a simulation starts: what it measures, and what it refuses.
+#include <string>
+#include <utility>
+
+#include <gtest/gtest.h>
+
+#include "coupler/core/error.h"
+#include "shell/run/simulation.h"
+#include "shell/solver/stepping/stable_step.h"
+#include "tests/shell/fixtures.h"
+#include "tests/shell/rig.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+RunSetup pane() {
+  RunSetup s = setup_of({{brittle_sheet(8)}});
+  s.window = s.tick = 1e-3;
+  return s;
+}
+
+/// What start_shells() says, or an empty text.
+std::string refusal(RunSetup setup) {
+  for (ShellSetup& s : setup.shells) s.hertz.resize(setup.bodies.size(), 0.0);
+  Simulation simulation(setup, 1);
+  simulation.prepare();
+  try {
+    simulation.start_shells([] {});
+  } catch (const Error& e) {
+    return e.what();
+  }
+  return "";
+}
+
+bool says(const std::string& text, const std::string& what) { return text.find(what) != std::string::npos; }
+
+}  // namespace
+
+TEST(Simulation, MeasuresTheStableStepOfAShellThatMayCrackAsIfItWereFree) {
+  for (const bool cracks : {false, true}) {
+    RunSetup setup = pane();
+    Support clamp;
+    clamp.edges = kUMin | kUMax | kVMin | kVMax;
+    setup.shells[0].model =
+        make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {clamp});
+    setup.shells[0].tips = cracks;
+    Simulation simulation(setup, 1);
+    simulation.prepare();
+    simulation.start_shells([] {});
+    const ShellPart& part = simulation.state.shells[0];
+    ShellState s = make_state(part.model(), Vec3::Zero(), 0);
+    EXPECT_EQ(part.initial_step, stable_step(part.model(), s, kStepIterations, 1, cracks));
+    const double step = simulation.substep_length(0);
+    EXPECT_NEAR(step, setup.safety * (cracks ? kCrackedStep : 1.0) * part.initial_step, 1e-15);
+    const double substeps = simulation.substeps_of_tick(step, 0);
+    EXPECT_EQ(substeps, std::ceil(1e-3 / step));
+  }
+}
+
+TEST(Simulation, RefusesStepsAndWindowsThatDoNotFit) {
+  EXPECT_EQ(refusal(pane()), "");
+  RunSetup fine = pane();
+  fine.time_step = 1e-8;
+  EXPECT_EQ(refusal(fine), "");
+  RunSetup coarse = pane();
+  coarse.time_step = 1e-3;
+  const std::string said = refusal(coarse);
+  EXPECT_TRUE(says(said, "time_step_s is 0.001 s") && says(said, "with a margin at most")) << said;
+  RunSetup brief = pane();
+  brief.window = brief.tick = 1e-9;
+  EXPECT_TRUE(says(refusal(brief), "window_s is 1e-09 s, shorter than the stable step of the shell"));
+  Simulation simulation(fine, 1);
+  try {
+    simulation.substeps_of_tick(1e-12, 4);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "substeps");
+    EXPECT_EQ(e.window, 4);
+  }
+}
+
+TEST(Simulation, RefusesAShellThatCannotMoveAndABodyThatWouldPassThrough) {
+  RunSetup held = pane();
+  Support everywhere;
+  everywhere.regions = {{Vec2(-1, -1), Vec2(1, 1)}};
+  held.shells[0].model =
+      make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {everywhere});
+  EXPECT_TRUE(says(refusal(held), "shell 'p': every control point is held"));
+  RunSetup shot = pane();
+  RigidBody b;
+  b.id = 1, b.name = "bullet", b.mass = 0.01, b.principal_inertia = Vec3::Constant(1e-7), b.shape = SphereShape{0.002};
+  b.motion.position = Vec3(0, 0, 0.1), b.motion.velocity = Vec3(0, 0, -300);
+  shot.bodies = {b};
+  EXPECT_EQ(refusal(shot), "");
+  shot.bodies[0].motion.velocity.z() = -1e5;
+  EXPECT_TRUE(says(refusal(shot), "body 'bullet' moves"));
+}
+
+TEST(Simulation, FindsTheLawOfTwoGroupsInEitherOrder) {
+  RunSetup setup = pane();
+  setup.shells[0].model.contact_group = 3;
+  RigidBody b;
+  b.contact_group = 5;
+  Simulation simulation(setup, 1);
+  EXPECT_EQ(simulation.against(setup.shells[0].model, b).friction, 0.5);  // without a law
+  for (const auto& [first, second] : {std::pair(3u, 5u), {5u, 3u}}) {
+    setup.laws = {{1, 5, 0.9, 0.9}, {first, second, 0.25, 0.75}};
+    EXPECT_EQ(simulation.against(setup.shells[0].model, b).friction, 0.25);
+    EXPECT_EQ(simulation.against(setup.shells[0].model, b).restitution, 0.75);
+  }
+}

@@ -1,0 +1,113 @@
+// Impulses between a shell and rigid bodies.
+#include <cmath>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "shell/solver/contact/rigid_contact.h"
+#include "shell/solver/parting/handoff.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+RigidBody ball(const Vec3& at, const Vec3& velocity) {
+  RigidBody b;
+  b.id = 1, b.name = "ball", b.mass = 0.2, b.principal_inertia = Vec3::Constant(3e-5), b.shape = SphereShape{0.02};
+  b.motion.position = at, b.motion.velocity = velocity, b.motion.angular_momentum = Vec3(2e-3, -1e-3, 3e-3);
+  return b;
+}
+
+double kinetic(const ShellState& s) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < s.motion.mass.size(); ++i)
+    sum += 0.5 * s.motion.mass[i] * s.velocity(static_cast<int>(i)).squaredNorm();
+  return sum;
+}
+
+std::size_t candidates_near(const ShellModel& m, const ShellState& s, const RigidBody& b, double dt = 1e-7) {
+  ContactCandidates c;
+  refresh_candidates(m, s, {Proxy(b)}, {{}}, dt, c);
+  return c.of_body[0].size();
+}
+
+}  // namespace
+
+// Without forces in between: what is booked is what both have lost, to round-off, whatever friction and restitution.
+TEST(RigidContact, BooksWhatShellAndBodyLoseAndKeepsTheirMomenta) {
+  const ShellModel m = brittle_sheet(12);
+  for (const double friction : {0.0, 0.3, 5.0})
+    for (const double restitution : {0.0, 0.6}) {
+      ShellState s = make_state(m, Vec3(0.3, 0, 0.5), 0);
+      const Totals before = totals(m, s);
+      std::vector<Proxy> bodies{Proxy(ball(Vec3(0.011, 0.007, 0.0215), Vec3(2, 1, -4)))};
+      const RigidBody then = bodies[0].body;
+      const double energy = kinetic(s) + then.kinetic_energy();
+      const std::vector<ContactCoefficients> law{{friction, restitution, 0.0}};
+      ContactCandidates c;
+      refresh_candidates(m, s, bodies, law, 1e-7, c);
+      c.age = 1;
+      EXPECT_GT(contact(m, s, bodies, law, c, 1e-7, 1e-7), 0);
+      const RigidBody& b = bodies[0].body;
+      const Totals after = totals(m, s);
+      const double scale = bodies[0].impulse_sum;
+      EXPECT_LT((after.momentum - before.momentum + b.mass * (b.motion.velocity - then.motion.velocity)).norm(),
+                1e-13 * scale);
+      const Vec3 spun = b.motion.angular_momentum - then.motion.angular_momentum +
+                        b.mass * b.motion.position.cross(b.motion.velocity - then.motion.velocity);
+      EXPECT_LT((after.angular - before.angular + spun).norm(), 1e-13 * scale);
+      EXPECT_NEAR(kinetic(s) + b.kinetic_energy() + s.book.contact, energy, 1e-13 * energy);
+      EXPECT_GT(s.book.contact, 0.0) << friction << " " << restitution;
+      EXPECT_LT((bodies[0].linear_impulse + bodies[0].shell_linear).norm(), 1e-13 * scale);
+      EXPECT_LT((bodies[0].angular_impulse + bodies[0].shell_angular).norm(), 1e-13 * scale);
+    }
+}
+
+TEST(RigidContact, PushesNeitherWhatIsApartNorWhatSeparates) {
+  const ShellModel m = brittle_sheet(12);
+  for (const auto& [height, speed] : {std::pair(0.0221, -4.0), {0.0215, 4.0}}) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    std::vector<Proxy> bodies{Proxy(ball(Vec3(0, 0, height), Vec3(0, 0, speed)))};
+    bodies[0].body.motion.angular_momentum.setZero();
+    const std::vector<ContactCoefficients> law(1);
+    ContactCandidates c;
+    refresh_candidates(m, s, bodies, law, 1e-7, c);
+    c.age = kContactRefresh;
+    contact(m, s, bodies, law, c, 1e-7, 1e-7);
+    EXPECT_EQ(bodies[0].impulse_sum, 0.0) << height;
+    EXPECT_EQ(kinetic(s), 0.0) << height;
+  }
+}
+
+TEST(RigidContact, LooksOnlyAtSamplesThatABodyMayReachInTime) {
+  const ShellModel m = brittle_sheet(24);
+  const ShellState s = make_state(m, Vec3::Zero(), 0);
+  EXPECT_EQ(candidates_near(m, s, ball(Vec3(0, 0, 0.2), Vec3(0, 0, -1))), 0u);
+  const std::size_t slow = candidates_near(m, s, ball(Vec3(0, 0, 0.025), Vec3(0, 0, -1)));
+  EXPECT_GT(slow, 0u);
+  EXPECT_LT(slow, static_cast<std::size_t>(m.tables.gauss_points()) / 4);
+  // it will come 16 substeps of 0.1 mm nearer before the next look
+  EXPECT_EQ(candidates_near(m, s, ball(Vec3(0, 0, 0.03), Vec3(0, 0, -1))), 0u);
+  EXPECT_GT(candidates_near(m, s, ball(Vec3(0, 0, 0.03), Vec3(0, 0, -1000))), 0u);
+  ContactCandidates c;
+  refresh_candidates(m, s, {Proxy(ball(Vec3(0, 0, 0.025), Vec3(0, 0, -1)))}, {{}}, 1e-7, c);
+  for (const auto& sample : c.of_body[0]) EXPECT_EQ(sample.first, kContactRefresh);  // 1 mm to go at 0.1 um a substep
+}
+
+TEST(RigidContact, DoesNotMoveWhatASupportHolds) {
+  Support clamp;
+  clamp.edges = kUMin | kUMax | kVMin | kVMax;
+  const ShellModel m =
+      make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {clamp});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  std::vector<Proxy> bodies{Proxy(ball(Vec3(-0.08, 0, 0.0215), Vec3(0, 0, -4)))};
+  const std::vector<ContactCoefficients> law(1);
+  ContactCandidates c;
+  refresh_candidates(m, s, bodies, law, 1e-7, c);
+  c.age = 1;
+  EXPECT_GT(contact(m, s, bodies, law, c, 1e-7, 1e-7), 0);
+  for (int i = 0; i < m.control_points(); ++i)
+    if (m.held[m.tables.slot(i)]) EXPECT_EQ(s.velocity(m.tables.slot(i)), Vec3(Vec3::Zero())) << i;
+}

@@ -1,0 +1,83 @@
+// The state of a shell as a checkpoint keeps it.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "coupler/core/error.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/state_archive.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+/// Cracked, moving, with a face that bears and a tip.
+ShellState lively(const ShellModel& m) {
+  ShellState s = make_state(m, Vec3(1, -2, 3), 5);
+  insert_polyline(m, s, {{0.03, 0.05}, {0.12, 0.09}, {0.15, 0.16}}, 2e-6);
+  const int from = s.cracks.graph.add_vertex({0.05, 0.15}), to = s.cracks.graph.add_vertex({0.0571, 0.1512});
+  insert_edge(m, s, from, to, s.cracks.graph.new_crack(), 3e-6, 1, true);
+  s.cracks.tips.push_back({.p = Vec2(0.0571, 0.1512), .direction = Vec2(1, 0), .vertex = to, .pending = 1e-4});
+  disturb(s, m, 1e-6);
+  s.motion.time = 3e-6, s.book.contact = 0.25, s.book.fracture = 0.5;
+  compute_forces(m, s, false, 0.5, 1);
+  return s;
+}
+
+std::string bytes_of(ShellState& s) {
+  ArchiveWriter a;
+  archive_one(a, s);
+  return a.bytes;
+}
+
+void read(ShellState& s, const std::string& bytes) {
+  ArchiveReader a(bytes.data(), bytes.size());
+  archive_one(a, s);
+  EXPECT_EQ(a.left(), 0u);
+}
+
+}  // namespace
+
+TEST(StateArchive, AStateThatIsReadContinuesToTheBit) {
+  const ShellModel m = brittle_sheet(10);
+  ShellState s = lively(m), other = make_state(m, Vec3::Zero(), 5);
+  ASSERT_FALSE(s.cracks.interlocks.empty());
+  const std::string saved = bytes_of(s);
+  read(other, saved);
+  EXPECT_EQ(bytes_of(other), saved);
+  EXPECT_EQ(other.cracks.graph.edges().size(), s.cracks.graph.edges().size());
+  EXPECT_EQ(other.cracks.tips[0].pending, 1e-4);
+  EXPECT_EQ(other.book.lost(), s.book.lost());
+  EXPECT_EQ(other.cracked.kind_of, s.cracked.kind_of);  // not saved: it follows from the points
+  for (ShellState* t : {&s, &other})
+    for (int k = 0; k < 20; ++k) {
+      compute_forces(m, *t, false, 0.5, 1);
+      kick(m, *t, Vec3(0, 0, -9.81), 1e-7), drift(m, *t, 1e-7);
+    }
+  EXPECT_EQ(s.motion.x, other.motion.x);
+  EXPECT_EQ(s.motion.v, other.motion.v);
+  EXPECT_EQ(s.layers.surface_stress, other.layers.surface_stress);
+}
+
+TEST(StateArchive, RefusesBytesThatEndTooEarlyOrGiveImpossibleLengths) {
+  const ShellModel m = brittle_sheet(4);
+  ShellState s = lively(m);
+  const std::string saved = bytes_of(s);
+  for (const double share : {0.0, 0.1, 0.5, 0.9, 0.9999}) {
+    ShellState other = make_state(m, Vec3::Zero(), 5);
+    try {
+      read(other, saved.substr(0, static_cast<std::size_t>(share * static_cast<double>(saved.size()))));
+      ADD_FAILURE() << share;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind, "bad_checkpoint");
+    }
+  }
+  std::string long_list = saved;
+  for (int k = 0; k < 8; ++k) long_list[k] = '\x7f';  // the length of the first list
+  ShellState other = make_state(m, Vec3::Zero(), 5);
+  EXPECT_THROW(read(other, long_list), Error);
+}
