@@ -1,4 +1,4 @@
-// Shells that touch one another: what is exact about it, and what the grid leaves.
+// Contact between shells: exact results, and the error of the grid.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -61,7 +61,7 @@ Mean mean(const ShellModel& m, const ShellState& s) {
   return out;
 }
 
-// A plate lies on a clamped one, grids turned against one another; gravity leans by `angle`.
+// A plate lies on a clamped one, with their grids turned against each other. Gravity is inclined by `angle`.
 void incline(Report& report) {
   constexpr double kFriction = 0.4, kGravity = 9.81, kTime = 0.3;
   Support clamp;
@@ -76,12 +76,12 @@ void incline(Report& report) {
            {kFriction, 0.0}, Vec3::Zero());
     const double dt = p.step();
     const Vec3 gravity = kGravity * Vec3(std::sin(angle), 0.0, -std::cos(angle));
-    p.run(0.1, dt, gravity);  // until what it has set in motion has passed
+    p.run(0.1, dt, gravity);  // until the initial waves have passed
     const Vec3 before = mean(p.high, p.b).v;
     p.run(kTime, dt, gravity);
     const double found = (mean(p.high, p.b).v.x() - before.x()) / kTime;
     const double exact = share < 1.0 ? 0.0 : kGravity * (std::sin(angle) - kFriction * std::cos(angle));
-    // what holds it: of gravity's pull along the slope
+    // Holding force, as a share of gravity along the slope.
     report.add(fmt::format("incline_{:.2f}", share), found / (kGravity * std::sin(angle)),
                exact / (kGravity * std::sin(angle)), share < 1.0 ? 0.002 : 0.005, seconds_now() - start);
   }
@@ -101,7 +101,7 @@ void pressed(Report& report) {
                       material(1e10, 400.0), 2, 2, {}, {load}),
            {}, Vec3::Zero());
     p.run(0.05, p.step(), Vec3::Zero());
-    // distance of both middles, over the thickness
+    // Returns the distance of both middles over the thickness.
     const auto middle = [](const ShellModel& m, const ShellState& s, const Vec2& at) {
       Vec3 x = Vec3::Zero();
       for (const GatheredFunction& f : patch_functions(m.patch, at, m.tables.stride)) x += f.n[0] * s.position(f.slot);

@@ -13,12 +13,14 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kStep = 1e-6;   // of the smallest spacing: differences err by its square, and by round-off over it
-constexpr int kIterations = 40;  // of a subspace twice as large as wanted: each lessens the error fourfold at least
+// share of the smallest spacing: differences have an error of its square, and round-off over it
+constexpr double kStep = 1e-6;
+// with a subspace of twice the wanted size, each reduces the error to a quarter or less
+constexpr int kIterations = 40;
 
 struct Freedom {
   int shell, slot, axis;
-  std::vector<std::tuple<int, int, double>> moves;  // shell, slot, share: itself and what follows it
+  std::vector<std::tuple<int, int, double>> moves;  // shell, slot, share: the control point and its dependent ones
 };
 
 std::vector<Freedom> freedoms(const Stitched& s) {
@@ -54,7 +56,7 @@ Linear linear_response(Stitched& s, int modes) {
   double spacing = 1e300;
   for (const ShellModel& m : s.models) spacing = std::min(spacing, m.spacing);
   const double step = kStep * spacing;
-  std::vector<std::vector<double>> still;  // forces at rest, before they are shared
+  std::vector<std::vector<double>> still;  // forces at rest, before seams share them
   for (std::size_t k = 0; k < s.models.size(); ++k) {
     compute_forces(s.models[k], s.states[k], false, 0.0, 1);
     still.push_back(s.states[k].force);
