@@ -17,9 +17,9 @@ TEST(IntactPane, GivesTheBallBackWhatItTakes) {
   EXPECT_EQ(run.text("engine.name"), "bullet");
   EXPECT_LT(run.number("ledger.linear_max"), 1e-12);
   EXPECT_LT(run.number("ledger.angular_max"), 1e-12);
-  // geometry is nonlinear, so leapfrog keeps its energy to O(dt^2), not to round-off
+  // The geometry is nonlinear, so leapfrog conserves energy to O(dt^2), not to round-off.
   EXPECT_LT(std::abs(run.number("energy.residual_relative")), 2e-4);
-  EXPECT_GT(run.number("energy.contact"), 0.0);  // inelastic
+  EXPECT_GT(run.number("energy.contact"), 0.0);  // contact is inelastic
   EXPECT_EQ(run.number("counts.fragments"), 0.0);
 }
 
@@ -36,7 +36,7 @@ TEST(CutPane, HandsOffTheSquareAndItFallsToTheFloor) {
   ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
   EXPECT_EQ(run.number("counts.handed_off"), 1.0);
   EXPECT_EQ(run.number("counts.fragments"), 2.0);
-  // the polygon's area by the shoelace formula
+  // The polygon's area by the shoelace formula.
   EXPECT_NEAR(run.number("handoff.area_m2"), 0.00945, 1e-12);
   EXPECT_LT(run.number("handoff.mass_error_max"), 1e-10);
   EXPECT_LT(run.number("handoff.momentum_error_max"), 1e-10);
@@ -61,9 +61,9 @@ TEST(RoundPane, ThatIsLooseStaysAShellWhileItCracks) {
   Pair run("round_pane.textproto", {"--set", "end_time_s=4e-5"});
   ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
   const double pane = 3.14159265 * 0.0135 * 0.0135, frame = 0.03 * 0.03 - pane;
-  EXPECT_GT(run.number("handoff.area_m2"), 0.99 * frame);  // which nothing strikes
+  EXPECT_GT(run.number("handoff.area_m2"), 0.99 * frame);  // nothing strikes the frame
   EXPECT_LT(run.number("handoff.area_m2"), frame + 0.1 * pane);
-  // its cracks beside the cut: those that a piece has which leaves 14 us after the cut are 0.016 m long
+  // Cracks besides the cut: a piece that is handed off 14 us after the cut has 0.016 m of them.
   EXPECT_GT(run.number("cracks.length_m") - 2.0 * 3.14159265 * 0.0135, 0.03);
 }
 
@@ -72,7 +72,7 @@ TEST(TornSheet, TearsThroughAndItsBooksClose) {
   ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
   EXPECT_LT(std::abs(run.number("energy.residual_relative")), 0.01);
   EXPECT_LT(run.number("energy.crack_injected"), 0.05 * run.number("energy.dissipated_fracture"));
-  EXPECT_GT(run.number("handoff.area_m2"), 0.08);  // of 0.16: what was above the notch has come off
+  EXPECT_GT(run.number("handoff.area_m2"), 0.08);  // of 0.16: the part above the notch has detached
   EXPECT_LT(run.number("handoff.momentum_error_max"), 1e-10);
   EXPECT_LT(run.number("handoff.angular_momentum_error_max"), 1e-10);
   EXPECT_GE(run.number("stable_step.smallest_s"), 0.7 * run.number("stable_step.initial_s"));
@@ -87,19 +87,20 @@ TEST(TornSheet, ClosesItsBooksWithoutHealingToo) {
 }
 
 TEST(DuctileStrip, BreaksWhenItHasHardenedToItsStrength) {
-  // 2.7e7 Pa in its weaker middle: a plastic strain of (2.7e7 - 2e7) / 2e8, and 2.7e7 / 2e9 elastic; logarithmic, so it
-  // is 4.97 mm longer then, after 4.97 ms; within 3 %, and a crack takes 0.05 ms to cross it
+  // The weaker middle breaks at 2.7e7 Pa. Plastic strain is (2.7e7 - 2e7) / 2e8, elastic strain 2.7e7 / 2e9, both
+  // logarithmic. The strip is then 4.97 mm longer, after 4.97 ms; within 3 %. A crack crosses it in 0.05 ms.
   Pair whole("ductile_strip.textproto", {"--until", "0.00482"});
   ASSERT_EQ(whole.shell->wait(kPatience), 0) << whole.log("shell");
   EXPECT_EQ(whole.number("energy.dissipated_fracture"), 0.0);
-  EXPECT_LT(std::abs(whole.number("energy.residual_relative")), 1e-5);  // 1e-7; 4e-3 by the stress after the flow
+  // 1e-7 was found; 4e-3 with the stress after the flow
+  EXPECT_LT(std::abs(whole.number("energy.residual_relative")), 1e-5);
   Pair broken("ductile_strip.textproto", {"--until", "0.00518"});
   ASSERT_EQ(broken.shell->wait(kPatience), 0) << broken.log("shell");
   EXPECT_EQ(broken.number("counts.fragments"), 2.0);
-  // what is stored about the crack at 1.35 % of strain is several times the 0.04 J that its area takes
+  // The energy stored near the crack at a strain of 1.35 % is several times the 0.04 J that its area takes.
   EXPECT_GT(broken.number("energy.dissipated_fracture"), 0.04);
   EXPECT_LT(broken.number("energy.dissipated_fracture"), 0.4);
-  // through 40 mm of the weaker middle, 0.9 of the strength, at least, and no more than where all is of full strength
+  // At least 40 mm at 0.9 of the strength, the weaker middle; at most the same at full strength.
   EXPECT_GE(broken.number("cracks.resistance"), 0.81 * 0.04);
   EXPECT_LE(broken.number("cracks.resistance"), 500 * 0.002 * broken.number("cracks.length_m"));
   EXPECT_GT(broken.number("energy.dissipated_plastic"), 20.0 * broken.number("energy.dissipated_fracture"));
@@ -109,7 +110,7 @@ TEST(DuctileStrip, BreaksWhenItHasHardenedToItsStrength) {
 TEST(DuctileStrip, ThatHasYieldedOnItsWayToEquilibriumStartsWithClosedBooks) {
   Pair run("ductile_strip.textproto",
            {"--until", "2e-4", "--set", "shells[strip].equilibrium.tolerance=1e-6", "--set",
-            "shells[strip].supports[1].motion[0].displacement.x=0.0015"});  // 1.5 %, where it yields at 1 %
+            "shells[strip].supports[1].motion[0].displacement.x=0.0015"});  // strain 1.5 %; it yields at 1 %
   ASSERT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");
   EXPECT_GT(run.number("energy.elastic"), 0.5);
   EXPECT_LT(std::abs(run.number("energy.residual_relative")), 1e-4);
@@ -168,7 +169,7 @@ TEST(Interrupt, LeavesFramesAndSaysSo) {
   Pair run("glass.textproto", {});
   ASSERT_TRUE(run.frame(1, kPatience));
   run.shell->send(SIGINT);
-  EXPECT_EQ(run.shell->wait(kPatience), 130);  // after the window that it is in
+  EXPECT_EQ(run.shell->wait(kPatience), 130);  // after the present window
   EXPECT_EQ(run.rigid->wait(kNotice), 0);
   EXPECT_EQ(run.text("status"), "interrupted");
   EXPECT_TRUE(std::filesystem::exists(run.out() + "/frames.pvd"));
@@ -185,17 +186,17 @@ TEST(RunFolder, TakenAwayEndsTheRunWithAMessage) {
   Pair run("intact_pane.textproto", {"--set", "output.frame_interval_s=1e-4"});
   ASSERT_TRUE(run.frame(0, kPatience));
   std::error_code error;
-  std::filesystem::remove_all(run.out() + "/frames", error);  // the folder to write in is gone
+  std::filesystem::remove_all(run.out() + "/frames", error);  // the folder for frames does not exist any more
   const int status = run.shell->wait(kPatience);
   EXPECT_EQ(status, 2) << run.log("shell");
   EXPECT_NE(run.log("shell").find("frames"), std::string::npos) << run.log("shell");
 }
 
 TEST(FullDisk, EndsTheRunWithAMessage) {
-  // no file may grow beyond 64 KiB: what a full disk is to the run
+  // No file may grow beyond 64 KiB, which acts like a full disk.
   Pair run("cut_pane.textproto", {}, {"/bin/bash", "-c", "trap '' XFSZ; ulimit -f 64; exec \"$0\" \"$@\""});
   EXPECT_EQ(run.shell->wait(kPatience), 2) << run.log("shell");
   EXPECT_NE(run.log("shell").find(".vtp"), std::string::npos) << run.log("shell");
-  EXPECT_EQ(run.text("status"), "failed");  // small enough to be written still
+  EXPECT_EQ(run.text("status"), "failed");  // small enough to be written
   EXPECT_EQ(run.rigid->wait(kNotice), 3) << run.log("rigid");
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Launches the real executables of both sides, as tests/end_to_end needs them.
+// Starts the real executables of both sides, for tests/end_to_end.
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -29,7 +29,7 @@ inline double now() {
 }
 inline void pause(double seconds) { usleep(static_cast<useconds_t>(1e6 * seconds)); }
 
-/// A child process; killed when it goes out of scope.
+/// A child process; it is killed at the end of its scope.
 class Process {
  public:
   Process(const std::vector<std::string>& command, const std::string& log) {
@@ -75,10 +75,10 @@ inline std::string read_file(const std::string& path) {
   return s.str();
 }
 
-/// Both processes of one run in a fresh folder.
+/// Both processes of one run, in a fresh folder.
 class Pair {
  public:
-  /// `wrapper` is put before the shell's command.
+  /// `wrapper` is a command that runs the shell's command.
   Pair(const std::string& scene, const std::vector<std::string>& options,
        const std::vector<std::string>& wrapper = {}) {
     const std::string endpoint = "ipc://" + folder_.path + "/socket";
@@ -96,7 +96,7 @@ class Pair {
   ~Pair() { shell.reset(), rigid.reset(); }
   std::string out() const { return folder_.path + "/out"; }
   std::string log(const std::string& side) const { return read_file(folder_.path + "/" + side + ".log"); }
-  /// Waits until the shell has written its n-th frame; false after `seconds`.
+  /// Waits until the shell has written its n-th frame. Returns false after `seconds`.
   bool frame(int n, double seconds) const {
     const std::string path = fmt::format("{}/frames/bodies_{:06d}.vtp", out(), n);
     for (const double end = now() + seconds; now() < end; pause(0.005))
@@ -110,7 +110,7 @@ class Pair {
     EXPECT_TRUE(status.ok()) << status.ToString() << log("shell");
     return s;
   }
-  /// A number or a text of run.json by its path, "time.simulated_s".
+  /// Returns a number or text of run.json by its path, such as "time.simulated_s".
   google::protobuf::Value value(const std::string& path) const {
     google::protobuf::Value v;
     *v.mutable_struct_value() = summary();

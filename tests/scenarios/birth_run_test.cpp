@@ -1,4 +1,4 @@
-// What an engine makes of a piece as it is born is compared with what the shell has lost.
+// The engine's state of a new body is compared with what the shell has lost.
 #include <algorithm>
 
 #include <fmt/format.h>
@@ -20,10 +20,10 @@ const std::string kCutPane =
     "  cuts { circle { center { u: 0.15 v: 0.15 } radius_m: 0.06 } time_s: 2e-4 } }\n"
     "fracture { mode: CUTS }\noutput { frame_interval_s: 1e9 checkpoint_interval_s: 0 }\n";
 
-// Says of every body another mass, velocity or spin than it was given.
+// An engine that reports another mass, velocity or spin of each new body than it received.
 struct Forgetful final : link::Engine {
   rigid::FreeFlight exact;
-  double mass = 0.0, momentum = 0.0, spin = 0.0;  // that it adds to 1
+  double mass = 0.0, momentum = 0.0, spin = 0.0;  // relative errors that it adds
   bool rounds = false;                            // declares no double precision
   link::EngineInfo info() const override {
     link::EngineInfo info = exact.info();
@@ -55,7 +55,8 @@ TEST(Birth, AnEngineThatKeepsWhatItIsGivenIsTaken) {
   EXPECT_EQ(bodies, 1u);
 }
 
-// On the seam, beside it where no control point is between, and beside it where some are: a strip then comes off.
+// Three cuts: on the seam, beside it with no control point between, and beside it with some between, where a strip
+// detaches.
 TEST(Birth, PlatesThatACutAlongTheirSeamPartsAreTwoBodies) {
   for (const bool matching : {true, false})
     for (const double beside : {0.0, 5e-6, 0.003}) {
@@ -103,7 +104,7 @@ TEST(Birth, AnEngineOfSinglePrecisionMayRoundAndNoMore) {
   EXPECT_EQ(run_text(kCutPane, worse, {}).rfind("ledger: window ", 0), 0u);
 }
 
-// Nothing else parts: there is one piece all the time, and it leaves because the clamp no longer holds it.
+// There is only one piece all the time. It detaches because the clamp no longer holds it.
 TEST(Birth, OfAPlateThatBreaksOffItsClampLeavesNothingBehind) {
   const std::string plate =
       "name: \"plate\" end_time_s: 8e-3 window_s: 1e-4 gravity {}\n"

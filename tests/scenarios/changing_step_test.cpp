@@ -1,4 +1,4 @@
-// Neither a changing substep nor windows change what a body does.
+// Neither a changing substep nor windows change the motion of a body.
 #include <algorithm>
 
 #include <gtest/gtest.h>
@@ -8,8 +8,8 @@
 using namespace sunder;
 using namespace sunder::validation;
 
-// A light ball at a hinge is struck by a plate, goes round and meets it again and again. Nothing takes energy. Kicks
-// of the length of the new substep alone would swing it by 2e-2 in this time, and blow it up in the end.
+// A plate strikes a light ball at a hinge, which swings round and hits it again and again. Nothing dissipates energy.
+// Kicks by the new substep's length alone would change the energy by 2e-2 in this time and later make it grow.
 TEST(ChangingStep, CostsNoEnergy) {
   Coupled c;
   c.hold = Hold::kHinge, c.ratio = 1e-3, c.substeps = 20, c.windows = 4000;
@@ -22,10 +22,10 @@ TEST(ChangingStep, CostsNoEnergy) {
       });
   ASSERT_EQ(failure, "");
   ASSERT_EQ(windows, c.windows);
-  EXPECT_LT(most - least, 1e-3 * first);  // the hinge's rows close to some 1e-4 a stroke
+  EXPECT_LT(most - least, 1e-3 * first);  // the hinge's rows close to some 1e-4 per stroke
 }
 
-// A light ball that only the shell pushes, whatever its hardness: windows, and rows asked for in vain, change nothing.
+// A light ball that only the shell pushes, at any stiffness ratio: windows and unneeded rows change nothing.
 TEST(Windows, MoveAFreeBodyAsIfThereWereNone) {
   Coupled c;
   c.ratio = 1e-3, c.elastic = false, c.windows = 2000;
@@ -33,7 +33,7 @@ TEST(Windows, MoveAFreeBodyAsIfThereWereNone) {
   c.substeps = 20, c.windows = 100;
   const Watched w = run_coupled(c);
   ASSERT_EQ(whole.failure + w.failure, "");
-  ASSERT_GT(w.hardest, 3.0);  // so it is exported
+  ASSERT_GT(w.hardest, 3.0);  // large enough to be exported
   ASSERT_EQ(w.track.size(), 100u);
   for (std::size_t k = 0; k < w.track.size(); ++k) {
     const BodyMotion &a = w.track[k], &b = whole.track.at(20 * k + 19);

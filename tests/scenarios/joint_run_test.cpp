@@ -1,4 +1,4 @@
-// Joints that let go: when, and what moves on how.
+// Joints that break: the time of release, and the motion after it.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWindow = 1e-3, kGravity = 9.81;
 
-// A rod of 0.3 m along x from the world's origin, and a sheet that is in nobody's way.
+// A rod of 0.3 m along x from the world's origin, and a sheet that nothing touches.
 std::string scene_text(const std::string& scheme, const std::string& joint, const std::string& gravity = "z: -9.81") {
   return fmt::format(R"(name: "rod" end_time_s: 0.3 window_s: {} gravity {{ {} }} coupling {{ scheme: {} }}
 materials {{ name: "jelly" density: 2500 youngs_modulus: 1e6 poisson_ratio: 0.2 }}
@@ -34,7 +34,7 @@ struct Moment {
 struct Ended {
   std::string failure;
   std::vector<Moment> moments;
-  double let_go = -1.0;  // [s]; negative: it holds
+  double let_go = -1.0;  // [s]; negative: the joint holds
 };
 
 Ended run(const std::string& text, const std::string& engine) {
@@ -56,7 +56,7 @@ Ended run(const std::string& text, const std::string& engine) {
 
 double turned(const BodyMotion& m) { return 2.0 * std::atan2(m.orientation.vec().norm(), std::abs(m.orientation.w())); }
 
-// From a moment after the joint has let go to the end: a parabola, and the spin stays.
+// From just after the release to the end the rod follows a parabola and keeps its spin.
 void expect_free_flight(const Ended& e, const Vec3& gravity) {
   ASSERT_GT(e.let_go, 0.0);
   const Moment *first = nullptr, &last = e.moments.back();
@@ -65,7 +65,7 @@ void expect_free_flight(const Ended& e, const Vec3& gravity) {
   ASSERT_TRUE(first);
   const double t = last.time - first->time;
   ASSERT_GT(t, 0.05);
-  // kick and drift of a substep, half a window here: its sum is exact, the rest is round-off of some 200 windows
+  // A substep, here half a window, is a kick and a drift. Its sum is exact; round-off of some 200 windows remains.
   const Vec3 path = first->motion.position + t * first->motion.velocity + 0.5 * t * (t + 0.5 * kWindow) * gravity;
   EXPECT_LT((last.motion.position - path).norm(), 1e-10);
   EXPECT_LT((last.motion.velocity - first->motion.velocity - t * gravity).norm(), 1e-10);
@@ -93,8 +93,8 @@ TEST_P(Breaking, AHingeLetsGoInTheFirstWindowPastItsAngle) {
       EXPECT_LT(turned(m.motion), angle);
     } else if (m.time < e.let_go + 0.5 * kWindow) {
       EXPECT_GE(turned(m.motion), angle);
-      // as a rod that swings from rest about its end: I w^2 / 2 = m g h; the scheme is of first order in a window
-      const double inertia = 0.3 * 0.3 / 3.0 + 0.02 * 0.02 / 12.0;  // over the mass
+      // The rod swings from rest about its end: I w^2 / 2 = m g h. The scheme is of first order in a window.
+      const double inertia = 0.3 * 0.3 / 3.0 + 0.02 * 0.02 / 12.0;  // per mass
       const double spin = std::sqrt(2.0 * kGravity * 0.15 * std::sin(turned(m.motion)) / inertia);
       EXPECT_NEAR(m.motion.velocity.norm() / 0.15, spin, 0.02 * spin);
     }

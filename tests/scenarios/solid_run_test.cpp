@@ -1,4 +1,4 @@
-// A block with a gap among bodies and beside a sheet: what is in its gap is not touched.
+// A block with a gap, among bodies and beside a sheet: an object in the gap is not touched.
 #include <fstream>
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@ constexpr double kTop =
     (arch::kHigh * arch::kWide * arch::kHigh - arch::kGapHigh * (arch::kRight - arch::kLeft) * arch::kGapHigh) *
     arch::kDeep / (2.0 * arch::kVolume);  // height of its centre above its feet [m]
 
-// `window` and `end` in seconds; a sheet that is in nobody's way, and soft enough to cost nothing, where none is given.
+// `window` and `end` in seconds. Without a given sheet, the scene has a soft sheet that nothing touches.
 std::string scene_text(double end, double window, const std::string& gravity, const std::string& bodies,
                        const std::string& sheet = "") {
   return fmt::format(R"(name: "arch" end_time_s: {} window_s: {} gravity {{ {} }}
@@ -43,7 +43,7 @@ struct Ended {
   }
 };
 
-// The scene names its mesh arch.off, beside it.
+// The scene refers to the mesh arch.off beside it.
 Ended run(const std::string& text, const std::string& engine) {
   Ended e;
   WatchedRun end;
@@ -63,7 +63,7 @@ std::string arch_at(double x, double y, double z, const std::string& more = "", 
                      surface, x, y, z, more);
 }
 
-// Of the body's z axis off the vertical, in any of the ways that principal axes may lie: a face looks down.
+// Returns the angle of the body's z axis to the vertical, up to the order of principal axes: one face points down.
 double tilt(const RigidBody& b) {
   double most = 0.0;
   for (int d = 0; d < 3; ++d) most = std::max(most, std::abs((b.motion.orientation * Vec3::Unit(d)).z()));
@@ -87,8 +87,8 @@ TEST_P(Engines, ABallFliesThroughTheGapAndMeetsTheLeg) {
   ASSERT_EQ(through.failure, "");
   EXPECT_NEAR((through.bodies[1].motion.position - Vec3(0.03, 0.1, 0.015)).norm(), 0.0, 1e-12);  // 3 m/s for 50 ms
   EXPECT_NEAR(through.bodies[1].motion.velocity.y(), 3.0, 1e-12);
-  EXPECT_LT(thrown(0.01, "EXACT").bodies[1].motion.velocity.y(), 0.1);  // the leg stops it: inelastic
-  EXPECT_LT(thrown(0.03, "HULL").bodies[1].motion.velocity.y(), 0.1);   // as the hull does
+  EXPECT_LT(thrown(0.01, "EXACT").bodies[1].motion.velocity.y(), 0.1);  // the leg stops it, inelastically
+  EXPECT_LT(thrown(0.03, "HULL").bodies[1].motion.velocity.y(), 0.1);   // the hull stops it too
 }
 
 TEST_P(Engines, StandsOnTheFloorOnTwoFeetOverABall) {
@@ -112,7 +112,8 @@ TEST(SolidOnASheet, StandsOnTwoFeet) {
   ASSERT_EQ(e.failure, "");
   const RigidBody& b = e.bodies[0];
   const double weight = b.mass * 9.81;
-  // no lower than a clamped plate is bent by the weight in its middle, w = 0.0056 F a^2 / D (Timoshenko), and swings
+  // The static deflection of a clamped plate under a weight in its middle, w = 0.0056 F a^2 / D (Timoshenko), is the
+  // least; it also swings.
   const double bent = 0.0056 * weight * 0.15 * 0.15 / (1e8 * std::pow(0.004, 3) / 12.0 / (1.0 - 0.04));
   EXPECT_GT(b.motion.position.z(), half + kTop - 2.5 * bent);
   EXPECT_LT(b.motion.position.z(), half + kTop + 5e-4);
@@ -124,7 +125,7 @@ TEST(SolidOnASheet, StandsOnTwoFeet) {
 }
 
 TEST(SolidOnASheet, LeavesASheetInItsGapAloneUntilItMeetsTheWall) {
-  // the sheet stands in the gap, its edge within it: z is its u; it moves along x
+  // The sheet stands in the gap with its edge inside: z is its u, and it moves along x.
   const auto beside = [](double velocity, const std::string& surface) {
     return run(scene_text(0.01, 1e-4, "z: 0", arch_at(-0.03, -0.015, -0.005, "is_static: true", surface),
                           fmt::format(R"(shells {{ name: "sheet" material: "glass" thickness_m: 0.002
@@ -134,11 +135,11 @@ TEST(SolidOnASheet, LeavesASheetInItsGapAloneUntilItMeetsTheWall) {
                                       velocity)),
                "bullet");
   };
-  const Ended still = beside(0.5, "EXACT");  // half the way to the wall, 9 mm off
+  const Ended still = beside(0.5, "EXACT");  // ends half way to the wall, 9 mm from it
   ASSERT_EQ(still.failure, "");
   EXPECT_EQ(still.number("contact"), 0.0);
   EXPECT_NE(beside(0.5, "HULL").failure.find("inside shell 'sheet'"), std::string::npos);
-  const Ended met = beside(1.5, "EXACT");  // would be 6 mm in the wall
+  const Ended met = beside(1.5, "EXACT");  // would reach 6 mm into the wall
   ASSERT_EQ(met.failure, "");
   EXPECT_GT(met.number("contact"), 0.0);
   EXPECT_LT(met.number("linear_max"), 1e-12);

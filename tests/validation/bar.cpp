@@ -1,4 +1,4 @@
-// A bar that softens and parts: the damage law localises in one band, which must bear the strength and take the
+// A bar that softens and breaks. The damage law localises in one band, which must reach the strength and dissipate the
 // fracture energy.
 #include <algorithm>
 #include <cmath>
@@ -19,38 +19,38 @@ namespace {
 
 using namespace sunder::shell;
 
-// Softening under a driven end is stable where 2 E G_f / strength^2 is longer than the bar, here 2.5 times; strains
-// stay so small (complete damage at 0.4 % on the finest) that true and nominal stress agree.
+// Softening under a driven end is stable where 2 E G_f / strength^2 is longer than the bar; here it is 2.5 times as
+// long. Strains are so small (complete damage at 0.4 % on the finest mesh) that true and nominal stress agree.
 constexpr double kLength = 0.1, kWidth = 0.025, kThickness = 0.002;
 constexpr double kYoung = 3e9, kStrength = 1.5e5, kToughness = 1.25 * kStrength * kStrength * kLength / kYoung;
-// A column of elements in the middle is a little weaker. Two at either end are stronger: between a support and one
-// column of Gauss points a band would be narrower, and have no second side that a crack could be the middle of.
+// A column of elements in the middle is a little weaker. Two columns at either end are stronger. Otherwise a band could
+// form between a support and one column of Gauss points. It would be narrower, and a crack would not lie in its middle.
 constexpr float kWeak = 0.99f, kGrip = 1.5f;
-constexpr double kTransits = 300.0;  // times that a wave passes the bar while it is pulled apart
-constexpr double kPull = 1.3;        // times 2 G_f / strength, at which softening over one width would be complete
+constexpr double kTransits = 300.0;  // passages of a wave over the bar while it is pulled apart
+constexpr double kPull = 1.3;        // multiple of 2 G_f / strength, at which softening over one width is complete
 
-// The strain of quadratic functions is piecewise linear, and localises in one hat over two elements, whose Gauss points
-// see 0.211, 0.789, 0.789, 0.211 of its height. When damage is complete at the inner two, the outer ones are at 0.268
-// of that strain and have passed 1 - (1 - 0.268)^2 = 0.464 of the area under the curve; then the crack cuts it. Each
-// point stands for half an element: together they have taken what a band of 1.464 elements takes.
+// The strain of quadratic functions is piecewise linear. It localises in one hat over two elements, whose Gauss points
+// are at 0.211, 0.789, 0.789, 0.211 of its height. When damage is complete at the inner two, the outer two have 0.268
+// of that strain. They have then used 1 - (1 - 0.268)^2 = 0.464 of the area under the curve, and the crack cuts the
+// element. Each point stands for half an element, so the dissipation is that of a band of 1.464 elements.
 constexpr double kDerivedBand = 1.464;  // [spacings]
-// Of that the outer points give back a little to the bar when they are cut: by work it is 1.41 to 1.44.
+// The outer points return a little of it to the bar when they are cut: by work the band is 1.41 to 1.44 elements.
 constexpr double kBand = 1.43;  // [spacings]
 
 struct Pulled {
-  double peak = 0.0;    // nominal stress [Pa]
-  double energy = 0.0;  // work of the driven end less damping and what is left in the pieces, per area [J/m^2]
-  double booked = 0.0;  // of it, as the book has it [J/m^2]
-  double band = 0.0;    // length of the bar by share of the area under the curve passed, when the first crack came [m]
-  double residual = 0.0;  // nominal stress then [Pa]
+  double peak = 0.0;      // nominal stress [Pa]
+  double energy = 0.0;    // work of the driven end minus damping and the energy left in the pieces, per area [J/m^2]
+  double booked = 0.0;    // the booked part of it [J/m^2]
+  double band = 0.0;      // width of the band at the first crack, from the used share of the area under the curve [m]
+  double residual = 0.0;  // nominal stress at that time [Pa]
   int pieces = 0;
   std::vector<double> opening, stress;  // [um], [-] of the strength
 };
 
-// Share of the area under the curve of softening that damage `c` has passed.
+// Returns the used share of the area under the softening curve at damage `c`.
 double passed(double c, double h) {
   if (c <= 0.0) return 0.0;
-  const double complete = (1.0 + h) / h, strain = 1.0 / (1.0 - c / (1.0 + h));  // of that at the peak
+  const double complete = (1.0 + h) / h, strain = 1.0 / (1.0 - c / (1.0 + h));  // relative to the strain at the peak
   const double left = (complete - strain) / (complete - 1.0);
   return 1.0 - left * left * (complete - 1.0) / complete;
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Validation cases: what was computed against what is known.
+// Validation cases: computed values against known ones.
 #include <chrono>
 #include <functional>
 #include <string>
@@ -13,7 +13,7 @@ struct Row {
   bool pass() const { return error <= tolerance; }  // NaN fails
 };
 
-/// A curve to draw: error over size of element, or a response.
+/// A curve for a picture: an error over the element size, or a response.
 struct Curve {
   std::string name, x_label, y_label;
   std::vector<double> x, y;
@@ -23,9 +23,9 @@ struct Curve {
 struct Report {
   std::vector<Row> rows;
   std::vector<Curve> curves;
-  std::vector<std::string> lines;  // what a table of one number a row cannot say
+  std::vector<std::string> lines;  // text that does not fit a table of one number per row
 
-  /// Relative error, or absolute where the reference is zero.
+  /// Adds a row. Its error is relative, or absolute where the reference is zero.
   void add(const std::string& name, double computed, double reference, double tolerance, double seconds);
 };
 
@@ -49,7 +49,7 @@ std::vector<Case> fibre_cases();
 std::vector<Case> soft_cases();
 std::vector<Case> seam_cases();
 std::vector<Case> coupling_cases();
-/// Only where they are asked for by name.
+/// Cases that run only where they are named.
 std::vector<Case> long_contact_cases();
 std::vector<Case> long_coupling_cases();
 

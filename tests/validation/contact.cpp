@@ -1,4 +1,4 @@
-// Shells that touch one another: what is exact about it, and what the grid leaves.
+// Contact between shells: exact results, and the error of the grid.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -55,7 +55,7 @@ Mean mean(const ShellModel& m, const ShellState& s) {
   return out;
 }
 
-// A plate lies on a clamped one, grids turned against one another; gravity leans by `angle`.
+// A plate lies on a clamped one, with their grids turned against each other. Gravity is inclined by `angle`.
 void incline(Report& report) {
   constexpr double kFriction = 0.4, kGravity = 9.81, kTime = 0.3;
   Support clamp;
@@ -75,7 +75,7 @@ void incline(Report& report) {
     p.go(kTime, dt, gravity);
     const double found = (mean(p.high, p.b).v.x() - before.x()) / kTime;
     const double exact = share < 1.0 ? 0.0 : kGravity * (std::sin(angle) - kFriction * std::cos(angle));
-    // what holds it: of gravity's pull along the slope
+    // Holding force, as a share of gravity along the slope.
     report.add(fmt::format("incline_{:.2f}", share), found / (kGravity * std::sin(angle)),
                exact / (kGravity * std::sin(angle)), share < 1.0 ? 0.002 : 0.005, seconds_now() - start);
   }

@@ -17,12 +17,13 @@ namespace {
 constexpr double kSide = 0.3, kThickness = 0.004, kDensity = 2500.0, kRadius = 0.04, kGap = 1e-5, kSpeed = 1.0;
 constexpr int kElements = 8;
 constexpr double kArm = 0.12;   // from the hinge to the ball's centre [m]
-constexpr double kHertz = 1e8;  // elastic contact, so that energy tells [N/m^1.5]
+constexpr double kHertz = 1e8;  // elastic contact, which conserves energy [N/m^1.5]
 
-// Speed of the body, or of the plate [m/s]: with a heavy body less, or the plate's net would be torn apart.
+// Returns the speed of the body, or of the plate [m/s]. A heavy body is slower, since it would tear the plate's control
+// net.
 double thrown(const Coupled& c) { return kSpeed / std::sqrt(std::max(1.0, c.ratio)); }
 
-// To what is met [m]: crossed in the same time at any speed, long before a held plate turns back.
+// Returns the initial gap [m]. It closes in the same time at any speed, long before a held plate swings back.
 double gap(const Coupled& c) { return c.resting ? kGap : kGap * thrown(c) / kSpeed; }
 }  // namespace
 
@@ -70,13 +71,13 @@ std::string coupled_text(const Coupled& c) {
 }
 
 double coupled_substep() {
-  // a wave in the plane crosses an element: 0.6 of the stable step
+  // A wave in the plane crosses an element in this time: 0.6 of the stable step.
   return 1.0 * kSide / kElements / std::sqrt(70e9 / ((1.0 - 0.22 * 0.22) * kDensity));
 }
 
 namespace {
 
-// After one substep, before a window of any length has made anything of it [J].
+// Returns the energy [J] after one substep, before windows have an effect.
 double first_energy(Coupled c) {
   c.substeps = 1, c.windows = 1, c.scheme = "PROXY";
   static std::map<std::string, double> known;

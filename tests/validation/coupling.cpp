@@ -1,4 +1,4 @@
-// Coupling schemes: free, squeezed and held bodies against the run whose windows are single substeps.
+// Coupling schemes: free, squeezed and held bodies against a run with windows of one substep.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -19,11 +19,11 @@ constexpr double kMostGain = 0.02, kHardest = 3e4;
 
 constexpr long double kOneRounding = 0x1p-53L;
 
-// Times [s] must be those that whole numbers give: the run's own arithmetic, against a longer one's.
+// Times [s] must follow from whole numbers of ticks. The run's arithmetic is compared with a longer one.
 void ticks(Report& report, int) {
   const double start = seconds_now();
   constexpr std::int64_t kWindows = 10000000;
-  constexpr int kRatio = 6400;  // substeps a window
+  constexpr int kRatio = 6400;  // substeps per window
   const Ticks ticks{1e-4 / 3.0};
   long double worst = 0.0L;
   double within = 0.0, summed = 0.0;
@@ -33,7 +33,7 @@ void ticks(Report& report, int) {
     const double end = ticks.time(w);
     worst = std::max(worst, std::abs(end - exact) / exact);
     lost += ticks.nearest(end) != w;
-    // what the substeps of a window end on is what the next one begins on
+    // The end of one window's substeps must be the start of the next window.
     within = std::max(within, std::abs(ticks.time(w - 1) + kRatio * ticks.substep(1, kRatio) - end) / end);
     summed += ticks.length;
   }
@@ -102,7 +102,7 @@ void rebound(Report& report, int) {
   }
 }
 
-// Gain of energy and rebound over mass ratio, substeps and what holds the body.
+// Gain of energy and rebound, over mass ratio, substeps and kind of support.
 void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<double>& ratios,
             const std::vector<int>& counts, int windows) {
   const std::vector<std::string> schemes{"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"};
@@ -110,7 +110,7 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
   report.lines.emplace_back(
       "map: hold, mass over the plate's, substeps a window, k H^2 / M, scheme: energy gained, energy "
       "left, fastest that the body was after a window over the same with windows of one substep");
-  std::map<std::string, double> rebound;  // of free bodies, which meet the plate once
+  std::map<std::string, double> rebound;  // of free bodies, which hit the plate once
   for (const Hold hold : holds)
     for (const double ratio : ratios) {
       Coupled one;
@@ -124,7 +124,7 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
         for (const std::string& scheme : schemes) {
           Coupled c;
           c.hold = hold, c.ratio = ratio, c.substeps = n, c.windows = windows, c.scheme = scheme;
-          if (scheme == "ITERATED" && n > 100) continue;  // each window up to eight times
+          if (scheme == "ITERATED" && n > 100) continue;  // each window takes up to eight passes
           const Watched w = run_coupled(c);
           hardness = std::max(hardness, w.hardest);
           const double gain = w.failure.empty() ? std::max(0.0, w.gain()) : std::numeric_limits<double>::infinity();
@@ -157,7 +157,7 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
     const bool must_hold = scheme == "PROXY" || scheme == "EXPORTED";
     if (must_hold)
       report.add("map_gain_" + scheme, gain, 0.0, kMostGain, 0.0);
-    else if (holds.size() > 1)  // a scheme that is there to be measured: it has to be seen to fail somewhere
+    else if (holds.size() > 1)  // a scheme for comparison: it must be seen to fail somewhere
       report.add("map_fails_" + scheme, gain > kMostGain ? 1.0 : 0.0, 1.0, 0.0, 0.0);
   }
 }
@@ -183,7 +183,7 @@ void corners(Report& report, int) {
     }
 }
 
-// A ball that is pressed on a plate by gravity, over less than a period: two masses and springs.
+// Gravity presses a ball on a plate for less than a period: two masses and springs.
 void oscillator(Report& report, int) {
   const auto end_of = [](const std::string& scheme, int n) {
     Coupled c;
@@ -195,7 +195,7 @@ void oscillator(Report& report, int) {
   const BodyMotion exact = end_of("PROXY", 1);
   for (const char* scheme : {"PROXY", "ITERATED", "EXPORTED", "STAGGERED", "LAGGED"}) {
     Curve curve{std::string("oscillator ") + scheme, "substeps a window", "error of the ball's height [m]", {}, {}};
-    // exported bodies are drawn out of what they have sunk in by, which others are not: another exact answer
+    // Exported bodies are pushed out of their overlap, others are not, so the exact answer differs.
     const bool exported = scheme == std::string("EXPORTED");
     const BodyMotion whole = exported ? end_of(scheme, 1) : exact;
     if (exported)
@@ -205,7 +205,7 @@ void oscillator(Report& report, int) {
       curve.x.push_back(n);
       curve.y.push_back(std::max((end_of(scheme, n).position - whole.position).norm(), 1e-18));
     }
-    const double order = std::log2(curve.y[3] / curve.y[1]) / 2.0;  // from 4 to 16
+    const double order = std::log2(curve.y[3] / curve.y[1]) / 2.0;  // between 4 and 16 substeps
     if (scheme == std::string("STAGGERED") || scheme == std::string("LAGGED"))
       report.add(std::string("order_") + scheme, order, 1.0, 0.25, seconds_now() - start);
     else
@@ -219,11 +219,11 @@ void oscillator(Report& report, int) {
   }
 }
 
-// Bodies on a floor, never exported, as engines without rows have them: windows of 64 substeps, those that halve
-// themselves, and short ones of one length. The same time each.
+// Bodies on a floor, never exported, as with engines without rows. Windows have 64 substeps, or are halved by the rule,
+// or are short at a constant length. All runs cover the same time.
 void adaptive(Report& report, int) {
   constexpr int kLong = 64, kShort = 16, kSubsteps = 12800;
-  constexpr double kShareLeft = 0.5;  // of what long windows lose; found: 0.33
+  constexpr double kShareLeft = 0.5;  // share of the loss with long windows; 0.33 was found
   for (const double ratio : {1.0, 1e-3}) {
     const auto run = [&](int n, const std::string& more) {
       Coupled c;
@@ -238,7 +238,7 @@ void adaptive(Report& report, int) {
     };
     const Watched fixed = run(kLong, ""), halved = run(kLong, "adaptive_window {}");
     run(kShort, "");
-    if (ratio < 1.0) continue;  // told only: what is light has gained before its window is halved
+    if (ratio < 1.0) continue;  // printed only: a light body gains energy before its window is halved
     const double share =
         (1.0 - halved.end_energy / halved.start_energy) / (1.0 - fixed.end_energy / fixed.start_energy);
     report.add("adaptive_share_of_loss", halved.failure.empty() ? share : std::nan(""), 0.0, kShareLeft,
@@ -246,7 +246,7 @@ void adaptive(Report& report, int) {
   }
 }
 
-// What one side lost the other has gained; and where it has not, the run says so.
+// Each side must gain what the other loses; otherwise the run must stop with an error.
 void closure(Report& report, int) {
   for (const char* engine : {"bullet", "ode", "freeflight"})
     for (const Hold hold : {Hold::kFree, Hold::kFloor}) {
@@ -272,7 +272,7 @@ void closure(Report& report, int) {
   leak("nan_spin", [](shell::Proxy& p) { p.body.motion.angular_momentum.x() = std::nan(""); });
 }
 
-// Twenty plates on a flexing shell, for two seconds.
+// A stack of twenty plates on a bending shell, for two seconds.
 void plates(Report& report, int) {
   for (const char* engine : {"bullet", "ode"}) {
     constexpr int kCount = 20;
@@ -303,7 +303,7 @@ void plates(Report& report, int) {
       if (time < 0.5) return;
       for (int i = 1; i < kCount; ++i) worst_gap = std::max(worst_gap, std::abs((last[i] - last[i - 1]).z() - kPlate));
     });
-    double slid = 0.0, walked = 0.0;  // beside the next one; the whole stack on the shell
+    double slid = 0.0, walked = 0.0;  // against the plate below; of the whole stack on the shell
     for (std::size_t i = 0; i < settled.size(); ++i) {
       const Vec3 moved = last[i] - settled[i];
       if (i > 0) slid = std::max(slid, (moved - (last[i - 1] - settled[i - 1])).head<2>().norm());
@@ -334,7 +334,7 @@ std::vector<Case> long_coupling_cases() {
   std::vector<Case> cases{{"map_whole", "five mass ratios, up to 1000 substeps, 1000 windows a point: hours",
                            [](Report& report, int) { map_parts(report, kHolds); }},
                           {"corners", "eight points with 1e5 windows", corners}};
-  for (const Hold hold : kHolds)  // for who has several processors
+  for (const Hold hold : kHolds)  // for machines with several processors
     cases.push_back({fmt::format("map_{}", kHoldNames[static_cast<int>(hold)]), "a quarter of map_whole",
                      [hold](Report& report, int) { map_parts(report, {hold}); }});
   return cases;

@@ -1,4 +1,4 @@
-// Cracks: what they do to the shell around them, and what they must not.
+// Effects of cracks on the shell around them, and effects that they must not have.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -37,7 +37,7 @@ ShellModel curved(int elements) {
   return make_shell("curved", cylinder(0.2, 0.2, 1.0, elements, elements), kThickness, glass(), 2, 2, {});
 }
 
-// Largest force on a control point over E thickness spacing: that of a strain of one.
+// Returns the largest force on a control point over E thickness spacing, which is the force of a strain of one.
 double largest_force(const ShellModel& m, ShellState& s) {
   compute_forces(m, s, false, 0.0, 1);
   double largest = 0.0;
@@ -53,9 +53,9 @@ void move(const ShellModel& m, ShellState& s, const std::vector<int>& points, co
   }
 }
 
-// Every crack edge against every line of sight, without bins: number of functions that look through a crack, of control
-// points that are seen and no further than the others but have none, of points that should have been gathered, and of
-// gathered points whose functions are not those of the present cracks.
+// Checks every crack edge against every line of sight, without bins. Returns the sum of four counts: functions that
+// look through a crack; visible control points within the support that have no function; points that should have been
+// gathered; gathered points whose functions are not those of the present cracks.
 int sight_errors(const ShellModel& m, const ShellState& s) {
   const RowTables& t = m.tables;
   const auto sees = [&](const Vec2& p, int control_point) {
@@ -74,7 +74,7 @@ int sight_errors(const ShellModel& m, const ShellState& s) {
           const Vec2 d = (m.parameter[control_point] - p).cwiseAbs();
           return std::max(d.x() / m.spacing_u, d.y() / m.spacing_v);
         };
-        double reach = 0.0;  // of the support; what lies on its rim is left out
+        double reach = 0.0;  // of the support; points on its rim do not count
         for (const GatheredFunction& f : g.functions) {
           errors += !sees(p, t.control_point(f.slot));
           reach = std::max(reach, distance(t.control_point(f.slot)) - 1e-9);
@@ -102,17 +102,17 @@ struct Worst {
   int sight = 0, cuts = 0, wrong_pieces = 0;
 };
 
-// After an insertion: sight, and the stable step around the cut against that of the whole shell.
+// After an insertion: visibility, and the stable step near the cut against that of the whole shell.
 void look(const ShellModel& m, ShellState& s, double intact, const std::vector<Vec2>& around, Worst& w) {
   w.sight += sight_errors(m, s);
   const double whole = stable_step(m, s, 200, 1, true);
   w.step = std::min(w.step, whole / intact);
-  // a run takes the least that it has measured, and that of the intact shell is the first
+  // A run keeps the least stable step so far, which starts with that of the intact shell.
   w.local = std::max(w.local, std::min(intact, stable_step(m, s, kLocalIterations, 1, true, around)) / whole - 1.0);
   w.rest = std::max(w.rest, largest_force(m, s));
 }
 
-// Pieces drawn apart feel nothing; none of it does where it moves as one.
+// Separated pieces must have no strain, and neither must a shell that moves as a whole.
 void part(const ShellModel& m, ShellState& s, int expected, Worst& w) {
   std::vector<Piece> pieces;
   w.wrong_pieces += partition(m, s, pieces).pieces != expected;
@@ -138,11 +138,11 @@ std::vector<Vec2> spiral(const Vec2& centre, double turns, double inner, double 
 
 void report(Report& r, const std::string& name, const Worst& w, double seconds) {
   r.add(name + "_stable_step", w.step, 1.0, 0.2, seconds);
-  r.add(name + "_local_stable_step", w.local, 0.0, 0.1, 0.0);  // what a run measures after an insertion
+  r.add(name + "_local_stable_step", w.local, 0.0, 0.1, 0.0);  // as a run measures it after an insertion
   r.add(name + "_sight_errors", w.sight, 0.0, 0.0, 0.0);
   r.add(name + "_rest_strain", w.rest, 0.0, 1e-12, 0.0);
   r.add(name + "_rigid_motion_strain", w.moved, 0.0, 1e-12, 0.0);
-  r.add(name + "_parted_strain", w.parted, 0.0, 5e-14, 0.0);  // round-off of one part is 1e-14
+  r.add(name + "_parted_strain", w.parted, 0.0, 5e-14, 0.0);  // round-off of one piece is 1e-14
   r.add(name + "_wrong_pieces", w.wrong_pieces, 0.0, 0.0, 0.0);
 }
 
@@ -162,7 +162,7 @@ void cuts_case(Report& r, int threads) {
     const Vec2 centre = low + (high - low).cwiseProduct(Vec2(0.2 + 0.6 * uniform(random), 0.2 + 0.6 * uniform(random)));
     const double angle = kPi * uniform(random);
     const Vec2 d(std::cos(angle), std::sin(angle));
-    // half of them from border to border
+    // Half of them run from border to border.
     double back = 0.3 * uniform(random) * (high - low).x(), ahead = 0.3 * uniform(random) * (high - low).x();
     const bool through = k % 2 == 0;
     if (through)
@@ -194,7 +194,7 @@ void joints_case(Report& r, int) {
     const ShellModel m = cylinder ? curved(24) : flat(24);
     ShellState s = make_state(m, Vec3::Zero(), 1);
     const double intact = stable_step(m, s, 200, 1, true);
-    // a crossing, a joint, and one that ends just short of another
+    // A crossing, a joint, and a cut that ends just before another one.
     const std::vector<std::vector<Vec2>> cuts{{{0.0, 0.071}, {0.2, 0.093}},
                                               {{0.083, 0.0}, {0.119, 0.2}},
                                               {{0.151, 0.0}, {0.151, 0.0876}},

@@ -1,4 +1,4 @@
-// A sheet crumpled into a ball: does it pass through itself?
+// A sheet is crumpled into a ball and must not pass through itself.
 #include <cmath>
 #include <numbers>
 
@@ -21,12 +21,13 @@ using namespace sunder::shell;
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Surface = CGAL::Surface_mesh<Kernel::Point_3>;
 
-constexpr double kSize = 1.0, kPull = 12.0;  // [m]; towards the origin, its square per distance [rad/s]
-constexpr double kSettled = 0.6;             // by then it has collapsed twice [s]
+// [m]; the pull towards the origin per mass and distance is kPull^2 [rad/s]
+constexpr double kSize = 1.0, kPull = 12.0;
+constexpr double kSettled = 0.6;  // the sheet has collapsed twice by then [s]
 
-// Pairs of triangles that cross, by exact predicates, of a mesh with four squares to an element: with one, a mesh
-// crosses where its surface does not, and does not where that does. What is nearer at rest than `near` [m] is the same
-// fold, and is counted apart.
+// Counts pairs of triangles that cross, by exact predicates. The mesh has four squares per element: with one, crossings
+// of the mesh and of the surface differ. Triangles nearer at rest than `near` [m] belong to one fold and are counted
+// separately.
 struct Crossings {
   int through = 0, folded = 0;
 };
@@ -63,7 +64,7 @@ Crossings crossings(const ShellModel& m, const ShellState& s, int elements, doub
   return out;
 }
 
-// Sum of mass times the square of the distance from the origin [kg m^2].
+// Returns the sum of mass times squared distance from the origin [kg m^2].
 double spread(const ShellModel& m, const ShellState& s) {
   double sum = 0.0;
   for (int i = 0; i < m.control_points(); ++i) {
@@ -73,7 +74,7 @@ double spread(const ShellModel& m, const ShellState& s) {
   return sum;
 }
 
-// At `safety` times the stable step.
+// Runs the case at `safety` times the stable step.
 void crumple(Report& report, int elements, int substeps, int threads, bool meets = true, double safety = 0.5) {
   const double start = seconds_now(), spacing = kSize / elements;
   ShellMaterial film;
@@ -81,7 +82,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   const ShellModel m = make_shell("sheet", plate(kSize, kSize, elements, elements, Vec3::Zero(), Quat::Identity()),
                                   0.4 * spacing, film, 2, 2, {});
   ShellState s = make_state(m, Vec3::Zero(), 0);
-  for (int i = 0; i < m.control_points(); ++i) {  // waves that have no symmetry
+  for (int i = 0; i < m.control_points(); ++i) {  // waves without symmetry
     const int slot = m.tables.slot(i);
     const Vec3 x = std::numbers::pi * s.position(slot) / kSize;
     s.motion.v[2 * m.tables.plane + slot] =
@@ -90,7 +91,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   ShellContact contact({&m}, {}, {1, std::vector<SurfaceLaw>(1)});
   const std::vector<ShellRef> shells{{&m, &s}};
   const double dt = safety * stable_step(m, s, 80, threads, false);
-  // forces that act at the time of the positions, the pull with them: books work at that time
+  // Computes forces at the time of the positions, the pull included. Books are closed at that time.
   const auto force = [&](bool strain_energy) {
     const double elastic = compute_forces(m, s, strain_energy, 0.0, threads);
     for (int i = 0; i < m.control_points(); ++i) {
@@ -121,7 +122,7 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
     times.push_back(k * dt), sizes.push_back(std::sqrt(spread(m, s) / flat));
     crossed.push_back(found.through), crossed_in_folds.push_back(found.folded);
   }
-  if (!meets) {  // or nothing would be shown
+  if (!meets) {  // without contact the sheet must cross, or the case would show nothing
     report.add(fmt::format("crumple_{}_without_contact_crosses", elements), through > 0 ? 1.0 : 0.0, 1.0, 0.0,
                seconds_now() - start);
     return;
@@ -130,13 +131,14 @@ void crumple(Report& report, int elements, int substeps, int threads, bool meets
   const std::string name = fmt::format("crumple_{}_at_{:g}", elements, safety);
   report.add(name + "_crossings", through, 0.0, 0.0, seconds_now() - start);
   report.add(name + "_crossings_in_a_fold", folded, 0.0, 0.0, 0.0);
-  // round-off of all substeps
+  // Round-off of all substeps.
   report.add(name + "_angular_momentum", (after.angular - before.angular).norm() / before.angular_scale, 0.0, 1e-9,
              0.0);
-  // leapfrog's: 2.8e-3 at half the stable step, 6e-4 at a quarter
+  // Leapfrog's error: 2.8e-3 at half the stable step, 6e-4 at a quarter.
   report.add(name + "_energy", energy() / first, 1.0, 0.01, 0.0);
-  report.add(name + "_made_by_contact", made, 0.0, 1e-3, 0.0);  // in all, by then
-  // contact takes; what it gives back is of overlaps that are let go: 3e-3, and 0.8 if their speed fed itself
+  report.add(name + "_made_by_contact", made, 0.0, 1e-3, 0.0);  // in total until then
+  // Contact only takes energy, except for released overlaps: 3e-3. An overlap speed that grew from itself would give
+  // 0.8.
   report.add(name + "_given_by_contact", given, 0.0, 5e-3, 0.0);
   report.lines.push_back(fmt::format(
       "{0} x {0} elements, {1} substeps of {2:.3g} s: its spread falls to {3:.2f} of the flat sheet's, {4} places "

@@ -24,7 +24,7 @@ ShellModel square(int elements, const std::vector<Support>& supports, int degree
                     degree, supports);
 }
 
-// Frequency of the bending mode (p, q) by the times at which its share of the deflection changes sign.
+// Returns the frequency of the bending mode (p, q), from the times at which its share of the deflection changes sign.
 double frequency(int p, int q, int elements, int threads, int degree = 2) {
   Support hinge;
   hinge.edges = kUMin | kUMax | kVMin | kVMax, hinge.clamped = false;
@@ -41,7 +41,7 @@ double frequency(int p, int q, int elements, int threads, int degree = 2) {
   const double rigidity = 70e9 * std::pow(0.004, 3) / 12.0 / (1.0 - 0.22 * 0.22);
   const double omega = (p * p + q * q) * kPi * kPi * std::sqrt(rigidity / (2500 * 0.004));
   for (std::size_t i = 0; i < plane; ++i)
-    if (s.motion.inverse_mass[i] > 0.0) s.motion.v[2 * plane + i] = 1e-6 * omega * shape[i];  // 1 um: linear
+    if (s.motion.inverse_mass[i] > 0.0) s.motion.v[2 * plane + i] = 1e-6 * omega * shape[i];  // 1 um: a linear motion
   const auto share = [&] {
     double sum = 0.0;
     for (std::size_t i = 0; i < plane; ++i) sum += m.mass[i] * shape[i] * s.motion.x[2 * plane + i];
@@ -77,13 +77,14 @@ void frequency_case(Report& r, int threads) {
       fmt::format("plate_frequency: errors {:.1e} {:.1e} {:.1e} {:.1e} at 4 8 16 32 elements; order {:.2f} "
                   "from 16 to 32",
                   c.y[0], c.y[1], c.y[2], c.y[3], order));
-  r.add("plate_frequency_order", order, 2.0, 0.25, 0.0);  // quadratic splines with lumped mass: bending goes as h^2
+  // quadratic splines with lumped mass: bending converges as h^2
+  r.add("plate_frequency_order", order, 2.0, 0.25, 0.0);
   r.curves.push_back(c);
 }
 
-// Stiffness of degree 3 converges as h^4, but the mass is lumped: functions of four spans spread a wave of control
-// points to 1 - (kh)^2 / 6 of its height (three spans: 1 - (kh)^2 / 8), and the frequency falls by as much. So the
-// order stays 2, and a quadratic patch is even a little nearer.
+// Stiffness of degree 3 converges as h^4, but the mass is lumped. Functions over four spans reduce a wave of control
+// points to 1 - (kh)^2 / 6 of its height; over three spans, to 1 - (kh)^2 / 8. The frequency falls by the same factor.
+// The order therefore stays 2, and a quadratic patch is even a little more accurate.
 void cubic_frequency_case(Report& r, int threads) {
   const int modes[4][2] = {{1, 1}, {1, 2}, {2, 2}, {1, 3}};
   for (const auto& [p, q] : modes) {
@@ -139,7 +140,7 @@ void vibration_case(Report& r, int threads) {
   }
   momenta(p1, l1, scale_p, scale_l);
   r.add("free_vibration_energy_drift", last / first - 1.0, 0.0, 1e-4, seconds_now() - start);
-  // round-off of a million sums, one part in 1e16 each, adds up at random to some 1e-13
+  // Round-off of a million terms, 1e-16 each, adds up at random to some 1e-13.
   r.add("free_vibration_momentum", (p1 - p0).norm() / scale_p, 0.0, 1e-12, 0.0);
   r.add("free_vibration_angular_momentum", (l1 - l0).norm() / scale_l, 0.0, 1e-11, 0.0);
 }

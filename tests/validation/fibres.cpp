@@ -1,4 +1,4 @@
-// Shear and compression through the thickness of shells that touch: exact answers, and what the grid leaves.
+// Shear and compression through the thickness of shells in contact: exact results, and the error of the grid.
 #include <cmath>
 #include <random>
 
@@ -13,8 +13,8 @@ namespace {
 using namespace sunder::shell;
 
 constexpr double kThickness = 0.004, kDensity = 1000.0;
-constexpr double kSize = 0.24;    // of the sheet above [m]
-constexpr int kElements = 8;      // a side of it
+constexpr double kSize = 0.24;    // side of the upper sheet [m]
+constexpr int kElements = 8;      // elements per side
 constexpr double kModulus = 1e5;  // of compression and shear [Pa]
 
 ShellMaterial material(double damping) {
@@ -30,7 +30,7 @@ Support everywhere() {
   return s;
 }
 
-/// A sheet held flat, and others over it, the uppermost pressed; sizes in elements.
+/// A sheet held flat and other sheets on it; the uppermost is pressed. Sizes are in elements.
 struct Stack : Pile {
   double dt = 0.0;
   Stack(int sheets, double pressure, double friction, double elements, int below, const Quat& turn)
@@ -71,7 +71,7 @@ struct Stack : Pile {
   }
 };
 
-// Directors at random: what the return map makes of them, against what it should.
+// Random directors: the return map against its definition.
 void return_map(Report& report) {
   const double start = seconds_now();
   const FibreLaw law{3e5, 2e5, 0.4};
@@ -95,13 +95,13 @@ void return_map(Report& report) {
       slope = std::max(slope, std::abs(difference / (2.0 * kEps) - fibre_stress(law, a)[d]) / law.compression);
     }
   }
-  report.add("return_map", worst, 0.0, 1e-15, seconds_now() - start);  // round-off of sine, cosine and the division
+  report.add("return_map", worst, 0.0, 1e-15, seconds_now() - start);  // round-off of sine, cosine and division
   report.add("return_map_twice", again, 0.0, 1e-15, 0.0);
   report.add("return_map_adds_energy", std::max(0.0, made), 0.0, 1e-15, 0.0);
   report.add("stress_is_gradient", slope, 0.0, 1e-9, 0.0);  // eps^2 / 3, and round-off over eps
 }
 
-// Pressed by p, layers approach until k (1 - d/t)^2 = p.
+// Under the pressure p, layers approach until k (1 - d/t)^2 = p.
 void compression(Report& report) {
   for (const double elements : {1.0, 1.5, 2.0}) {
     for (const double share : {1e-3, 1e-2, 1e-1}) {
@@ -115,7 +115,7 @@ void compression(Report& report) {
     const double start = seconds_now();
     Stack s(1, 1e-2 * kModulus, 0.5, elements, 2 * kElements, Quat(Eigen::AngleAxisd(0.3, Vec3::UnitZ())));
     s.go(0.03);
-    // what lies below reaches further, and nodes beyond the edge of what is above bear some of it
+    // The lower sheet extends further, so nodes beyond the edge of the upper one carry part of the load.
     report.add(fmt::format("compressed_edge_{:g}", elements), 1.0 - s.mean(1, false).z() / kThickness, 0.1, 0.02,
                seconds_now() - start);
   }
@@ -128,7 +128,7 @@ void compression(Report& report) {
                k == 1 ? seconds_now() - start : 0.0);
 }
 
-// Pressed by p and dragged along by a traction: it holds up to c_f p, and slides by the rest.
+// A traction drags a pressed sheet. Friction holds up to c_f p; the excess accelerates the sheet.
 void friction(Report& report) {
   constexpr double kFriction = 0.4, kPressure = 1e3, kTime = 0.01;
   const double mass = kDensity * kThickness, holds = kFriction * kPressure / mass;  // [kg/m^2], [m/s^2]
@@ -144,13 +144,13 @@ void friction(Report& report) {
       s.go(kTime);
       const double found = (s.mean(1, true).x() - before.x()) / std::round(kTime / s.dt) / s.dt;
       const double exact = std::max(0.0, share - 1.0) * holds;
-      // of the traction
+      // As a share of the traction.
       report.add(fmt::format("dragged_{:g}_{:.2f}", elements, share), found / (share * holds), exact / (share * holds),
                  share < 1.0 ? 0.001 : 0.005, seconds_now() - start);
     }
 }
 
-// What was pressed together and is drawn apart comes off without being held, from a thickness on.
+// Pressed sheets that are drawn apart separate without adhesion, from a distance of one thickness on.
 void parting(Report& report) {
   for (const double elements : {1.0, 2.0}) {
     const double start = seconds_now();
@@ -175,7 +175,7 @@ void parting(Report& report) {
   }
 }
 
-// Free sheets that collide, askew.
+// Free sheets collide obliquely.
 void collision(Report& report) {
   const FibreLaw law{3e5, 2e5, 0.3};
   for (const double share : {0.5, 0.25}) {
@@ -203,7 +203,7 @@ void collision(Report& report) {
   }
 }
 
-// Just below the step that is told to be stable, and well above what it should be.
+// Just below the reported stable step the motion stays bounded; well above the true one it grows.
 void bounded(Report& report) {
   for (const double share : {0.98, 3.0}) {
     const double start = seconds_now();
@@ -223,7 +223,7 @@ void bounded(Report& report) {
     }
     if (share < 1.0)
       report.add("stable_step_0.98", p.energy(dt) / stored, 1.0, 2e-3, seconds_now() - start);
-    else  // the bound is not idle
+    else  // the bound is not too generous
       report.add("stable_step_3_grows", most > 10.0 ? 1.0 : 0.0, 1.0, 0.0, seconds_now() - start);
   }
 }

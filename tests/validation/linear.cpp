@@ -13,12 +13,14 @@ using namespace sunder::shell;
 
 namespace {
 
-constexpr double kStep = 1e-6;   // of the smallest spacing: differences err by its square, and by round-off over it
-constexpr int kIterations = 40;  // of a subspace twice as large as wanted: each lessens the error fourfold at least
+// share of the smallest spacing: differences have an error of its square, and round-off over it
+constexpr double kStep = 1e-6;
+// with a subspace of twice the wanted size, each reduces the error to a quarter or less
+constexpr int kIterations = 40;
 
 struct Freedom {
   int shell, slot, axis;
-  std::vector<std::tuple<int, int, double>> moves;  // shell, slot, share: itself and what follows it
+  std::vector<std::tuple<int, int, double>> moves;  // shell, slot, share: the control point and its dependent ones
 };
 
 std::vector<Freedom> freedoms(const Stitched& s) {

@@ -1,4 +1,4 @@
-// sunder-validate: runs validation cases, prints a table, writes JSON. Exit status 1 where a case fails.
+// sunder-validate: runs validation cases, prints a table, writes JSON. The exit status is 1 where a case fails.
 #include <chrono>
 #include <cmath>
 #include <fstream>

@@ -1,4 +1,4 @@
-// A scene's text, run in this process.
+// Runs a scene's text in this process.
 #include <fstream>
 
 #include "coupler/link/host.h"

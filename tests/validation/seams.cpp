@@ -1,4 +1,4 @@
-// Shells of several patches against the single patch, the beam frame, and what must be conserved.
+// Shells of several patches against a single patch, frames of beams, and conserved quantities.
 #include <cmath>
 #include <functional>
 #include <numbers>
@@ -19,8 +19,8 @@ using namespace sunder::shell;
 constexpr double kPi = std::numbers::pi;
 constexpr double kYoung = 2e11, kThickness = 0.01;
 constexpr int kModes = 4;
-constexpr double kDamping = 0.6;  // of the critical one, of frames that come to rest
-constexpr double kSwings = 4.0;   // until they have
+constexpr double kDamping = 0.6;  // share of critical damping, for frames that come to rest
+constexpr double kSwings = 4.0;   // periods until they are at rest
 
 ShellMaterial steel(double poisson = 0.3) {
   ShellMaterial m;
@@ -28,7 +28,8 @@ ShellMaterial steel(double poisson = 0.3) {
   return m;
 }
 
-// How a surface is divided: into columns x rows patches, each a little finer by `finer`, its parameters turned.
+// Division of a surface into columns x rows patches. `finer` adds elements to each along u and v; `turn` turns
+// parameters.
 struct Division {
   std::string name;
   int columns, rows;
@@ -36,7 +37,8 @@ struct Division {
   bool turn = false;
 };
 
-// A surface over shares of 0 to 1 of two lengths; `piece` makes one from (u0, v0) to (u1, v1) in nu x nv elements.
+// A surface over the shares 0 to 1 of two lengths. `piece` makes the part from (u0, v0) to (u1, v1) in nu x nv
+// elements.
 struct Surface {
   std::string name;
   int elements_u, elements_v;
@@ -49,8 +51,8 @@ Surface flat_surface() {
                          Quat::Identity());
           }};
 }
-// The part from (u0, v0) to (u1, v1), shares of its domain, of a patch of one span, in uniform elements: found by what
-// it is at as many points as it has control points.
+// Returns the part from (u0, v0) to (u1, v1), as shares of its domain, of a patch of one span, in uniform elements. It
+// interpolates the patch at as many points as it has control points.
 Patch part_of(const Patch& whole, double u0, double u1, double v0, double v1, int nu, int nv) {
   const auto knots = [](double from, double to, int n) {
     std::vector<double> k(2, from);
@@ -90,7 +92,7 @@ Patch part_of(const Patch& whole, double u0, double u1, double v0, double v1, in
   return p;
 }
 
-// 120 degrees of a cylinder of 1 m. Its parts keep its course of the parameter, or they would be other elements.
+// 120 degrees of a cylinder of 1 m. Its parts keep its parametrisation, since others would change the elements.
 Surface curved_surface() {
   return {"cylinder", 36, 24, [](double u0, double u1, double v0, double v1, int nu, int nv) {
             return part_of(with_parameters_as_lengths(cylinder(1.0, 1.5, 2.0 * kPi / 3.0, 1, 1)), u0, u1, v0, v1, nu,
@@ -100,9 +102,9 @@ Surface curved_surface() {
 
 struct Divided {
   Stitched shells;
-  int shell = 0;  // of the probe
+  int shell = 0;  // shell of the probe
   Vec2 at = Vec2::Zero();
-  double finest_u = 1.0, finest_v = 1.0;  // element, share of the whole
+  double finest_u = 1.0, finest_v = 1.0;  // side of an element, as a share of the whole
 };
 
 constexpr double kProbeU = 0.4, kProbeV = 0.3;
@@ -122,7 +124,7 @@ Divided divide(const Surface& whole, const Division& d) {
       Patch p =
           whole.piece(double(i) / d.columns, (i + 1.0) / d.columns, double(j) / d.rows, (j + 1.0) / d.rows, nu, nv);
       const int times = d.turn ? (i + 2 * j + 1) % 4 : 0;
-      // the border of the whole is held, wherever the turns have brought it
+      // The border of the whole surface is held, on whichever edges it lies after the turns.
       int border[4] = {i == 0 ? kUMin : 0, j == 0 ? kVMin : 0, i + 1 == d.columns ? kUMax : 0,
                        j + 1 == d.rows ? kVMax : 0};
       constexpr int kAround[4] = {kUMin, kVMin, kUMax, kVMax};
@@ -130,7 +132,7 @@ Divided divide(const Surface& whole, const Division& d) {
       hold.clamped = false;
       for (int side = 0; side < 4; ++side)
         if (border[side]) hold.edges |= kAround[(side + 3 * times) % 4];
-      // share of the patch where the probe lies
+      // Place of the probe as a share of the patch.
       Vec2 share(kProbeU * d.columns - i, kProbeV * d.rows - j);
       const bool here = share.minCoeff() >= 0.0 && share.maxCoeff() < 1.0;
       for (int t = 0; t < times; ++t) share = Vec2(share.y(), 1.0 - share.x());
@@ -160,7 +162,7 @@ double probe(const Divided& d, const Displacement& u) {
   return m.patch.evaluate(d.at, net).x.dot(x.u.cross(x.v).normalized());
 }
 
-// How far the probe moves along the normal in `steps` steps from rest under the load [m].
+// Returns the motion of the probe along the normal [m] in `steps` steps from rest under the load.
 std::vector<double> swing(Divided& d, double dt, int steps) {
   std::vector<double> out;
   const SurfacePoint x = d.shells.model(d.shell).patch.evaluate(d.at);
@@ -195,7 +197,7 @@ void surface_case(Report& r, const Surface& whole) {
   const Linear exact = linear_response(single.shells, kModes);
   const double u_single = probe(single, exact.under_load), step_single = single.shells.stable();
   const double dt = 0.5 * step_single;
-  // once up and down in the lowest mode
+  // One swing up and down in the lowest mode.
   const int steps = static_cast<int>(2.0 * kPi / exact.frequencies[0] / dt);
   const std::vector<double> swing_single = swing(single, dt, steps);
   const auto largest = [](const std::vector<double>& v) {
@@ -208,7 +210,7 @@ void surface_case(Report& r, const Surface& whole) {
     Divided d = divide(whole, way);
     const std::string name = whole.name + "_" + way.name;
     const double step = d.shells.stable();
-    // of a single patch with the spacing of the finest of these
+    // A single patch with the spacing of the finest of these patches.
     const Division fine{"", 1, 1, [&](int, int) {
                           return std::pair{int(std::lround(1.0 / d.finest_u)) - whole.elements_u,
                                            int(std::lround(1.0 / d.finest_v)) - whole.elements_v};
@@ -233,7 +235,7 @@ void surface_case(Report& r, const Surface& whole) {
                   step_single, steps));
 }
 
-// A strip of width kWidth from a to b in the plane across y, `elements` long; its normal by the turn.
+// A strip of width kWidth from a to b in the plane across y, with `elements` along it. Its normal is (b - a) x y.
 constexpr double kWidth = 0.1;
 Patch strip(const Vec3& a, const Vec3& b, int elements, int across) {
   const Vec3 along = (b - a).normalized(), y = Vec3::UnitY();
@@ -242,7 +244,7 @@ Patch strip(const Vec3& a, const Vec3& b, int elements, int across) {
   return plate((b - a).norm(), kWidth, elements, across, 0.5 * (a + b), Quat(axes));
 }
 
-// Where the middle of an edge comes to rest under the loads: the mean over a swing, which is damped slowly.
+// Returns the final place of the middle of an edge under the loads: the mean over one slowly damped swing.
 Vec3 settled(Stitched& s, int shell, int edge, double period) {
   const double dt = 0.8 * s.stable();
   const auto at = [&] {
@@ -260,8 +262,8 @@ Vec3 settled(Stitched& s, int shell, int edge, double period) {
   return sum / static_cast<double>(count);
 }
 
-// L: a column clamped at its foot, an arm that is pressed down at its end. Portal: two columns clamped at their feet
-// and a beam, pushed sideways. Without Poisson's ratio strips are beams. Loads are small: the frame stays straight.
+// L frame: a column clamped at its foot, and an arm loaded at its end. Portal: two columns clamped at their feet, and a
+// beam that is pushed sideways. Poisson's ratio is zero, so strips are beams. Loads are small, so geometry is linear.
 void frame_case(Report& r, int) {
   constexpr double kForce = 0.1, kHeight = 0.3, kArm = 0.4;
   const double bending = kYoung * kWidth * std::pow(kThickness, 3) / 12.0;
@@ -280,7 +282,7 @@ void frame_case(Report& r, int) {
     m.mass_damping = 2.0 * kDamping * frequency;
     return m;
   };
-  // [rad/s] of the lowest mode, by its static deflection under its own mass: close enough to damp by
+  // Lowest frequency [rad/s] from the static deflection under the own mass, exact enough for damping.
   const double area_mass = 7800.0 * kThickness * kWidth;
   const auto lowest = [&](double deflection) {
     return std::sqrt(kForce / deflection / (0.5 * area_mass * (kHeight + kArm)));
@@ -298,8 +300,9 @@ void frame_case(Report& r, int) {
                                   {}, {end_load(kUMax, {0, 0, -kForce})}));
       Stitched s(std::move(models));
       const double found = settled(s, 1, kUMax, 2.0 * kPi / omega).z();
-      // A crease hands a moment over as two forces half an element apart, which the elements beside it give way to: by
-      // (thickness / element)^2 of what they bend. Elements thinner than that are not a thin shell's.
+      // A crease transmits a moment as two forces half an element apart. The elements beside it deform more, by a
+      // factor of (thickness / element)^2 of their bending. Elements shorter than the thickness are outside of
+      // thin-shell theory.
       if (kHeight / n > 1.5 * kThickness)
         r.add(fmt::format("l_frame_{}{}", n, other_knots ? "_other_knots" : ""), found, exact, 0.01,
               seconds_now() - start);
@@ -366,7 +369,7 @@ void motion_case(Report& r, int) {
       }
       for (const double m : s.model(k).mass) volume += m / s.model(k).material.density;
     }
-    // relative to the energy of a strain of 1
+    // Relative to the energy of a strain of 1.
     r.add(name + "_turned_energy", s.forces(true) / (kYoung * volume), 0.0, 1e-12, seconds_now() - start);
     start = seconds_now();
     Stitched f(round ? tube() : box());

@@ -1,4 +1,4 @@
-// Soft bodies of particles against exact answers, over the spacing of their particles.
+// Soft bodies of particles against exact results, over the spacing of particles.
 #include <cmath>
 #include <numbers>
 
@@ -12,7 +12,7 @@ namespace {
 
 using namespace sunder::soft_blocks;
 
-// Order by which errors fall from one spacing to the next, half of it.
+// Adds the orders of convergence from each spacing to half of it.
 void orders(Report& report, const std::string& name, const std::vector<double>& spacings,
             const std::vector<double>& errors) {
   std::string line = name + ": order";
@@ -22,7 +22,7 @@ void orders(Report& report, const std::string& name, const std::vector<double>& 
   report.curves.push_back({name, "spacing of the particles [m]", "error", spacings, errors});
 }
 
-// The first mode along a bar that cannot widen.
+// First mode of a bar that cannot widen.
 void wave(Report& report) {
   std::vector<double> spacings{0.02, 0.01, 0.005}, errors;
   for (const double spacing : spacings) {
@@ -37,7 +37,7 @@ void wave(Report& report) {
   orders(report, "wave", spacings, errors);
 }
 
-// A bar without lateral contraction leaves a wall as fast as it came, and without vibration.
+// A bar without lateral contraction leaves a wall at its speed of approach, without vibration.
 void bounce(Report& report) {
   const double length = 0.2, speed = 0.5;
   std::vector<double> spacings{0.02, 0.01, 0.005}, errors;
@@ -65,7 +65,7 @@ void bounce(Report& report) {
   orders(report, "bounce", spacings, errors);
 }
 
-// A ball of rubber falls on the floor: how high it comes back, of the drop.
+// A rubber ball falls on the floor; the result is its rebound height over the height of the fall.
 void drop(Report& report) {
   const Vec3 gravity(0, 0, -9.81);
   const double radius = 0.04, fall = 0.1;
@@ -87,7 +87,7 @@ void drop(Report& report) {
     }
     const std::string name = fmt::format("_{:g}_mm", 1e3 * spacing);
     report.add("drop_energy" + name, worst / scale, 0.0, 5e-3, seconds_now() - start);
-    // what comes back is what contact and the grid have not taken, but for what still vibrates
+    // The rebound energy is the one that contact and the grid have not taken, except for vibration.
     const double left = 1.0 - (soft.book().contact + soft.book().transfer) / scale;
     report.add("drop_height" + name, highest / fall, left, 0.01, 0.0);
     heights.push_back(highest / fall);
@@ -98,7 +98,7 @@ void drop(Report& report) {
   report.add("drop_height_rises", higher ? 1.0 : 0.0, 1.0, 0.0, 0.0);
 }
 
-// A block stands on the floor without friction: how far its middle sinks, of rho g h^2 / 3E.
+// A block stands on the floor without friction; the sinking of its middle is compared with rho g h^2 / 3E.
 void stand(Report& report) {
   for (const double spacing : {0.02, 0.01}) {
     const double start = seconds_now();
@@ -106,7 +106,7 @@ void stand(Report& report) {
   }
 }
 
-// Two blocks that meet off their middles: what both keep.
+// Two blocks collide off their centres; momentum and angular momentum must be conserved.
 void collision(Report& report) {
   const double start = seconds_now();
   SoftSetup low = block({0.04, 0.04, 0.02}, at({0, 0, 0}), 0.01, {0.3, 0, 1}, {0, 3, 0});
@@ -124,7 +124,7 @@ void collision(Report& report) {
   report.add("collision_energy", books(soft, Vec3::Zero()) / before.kinetic, 1.0, 5e-3, 0.0);
 }
 
-// A free block that spins.
+// A free block spins.
 void spin(Report& report) {
   const double start = seconds_now();
   SoftBodies soft({block({0.05, 0.03, 0.02}, at({0.2, 0.1, 0}), 0.01, {1, 0, 0.5}, {30, 10, 60})}, 0, laws(0.0));

@@ -1,4 +1,4 @@
-// Shells at rest under loads: benchmarks of the shell obstacle course and of large deflection.
+// Shells at rest under loads: the shell obstacle course and large deflections.
 #include <cmath>
 #include <numbers>
 
@@ -16,7 +16,8 @@ namespace {
 using namespace sunder::shell;
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kSmall = 1e-3;  // of the load, for references of linear theory: the roof is 2 % stiffer at a tenth
+// share of the load, for references of linear theory: at a tenth the roof is 2 % stiffer
+constexpr double kSmall = 1e-3;
 
 ShellMaterial material(double young, double poisson) {
   ShellMaterial m;
@@ -35,14 +36,14 @@ Support held(int edges, std::array<bool, 3> axes) {
   return s;
 }
 
-// A quarter: weight 90 per area on a cylinder of axis y, rigid diaphragm at its end.
+// A quarter of the roof: weight 90 per area on a cylinder about y, with a rigid diaphragm at its end.
 double scordelis_lo(int elements, int threads, Report& r, int degree = 2) {
   const double angle = 40.0 * kPi / 180.0;
   Patch p = cylinder(25.0, 25.0, angle, elements, elements, degree);
-  // cylinder() has its axis along z and its middle over x; turn it so that u = 0 is the crown, above the axis y
+  // cylinder() has its axis along z and its middle above x. It is turned so that u = 0 is the crown, above the y axis.
   p = placed(p, Vec3::Zero(), Quat(Eigen::AngleAxisd(0.5 * angle, Vec3::UnitZ())));
   for (Vec3& x : p.control_points) x = Vec3(x.y(), x.z(), x.x());
-  // x along the arc from the crown, y the axis from the middle, z up
+  // x is along the arc from the crown, y along the axis from the middle, z up.
   const ShellModel m = make_shell("roof", p, 0.25, material(4.32e8, 0.0), 2, 3,
                                   {symmetry(kUMin, 0), symmetry(kVMin, 1), held(kVMax, {true, false, true})});
   ShellState s = make_state(m, Vec3::Zero(), 0);
@@ -55,12 +56,12 @@ double scordelis_lo(int elements, int threads, Report& r, int degree = 2) {
   return -displacement(m, s, {m.patch.knots_u.end(), m.patch.knots_v.begin()}).z() / kSmall;
 }
 
-// A quarter, no hole: opposite forces 2 along x and y at the equator.
+// A quarter of the hemisphere without a hole: opposite forces of 2 along x and y at the equator.
 double hemisphere(int elements, int threads, Report& r) {
   const Patch p = sphere(10.0, 0.5 * kPi, 0.0, 0.5 * kPi, elements, elements);
   const Patch scaled = with_parameters_as_lengths(p);
   Load along_x, along_y;
-  constexpr double kShare = 1e-2;  // round-off at the pole drowns a smaller load
+  constexpr double kShare = 1e-2;  // round-off at the pole exceeds the effect of a smaller load
   along_x.point = {scaled.knots_u.begin(), scaled.knots_v.begin()}, along_x.force = Vec3(kShare, 0, 0);
   along_y.point = {scaled.knots_u.end(), scaled.knots_v.begin()}, along_y.force = Vec3(0, -kShare, 0);
   const ShellModel m =
@@ -75,7 +76,8 @@ double hemisphere(int elements, int threads, Report& r) {
   return displacement(m, s, along_x.point).x() / kShare;
 }
 
-// Tip displacement of a strip clamped at x = 0, load by load; the load is `prepare`d at full size, in_time counts.
+// Calls back with the tip displacement of a strip clamped at x = 0, for each share of the load. `prepare` makes the
+// full load; in_time scales it.
 template <class F>
 void cantilever(double length, const Load& load, int elements, int steps, int threads, Report& r,
                 const std::string& name, F&& look, int degree = 2) {
@@ -128,20 +130,20 @@ void end_moment_case(Report& r, int threads) {
     if (++k % 10) return;
     const double a = 2.0 * kPi * t;
     const double u = kLength * (1.0 - std::sin(a) / a), w = kLength * (1.0 - std::cos(a)) / a;
-    // over the length: the closed circle has w = 0
+    // Relative to the length; w = 0 where the strip is a closed circle.
     r.add(fmt::format("end_moment_u_{:.2f}", t), 1.0 - (-d.x() - u) / kLength, 1.0, 0.01, seconds);
     r.add(fmt::format("end_moment_w_{:.2f}", t), 1.0 + (d.z() - w) / kLength, 1.0, 0.01, 0.0);
   });
 }
 
-// A narrow beam bent to ten times the curvature at which its faces yield: elastic-plastic without hardening, moment
-// 1.5 (1 - 1/300) of the one at first yield. nu = 1/2, so that it narrows alike before and after yielding.
+// A narrow beam is bent to ten times the curvature at first yield, elastic-plastic without hardening. Its moment is 1.5
+// (1 - 1/300) of the moment at first yield. nu = 1/2, so lateral contraction is the same before and after yielding.
 void plastic_moment_case(Report& r, int) {
   constexpr double kYoung = 2e11, kYield = 2e7, kThickness = 0.01, kPoisson = 0.4999, kTimes = 10.0;
   const double first = kYield / (0.5 * kYoung * kThickness), yield_moment = kYield * kThickness * kThickness / 6.0;
   const double exact = 1.5 * (1.0 - 1.0 / (3.0 * kTimes * kTimes));
   Curve c{"plastic_moment", "layers", "relative error", {}, {}, true};
-  // Gauss points through the thickness see the edge of the elastic core in steps
+  // Gauss points through the thickness see the edge of the elastic core move in steps.
   for (const auto& [layers, tolerance] :
        {std::pair{5, 0.07}, std::pair{7, 0.04}, std::pair{9, 0.03}, std::pair{11, 0.02}}) {
     const double start = seconds_now();
@@ -161,23 +163,24 @@ void plastic_moment_case(Report& r, int) {
     r.add(fmt::format("plastic_moment_{}", layers), moment / yield_moment, exact, tolerance, seconds_now() - start);
     c.x.push_back(layers), c.y.push_back(std::abs(moment / yield_moment / exact - 1.0));
     if (layers != 11) continue;
-    // the work is 13.55, what is stored at the end 1.5 (1 - 2/3 / 10) times the moment and curvature at first yield
-    // 400 steps that each end on the yield surface: half a step's plastic strain too much work, and the core's edge
+    // The work is 13.55 and the energy stored at the end 1.5 (1 - 2/3 / 10), both times moment and curvature at first
+    // yield. The tolerance covers 400 steps that end on the yield surface (half a step's plastic strain) and the edge
+    // of the core.
     r.add("plastic_dissipation_11", dissipated / (yield_moment * first), 13.55 - 1.4, 0.03, 0.0);
   }
   r.curves.push_back(c);
 }
 
-// A sheet stretched along x, its width kept: what the models make of Poisson's ratio.
+// A sheet is stretched along x at constant width: the effect of Poisson's ratio in each stress model.
 void stress_models_case(Report& r, int) {
   constexpr double kStretch = 1e-6, kPoisson = 0.3;
   const Sym2<double> rest{1, 1, 0}, c{1 + 2 * kStretch, 1, 0};
   Elasticity e = elasticity(1.0, kPoisson);
-  const double start = seconds_now();  // linear to the strain, 1e-6, times a few
+  const double start = seconds_now();  // linear up to the strain, 1e-6, times a small factor
   r.add("plane_stress_stiffness", plane_stress<double>(c, rest, e).s.c11 / kStretch, 1.0 / (1.0 - kPoisson * kPoisson),
         1e-5, seconds_now() - start);
   const double right = plane_stress<double>(c, rest, e).s.c11;
-  // (1 - nu)^2 / (1 - 2 nu) = 1.225 at 0.3, for all that keep the thickness
+  // (1 - nu)^2 / (1 - 2 nu) = 1.225 at 0.3, for models of constant thickness.
   const double excess = (1.0 - kPoisson) * (1.0 - kPoisson) / (1.0 - 2.0 * kPoisson);
   for (const auto& [model, name] : {std::pair{StressModel::kPaperProjection, "paper_projection"},
                                     std::pair{StressModel::kJgt17, "jgt17"}, std::pair{StressModel::kGhf18, "ghf18"}}) {
@@ -201,12 +204,12 @@ void scordelis_lo_case(Report& r, int threads) {
   r.lines.push_back(fmt::format(
       "scordelis_lo: limit {:.6f}; errors {:.1e} {:.1e} {:.1e} {:.1e} at 8 16 32 64; order {:.2f} from 16 to 32", limit,
       c.y[0], c.y[1], c.y[2], c.y[3], std::log2(c.y[1] / c.y[2])));
-  r.add("scordelis_lo_limit", limit, 0.3006, 0.0005, 0.0);  // of Kirchhoff-Love theory, four digits published
+  r.add("scordelis_lo_limit", limit, 0.3006, 0.0005, 0.0);  // of Kirchhoff-Love theory; four digits are published
   r.curves.push_back(c);
 }
 
 void cubic_scordelis_lo_case(Report& r, int threads) {
-  // the limit's four digits are known to 1.7e-4; 8 quadratic elements miss it by a fifth
+  // The limit's four digits are known to 1.7e-4. For comparison, 8 quadratic elements miss it by a fifth.
   for (const auto& [n, tolerance] : {std::pair{8, 2e-3}, std::pair{16, 3e-4}, std::pair{32, 3e-4}}) {
     const double start = seconds_now();
     const double w = scordelis_lo(n / 2, threads, r, 3);  // a quarter
@@ -221,7 +224,7 @@ void hemisphere_case(Report& r, int threads) {
     const double start = seconds_now();
     const double w = hemisphere(n, threads, r);
     r.add(fmt::format("hemisphere_{}", n), w, known[i++], 0.01, seconds_now() - start);
-    if (n == 64) r.add("hemisphere_limit", w, 0.0924, 0.01, 0.0);  // published, of the exact shell
+    if (n == 64) r.add("hemisphere_limit", w, 0.0924, 0.01, 0.0);  // published for the exact shell
   }
 }
 

@@ -1,4 +1,4 @@
-// What drives a crack on, against fracture mechanics: a short crack in a wide sheet, at any angle to the grid.
+// The driving force of a crack against fracture mechanics: a short crack in a wide sheet, at any angle to the grid.
 #include <cmath>
 #include <numbers>
 
@@ -51,12 +51,12 @@ std::vector<Load> loads(Pull pull) {
 }
 
 struct Found {
-  double k1 = 0.0;             // sqrt(energy release) over that of a crack across the stress in an endless sheet
-  double turn = 0.0;           // either way [rad]
-  double anticlockwise = 0.0;  // of both tips, on the mean [rad]
+  double k1 = 0.0;             // sqrt(energy release) over that of a crack across the stress in an infinite sheet
+  double turn = 0.0;           // turn in either direction [rad]
+  double anticlockwise = 0.0;  // mean of both tips [rad]
 };
 
-// `beside`: the crack's middle from that of the sheet, in spacings; off the lattice, as cracks are.
+// `beside` is the offset of the crack's middle from the sheet's, in spacings. Real cracks do not lie on the lattice.
 Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2& beside = Vec2(0.31, 0.17)) {
   const ShellModel m = make_shell("sheet", plate(kSide, kSide, elements, elements, Vec3::Zero(), Quat::Identity()),
                                   kThickness, glass(), 2, 2, {}, loads(pull));
@@ -85,7 +85,7 @@ Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2
   return found;
 }
 
-// Maximum hoop stress (Erdogan and Sih 1963): angle, and what opens there over K of a crack across the stress.
+// Maximum hoop stress (Erdogan and Sih 1963): the angle, and K of the kink over K of a crack across the stress.
 std::pair<double, double> kinked(double k1, double k2) {
   const double q = k1 / k2, t = 2.0 * std::atan((q - std::sqrt(q * q + 8.0)) / 4.0);
   return {std::abs(t), std::pow(std::cos(0.5 * t), 3) * k1 - 1.5 * std::cos(0.5 * t) * std::sin(t) * k2};
@@ -93,13 +93,14 @@ std::pair<double, double> kinked(double k1, double k2) {
 
 void energy_release(Report& r, int threads) {
   constexpr double kDegree = kPi / 180.0;
-  constexpr double kPlastic = 0.754877666246693;  // 1 over the plastic number: places evenly spread (Roberts)
-  // The mean over R sees the field beyond the singular one as well, 1 + 3 r / 4 a of it: some tenth too much at R = a
-  // / 4.
+  // 1 over the plastic number: a sequence of evenly spread places (Roberts)
+  constexpr double kPlastic = 0.754877666246693;
+  // The mean over R includes the field beyond the singular one, 1 + 3 r / 4 a of it: about a tenth too much at R = a /
+  // 4.
   for (const auto& [pull, name] : {std::pair{Pull::kAllRound, "stretched"}, std::pair{Pull::kBending, "bent"}})
     for (const double angle : {0.0, 15.0, 30.0, 45.0})
       for (const int elements : {64, 96, 128}) {
-        // relaxation of a bent plate is slow: other angles on the middle grid
+        // Relaxation of a bent plate is slow, so it has other angles on the middle grid only.
         if (elements != (pull == Pull::kBending ? 96 : 128) && angle != 30.0) continue;
         const double start = seconds_now();
         const Found f = crack_under(pull, elements, angle * kDegree, threads);
@@ -107,8 +108,9 @@ void energy_release(Report& r, int threads) {
         r.lines.push_back(
             fmt::format("{} at {:.0f} degrees, {}: turns by {:.1f} degrees", name, angle, elements, f.turn / kDegree));
       }
-  // Midway between an axis and a diagonal of the lattice, on the mean over where in an element the crack is.
-  // What a bent crack turns is taken off (kToDiagonal), what a stretched one turns, 1 or 2 degrees to the axis, is not.
+  // The angle is midway between an axis and a diagonal of the lattice; the mean is over places of the crack in an
+  // element. The turn of a bent crack by the lattice is corrected (kToDiagonal). That of a stretched crack, 1 or 2
+  // degrees towards the axis, is not.
   struct Turned {
     Pull pull;
     const char* name;
@@ -132,7 +134,7 @@ void energy_release(Report& r, int threads) {
     const double start = seconds_now(), a = angle * kDegree;
     const Found f = crack_under(Pull::kOneWay, 128, a, threads);
     const auto [turn, k] = kinked(std::pow(std::cos(a), 2), std::sin(a) * std::cos(a));
-    // the stress along the crack, which the singular field does not have, turns it by some degrees
+    // The stress along the crack, which the singular field lacks, turns it by some degrees.
     r.add(fmt::format("kink_{:.0f}_off_degrees", angle), (f.turn - turn) / kDegree, 0.0, 10.0, seconds_now() - start);
     r.add(fmt::format("kink_{:.0f}_opening", angle), f.k1, k, 0.2, 0.0);
   }

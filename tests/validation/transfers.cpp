@@ -1,4 +1,4 @@
-// What the way through the background grid does to a plate that swings.
+// The effect of the background grid on the vibration of a plate.
 #include <array>
 #include <chrono>
 #include <cmath>
@@ -22,13 +22,14 @@ constexpr double kPeriods = 3.0;
 struct Swing {
   std::string name;
   Transfer kind;
-  double spacing;  // of the grid, in elements
-  double step;     // times an element over the wave speed; the plate's stable step is 1.63
+  double spacing;  // spacing of the grid, in elements
+  double step;     // in passages of a wave over an element; the plate's stable step is 1.63
   bool leaky = false;
-  double period = 0.0, amplitude = 0.0, nanoseconds = 0.0;  // of the exact period, of the first peak, per control point
+  // relative to the exact period; to the first peak; per control point
+  double period = 0.0, amplitude = 0.0, nanoseconds = 0.0;
 };
 
-// A simply supported square, first mode, three periods. Peaks lie between crossings of the middle's deflection.
+// First mode of a simply supported square, three periods. Peaks lie between zero crossings of the middle's deflection.
 void swing(Swing& out) {
   constexpr double kYoung = 1e7, kPoisson = 0.3, kDensity = 1000.0, kThickness = 0.01;
   ShellMaterial material;
@@ -45,7 +46,7 @@ void swing(Swing& out) {
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = m.tables.slot(i);
     s.motion.v[2 * plane + slot] = 0.002 * std::sin(kPi * m.parameter[i].x()) * std::sin(kPi * m.parameter[i].y());
-    s.motion.x[2 * plane + slot] += 0.3 / kElements;  // no plane of nodes in the plate
+    s.motion.x[2 * plane + slot] += 0.3 / kElements;  // no plane of grid nodes lies in the plate
     if (s.motion.inverse_mass[slot] == 0.0) s.motion.v[2 * plane + slot] = 0.0;
   }
   if (out.kind != Transfer::kDirect) s.motion.before = s.motion.v;
@@ -106,8 +107,8 @@ void transfers_case(Report& r, int threads) {
       if (s.name == name && s.step == step) return s;
     return Swing{};
   };
-  // The discrete plate's own period is 0.2 % off. What the grid does is compared with the figures of an independent
-  // code, which let the forces on held points reach the grid.
+  // The discrete plate's own period is 0.2 % off. The effect of the grid is compared with figures of an independent
+  // code, in which forces on held points reach the grid.
   for (const double step : kSteps) {
     const Swing s = at("direct", step);
     r.add(fmt::format("transfer_direct_period_{:.1f}", step), s.period, 1.0, 0.005, step == kSteps[0] ? seconds : 0.0);
@@ -120,7 +121,7 @@ void transfers_case(Report& r, int threads) {
   r.add("transfer_apic_leaky_period", at("apic_leaky", 0.3).period, 1.03, 0.005, 0.0);
   r.add("transfer_apic_leaky_amplitude", at("apic_leaky", 0.3).amplitude, 0.15, 0.03, 0.0);
   r.add("transfer_pic_amplitude", at("pic", 0.3).amplitude, 0.0, 1e-3, 0.0);
-  // the smaller the step, the more of the motion the paper's way loses
+  // The paper's transfer loses more of the motion at smaller steps.
   for (const auto& [large, small] : {std::pair{1.2, 0.6}, std::pair{0.6, 0.3}})
     r.add(fmt::format("transfer_apic_falls_{:.1f}", small),
           at("apic", small).amplitude < 0.85 * at("apic", large).amplitude, 1.0, 0.0, 0.0);

@@ -6,8 +6,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kStep = 1e-5;  // of the thickness: far above round-off of the force, far below where it bends
-constexpr double kShare = 0.1;  // least value of a shape function for its control point to be under a sample
+constexpr double kStep = 1e-5;  // thicknesses: far above round-off of the force, far below bending
+constexpr double kShare = 0.1;  // least shape function of a control point that counts as under a sample
 
 }  // namespace
 

@@ -1,13 +1,14 @@
 #pragma once
-// What a shell opposes to bodies that are pushed into it.
+// Stiffness of a shell against bodies that press on it.
 
 #include "shell/solver/contact/rigid_contact.h"
 
 namespace sunder::shell {
 
-/// For each body, by index: force per displacement [N/m] where the control points under its candidate samples are moved
-/// together out of it while all others stay, by differences of the force. 0 where it has no candidates. Bodies that
-/// share control points share what is moved; the longest patch counts for both.
+/// Returns the stiffness [N/m] against each body, by index: 0 for bodies that are not `asked` for or have no
+/// candidates. The control points under a body's candidate samples move together out of it, all others stay; the
+/// stiffness is the difference of the force over the displacement. A control point under several bodies counts for the
+/// first one only.
 std::vector<double> contact_stiffness(const ShellModel& model, ShellState& state, const std::vector<Proxy>& bodies,
                                       const ContactCandidates& candidates, const std::vector<char>& asked, int threads);
 

@@ -11,10 +11,11 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kLeast = 0.1;    // of its length at rest, that a fibre may be pressed to: beyond, layers pass through
-constexpr double kUneven = 1.19;  // largest x (2 - x)^2, 32/27: stiffness of a node that two layers fill unevenly
-constexpr double kSlope = 16.0;   // largest (dw/dx)^2 of a patch over its lumped mean square [1/element^2]; 12 with a
-                                  // free edge in both directions
+// least length of a fibre, as a share of its rest length; beyond, layers pass through each other
+constexpr double kLeast = 0.1;
+constexpr double kUneven = 1.19;  // largest x (2 - x)^2 = 32/27: stiffness of a node that two layers fill unevenly
+// largest (dw/dx)^2 of a patch over its lumped mean square [1/element^2]; 12 at a corner of two free edges
+constexpr double kSlope = 16.0;
 
 std::vector<char> with_fibres(const std::vector<const ShellModel*>& shells) {
   std::vector<char> out;
@@ -55,7 +56,7 @@ void Fibres::refresh(const std::vector<ShellRef>& shells, double dt) {
   places_.clear(), samples_.clear(), functions_.clear(), first_.assign(1, 0);
   for (const Tile& tile : near_.tiles())
     if (tile.candidate) add_samples(shells[tile.shell], tile);
-  // What can touch nothing any more lets go: by the state alone, so that a run that goes on from it does the same.
+  // Fibres of tiles without a candidate relax. This depends on the state alone, so a resumed run does the same.
   for (const Tile& tile : near_.tiles()) {
     if (tile.candidate) continue;
     const ShellModel& m = *shells[tile.shell].model;
@@ -111,14 +112,14 @@ void Fibres::relax(const ShellModel& m, ShellState& s, const Place& p, int side,
 void Fibres::follow(const ShellModel& m, ShellState& s, std::size_t p, int side, double dt) {
   const LayerSample& q = samples_[p];
   if (q.share[side] == 0.0) return relax(m, s, places_[p], side, Vec3::UnitZ());
-  // with the gradient at the end of the substep: layers that were d apart and are d' now have just pressed their fibres
-  // to d'/d
+  // The gradient is that of the end of the substep: layers whose distance changed from d to d' have compressed their
+  // fibres to d'/d.
   const Frame& f = frames_[p];
   const Mat3 change = Mat3::Identity() - dt * (f.q.transpose() * (q.together[side] - f.spin) * f.q);
   const Vec3 before = fibre(s, p, side), a = change.inverse() * before, after = fibre_return(m.fibres, a);
   double* stored = &s.layers.fibres[at(s, places_[p], side)];
   for (int d = 0; d < 3; ++d) stored[d] = after[d];
-  if (after != a) {  // what leapfrog's work, with the mean of both stresses, put in and it does not store
+  if (after != a) {  // work of the mean of both stresses, as leapfrog counts it, minus the stored energy
     const Vec3 mean = 0.5 * (fibre_stress(m.fibres, before) + fibre_stress(m.fibres, after));
     s.book.contact += f.half * (mean.dot(a - before) - fibre_energy(m.fibres, after) + fibre_energy(m.fibres, before));
   }

@@ -9,8 +9,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kContactSteps = 20.0;  // shorter than stable by this: a touch lasts about 3 / omega
-constexpr int kSearches = 4;            // of the nearest point; each is a Newton search on a quadratic surface
+constexpr double kContactSteps = 20.0;  // factor on the contact's frequency squared: a contact lasts about 3 / omega
+constexpr int kSearches = 4;  // searches for the nearest point, each by Newton's method on a quadratic surface
 constexpr int kNewtonSteps = 4;
 
 Vec3 sum_of(const std::vector<double>& field, const ShellState& s, const std::vector<GatheredFunction>& functions,
@@ -20,8 +20,8 @@ Vec3 sum_of(const std::vector<double>& field, const ShellState& s, const std::ve
   return sum;
 }
 
-// Where on the surface of second order that `functions` span the point nearest to `to` lies, as a step in the
-// parameters within `low` and `high`.
+// Returns the step in the parameters, within `low` and `high`, to the point nearest to `to`. `functions` describe the
+// surface to second order.
 Vec2 nearest_step(const ShellState& s, const std::vector<GatheredFunction>& functions, const Vec3& to, const Vec2& low,
                   const Vec2& high) {
   Vec3 d[6];
@@ -34,7 +34,7 @@ Vec2 nearest_step(const ShellState& s, const std::vector<GatheredFunction>& func
     Eigen::Matrix2d hessian;
     hessian(0, 0) = xu.dot(xu) + r.dot(d[3]), hessian(1, 1) = xv.dot(xv) + r.dot(d[4]);
     hessian(0, 1) = hessian(1, 0) = xu.dot(xv) + r.dot(d[5]);
-    if (hessian.determinant() <= 0.1 * xu.squaredNorm() * xv.squaredNorm())  // curved as much as the sphere
+    if (hessian.determinant() <= 0.1 * xu.squaredNorm() * xv.squaredNorm())  // as curved as the sphere
       hessian << xu.dot(xu), xu.dot(xv), xu.dot(xv), xv.dot(xv);
     const Vec2 step = hessian.ldlt().solve(Vec2(r.dot(xu), r.dot(xv)));
     if (!step.allFinite()) break;
@@ -44,12 +44,12 @@ Vec2 nearest_step(const ShellState& s, const std::vector<GatheredFunction>& func
 }
 
 struct Touch {
-  Vec3 x, out;            // point of the mid-surface; away from the sphere
-  double approach = 0.0;  // [m]; not positive: they do not touch
+  Vec3 x, out;            // point of the mid-surface; direction away from the sphere
+  double approach = 0.0;  // [m]; not positive: no contact
 };
 
-// The functions of the point of the surface nearest to the sphere, and how deep it is in. Beside a crack the point is
-// sought on the surface that the nearest sample's own functions continue, as far as that sample sees.
+// Finds the point of the surface nearest to the sphere, its functions and the approach. Beside a crack, the nearest
+// sample's own functions continue the surface, as far as that sample sees.
 Touch find(const ShellModel& m, const ShellState& s, const Proxy& body, double radius,
            const std::vector<ContactCandidates::Sample>& candidates, std::vector<GatheredFunction>& functions) {
   const Vec3 centre = body.body.motion.position;
@@ -141,7 +141,7 @@ double hertz_energy(const ShellModel& m, const ShellState& s, const std::vector<
 }
 
 double hertz_approach(double mass, double stiffness, double speed) {
-  return std::pow(1.25 * mass * speed * speed / stiffness, 0.4);  // m v^2 / 2 = 2/5 k d^5/2
+  return std::pow(1.25 * mass * speed * speed / stiffness, 0.4);  // from m v^2 / 2 = 2/5 k d^(5/2)
 }
 
 double hertz_step(const ShellModel& m, const RigidBody& sphere, double stiffness, double speed, double step) {

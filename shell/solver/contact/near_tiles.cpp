@@ -8,9 +8,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kFolded = 0.5;   // cosine: tiles side by side meet only where they have turned by more than this,
-constexpr double kTurned = 0.3;   // and whose cosine has fallen by so much since the start
-constexpr double kFastest = 2.0;  // of the present speeds, that two surfaces may reach before the next look
+constexpr double kFolded = 0.5;   // cosine: neighbouring tiles touch only where their normals enclose a larger angle,
+constexpr double kTurned = 0.3;   // and where the cosine has fallen by this much since the start
+constexpr double kFastest = 2.0;  // surfaces may reach this multiple of their present speeds before the next look-up
 
 double least_cosine(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
   double least = 1.0;
@@ -81,7 +81,8 @@ void NearTiles::refresh(const std::vector<ShellRef>& shells, double dt) {
         const int slot = j * t.stride + i;
         const bool corner = i + 1 < last_u && j + 1 < last_v && ((i - tile.u) & 1) == 0 && ((j - tile.v) & 1) == 0;
         if (first) tile.rest.extend(s.at(m.rest, slot));
-        if (first && corner) tile.rest_normals.push_back(normal(m.rest, slot));  // of what has gone too: a resumed run
+        // also of detached points, so that a resumed run does the same
+        if (first && corner) tile.rest_normals.push_back(normal(m.rest, slot));
         if (s.motion.detached[slot]) continue;
         tile.now.extend(s.position(slot));
         if (!corner) continue;

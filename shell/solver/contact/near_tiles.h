@@ -1,35 +1,37 @@
 #pragma once
-// Which parts of shells may soon touch one another, or themselves.
+// Finds parts of shells that may soon touch one another, or themselves.
 #include <Eigen/Geometry>
 
 #include "shell/solver/joining/stitching.h"
 
 namespace sunder::shell {
 
-/// `[i][k]`: shells i and k hang together along seams.
+/// Returns a matrix [i][k] that is 1 where seams join shells i and k, directly or through others.
 std::vector<std::vector<char>> components(std::size_t shells, const std::vector<Seam>& seams);
 
-/// Some elements of a shell.
+/// A square of elements of a shell.
 struct Tile {
-  int shell, u, v;  // of its first element
+  int shell, u, v;  // shell; position of its first element
   Eigen::AlignedBox3d rest;
   Eigen::AlignedBox3d now;
-  std::vector<Vec3> rest_normals, normals;  // of its elements' corners
-  bool candidate = false;                   // may touch another one before the next look
+  std::vector<Vec3> rest_normals, normals;  // at corners of its elements
+  bool candidate = false;                   // may touch another tile before the next look-up
 };
 
+/// Finds candidate tiles by boxes and normals.
 class NearTiles {
  public:
-  static constexpr int kTile = 4;  // elements a side
-  /// Tiles of the shells that are `asked` (empty: of all). `margin` [m] beyond half thicknesses; what hangs `together`
-  /// and is nearer at rest than `one_surface` [m] is one surface, and touches itself only where it has folded.
+  static constexpr int kTile = 4;  // elements per side
+  /// Divides shells into tiles: those that are `asked`, or all where it is empty. `margin` [m] is a distance beyond
+  /// half thicknesses. Two tiles of joined shells (`together`) that are nearer at rest than `one_surface` [m] count as
+  /// one surface, which touches itself only where it has folded.
   NearTiles(const std::vector<const ShellModel*>& shells, const std::vector<char>& asked,
             std::vector<std::vector<char>> together, double margin, double one_surface);
 
-  /// Looks for candidates for the next kContactRefresh substeps of `dt` [s].
+  /// Finds candidates for the next kContactRefresh substeps of `dt` [s].
   void refresh(const std::vector<ShellRef>& shells, double dt);
   const std::vector<Tile>& tiles() const { return tiles_; }
-  /// Calls f(block, lane, area at rest) with each Gauss point of a tile that the tables know.
+  /// Calls f(block, lane, area at rest) for each Gauss point of a tile that the tables include.
   template <class F>
   static void each_gauss_point(const ShellModel& m, const Tile& tile, F&& f) {
     const RowTables& t = m.tables;

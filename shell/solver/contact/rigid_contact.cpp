@@ -10,8 +10,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kFastestRecovery = 0.01;  // of an overlap [m/s]: that of a body that was born in one makes no energy
-constexpr int kTile = 8;                   // elements a side of a tile, the coarse unit of the search
+// speed [m/s] at which an overlap is taken back: a body born in overlap gains no energy
+constexpr double kFastestRecovery = 0.01;
+constexpr int kTile = 8;  // elements per side of a tile, the coarse unit of the search
 
 Vec3 position(const ShellState& s, const std::vector<GatheredFunction>& functions) {
   Vec3 x = Vec3::Zero();
@@ -24,12 +25,12 @@ Vec3 velocity(const ShellState& s, const std::vector<GatheredFunction>& function
   return v;
 }
 
-// An impulse whose work is booked.
+// Applies an impulse and books its work.
 void push(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x, const Vec3& before,
           const Vec3& j, double dt) {
   apply_impulse(s, body, functions, x, j);
   const Vec3 after = velocity(s, functions) - body.velocity_at(x);
-  Vec3 back = Vec3::Zero();  // what half a kick has added to the sample's velocity
+  Vec3 back = Vec3::Zero();  // change of the sample's velocity by half a kick
   for (const auto& f : functions)
     back += (f.n[0] * 0.5 * dt * s.motion.inverse_mass[f.slot]) * s.at(s.motion.force, f.slot);
   s.book.contact -= j.dot(0.5 * (before + after) - back);
@@ -73,14 +74,14 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
     list.clear();
     const Proxy& body = bodies[b];
     const double reach = body.body.is_static ? 0.0 : body.body.angular_velocity().norm() * body.radius();
-    // twice what both can move until the next refresh: control points may speed up meanwhile
-    const double travel = 2.0 * dt * (speed + body.body.motion.velocity.norm() + reach);  // a substep
+    // The margin is twice the travel until the next refresh, since control points may speed up.
+    const double travel = 2.0 * dt * (speed + body.body.motion.velocity.norm() + reach);  // in one substep
     double margin = m.thickness + kContactRefresh * travel;
-    if (coefficients[b].hertz > 0.0) margin += m.longest_element;  // it acts between the samples
+    if (coefficients[b].hertz > 0.0) margin += m.longest_element;  // Hertz contact acts between samples
     const Vec3 centre = body.body.motion.position;
     for (int tile = 0; tile < tiles_u * tiles_v; ++tile) {
       if (boxes[tile].isEmpty()) continue;
-      const double pad = margin + 2.0 * m.spacing;  // cracked points may lie outside their control points
+      const double pad = margin + 2.0 * m.spacing;  // cracked samples may lie outside their control points
       if (std::isfinite(body.radius())) {
         const double r = body.radius() + pad;
         if (boxes[tile].squaredExteriorDistance(centre) > r * r) continue;
@@ -90,7 +91,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
           low = std::min(low, body.distance(boxes[tile].corner(static_cast<Eigen::AlignedBox3d::CornerType>(k))).value);
         if (low > pad) continue;
       }
-      c.places.resize(static_cast<std::size_t>(t.blocks()) * t.lanes);  // once a body has come near
+      c.places.resize(static_cast<std::size_t>(t.blocks()) * t.lanes);  // allocated when a body first comes near
       const int tu = tile % tiles_u, tv = tile / tiles_u;
       for (int f = tv * kTile; f < std::min(t.spans_v, (tv + 1) * kTile); ++f)
         for (int lane = tu * kTile; lane < std::min(t.spans_u, (tu + 1) * kTile); ++lane)
@@ -133,7 +134,7 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       const Vec3 x = position(s, functions);
       const Proxy::Distance middle = body.distance(x);
       if (middle.value > 0.5 * m.thickness) continue;
-      // the face towards the body: half a thickness off the middle along the shell's own normal
+      // The face towards the body is half a thickness from the mid-surface, along the shell's own normal.
       Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
       const bool gathered = functions.front().n[1] != 0.0 || functions.size() != m.patch.functions();
       if (gathered) {
@@ -152,13 +153,13 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       const Proxy::Distance gap = body.distance(face);
       if (gap.value >= 0.0) continue;
       ++touching;
-      // The impulse acts on both sides at the mid-surface point, where the shape functions place it:
-      // linear and angular momentum then close to round-off.
+      // The impulse acts on both sides at the mid-surface point, where the shape functions place it. Linear and angular
+      // momentum then close to round-off.
       const Vec3 before = velocity(s, functions) - body.velocity_at(x);
       Mat3 inverse = body.inverse_mass_at(x);
       for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
       if (inverse.trace() <= 0.0) continue;
-      // What bounces leaves the overlap by itself: a push on top would give energy, most of all to slow ones.
+      // A bouncing sample leaves the overlap by itself. A recovery speed on top would add energy, most to slow ones.
       const double recovered = std::min(body.recovery * -gap.value / dt, kFastestRecovery);
       const double bounce = -coefficients[b].restitution * gap.normal.dot(before);
       const Vec3 wanted =

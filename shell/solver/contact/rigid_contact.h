@@ -1,5 +1,5 @@
 #pragma once
-// Contact of a shell with rigid bodies: impulses at surface samples.
+// Contact of a shell with rigid bodies, by impulses at surface samples.
 #include <Eigen/Geometry>
 
 #include "shell/contact/proxy.h"
@@ -7,23 +7,23 @@
 
 namespace sunder::shell {
 
-/// How the shell and each proxy, by index, push one another.
+/// The contact law between the shell and one proxy.
 struct ContactCoefficients {
   double friction = 0.5, restitution = 0.0;
-  double hertz = 0.0;  // stiffness of a sphere by Hertz's law, F = k d^3/2, without friction [N/m^1.5]; 0: impulses
+  double hertz = 0.0;  // Hertz stiffness of a sphere, F = k d^(3/2), without friction [N/m^1.5]; 0: impulses
 };
 
-/// Which surface samples may meet which body within the next substeps; refreshed every so often.
+/// Surface samples that may touch each body before the next refresh.
 struct ContactCandidates {
   struct Sample {
     int block, lane;
-    int first = 0;  // substeps from the refresh in which it cannot touch
+    int first = 0;  // number of substeps after the refresh in which it cannot touch
   };
   std::vector<std::vector<Sample>> of_body;
-  // Scratch of the search: where samples are, found once however many bodies ask.
+  // Scratch of the search: positions of samples, computed once for all bodies.
   struct Place {
     Vec3 x;
-    std::uint32_t refresh = 0;  // in which it was found
+    std::uint32_t refresh = 0;  // number of the refresh that computed it
     bool there = false;
   };
   std::vector<Place> places;
@@ -34,19 +34,20 @@ struct ContactCandidates {
 };
 constexpr int kContactRefresh = 16;  // substeps
 
+/// Finds the candidates for the next kContactRefresh substeps of `dt` [s].
 void refresh_candidates(const ShellModel& model, const ShellState& state, const std::vector<Proxy>& bodies,
                         const std::vector<ContactCoefficients>& coefficients, double dt, ContactCandidates& candidates);
 
-/// The shell takes impulse j [N s] where `functions` stand, at x, and the body its negative; both pages of its ledger.
+/// Applies impulse j [N s] to the shell at x, by `functions`, and its negative to the body. Both sides of the body's
+/// ledger are updated.
 void apply_impulse(ShellState& state, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x,
                    const Vec3& j);
 
-/// Impulses at the Gauss points' surface, one body and one sample after the other (Gauss-Seidel), after the
-/// kick of `dt`; returns the number of samples in contact. Their work is booked so that it closes with
-/// kinetic_energy: an impulse that acts half a step after the positions works on the velocity at the
-/// positions' time, v - dt f / 2m.
-/// A sphere with a Hertz stiffness is pushed by that law instead (solver/contact/hertz.h), a force that acts for
-/// `kicked` [s] as those of the kick did.
+/// Applies contact impulses at the Gauss points' surface, body by body and sample by sample (Gauss-Seidel), after a
+/// kick of `dt` [s]. Returns the number of samples in contact. Work is booked so that it closes with kinetic_energy: an
+/// impulse half a step after the positions works on the velocity at the time of the positions, v - dt f / 2m. A sphere
+/// with Hertz stiffness is treated by Hertz's law (solver/contact/hertz.h), a force that acts for `kicked` [s] as the
+/// forces of the kick did.
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt,
             double kicked);

@@ -7,9 +7,9 @@
 namespace sunder::shell {
 namespace {
 
-// Of contact in a substep: of what a sample's control points are pushed with, it moves with a part, the less the fewer
-// samples touch. With one, some layers of a sheet of 100 x 100 elements that is crumpled cross (validate contact --case
-// crumple), or with a second that only stops them; with two none do.
+// Passes of contact in a substep. An impulse on control points moves the surface by only a share of it. The share falls
+// with the number of touching samples. One pass lets some layers of a crumpled sheet cross, also with a second pass
+// that only stops them; with two passes none cross (validate contact --case crumple).
 constexpr int kPasses = 2;
 
 double widest(const std::vector<const ShellModel*>& shells) {
@@ -18,11 +18,11 @@ double widest(const std::vector<const ShellModel*>& shells) {
   return h;
 }
 
-// Gives a control point impulse j [N s], and books its work.
+// Applies impulse j [N s] to a control point and books its work.
 void push(ShellState& s, int slot, const Vec3& j, double dt) {
   const double mobility = s.motion.inverse_mass[slot];
   if (mobility == 0.0 || j.isZero(0.0)) return;
-  // the velocity at the time of the positions, half a kick earlier
+  // Velocity at the time of the positions, half a kick earlier.
   const Vec3 back = 0.5 * dt * mobility * s.at(s.motion.force, slot);
   s.book.contact -= j.dot(s.velocity(slot) + 0.5 * mobility * j - back);
   s.add_velocity(slot, mobility * j);
@@ -102,11 +102,11 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
   return touching;
 }
 
-// Parts samples of a fold along the line between them, which leaves angular momentum as it is, one pair after the
-// other. Both lie on much the same control points, which oppose to their parting a mass that is many times the samples'
-// own: they are stopped with that, and part with their own, or control points would be thrown. Those that a support
-// holds count as if they were free, or the last that is free beside them would be; beside those that follow others over
-// a seam, which hand on later what they get, samples are stopped with their own mass too.
+// Separates the samples of a fold, pair by pair, along the line between them; this conserves angular momentum. Both
+// samples share most control points, whose mass against separation is many times that of the samples. The samples are
+// stopped with that mass, and separated with their own, or control points would be thrown. A held control point counts
+// as free; otherwise the last free one beside it would be thrown. Beside dependent control points, which pass impulses
+// on later, the samples' own mass is used for stopping too.
 void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double dt) {
   for (const FieldContact::Close& c : fields_.folds()) {
     const Vec3 line = samples_[c.q].x - samples_[c.p].x;
@@ -146,7 +146,7 @@ void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double d
   }
 }
 
-// Gives the samples' impulses to the control points.
+// Distributes the samples' impulses to the control points.
 void ShellContact::hand_over(const std::vector<ShellRef>& shells, double dt) {
   for (const int p : fields_.near()) {
     const SurfaceSample& q = samples_[p];

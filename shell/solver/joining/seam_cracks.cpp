@@ -10,10 +10,10 @@
 namespace sunder::shell {
 namespace {
 
-// Where a crack's edge leaves the domain.
+// The place where a crack edge leaves the domain.
 struct Exit {
   int edge = 0;
-  double share = 0.0;  // of the edge's parameters
+  double share = 0.0;  // share of the edge's parameters
   Vec2 at, direction;
 };
 
@@ -38,7 +38,7 @@ bool exit_of(const ShellModel& m, const Vec2& from, const Vec2& to, Exit& out) {
   return nearest <= 1.0 && out.share > 0.0 && out.share < 1.0;
 }
 
-// Calls back with each seam that is crossed there, which shell is beyond it, and the share of its first edge.
+// Calls back (seam, shell beyond it, share of its first edge) for each seam at this exit.
 template <class F>
 void each_seam(const std::vector<Seam>& seams, int shell, const Exit& exit, F&& callback) {
   for (const Seam& seam : seams) {
@@ -48,8 +48,8 @@ void each_seam(const std::vector<Seam>& seams, int shell, const Exit& exit, F&& 
   }
 }
 
-// Calls back with each seam that the edge comes near enough to for passing between it and the control points beside it,
-// and the shares of its first edge that the edge lies beside.
+// Calls back (seam, shares of its first edge) for each seam that a crack edge is near. Near means that the edge lies
+// between the seam and the control points beside it. The shares bound the part of the seam beside the edge.
 template <class F>
 void each_seam_beside(const std::vector<Seam>& seams, int shell, const ShellModel& m, const CrackEdge& e,
                       F&& callback) {
@@ -66,13 +66,14 @@ void each_seam_beside(const std::vector<Seam>& seams, int shell, const ShellMode
         const double own = (at - along.begin()) / (along.end() - along.begin());
         return !first && seam.reversed ? 1.0 - own : own;
       };
-      const double pad = m.spacing / (along.end() - along.begin());  // sight is blocked just beyond an end, too
+      // an edge blocks visibility just beyond its ends, too
+      const double pad = m.spacing / (along.end() - along.begin());
       const double a = share(e.a[1 - across]), b = share(e.b[1 - across]);
       callback(seam, std::min(a, b) - pad, std::max(a, b) + pad);
     }
 }
 
-// Unit vectors of the surface at rest at a point of an edge: along it, and into the patch.
+// Returns unit vectors of the surface at rest at a point of an edge: along the edge, and into the patch.
 void frame(int edge, const SurfacePoint& x, Vec3& along, Vec3& inward) {
   along = (edge < kVMin ? x.v : x.u).normalized();
   inward = edge < kVMin ? x.u : x.v;
@@ -92,7 +93,7 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
       if (tip.alive || tip.crossed || tip.edge < 0) continue;
       tip.crossed = true;
       const CrackEdge& last = shells[k].state->cracks.graph.edges()[tip.edge];
-      const Tip from = tip;  // tips are added below
+      const Tip from = tip;  // a copy, since tips are added below
       Exit exit;
       if (!exit_of(m, from.vertex == last.to ? last.a : last.b, from.p, exit)) continue;
       each_seam(seams, k, exit, [&](const Seam& seam, int other, double) {
@@ -104,7 +105,7 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
         Vec3 along, inward, along_there, inward_there;
         frame(exit.edge, here, along, inward), frame(edge, there, along_there, inward_there);
         const Vec3 d = (exit.direction.x() * here.u + exit.direction.y() * here.v).normalized();
-        const Vec3 way_on = d.dot(along) * along - d.dot(inward) * inward_there;  // the same angle to the seam
+        const Vec3 way_on = d.dot(along) * along - d.dot(inward) * inward_there;  // keeps the angle to the seam
         Eigen::Matrix<double, 3, 2> tangents;
         tangents << there.u, there.v;
         const Vec2 way = (tangents.transpose() * tangents).ldlt().solve(tangents.transpose() * way_on).normalized();
@@ -115,10 +116,10 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
         start_at_ends(n, s, before, static_cast<int>(s.cracks.graph.edges().size()));
         for (std::size_t t = first; t < s.cracks.tips.size(); ++t) {
           Tip& on = s.cracks.tips[t];
-          // it has run on at once, and waits as long as that would have taken it
+          // The tip has run on at once, so it waits as long as that length would have taken.
           on.pending = -n.spacing - (from.p - exit.at).norm();
-          // shorter than a whole crack: no less so; else it may turn as sharply as one that starts, which rights the
-          // edge that it has run blindly
+          // A tip shorter than a whole crack keeps its flaw. Any other one may turn as sharply as a new crack, which
+          // corrects the direction of the first edge.
           if (from.grown < 2.0 * from.flaw)
             on.strength = from.strength, on.flaw = from.flaw, on.grown = from.grown,
             on.since_branch = from.since_branch;
@@ -127,7 +128,7 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
       });
     }
   }
-  // cracks of any origin part what the seam ties across them, those that have just gone on too
+  // Cracks of any origin release what a seam joins across them, also cracks that have just crossed one.
   bool parted = false;
   for (int k = 0; k < static_cast<int>(shells.size()); ++k) {
     const auto& edges = shells[k].state->cracks.graph.edges();
@@ -151,7 +152,7 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
 
 void open_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,
                 int edge, double from, double to) {
-  constexpr double kAtEnds = 1e-9;  // of the edge: round-off
+  constexpr double kAtEnds = 1e-9;  // share of the edge: round-off
   for (const Seam& seam : seams) {
     const bool first = seam.first == shell && seam.first_edge == edge;
     if (!first && !(seam.second == shell && seam.second_edge == edge)) continue;

@@ -13,14 +13,15 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here on keep the distance of the rows beside
-                                                   // them, flatter ones how far the seam is off the line between these
-constexpr double kFlat = 1e-3;                     // of the rows' distance: a seam no further off is a smooth one
-constexpr double kOnALine = 1e-9;    // of the largest moment of inertia, that points on a line have about it
-constexpr double kOnePlace = 1e-3;   // spacings: control points no further apart have no arm to turn by
+// [rad]: a sharper crease keeps the distance of the rows beside it; a flatter one keeps the offset of the seam from the
+// line between these rows
+constexpr double kSharp = std::numbers::pi / 3.0;
+constexpr double kFlat = 1e-3;       // share of the rows' distance: a seam with less offset is smooth
+constexpr double kOnALine = 1e-9;    // share of the largest moment of inertia: below it, points lie on a line
+constexpr double kOnePlace = 1e-3;   // spacings: control points nearer to each other have no lever arm
 constexpr int kSweeps = 12;          // over creases that share control points
-constexpr double kMet = 1e-13;       // of a length: round-off
-constexpr double kLeastMass = 0.25;  // of its own, that a control point keeps when another is let go
+constexpr double kMet = 1e-13;       // relative error of a length that counts as round-off
+constexpr double kLeastMass = 0.25;  // share of its own mass that a control point keeps when another one is released
 
 void add(std::vector<double>& a, int slot, const Vec3& value) {
   const std::size_t plane = a.size() / 3;
@@ -168,7 +169,8 @@ void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
       const Vec3 next = now + dt * change, line = now.stableNormalized();
       if (std::abs(next.norm() - b.length) <= kMet * b.length || mobility == 0.0) continue;
       met = false;
-      // |next + dt mobility j line| = length, the nearer answer; what is too far aside comes as near as it can
+      // Solves |next + dt mobility j line| = length for the smaller j. Where there is no solution, the length comes as
+      // near as possible.
       const double along = next.dot(line), room = along * along - next.squaredNorm() + b.length * b.length;
       const double j = (std::sqrt(std::max(0.0, room)) - along) / (dt * mobility);
       for (const Term& t : b.terms) {
@@ -197,14 +199,14 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
     const Vec3 change = own.velocity(t.slot) - t.before;
     if (change.isZero(0.0)) continue;
     const Vec3 impulse = change / inverse;
-    // contact has booked the work as if this control point had moved by itself
+    // Contact has booked its work as if this control point were independent.
     own.book.contact += 0.5 * impulse.squaredNorm() * inverse;
     for (const Master& m : t.on) {
       ShellState& s = *shells[m.shell].state;
       const double mobility = s.motion.inverse_mass[m.slot];
       if (mobility == 0.0) continue;
       const Vec3 j = m.weight * impulse;
-      // the part that is linear at the velocity without impulses is booked
+      // The part that is linear in the velocity without impulses is booked.
       own.book.contact -= j.dot(s.velocity(m.slot) - m.before) + 0.5 * mobility * j.squaredNorm();
       s.add_velocity(m.slot, mobility * j);
     }
@@ -213,7 +215,7 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
 }
 
 Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m, bool look) {
-  constexpr int kRows = 2;  // that a seam ties: its own, and the one beside it
+  constexpr int kRows = 2;  // rows of a patch that a seam joins: the edge row, and the one beside it
   const ShellModel& model = *shells[m.shell].model;
   const int point = model.tables.control_point(m.slot), columns = model.patch.columns();
   const int column = point % columns, row = point / columns;
@@ -274,7 +276,8 @@ void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::v
   const auto rest = [&](int shell, int slot) -> Vec3 {
     return shells[shell].state->at(shells[shell].model->rest, slot);
   };
-  // whether an end of the seam is at x, and what it ties next to that still holds; a seam without such ties does
+  // Tests whether the seam ends at x and still joins its shells at the nearest control points. A seam without such
+  // points counts as joined.
   const auto holds_at = [&](const Seam& seam, const Vec3& x) {
     const ShellModel& m = *shells[seam.first].model;
     const std::vector<int> row = edge_row(m.patch, seam.first_edge, 0);
@@ -295,7 +298,7 @@ void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::v
   };
   for (Tie& tie : ties_) {
     if (!tie.holds || !at_corner(shells, tie)) continue;
-    std::vector<int> together;  // shells that it names, and those that they reach over seams that hold there
+    std::vector<int> together;  // shells that its terms name, and shells that they reach over joined seams
     std::vector<char> is_named(shells.size(), 0), reached(shells.size(), 0);
     for (const Term& m : named(tie))
       if (std::abs(m.weight) > kLooseWeight) is_named[m.shell] = 1;
@@ -315,10 +318,10 @@ void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::v
 }
 
 void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
-  // which side of the crack; 0: of neither patch
+  // Returns the side of the crack, -1 or 1; 0: in neither patch.
   const auto side = [&](const Term& m) {
     const Foot foot = foot_of(shells, seam, m, true);
-    // a crack that meets the seam aslant passes between a control point of the second row and its foot on the seam
+    // An oblique crack passes between a control point of the second row and its foot on the seam.
     return foot.side == 0 ? 0 : (foot.share < t) == foot.clear ? -1 : 1;
   };
   part_where(shells, seam, [&](const Term& a, const auto& others) {
@@ -329,8 +332,8 @@ void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, doub
 }
 
 void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high) {
-  // Where knots do not match, a control point hangs on several: it is off when most of it is, and not where the crack
-  // is yet to come.
+  // Where knots differ, a control point depends on several others. It is released when most of its weight is hidden,
+  // not where the crack has yet to arrive.
   part_where(shells, seam, [&](const Term&, const auto& hangs_on) {
     double off = 0.0, all = 0.0;
     for (const Term& m : hangs_on) {
@@ -358,10 +361,10 @@ double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   ShellState& own = *shells[t.shell].state;
   const Vec3 place = own.position(t.slot);
   double mass = 0.0, lost = 0.0;
-  Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving mass has taken away
+  Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving the mass has removed
   for (const Master& m : t.on) {
     ShellState& s = *shells[m.shell].state;
-    // pieces that have left beside it may have taken some of what was shared
+    // Pieces that were handed off nearby may have taken some of the shared mass.
     const double least = kLeastMass * shells[m.shell].model->mass[m.slot];
     const double part = std::min(m.share * model.mass[t.slot], std::max(0.0, s.motion.mass[m.slot] - least));
     const Vec3 v = s.velocity(m.slot);
@@ -378,9 +381,9 @@ double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   return lost - turn(shells, t, turning);
 }
 
-// All that moves of a control point and those that it followed gets a common spin, which has angular momentum
-// `turning` and no momentum; where these are at one place, as at a crease, all of its shell does: no spin of theirs
-// makes up for what is off by the seam's tolerance. Returns the kinetic energy that this adds.
+// Adds a common spin to a released control point and the ones that it depended on. The spin has the angular momentum
+// `turning` and no momentum. Where all of them are at one place, as at a crease, the whole shell turns: a spin of such
+// near points could not replace what the seam's tolerance has shifted. Returns the kinetic energy that this adds.
 double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const Vec3& turning) {
   std::vector<Term> all;
   double mass = 0.0, added = 0.0;
@@ -414,7 +417,7 @@ double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const 
     weigh();
   }
   const auto [moments, axes] = principal_axes(inertia);
-  Vec3 spin = Vec3::Zero();  // none about the line that all of them lie on
+  Vec3 spin = Vec3::Zero();  // no spin about a line on which all of them lie
   for (int d = 0; d < 3; ++d)
     if (moments[d] > kOnALine * moments[2]) spin += axes.col(d).dot(turning) / moments[d] * axes.col(d);
   for (const Term& m : all) {

@@ -1,5 +1,5 @@
 #pragma once
-// Shells that hang together along seams: control points that follow others, and creases that keep their angle.
+// Shells that are joined along seams: dependent control points, and creases that keep their angle.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -11,40 +11,42 @@
 
 namespace sunder::shell {
 
+/// Joins shells along seams. A dependent control point moves with the weighted mean of independent ones.
 class Stitching {
  public:
   Stitching() = default;
-  /// Patches of `stitches` are the models of `shells`, in their order. Throws Error where a support holds a seam along
-  /// one shell only.
+  /// `stitches` refers to the patches of `shells`, in their order. Throws Error where a support holds a seam on one of
+  /// its shells only.
   Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells);
 
   bool empty() const { return ties_.empty(); }
-  /// Control points that follow give their mass to those that they follow; at the start, after make_state.
+  /// Moves the masses of dependent control points to the independent ones. Call it once, after make_state.
   void tie(const std::vector<ShellRef>& shells);
-  /// After compute_forces of all shells: hands the forces of control points that follow, and what cracks have changed
-  /// of them, to those that they follow, and leaves them what makes them accelerate alike.
+  /// Moves the force of each dependent control point to its independent ones, so that both accelerate alike. Moves
+  /// force discontinuities in the same way. Call it after compute_forces of all shells.
   void share_forces(const std::vector<ShellRef>& shells);
-  /// After kick, before contact: what velocities are without impulses.
+  /// Stores velocities without contact impulses. Call it after the kick and before contact.
   void mark(const std::vector<ShellRef>& shells);
-  /// After contact: impulses on control points that follow act on those that they follow. What that changes in the
-  /// work of contact is booked.
+  /// Moves impulses on dependent control points to the independent ones, and books the change of the work of contact.
+  /// Call it after contact.
   void share_impulses(const std::vector<ShellRef>& shells);
-  /// After that, before drift: impulses that let creases have their angle after a drift of `dt`. They act along lines
-  /// between the control points that they move (SHAKE), so that momentum and angular momentum stay, and do no work.
+  /// Applies impulses so that creases have their angle after a drift of `dt` [s]. They act along lines between the
+  /// control points that they move (SHAKE), so they conserve momentum and angular momentum and do no work. Call it
+  /// after share_impulses and before drift.
   void keep_angles(const std::vector<ShellRef>& shells, double dt);
 
-  /// Velocities of control points that follow, from those that they follow.
+  /// Sets velocities of dependent control points from the independent ones.
   void follow(const std::vector<ShellRef>& shells) const;
-  /// Calls back (shell, slot, shell, slot) for each pair that still hangs together.
+  /// Calls back (shell, slot, shell, slot) for each pair of control points that is still joined.
   template <class F>
   void each_link(F&& callback) const {
     for (const Tie& t : ties_)
       for (std::size_t k = 0; t.holds && k < t.on.size(); ++k)
         if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
   }
-  /// Control points that `leaves(shell, slot)` go free again, and so do those that follow them; each takes its mass
-  /// back with its velocity, which keeps momentum and angular momentum and loses some kinetic energy. Returns whether
-  /// any was let go.
+  /// Releases the control points for which `leaves(shell, slot)` is true, and those that depend on them. Each takes
+  /// back its mass with its velocity. This conserves momentum and angular momentum and loses some kinetic energy.
+  /// Returns whether any was released.
   template <class F>
   bool release(const std::vector<ShellRef>& shells, F&& leaves) {
     bool any = false;
@@ -60,20 +62,20 @@ class Stitching {
     return any;
   }
 
-  /// Crack edges of a shell that have been asked whether they leave it over a seam.
+  /// Number of crack edges of each shell whose crossing of seams has been decided.
   std::vector<std::int64_t>& edges_seen() { return edges_seen_; }
-  /// Where a crack crosses a seam, at share `t` of its first edge: control points that follow others beyond it are let
-  /// go.
+  /// Releases control points that depend on others beyond a crack. The crack crosses the seam at share `t` of its first
+  /// edge.
   void part(const std::vector<ShellRef>& shells, const Seam& seam, double t);
-  /// Where a crack of `shell` runs along a seam, from share `low` of its first edge to `high`: what hangs on control
-  /// points that it has hidden from the seam is let go.
+  /// Releases control points that depend on others which a crack hides from the seam. The crack belongs to `shell` and
+  /// runs along the seam from share `low` of its first edge to share `high`.
   void part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high);
-  /// Lets go of all that a seam ties from share `low` of its first edge to `high`.
+  /// Releases all control points that a seam joins from share `low` of its first edge to share `high`.
   void open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high);
-  /// After these: at a corner of patches the shells that meet there stay together while seams that go out from it, each
-  /// to its next control points, hold them together.
+  /// Releases corner points, after the functions above. At a corner of patches, shells stay joined while the seams from
+  /// that corner still join them at their nearest control points.
   void settle_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams);
-  /// Something has been let go.
+  /// True where any control point has been released.
   bool parted() const {
     return std::any_of(ties_.begin(), ties_.end(), [](const Tie& t) { return !t.holds; });
   }
@@ -92,9 +94,10 @@ class Stitching {
     double weight;
   };
   struct Master : Term {
-    double share = 0.0;  // of the mass of what follows; none where the weight is negative, or masses could vanish
+    double share = 0.0;          // share of the dependent mass; 0 for a negative weight, or masses could vanish
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
+  /// A dependent control point, and the independent ones with their weights.
   struct Tie {
     int shell, slot;
     std::vector<Master> on;
@@ -102,17 +105,19 @@ class Stitching {
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
   void share(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&));
-  /// Keeps the length of a weighted sum of control points beside a crease (weights sum to 0), which is its angle.
+  /// A crease constraint: keeps the length of a weighted sum of control points beside the crease. The weights sum to 0;
+  /// the length measures the angle.
   struct Brace {
-    std::vector<Term> ends;   // as the geometry has it
-    std::vector<Term> terms;  // what moves them
+    std::vector<Term> ends;   // control points, as the geometry has them
+    std::vector<Term> terms;  // the independent control points that move them
     double length = 0.0;      // at rest [m]
     bool holds = true;
   };
-  /// Of a control point of the rows that a seam ties: where it is beside it as a share of the first edge, whether it
-  /// sees that place, and whether it is there itself.
+  /// The position of a control point relative to a seam, in the two rows next to it. `share` is the nearest place of
+  /// the seam, as a share of its first edge; `clear`: the point sees that place; `on_seam`: the point is in the edge
+  /// row.
   struct Foot {
-    int side = 0;  // 1: of the first patch, 2: of the second, 0: of no such row
+    int side = 0;  // 1: first patch, 2: second patch, 0: not in these rows
     bool clear = true, on_seam = false;
     double share = 0.0;
   };
@@ -123,7 +128,7 @@ class Stitching {
   static void book_lost(const std::vector<ShellRef>& shells, int shell, double lost);
   template <class F>
   void part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across);
-  /// Returns the kinetic energy that is lost [J].
+  /// Releases a dependent control point. Returns the kinetic energy that is lost [J].
   double let_go(const std::vector<ShellRef>& shells, Tie& tie);
   static double turn(const std::vector<ShellRef>& shells, const Tie& tie, const Vec3& turning);
   static void refresh(const std::vector<ShellRef>& shells, const Tie& tie);

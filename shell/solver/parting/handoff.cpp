@@ -13,23 +13,24 @@
 namespace sunder::shell {
 namespace {
 
-// A control point that stays keeps at least this share of its first mass, however many pieces leave beside
-// it: the stable step falls with the root of the mass.
+// Share of its first mass that a control point keeps, however many pieces beside it are handed off. The stable step
+// falls with the root of the mass.
 constexpr double kLeastMass = 0.5;
-constexpr std::size_t kNearest = 192;  // control points beside a piece that are asked for at first
-constexpr double kNeighbours = 8.0;    // spacings within which they are looked for first
+constexpr std::size_t kNearest = 192;  // control points beside a piece that are tried at first
+constexpr double kNeighbours = 8.0;    // spacings within which they are searched first
 constexpr std::size_t kEvery = std::numeric_limits<std::size_t>::max();
-constexpr double kPartTolerance = 0.1;  // spacings squared that a convex part may add to a piece's outline
-constexpr double kLastMass = 0.02;      // where that is not enough, as when the last pieces leave
+constexpr double kPartTolerance = 0.1;  // squared spacings that a convex part may add to a piece's outline
+constexpr double kLastMass = 0.02;  // smaller share for cases where kLeastMass is not enough, such as the last pieces
 
-// Mass that stays with a control point from which pieces take. Nothing uses one that a crack along a clamped border has
-// parted from them: what it has left is theirs.
+// Returns the mass that a control point keeps when pieces take from it. A point that a crack along a clamped border has
+// parted from all pieces keeps nothing, since nothing uses it.
 double kept_by(const ShellModel& m, const Triangulation& t, int slot, double share) {
   return t.owner[m.tables.control_point(slot)] < 0 ? 0.0 : share * m.mass[slot];
 }
 
-// The smallest masses to take from the nearest control points that stay (negative: to give) so that they sum
-// to `mass` and their first moment about the centre to `moment`. Empty where those points cannot spare them.
+// Returns the smallest masses to take from the nearest control points that stay (negative: to give). Their sum is
+// `mass` [kg] and their first moment about the centre `moment` [kg m]. Returns nothing where these points cannot give
+// as much.
 std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, const Triangulation& t,
                                      const std::vector<int>& beside, double mass, const Vec3& moment,
                                      const Vec3& centre) {
@@ -43,7 +44,7 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
       a.col(k) << 1.0, arm.x(), arm.y(), arm.z();
     }
     const Eigen::VectorXd parts = a.completeOrthogonalDecomposition().solve(wanted);
-    bool fits = (a * parts - wanted).norm() <= 1e-3 * wanted.norm();  // a bent piece's points need not all fit
+    bool fits = (a * parts - wanted).norm() <= 1e-3 * wanted.norm();  // not exact: a bent piece's points need not fit
     for (Eigen::Index k = 0; k < count && fits; ++k)
       fits =
           parts[k] <= s.motion.mass[beside[k]] - kept_by(m, t, beside[k], kLeastMass) && -parts[k] <= m.mass[beside[k]];
@@ -51,14 +52,14 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
     std::vector<double> out(parts.data(), parts.data() + count);
     double sum = 0.0;
     for (const double p : out) sum += p;
-    out[0] += mass - sum;  // the mass is exact
+    out[0] += mass - sum;  // makes the sum exact
     if (out[0] > s.motion.mass[beside[0]] - kept_by(m, t, beside[0], kLeastMass)) continue;
     return out;
   }
   return {};
 }
 
-// Rest geometry of a piece: the mid-surface triangles thickened by tau.
+// Rest geometry of a piece: mid-surface triangles with thickness tau.
 struct Geometry {
   double area = 0.0;
   Vec3 centre = Vec3::Zero();
@@ -87,7 +88,7 @@ Geometry rest_geometry(const ShellModel& m, const Triangulation& t, int piece) {
   return g;
 }
 
-// Control points that stay, nearest to the piece first: at least `most` of them, or all.
+// Returns control points that stay, nearest to the piece first: at least `most` of them, or all.
 std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Triangulation& t, const Piece& piece,
                             std::size_t most) {
   std::vector<Vec2> border;
@@ -117,9 +118,10 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
   return slots;
 }
 
-// A rigid piece that got all momentum of its sources can move faster than any of them: a sliver weighs less than
-// the control points that moved for it. It keeps what their energy about `common` allows; the rest is a rigid
-// impulse on control points of one piece beside it.
+// Returns excess momentum of a piece to control points beside it. A rigid piece with all momentum of its sources can
+// move faster than any of them: a sliver weighs less than the control points that moved for it. The piece keeps as much
+// as the sources' energy about the velocity `common` allows. The rest becomes a rigid impulse on control points of one
+// neighbouring piece.
 void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const Piece& piece,
                    const std::vector<int>& beside, const Vec3& centre, const Vec3& common, double energy, double mass,
                    const Mat3& inertia, Vec3& momentum, Vec3& angular) {
@@ -149,7 +151,7 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
       second += s.motion.mass[slot] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
     }
     spin = principal_axes(second);
-    return spin.moments[0] >= 1e-3 * spin.moments[2];  // not in a line, as those beside a long strip are
+    return spin.moments[0] >= 1e-3 * spin.moments[2];  // not in a line, as points beside a long strip are
   };
   std::vector<int> all;
   for (std::size_t most = kTakers;; most *= 2) {
@@ -170,7 +172,7 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
 
 void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& slots, Mat3& rotation, Vec3& from,
               Vec3& to) {
-  // one that follows others at a seam has given them its mass
+  // A dependent control point at a seam has no mass of its own.
   const auto weight = [&](int slot) { return s.motion.mass[slot] > 0.0 ? s.motion.mass[slot] : m.mass[slot]; };
   double mass = 0.0;
   from = to = Vec3::Zero();
@@ -184,7 +186,7 @@ void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& 
     covariance += weight(slot) * (s.position(slot) - to) * (s.at(m.rest, slot) - from).transpose();
   const Eigen::JacobiSVD<Mat3> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   rotation = Mat3::Identity();
-  // fewer than three points, or points in a line, fix no rotation
+  // Fewer than three points, or points in a line, determine no rotation.
   if (svd.singularValues()[1] < 1e-6 * svd.singularValues()[0]) return;
   Mat3 sign = Mat3::Identity();
   sign(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0;
@@ -226,7 +228,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
   std::vector<char> own(plane, 0);
-  // a control point near a span: its first of degree 2, its second, which is nearer, of degree 3
+  // Control point near a span: its first at degree 2; its second, which is nearer, at degree 3.
   const int inner = (t.degree - 1) / 2;
   const auto beside = [&](int span_v, int span_u) { return (span_v + inner) * t.stride + span_u + inner; };
   s.motion.last_force.clear();
@@ -240,13 +242,14 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
     for (int k = 0; k < 6; ++k) s.layers.surface_stress[t.at(block, 6, k, lane)] = 0.0;
   };
   if (piece.control_points.empty()) return;
-  // nothing uses what a crack has parted from a clamp, but points may be nearest to it
+  // A point that a crack has parted from a clamp has no function, but Gauss points may be nearest to it.
   for (int i = 0; m.clamped != 0 && i < m.control_points(); ++i) {
     int inside = parted_from_clamp(m, s.cracks.graph, i);
-    for (int next = inside; next >= 0; next = parted_from_clamp(m, s.cracks.graph, next)) inside = next;  // of a corner
+    // next to a corner
+    for (int next = inside; next >= 0; next = parted_from_clamp(m, s.cracks.graph, next)) inside = next;
     if (inside >= 0 && own[t.slot(inside)]) own[t.slot(i)] = 1;
   }
-  // what is nearest to one of its control points, or reaches one, is no further off
+  // Gauss points that are nearest to one of its control points, or use one, lie within this box.
   Vec2 low = m.parameter[piece.control_points[0]], high = low;
   for (const int i : piece.control_points) low = low.cwiseMin(m.parameter[i]), high = high.cwiseMax(m.parameter[i]);
   const Vec2 pad = (kLargestSupport + 1.0) * Vec2(m.spacing_u, m.spacing_v);
@@ -265,9 +268,9 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
         s.cracked.note_kind(g);
         slack(q, lane);
         if (!s.cracked.damage.empty())
-          s.cracked.damage[i].history.fill(0.0f);  // what has left is no crack of what stands
+          s.cracked.damage[i].history.fill(0.0f);  // its damage makes no crack in the remaining shell
       }
-  for (const int i : piece.control_points) {  // and the spans that they are near
+  for (const int i : piece.control_points) {  // also the spans near its control points
     const int span_v = i / t.columns - inner, lane = i % t.columns - inner;
     if (span_v < 0 || span_v >= t.spans_v || lane < 0 || lane >= t.spans_u) continue;
     for (int q = span_v * t.gauss * t.gauss; q < (span_v + 1) * t.gauss * t.gauss; ++q) {
@@ -278,7 +281,7 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
       if (point < 0 || s.cracked.gathered[point].kind == PointKind::kDead) slack(q, lane);
     }
   }
-  s.caches.trials.clear();  // of points that may have left
+  s.caches.trials.clear();  // some of these points may have been removed
   s.cracks.graph.near(low, high, 0.0, [&](int e) {
     if (s.cracks.interlock_of[e] < 0 || !s.cracks.interlocks[s.cracks.interlock_of[e]].holds) return true;
     Interlock& lock = s.cracks.interlocks[s.cracks.interlock_of[e]];
@@ -311,11 +314,11 @@ Vec3 inner_force(const ShellState& s, int slot) {
                                    : Vec3(s.at(s.motion.force, slot) - s.at(s.motion.external, slot));
 }
 
-// Forces within a piece cancel, and their moments, unless a support took some of them (the slope of a clamped edge) or
-// a Gauss point still sees control points on both sides, where cracks end just short of one another. What such a
-// point pulls with is nobody's momentum once the piece has left.
+// Tests whether the internal forces on a piece, and their moments, cancel. They do not where a support takes a part
+// (the slope of a clamped edge), or where a Gauss point still sees control points on both sides, near crack ends. The
+// pull of such a point is nobody's momentum after the hand-off.
 bool forces_cancel(const ShellModel& m, const ShellState& s, const Piece& piece) {
-  constexpr double kRoundOff = 1e-9;  // of the forces' magnitudes; a piece has thousands of terms at most
+  constexpr double kRoundOff = 1e-9;  // share of the forces' magnitudes; a piece has at most thousands of terms
   Vec3 force = Vec3::Zero(), moment = Vec3::Zero();
   double force_scale = 0.0, moment_scale = 0.0;
   for (const int i : piece.control_points) {
@@ -339,7 +342,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   double mass = 0.0;
   Vec3 momentum = Vec3::Zero();
   const bool balanced = forces_cancel(m, s, piece);
-  const auto velocity_now = [&](int slot) -> Vec3 {  // half a step on, at the time of the positions
+  const auto velocity_now = [&](int slot) -> Vec3 {  // half a step later, at the time of the positions
     return balanced ? Vec3(s.velocity(slot) + 0.5 * dt * s.motion.inverse_mass[slot] * inner_force(s, slot))
                     : s.velocity(slot);
   };
@@ -352,7 +355,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   std::vector<int> beside = neighbours(m, s, t, piece, kNearest);
   std::vector<std::pair<double, Vec3>> sources;  // masses that become the piece, with their velocities
   for (const int slot : slots) sources.emplace_back(s.motion.mass[slot], velocity_now(slot));
-  // where is the piece, and how turned
+  // Place and rotation of the piece.
   std::vector<int> fitted = slots;
   for (std::size_t k = 0; fitted.size() < 4 && k < beside.size(); ++k) fitted.push_back(beside[k]);
   ensure(!fitted.empty(), "piece {} has no control point near it", piece.number);
@@ -362,9 +365,8 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   const Vec3 centre = to + rotation * (g.centre - from);
   Vec3 angular = Vec3::Zero();
   for (const int slot : slots) angular += s.motion.mass[slot] * (s.position(slot) - centre).cross(velocity_now(slot));
-  // Lumping put mass on the wrong side of the crack, and its centre off the piece's. Both are put right by
-  // masses that cross it, so that the piece weighs rho tau area about its true centre; each takes the velocity
-  // it has with it.
+  // Lumping has put mass on the wrong side of the crack and has shifted its centre. Masses that cross the crack correct
+  // both: the piece then weighs rho tau area about its true centre. Each mass carries its own velocity.
   double missing = target - mass;
   out.mass_moved = missing;
   const auto receive = [&](int slot, double part, const Vec3& v) {  // from a control point that stays
@@ -374,14 +376,16 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     if (s.motion.inverse_mass[slot] > 0.0) s.motion.inverse_mass[slot] = 1.0 / s.motion.mass[slot];
     if (part > 0.0) out.donors.push_back(slot), sources.emplace_back(part, v);
   };
-  const auto give = [&](int slot, double part, const Vec3& v) {  // to one that stays: they mix, momentum is kept
+  // to a control point that stays: velocities mix, momentum is conserved
+  const auto give = [&](int slot, double part, const Vec3& v) {
     if (s.motion.inverse_mass[slot] > 0.0) {
       const Vec3 old = s.velocity(slot);
       s.add_velocity(slot, (s.motion.mass[slot] * old + part * v) / (s.motion.mass[slot] + part) - old);
     }
-    receive(slot, -part, s.motion.inverse_mass[slot] > 0.0 ? v : s.velocity(slot));  // what is held moves as before
+    // a held control point moves as before
+    receive(slot, -part, s.motion.inverse_mass[slot] > 0.0 ? v : s.velocity(slot));
   };
-  Vec3 moment = Vec3::Zero();  // what the piece's masses miss about its centre [kg m]
+  Vec3 moment = Vec3::Zero();  // first moment that the piece's masses lack about its centre [kg m]
   for (const int slot : slots) moment -= s.motion.mass[slot] * (s.position(slot) - centre);
   const std::vector<double> parts = balancing_masses(m, s, t, beside, missing, moment, centre);
   if (!parts.empty()) {
@@ -404,8 +408,8 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     for (std::size_t k = 0; k < takers; ++k) give(beside[k], -missing / static_cast<double>(takers), v);
     missing = 0.0;
   }
-  target -= missing;  // nobody left to give or to take it: the run reports it as an error of the geometry
-  // by area, unless it weighs something else
+  target -= missing;  // no control point can give or take it: the run reports an error of the geometry
+  // By area, except where the mass differs.
   const double surface_density = missing == 0.0 ? m.material.density * m.thickness : target / g.area;
   const Mat3 inertia = surface_density * (g.second.trace() * Mat3::Identity() - g.second);
   Vec3 common = Vec3::Zero();

@@ -1,5 +1,5 @@
 #pragma once
-// Pieces that have come off leave the shell and become rigid bodies.
+// Hand-off: detached pieces leave the shell and become rigid bodies.
 #include <vector>
 
 #include "coupler/core/body.h"
@@ -8,14 +8,14 @@
 
 namespace sunder::shell {
 
-/// What is drawn of a body that was a piece: the thickened outline, body coordinates [m].
+/// The drawn mesh of a body that was a piece: the thickened outline, in body coordinates [m].
 struct DrawnMesh {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
 };
 
-/// Mass, momentum and angular momentum about the origin of all control points, and the sums of the entries'
-/// magnitudes that round-off is relative to.
+/// Mass, momentum and angular momentum about the origin of all control points, and the sums of the terms' magnitudes,
+/// to which round-off is relative.
 struct Totals {
   double mass = 0.0, momentum_scale = 0.0, angular_scale = 0.0;
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero();
@@ -25,34 +25,37 @@ struct Totals {
     return *this;
   }
 };
+/// Computes the totals of one shell.
 Totals totals(const ShellModel& model, const ShellState& state);
 
-/// What became of a piece that left.
+/// The result of a hand-off.
 struct Handoff {
   RigidBody body;
   double area = 0.0;        // [m^2]
-  double mass_moved = 0.0;  // [kg] that crossed the crack so that the piece weighs rho tau area
-  std::vector<int> donors;  // slots that gave mass and stay
+  double mass_moved = 0.0;  // [kg] moved across the crack so that the piece weighs rho tau area
+  std::vector<int> donors;  // slots of control points that stay and gave mass
   DrawnMesh drawn;
 };
 
-/// Makes a rigid body of a piece at its rest shape, best fitted to its control points: mass rho tau
-/// area, linear and angular momentum of its control points exactly. What lumping put on the wrong side
-/// of the crack is exchanged with the nearest control points that stay, each with its own momentum.
-/// The piece's control points and Gauss points leave the shell; the caller books the energy that is lost.
+/// Makes a rigid body of a piece. Its shape is that at rest, its pose the best fit to its control points. Its mass is
+/// rho tau area; its linear and angular momentum are those of its control points exactly. Lumping puts some mass on the
+/// wrong side of the crack: it is exchanged with the nearest control points that stay, with its own momentum. The piece
+/// is then removed from the shell. `dt` is the substep [s]. The caller books the lost energy.
 Handoff hand_off(const ShellModel& model, ShellState& state, const Triangulation& t, const Piece& piece, BodyId id,
                  double dt);
 
-/// Pieces of several shells that leave as one body: masses, momenta and angular momenta are added, where each stands.
+/// Joins pieces of several shells into one body at their present places: adds masses, momenta and angular momenta.
 Handoff joined(const std::vector<Handoff>& parts);
 
-/// Rotation and translation of rest positions that fit the present ones best (mass-weighted).
+/// Finds the rotation and the translation (`from` to `to`, [m]) that best fit rest positions to present ones, weighted
+/// by mass.
 void fit_pose(const ShellModel& model, const ShellState& state, const std::vector<int>& slots, Mat3& rotation,
               Vec3& from, Vec3& to);
-/// Thickens a piece at its rest shape, turned by `to_body` about `centre`: convex parts to collide and a mesh to draw.
+/// Thickens a piece at its rest shape, turned by `to_body` about `centre` [m]. Appends convex parts for collisions to
+/// `shape` and a mesh to `drawn`.
 void thicken(const ShellModel& model, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
              ConvexShape& shape, DrawnMesh& drawn);
-/// The piece's points leave: nothing reads or moves them any more.
+/// Removes a piece: nothing reads or moves its control points and Gauss points any more.
 void remove_piece(const ShellModel& model, ShellState& state, const Piece& piece);
 
 }  // namespace sunder::shell

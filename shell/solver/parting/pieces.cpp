@@ -5,7 +5,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kCrumb = 0.02;  // spacings squared: what is smaller is left where joins cross what they join
+// squared spacings: smaller slivers, which form where joins cross what they join, are removed
+constexpr double kCrumb = 0.02;
 
 }  // namespace
 
@@ -15,7 +16,7 @@ Eigen::AlignedBox2d domain_of(const ShellModel& m) {
 }
 
 Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<const Eigen::AlignedBox2d> knots_in) {
-  std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
+  std::vector<Vec2> places = m.parameter;  // a point on a crack belongs to its left side, as for visibility
   for (Vec2& p : places)
     s.cracks.graph.near(p, p, m.spacing, [&](int e) {
       Vec2 foot;
@@ -43,7 +44,8 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
   for (const int slot : m.constraints.anchors) anchored[slot] = 1;
   for (int i = 0; i < m.control_points(); ++i) {
     if (t.owner[i] < 0) {
-      const int beside = parted_from_clamp(m, s.cracks.graph, i);  // that of a corner is parted as well
+      // for a corner, the point beside it may be parted too
+      const int beside = parted_from_clamp(m, s.cracks.graph, i);
       if (beside >= 0 && t.owner[beside] >= 0) pieces[t.owner[beside]].parted = true;
       continue;
     }

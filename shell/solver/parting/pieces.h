@@ -1,5 +1,5 @@
 #pragma once
-// What cracks have left of a patch.
+// Pieces of a shell: the regions of a patch that cracks have separated.
 #include <array>
 #include <span>
 #include <vector>
@@ -9,25 +9,26 @@
 
 namespace sunder::shell {
 
+/// One region of a patch between cracks.
 struct Piece {
   int number = 0;     // in the triangulation
   double area = 0.0;  // at rest [m^2]
   std::vector<int> control_points;
   bool held = false;         // a support holds it
-  bool gone = false;         // handed off before
-  bool parted = false;       // a crack along a clamped border has parted some of it from there
-  bool interlocked = false;  // still fastened to another piece
+  bool gone = false;         // already handed off
+  bool parted = false;       // a crack along a clamped border has parted a piece of it from the border
+  bool interlocked = false;  // crack faces in contact still join it to another piece
 };
 
-/// All of a patch, in its parameters.
+/// Returns the parameter domain of a patch.
 Eigen::AlignedBox2d domain_of(const ShellModel& model);
-/// The present cracks, with knots in these boxes; control points are the queries.
-/// A border control point from which a crack along a clamp has parted the patch is in no piece.
+/// Triangulates the patch with the present cracks, and with knots in the boxes `knots_in`; control points are assigned
+/// to pieces. A border control point that a crack along a clamp has parted belongs to no piece.
 Triangulation triangulated(const ShellModel& model, const ShellState& state,
                            std::span<const Eigen::AlignedBox2d> knots_in);
-/// The pieces of a triangulation as they are held, fastened and gone now.
+/// Returns the pieces of a triangulation with their present support, contact and hand-off.
 std::vector<Piece> pieces_of(const ShellModel& model, const ShellState& state, const Triangulation& t);
-/// Both.
+/// Triangulates with all knots, and returns the pieces in `pieces`.
 inline Triangulation partition(const ShellModel& model, const ShellState& state, std::vector<Piece>& pieces) {
   Triangulation t = triangulated(model, state, std::array{domain_of(model)});
   pieces = pieces_of(model, state, t);

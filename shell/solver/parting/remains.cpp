@@ -5,10 +5,11 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kTorn = 4.0;  // of its length at rest: what is longer is no surface, control points of rubble fly off
-constexpr double kBent = 0.5;  // of the thickness, off a plane: a piece that is more so is taken as it stands
+// times its length at rest: a longer side is no surface, since control points of rubble fly freely
+constexpr double kTorn = 4.0;
+constexpr double kBent = 0.5;  // thicknesses from a plane: a piece with more keeps its present shape
 
-// The surface where it stands, with the functions of the uncut patch.
+// Evaluates the present surface with the functions of the uncut patch.
 SurfacePoint surface(const ShellModel& m, const ShellState& s, const Vec2& p) {
   const ShapeFunctions f = m.patch.shape_functions(p);
   SurfacePoint out{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
@@ -19,9 +20,10 @@ SurfacePoint surface(const ShellModel& m, const ShellState& s, const Vec2& p) {
   return out;
 }
 
+// The present shape of a piece.
 struct Stand {
   std::vector<int> triangles;
-  std::vector<Vec3> low, high;  // of each vertex of the triangulation; unset where no triangle of the piece has it
+  std::vector<Vec3> low, high;  // of each vertex of the triangulation; unset outside the piece
   bool bent = false;
 };
 
@@ -50,7 +52,7 @@ Stand stand(const ShellModel& m, const ShellState& s, const Triangulation& t, in
   return out;
 }
 
-// A prism for each triangle, in the world's coordinates.
+// Makes a prism of each triangle, in world coordinates.
 void take_as_it_stands(const Triangulation& t, const Stand& at, double thickness, ConvexShape& shape,
                        DrawnMesh& drawn) {
   const auto finite = [&](int v) { return at.low[v].allFinite() && at.high[v].allFinite(); };
@@ -104,7 +106,7 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
       }
       Mat3 rotation;
       Vec3 from, to;
-      fit_pose(m, s, slots, rotation, from, to);  // where it stands: a hinged pane may have swung
+      fit_pose(m, s, slots, rotation, from, to);  // at its present place: a hinged pane may have swung
       thicken(m, t, p.number, from - rotation.transpose() * to, rotation, shape, out.drawn);
     }
   b.shape = std::move(shape);

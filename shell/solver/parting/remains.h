@@ -1,12 +1,12 @@
 #pragma once
-// What a support holds when a shell is no longer solved.
+// The held part of a shell when the shell is no longer solved.
 #include "shell/solver/parting/handoff.h"
 
 namespace sunder::shell {
 
-/// What a support holds as one static body where it stands; the shell is then empty. What has stayed flat, or only
-/// swung, keeps its rest shape in few convex parts; what is curved or bent for good stands as it is, a part for each
-/// triangle.
+/// Makes one static body of the held part, at its present place, and empties the shell. A part that is flat or has only
+/// swung keeps its rest shape in a few convex parts. A curved or permanently bent part keeps its present shape, with
+/// one convex part for each triangle.
 Handoff freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,
                BodyId id);
 

@@ -8,7 +8,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kDifference = 1e-6;  // of the size of what a control point stands for
+constexpr double kDifference = 1e-6;  // share of the size that a control point stands for
 
 }  // namespace
 
@@ -38,8 +38,8 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
                                 const std::vector<double>& residual, const std::function<void()>& forces) {
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
-  const int reach = t.degree;               // control points that share an element lie at most so far apart
-  const int period = 2 * reach + 1;         // those a period apart are moved at once
+  const int reach = t.degree;               // control points of one element are at most this far apart
+  const int period = 2 * reach + 1;         // control points one period apart move together
   std::vector<double> epsilon(plane, 0.0);  // by the area that a control point stands for
   for (std::size_t i = 0; i < plane; ++i)
     epsilon[i] = kDifference * std::sqrt(m.mass[i] / (m.material.density * m.thickness));
@@ -76,12 +76,12 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
   for (std::size_t k = 0; k < residual.size(); ++k)
     if (free.number[k] >= 0) right[free.number[k]] = residual[k];
   Eigen::VectorXd step;
-  if (m.loads.follow()) {  // no symmetric tangent
+  if (m.loads.follow()) {  // the tangent is not symmetric
     Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(tangent);
     if (factors.info() != Eigen::Success) return {};
     step = factors.solve(right);
   } else {
-    // the mean of both triangles halves the round-off of differences, which thin elements at a pole have much of
+    // The mean of both triangles halves the round-off of differences, which is large for thin elements at a pole.
     const Eigen::SparseMatrix<double> mean = 0.5 * (tangent + Eigen::SparseMatrix<double>(tangent.transpose()));
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(mean);
     if (factors.info() != Eigen::Success) return {};

@@ -1,5 +1,5 @@
 #pragma once
-// Newton steps towards equilibrium, with the tangent of an uncracked shell.
+// Newton steps towards equilibrium, with the tangent stiffness of an uncracked shell.
 #include <functional>
 #include <vector>
 
@@ -7,17 +7,19 @@
 
 namespace sunder::shell {
 
-/// Numbers of the displacements that supports leave free: [3][plane], -1 held; tied ones share theirs.
+/// Numbers of the free displacements, [3][component stride]: -1 where a support holds or drives it; tied slots share
+/// one number.
 struct FreeDegrees {
   std::vector<int> number;
   int count = 0;
 };
+/// Numbers the free displacements of a shell.
 FreeDegrees free_degrees(const ShellModel& model, const ShellState& state);
 
-/// Solves K du = r for all free displacements, K the tangent at the present positions by differences of `forces`
-/// (which puts them into state.motion.force). `residual` and the answer are [3][plane]; tied entries of `residual` are
-/// summed. Empty where K has no factors. Only for states without cracks: control points that are moved
-/// at once, 2 degree + 1 apart, must not interact.
+/// Solves K du = r for all free displacements [m]. K is the tangent stiffness at the present positions, by differences
+/// of `forces`, which computes state.motion.force [N]. `residual` and the result are [3][component stride]; tied
+/// entries of `residual` hold their sum. Returns nothing where K cannot be factorised. Only for states without cracks:
+/// control points 2 degree + 1 apart move together and must not interact.
 std::vector<double> newton_step(const ShellModel& model, ShellState& state, const FreeDegrees& free,
                                 const std::vector<double>& residual, const std::function<void()>& forces);
 

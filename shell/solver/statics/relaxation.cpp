@@ -11,21 +11,21 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kStep = 0.9;       // of the stable one
+constexpr double kStep = 0.9;       // share of the stable step
 constexpr int kMeasureEvery = 400;  // steps between two measurements of the stable step
 constexpr int kFirstIterations = 150,
-              kLaterIterations = 16;  // of the first one, and of the others, which go on from it
-constexpr int kCheckEvery = 50;       // steps between two looks at the residual
-constexpr double kLongestStep = 0.1;  // of the shell's size, a Newton step
-constexpr int kPatience = 5;          // Newton steps without gain
-constexpr double kRoundOff = 1e-3;    // a residual that small and not falling is round-off
+              kLaterIterations = 16;  // of the first measurement; of the later ones, which start from its mode
+constexpr int kCheckEvery = 50;       // steps between two checks of the residual
+constexpr double kLongestStep = 0.1;  // longest Newton step, as a share of the shell's size
+constexpr int kPatience = 5;          // Newton steps without progress
+constexpr double kRoundOff = 1e-3;    // a residual below this that does not fall is round-off
 constexpr int kMostHalvings = 6;      // of a Newton step
-constexpr double kFallen = 0.8;       // of the work of the residual on the step, where the step is good
-constexpr double kWorse = 2.0;        // times the least work left, before Newton gives up what it lost
-constexpr double kMargin = 1.1;       // power iteration approaches from below
+constexpr double kFallen = 0.8;       // a step is accepted when the residual's work on it has fallen to this share
+constexpr double kWorse = 2.0;        // multiple of the least remaining work at which Newton's search returns to it
+constexpr double kMargin = 1.1;       // power iteration approaches the eigenvalue from below
 
-// Row sums of the stiffness, bounded by norms of the shape functions' derivatives [N/m]: as masses they give
-// every control point a like step, however small or distorted the elements beside it are.
+// Returns row sums of the stiffness, bounded by norms of the shape functions' derivatives [N/m]. As masses they give
+// every control point a similar step, however small or distorted its elements are.
 std::vector<double> fictitious_masses(const ShellModel& m, const ShellState& s) {
   const RowTables& t = m.tables;
   const double e = m.material.youngs_modulus / (1.0 - m.material.poisson_ratio * m.material.poisson_ratio);
@@ -60,11 +60,11 @@ std::vector<double> fictitious_masses(const ShellModel& m, const ShellState& s) 
   return mass;
 }
 
-// Forces and displacements in the space that supports leave: held components zero, tied ones alike.
+// Forces and displacements that supports leave free: held components are zero, tied ones equal.
 struct Space {
   const ShellModel& m;
   const std::vector<double>& mass;
-  std::vector<double> inverse;  // [3][plane]; of a tied group's sum
+  std::vector<double> inverse;  // [3][component stride]; of the sum of a tied group
   explicit Space(const ShellModel& model, const ShellState& s, const std::vector<double>& masses)
       : m(model), mass(masses) {
     const std::size_t plane = m.tables.plane;
@@ -82,7 +82,7 @@ struct Space {
       }
     }
   }
-  // Sums the forces of tied groups; each member then holds the sum.
+  // Sums the forces of each tied group; every member then holds the sum.
   void gather(std::vector<double>& f) const {
     const std::size_t plane = m.tables.plane;
     for (int d = 0; d < 3; ++d)
@@ -101,7 +101,8 @@ double norm_of(const std::vector<double>& f, const std::vector<double>& inverse,
   return std::sqrt(sum);
 }
 
-// Norm of what nothing balances, over that of loads and weights, or of reactions. s.motion.force is that of the shell.
+// Returns the norm of unbalanced forces, divided by that of loads and weights, or of reactions. s.motion.force holds
+// the shell's forces.
 double relative_residual(const ShellState& s, const Space& space, const std::vector<double>& weight,
                          std::vector<double>& summed) {
   summed = s.motion.force;
@@ -132,7 +133,7 @@ RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const Relaxa
   std::mt19937_64 random(1);
   for (double& x : mode) x = static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0;
   const double epsilon = 1e-7 * m.spacing;
-  const auto stable = [&](int iterations) {  // power iteration, warm from the last one
+  const auto stable = [&](int iterations) {  // power iteration, continued from the last mode
     at = s.motion.x;
     const std::vector<double> f0 = s.motion.force;
     double lambda = 0.0;
@@ -164,7 +165,7 @@ RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const Relaxa
     const std::vector<double> start = s.motion.x;
     std::vector<double> nearest = s.motion.x;
     double least = std::numeric_limits<double>::infinity();
-    double furthest = 0.0;  // a step as long as the shell is no step
+    double furthest = 0.0;  // the shell's size, to limit steps
     for (std::size_t i = 0; i < size; ++i)
       furthest = std::max(furthest, std::abs(s.motion.x[i] - s.motion.x[i - i % plane]));
     double best = std::numeric_limits<double>::infinity();
@@ -177,10 +178,10 @@ RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const Relaxa
       if (!std::isfinite(r.residual) || r.converged) break;
       since_best = r.residual < 0.5 * best ? 0 : since_best + 1;
       best = std::min(best, r.residual);
-      if (since_best > kPatience && best < kRoundOff) return r;  // as near as round-off lets it
+      if (since_best > kPatience && best < kRoundOff) return r;  // as near as round-off allows
       const std::vector<double> step = newton_step(m, s, free, summed, forces);
       if (step.empty()) break;
-      double left = 0.0, done = 0.0;  // work of the residual on the step, of the loads so far
+      double left = 0.0, done = 0.0;  // work of the residual on the step; work of the loads so far
       for (std::size_t i = 0; i < size; ++i) {
         left += s.motion.force[i] * step[i];
         done += (weight[i] + (s.motion.external.empty() ? 0.0 : s.motion.external[i])) * (s.motion.x[i] - start[i]);
@@ -190,13 +191,13 @@ RelaxationResult to_equilibrium(const ShellModel& m, ShellState& s, const Relaxa
         break;
       }
       if (std::abs(left) < least) least = std::abs(left), nearest = s.motion.x;
-      if (std::abs(left) > kWorse * least && least < kRoundOff * std::abs(done)) {  // round-off has taken over
+      if (std::abs(left) > kWorse * least && least < kRoundOff * std::abs(done)) {  // round-off dominates
         s.motion.x = nearest;
         return r;
       }
       double longest = 0.0;
       for (const double u : step) longest = std::max(longest, std::abs(u));
-      // along the step until the residual's work on it has fallen (Crisfield's line search)
+      // Shortens the step until the residual's work on it has fallen (Crisfield's line search).
       const std::vector<double> from = s.motion.x;
       double share = std::min(1.0, kLongestStep * furthest / longest);
       for (int halving = 0;; ++halving, share *= 0.5) {
@@ -245,7 +246,7 @@ RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules
   const RelaxationResult r = to_equilibrium(m, s, rules);
   std::fill(s.motion.v.begin(), s.motion.v.end(), 0.0);
   compute_forces(m, s, false, s.layers.plastic.empty() ? 0.0 : 1.0,
-                 rules.threads);  // without the weights; what yielded stays
+                 rules.threads);  // without the weights; plastic strain stays
   return r;
 }
 

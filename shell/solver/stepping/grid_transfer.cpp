@@ -9,7 +9,7 @@ namespace sunder::shell {
 void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules, double dt, int threads) {
   if (rules.kind == Transfer::kDirect) return;
   const std::size_t plane = m.tables.plane;
-  if (!rules.leaky) constrain(m, s, dt);  // supports bear what acts on what they hold
+  if (!rules.leaky) constrain(m, s, dt);  // supports bear forces on held control points
   std::vector<double>& kicked = s.motion.kicked;
   kicked = s.motion.v;
   if (rules.leaky)
@@ -35,7 +35,7 @@ void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules
   for (int d = 0; d < 3; ++d)
     for (std::size_t i = 0; i < plane; ++i)
       if (s.motion.inverse_mass[i] > 0.0) s.book.transfer += lost(d, i);
-  for (const auto& driven : m.constraints.driven)  // what supports drive, they pay for
+  for (const auto& driven : m.constraints.driven)  // the energy of driven control points is booked at their support
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d])
         if (s.motion.inverse_mass[slot] > 0.0) s.book.transfer -= lost(d, slot);

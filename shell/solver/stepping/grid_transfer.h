@@ -1,20 +1,20 @@
 #pragma once
-// Velocities on their way through the background grid, the paper's transfer.
+// Transfer of velocities through the background grid, as in the paper.
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 
-/// How velocities move on from substep to substep.
+/// The way that velocities take from substep to substep.
 struct TransferRules {
   Transfer kind = Transfer::kDirect;
   double spacing = 0.0;  // of the grid [m]
-  // Forces on what supports hold go to the grid too and reach what moves beside it, as where supports are known to no
-  // grid node; else supports bear them.
+  // True: forces on held control points go to the grid too and reach free points beside them, as in a grid that does
+  // not know supports. False: supports bear these forces.
   bool leaky = false;
 };
 
-/// Velocities through the background grid, and of what supports hold: after contact, in place of `constrain`, where
-/// `kick` was told to keep those before it. What that loses of the energy is booked.
+/// Passes velocities through the background grid and applies supports. Call it after contact, in place of `constrain`;
+/// `kick` has stored the velocities before it. `dt` is the substep [s]. The loss of energy is booked.
 void through_grid(const ShellModel& model, ShellState& state, const TransferRules& rules, double dt, int threads);
 
 }  // namespace sunder::shell

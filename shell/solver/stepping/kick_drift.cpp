@@ -14,16 +14,17 @@ double external_power(const ShellModel& m, const ShellState& s) {
   for (std::size_t i = 0; i < s.motion.external.size(); ++i) power += s.motion.external[i] * moving[i];
   for (const auto& driven : m.constraints.driven)
     for (int d = 0; d < 3; ++d)
-      for (const int slot : driven.slots[d])  // what follows others over a seam has no mass, and its force is theirs
+      // a dependent control point has no mass; its force counts at those it depends on
+      for (const int slot : driven.slots[d])
         if (s.motion.mass[slot] > 0.0) power -= s.motion.force[d * plane + slot] * s.motion.v[d * plane + slot];
   return power;
 }
 
 namespace {
 
-// Half a step's work of loads and of supports that move, at the velocities as they stand: before the kick and after
-// it, together the trapezoidal rule that leapfrog's energy asks for. `inertia`: +1 adds the kinetic energy of what is
-// driven along some axes and counted with the shell's, -1 takes it away: between both the support has changed it.
+// Books half a step's work of loads and moving supports at the present velocities. The halves before and after the kick
+// make the trapezoidal rule that fits leapfrog's energy. A point that is driven along some axes counts in the shell's
+// kinetic energy: `inertia` +1 adds that energy, -1 subtracts it. The difference is the support's work.
 void book_external_work(const ShellModel& m, ShellState& s, double dt, double inertia) {
   const std::size_t plane = m.tables.plane;
   for (const auto& driven : m.constraints.driven)
@@ -35,7 +36,7 @@ void book_external_work(const ShellModel& m, ShellState& s, double dt, double in
   s.book.external += 0.5 * dt * external_power(m, s);
 }
 
-// Half a step's work that forces do on what moves otherwise than its velocity says.
+// Books half a step's work of forces on points that move with other velocities than those stored.
 void book_moving_work(ShellState& s, double dt) {
   for (std::size_t i = 0; i < s.motion.moving.size(); ++i)
     s.book.transfer += 0.5 * dt * s.motion.force[i] * (s.motion.moving[i] - s.motion.v[i]);
@@ -45,7 +46,8 @@ void book_moving_work(ShellState& s, double dt) {
 
 namespace {
 
-// What is changed of the force on control points that supports hold, drive or tie together goes where theirs does.
+// Takes the force discontinuity out of the state. Supports act on it as on forces: it is zero at held and driven
+// control points, and shared by mass in tied groups.
 std::vector<double> free_jump(const ShellModel& m, ShellState& s, double dt) {
   const std::size_t plane = m.tables.plane;
   std::vector<double> jump;
@@ -78,7 +80,7 @@ void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
                   [](const ShellRef& r) { return r.state->cracks.force_discontinuity.empty(); }))
     return;
   std::vector<std::vector<double>> jumps;
-  // m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still
+  // The energy m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still.
   double moving = 0.0, square = 0.0, still = 0.0, let_go = 0.0;
   for (const ShellRef& r : shells) {
     ShellState& s = *r.state;
@@ -93,7 +95,7 @@ void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
     }
   }
   double share = 1.0;
-  if (square + still > 0.0) {  // the most of it with which the energy does not rise, or where it rises least
+  if (square + still > 0.0) {  // the largest share without a gain, or the one with the least gain
     const double middle = -0.5 * (moving + still) / square;
     share = std::clamp(middle + std::sqrt(std::max(0.0, middle * middle + moving / square)), 0.0, 1.0);
   }
@@ -124,7 +126,7 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, 
         const std::size_t k = d * plane + i;
         const double gain =
             viscous ? beta * (s.motion.force[k] - s.motion.last_force[k]) * s.motion.inverse_mass[i] : 0.0;
-        const double change = gain - dt * alpha * s.motion.v[k];  // of v
+        const double change = gain - dt * alpha * s.motion.v[k];  // change of v
         s.book.damping -= s.motion.mass[i] * change *
                           (s.motion.v[k] + 0.5 * (dt * s.motion.inverse_mass[i] * s.motion.force[k] + change));
         s.motion.v[k] += change;

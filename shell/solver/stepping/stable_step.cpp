@@ -12,12 +12,12 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kProbe = 1e-7;  // of the spacing, that a control point is moved by on average: large against
-                                 // round-off, and small enough that forces are linear in it
+// Mean displacement of a control point in spacings: large against round-off, and small enough for linear forces.
+constexpr double kProbe = 1e-7;
 
 double noise(std::mt19937_64& random) { return static_cast<double>(random() >> 11) * 0x1.0p-52 - 1.0; }
 
-/// A shell and what it was before; its velocities hold the mode meanwhile.
+/// A shell during a measurement, with its previous state. Its velocities hold the mode.
 struct Probed {
   Probed(const ShellRef& shell, bool as_if_free)
       : model(*shell.model),
@@ -35,21 +35,21 @@ struct Probed {
 
   const ShellModel& model;
   ShellState& s;
-  std::vector<double> x, v, force, inverse_mass, at_rest;  // the last: forces at the present positions
+  std::vector<double> x, v, force, inverse_mass, at_rest;  // at_rest: forces at the present positions
 };
 
-// Whether K is symmetric, and forces linear for small probes: layers that yield go on yielding one way only, and what
-// damage weakens is no gradient. Lanczos found a third of the stable step there.
+// Tests whether K is symmetric and forces are linear for small probes. Yielding layers yield in one direction only, and
+// forces of damaged points are no gradient: there the method of Lanczos fails.
 bool elastic(const ShellState& s) { return !s.yields() && s.layers.brittleness <= 0.0; }
 
-// Central differences with damping at the velocities half a step ago.
+// Stable step [s] of central differences, with damping at velocities half a step earlier.
 double step_of(const ShellMaterial& m, double omega) {
   const double damped = 0.5 * (m.stiffness_damping * omega + m.mass_damping / omega);
   return 2.0 / omega * (std::sqrt(1.0 + damped * damped) - damped);
 }
 
-/// The largest eigenvalue of M^-1 K by the method of Lanczos, in the scalar product of M, from the first guess in the
-/// velocities. Orthogonality that is lost on the way makes copies of what has converged, which do no harm here.
+/// Returns the largest eigenvalue of M^-1 K [1/s^2] by the method of Lanczos, in the scalar product of M. The
+/// velocities hold the first guess. Lost orthogonality only copies eigenvalues that have converged, which does no harm.
 template <class Forces>
 double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
   ShellState& s = p.s;
@@ -82,7 +82,7 @@ double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
     length = std::sqrt(product(next, next));
     beside[found] = length;
     std::swap(before, v), std::swap(v, next);
-    if (!(length > 1e-6 * std::abs(diagonal[found]))) length = 0.0;  // all that the guess holds has been found
+    if (!(length > 1e-6 * std::abs(diagonal[found]))) length = 0.0;  // the guess holds no further modes
   }
   if (found == 0) return 0.0;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
@@ -90,7 +90,7 @@ double largest_eigenvalue(Probed& p, int iterations, const Forces& forces) {
   return eigen.eigenvalues()[found - 1];
 }
 
-/// 2 / sqrt(lambda_max) with the mode's first guess in the velocities, by power iteration.
+/// Returns 2 / sqrt(lambda_max) [s] by power iteration. The velocities hold the first guess.
 template <class Forces>
 double iterate(std::vector<Probed>& shells, int iterations, const Forces& forces) {
   double epsilon = std::numeric_limits<double>::infinity(), points = 0.0, lambda = 0.0;
@@ -160,7 +160,7 @@ double stable_step(const ShellModel& m, ShellState& s, int iterations, int threa
   } else {
     step = iterate(shells, 2 * iterations, forces);
   }
-  shells[0].force = std::move(shells[0].at_rest);  // callers go on with those of the present positions
+  shells[0].force = std::move(shells[0].at_rest);  // callers need the forces of the present positions
   shells[0].restore();
   return step;
 }
