@@ -17,7 +17,7 @@ struct DisjointSets {
     while (parent[i] != i) i = parent[i] = parent[parent[i]];
     return i;
   }
-  /// The lowest of a set is its root. False where they are one already.
+  /// Joins the sets of a and b; the lowest of a set is its root. False where they are one already.
   bool join(int a, int b) {
     a = root(a), b = root(b);
     parent[std::max(a, b)] = std::min(a, b);

@@ -10,12 +10,11 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kSag = 1e-2;                      // spacings from a chord to its arc
-constexpr double kShortest = 0.5, kLongest = 0.9;  // spacings of an edge; no longer, or insertion would halve it
-constexpr double kMargin = 0.9;                    // of the edge that the sag allows: whole numbers stretch edges
-constexpr int kFine = 16;                          // fine points a spacing
-constexpr int kFewest = 256, kMost = 1 << 19;      // fine points
-constexpr int kHighestSpline = 5;                  // degree
+constexpr double kLongest = 0.9;               // spacings of an edge; no longer, or insertion would halve it
+constexpr double kMargin = 0.9;                // of the edge that the sag allows: whole numbers stretch edges
+constexpr int kFine = 16;                      // fine points a spacing
+constexpr int kFewest = 256, kMost = 1 << 19;  // fine points
+constexpr int kHighestSpline = 5;              // degree
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -103,7 +102,7 @@ std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing) {
   for (int i = 1; i <= pieces; ++i) {
     const double radius = 1.0 / std::max({bend[i - 1], bend[i], 1e-9 / spacing});
     const double edge =
-        std::clamp(kMargin * std::sqrt(8.0 * kSag * spacing * radius), kShortest * spacing, kLongest * spacing);
+        std::clamp(kMargin * std::sqrt(8.0 * kSag * spacing * radius), kShortestEdge * spacing, kLongest * spacing);
     edges[i] = edges[i - 1] + (p[i] - p[i - 1]).norm() / edge;
   }
   const int count = std::max(curve.closed ? 8 : 1, static_cast<int>(edges.back() + 1e-9));

@@ -22,6 +22,11 @@ PlaneCurve spiral_curve(const Vec2& centre, double inner, double outer, double t
 /// B-spline of uniform knots: open and clamped at its end points (at least degree + 1 points), or closed and smooth.
 PlaneCurve spline_curve(const std::vector<Vec2>& points, int degree, bool closed);
 
+/// Shortest edge of a cut; a polyline that has shorter ones loses points [spacings].
+constexpr double kShortestEdge = 0.5;
+/// Distance from a chord to its arc, and of a point that is left out from the line [spacings].
+constexpr double kSag = 0.01;
+
 /// Points of the curve, many to a spacing.
 std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing);
 

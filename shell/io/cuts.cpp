@@ -11,11 +11,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSame = 1e-9;          // spacings: points so close are one
-constexpr double kMostEdges = 2e4;      // of a curve
-constexpr double kShortestEdge = 0.5;   // spacings: a polyline that has shorter ones loses points
-constexpr double kSag = 0.01;           // spacings: of a point that is left out, from the line
-constexpr double kSmallestRound = 0.5;  // spacings: radius of a circle, and distance of a spiral's turns
+constexpr double kSame = 1e-9;      // spacings: points so close are one
+constexpr double kMostEdges = 2e4;  // of a curve
 
 Vec2 to_vec2(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
 

@@ -6,14 +6,10 @@
 
 #include "shell/io/cuts.h"
 #include "shell/solver/contact/near_tiles.h"
-#include "shell/solver/cracking/crack_rules.h"
+#include "shell/solver/cracking/criteria.h"
 #include "shell/solver/stepping/grid_transfer.h"
 
 namespace sunder::shell {
-
-/// Stable step of a shell full of cracks, of the intact one's: 0.66 to 0.85 in glass runs. A shell that can
-/// crack starts there: a crack that is born within a window must not find the step too large.
-constexpr double kCrackedStep = 0.8;
 
 /// Of the stable step, what a scene may ask for: iteration finds it from above.
 constexpr double kMostOfStable = 0.95;
@@ -22,19 +18,15 @@ constexpr double kMostOfStable = 0.95;
 struct ShellSetup {
   ShellModel model;
   Vec3 velocity = Vec3::Zero();  // at the start
-  std::vector<PrescribedCut> cuts{};
-  double equilibrium = 0.0;    // tolerance of the equilibrium that it starts from; 0: starts as it is
-  bool tips = false;           // cracks find their own way
-  double brittleness = 0.0;    // H of the damage law; 0: no damage
-  bool healing = true;         // of damage, as the stress falls
-  bool extract_cracks = true;  // where damage is complete
-  CrackRules rules{};
+  double equilibrium = 0.0;      // tolerance of the equilibrium that it starts from; 0: starts as it is
+  FractureRules fracture{};
+  double cracked_step = kCrackedStep;  // share of the free stable step that it starts with where it can crack
   TransferRules transfer{};
   double fibre_spacing = 0.0;   // of the grid, as the scene asks for it [m]
   std::vector<double> hertz{};  // stiffness of each body against it [N/m^1.5]; 0: impulses
   bool seam_may_part = false;   // with a shell that can crack
 
-  bool can_crack() const { return tips || brittleness > 0.0 || !cuts.empty() || seam_may_part; }
+  bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
 };
 
 /// `field` is that of the shell; stiffnesses of Hertz contacts are left to the caller. Throws Error with the field that

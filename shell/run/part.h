@@ -45,15 +45,16 @@ struct ShellPart {
   const ShellModel& model() const { return setup->model; }
   /// The stable step that cracks to come will leave.
   double step() const {
-    return setup->can_crack() ? std::min(smallest_step, kCrackedStep * initial_step) : smallest_step;
+    return setup->can_crack() ? std::min(smallest_step, setup->cracked_step * initial_step) : smallest_step;
   }
   /// `step` shortened where spheres with a Hertz stiffness are about to be met, within `window` seconds, and for some
   /// time afterwards, twice as long with each that comes back: what steps change with, whatever vibrates near the
   /// stable step gains or loses by chance, and of many such changes there comes a gain. `now` counts windows.
   double with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
                     double window, std::int64_t now);
-  /// Makes the cuts that are due before `until`, at time `now` [s]. Returns what they open of seams.
-  std::vector<EdgeCut> cut(double now, double until);
+  /// Criteria that act at the start of a window insert their edges: cuts that are due up to `span` [s] after `now` [s].
+  /// Returns what they open of seams.
+  std::vector<EdgeCut> cut(double now, double span, std::uint64_t& random);
   /// Measures the stable step again where cracks have changed something; `window` counts windows.
   void measure_step(std::int64_t window, int threads);
   /// Pieces without control points that have left are gone.

@@ -10,8 +10,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kLengthening = 1e-2;  // of the spacing: crack edges block sight this far past their ends
-
 // The material's strength times the scene's factors, and Weibull's on a lattice of cells of the flaw spacing, turned
 // and shifted by the seed so that it shares no direction with the patch.
 void assign_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {

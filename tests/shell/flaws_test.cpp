@@ -15,6 +15,7 @@
 #include "shell/solver/forces.h"
 #include "shell/solver/surroundings.h"
 #include "tests/shell/critical_sheet.h"
+#include "tests/shell/grow_cracks.h"
 
 using namespace sunder;
 using namespace sunder::shell;

@@ -13,14 +13,10 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSharp = std::numbers::pi / 3.0;  // [rad]: creases from here on keep the distance of the rows beside
-                                                   // them, flatter ones how far the seam is off the line between these
-constexpr double kFlat = 1e-3;                     // of the rows' distance: a seam no further off is a smooth one
-constexpr double kOnALine = 1e-9;    // of the largest moment of inertia, that points on a line have about it
-constexpr double kOnePlace = 1e-3;   // spacings: control points no further apart have no arm to turn by
-constexpr int kSweeps = 12;          // over creases that share control points
-constexpr double kMet = 1e-13;       // of a length: round-off
-constexpr double kLeastMass = 0.25;  // of its own, that a control point keeps when another is let go
+constexpr double kOnALine = 1e-9;      // of the largest moment of inertia, that points on a line have about it
+constexpr double kOnePlace = 1e-3;     // spacings: control points no further apart have no arm to turn by
+constexpr int kSweeps = 12;            // over creases that share control points
+constexpr double kSameLength = 1e-13;  // of a length: round-off
 
 void add(std::vector<double>& a, int slot, const Vec3& value) {
   const std::size_t plane = a.size() / 3;
@@ -66,7 +62,7 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
       const double bend =
           std::numbers::pi - std::acos(std::clamp((a - edge).normalized().dot((b - edge).normalized()), -1.0, 1.0));
       const double share = std::clamp((edge - a).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
-      const bool sharp = bend >= kSharp;
+      const bool sharp = bend >= kSharpCrease;
       Brace brace;
       const auto end = [&](const PatchPoint& p, double weight) { brace.ends.push_back({p.patch, slot(p), weight}); };
       end(c.first, sharp ? -1.0 : share - 1.0);
@@ -88,7 +84,7 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
         for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
       }
       brace.length = sum.norm();
-      if (brace.length > kFlat * chord.norm()) braces_.push_back(std::move(brace));
+      if (brace.length > kSmoothSeam * chord.norm()) braces_.push_back(std::move(brace));
     }
   edges_seen_.assign(shells.size(), 0);
 }
@@ -166,7 +162,7 @@ void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
         mobility += t.weight * t.weight * s.motion.inverse_mass[t.slot];
       }
       const Vec3 next = now + dt * change, line = now.stableNormalized();
-      if (std::abs(next.norm() - b.length) <= kMet * b.length || mobility == 0.0) continue;
+      if (std::abs(next.norm() - b.length) <= kSameLength * b.length || mobility == 0.0) continue;
       met = false;
       // |next + dt mobility j line| = length, the nearer answer; what is too far aside comes as near as it can
       const double along = next.dot(line), room = along * along - next.squaredNorm() + b.length * b.length;
@@ -213,7 +209,6 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
 }
 
 Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m, bool look) {
-  constexpr int kRows = 2;  // that a seam ties: its own, and the one beside it
   const ShellModel& model = *shells[m.shell].model;
   const int point = model.tables.control_point(m.slot), columns = model.patch.columns();
   const int column = point % columns, row = point / columns;
@@ -223,7 +218,7 @@ Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Se
                       : edge == kUMax ? columns - 1 - column
                       : edge == kVMin ? row
                                       : model.patch.rows() - 1 - row;
-    if (m.shell != (first ? seam.first : seam.second) || depth >= kRows) continue;
+    if (m.shell != (first ? seam.first : seam.second) || depth >= kSeamRows) continue;
     const int axis = edge < kVMin ? 1 : 0;
     const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
     const Vec2 at = model.of_slot[m.slot];
@@ -362,7 +357,7 @@ double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   for (const Master& m : t.on) {
     ShellState& s = *shells[m.shell].state;
     // pieces that have left beside it may have taken some of what was shared
-    const double least = kLeastMass * shells[m.shell].model->mass[m.slot];
+    const double least = kSeamMassKept * shells[m.shell].model->mass[m.slot];
     const double part = std::min(m.share * model.mass[t.slot], std::max(0.0, s.motion.mass[m.slot] - least));
     const Vec3 v = s.velocity(m.slot);
     mass += part, momentum += part * v, lost += 0.5 * part * v.squaredNorm();

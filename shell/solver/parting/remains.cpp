@@ -5,9 +5,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kTorn = 4.0;  // of its length at rest: what is longer is no surface, control points of rubble fly off
-constexpr double kBent = 0.5;  // of the thickness, off a plane: a piece that is more so is taken as it stands
-
 // The surface where it stands, with the functions of the uncut patch.
 SurfacePoint surface(const ShellModel& m, const ShellState& s, const Vec2& p) {
   const ShapeFunctions f = m.patch.shape_functions(p);
@@ -46,7 +43,7 @@ Stand stand(const ShellModel& m, const ShellState& s, const Triangulation& t, in
   }
   if (middles.empty()) return out;
   normal.normalize(), centre /= static_cast<double>(middles.size());
-  for (const Vec3& x : middles) out.bent = out.bent || !(std::abs(normal.dot(x - centre)) <= kBent * m.thickness);
+  for (const Vec3& x : middles) out.bent = out.bent || !(std::abs(normal.dot(x - centre)) <= kBentPiece * m.thickness);
   return out;
 }
 
@@ -55,7 +52,7 @@ void take_as_it_stands(const Triangulation& t, const Stand& at, double thickness
                        DrawnMesh& drawn) {
   const auto finite = [&](int v) { return at.low[v].allFinite() && at.high[v].allFinite(); };
   const auto torn = [&](int a, int b) {  // parameters are lengths
-    return (at.low[a] - at.low[b]).norm() > kTorn * (t.vertices[a] - t.vertices[b]).norm() + thickness;
+    return (at.low[a] - at.low[b]).norm() > kNoSurface * (t.vertices[a] - t.vertices[b]).norm() + thickness;
   };
   std::vector<int> number(t.vertices.size(), -1);
   for (const int i : at.triangles) {

@@ -40,7 +40,7 @@ struct Probed {
 
 // Whether K is symmetric, and forces linear for small probes: layers that yield go on yielding one way only, and what
 // damage weakens is no gradient. Lanczos found a third of the stable step there.
-bool elastic(const ShellState& s) { return !s.yields() && s.layers.brittleness <= 0.0; }
+bool elastic(const ShellState& s) { return !s.yields() && !s.weakens(); }
 
 // Central differences with damping at the velocities half a step ago.
 double step_of(const ShellMaterial& m, double omega) {
