@@ -1,4 +1,4 @@
-"""What scripts import: scenes as messages, runs as arrays, series of runs. `coupler/README.md` has an example of each.
+"""What scripts import: scenes as messages, runs as arrays, series of runs; coupler/experiments/README.md has examples.
 
     PYTHONPATH=coupler python3 my_script.py
 """

@@ -18,8 +18,9 @@ int run(int argc, char** argv) {
   bool check = false, list = false, die_with_parent = false;
   CLI::App app("Binds the endpoint, serves one session with a rigid-body engine and ends with it.", "sunder-rigid");
   app.add_option("--endpoint", endpoint, "Where the shell process connects: ipc://PATH or tcp://HOST:PORT")
+      ->type_name("ADDRESS")
       ->take_last();
-  app.add_option("--engine", name, "The engine, one of --list")->capture_default_str()->take_last();
+  app.add_option("--engine", name, "The engine, one of --list")->type_name("NAME")->capture_default_str()->take_last();
   app.add_option("--keys", keys, "Folder of keys: the session is encrypted")->type_name("DIR")->take_last();
   app.add_option("--make-keys", key_folder, "Makes a folder of keys, for both sides of encrypted sessions, and ends")
       ->type_name("DIR");

@@ -5,8 +5,8 @@
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
+#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/vec.h"
-#include "shell/fracture/disjoint_sets.h"
 
 namespace sunder::shell {
 

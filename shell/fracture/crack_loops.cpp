@@ -28,7 +28,7 @@ bool CrackLoops::closed(const CrackGraph& cracks, const Vec2& low, const Vec2& h
     return (p.array() > low.array() + met).all() && (p.array() < high.array() - met).all();
   };
   bool closed = false;
-  for (int k = static_cast<int>(sets_.parent.size()) - 1; k < static_cast<int>(cracks.edges().size()); ++k) {
+  for (int k = sets_.size() - 1; k < static_cast<int>(cracks.edges().size()); ++k) {
     const CrackEdge& e = cracks.edges()[k];
     const int own = sets_.add();
     std::vector<int> beside;

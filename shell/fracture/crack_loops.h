@@ -1,7 +1,7 @@
 #pragma once
 // Whether cracks have closed a loop, among themselves or with the border: only then is there another piece.
+#include "coupler/core/disjoint_sets.h"
 #include "shell/fracture/crack_graph.h"
-#include "shell/fracture/disjoint_sets.h"
 
 namespace sunder::shell {
 

@@ -9,7 +9,7 @@
 namespace sunder::shell {
 namespace {
 
-using Homogeneous = Eigen::Vector4d;  // weight times point, weight
+using Homogeneous = Eigen::Vector4d;  // (weight * point, weight)
 
 Homogeneous homogeneous(const Patch& p, int k) {
   Homogeneous h;
@@ -31,7 +31,7 @@ void insert_knot(std::vector<double>& knots, int degree, std::vector<Homogeneous
   knots.insert(knots.begin() + k + 1, knot);
 }
 
-// The knots that cut span s into `pieces(s)` equal ones.
+// Returns the knots that divide each span s into `pieces(s)` equal parts.
 template <class Pieces>
 std::vector<double> cut(const KnotVector& k, Pieces&& pieces) {
   std::vector<double> out;
@@ -51,7 +51,7 @@ std::vector<double> new_knots(const KnotVector& k, int elements, const char* dir
 
 std::vector<double> new_knots_at_least(const KnotVector& k, int least) {
   require(least >= 1, "at least {} elements; must be 1 or more", least);
-  constexpr double kRoundOff = 1e-9;  // of a piece: equal spans of a third make three pieces, not four
+  constexpr double kRoundOff = 1e-9;  // share of a piece: three spans of a third each make three pieces, not four
   const double longest = (k.end() - k.begin()) / least;
   return cut(k,
              [&](int s) { return std::max(1, static_cast<int>(std::ceil(k.span_length(s) / longest - kRoundOff))); });
@@ -67,7 +67,7 @@ void require_arc(double angle) {
           angle, kWidestArc);
 }
 
-// `at_u` and `at_v` inserted, the surface unchanged.
+// Inserts the knots `at_u` and `at_v`; the surface does not change.
 Patch with_knots(const Patch& p, const std::vector<double>& at_u, const std::vector<double>& at_v) {
   std::vector<std::vector<Homogeneous>> net;  // rows along u
   std::vector<double> ku, kv = p.knots_v.knots();
@@ -115,7 +115,7 @@ Patch elevated(const Patch& p) {
     const double a = k.begin(), b = k.end();
     return KnotVector({a, a, a, a, b, b, b, b}, 3, "knots");
   };
-  // Bezier points: the ends stay, the middle one gives two thirds to each of its successors
+  // Degree elevation of Bezier points: both ends stay, and the middle point contributes two thirds to each inner one.
   constexpr double kFrom[4][3] = {{1, 0, 0}, {1.0 / 3.0, 2.0 / 3.0, 0}, {0, 2.0 / 3.0, 1.0 / 3.0}, {0, 0, 1}};
   Patch out{cubic(p.knots_u), cubic(p.knots_v), {}, {}};
   for (int j = 0; j < 4; ++j)
@@ -158,7 +158,7 @@ Patch sphere(double radius, double angle, double from, double to, int elements_u
   const auto at = [&](double polar, double r) { return Vec2(r * std::cos(polar), r * std::sin(polar)); };
   std::array<Vec2, 3> profile{at(from, radius), at(middle, radius / half), at(to, radius)};
   for (Vec2& p : profile)
-    if (p.x() < 1e-12 * radius) p.x() = 0.0;  // the pole, exactly
+    if (p.x() < 1e-12 * radius) p.x() = 0.0;  // exactly at the pole
   return refined(of_degree(revolved(profile, {1, half, 1}, angle), degree), elements_u, elements_v);
 }
 

@@ -1,34 +1,40 @@
 #pragma once
-// Patches of common shape. Arcs are exact, so they are rational; a patch spans less than 150 degrees of one.
+// Builders of patches of common shape. Arcs are exact, which needs rational patches. One patch spans less than 150
+// degrees of an arc.
 #include "shell/geometry/patch.h"
 
 namespace sunder::shell {
 
-constexpr double kWidestArc = 150.0 * 3.14159265358979323846 / 180.0;  // [rad]: weights fall with the cosine of half
+constexpr double kWidestArc = 150.0 * 3.14159265358979323846 / 180.0;  // [rad]; the middle weight is cos(angle / 2)
 
-/// Each span of the patch cut into equal spans until there are `elements_u` * `elements_v`, the surface
-/// unchanged (Boehm's knot insertion). Both must be multiples of the spans there are.
+/// Divides each span of positive length into equal spans until the patch has `elements_u` x `elements_v` of them. The
+/// surface does not change (knot insertion, Boehm 1980). Throws Error where a number of elements is not a multiple of
+/// the number of spans.
 Patch refined(const Patch& patch, int elements_u, int elements_v);
-/// The same surface with no span longer than a `least_u`-th (`least_v`-th) of the domain; each is cut into equal
-/// spans, so there are at least as many as asked for.
+/// Divides spans into equal parts until none is longer than the domain divided by `least_u` (`least_v`). The surface
+/// does not change. The patch then has at least that many elements. Throws Error where either number is below 1.
 Patch refined_at_least(const Patch& patch, int least_u, int least_v);
 
-/// Profile points (a conic arc or line as three points, weights) about the z axis through `angle` [rad] from
-/// the x axis; u runs along the angle, v along the profile. Profile points are (radius, height).
+/// Turns a profile about the z axis through `angle` [rad], starting at the x axis. The profile is a conic arc or a
+/// line, given by three points (radius, height) [m] and their weights. u runs along the angle, v along the profile.
+/// Throws Error where the angle is not between 0 and kWidestArc.
 Patch revolved(const std::array<Vec2, 3>& profile, const std::array<double, 3>& weights, double angle);
 
-/// The same surface as a cubic patch. `patch` is quadratic and one span, as revolved() gives it: refine afterwards.
+/// Raises a quadratic patch of one span, as revolved() returns it, to degree 3. The surface does not change. Throws
+/// Error for any other patch: refine afterwards.
 Patch elevated(const Patch& patch);
 
-/// Sector of a cylinder about z, from z = 0 to `length`, its middle over the x axis: u along the arc.
+/// Sector of a cylinder about z [m, rad] from z = 0 to `length`, its middle above the x axis. u runs along the arc.
 Patch cylinder(double radius, double length, double angle, int elements_u, int elements_v, int degree = 2);
-/// Sector of a sphere about its centre, the angle about z from the x axis; v from polar angle `from` to `to`
-/// [rad], 0 at the equator, pi / 2 at the pole.
+/// Sector of a sphere about its centre [m]. u runs about z from the x axis through `angle` [rad]. v runs from latitude
+/// `from` to latitude `to` [rad]: 0 at the equator, pi / 2 at the pole. Throws Error where the latitudes do not rise or
+/// leave that range.
 Patch sphere(double radius, double angle, double from, double to, int elements_u, int elements_v, int degree = 2);
-/// Sector of a cone about z: radius `bottom` at z = 0, `top` (may be 0) at z = `height`.
+/// Sector of a cone about z [m, rad]: radius `bottom` at z = 0 and `top` (may be 0) at z = `height`. u runs along the
+/// arc.
 Patch cone(double bottom, double top, double height, double angle, int elements_u, int elements_v, int degree = 2);
 
-/// The patch turned, then moved.
+/// Returns the patch turned by `orientation`, then moved by `position` [m].
 Patch placed(Patch patch, const Vec3& position, const Quat& orientation);
 
 }  // namespace sunder::shell

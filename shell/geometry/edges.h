@@ -1,5 +1,5 @@
 #pragma once
-// The edges of a patch, as bits.
+// The four edges of a patch, numbered as bits.
 #include <vector>
 
 #include "shell/geometry/patch.h"
@@ -9,7 +9,8 @@ namespace sunder::shell {
 enum EdgeBit { kUMin = 1, kUMax = 2, kVMin = 4, kVMax = 8 };
 constexpr int kEdges[] = {kUMin, kUMax, kVMin, kVMax};
 
-/// Control points along an edge, `depth` rows in; by growing v or u.
+/// Lists the control points of an edge in the order of growing v or u; `depth` 0 is the edge itself, 1 the row beside
+/// it.
 inline std::vector<int> edge_row(const Patch& p, int edge, int depth) {
   std::vector<int> out;
   const int columns = p.columns(), rows = p.rows();
@@ -21,7 +22,7 @@ inline std::vector<int> edge_row(const Patch& p, int edge, int depth) {
   return out;
 }
 
-/// The parameter point at share `t` of an edge, by growing v or u.
+/// Returns the parameter point at share `t` (0 to 1) of an edge, measured along growing v or u.
 inline Vec2 edge_point(const Patch& p, int edge, double t) {
   const KnotVector& k = edge < kVMin ? p.knots_v : p.knots_u;
   const double along = t >= 1.0 ? k.end() : k.begin() + t * (k.end() - k.begin());

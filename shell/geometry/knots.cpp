@@ -8,7 +8,7 @@
 namespace sunder::shell {
 namespace {
 
-// The three quadratic functions between t[2] and t[3].
+// Evaluates the three quadratic functions between t[2] and t[3].
 Basis quadratic(const double* t, double u) {
   const double length = t[3] - t[2], left = t[3] - t[1], right = t[4] - t[2];
   const double n0 = (t[3] - u) / length, n1 = (u - t[2]) / length;  // the two linear functions
@@ -19,9 +19,9 @@ Basis quadratic(const double* t, double u) {
   return b;
 }
 
-// The four cubic functions between t[3] and t[4], from the quadratic ones there (Cox, de Boor):
+// Evaluates the four cubic functions between t[3] and t[4] from the quadratic ones Q_k there (Cox, de Boor):
 //   N_k = (u - t_k) / w_{k-1} Q_{k-1} + (t_{k+4} - u) / w_k Q_k,  N_k' = 3 (Q_{k-1} / w_{k-1} - Q_k / w_k),
-// w_k = t_{k+4} - t_{k+1} the support of Q_k.
+// where w_k = t_{k+4} - t_{k+1} is the support of Q_k.
 Basis cubic(const double* t, double u) {
   const Basis q = quadratic(t + 1, u);
   Basis b{};

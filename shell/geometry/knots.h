@@ -9,21 +9,22 @@ namespace sunder::shell {
 constexpr int kHighestDegree = 3;
 constexpr int kMostSupport = kHighestDegree + 1;  // functions that are not zero in a span, per direction
 
-/// Values and first two derivatives of the functions of a span: degree + 1 entries, the rest is zero.
+/// Values and first two derivatives of the functions of one span. The first degree + 1 entries are used, the rest are
+/// zero.
 struct Basis {
   std::array<double, kMostSupport> value, first, second;
 };
 
-/// Knots t_0 <= ... <= t_{m+p} of m control points and degree p, the end knots p + 1 times each.
-/// Span s (0 <= s < spans()) lies between t_{s+p} and t_{s+p+1} and sees control points s ... s+p;
-/// spans of length zero (repeated inner knots) keep their number, so that span = first control point.
+/// Knots t_0 <= ... <= t_{m+p} of m control points and degree p; each end knot stands p + 1 times.
+/// Span s (0 <= s < spans()) lies between t_{s+p} and t_{s+p+1} and depends on control points s ... s+p. Spans of
+/// length zero (repeated inner knots) are counted too, so the number of a span is that of its first control point.
 class KnotVector {
  public:
-  /// Throws Error with `field` where the degree is neither 2 nor 3, or knots are out of order, not finite, not
-  /// open, or repeated more than twice inside. Twice is a hinge of degree 2 (continuous, slopes free) and smooth at
-  /// degree 3 (slopes continuous, curvature free); three times would tear the one and make the other a hinge,
-  /// and a cubic patch is to bend everywhere.
+  /// Throws Error with `field` where the degree is neither 2 nor 3, or where knots fall, are not finite, are not open,
+  /// or stand more than twice inside. A double knot is a hinge at degree 2 (slopes free) and smooth at degree 3
+  /// (curvature free). A triple knot would separate a quadratic patch and would make a hinge in a cubic one.
   KnotVector(std::vector<double> knots, int degree, const std::string& field);
+  /// Equal spans over the domain from 0 to `length`.
   static KnotVector uniform(int spans, double length, int degree = 2);
 
   int degree() const { return degree_; }
@@ -33,15 +34,15 @@ class KnotVector {
   double end() const { return knots_[knots_.size() - degree_ - 1]; }
   double span_begin(int span) const { return knots_[span + degree_]; }
   double span_length(int span) const { return knots_[span + degree_ + 1] - knots_[span + degree_]; }
-  /// The span that holds u; u is moved into the domain first.
+  /// Returns the span that holds u. A value outside the domain gives the nearest span.
   int span_of(double u) const;
-  /// u in the closed span of positive length.
+  /// Evaluates the functions of `span` at u; the span has positive length and u lies in it, ends included.
   Basis basis(int span, double u) const;
-  /// Greville abscissa of control point i: where a linear function's coefficient sits.
+  /// Greville abscissa of control point i: the coefficients of the function f(u) = u.
   double greville(int i) const {
     return degree_ == 2 ? 0.5 * (knots_[i + 1] + knots_[i + 2]) : (knots_[i + 1] + knots_[i + 2] + knots_[i + 3]) / 3.0;
   }
-  /// The same curve over a domain scaled by `factor`.
+  /// Returns these knots shifted to start at 0 and multiplied by `factor`.
   KnotVector scaled(double factor) const;
   const std::vector<double>& knots() const { return knots_; }
 

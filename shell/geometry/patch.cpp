@@ -9,8 +9,8 @@
 namespace sunder::shell {
 namespace {
 
-// ShapeFunctions of one degree, in a function of its own: which products the compiler fuses with sums depends on the
-// arrays' lengths and on what is inlined, and the last bits of a quadratic patch must not depend on the cubic one.
+// Shape functions of one degree. The compiler fuses products with sums depending on array lengths and on inlining. A
+// separate function for each degree keeps the last bits of a quadratic patch independent of the cubic code.
 template <int kAcross>
 struct Functions {
   int span_u = 0, span_v = 0;
@@ -24,7 +24,7 @@ template <int kAcross>
   s.span_u = knots_u.span_of(p.x());
   s.span_v = knots_v.span_of(p.y());
   const Basis bu = knots_u.basis(s.span_u, p.x()), bv = knots_v.basis(s.span_v, p.y());
-  double w = 0, wu = 0, wv = 0, wuu = 0, wvv = 0, wuv = 0;  // denominator and its derivatives
+  double w = 0, wu = 0, wv = 0, wuu = 0, wvv = 0, wuv = 0;  // the denominator and its derivatives
   for (int j = 0; j < kAcross; ++j)
     for (int i = 0; i < kAcross; ++i) {
       const int k = kAcross * j + i;
@@ -36,7 +36,8 @@ template <int kAcross>
       wvv += s.vv[k] = weight * bu.value[i] * bv.second[j];
       wuv += s.uv[k] = weight * bu.first[i] * bv.first[j];
     }
-  for (int k = 0; k < kAcross * kAcross; ++k) {  // quotient rule, highest derivatives last
+  // quotient rule; the highest derivatives are computed first from unchanged lower ones
+  for (int k = 0; k < kAcross * kAcross; ++k) {
     const double r = s.value[k] / w;
     const double ru = (s.u[k] - wu * r) / w, rv = (s.v[k] - wv * r) / w;
     s.uu[k] = (s.uu[k] - 2.0 * wu * ru - wuu * r) / w;

@@ -8,8 +8,8 @@
 
 namespace sunder::shell {
 
-/// The shape functions of one point of a patch, nine or sixteen, with all derivatives that a shell needs.
-/// Entry k = across j + i is that of control point (span_u + i, span_v + j).
+/// The nine or sixteen shape functions of one point of a patch, with all derivatives that a shell needs. Entry k =
+/// across * j + i belongs to control point (span_u + i, span_v + j).
 struct ShapeFunctions {
   int span_u = 0, span_v = 0;
   int across = 3;  // functions per direction
@@ -20,20 +20,23 @@ struct ShapeFunctions {
   int row(int k) const { return span_v + k / across; }
 };
 
-/// Position and derivatives of a surface at a point [m, m/(parameter)...].
+/// Position [m] of a surface at a point, and its derivatives [m per unit of parameter, once or twice].
 struct SurfacePoint {
   Vec3 x, u, v, uu, vv, uv;
 };
 
+/// A surface of tensor-product NURBS. Both directions have the same degree.
 struct Patch {
   KnotVector knots_u, knots_v;
   std::vector<Vec3> control_points;  // u fastest, columns() * rows()
-  std::vector<double> weights;       // as many, positive
+  std::vector<double> weights;       // one per control point, positive
 
   int columns() const { return knots_u.control_points(); }
   int rows() const { return knots_v.control_points(); }
   int degree() const { return knots_u.degree(); }
-  std::size_t functions() const { return (degree() + 1) * (degree() + 1); }  // at a point
+  // shape functions that are not zero at a point
+  std::size_t functions() const { return (degree() + 1) * (degree() + 1); }
+  /// True where not all weights are equal.
   bool rational() const;
   Vec2 greville(int control_point) const {
     return {knots_u.greville(control_point % columns()), knots_v.greville(control_point / columns())};
@@ -41,19 +44,21 @@ struct Patch {
   bool contains(const Vec2& p) const {
     return p.x() >= knots_u.begin() && p.x() <= knots_u.end() && p.y() >= knots_v.begin() && p.y() <= knots_v.end();
   }
+  /// Evaluates the rational shape functions at the parameter point p.
   ShapeFunctions shape_functions(const Vec2& p) const;
-  /// The surface through `net` (u fastest) instead of the patch's own control points.
+  /// Evaluates the surface with `net` (u fastest) in place of the patch's own control points.
   SurfacePoint evaluate(const Vec2& p, const std::vector<Vec3>& net) const;
   SurfacePoint evaluate(const Vec2& p) const { return evaluate(p, control_points); }
 };
 
-/// Throws Error with `field` where counts, weights or numbers are wrong.
+/// Checks a patch. Throws Error with `field` where degrees differ, counts do not fit the knots, or a number is not
+/// finite or a weight not positive.
 void validate(const Patch& patch, const std::string& field);
 
-/// The same surface, each parameter scaled so that it measures metres on average.
+/// Returns the same surface with each parameter scaled so that one unit is one metre on average.
 Patch with_parameters_as_lengths(const Patch& patch);
 
-/// Flat rectangle size_x * size_y, centre at `centre`, axes and normal turned by `orientation`.
+/// Flat rectangle of size_x x size_y [m] about `centre`. `orientation` turns its axes and its normal.
 Patch plate(double size_x, double size_y, int elements_x, int elements_y, const Vec3& centre, const Quat& orientation,
             int degree = 2);
 

@@ -10,11 +10,11 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kLongest = 0.9;               // spacings of an edge; no longer, or insertion would halve it
-constexpr double kMargin = 0.9;                // of the edge that the sag allows: whole numbers stretch edges
-constexpr int kFine = 16;                      // fine points a spacing
-constexpr int kFewest = 256, kMost = 1 << 19;  // fine points
-constexpr int kHighestSpline = 5;              // degree
+constexpr double kLongest = 0.9;  // edge length [spacings]; insertion would halve a longer one
+constexpr double kMargin = 0.9;  // share of the edge length that kSag allows: rounding to whole edges makes them longer
+constexpr int kFine = 16;        // fine points per spacing
+constexpr int kFewest = 256, kMost = 1 << 19;  // number of fine points
+constexpr int kHighestSpline = 5;              // highest degree
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
@@ -23,7 +23,7 @@ Vec2 nearest(const Vec2& p, const Vec2& a, const Vec2& b) {
   return a + std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0) * d;
 }
 
-// Where the segments ab and cd meet, to `tolerance`.
+// Tests whether segments ab and cd meet within `tolerance`; `at` receives the point.
 bool meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double tolerance, Vec2& at) {
   const double slope = cross(b - a, d - c);
   if (slope != 0.0) {
@@ -47,7 +47,7 @@ PlaneCurve circle_curve(const Vec2& centre, double radius) {
 }
 
 PlaneCurve spiral_curve(const Vec2& centre, double inner, double outer, double turns) {
-  // t goes with the length, about: the square of the radius grows evenly
+  // t is nearly proportional to arc length: the square of the radius grows linearly with t.
   return {[=](double t) {
             const double r = std::sqrt(inner * inner + t * (outer * outer - inner * inner));
             const double angle = kTurn * turns * (r - inner) / (outer - inner);
@@ -81,7 +81,8 @@ PlaneCurve spline_curve(const std::vector<Vec2>& points, int degree, bool closed
 
 std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing) {
   const double wanted = std::clamp(kFine * curve.length / spacing, 1.0 * kFewest, 1.0 * kMost);
-  const int pieces = 4 * static_cast<int>(std::ceil(0.25 * wanted));  // the quarters of a circle are among them
+  // a multiple of 4, so that the quarters of a circle are included
+  const int pieces = 4 * static_cast<int>(std::ceil(0.25 * wanted));
   std::vector<Vec2> points(pieces + 1);
   for (int i = 0; i <= pieces; ++i) points[i] = curve.at(static_cast<double>(i) / pieces);
   if (curve.closed) points.back() = points.front();
@@ -98,7 +99,7 @@ std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing) {
     if (length > 0.0) bend[i] = std::abs(std::atan2(cross(in, out), in.dot(out))) / length;
   }
   if (curve.closed) bend[pieces] = bend[0];
-  std::vector<double> edges(p.size(), 0.0);  // from the start to here: one over their length, integrated
+  std::vector<double> edges(p.size(), 0.0);  // integral of 1 / (edge length) from the start to this point
   for (int i = 1; i <= pieces; ++i) {
     const double radius = 1.0 / std::max({bend[i - 1], bend[i], 1e-9 / spacing});
     const double edge =
@@ -123,7 +124,7 @@ std::vector<Vec2> thinned(const std::vector<Vec2>& p, double tolerance) {
   std::vector<char> stays(p.size(), 0);
   stays.front() = stays.back() = 1;
   std::vector<std::pair<std::size_t, std::size_t>> open{{0, last}};
-  int corners = p.front() == p.back() ? 0 : 2;  // of a closed one two more than the point where it begins
+  int corners = p.front() == p.back() ? 0 : 2;  // a closed polyline needs two corners besides its starting point
   while (!open.empty()) {
     const auto [a, b] = open.back();
     open.pop_back();
@@ -159,7 +160,7 @@ std::optional<Meeting> meets_itself(const std::vector<Vec2>& p, double tolerance
         continue;
       Vec2 at;
       bool hit = false;
-      // neighbours share an end: they meet elsewhere only where one folds back on the other
+      // Neighbours share an end. They meet elsewhere only where one folds back on the other.
       const auto folds = [&](const Vec2& far, const Vec2& shared, const Vec2& other) {
         if ((far - nearest(far, shared, other)).norm() <= tolerance) at = far, hit = true;
       };

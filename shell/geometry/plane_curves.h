@@ -1,5 +1,5 @@
 #pragma once
-// Curves in a parameter plane as polylines whose edges suit a crack, and where a polyline meets itself.
+// Curves in a parameter plane, their division into crack edges, and a test whether a polyline meets itself.
 #include <functional>
 #include <optional>
 #include <vector>
@@ -8,44 +8,47 @@
 
 namespace sunder::shell {
 
-/// A curve over t from 0 to 1. `length` is at least its length, or about; closed: the point of 1 is that of 0.
+/// A curve over t from 0 to 1. `length` is an estimate, nearly always from above. A closed curve has the same point at
+/// 0 and 1.
 struct PlaneCurve {
   std::function<Vec2(double)> at;
   double length = 0.0;  // [m]
   bool closed = false;
 };
 
-/// Counter-clockwise, from the direction of u.
+/// Circle, counter-clockwise, starting in the direction of u from `centre` [m].
 PlaneCurve circle_curve(const Vec2& centre, double radius);
-/// Archimedean, counter-clockwise from the direction of u: the radius grows evenly with the angle.
+/// Archimedean spiral, counter-clockwise, starting in the direction of u: the radius [m] grows linearly with the angle.
 PlaneCurve spiral_curve(const Vec2& centre, double inner, double outer, double turns);
-/// B-spline of uniform knots: open and clamped at its end points (at least degree + 1 points), or closed and smooth.
+/// B-spline of uniform knots. An open one is clamped at its end points and has at least degree + 1 points; a closed one
+/// is smooth.
 PlaneCurve spline_curve(const std::vector<Vec2>& points, int degree, bool closed);
 
-/// Shortest edge of a cut; a polyline that has shorter ones loses points [spacings].
+/// Shortest edge of a cut; a polyline with shorter edges loses points [spacings].
 constexpr double kShortestEdge = 0.5;
-/// Distance from a chord to its arc, and of a point that is left out from the line [spacings].
+/// Largest distance of a chord from its arc, and of a removed point from the line [spacings].
 constexpr double kSag = 0.01;
 
-/// Points of the curve, many to a spacing.
+/// Samples a curve densely: about sixteen points for each `spacing` [m], within fixed limits.
 std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing);
 
-/// Points of the curve, edges of about `spacing`, shorter where it bends: down to half of that, so that a chord is
-/// within a hundredth of a spacing of the curve where that is enough. At least eight edges where it is closed. The last
-/// point of a closed curve is exactly the first.
+/// Divides a curve into edges of at most 0.9 `spacing` [m]. Edges are shorter, down to half a spacing, where the curve
+/// bends: a chord then stays within a hundredth of a spacing of the curve, as far as that limit allows. A closed curve
+/// has at least eight edges, and its last point equals its first exactly.
 std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing);
 
-/// The polyline without points that lie within `tolerance` of what is left (Douglas and Peucker 1973). Both ends stay;
-/// of a closed one, whose last point is exactly the first, at least three corners.
+/// Removes points within `tolerance` [m] of the remaining polyline (Douglas and Peucker 1973). Both ends stay. A closed
+/// polyline, whose last point equals its first exactly, keeps at least three corners.
 std::vector<Vec2> thinned(const std::vector<Vec2>& points, double tolerance);
 
-/// Segments k, from points[k] to points[k + 1], that meet elsewhere than in the end that neighbours share.
+/// Two segments that meet; segment k runs from points[k] to points[k + 1]. The end that two neighbours share does not
+/// count.
 struct Meeting {
   int first, second;
   Vec2 at;
 };
-/// The first two segments of a polyline that cross, touch (within `tolerance`) or fold back on one another. Where the
-/// last point is exactly the first it is closed, and meets itself there with every right.
+/// Finds the first two segments of a polyline that cross, touch (within `tolerance` [m]) or fold back on each other. A
+/// polyline whose last point equals its first exactly is closed; that common point does not count.
 std::optional<Meeting> meets_itself(const std::vector<Vec2>& points, double tolerance);
 
 }  // namespace sunder::shell

@@ -14,23 +14,25 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kSamples = 16;          // along an edge, where the courses of two are compared
-constexpr double kSagitta = 0.2;      // of a chord between two samples, that a bent edge may rise above it
-constexpr int kSections = 48;         // halvings, nearly, of where the nearest point of an edge may be
-constexpr double kNear = 0.2;         // of the shorter edge's mean spacing: what is no further apart nearly meets
-constexpr double kStraight = 1e-6;    // of the rows' distance, that a smooth seam's row may lie off their line
-constexpr double kLeastShare = 0.02;  // of either row in a smooth seam's
-constexpr double kAskew = 0.1;        // cosine of normals that are neither on the same side nor on opposite ones
-constexpr double kSameKnot = 1e-9;    // of the edge's domain
+constexpr int kSamples = 16;      // samples along an edge, where two edges are compared
+constexpr double kSagitta = 0.2;  // largest rise of a bent edge above the chord between two samples [chord lengths]
+constexpr int kSections = 48;     // steps that bracket the nearest point of an edge, each by a third
+constexpr double kNear = 0.2;     // edges within this share of the finer edge's mean spacing nearly meet
+// largest offset of a smooth seam's row from the line between the rows beside it [their distance]
+constexpr double kStraight = 1e-6;
+constexpr double kLeastShare = 0.02;  // least share of either neighbouring row in a smooth seam's row
+// normals with a larger cosine in absolute value are clearly on one side or on opposite sides
+constexpr double kAskew = 0.1;
+constexpr double kSameKnot = 1e-9;  // share of the edge's domain
 constexpr double kNoWeight = 1e-13;
 
 using Terms = std::vector<std::pair<PatchPoint, double>>;
 
-// One edge of a patch as a rational curve of parameter 0 to 1.
+// One edge of a patch as a rational curve with a parameter from 0 to 1.
 struct EdgeCurve {
   int patch = 0, edge = 0, degree = 2;
   std::vector<double> knots;     // 0 to 1
-  std::vector<int> row, second;  // control points on it, and the row beside it; by growing parameter
+  std::vector<int> row, second;  // control points of the edge and of the row beside it, by growing parameter
   std::vector<Vec3> samples;
 };
 
@@ -47,7 +49,7 @@ EdgeCurve edge_curve(const Patch& p, int patch, int edge, bool reversed) {
   if (reversed) {
     std::reverse(c.row.begin(), c.row.end()), std::reverse(c.second.begin(), c.second.end());
     std::reverse(c.samples.begin(), c.samples.end()), std::reverse(c.knots.begin(), c.knots.end());
-    for (double& knot : c.knots) knot = 1.0 - knot;  // 0 and 1 become one another exactly
+    for (double& knot : c.knots) knot = 1.0 - knot;  // exact: 0 and 1 change places
   }
   return c;
 }
@@ -58,20 +60,21 @@ double spacing(const EdgeCurve& c) {
   return length / static_cast<double>(c.row.size() - c.degree);
 }
 
-// Mean of the products of `count` of `p` knots (2 or 3), measured from `begin` in units of `size`.
+// Returns the mean of all products of `count` out of `p` knots (2 or 3), measured from `begin` in units of `size`.
 double mean_product(const double* knots, int p, std::size_t count, double begin, double size) {
-  double sums[kHighestDegree + 1] = {1.0};  // elementary symmetric ones
+  double sums[kHighestDegree + 1] = {1.0};  // elementary symmetric polynomials
   for (int k = 0; k < p; ++k)
     for (int c = k + 1; c > 0; --c) sums[c] += sums[c - 1] * (knots[k] - begin) / size;
   constexpr double kChoose[2][4] = {{1, 2, 1, 0}, {1, 3, 3, 1}};
   return sums[count] / kChoose[p - 2][count];
 }
 
-// A curve of degree 2 or 3 in the control points of `from`, as the one with the knots of `to` has it: control point i
-// of `to` is the blossom, at its inner knots, of the polynomial through degree + 1 points of a span in the middle of
-// its support. That is knot insertion, virtual and exact, where `to` has all knots of `from`; elsewhere it still gives
-// polynomials back. Ends follow ends alone and the rest what is beside it, which least squares over the whole edge
-// would not: a piece that leaves far away must not let go of anything here.
+// Matrix that expresses the control points of `to` by those of `from`, for a curve of degree 2 or 3. Control point i of
+// `to` is the blossom of a polynomial at the inner knots of that point. The polynomial passes through degree + 1 points
+// of the curve in one span of the point's support; spans are averaged by length. This is exact knot insertion where
+// `to` has all knots of `from`; elsewhere it still reproduces polynomials. The matrix is local: end points depend on
+// end points alone, inner ones on their neighbours. Least squares over the whole edge would couple distant points, so
+// that a piece that detaches at one end would release points at the other.
 Eigen::MatrixXd followed(const EdgeCurve& from, const EdgeCurve& to) {
   const KnotVector knots(from.knots, from.degree, "seam");
   const int p = to.degree, columns = static_cast<int>(from.row.size()), rows = static_cast<int>(to.row.size());
@@ -95,7 +98,7 @@ Eigen::MatrixXd followed(const EdgeCurve& from, const EdgeCurve& to) {
       const double begin = inner[span], size = inner[span + 1] - begin;
       if (size <= kSameKnot) continue;
       for (int k = 0; k <= p; ++k) {
-        // coefficients of the Lagrange polynomial of point k, its variable t from 0 to 1 over the span
+        // Coefficients of the Lagrange polynomial of point k; its variable t runs from 0 to 1 over the span.
         std::vector<double> polynomial{1.0};
         for (int other = 0; other <= p; ++other) {
           if (other == k) continue;
@@ -129,7 +132,7 @@ Vec3 mean(const std::vector<const Patch*>& patches, const Terms& terms) {
   return x;
 }
 
-// Collects dependences and resolves them: what a point depends on depends on nothing itself.
+// Collects dependences and resolves chains of them: in the result no point depends on another dependent point.
 class Resolver {
  public:
   explicit Resolver(const std::function<bool(const PatchPoint&)>& held) : held_(held) {}
@@ -140,7 +143,7 @@ class Resolver {
       return;
     }
     std::map<PatchPoint, double> terms = expanded(on);
-    if (of_.count(point)) {  // a corner, which several seams tie
+    if (of_.count(point)) {  // a corner, where several seams meet
       const std::map<PatchPoint, double> known = expanded({{point, 1.0}});
       if (terms == known || terms.empty() || (known.size() == 1 && held(known.begin()->first))) return;
       if (terms.size() == 1 && held(terms.begin()->first)) {
@@ -151,7 +154,7 @@ class Resolver {
         of_[terms.begin()->first] = known;
       else if (known.size() == 1 && !terms.count(known.begin()->first))
         of_[known.begin()->first] = terms;
-      return;  // both are means: of the same rows, if the seams agree
+      return;  // two means of several points each; they agree where the seams agree
     }
     const auto self = terms.find(point);
     if (self != terms.end()) {
@@ -192,6 +195,7 @@ class Resolver {
   std::map<PatchPoint, std::map<PatchPoint, double>> of_;
 };
 
+// Largest distance [m] between two edges at their samples; `where` receives its place.
 double gap(const EdgeCurve& a, const EdgeCurve& b, Vec3& where) {
   double most = 0.0;
   where = a.samples.front();
@@ -202,7 +206,8 @@ double gap(const EdgeCurve& a, const EdgeCurve& b, Vec3& where) {
   return most;
 }
 
-// Angle between the surfaces at share t of the edge, and whether their normals are on the same side.
+// Returns the angle [rad] between the surfaces at share t of the edge. `opposite` tells whether the normals are on
+// opposite sides.
 double kink(const Patch& p, const EdgeCurve& a, const Patch& q, const EdgeCurve& b, bool reversed, double t,
             bool& opposite) {
   const auto frame = [](const Patch& patch, int edge, double at, Vec3& inward, Vec3& normal) {
@@ -235,7 +240,8 @@ class Search {
       return std::all_of(c.samples.begin(), c.samples.end(),
                          [&](const Vec3& x) { return (x - c.samples[0]).norm() <= tolerance_; });
     };
-    edges_.erase(std::remove_if(edges_.begin(), edges_.end(), pole), edges_.end());  // its ends are other edges' too
+    // an edge that is one point (a pole): other edges end there
+    edges_.erase(std::remove_if(edges_.begin(), edges_.end(), pole), edges_.end());
     for (std::size_t a = 0; a < edges_.size(); ++a)
       for (std::size_t b = a + 1; b < edges_.size(); ++b)
         if (edges_[a].patch != edges_[b].patch && join[edges_[a].patch][edges_[b].patch] != Join::kOpen)
@@ -263,14 +269,14 @@ class Search {
     const EdgeCurve other = edge_curve(*patches_[b.patch], b.patch, b.edge, reversed);
     Vec3 where;
     const double apart = gap(a, other, where);
-    if (apart > near && ends(reversed) > tolerance_) return;  // two edges that only end beside one another
+    if (apart > near && ends(reversed) > tolerance_) return;  // the edges only end near each other
     require(apart <= tolerance_,
             "{} and {} nearly meet: they are up to {:.3g} m apart, at ({:.6g}, {:.6g}, {:.6g}); move them together, or "
             "give seams.tolerance_m, or a rule that leaves them OPEN",
             name(a), name(b), apart, where.x(), where.y(), where.z());
     require(a.degree == other.degree, "{} and {} meet, but their degrees are {} and {}; take the same", name(a),
             name(b), a.degree, other.degree);
-    // the side with fewer control points leads
+    // The side with fewer control points is the independent one.
     if (other.row.size() < a.row.size())
       stitch(edge_curve(*patches_[b.patch], b.patch, b.edge, false),
              edge_curve(*patches_[a.patch], a.patch, a.edge, reversed), reversed, join);
@@ -278,7 +284,7 @@ class Search {
       stitch(a, other, reversed, join);
   }
 
-  // Distance of x to the edge between samples k - 1 and k + 2, where it has one minimum.
+  // Returns the distance [m] of x from the edge between samples k - 1 and k + 2, which hold one minimum.
   double distance(const Vec3& x, const EdgeCurve& c, int k) const {
     const auto off = [&](double t) {
       return (patches_[c.patch]->evaluate(edge_point(*patches_[c.patch], c.edge, t)).x - x).norm();
@@ -291,7 +297,7 @@ class Search {
     return off(0.5 * (low + high));
   }
 
-  // Edges that meet over a part of their length are refused: that would be a T-junction.
+  // Refuses edges that meet over a part of their length, which is a T-junction.
   void part_of(const EdgeCurve& a, const EdgeCurve& b) const {
     for (const auto& [one, other] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
       int on = 0;
@@ -322,13 +328,14 @@ class Search {
     seam.first = lead.patch, seam.second = follow.patch, seam.first_edge = lead.edge, seam.second_edge = follow.edge;
     seam.reversed = reversed, seam.join = join;
     for (int i = 0; i < kSamples; ++i) seam.length += (lead.samples[i + 1] - lead.samples[i]).norm();
-    std::vector<Terms> other(count_m);  // the follower's second row, as the leader would have it
+    // second row of the dependent side, expressed on the knots of the independent one
+    std::vector<Terms> other(count_m);
     for (int j = 0; j < count_m; ++j) {
       for (int i = 0; i < count_s; ++i)
         other[j].push_back({{follow.patch, follow.second[i]}, back(j, i) * s.weights[follow.second[i]]});
       other[j] = normalised(std::move(other[j]));
     }
-    std::vector<double> share(count_m);  // of the leader's second row in the seam's
+    std::vector<double> share(count_m);  // share of the independent side's second row in the seam's row
     seam.smooth = join == Join::kClamped;
     for (int j = 0; j < count_m; ++j) {
       const Vec3 x = m.control_points[lead.row[j]], from = m.control_points[lead.second[j]],

@@ -1,5 +1,5 @@
 #pragma once
-// Where patches meet along whole edges, and what that means for their control points.
+// Finds where patches meet along whole edges, and which control points depend on others there.
 #include <functional>
 #include <string>
 #include <vector>
@@ -8,55 +8,59 @@
 
 namespace sunder::shell {
 
-/// How two patches hang together where they meet.
+/// How two patches are joined where they meet.
 enum class Join {
-  kClamped,  // as one surface: slopes go on where the seam is smooth, and it keeps its angle where it is a crease
+  kClamped,  // positions and slopes: a smooth seam stays smooth, a crease keeps its angle
   kHinge,    // positions only
-  kOpen,     // not at all
+  kOpen,     // not joined
 };
 
+/// A control point, named by its patch and its index there.
 struct PatchPoint {
   int patch = 0, point = 0;  // control point
   friend bool operator==(const PatchPoint&, const PatchPoint&) = default;
   friend auto operator<=>(const PatchPoint&, const PatchPoint&) = default;
 };
 
-/// A control point that moves with others: its position is their weighted mean (weights sum to 1).
+/// A dependent control point. Its position is the weighted mean of independent control points; the weights sum to 1.
 struct Dependence {
   PatchPoint point;
   std::vector<std::pair<PatchPoint, double>> on;
 };
 
-/// Control points on both sides of a crease: those next to it, whose distance tells its angle.
+/// Control points on both sides of a crease, one row away from it. Their distance measures the angle of the crease.
 struct CreasePoint {
   PatchPoint first;
   std::vector<std::pair<PatchPoint, double>> second;  // weighted mean of control points
   PatchPoint on_seam;
-  double width = 0.0;  // of the seam that belongs to it [m]
+  double width = 0.0;  // length of seam that this point stands for [m]
 };
 
+/// Two edges that meet over their whole length.
 struct Seam {
-  int first = 0, second = 0;            // patches; `second` follows `first`, which is not finer along the edge
+  int first = 0, second = 0;            // patches; `second` depends on `first`, which is not finer along the edge
   int first_edge = 0, second_edge = 0;  // EdgeBit
-  bool reversed = false;                // the edges run against one another
+  bool reversed = false;                // the two edges run in opposite directions
   bool smooth = false;
   Join join = Join::kClamped;
   double length = 0.0;              // [m]
-  double angle = 0.0;               // largest between the surfaces, 0 where they go on straight [rad]
-  std::vector<CreasePoint> crease;  // of a clamped one
+  double angle = 0.0;               // largest angle between the surfaces, 0 for a smooth seam [rad]
+  std::vector<CreasePoint> crease;  // of a clamped crease
 };
 
+/// All seams of a scene and the control points that depend on others because of them.
 struct Stitches {
   std::vector<Seam> seams;
-  std::vector<Dependence> points;  // what they depend on depends on nothing itself
+  std::vector<Dependence> points;  // no point depends on another dependent point
 };
 
-/// Finds edges that meet within `tolerance` [m] and ties their control points by virtual uncommon knot insertion (Coox
-/// et al. 2017): on the edge those of the finer side follow the coarser, exactly where they have all its knots and
-/// by local interpolation elsewhere. Where the seam is smooth its row is the mean of the rows beside it instead.
-/// `join[i][k]` says how patches i and k hang together. What is `held` anyway follows nothing; at an end of a seam,
-/// what meets it follows it. Throws Error where edges nearly meet, meet over a part of their length, or where the
-/// normals of a smooth seam are opposite.
+/// Finds edges that meet within `tolerance` [m] and makes control points of one side depend on the other (virtual
+/// uncommon knot insertion, Coox et al. 2017). On the edge, control points of the finer side depend on the coarser
+/// side. The dependence is exact where the finer side has all knots of the coarser one; elsewhere it is a local
+/// interpolation. On a smooth seam the edge row is the mean of the rows on both sides. `join[i][k]` says how patches i
+/// and k are joined. `held` is true for a control point that a support holds: it depends on no other. Where such a
+/// point ends a seam, the point that it meets depends on it. Throws Error where edges nearly meet, meet over a part of
+/// their length, differ in degree, do not fit, or where the normals at a smooth seam are opposite.
 Stitches find_stitches(const std::vector<const Patch*>& patches, const std::vector<std::string>& names,
                        double tolerance, const std::vector<std::vector<Join>>& join,
                        const std::function<bool(const PatchPoint&)>& held = {});

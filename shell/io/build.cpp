@@ -18,9 +18,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSeamTolerance = 1e-6;  // of the largest shell
+constexpr double kSeamTolerance = 1e-6;  // share of the largest shell's size
 
-// Mass, centre and inertia of a solid, by tetrahedra over its faces from the mean point.
+// Computes mass, centre and inertia of a solid, by tetrahedra from the mean point to its faces.
 void solid_properties(const scene::Solid& solid, double density, RigidBody& b) {
   const std::vector<Vec3>& points = solid.surface.corners;
   Vec3 mean = Vec3::Zero();
@@ -103,9 +103,9 @@ void launch(const scene::LoadedScene& scene, const RunSetup& setup, const proto:
   b.motion.velocity = -m.launch().speed() * from;
 }
 
-// Hertz's law between a shell and a sphere.
+// Adds Hertz's law between a shell and a sphere.
 void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, const std::string& field, RunSetup& r) {
-  const auto give = [&](const std::string& material) {  // (1 - nu^2) / E; 0: rigid
+  const auto give = [&](const std::string& material) {  // compliance (1 - nu^2) / E [1/Pa]; 0: rigid
     const auto* m = find_material(scene.message, material);
     return m && m->has_youngs_modulus() ? (1.0 - m->poisson_ratio() * m->poisson_ratio()) / m->youngs_modulus() : 0.0;
   };
@@ -113,7 +113,8 @@ void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, con
     const auto& body = scene.message.bodies(static_cast<int>(i));
     if (body.name() != c.first() && body.name() != c.second()) continue;
     std::size_t k = 0;
-    while (r.shells[k].model.name != c.first() && r.shells[k].model.name != c.second()) ++k;  // validated: it is there
+    // validation has made sure that it exists
+    while (r.shells[k].model.name != c.first() && r.shells[k].model.name != c.second()) ++k;
     ShellSetup& shell = r.shells[k];
     const double radius = body.sphere().radius_m();
     const double both = give(scene.message.shells(static_cast<int>(k)).material()) + give(body.material());
@@ -170,7 +171,7 @@ CouplingRules make_coupling(const proto::Scene& m) {
   return r;
 }
 
-// A rule that fastens two shells is a promise that they meet.
+// A rule that joins two shells requires that they meet. Throws Error at the rule otherwise.
 void check_rules(const scene::LoadedScene& scene, const Stitches& found, const std::vector<std::string>& names,
                  double tolerance) {
   const proto::Seams& m = scene.message.seams();
@@ -217,7 +218,7 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
     found = find_stitches(patches, names, tolerance, join, [&](const PatchPoint& p) {
       return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0;
     });
-    Stitching(found, models);  // throws where supports do not go with it
+    Stitching(found, models);  // throws where supports do not fit the seams
   } catch (const Error& e) {
     scene.fail("seams", e.what());
   }
@@ -326,14 +327,14 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (int k = 0; k < m.contacts_size(); ++k)
     if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);
   r.shells_meet = r.shells.size() > 1;
-  for (const auto& c : m.contacts())  // a shell by itself, where the scene says what it does to itself
+  for (const auto& c : m.contacts())  // self-contact of a single shell, where the scene has a law for it
     r.shells_meet = r.shells_meet || (!c.first().empty() && c.first() == c.second() && !r.shells.empty() &&
                                       c.first() == r.shells[0].model.name);
   if (r.shells_meet) {
     for (const ShellSetup& s : r.shells) r.fibre_spacing = std::max(r.fibre_spacing, s.fibre_spacing);
     for (std::size_t i = 0; i < r.shells.size(); ++i)
       if (r.shells[i].model.has_fibres()) check_fibre_grid(scene, r.shells[i].model, i, r.fibre_spacing);
-    // nothing is left for the contact between shells where all have fibres
+    // Where all shells have fibres, no contact between shells is needed.
     r.shells_meet =
         std::any_of(r.shells.begin(), r.shells.end(), [](const ShellSetup& s) { return !s.model.has_fibres(); });
   }

@@ -1,5 +1,5 @@
 #pragma once
-// Scene -> model: shells, bodies, contact coefficients.
+// Builds the model of a run from a scene: shells, bodies, contact coefficients.
 #include <algorithm>
 #include <limits>
 #include <vector>
@@ -13,52 +13,52 @@
 
 namespace sunder::shell {
 
-/// Substeps that a window may take.
+/// Largest number of substeps of a window.
 constexpr double kMostSubsteps = 1e6;
 
-/// How a window is shared with the rigid side (scene.proto, Coupling).
+/// How the shell shares a window with the rigid side (scene.proto, Coupling).
 struct CouplingRules {
   enum class Scheme { kProxy, kExported, kIterated, kStaggered, kLagged };
   Scheme scheme = Scheme::kProxy;
-  double export_above = 3.0;  // sum of k H^2 / M [-]
+  double export_above = 3.0;  // bodies with a larger stiffness ratio, the sum of k H^2 / M, are exported [-]
   int iterations = 8;
-  double tolerance = 0.0;  // energy residual of a window, of the most energy there was; 0: windows keep their length
-  int ticks = 1;           // of a window of full length
+  double tolerance = 0.0;  // energy residual of a window [share of the largest energy]; 0: windows keep their length
+  int ticks = 1;           // ticks of a window of full length
 };
 
-/// When a joint lets go: what comes first.
+/// Limits of a joint. It is released when the first of them is reached.
 struct JointBreak {
   static constexpr double kNever = std::numeric_limits<double>::infinity();
   double time = kNever, angle = kNever, extension = kNever;  // [s], [rad], [m]
   bool can() const { return std::min({time, angle, extension}) < kNever; }
 };
 
-/// All that a run needs from a scene, in plain types.
+/// Everything that a run needs from a scene, in plain types.
 struct RunSetup {
   std::string name;
   double end_time = 0.0, window = 0.0, settle_window = 0.0, safety = 0.8;  // [s], [-]
-  double tick = 0.0;                                                       // all windows are whole multiples of it [s]
-  double time_step = 0.0;  // of a substep, as the scene asks for it [s]; 0: `safety` times the stable one
+  double tick = 0.0;       // all windows are whole multiples of a tick [s]
+  double time_step = 0.0;  // substep that the scene asks for [s]; 0: `safety` times the stable step
   double frame_interval = 0.0, shell_frame_interval = 0.0;
   std::vector<Probe> probes;
   double probe_interval = 0.0;       // [s]
   double checkpoint_interval = 0.0;  // [s]; 0: none
-  double last_change = 0.0;          // when the last load or support has stopped changing [s]
+  double last_change = 0.0;          // time of the last change of a load or support [s]
   double quiet_time = 0.0, quiet_growth = 0.0, latest_freeze = 0.0;
   Vec3 gravity = Vec3::Zero();
   std::vector<ShellSetup> shells;
   std::vector<SoftSetup> soft;
-  Stitches stitches;           // between them
-  bool shells_meet = false;    // contact between them, or of one with itself
-  double fibre_spacing = 0.0;  // of their grid [m]; 0: no shell has fibres that could touch others
+  Stitches stitches;           // seams between the shells
+  bool shells_meet = false;    // shells may touch one another, or a shell itself
+  double fibre_spacing = 0.0;  // spacing of the fibres' grid [m]; 0: no shell has fibres that could touch others
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
   std::vector<Joint> joints;
-  std::vector<JointBreak> breaks;  // of each
+  std::vector<JointBreak> breaks;  // of each joint
   CouplingRules coupling;
   std::vector<ContactLaw> laws;
 
-  /// Of the thinnest shell; 0 where there is none [m].
+  /// Least thickness of the shells [m]; 0 without shells.
   double thickness() const;
   std::vector<const ShellModel*> models() const {
     std::vector<const ShellModel*> out;
@@ -70,6 +70,7 @@ struct RunSetup {
   }
 };
 
+/// Builds the setup of a run. Throws Error at the scene's line and field where something is wrong.
 RunSetup build(const scene::LoadedScene& scene);
 
 }  // namespace sunder::shell

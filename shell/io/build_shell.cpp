@@ -185,7 +185,7 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   }
   const std::string name = "shell '" + s.name() + "'";
   const Patch scaled = at_field(scene, field, [&] { return with_parameters_as_lengths(patch); });
-  // once more by itself, so that a mistake is reported where it stands
+  // Each support is tried alone first, so that an error names its own field.
   for (int i = 0; i < s.supports_size(); ++i)
     at_field(scene, fmt::format("{}.supports[{}]", field, i),
              [&] { return make_constraints(scaled, {supports[i]}, scaled.columns(), name); });

@@ -5,10 +5,11 @@
 
 namespace sunder::shell {
 
-/// The material of that name, nullptr if there is none.
+/// Returns the material of that name, or nullptr.
 const proto::Material* find_material(const proto::Scene& scene, const std::string& name);
 
-/// `field` is that of the shell. Throws Error with the field where the patch, a support or a load is wrong.
+/// Builds the model of a shell; `field` is the shell's field in the scene. Throws Error with the field where the patch,
+/// a support or a load is wrong.
 ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
 
 }  // namespace sunder::shell

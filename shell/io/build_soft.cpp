@@ -11,12 +11,13 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kFastest = 10.0;  // of the speed of its waves: beyond, it crosses cells of its grid in a step
+constexpr double kFastest = 10.0;  // multiple of its wave speed; faster, it crosses cells of its grid in one step
 constexpr double kFurthest = 1e8;  // grid spacings: cells are counted in 32 bits
 constexpr double kMostParticles = 4e6;
-constexpr double kTouching = 1e-6;  // of the spacing: what touches at the start is not inside
+// share of the spacing: bodies that only touch at the start are not inside each other
+constexpr double kTouching = 1e-6;
 
-// Shape about the pose of the message, and its volume [m^3].
+// Returns the shape about the pose of the message, and its volume [m^3].
 std::pair<Shape, double> shape_of(const scene::LoadedScene& scene, const proto::SoftBody& m, const std::string& field) {
   if (m.has_sphere()) {
     const double r = m.sphere().radius_m();
@@ -40,7 +41,7 @@ double smallest_extent(const Shape& shape) {
   return box.sizes().minCoeff();
 }
 
-// How far the nearest point of the surface is from the solid [m].
+// Returns the least distance [m] from the soft surface to the solid; negative inside.
 double clearance(const SoftModel& m, const Proxy& solid) {
   double least = 1e300;
   for (const SoftSurface& f : m.surface)
@@ -48,7 +49,7 @@ double clearance(const SoftModel& m, const Proxy& solid) {
   return least;
 }
 
-// A point of the body that is in it or on it: its centre, which may lie outside a solid that is no hull [m].
+// Returns a point in or on the body [m]: its centre may lie outside a solid that is not convex.
 Vec3 inner_point(const RigidBody& b) {
   const auto* s = std::get_if<ConvexShape>(&b.shape);
   return s && s->surface ? Vec3(b.motion.position + b.motion.orientation * s->surface->corners[0]) : b.motion.position;

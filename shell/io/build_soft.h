@@ -7,8 +7,9 @@
 
 namespace sunder::shell {
 
-/// Adds the soft bodies of the scene, with the contact group that `group` gives each name. Shells and bodies are there
-/// already: what starts inside one of them, or what contact would not find, is refused. Throws Error with the field.
+/// Adds the soft bodies of the scene to `setup`; `group` maps a name to its contact group. Shells and bodies must be in
+/// `setup` already. Throws Error with the field where a body starts inside another one, or is too fast or too large for
+/// contact.
 void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32_t(const std::string&)>& group,
                 RunSetup& setup);
 

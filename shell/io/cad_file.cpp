@@ -1,4 +1,4 @@
-// All that knows OpenCASCADE.
+// The only file that uses OpenCASCADE.
 #include "shell/io/cad_file.h"
 
 #ifndef SUNDER_CAD
@@ -47,16 +47,16 @@ namespace {
 
 using Spline = opencascade::handle<Geom_BSplineSurface>;
 
-constexpr int kHighestDegree = 3;        // that a patch can have
-constexpr double kMetresPerUnit = 1e-3;  // OpenCASCADE's tolerances are made for millimetres: it converts to them
-// Shares of the face's size. Files carry tolerances of about a micrometre, and nothing of a shell is that fine.
-constexpr double kTrimTolerance = 1e-5;    // by which a border may leave the sides of the parameter rectangle
-constexpr double kSmoothTolerance = 1e-9;  // by which the surface may move where a needless knot is taken out
-constexpr double kSnapTolerance = 1e-7;    // of the parameter range: a border this close to a knot is that knot
+constexpr int kHighestDegree = 3;        // of a patch
+constexpr double kMetresPerUnit = 1e-3;  // OpenCASCADE's tolerances fit millimetres, so it converts to them
+// Shares of the face's size. Files have tolerances of about a micrometre; no feature of a shell is that fine.
+constexpr double kTrimTolerance = 1e-5;    // a border may leave the sides of the parameter rectangle by this
+constexpr double kSmoothTolerance = 1e-9;  // the surface may move by this where a needless knot is removed
+constexpr double kSnapTolerance = 1e-7;    // share of the parameter range: a border this near a knot is moved to it
 constexpr int kSamplesPerEdge = 33;
 constexpr int kMostFacesNamed = 12;
 
-/// OpenCASCADE reports to standard output, which is the caller's.
+/// Silences OpenCASCADE, which prints to the caller's standard output.
 class Quiet {
  public:
   Quiet() : out_(std::cout.rdbuf(nowhere_.rdbuf())) {}
@@ -68,10 +68,10 @@ class Quiet {
   std::streambuf* out_;
 };
 
-/// What messages need of where we are.
+/// The place that messages refer to.
 struct Place {
   const scene::LoadedScene& scene;
-  std::string field, path;  // of the message, of the file
+  std::string field, path;  // field of the message; path of the file
   int face = 0;
 
   template <class... Args>
@@ -82,7 +82,8 @@ struct Place {
   }
 };
 
-// The last line of an IGES file has a T in column 73. OpenCASCADE reads half a file as fewer faces.
+// The last line of an IGES file has a T in column 73. OpenCASCADE reads a truncated file as fewer faces, without an
+// error.
 bool is_whole_iges(const std::string& file) {
   std::ifstream in(file);
   std::string last;
@@ -106,10 +107,10 @@ TopoDS_Shape read(const Place& place) {
     reader = std::make_unique<STEPControl_Reader>();
   else
     reader = std::make_unique<IGESControl_Reader>();
-  Interface_Static::SetCVal("xstep.cascade.unit", "MM");  // after the first reader, which makes the table
+  Interface_Static::SetCVal("xstep.cascade.unit", "MM");  // after the first reader, which creates the table of settings
   place.scene.check(reader->ReadFile(file.c_str()) == IFSelect_RetDone, field,
                     "'{}' is no {} file that can be read; export it again", place.path, step ? "STEP" : "IGES");
-  // Broken references are followed all the same, through null pointers.
+  // OpenCASCADE follows broken references through null pointers, so such a file is refused here.
   int faults = 0;
   std::string first;
   Interface_CheckIterator checks = reader->WS()->ModelCheckList(Standard_False);
@@ -121,7 +122,7 @@ TopoDS_Shape read(const Place& place) {
   return reader->OneShape();
 }
 
-// Where a face is, for people who have to choose one [m].
+// Returns the mean of a face's corners [m], for messages that list faces.
 Vec3 mean_corner(const TopoDS_Face& face) {
   Vec3 sum = Vec3::Zero();
   int n = 0;
@@ -133,7 +134,7 @@ Vec3 mean_corner(const TopoDS_Face& face) {
 }
 
 TopoDS_Face choose(const Place& place, const proto::CadFace& cad, const TopoDS_Shape& shape) {
-  TopTools_IndexedMapOfShape faces;  // counted from 1, each once
+  TopTools_IndexedMapOfShape faces;  // numbered from 1, each face once
   if (!shape.IsNull()) TopExp::MapShapes(shape, TopAbs_FACE, faces);
   const int n = faces.Extent();
   place.scene.check(n > 0, place.field + ".path", "'{}' has no face; export a surface, not curves, points or a mesh",
@@ -156,7 +157,7 @@ struct Rectangle {
   std::array<double, 2> u, v;
 };
 
-// A value close to a bound or a knot of the surface is meant to be there; else slivers of spans arise.
+// Moves a value to a bound or knot that it nearly equals. Otherwise spans become slivers.
 double snapped(double value, double range, const std::vector<double>& marks) {
   for (const double mark : marks)
     if (std::abs(value - mark) <= kSnapTolerance * range) return mark;
@@ -175,7 +176,7 @@ void snap(const opencascade::handle<Geom_Surface>& surface, Rectangle& r) {
   for (double& value : r.v) value = snapped(value, range_v, v);
 }
 
-// The parameter rectangle that the face is; refuses a face that is not all of one.
+// Returns the parameter rectangle of a face. Throws Error where the face does not fill one.
 Rectangle parameters(const Place& place, const TopoDS_Face& face, const opencascade::handle<Geom_Surface>& surface) {
   Rectangle r;
   int wires = 0;
@@ -221,11 +222,11 @@ Rectangle parameters(const Place& place, const TopoDS_Face& face, const opencasc
   return r;
 }
 
-// Readies the u direction: open knots, two free ends, no more knots than a smooth surface has.
+// Prepares the u direction: open knots, two free ends, no more knots than a smooth surface needs.
 void prepare_u(const Place& place, const Spline& s, double size, const char* direction) {
   if (s->IsUPeriodic()) s->SetUNotPeriodic();
   const int degree = s->UDegree(), last = s->NbUKnots();
-  if (s->UMultiplicity(1) <= degree || s->UMultiplicity(last) <= degree) {  // a knot vector that is not open
+  if (s->UMultiplicity(1) <= degree || s->UMultiplicity(last) <= degree) {  // the knot vector is not open
     double u0, u1, v0, v1;
     s->Bounds(u0, u1, v0, v1);
     s->Segment(u0, u1, v0, v1);
@@ -261,14 +262,14 @@ Spline to_spline(const Place& place, const TopoDS_Face& face) {
     for (int i = 1; i <= s->NbUPoles(); ++i) box.extend(Vec3(s->Pole(i, j).X(), s->Pole(i, j).Y(), s->Pole(i, j).Z()));
   for (const char* direction : {"u", "v"}) {
     prepare_u(place, s, box.diagonal().norm(), direction);
-    s->ExchangeUV();  // twice: as it was
+    s->ExchangeUV();  // the second exchange restores the order
   }
   if (face.Orientation() == TopAbs_REVERSED) s->ExchangeUV();  // u cross v is the face's normal
   return s;
 }
 
 Patch to_patch(const Spline& s, double scale, const std::string& field) {
-  const int degree = s->UDegree();  // and of v
+  const int degree = s->UDegree();  // the same for v
   const auto knots = [degree](const TColStd_Array1OfReal& k, const char* name) {
     return KnotVector({k.begin(), k.end()}, degree, name);
   };

@@ -1,14 +1,13 @@
 #pragma once
-// Faces of STEP and IGES files.
+// Reads faces of STEP and IGES files.
 #include "coupler/scene/load.h"
 #include "shell/geometry/patch.h"
 
 namespace sunder::shell {
 
-/// The face that `cad` chooses, scaled, in metres, where the file has it: neither refined nor posed.
-/// Its B-spline is exact where the file's surface is a plane, a quadric, a torus or a B-spline; degree 1 is
-/// raised to 2. `field` is that of `cad`. Throws Error where the file or the face is no such patch, and always
-/// where the build has no OpenCASCADE.
+/// Reads the face that `cad` chooses, scaled to metres, where the file places it; it is not refined or posed. The
+/// B-spline is exact for planes, quadrics, tori and B-splines; degree 1 is raised to 2. `field` is that of `cad`.
+/// Throws Error where the file cannot be read or the face is no such patch, and always in a build without OpenCASCADE.
 Patch read_cad(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad);
 
 }  // namespace sunder::shell

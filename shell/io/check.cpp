@@ -15,9 +15,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kTrials = 20;  // substeps that are timed
+constexpr int kTrials = 20;  // timed substeps
 
-/// The stable step of a shell by itself [s]; throws where it has none, or bodies are too fast for it.
+/// Returns the stable step [s] of a shell alone. Throws Error where it has none, or where bodies are too fast for it.
 double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::size_t shell, ShellState& s) {
   const ShellSetup& shell_setup = setup.shells[shell];
   const ShellModel& m = shell_setup.model;
@@ -35,7 +35,7 @@ double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::siz
   return step;
 }
 
-/// What of a shell's stable step a run may take [s]; throws where the scene asks for more than that.
+/// Returns the step [s] that a run may take with this shell. Throws Error where the scene asks for a longer one.
 double allowed_step(const scene::LoadedScene& scene, const RunSetup& setup, const ShellSetup& shell, double step) {
   const ShellModel& m = shell.model;
   const double allowed = step * (shell.can_crack() ? shell.cracked_step : 1.0);

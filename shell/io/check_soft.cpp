@@ -1,4 +1,4 @@
-// What the soft bodies of a scene will cost.
+// Reports what the soft bodies of a scene will cost.
 #include <chrono>
 #include <cmath>
 

@@ -10,7 +10,7 @@
 namespace sunder::shell {
 namespace {
 
-// Read only by the build that wrote it: plain structures lie in it as they lie in memory.
+// Only the build that wrote a checkpoint reads it: plain structures are stored as they are in memory.
 const std::string kFirstLine = "sunder checkpoint 11, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
@@ -32,7 +32,7 @@ void bad_checkpoint(const std::string& path, const std::string& what) {
 
 void write_checkpoint(const std::string& path, const std::string& scene_hash, const std::string& bytes) {
   const std::string body = kFirstLine + scene_hash + "\n" + bytes;
-  std::error_code ignored;  // a folder that cannot be made is told of by the file in it
+  std::error_code ignored;  // an error shows when the file is written
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
   write_atomically(path, body + digest(body));
 }

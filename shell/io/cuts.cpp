@@ -11,8 +11,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSame = 1e-9;      // spacings: points so close are one
-constexpr double kMostEdges = 2e4;  // of a curve
+constexpr double kSame = 1e-9;      // spacings: points this near are one
+constexpr double kMostEdges = 2e4;  // edges of a curve
 
 Vec2 to_vec2(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
 
@@ -27,7 +27,7 @@ struct Domain {
   bool contains(const Vec2& p) const { return (nearest(p) - p).norm() <= kSame * spacing; }
 };
 
-// The point, or where round-off has put it outside the border's; refused where it is further out.
+// Returns p, moved onto the border where round-off has put it outside. Throws Error where it is further outside.
 Vec2 inside(const scene::LoadedScene& scene, const std::string& field, const Domain& d, const Vec2& p,
             const char* what) {
   scene.check(
@@ -48,7 +48,8 @@ bool encloses(const std::vector<Vec2>& ring, const Vec2& p) {
   return inside;
 }
 
-// A piece is the Gauss points within it: what has none would leave a crack and nothing that comes off.
+// Tests whether a ring holds a Gauss point. A piece consists of its Gauss points: a ring without any would leave a
+// crack but no piece.
 bool encloses_a_point(const ShellModel& m, const std::vector<Vec2>& ring) {
   for (int q = 0; q < m.tables.blocks(); ++q)
     for (int e = 0; e < m.tables.spans_u; ++e)
@@ -80,7 +81,7 @@ std::vector<Vec2> polyline(const scene::LoadedScene& scene, const proto::Cut& m,
                fmt::format("the segment from here to points[{}] meets that from points[{}] to points[{}] at ({:.6g}, "
                            "{:.6g}); {}",
                            hit->second + 1, hit->first, hit->first + 1, hit->at.x(), hit->at.y(), kItself));
-  // drawn more finely than the shell can tell: edges would cost much and change nothing
+  // The shell cannot resolve such short edges: they would cost time and change nothing.
   double shortest = d.spacing;
   for (std::size_t k = 1; k < points.size(); ++k) shortest = std::min(shortest, (points[k] - points[k - 1]).norm());
   if (shortest >= kShortestEdge * d.spacing) return points;
@@ -107,7 +108,7 @@ std::vector<Vec2> sampled(const scene::LoadedScene& scene, const PlaneCurve& cur
   return points;
 }
 
-// The edge on which both points lie, 0: none; points outside by round-off are on it.
+// Returns the edge on which both points lie, or 0. A point that is outside by round-off lies on the edge.
 int edge_of(const Domain& d, const Vec2& a, const Vec2& b) {
   for (const int edge : kEdges) {
     const int axis = edge < kVMin ? 0 : 1;
@@ -117,7 +118,7 @@ int edge_of(const Domain& d, const Vec2& a, const Vec2& b) {
   return 0;
 }
 
-// The cut without what lies on edges of the patch.
+// Divides the cut into polylines inside the patch and segments on its edges.
 PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time) {
   PrescribedCut out;
   out.time = time;
@@ -129,7 +130,7 @@ PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time) {
     out.lines.push_back(std::move(points));
     return out;
   }
-  // a closed one is gone round from the first segment that is on an edge
+  // A closed cut is followed from its first segment on an edge.
   const std::size_t start = points.front() == points.back() ? first - on.begin() : 0;
   std::vector<Vec2> line;
   for (std::size_t i = 0; i < segments; ++i) {
@@ -158,7 +159,7 @@ void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int 
   for (const EdgeCut& e : cut.on_edges) {
     const Vec2 from = edge_point(model.patch, e.edge, e.from), to = edge_point(model.patch, e.edge, e.to);
     const std::vector<int> row = edge_row(model.patch, e.edge, 0);
-    int held = 0, all = 0;  // control points along it
+    int held = 0, all = 0;  // control points along the edge
     for (const int point : row) {
       const Vec2& at = model.parameter[point];
       if ((at - from).dot(at - to) <= 0.0) ++all, held += model.held[model.tables.slot(point)] != 0;

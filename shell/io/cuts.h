@@ -7,13 +7,14 @@
 
 namespace sunder::shell {
 
-/// `field` is that of the cut. Throws Error where it leaves the parameter domain, has a segment without length, or
-/// crosses or touches itself.
+/// Makes a cut; `field` is its field in the scene. Throws Error where it leaves the parameter domain, has a segment
+/// without length, or crosses or touches itself.
 PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& cut, const ShellModel& model,
                        const std::string& field);
 
-/// What lies on edges opens `seamed` ones (EdgeBits); along clamped ones it is a cut as near to them as cracks run.
-/// Throws Error where it lies on another edge: there is nothing to part. `field` is that of the cut.
+/// Decides on segments that lie on edges. On edges with seams (`seamed`, EdgeBits) they open the seam. On clamped edges
+/// they become a cut as near to the edge as cracks can run. Throws Error with `field` on other edges, where nothing can
+/// part.
 void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, const std::string& field,
                   PrescribedCut& cut);
 

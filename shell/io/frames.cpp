@@ -8,6 +8,7 @@
 #include <map>
 #include <numbers>
 
+#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
 #include "shell/io/vtp.h"
 #include "shell/solver/cracking/insertion.h"
@@ -19,7 +20,7 @@ struct Corner {
   Vec3 x, v, u;  // position, velocity, displacement
 };
 
-// A surface point on its own side of the cracks.
+// Evaluates a surface point with the functions of its own side of the cracks.
 Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool near_crack) {
   Corner c{Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   const auto add = [&](double n, int slot) {
@@ -38,7 +39,7 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
     for (const MlsFunction& n : mls.functions) add(n.n[0], m.tables.slot(n.control_point));
     return c;
   }
-  // too little in sight: moves with the nearest control point
+  // Too few control points are visible: the point moves with the nearest one.
   int nearest = 0;
   double distance = 1e300;
   for (int k = 0; k < f.count(); ++k) {
@@ -52,33 +53,26 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
   return c;
 }
 
-// Numbers for the corners of all triangles: equal where triangles around a vertex hang together.
+// Numbers the corners of all triangles. Corners at one vertex have the same number where their triangles are connected
+// around it.
 std::vector<std::array<int, 3>> fans(const Triangulation& t) {
   const int n = static_cast<int>(t.triangles.size());
-  std::vector<int> parent(3 * static_cast<std::size_t>(n));
-  for (std::size_t i = 0; i < parent.size(); ++i) parent[i] = static_cast<int>(i);
-  const auto root = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
+  DisjointSets corners(3 * n);
   for (int i = 0; i < n; ++i)
     for (const int other : t.neighbours[i]) {
       if (other < 0) continue;
       for (int k = 0; k < 3; ++k)
         for (int l = 0; l < 3; ++l)
-          if (t.triangles[i][k] == t.triangles[other][l]) {
-            const int a = root(3 * i + k), b = root(3 * other + l);
-            parent[std::max(a, b)] = std::min(a, b);
-          }
+          if (t.triangles[i][k] == t.triangles[other][l]) corners.join(3 * i + k, 3 * other + l);
     }
   std::vector<std::array<int, 3>> fan(n);
   for (int i = 0; i < n; ++i)
-    for (int k = 0; k < 3; ++k) fan[i][k] = root(3 * i + k);
+    for (int k = 0; k < 3; ++k) fan[i][k] = corners.root(3 * i + k);
   return fan;
 }
 
-// How much longer than at rest a side of a triangle may be that is still a surface: where most Gauss points of the
-// element bear nothing any more its control points fly where they will; where a crack has touched it some may.
+// Returns the largest stretch at which a triangle is still drawn as surface. Control points of an element fly freely
+// where most of its Gauss points bear no stress, and some may where a crack has touched it.
 double most_stretch(const ShellModel& m, const ShellState& s, const Vec2& p) {
   constexpr double kRubble = 1.5, kTouched = 6.0;
   const RowTables& t = m.tables;
@@ -92,7 +86,7 @@ double most_stretch(const ShellModel& m, const ShellState& s, const Vec2& p) {
   return 2 * dead > points ? kRubble : touched > 0 ? kTouched : std::numeric_limits<double>::infinity();
 }
 
-// One of the polygon's sides is longer than `most` times that at rest.
+// Tests whether a side of the polygon is longer than `most` times its length at rest.
 bool is_stretched(const VtpMesh& mesh, const VtpArray& displacement, const std::vector<int>& polygon, double most) {
   const auto rest = [&](int i) -> Vec3 {
     const double* u = &displacement.values[3 * static_cast<std::size_t>(i)];
@@ -120,15 +114,15 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   };
   std::vector<char> near(t.vertices.size(), 0);
   for (std::size_t i = 0; i < near.size(); ++i)
-    if (!m.laminated())  // an interlayer goes on as the patch does
+    if (!m.laminated())  // an interlayer is continuous, as the patch is
       s.cracks.graph.near(t.vertices[i], t.vertices[i], 2.0 * m.spacing, [&](int e) {
         Vec2 foot;
         if (s.cracks.graph.distance(t.vertices[i], e, foot) < 2.0 * m.spacing) near[i] = 1;
         return !near[i];
       });
-  // A vertex on a crack stands once for each fan of triangles that hang together around it.
+  // A vertex on a crack is written once for each fan of connected triangles around it.
   const std::vector<std::array<int, 3>> fan = fans(t);
-  std::map<int, Vec2> fan_sum;  // of centres, and how many: the fan's own side of its vertex
+  std::map<int, Vec2> fan_sum;  // sum of centres and their number: they tell the fan's side of the vertex
   std::map<int, int> fan_count;
   for (std::size_t i = 0; i < t.triangles.size(); ++i)
     for (int k = 0; k < 3; ++k) {
@@ -165,7 +159,7 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
   return mesh;
 }
 
-// An edge that runs out of the patch is drawn to the border, in its own direction.
+// Moves the end of an edge that leaves the patch to the border, along the edge.
 Vec2 held_back(const ShellModel& m, Vec2 p, const Vec2& other) {
   const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()), high(m.patch.knots_u.end(), m.patch.knots_v.end());
   for (int k = 0; k < 2; ++k) {
@@ -173,16 +167,16 @@ Vec2 held_back(const ShellModel& m, Vec2 p, const Vec2& other) {
     if (held != p[k] && other[k] != p[k])
       p = other + std::clamp((held - other[k]) / (p[k] - other[k]), 0.0, 1.0) * (p - other);
   }
-  return p.cwiseMax(low).cwiseMin(high);  // an edge that lies outside altogether
+  return p.cwiseMax(low).cwiseMin(high);  // an edge entirely outside
 }
 
 VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   VtpMesh mesh;
   VtpArray crack{"crack", 1, {}}, time{"time", 1, {}};
-  // Lines lie on the surface at rest: their displacement is zero, so that they can be laid over any frame. On an
-  // interlayer they go with it: it is one surface, which no piece leaves.
+  // Lines lie on the surface at rest with zero displacement, so that they fit any frame. On an interlayer they move
+  // with it: it is one surface that no piece leaves.
   VtpArray displacement{"displacement", 3, {}};
-  VtpArray parameter{"parameter", 3, {}};  // of the graph itself, beyond the border too; third component 0
+  VtpArray parameter{"parameter", 3, {}};  // of the graph itself, also beyond the border; third component 0
   for (const CrackEdge& e : s.cracks.graph.edges()) {
     std::vector<int> line;
     for (const bool first : {true, false}) {
@@ -203,7 +197,7 @@ VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   return mesh;
 }
 
-// Adds the mesh of shell number `shell`, with that number as a cell array.
+// Appends the mesh of shell number `shell`, with that number as a cell array.
 void append(VtpMesh& all, VtpMesh one, int shell) {
   const int first = static_cast<int>(all.points.size());
   const std::size_t cells = one.polygons.size() + one.lines.size();
@@ -310,8 +304,8 @@ void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
   }
 }
 
-// Particles as points. `radius`: of a ball with a particle's volume; `surface`: 1 where it carries faces, `normal` the
-// sum of theirs.
+// Draws particles as points. `radius` is that of a ball with the particle's volume. `surface` is 1 where the particle
+// has faces, and `normal` is the sum of their normals.
 VtpMesh soft_mesh(const SoftBodies& soft) {
   VtpMesh mesh;
   VtpArray velocity{"velocity", 3, {}}, volume{"J", 1, {}}, stress{"von_mises", 1, {}}, radius{"radius", 1, {}},
@@ -332,7 +326,7 @@ VtpMesh soft_mesh(const SoftBodies& soft) {
     normal.values.resize(3 * mesh.points.size(), 0.0);
     for (const SoftSurface& f : m.surface) {
       surface.values[first + f.particle] = 1.0;
-      const Vec3 n = s.surface_normal(f).normalized();  // of an edge: the sum
+      const Vec3 n = s.surface_normal(f).normalized();  // summed at an edge
       for (int d = 0; d < 3; ++d) normal.values[3 * (first + f.particle) + d] += n[d];
     }
   }

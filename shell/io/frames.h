@@ -1,5 +1,5 @@
 #pragma once
-// Pictures of a moment: shell, cracks and bodies as .vtp, all moments in frames.pvd.
+// Writes frames: shells, cracks and bodies as .vtp files, listed in frames.pvd.
 #include <map>
 #include <string>
 #include <vector>
@@ -11,16 +11,18 @@
 
 namespace sunder::shell {
 
+/// Writes one frame after another into a folder.
 class FrameWriter {
  public:
   explicit FrameWriter(std::string folder);
-  /// Without shells only bodies are written. Shards start at body id `first_shard`.
+  /// Writes the frame of this time [s]. Without shells it writes bodies only. Body ids from `first_shard` on are
+  /// shards. Throws Error (bad_output).
   void write(double time, const std::vector<ShellView>& shells, const SoftBodies& soft,
              const std::vector<RigidBody>& bodies, BodyId first_shard);
-  /// From now on the body is drawn as this mesh, not as its convex parts.
+  /// Draws the body as this mesh from now on, not as its convex parts.
   void draw_as(BodyId id, DrawnMesh mesh) { drawn_[id] = std::move(mesh); }
   int count() const { return count_; }
-  /// Calls f with all members that a checkpoint keeps.
+  /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     f(count_, index_, drawn_);

@@ -9,11 +9,11 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kMostDigits = 18;  // of a number: enough for any size to be named
+constexpr int kMostDigits = 18;  // digits of a number: enough to report any size
 
 bool blank(int c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-// The next number of the head, comments skipped.
+// Reads the next number of the head and skips comments.
 double head_number(std::istream& in, const char* what) {
   int c = in.get();
   while (blank(c) || c == '#') {
@@ -23,7 +23,7 @@ double head_number(std::istream& in, const char* what) {
   double number = 0.0;
   int digits = 0;
   for (; c >= '0' && c <= '9' && digits < kMostDigits; c = in.get(), ++digits) number = 10.0 * number + (c - '0');
-  // one blank ends a number; after the last one pixels begin at once
+  // One blank ends a number. After the last number the pixels follow at once.
   require(digits > 0 && blank(c), "its head has no {}; after P5 or P2 come width, height and the grey of white", what);
   return number;
 }
@@ -56,7 +56,7 @@ GreyImage read_pgm(const std::string& path, const std::function<void(double, dou
   GreyImage image;
   image.width = static_cast<int>(width), image.height = static_cast<int>(height), image.white = static_cast<int>(white);
   const double rest = bytes - static_cast<double>(in.tellg());
-  const int each = plain ? 2 : white > 255.0 ? 2 : 1;  // bytes a pixel, at least: a digit and a blank
+  const int each = plain ? 2 : white > 255.0 ? 2 : 1;  // least bytes per pixel; plain: a digit and a blank
   const double least = width * height * each - (plain ? 1.0 : 0.0);
   require(rest >= least, "ends too early: {} x {} pixels need {} bytes{}, and {} follow its head", width, height, least,
           plain ? " or more" : "", rest);

@@ -1,5 +1,5 @@
 #pragma once
-// Grey images: PGM files, binary (P5) or plain (P2), of 8 or 16 bits.
+// Reads grey images: PGM files, binary (P5) or plain (P2), with 8 or 16 bits.
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -7,17 +7,18 @@
 
 namespace sunder::shell {
 
+/// An image of grey values.
 struct GreyImage {
   int width = 0, height = 0, white = 255;
-  std::vector<std::uint16_t> pixels;  // rows from the top, from the left; 0 to `white`
+  std::vector<std::uint16_t> pixels;  // rows from the top, each from the left; 0 to `white`
 
-  /// 0 black to 1 white at a point, (0, 0) the lower left corner and (1, 1) the upper right one: linear between the
-  /// middles of pixels, constant beyond the outer ones.
+  /// Returns the grey value at a point, 0 black to 1 white. (0, 0) is the lower left corner, (1, 1) the upper right
+  /// one. Values are linear between pixel centres and constant beyond the outermost.
   double grey(double right, double up) const;
 };
 
-/// `accept` is asked about width and height before any pixel is read; it throws where they will not do. They are whole
-/// numbers, whatever the file claims. Throws Error that says what is wrong with the file, without its name.
+/// Reads an image. `accept` receives width and height, whole numbers, before any pixel is read; it may throw. Throws
+/// Error that says what is wrong with the file; the message does not name the file.
 GreyImage read_pgm(const std::string& path, const std::function<void(double width, double height)>& accept);
 
 }  // namespace sunder::shell

@@ -15,7 +15,7 @@ Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
   Vec3 sum = Vec3::Zero();
   const std::size_t plane = m.tables.plane;
   const auto add = [&](int d, int slot) {
-    // what follows others over a seam has no mass, and its force is theirs
+    // A dependent control point at a seam has no mass; its force counts at those it depends on.
     if (!s.motion.detached[slot] && s.motion.mass[slot] > 0.0)
       sum[d] -= s.motion.force[d * plane + slot] + s.motion.mass[slot] * gravity[d];
   };

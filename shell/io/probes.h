@@ -1,5 +1,5 @@
 #pragma once
-// What a scene asks to be measured on a shell: probes.csv.
+// Probes of a scene: the columns of probes.csv.
 #include <string>
 #include <vector>
 
@@ -8,34 +8,36 @@
 
 namespace sunder::shell {
 
+/// A point of a shell, or a body, that the scene asks to measure.
 struct Probe {
   std::string name;
-  int shell = -1;          // index; -1: of a body
+  int shell = -1;          // index; -1: the probe is on a body
   Vec2 at = Vec2::Zero();  // parameters [m]
-  int body = -1;           // index; -1: of a shell
-  bool soft = false;       // the body is a soft one
+  int body = -1;           // index; -1: the probe is on a shell
+  bool soft = false;       // the body is soft
 };
 
-/// First line of probes.csv: time, displacement of each point and motion of each body, reaction of all supports.
+/// Returns the first line of probes.csv: time, displacement of each point, motion of each body, reaction of all
+/// supports.
 std::string probe_header(const std::vector<Probe>& probes);
-/// A shell as it stands.
+/// Model and present state of a shell.
 struct ShellView {
   const ShellModel* model;
   const ShellState* state;
 };
 
-/// A row; what belongs to shells stays empty where `shells` is, else they are all of the scene's. The reaction [N] is
-/// what supports exert on the shell, with the forces that the state holds: along each axis minus the sum over control
-/// points that they hold or drive.
+/// Returns a row of probes.csv. `shells` are all shells of the scene, or empty: then their columns stay empty. The
+/// reaction [N] is the force of supports on the shell at the state's forces: minus the sum over held or driven control
+/// points, along each axis.
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellView>& shells,
                       const std::vector<BodyMotion>& bodies, const std::vector<BodyMotion>& soft, double time,
                       const Vec3& gravity);
 
-/// Displacement [m] of the material point, with the functions of the uncut patch.
+/// Displacement [m] of a material point, with the functions of the uncut patch.
 Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);
-/// Area of the mid-surface at rest and now [m^2], of the Gauss points that bear and have not left.
+/// Area of the mid-surface [m^2] at rest and now, over Gauss points that bear stress and are not handed off.
 std::pair<double, double> surface_area(const ShellModel& model, const ShellState& state);
-/// Reaction of all supports [N].
+/// Force of all supports on the shell [N].
 Vec3 reaction(const ShellModel& model, const ShellState& state, const Vec3& gravity);
 
 }  // namespace sunder::shell

@@ -10,7 +10,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kCoarsestFibres = 4.0;
-constexpr double kThin = 0.05;  // thickness over width, where shear through the thickness is a hundredth of deflections
+constexpr double kThin = 0.05;  // thickness / width at which transverse shear adds about a hundredth to deflections
 
 void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   const proto::Scene& m = scene.message;
@@ -33,7 +33,7 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
               "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
               "not belong together",
               1.0 / h);
-  const double coarse = width / widest;  // times too coarse
+  const double coarse = width / widest;  // factor by which the spacing is too coarse
   const auto finer = [&](int elements) { return std::floor(1.001 * coarse * elements) + 1.0; };
   scene.check(
       h > 0.0, "fracture.mode",
@@ -48,7 +48,7 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
                         s.spacing / coarse, s.spacing),
       q.fracture_energy * coarse);
   if (m.fracture().has_extract_cracks()) r.fracture.damage.extract = m.fracture().extract_cracks();
-  r.fracture.tips = make_crack_rules(s, 0.0);  // for the speed at which ends run
+  r.fracture.tips = make_crack_rules(s, 0.0);  // for the speed of crack ends
 }
 
 void set_tips(const scene::LoadedScene& scene, ShellSetup& r) {

@@ -1,5 +1,5 @@
 #pragma once
-// A shell of a scene with all that decides how it moves and breaks.
+// A shell of a scene with all settings of its motion and fracture.
 #include <algorithm>
 #include <string>
 #include <vector>
@@ -11,32 +11,32 @@
 
 namespace sunder::shell {
 
-/// Of the stable step, what a scene may ask for: iteration finds it from above.
+/// Largest share of the stable step that a scene may ask for: iteration approaches the stable step from above.
 constexpr double kMostOfStable = 0.95;
 
 /// A shell of the scene, and how it breaks.
 struct ShellSetup {
   ShellModel model;
-  Vec3 velocity = Vec3::Zero();  // at the start
-  double equilibrium = 0.0;      // tolerance of the equilibrium that it starts from; 0: starts as it is
+  Vec3 velocity = Vec3::Zero();  // initial [m/s]
+  double equilibrium = 0.0;      // tolerance of the initial equilibrium; 0: starts as given
   FractureRules fracture{};
   double cracked_step = kCrackedStep;  // share of the free stable step that it starts with where it can crack
   TransferRules transfer{};
-  double fibre_spacing = 0.0;   // of the grid, as the scene asks for it [m]
-  std::vector<double> hertz{};  // stiffness of each body against it [N/m^1.5]; 0: impulses
-  bool seam_may_part = false;   // with a shell that can crack
+  double fibre_spacing = 0.0;   // of the fibres' grid, as the scene asks for it [m]
+  std::vector<double> hertz{};  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
+  bool seam_may_part = false;   // a seam with a shell that can crack
 
   bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
 };
 
-/// `field` is that of the shell; stiffnesses of Hertz contacts are left to the caller. Throws Error with the field that
-/// is wrong.
+/// Makes the setup of a shell, except for Hertz stiffnesses, which the caller adds. `field` is the shell's field.
+/// Throws Error with the field that is wrong.
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
-/// Shells that are too thick for a theory without shear through the thickness, in words: some 5 (thickness / width)^2
-/// is missing from deflections (of a square plate, simply supported; Timoshenko and Woinowsky-Krieger, section 39).
-/// Empty where all are thin. The width is the root of the area of all that hangs together by seams.
+/// Returns a warning about shells that are too thick for a theory without transverse shear, or an empty text. Their
+/// deflections are too small by some 5 (thickness / width)^2 (square plate, simply supported; Timoshenko and
+/// Woinowsky-Krieger, section 39). The width is the square root of the area of all shells that seams join.
 std::string too_thick(const std::vector<ShellSetup>& shells, const std::vector<Seam>& seams);
-/// A grid that all shells with fibres share must not be too coarse for any of them. Throws Error.
+/// Throws Error where the grid of all fibres is too coarse for this shell.
 void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& shell, std::size_t index, double spacing);
 
 }  // namespace sunder::shell

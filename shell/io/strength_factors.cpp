@@ -8,11 +8,11 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kMostPixels = 16384.0, kFewestPixels = 2.0;  // along a side
-constexpr double kUsualPixels = 1024.0;                       // along the longer side, where any size will do
-constexpr double kDistortion = 0.02;                          // of the aspect ratio
+constexpr double kMostPixels = 16384.0, kFewestPixels = 2.0;  // pixels along a side
+constexpr double kUsualPixels = 1024.0;  // along the longer side of the sizes that a message suggests
+constexpr double kDistortion = 0.02;     // allowed error of the aspect ratio
 
-// Sizes near the given one that have the shape of the domain; `aspect` is its width over its height.
+// Lists image sizes near the given one with the domain's aspect ratio `aspect` (width / height).
 std::string sizes_that_do(double width, double height, double aspect) {
   std::vector<std::pair<double, double>> sizes;
   const auto offer = [&](double w, double h) {

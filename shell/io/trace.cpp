@@ -17,7 +17,7 @@ std::string event(const std::string& name, int process, std::int64_t begin, std:
       window >= 0 ? fmt::format(", \"args\": {{\"window\": {}}}", window) : "");
 }
 
-// Names come from the other process.
+// Keeps only plain characters: names come from the other process.
 std::string plain(const std::string& name) {
   std::string out;
   for (const char c : name.substr(0, 64))
@@ -39,7 +39,7 @@ void Trace::add(const char* name, std::int64_t begin_ns, std::int64_t end_ns, st
 void Trace::heard(const link::TimedReply& reply) { replies_.push_back(reply); }
 
 void Trace::write(const std::string& path) const {
-  // The offset that puts the engine's work into the middle of the exchange is wrong by at most half of what the
+  // The offset puts the engine's work into the middle of the exchange. Its error is at most half of the time that the
   // exchange took beyond that work.
   std::int64_t offset = 0, least = std::numeric_limits<std::int64_t>::max();
   for (const link::TimedReply& r : replies_) {

@@ -1,5 +1,5 @@
 #pragma once
-// Where the time of both processes went, on one clock, as Chrome's trace event format (Perfetto, chrome://tracing).
+// Records when both processes did what, on one clock, in Chrome's trace event format (Perfetto, chrome://tracing).
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -8,12 +8,14 @@
 
 namespace sunder::shell {
 
+/// Collects spans of both processes and writes them.
 class Trace {
  public:
-  /// A span of this process; `name` outlives the trace. Times of std::chrono::steady_clock [ns].
+  /// Adds a span of this process. `name` must outlive the trace. Times are those of std::chrono::steady_clock [ns].
   void add(const char* name, std::int64_t begin_ns, std::int64_t end_ns, std::int64_t window = -1);
+  /// Adds the spans that the engine reported with a reply.
   void heard(const link::TimedReply& reply);
-  /// The engine's clock is set by the reply that took least time between the two. Throws Error (io).
+  /// Writes the file. The engine's clock is aligned by the fastest exchange. Throws Error (io).
   void write(const std::string& path) const;
 
   static std::int64_t now_ns();

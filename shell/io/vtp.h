@@ -1,5 +1,5 @@
 #pragma once
-// VTK XML poly data with raw appended arrays, as ParaView reads it.
+// Writes VTK XML poly data with raw appended arrays, as ParaView reads it.
 #include <string>
 #include <vector>
 
@@ -16,14 +16,14 @@ struct VtpArray {
 struct VtpMesh {
   std::vector<Vec3> points;
   std::vector<std::vector<int>> polygons, lines;
-  std::vector<int> verts{};  // points that are cells, before lines and polygons
+  std::vector<int> verts{};  // points that are cells; they come before lines and polygons
   std::vector<VtpArray> point_data, cell_data;
 };
 
-/// Throws Error (bad_output) where the file cannot be written whole.
+/// Writes the mesh. Throws Error (bad_output) where the file cannot be written completely.
 void write_vtp(const std::string& path, const VtpMesh& mesh);
 
-/// Replaces a file at once: readers see the old or the new text, never half.
+/// Replaces a file atomically: a reader sees the old or the new text, never a part.
 void write_atomically(const std::string& path, const std::string& text);
 
 }  // namespace sunder::shell

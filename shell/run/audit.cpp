@@ -8,19 +8,20 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kMade = 0.02;   // of the most energy there was: what has no business to be made, or is missing
-constexpr double kGiven = 0.05;  // overlaps that are let go give a little
-constexpr double kUncertain = 0.1, kFrozen = 0.1;
-constexpr double kAdded = 0.01;  // of what fracture took
-constexpr double kNoted = 1e-3;  // of the most energy there was: what is less is no matter
+constexpr double kMade = 0.02;   // share of the largest energy: gain without a source, or energy missing
+constexpr double kGiven = 0.05;  // share of the largest energy; larger, since released overlaps return a little
+constexpr double kUncertain = 0.1, kFrozen = 0.1;  // shares of the largest energy
+constexpr double kAdded = 0.01;                    // share of the fracture energy
+constexpr double kNoted = 1e-3;                    // share of the largest energy below which an amount is not reported
 
-// Of what lies between a and b: cracks that leave the shell end a little beyond its border.
+// Returns the length [m] of the part of ab inside the patch. Cracks that leave the shell end a little beyond its
+// border.
 double length_within(const Patch& patch, const Vec2& a, const Vec2& b) {
   double from = 0.0, to = 1.0;
   const KnotVector* knots[] = {&patch.knots_u, &patch.knots_v};
   for (int d = 0; d < 2; ++d) {
     const double way = b[d] - a[d];
-    if (way == 0.0) continue;  // along that border: within it, as its ends are
+    if (way == 0.0) continue;  // parallel to this border: inside, as its ends are
     const double begin = (knots[d]->begin() - a[d]) / way, end = (knots[d]->end() - a[d]) / way;
     from = std::max(from, std::min(begin, end)), to = std::min(to, std::max(begin, end));
   }

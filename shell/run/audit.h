@@ -7,24 +7,24 @@
 
 namespace sunder::shell {
 
-/// What a run has booked, to be judged at its end [J].
+/// The energy books of a run [J], from which warnings are made at its end.
 struct Audit {
   EnergyBook book;
-  double scale = 0.0;          // the most energy there was; 0: none, so nothing to be judged
-  double residual = 0.0;       // of the books, a share of `scale`
-  double given = 0.0;          // by contact: the most that its book has fallen below what it had taken by then
-  double coupling = 0.0;       // uncertain by windows in which the shell pushes what the engine holds
-  double frozen = 0.0;         // kinetic, of the shell when it was frozen
-  bool grid_transfer = false;  // velocities go through a background grid
-  bool keeps_damage = false;   // which does not heal
+  double scale = 0.0;     // largest energy at any time; 0: no energy, so nothing to judge
+  double residual = 0.0;  // energy that the books miss [share of `scale`]
+  double given = 0.0;     // largest fall of the contact book below its maximum so far: energy that contact has returned
+  double coupling = 0.0;  // uncertain because the shell pushes bodies that the engine holds
+  double frozen = 0.0;    // kinetic energy of the shell when it was frozen
+  bool grid_transfer = false;  // velocities pass through a background grid
+  bool keeps_damage = false;   // damage does not heal
 };
 
-/// What the cracks that ran by themselves should take, by the material's fracture energy and their area in the shell
-/// [J]; scaled by the square of the strength factor where they run. Cuts, what damage makes and the first spacing
-/// beyond a seam are left out.
+/// Returns the energy [J] that cracks should take by the material's fracture energy and their area. Only cracks that
+/// ran by themselves count: prescribed cuts, cracks from damage and the first spacing beyond a seam do not. The
+/// fracture energy is scaled by the square of the local strength factor. Only lengths within the patch count.
 double crack_resistance(const ShellModel& model, const ShellState& state);
 
-/// What a user should know of these energies before trusting the run, a sentence each; empty: nothing.
+/// Returns warnings about the energies of a run, one sentence each; empty where there are none.
 std::vector<std::string> doubts(const Audit& audit);
 
 }  // namespace sunder::shell

@@ -10,8 +10,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kRoundOffStrain = 1e-12;  // energy stored below it is round-off [-]
-constexpr double kUnstableGain = 100.0;    // times all energy that the scene can account for [-]
+constexpr double kRoundOffStrain = 1e-12;  // energy stored at a smaller strain is round-off [-]
+constexpr double kUnstableGain = 100.0;    // multiple of all energy that the scene can account for [-]
 
 }  // namespace
 
@@ -36,7 +36,7 @@ double Books::crack_resistance(Simulation& simulation) const {
 void Books::open(Simulation& simulation, double energy) {
   reference = energy;
   scale = simulation.state.kinetic + simulation.state.elastic;
-  double round_off = 0.0;  // where nothing moves there is nothing else
+  double round_off = 0.0;  // the only energy where nothing moves
   for (const ShellPart& part : simulation.state.shells) {
     const ShellMaterial& material = part.model().material;
     const std::vector<double>& masses = part.state->motion.mass;
@@ -55,7 +55,8 @@ void Books::close(Simulation& simulation, double energy) {
 }
 
 void Books::check_stable(Simulation& simulation, double energy, std::int64_t window) const {
-  double least = simulation.soft_energy(1e-3);  // a strain of 1e-3, of shells in one element: all may start at rest
+  // plus one shell element at a strain of 1e-3: the scene may start at rest
+  double least = simulation.soft_energy(1e-3);
   for (const ShellSetup& s : simulation.model.setup.shells)
     least += 5e-7 * s.model.material.youngs_modulus * s.model.thickness * s.model.spacing * s.model.spacing;
   const double most = kUnstableGain * (scale + std::abs(reference) + std::abs(sum(simulation).external) + least);

@@ -1,5 +1,5 @@
 #pragma once
-// The energy of a whole run, and what of it is missing.
+// The energy of a whole run, and the part of it that the books miss.
 #include <string>
 #include <vector>
 
@@ -7,36 +7,36 @@
 
 namespace sunder::shell {
 
-/// Energies of a run [J]; plain numbers, so that a checkpoint keeps them as they lie.
+/// Energies of a run [J]. All members are plain numbers, so a checkpoint stores them as bytes.
 struct Books {
-  EnergyBook frozen{};             // of the shells, kept from the moment in which they are frozen
-  double scale = 0.0;              // the most energy there was at once
-  double reference = 0.0;          // at the start
-  double residual = 0.0;           // that the books miss, as a share of `scale` [-]
-  double contact_taken = 0.0;      // by contact, at most so far
-  double contact_given = 0.0;      // back by contact after that, at most; contact can only take
-  double frozen_kinetic = 0.0;     // of the shell, as it was frozen
-  double frozen_length = 0.0;      // of its cracks [m]
-  double frozen_resistance = 0.0;  // of its cracks
+  EnergyBook frozen{};             // books of the shells, taken when they are frozen
+  double scale = 0.0;              // largest kinetic plus elastic energy so far
+  double reference = 0.0;          // total energy at the start
+  double residual = 0.0;           // energy that the books miss, as a share of `scale` [-]
+  double contact_taken = 0.0;      // largest value of the contact book so far
+  double contact_given = 0.0;      // largest fall below it; contact can only take energy
+  double frozen_kinetic = 0.0;     // kinetic energy of the shells when they were frozen
+  double frozen_length = 0.0;      // length of their cracks then [m]
+  double frozen_resistance = 0.0;  // resistance of their cracks then
 
-  /// Of all shells, frozen or not.
+  /// Sum of the books of all shells and soft bodies, frozen or not.
   EnergyBook sum(Simulation& simulation) const;
   double crack_length(Simulation& simulation) const;  // [m]
-  /// Energy that the cracks which ran by themselves should take, by fracture energy and area.
+  /// Energy [J] that cracks which ran by themselves should take, by fracture energy and area.
   double crack_resistance(Simulation& simulation) const;
-  /// At the start: `energy` is that of shells and bodies.
+  /// Starts the books. `energy` is the total energy of shells and bodies [J].
   void open(Simulation& simulation, double energy);
-  /// After a window: `energy` is the present and the booked energy together.
+  /// Updates the books after a window. `energy` is the present energy plus all booked energy [J].
   void close(Simulation& simulation, double energy);
-  /// Throws Error (unstable) where the energy of shells and bodies has changed by more than they could have.
+  /// Throws Error (unstable) where the energy [J] has changed by more than the scene can account for.
   void check_stable(Simulation& simulation, double energy, std::int64_t window) const;
 };
 
-/// Throws Error (unstable).
+/// Throws Error (unstable). `energy` is the change of energy [J].
 [[noreturn]] void unstable(double energy, std::int64_t window);
 
-/// Points that a user should know before trusting the run, a sentence each. `coupling_residual` is the sum of the
-/// windows' energy residuals [J].
+/// Returns warnings about the run, one sentence each. `coupling_residual` is the sum of the windows' energy residuals
+/// [J].
 std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual);
 
 }  // namespace sunder::shell

@@ -1,4 +1,4 @@
-// A run between two windows: both sides in one file, so that they always belong together.
+// Saves and loads a run between two windows. Both sides are in one file, so they always belong together.
 #include "coupler/core/archive.h"
 #include "shell/io/checkpoint_file.h"
 #include "shell/run/run.h"
@@ -89,7 +89,7 @@ void Run::archive_members(A& a) {
 void Run::save_checkpoint() {
   State& state = simulation_.state;
   Stopwatch w(simulation_.scratch.times[Stage::kIo]);
-  // Caches start anew on both ways on from here.
+  // Caches are cleared: the run that goes on and the run that resumes then start from equal ones.
   for (ShellPart& part : state.shells) part.candidates = {}, part.triangulated.reset();
   if (state.contact) state.contact->forget();
   if (state.fibres) state.fibres->forget();

@@ -11,13 +11,14 @@ namespace {
 
 using Scheme = CouplingRules::Scheme;
 
-constexpr int kStiffnessEvery = 8;             // windows between two measurements
-constexpr int kHeldWindows = 64;               // for which a body counts as held by the engine, or stays exported
-constexpr std::int64_t kHeldAtFirst = 64;      // windows in which a body of the scene may turn out to be held
-constexpr double kRecovery = 0.02;             // share of an overlap: twenty plates sink by 2 um, and nothing bounces
-constexpr double kLeastResidual = 1.0 / 16.0;  // of the tolerance, below which a window is doubled
+constexpr int kStiffnessEvery = 8;         // windows between two measurements of stiffness
+constexpr int kHeldWindows = 64;           // windows for which a body counts as held by the engine, or stays exported
+constexpr std::int64_t kHeldAtFirst = 64;  // windows at the start in which every body counts as held
+// share of an overlap per substep: twenty stacked plates sink by 2 um, and none bounces
+constexpr double kRecovery = 0.02;
+constexpr double kLeastResidual = 1.0 / 16.0;  // share of the tolerance; below it the window is doubled
 
-/// Where a body comes by itself in `h` [s]: gravity evenly, no impulse.
+/// Returns the motion after `h` [s] of free flight: gravity evenly, no impulse.
 BodyMotion coasted(const RigidBody& body, const Vec3& gravity, double h) {
   RigidBody b = body;
   b.motion.velocity += 0.5 * h * gravity;
@@ -62,7 +63,8 @@ std::vector<link::Motion> Coupler::motions() const {
 
 void Coupler::choose_exported() {
   const CouplingRules& rules = setup_.coupling;
-  const bool can = rigid_->peer().can(link::capability::kExportRows);  // else it is measured, and told
+  // without it the ratio is still measured and reported
+  const bool can = rigid_->peer().can(link::capability::kExportRows);
   if (rules.scheme != Scheme::kProxy && rules.scheme != Scheme::kExported) return;
   if (rules.scheme == Scheme::kExported) {
     for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
@@ -83,10 +85,10 @@ void Coupler::add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio) {
   const ShellModel& m = part.model();
   std::vector<char> asked(state_.bodies.size(), 0);
   bool any = false;
-  // No shell is stiffer at a control point than its stable step allows: 4 m / dt^2. Heavy bodies need no measurement.
+  // The stable step bounds the stiffness at any control point by 4 m / dt^2, so heavy bodies need no measurement.
   double heaviest = 0.0;
   for (const double mass : part.state->motion.mass) heaviest = std::max(heaviest, mass);
-  // Bodies of the scene only: shards, light and born in contact, leave the shell within a window or two.
+  // Only bodies of the scene are measured: shards are light, touch at birth, and leave the shell within a few windows.
   const auto& candidates = part.candidates.of_body;
   for (std::size_t i = 0; i < std::min(setup_.bodies.size(), candidates.size()); ++i) {
     const RigidBody& b = state_.bodies[i].body;
@@ -117,7 +119,7 @@ void Coupler::open_window(double window) {
   starts_ = motions();
   for (Proxy& p : state_.bodies) p.unmoved = setup_.coupling.scheme == Scheme::kLagged, p.recovery = 0.0;
   solved_.clear();
-  if (!state_.solving()) {  // no substeps: nobody but the engine solves anything
+  if (!state_.solving()) {  // without substeps, only the engine solves contacts
     state_.rows.clear(), exported_until_.clear();
     return;
   }
@@ -135,7 +137,7 @@ void Coupler::open_window(double window) {
   for (const Proxy& p : state_.bodies)
     if (!p.body.is_static)
       coasting.push_back({p.body.id, coasted(p.body, setup_.gravity, window)}), moving.insert(p.body.id);
-  // What an exported body touches or is linked to is solved with it, and what that touches.
+  // All bodies that touch an exported body or are linked to it are exported too, until the set no longer grows.
   std::vector<link::ContactRow> rows;
   std::vector<Joint> joints;
   for (std::size_t before = 0; before != exported.size();) {
@@ -156,7 +158,7 @@ void Coupler::open_window(double window) {
   std::vector<RigidBody*> bodies;
   for (Proxy& p : state_.bodies) bodies.push_back(&p.body);
   state_.rows.take(rows, joints, bodies);
-  // What nothing presses on moves as without windows, to the last bit but some.
+  // A body without contacts and joints moves as it would without windows, except for the last bits.
   std::set<BodyId> pressed;
   for (const auto& row : rows) pressed.insert({row.first, row.second});
   for (const Joint& j : joints) pressed.insert({j.first, j.second});
@@ -171,7 +173,8 @@ std::vector<link::Motion> Coupler::predicted_states(double window, std::size_t c
   for (std::size_t i = 0, k = 0; i < count; ++i) {
     RigidBody b = state_.bodies[i].body;
     if (b.is_static) continue;
-    if (setup_.coupling.scheme == Scheme::kStaggered && k < starts_.size()) {  // the engine's own step, by the impulse
+    // the engine takes a step of its own with the impulse
+    if (setup_.coupling.scheme == Scheme::kStaggered && k < starts_.size()) {
       b.motion.position = starts_[k].motion.position + window * b.motion.velocity;
       b.motion.orientation = starts_[k].motion.orientation;
       RigidBody turned = b;
@@ -179,7 +182,7 @@ std::vector<link::Motion> Coupler::predicted_states(double window, std::size_t c
       b.motion.orientation = turned.motion.orientation;
     }
     if (k < state_.kicks.size() &&
-        substeps > 0) {  // without what the engine's last answer did, evenly over the substeps
+        substeps > 0) {  // removes the engine's last answer, which was spread evenly over the substeps
       const double arm = 0.5 * window * (substeps + 1.0) / substeps;
       b.motion.position -= arm / b.mass * state_.kicks[k].linear;
       b.motion.orientation =
@@ -200,7 +203,7 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   const double before = simulation_.bodies_energy();
   std::vector<link::State> states;
   std::vector<link::Motion> given;
-  if (!agreed_.empty()) {  // the window has been taken; what was born joins now
+  if (!agreed_.empty()) {  // scheme ITERATED has taken the window already; new bodies join now
     given = std::move(sent_), states = std::move(agreed_);
     agreed_.clear(), sent_.clear(), state_.kicks.clear();
     if (!births.empty())
@@ -219,9 +222,10 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
       const BodyMotion& then = given[k].motion;
       const Vec3 dv = now.velocity - then.velocity;
       const Vec3 dw = p.body.apply_inverse_inertia(now.angular_momentum - then.angular_momentum);
-      // the work that the shell's push would have done on what the engine has changed
+      // Work of the shell's impulses on the change of motion that the engine made.
       window_residual_ += std::abs(p.linear_impulse.dot(dv) + p.angular_impulse.dot(dw));
-      const bool exported = p.recovery > 0.0 && !state_.rows.empty();  // the engine has nothing left to hold it by
+      // its rows are solved here, so the engine shows no change
+      const bool exported = p.recovery > 0.0 && !state_.rows.empty();
       if (exported || !dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = clock_.windows + kHeldWindows;
     }
     p.body.motion = now;
@@ -230,7 +234,7 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   state_.engine_loss += before - simulation_.bodies_energy();
   residual_sum_ += window_residual_, residual_max_ = std::max(residual_max_, window_residual_);
   for (Proxy& p : state_.bodies) {
-    if (p.unmoved && !p.body.is_static && p.impulse_sum > 0.0) {  // felt a window late
+    if (p.unmoved && !p.body.is_static && p.impulse_sum > 0.0) {  // scheme LAGGED: the impulse acts a window late
       p.body.motion.velocity += p.linear_impulse / p.body.mass;
       p.body.motion.angular_momentum += p.angular_impulse;
     }

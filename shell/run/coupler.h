@@ -1,6 +1,6 @@
 #pragma once
-// How a window is shared with the rigid side: which contacts are exported, which predicted states are sent, what comes
-// back, and the ledger of impulses that closes each window.
+// How the shell shares a window with the rigid side: exported contacts, predicted states, the engine's answer, and the
+// ledger of impulses that closes each window.
 #include <functional>
 #include <map>
 #include <set>
@@ -12,44 +12,48 @@
 
 namespace sunder::shell {
 
-constexpr double kBirthTolerance = 1e-10;  // of a newborn's mass, momentum and angular momentum [-]
+constexpr double kBirthTolerance = 1e-10;  // of a new body's mass, momentum and angular momentum [-]
 
-/// Largest relative errors of bodies as they are born [-]; plain numbers, so that a checkpoint keeps them.
+/// Largest relative errors of bodies at birth [-]. Plain numbers, so a checkpoint stores them as bytes.
 struct BirthErrors {
   double mass = 0.0, momentum = 0.0, angular_momentum = 0.0;
 };
-/// Notes the relative errors of a birth. Throws Error (ledger) where one is above `tolerance`.
+/// Records the relative errors of a birth in `most`. Throws Error (ledger) where one is above `tolerance` or not a
+/// number.
 void check_birth(BirthErrors& most, const RigidBody& body, const BirthErrors& found, double tolerance,
                  const char* where, std::int64_t window);
 
-/// Throws Error where the engine lacks a capability that the scene needs.
+/// Throws Error where the engine lacks a capability that the scene needs; the message names both.
 void check_engine(const RunSetup& setup, const link::EngineInfo& peer);
-/// Capabilities that the engine lacks and the run can go without, a sentence each.
+/// Lists capabilities that the engine lacks and the run can go without, one sentence each.
 std::vector<std::string> engine_notes(const RunSetup& setup, const link::EngineInfo& peer);
 
+/// Couples the shells to the rigid side, window by window, and keeps the ledger.
 class Coupler {
  public:
-  /// Everything outlives it. `tamper` is called before a window's ledger is checked, for tests.
+  /// All references must outlive the coupler. Tests use `tamper`, which is called before a window's ledger is checked.
   Coupler(const RunSetup& setup, Simulation& simulation, Clock& clock,
           std::function<void(std::int64_t, std::vector<Proxy>&)> tamper);
 
   void connect(link::RigidLink& rigid) { rigid_ = &rigid; }
-  /// Loads the scene's bodies into the engine.
+  /// Loads the scene's bodies, contact laws and joints into the engine.
   void load();
-  /// Loads bodies as a checkpoint has them, with the engine's caches.
+  /// Loads bodies from a checkpoint into the engine, then its `caches`.
   void restore(const std::string& caches);
 
-  /// Before the substeps of a window of this length [s]: starts of the bodies, and the engine's rows that the substeps
-  /// solve. Throws Error.
+  /// Opens a window of this length [s]: stores the starting states and fetches the engine's rows that substeps solve.
+  /// Throws Error where the engine fails.
   void open_window(double window);
-  /// Scheme ITERATED: the window's n substeps of `dt` again and again until both sides agree. `last` is the substep
-  /// before [s], `look` as for Simulation::take_substeps.
+  /// Runs the scheme ITERATED: repeats the window's n substeps of `dt` [s] until both sides agree. `last` is the
+  /// preceding substep [s]; `look` is as for Simulation::take_substeps.
   void iterate_window(int n, double dt, double last, const std::function<void()>& look);
-  /// What the shells lost the bodies have gained, to round-off. `dt` is the substep [s]. Throws Error (ledger).
+  /// Checks that each body has gained what the shells lost, to round-off. `dt` is the substep [s]. Throws Error
+  /// (ledger).
   void check_ledger(double window, double dt);
-  /// Sends predicted states and births, takes the engine's answer, and closes the window. Throws Error.
+  /// Sends predicted states and new bodies, takes over the engine's states, and closes the window. Throws Error
+  /// (ledger) for a wrong birth.
   void exchange(int ticks, double window, const std::vector<RigidBody>& births);
-  /// Halves or doubles the next window by the energy residual of this one, where the scene asks for it.
+  /// Halves or doubles the next window by this window's energy residual, where the scene gives a tolerance.
   void adapt_window(double energy_scale);
 
   int window_ticks() const { return window_ticks_; }
@@ -57,7 +61,7 @@ class Coupler {
     window_ticks_ = static_cast<int>(std::min<std::int64_t>(window_ticks_, ticks));
   }
   int shortest_window() const { return shortest_window_; }  // [ticks]
-  /// Largest k H^2 / M that was measured [-].
+  /// Largest stiffness ratio k H^2 / M that was measured [-].
   double stiffest_ratio() const { return stiffest_; }
   std::size_t exported_bodies() const { return ever_exported_.size(); }
   std::int64_t exported_windows() const { return exported_windows_; }
@@ -66,7 +70,7 @@ class Coupler {
   double residual_max() const { return residual_max_; }  // [J]
   double ledger_linear() const { return ledger_linear_; }
   double ledger_angular() const { return ledger_angular_; }
-  /// When each joint has let go [s]; negative: it holds.
+  /// Time at which each joint was released [s]; negative while it holds.
   const std::vector<double>& released_at() const { return released_at_; }
   BirthErrors& birth_errors() { return birth_errors_; }
   const BirthErrors& birth_errors() const { return birth_errors_; }
@@ -81,9 +85,9 @@ class Coupler {
  private:
   std::vector<link::Motion> motions() const;
   void choose_exported();
-  void add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio);  // k H^2 / M of each body [-]
+  void add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio);  // adds k H^2 / M of each body [-]
   void add_soft_stiffness_ratio(std::vector<double>& ratio) const;
-  /// States of the first `count` bodies for the engine; `substeps` over which kicks were spread, 0: none.
+  /// Predicted states of the first `count` bodies. `substeps` is the number that kicks were spread over; 0: no kicks.
   std::vector<link::Motion> predicted_states(double window, std::size_t count, int substeps) const;
   void check_births(const std::vector<RigidBody>& births, const std::vector<link::State>& states);
   void release_joints();
@@ -96,13 +100,13 @@ class Coupler {
   link::RigidLink* rigid_ = nullptr;
 
   int window_ticks_ = 1, shortest_window_ = 1;
-  std::vector<link::Motion> starts_;                            // of the present window
-  std::vector<BodyId> solved_;                                  // bodies whose contacts and joints substeps solve
-  std::map<BodyId, std::int64_t> held_until_, exported_until_;  // window
+  std::vector<link::Motion> starts_;                            // moving bodies at the start of this window
+  std::vector<BodyId> solved_;                                  // bodies whose contacts and joints the substeps solve
+  std::map<BodyId, std::int64_t> held_until_, exported_until_;  // number of a window
   std::set<BodyId> ever_exported_;
-  std::vector<std::uint32_t> released_;  // joints that have let go, by id
+  std::vector<std::uint32_t> released_;  // released joints, sorted by id
   std::vector<double> released_at_;
-  std::vector<link::Motion> sent_;  // predicted states of the last pass, and the engine's answer
+  std::vector<link::Motion> sent_;  // predicted states of the last pass; the engine's answer is in agreed_
   std::vector<link::State> agreed_;
   std::int64_t exported_windows_ = 0, passes_ = 0;
   int most_passes_ = 0;

@@ -1,4 +1,4 @@
-// Scheme ITERATED: both sides take a window again until they agree.
+// Scheme ITERATED: both sides repeat a window until they agree.
 #include <algorithm>
 #include <cmath>
 
@@ -7,8 +7,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kAgreed = 1e-9;  // change of the engine's impulses between two passes, of themselves
-constexpr double kFastestRelaxation = 2.0, kSlowestRelaxation = 0.02, kFirstRelaxation = 0.5;  // Aitken's factor [-]
+constexpr double kAgreed = 1e-9;  // passes end below this relative change of the engine's impulses
+// limits and start of Aitken's factor [-]
+constexpr double kFastestRelaxation = 2.0, kSlowestRelaxation = 0.02, kFirstRelaxation = 0.5;
 
 }  // namespace
 
@@ -24,7 +25,7 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
   };
   Snapshot start{{}, {}, state_.stitching, state_.bodies, state_.random, state_.substeps, state_.engine_loss};
   for (const ShellPart& part : state_.shells) {
-    part.state->caches.trials.clear(), part.state->caches.surroundings = {};  // they can be found again
+    part.state->caches.trials.clear(), part.state->caches.surroundings = {};  // not copied: they are computed again
     start.states.push_back(*part.state), start.candidates.push_back(part.candidates);
   }
   const double window = n * dt;
@@ -45,7 +46,8 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
       const BodyMotion &from = sent_[k].motion, &to = agreed_[k].motion;
       const Kick engine{b.mass * (to.velocity - from.velocity), to.angular_momentum - from.angular_momentum};
       const Kick r{engine.linear - state_.kicks[k].linear, engine.angular - state_.kicks[k].angular};
-      const double gyration = std::sqrt(b.principal_inertia.maxCoeff() / b.mass);  // makes both commensurate
+      // radius of gyration: gives linear and angular impulses one unit
+      const double gyration = std::sqrt(b.principal_inertia.maxCoeff() / b.mass);
       const auto product = [&](const Kick& a, const Kick& c) {
         return a.linear.dot(c.linear) + a.angular.dot(c.angular) / (gyration * gyration);
       };
@@ -57,7 +59,7 @@ void Coupler::iterate_window(int n, double dt, double last, const std::function<
       residual.push_back(r), ++k;
     }
     if (size <= kAgreed * kAgreed * scale || pass + 1 >= setup_.coupling.iterations) break;
-    if (!before.empty() && difference > 0.0) {  // Aitken
+    if (!before.empty() && difference > 0.0) {  // Aitken's relaxation
       relaxation = std::clamp(-relaxation * dot / difference, -kFastestRelaxation, kFastestRelaxation);
       if (std::abs(relaxation) < kSlowestRelaxation) relaxation = kSlowestRelaxation;
     }

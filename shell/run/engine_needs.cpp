@@ -1,4 +1,4 @@
-// What the engine has to be able to do for a scene.
+// Capabilities of the engine that a scene needs.
 #include <algorithm>
 #include <cmath>
 

@@ -6,10 +6,10 @@
 namespace sunder::shell {
 namespace {
 
-// Largest approach of two bodies that can meet in a window without a shell, as a share of the thickness. A longer window
-// would depend on how far an engine looks ahead for contacts, which differs between engines.
+// Largest approach of two bodies that can meet in a window without a shell, as a share of the thickness. A longer
+// window would depend on how far an engine looks ahead for contacts, which differs between engines.
 constexpr double kSettleTravel = 1.25;
-constexpr int kRigidSubsteps = 4;  // of free flight in a window without a shell
+constexpr int kRigidSubsteps = 4;  // steps of free flight in a window without a shell
 
 }  // namespace
 
@@ -22,7 +22,7 @@ std::int64_t settle_ticks(const RunSetup& setup, const std::vector<Proxy>& bodie
   double longest = setup.settle_window;
   for (std::size_t i = 0; i < bodies.size(); ++i) {
     const RigidBody& a = bodies[i].body;
-    if (!std::isfinite(bodies[i].radius())) continue;  // nothing passes through a half space
+    if (!std::isfinite(bodies[i].radius())) continue;  // no body passes through a half space
     for (std::size_t j = 0; j < i; ++j) {
       const RigidBody& b = bodies[j].body;
       if (!std::isfinite(bodies[j].radius()) || (a.is_static && b.is_static)) continue;
@@ -42,7 +42,7 @@ void fly(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, dou
       Proxy& p = bodies[i];
       p.body.motion.velocity += h * gravity;
       p.body.drift(h);
-      p.body.motion.position -= 0.5 * h * h * gravity;  // exact: the mean of both velocities
+      p.body.motion.position -= 0.5 * h * h * gravity;  // exact: position moves with the mean of both velocities
     }
 }
 

@@ -1,4 +1,4 @@
-// When a shell has broken enough, and what follows: it is frozen, and the engine runs on alone.
+// When cracking of a shell has ended, and how it is frozen. After that only the engine runs.
 #include <algorithm>
 #include <cmath>
 
@@ -22,7 +22,7 @@ bool Pieces::impact_ahead(const ShellPart& part) const {
     const BodyMotion& b = state_.bodies[i].body.motion;
     if (state_.bodies[i].body.is_static) continue;
     const Vec3 pad = Vec3::Constant(state_.bodies[i].radius() + m.thickness);
-    if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) {  // there: does it move beside the shell?
+    if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) {  // near: does it move along the shell?
       const double reach = pad.x() + m.spacing + setup_.quiet_time * b.velocity.norm();
       for (int k = 0; k < m.control_points() && b.velocity.norm() > 0.0; ++k)
         if (!s.motion.detached[m.tables.slot(k)] &&
@@ -30,7 +30,7 @@ bool Pieces::impact_ahead(const ShellPart& part) const {
           return true;
       continue;
     }
-    double from = 0.0, to = setup_.end_time - clock_.time();  // when its straight path is in the box
+    double from = 0.0, to = setup_.end_time - clock_.time();  // times at which its straight path is in the box
     for (int d = 0; d < 3; ++d) {
       const double low = box.min()[d] - pad[d] - b.position[d], high = box.max()[d] + pad[d] - b.position[d];
       const double v = b.velocity[d];
@@ -44,7 +44,7 @@ bool Pieces::impact_ahead(const ShellPart& part) const {
 }
 
 std::string Pieces::cracking_has_ended(double last_push) {
-  if (!state_.soft.empty() || state_.fibres) return "";  // they would go on against shells that stand still
+  if (!state_.soft.empty() || state_.fibres) return "";  // soft bodies and fibres need shells that move
   if (setup_.latest_freeze < setup_.end_time && clock_.time() >= setup_.latest_freeze * (1.0 - 1e-9))
     return "latest_freeze_s";
   if (books_.crack_length(simulation_) == 0.0 || clock_.time() < setup_.last_change + setup_.quiet_time) return "";
@@ -85,7 +85,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
   frozen_hash_ = state_hash({}, state_);
   counts_.frozen_at = clock_.time(), frozen_why_ = why;
   frozen_wall_ = wall_clock();
-  for (ShellPart& part : state_.shells) part.state.reset();  // and with it whatever was exported
+  for (ShellPart& part : state_.shells) part.state.reset();  // exported rows end with it
   books_.frozen.frozen += before - simulation_.total_energy(dt);
   return births;
 }

@@ -1,4 +1,4 @@
-// When joints let go.
+// Release of joints that break.
 #include <algorithm>
 #include <cmath>
 
@@ -15,7 +15,7 @@ Joint::Frame placed(const Proxy* body, const Joint::Frame& f) {
 
 }  // namespace
 
-// Frames of a joint that is not strained coincide at the start.
+// The frames of an unstrained joint coincide at the start, so their distance measures its strain.
 void Coupler::release_joints() {
   const auto body = [&](BodyId id) -> const Proxy* { return id == 0 ? nullptr : &state_.bodies[id - 1]; };
   for (std::size_t i = 0; i < setup_.joints.size(); ++i) {

@@ -1,4 +1,4 @@
-// The ledger: what the shell lost, each body gained. Windows and births are held to it.
+// The ledger: each body must have gained what the shells lost. It is checked in every window and at every birth.
 #include <algorithm>
 #include <cmath>
 
@@ -8,12 +8,14 @@
 namespace sunder::shell {
 namespace {
 
-// Of the sum of |J|, and for what a body gained also of its momentum; double precision leaves some 1e-15.
+// Relative to the sum of |J|, plus the body's momentum for its gain. Double precision leaves some 1e-15.
 constexpr double kLedgerTolerance = 1e-12;
-constexpr double kSubstepsRounded = 4000.0;  // each may leave a rounding: beyond as many the tolerance grows with them
-constexpr double kSingleTolerance = 1e-4;    // of engines that say that they round, as in the conformance suite
+// each substep may leave a rounding error; with more of them the tolerance grows in proportion
+constexpr double kSubstepsRounded = 4000.0;
+constexpr double kSingleTolerance = 1e-4;  // for engines that declare single precision, as in the conformance suite
 
-double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
+// absolute where the scale is zero
+double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }
 
 }  // namespace
 
@@ -28,7 +30,7 @@ void Coupler::check_ledger(double window, double dt) {
       linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
       angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
     }
-    if (k < starts_.size() && !(p.recovery > 0.0 && !state_.rows.empty())) {  // else rows have moved it as well
+    if (k < starts_.size() && !(p.recovery > 0.0 && !state_.rows.empty())) {  // otherwise rows have moved it too
       const BodyMotion &then = starts_[k].motion, &now = p.body.motion;
       Vec3 gained = p.body.mass * (now.velocity - then.velocity - window * setup_.gravity);
       Vec3 turned = now.angular_momentum - then.angular_momentum;
@@ -36,7 +38,7 @@ void Coupler::check_ledger(double window, double dt) {
       if (!p.unmoved) gained -= p.linear_impulse, turned -= p.angular_impulse;
       const double fall = window * setup_.gravity.norm(), scale = then.velocity.norm() + now.velocity.norm() + fall;
       const double turning = then.angular_momentum.norm() + now.angular_momentum.norm();
-      // the new value first: max() keeps a first one that is not a number
+      // The new value comes first: max() keeps its first argument when one is NaN.
       linear = std::max(relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings, linear);
       angular = std::max(relative(turned.norm(), p.moment_sum + turning) / roundings, angular);
     }
@@ -54,7 +56,7 @@ void Coupler::check_ledger(double window, double dt) {
 
 void check_birth(BirthErrors& most, const RigidBody& b, const BirthErrors& found, double tolerance, const char* where,
                  std::int64_t window) {
-  // The new value first: max() keeps a first one that is not a number.
+  // The new value comes first: max() keeps its first argument when one is NaN.
   most.mass = std::max(found.mass, most.mass), most.momentum = std::max(found.momentum, most.momentum);
   most.angular_momentum = std::max(found.angular_momentum, most.angular_momentum);
   if (found.mass <= tolerance && found.momentum <= tolerance && found.angular_momentum <= tolerance)

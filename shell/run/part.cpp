@@ -65,7 +65,8 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
     const Proxy& p = proxies[i];
     const double speed = p.body.motion.velocity.norm() + gravity.norm() * window + shell_speed;
     if (space.exteriorDistance(p.body.motion.position) > p.radius() + m.thickness + 2.0 * speed * window) continue;
-    // contact stores it, and gives it back; in powers of two: every change of the step costs leapfrog some energy
+    // The contact stores the energy and returns it. The speed is rounded up to a power of two, since each change of the
+    // step costs leapfrog some energy.
     if (speed > hertz_speed) hertz_speed = std::exp2(std::ceil(std::log2(speed)));
     step = hertz_step(m, p.body, setup->hertz[i], hertz_speed, step);
   }
@@ -89,7 +90,7 @@ void ShellPart::measure_step(std::int64_t window, int threads) {
   const ShellModel& m = model();
   const auto& edges = state->cracks.graph.edges();
   for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
-  if (setup->fracture.damages() && window % kDamagedStepWindows == 0)  // what is damaged may be strained far
+  if (setup->fracture.damages() && window % kDamagedStepWindows == 0)  // damaged points may be strained strongly
     for (const GatheredPoint& g : state->cracked.gathered)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
   if (changed.empty() || window < next_measure) return;

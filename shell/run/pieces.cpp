@@ -4,16 +4,18 @@
 #include <cmath>
 #include <utility>
 
+#include "coupler/core/disjoint_sets.h"
 #include "shell/solver/contact/near_tiles.h"
 #include "shell/solver/interlock.h"
 
 namespace sunder::shell {
 namespace {
 
-double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }  // absolute at zero
+// absolute where the scale is zero
+double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }
 
-// Whether edges from `first` on have grown in a piece or along its border: one of the control points of the element
-// that their middle lies in is of it, and sees that.
+// Tests whether edges from `first` on have grown in a piece or along its border. The element that holds the middle of
+// an edge has control points; one of them must belong to the piece and see that middle.
 bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Triangulation& t, int piece, int first) {
   const int each = m.tables.support();
   for (int e = first; e < static_cast<int>(cracks.edges().size()); ++e) {
@@ -44,7 +46,7 @@ Pieces::Pieces(const RunSetup& setup, Simulation& simulation, Coupler& coupler, 
 void Pieces::check_handoff(const Totals& before, const Totals& after, const RigidBody& b) {
   const Vec3 p = b.mass * b.motion.velocity;
   const Vec3 l = b.motion.angular_momentum + b.motion.position.cross(p);
-  // Relative to the sums' own magnitudes, which is what their round-off is relative to.
+  // Errors are relative to the sums of magnitudes, as round-off is.
   const BirthErrors found{relative(std::abs(after.mass + b.mass - before.mass), before.mass),
                           relative((after.momentum + p - before.momentum).norm(), before.momentum_scale),
                           relative((after.angular + l - before.angular).norm(), before.angular_scale)};
@@ -75,7 +77,8 @@ Pieces::PartBoxes Pieces::boxes_of(const std::vector<PartPieces>& now, const std
 
 std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
   std::vector<PartPieces> out(state_.shells.size());
-  std::vector<int> first, parent;
+  std::vector<int> first;  // number of the first piece of each shell
+  DisjointSets together(0);
   for (std::size_t k = 0; k < state_.shells.size(); ++k) {
     ShellPart& part = state_.shells[k];
     const ShellModel& m = part.model();
@@ -91,33 +94,28 @@ std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
       p.pieces = pieces_of(m, *part.state, *p.triangulation);
       part.mark_rubble(p);
     }
-    first.push_back(static_cast<int>(parent.size()));
-    for (std::size_t i = 0; i < p.pieces.size(); ++i) parent.push_back(static_cast<int>(parent.size()));
+    first.push_back(together.size());
+    for (std::size_t i = 0; i < p.pieces.size(); ++i) together.add();
   }
-  const auto root = [&](int i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
   const auto piece_of = [&](int shell, int slot) {
     const int own =
         out[shell].whole ? 0 : out[shell].triangulation->owner[state_.shells[shell].model().tables.control_point(slot)];
     return own < 0 ? -1 : first[shell] + own;
   };
-  for (std::size_t k = 0; k < state_.shells.size(); ++k)  // an interlayer holds what has cracked together
+  for (std::size_t k = 0; k < state_.shells.size(); ++k)  // an interlayer holds cracked pieces together
     for (std::size_t i = 1; i < out[k].pieces.size() && state_.shells[k].model().laminated(); ++i)
-      parent[first[k] + static_cast<int>(i)] = first[k];
+      together.join(first[k] + static_cast<int>(i), first[k]);
   state_.stitching.each_link([&](int shell, int slot, int other, int other_slot) {
     const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
     if (a < 0 || b < 0) return;
-    const int low = std::min(root(a), root(b)), high = std::max(root(a), root(b));
-    parent[high] = low;
+    together.join(a, b);
   });
-  std::vector<char> held(parent.size(), 0), interlocked(parent.size(), 0);
+  std::vector<char> held(together.size(), 0), interlocked(together.size(), 0);
   for (const bool gather : {true, false})
     for (std::size_t k = 0; k < state_.shells.size(); ++k)
       for (std::size_t i = 0; i < out[k].pieces.size(); ++i) {
         Piece& p = out[k].pieces[i];
-        const int r = root(first[k] + static_cast<int>(i));
+        const int r = together.root(first[k] + static_cast<int>(i));
         if (gather) {
           held[r] |= p.held, interlocked[r] |= p.interlocked;
           continue;
@@ -130,7 +128,7 @@ std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
 
 std::map<int, Pieces::Group> Pieces::groups_of(const std::vector<PartPieces>& now) const {
   std::map<int, Group> groups;
-  std::vector<std::vector<char>> were_one;  // shells, as the scene has them
+  std::vector<std::vector<char>> were_one;  // [shell][shell]: joined in the scene
   if (state_.stitching.parted()) were_one = components(now.size(), setup_.stitches.seams);
   const auto in_another = [&](std::size_t shell, int own) {
     return std::any_of(now[shell].group.begin(), now[shell].group.end(), [own](int other) { return other != own; });
@@ -140,7 +138,7 @@ std::map<int, Pieces::Group> Pieces::groups_of(const std::vector<PartPieces>& no
       Group& g = groups[now[k].group[i]];
       const Piece& p = now[k].pieces[i];
       g.members.push_back({k, i});
-      // a shell without cracks has no pieces to measure, and is none that is too small
+      // An uncracked shell has no measured pieces and counts as large.
       g.bends = g.bends || now[k].whole ||
                 (!p.control_points.empty() && p.area > kSmallPiece * std::pow(state_.shells[k].model().spacing, 2));
       g.empty = g.empty && p.control_points.empty() && !now[k].whole;
@@ -190,7 +188,7 @@ std::vector<RigidBody> Pieces::take_off(bool all, double dt) {
   std::vector<int> leaving;
   const auto find_leaving = [&] {
     leaving.clear();
-    for (const bool empty : {true, false})  // those without control points take their mass from what is beside them
+    for (const bool empty : {true, false})  // those without control points first: they take mass from their neighbours
       for (const auto& [root, g] : groups)
         if (g.empty == empty && is_to_leave(now, g, all)) leaving.push_back(root);
   };
@@ -232,7 +230,8 @@ RigidBody Pieces::leave(std::vector<PartPieces>& now, const Group& group, Totals
       return static_cast<int>(member.first) == shell && static_cast<int>(member.second) == own;
     });
   };
-  if (state_.stitching.release(shells, leaves)) simulation_.total_energy(dt);  // forces of what now moves by itself
+  // forces of points that are independent now
+  if (state_.stitching.release(shells, leaves)) simulation_.total_energy(dt);
   std::vector<Handoff> parts;
   double mass = 0.0;
   for (const auto& [k, i] : group.members) {

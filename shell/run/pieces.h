@@ -1,5 +1,5 @@
 #pragma once
-// Pieces that have come off leave the shells as rigid bodies; in the end the part that a support holds does too.
+// Detached pieces leave the shells as rigid bodies. When cracking has ended, the held part leaves as a static body.
 #include <deque>
 #include <map>
 #include <string>
@@ -12,42 +12,44 @@
 
 namespace sunder::shell {
 
-/// A piece that was handed off, as shards.csv has it.
+/// A piece that was handed off: a row of shards.csv.
 struct ShardRecord {
   BodyId id = 0;
   double birth = 0.0, area = 0.0, mass = 0.0;  // [s], [m^2], [kg]
   double birth_speed = 0.0;                    // [m/s]
-  int parts = 0;                               // convex ones
+  int parts = 0;                               // number of convex parts
 };
 
-/// Counts and sums over all pieces so far; plain numbers, so that a checkpoint keeps them as they lie.
+/// Counts and sums over all pieces so far. Plain numbers, so a checkpoint stores them as bytes.
 struct PieceCounts {
   BodyId first_shard = 1, next_id = 1;
   int fragments = 0, handed_off = 0, rubble_points = 0;
   double handed_area = 0.0, detached_area = 0.0;  // [m^2]
-  double geometry_error = 0.0;                    // largest relative error of a shard's mass by its shape [-]
-  double frozen_at = -1.0;                        // [s]; negative: the shell is still solved
+  double geometry_error = 0.0;  // largest relative difference between a shard's mass and that of its area [-]
+  double frozen_at = -1.0;      // [s]; negative while the shell is solved
 };
 
+/// Finds detached pieces, hands them off, and freezes the shells.
 class Pieces {
  public:
-  /// All of these outlive it.
+  /// All references must outlive it.
   Pieces(const RunSetup& setup, Simulation& simulation, Coupler& coupler, Books& books, const Clock& clock,
          FrameWriter& frames);
 
-  /// Pieces that are to leave do so, all that is loose where `all`; returns their bodies. `dt` is the substep [s].
-  /// Throws Error (ledger) where mass or momentum is lost.
+  /// Hands off the pieces that are due, or every loose piece where `all`. Returns their bodies. `dt` is the substep
+  /// [s]. Throws Error (ledger) where mass or momentum is lost.
   std::vector<RigidBody> take_off(bool all, double dt);
-  /// Why the shell may be frozen now; empty: it may not.
+  /// Returns why the shells may be frozen now, or an empty text. `last_push` is the time [s] of a body's last push.
   std::string cracking_has_ended(double last_push);
-  /// Takes off what is loose, makes the held part static bodies, and empties the shells. Returns the bodies.
+  /// Hands off loose pieces, turns the held part into static bodies, and empties the shells. Returns all these bodies.
+  /// `why` is kept for run.json; `dt` is the substep [s].
   std::vector<RigidBody> freeze(const std::string& why, double dt);
 
   const PieceCounts& counts() const { return counts_; }
   const std::vector<ShardRecord>& shards() const { return shards_; }
   const std::string& frozen_why() const { return frozen_why_; }
   const std::string& frozen_hash() const { return frozen_hash_; }
-  double frozen_wall() const { return frozen_wall_; }  // wall clock at that moment [s]
+  double frozen_wall() const { return frozen_wall_; }  // wall clock of freezing [s]
 
   template <class A>
   friend void archive(A& a, Pieces& p) {
@@ -55,16 +57,16 @@ class Pieces {
   }
 
  private:
-  /// Pieces, by shell and index, that hang together.
+  /// Pieces (shell, index) that are joined to each other.
   struct Group {
     std::vector<std::pair<std::size_t, std::size_t>> members;
-    bool empty = true;   // no control point
-    bool bends = false;  // is large
-    bool torn = false;   // of a shell that is in pieces, or off one that it was joined to
+    bool empty = true;   // none has a control point
+    bool bends = false;  // large enough to bend
+    bool torn = false;   // of a shell that is in pieces, or detached from a shell that it was joined to
   };
-  /// Of each shell, boxes in its parameters.
+  /// Boxes in the parameters of each shell.
   using PartBoxes = std::vector<std::vector<Eigen::AlignedBox2d>>;
-  /// Fit to leave in the boxes; of shells that have none, and of all where none are given, only counted.
+  /// Returns the pieces of all shells. Pieces in the boxes `leaving` are fit to be handed off; others are only counted.
   std::vector<PartPieces> pieces_now(bool all, const PartBoxes& leaving);
   PartBoxes everywhere() const;
   PartBoxes boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,
@@ -72,7 +74,7 @@ class Pieces {
   std::map<int, Group> groups_of(const std::vector<PartPieces>& now) const;
   bool is_to_leave(const std::vector<PartPieces>& now, const Group& group, bool all);
   Totals shell_totals();
-  /// `totals_now`: those of the shells, which it keeps up to date.
+  /// Hands off one group and returns its body. `totals_now` are the totals of the shells; they are updated.
   RigidBody leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now, double dt);
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   bool impact_ahead() const;  // a body of the scene flies towards a shell

@@ -14,13 +14,13 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kMostThreads = 64;              // by default
-constexpr double kMostUsefulThreads = 256.0;  // that may be asked for
+constexpr int kMostThreads = 64;              // default at most
+constexpr double kMostUsefulThreads = 256.0;  // largest number that is used
 
 std::atomic<bool> interrupted{false};
 void on_signal(int) { interrupted = true; }
 
-/// Accepts a positive number that is no absurd one.
+/// Accepts a positive number below 1e9.
 const CLI::Validator kPositive(
     [](std::string& text) -> std::string {
       char* end = nullptr;

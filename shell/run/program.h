@@ -8,15 +8,16 @@
 
 namespace sunder::shell {
 
+/// Name of a program and its way to reach the rigid side.
 struct Program {
   std::string name;
-  std::string rigid_option;  // that says where the rigid side is: --endpoint, or --engine
-  std::string rigid_usage;   // of its value, with what it means
-  /// The rigid side that `where` names. Throws Error.
+  std::string rigid_option;  // option that names the rigid side: --endpoint or --engine
+  std::string rigid_usage;   // form and meaning of that option's value
+  /// Connects to the rigid side that `where` names. Throws Error where it fails.
   std::function<std::unique_ptr<link::RigidLink>(const std::string& where, const RunOptions&)> connect;
 };
 
-/// Runs the command line; returns the exit status, having said why where it is not 0.
+/// Runs the command line. Returns the exit status; a message on stderr explains any other than 0.
 int run_program(const Program& program, int argc, char** argv);
 
 }  // namespace sunder::shell

@@ -48,10 +48,10 @@ void Recorder::write_frame() {
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
   frames_.write(time, shell_views(), state.soft, bodies, parts_.pieces.counts().first_shard);
   const double interval = state.solving() ? setup.shell_frame_interval : setup.frame_interval;
-  next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);  // a late one does not delay the next
+  next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);  // a late frame does not delay the next
   write_atomically(out_ + "/series.csv", series_);
   if (!probes_.empty()) write_atomically(out_ + "/probes.csv", probes_);
-  if (time > 0.0) write_summary("running", nullptr);  // a killed run still says how far it came
+  if (time > 0.0) write_summary("running", nullptr);  // a killed run still shows how far it came
   parts_.simulation.scratch.times[Stage::kIo] += wall_clock() - start;
   traced("frame", begin);
 }
@@ -89,7 +89,7 @@ void Recorder::progress() {
   const State& state = parts_.simulation.state;
   const PieceCounts& pieces = parts_.pieces.counts();
   const double wall = t - wall_start_, done = parts_.clock.time();
-  // Each phase at its own pace: the shell until it may be frozen at the latest, then bodies alone.
+  // Remaining time, by the pace of each phase: the shell until its latest freezing, then bodies alone.
   double left = 0.0;
   if (state.solving() && done > 0.0) left = wall / done * (std::min(setup.end_time, setup.latest_freeze) - done);
   if (!state.solving() && pieces.frozen_at >= 0.0 && done > pieces.frozen_at)

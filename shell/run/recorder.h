@@ -1,6 +1,5 @@
 #pragma once
-// What a run leaves behind: frames, series.csv, probes.csv, shards.csv, run.json, a trace, and progress on the
-// terminal.
+// Files of a run: frames, series.csv, probes.csv, shards.csv, run.json and a trace; and progress on the terminal.
 #include <string>
 
 #include "coupler/core/error.h"
@@ -12,7 +11,7 @@
 
 namespace sunder::shell {
 
-/// All parts of a run, for its records.
+/// References to all parts of a run.
 struct RunParts {
   const RunSetup& setup;
   const Clock& clock;
@@ -22,29 +21,32 @@ struct RunParts {
   const Books& books;
 };
 
-/// Wall time of the windows in which cracks grew [s]: of all, and of their crack updates.
+/// Wall time [s] of the windows in which cracks grew: total, and of their crack updates.
 struct GrowthTime {
   double wall = 0.0, crack_update = 0.0;
 };
 
+/// Writes the records of a run.
 class Recorder {
  public:
-  /// `out`: the run folder. `trace`: file of the trace; empty: none. All parts outlive it.
+  /// `out` is the run folder. `trace` is the file of the trace; empty: no trace. All parts must outlive it.
   Recorder(RunParts parts, FrameWriter& frames, std::string out, std::string scene_hash, std::string trace, bool quiet);
 
-  /// Headers of the series, before the first row of a new run.
+  /// Starts the series with their headers, before the first row of a new run.
   void begin();
   void engine(const link::EngineInfo& peer) { peer_ = &peer; }
-  /// A frame now, with series.csv, probes.csv and run.json as they stand. Throws Error (io).
+  /// Writes a frame of the present state, and series.csv, probes.csv and run.json as they stand. Throws Error (io).
   void write_frame();
   bool frame_is_due() const { return parts_.clock.time() >= next_frame_ - 1e-6 * parts_.setup.tick; }
+  /// Adds a row of energies and counts to the series.
   void write_series_row();
+  /// Adds a row of probes where one is due.
   void write_probes();
-  /// run.json, and shards.csv. `error`: why the run failed. Throws Error (io).
+  /// Writes run.json and shards.csv. `error` is why the run failed, or null. Throws Error (io).
   void write_summary(const std::string& status, const Error* error);
-  /// A line on the terminal, twice a second at most.
+  /// Prints a line of progress on the terminal, at most twice a second.
   void progress();
-  /// Substeps, windows and the rest as spans of the trace, where there is one.
+  /// Adds a span from `begin_ns` until now to the trace, where there is one.
   void traced(const char* name, std::int64_t begin_ns);
   void heard(const link::TimedReply& reply) { trace_.heard(reply); }
   bool tracing() const { return !trace_file_.empty(); }
@@ -76,7 +78,7 @@ class Recorder {
   GrowthTime growth_;
 };
 
-/// The text of run.json (coupler/README.md has its keys).
+/// Returns the text of run.json (coupler/README.md explains its keys).
 std::string run_json(const RunParts& run, const Recorder& recorder, const std::string& status, const Error* error);
 
 }  // namespace sunder::shell

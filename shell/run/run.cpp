@@ -9,8 +9,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kLookInterval = 0.1;  // between two looks at the peer [s of wall time]
-constexpr double kPatience = 5.0;      // that an interruption waits for the window's end [s of wall time]
+constexpr double kLookInterval = 0.1;  // between two checks of the peer [s of wall time]
+constexpr double kPatience = 5.0;      // wait of an interruption for the end of the window [s of wall time]
 
 RunSetup limited(RunSetup setup, double until) {
   if (until > 0.0) setup.end_time = std::min(setup.end_time, until);
@@ -44,7 +44,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
   } catch (const Error& e) {
     fail(e);
     throw;
-  } catch (const std::exception& e) {  // our own mistake, or the machine's: the peer and run.json hear of it too
+  } catch (const std::exception& e) {  // a bug or a failure of the machine: the peer and run.json are told too
     const Error internal(Exit::kPhysics, "internal", e.what());
     fail(internal);
     throw internal;
@@ -105,7 +105,7 @@ void Run::shell_window() {
   coupler_.limit_window(end_tick() - clock_.tick);
   const int ticks = coupler_.window_ticks();
   const double window = clock_.ticks.time(ticks);
-  // Windows of any length take the same substep.
+  // The substep does not depend on the length of the window.
   const int n = std::max(1, static_cast<int>(simulation_.substeps_of_tick(length, clock_.windows))) * ticks;
   const double last = dt_, dt = dt_ = clock_.ticks.substep(ticks, n);
   const double start = window_start_ = wall_clock(), update_before = times[Stage::kCrackUpdate];
@@ -177,7 +177,8 @@ void Run::freeze_shell(const std::string& why) {
   const int ticks = coupler_.window_ticks();
   const double window = ticks * setup_.tick;
   coupler_.open_window(window);
-  fly(state.bodies, state.bodies.size() - births.size(), setup_.gravity, window);  // newborn bodies do not move in it
+  // new bodies do not move in this window
+  fly(state.bodies, state.bodies.size() - births.size(), setup_.gravity, window);
   coupler_.exchange(ticks, window, births);
 }
 
@@ -198,7 +199,7 @@ void Run::fail(const Error& error) {
   if (rigid_) rigid_->abort(error.kind, error.what());
   try {
     recorder_.write_summary(error.status == Exit::kInterrupted ? "interrupted" : "failed", &error);
-  } catch (const Error&) {  // the disk is full: the message on the terminal remains
+  } catch (const Error&) {  // for example a full disk: the message on the terminal remains
   }
 }
 

@@ -1,5 +1,5 @@
 #pragma once
-// A whole run: the loop over windows.
+// The loop over the windows of a run.
 #include <atomic>
 #include <functional>
 #include <memory>
@@ -13,15 +13,17 @@ namespace sunder::shell {
 
 class Run;
 
+/// Options of a run, from the command line or from a program that embeds it.
 struct RunOptions {
   std::string out, scene_hash;
-  std::string record, replay, trace;  // files; empty: not
+  std::string record, replay, trace;  // files; empty: none
   std::string keys;                   // folder of the keys of an encrypted session; empty: none
-  bool resume = false;                // from the checkpoint in `out`
-  /// The rigid side. Asked once, at the start.
+  bool resume = false;                // continue from the checkpoint in `out`
+  /// Connects to the rigid side. Called once, at the start.
   std::function<std::unique_ptr<link::RigidLink>(const RunOptions&)> connect;
-  std::function<void(const link::TimedReply&)> heard;  // set by the run where it is traced
-  // For programs that hold a run in themselves: called after every window; and before a window's ledger is checked.
+  std::function<void(const link::TimedReply&)> heard;  // set by the run when it is traced
+  // For programs that embed a run: `observe` is called after every window, `tamper` before a window's ledger is
+  // checked.
   std::function<void(const Run&)> observe;
   std::function<void(std::int64_t window, std::vector<Proxy>&)> tamper;
   double until = 0.0;  // [s]; 0: the scene's end
@@ -29,14 +31,15 @@ struct RunOptions {
   bool quiet = false;
 };
 
+/// A whole run. It owns its parts and loops over the windows.
 class Run {
  public:
   Run(RunSetup setup, RunOptions options);
-  /// Returns done or interrupted; throws Error after run.json says why.
+  /// Runs to the end. Returns done or interrupted. Throws Error after run.json has recorded it.
   Exit execute(const std::atomic<bool>& interrupted);
 
   double time() const { return clock_.time(); }  // [s]
-  /// Of shell and bodies, as last summed [J].
+  /// Kinetic plus elastic energy of shells and bodies, when last summed [J].
   double mechanical_energy() const { return simulation_.state.kinetic + simulation_.state.elastic; }
   const std::vector<Proxy>& bodies() const { return simulation_.state.bodies; }
   double stiffest_ratio() const { return coupler_.stiffest_ratio(); }  // largest k H^2 / M that was measured [-]
@@ -48,7 +51,7 @@ class Run {
   void shell_window();
   void rigid_window();
   void freeze_shell(const std::string& why);
-  void look_around();  // at the peer and the progress, by the clock
+  void look_around();  // checks the peer and prints progress, now and then
   void make_cuts(double window);
   void finish(const char* status);
   void fail(const Error& error);
@@ -69,9 +72,9 @@ class Run {
   Recorder recorder_;
   std::unique_ptr<link::RigidLink> rigid_;
   const std::atomic<bool>* interrupted_ = nullptr;
-  double dt_ = 0.0;                              // substep of the last window [s]
-  double last_push_ = -1.0;                      // when a moving body of the scene last touched the shell [s]
-  double next_checkpoint_;                       // [s]
+  double dt_ = 0.0;          // substep of the last window [s]
+  double last_push_ = -1.0;  // time of the last contact of a moving body of the scene with the shell [s]
+  double next_checkpoint_;   // [s]
   double last_look_ = 0.0, window_start_ = 0.0;  // wall clock [s]
 };
 

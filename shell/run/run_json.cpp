@@ -1,4 +1,4 @@
-// run.json: status, counts, times, energies, ledger, models. Key by key in coupler/README.md.
+// Writes run.json: status, counts, times, energies, ledger, models. coupler/README.md explains each key.
 #include <algorithm>
 #include <cmath>
 
@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr double kCountedShare = 1e-3;  // of the shells' area: smaller shards are splinters
+constexpr double kCountedShare = 1e-3;  // share of the shells' area: smaller shards are splinters and not counted
 
 constexpr const char* kSchemes[] = {"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"};
 constexpr const char* kStressModels[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection",
@@ -154,7 +154,7 @@ Json stable_step_of(const State& state) {
   return {{"initial_s", initial}, {"smallest_s", smallest}};
 }
 
-/// Models that were active, why, and their share of the time; models of one stage share its time.
+/// Lists the active models, the reason for each, and its share of the time. Models of one stage share its time.
 class Models {
  public:
   explicit Models(const StageTimes& times) : times_(times), total_(times.total()) {}
@@ -223,7 +223,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   j["time"] = time_of(run, recorder);
   j["energy"] = energy_of(run);
   j["cracks"] = cracks_of(run);
-  // Not for every frame: it takes a pass over all points.
+  // Only at the end: it takes a pass over all points.
   if (state.solving() && !state.shells.empty() && status != "running") j["surface"] = surface_of(state);
   j["ledger"] = {{"linear_max", run.coupler.ledger_linear()}, {"angular_max", run.coupler.ledger_angular()}};
   j["handoff"] = handoff_of(run);
@@ -236,7 +236,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
     j["soft"] = {{"particles", run.simulation.soft_particles()}, {"stable_step_s", state.soft.stable_step()}};
   j["models"] = models_of(run);
   j["state_hash"] = state_hash(run.pieces.frozen_hash(), state);
-  // Text of users may not be UTF-8; a run must not end for that.
+  // A user's text may be invalid UTF-8, which must not end the run.
   return j.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

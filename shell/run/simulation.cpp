@@ -15,7 +15,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kPointsPerThread = 4000;  // below it a thread costs more in waiting than it brings
+constexpr int kPointsPerThread = 4000;  // with fewer points a thread costs more in waiting than it saves
 
 int gauss_points(const RunSetup& setup) {
   int points = 0;
@@ -40,7 +40,8 @@ Simulation::Simulation(RunSetup& setup, int threads) : model{setup, threads, 1, 
     model.shells_at_once = std::min(model.threads, static_cast<int>(setup.shells.size()));
     model.threads = 1;
   }
-  for (ShellSetup& s : setup.shells) s.fracture.tips.threads = model.threads;  // results are the same for any number
+  for (ShellSetup& s : setup.shells)
+    s.fracture.tips.threads = model.threads;  // results do not depend on the number of threads
   for (const ShellSetup& s : setup.shells) model.tips.push_back(s.fracture.tips_run() ? 1 : 0);
 }
 
@@ -82,9 +83,9 @@ void Simulation::start_shells(const std::function<void()>& look) {
     if (setup.transfer.kind != Transfer::kDirect) s.motion.before = s.motion.v;
     if (setup.equilibrium > 0.0) {
       find_equilibrium(part, look);
-      s.book = {};  // yielding on the way there is not part of this run
+      s.book = {};  // plastic work on the way to equilibrium does not belong to the run
     }
-    if (setup.fracture.tips_run())  // a load has first to relieve the prestress of a face
+    if (setup.fracture.tips_run())  // a load must first overcome the prestress of the face
       for (double& strength : s.layers.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
     double stable = stable_step(m, s, kStepIterations, model.threads, cracks);
@@ -195,7 +196,8 @@ double Simulation::total_energy(double dt) {
     if (state.stitching.empty()) take_up_jump({{&m, &s}}, dt);
     const double kinetic = kinetic_energy(m, s, dt);
     state.kinetic += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
-    sum -= 0.5 * dt * external_power(m, s);  // kinetic_energy() has half a kick that the books get with the next one
+    // kinetic_energy() has half a kick that the books receive with the next one
+    sum -= 0.5 * dt * external_power(m, s);
   }
   return sum + state.elastic;
 }
@@ -205,7 +207,7 @@ double Simulation::substep_length(std::int64_t window) {
   for (ShellPart& part : state.shells)
     step = std::min(
         step, part.with_hertz(part.step(), state.bodies, setup_.bodies.size(), setup_.gravity, setup_.window, window));
-  // A crack may have taken more from the stable step than was allowed for.
+  // A crack may have reduced the stable step by more than its allowance.
   return setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
 }
 
@@ -254,7 +256,7 @@ void Simulation::share_kick(double share) {
 }
 
 double Simulation::soft_substeps(double needed) const {
-  if (!state.shells.empty()) return needed;  // soft bodies take steps of several of them, or several in one
+  if (!state.shells.empty()) return needed;  // the soft bodies' step spans several substeps, or several fit in one
   const double steps = std::ceil(setup_.tick / (setup_.safety * state.soft.stable_step()) * (1.0 - 1e-9));
   return std::max({1.0, needed, steps});
 }

@@ -1,5 +1,5 @@
 #pragma once
-// Stages of a run, and the wall time that each has taken.
+// Stages of a run, and the wall time that each takes.
 #include <array>
 #include <chrono>
 #include <cstddef>
@@ -7,7 +7,7 @@
 
 namespace sunder::shell {
 
-/// In the order of their names, which run.json and `sunder run` show.
+/// Stages in the order of their names, which run.json and `sunder run` show.
 enum class Stage {
   kCoupling,
   kCrackUpdate,
@@ -25,7 +25,7 @@ inline constexpr std::array<const char*, 11> kStageNames = {
     "coupling",   "crack_update",  "equilibrium",   "fibres",      "internal_force", "io",
     "kick_drift", "rigid_contact", "shell_contact", "soft_bodies", "transfer"};
 
-/// Seconds of wall time since some moment before the run.
+/// Wall time since an arbitrary moment before the run [s].
 inline double wall_clock() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
@@ -42,7 +42,7 @@ struct StageTimes {
   }
 };
 
-/// Adds the time of its own life to a sum [s].
+/// Adds the time of its own lifetime to a sum [s].
 struct Stopwatch {
   double& sum;
   double start = wall_clock();

@@ -1,13 +1,13 @@
 #pragma once
-// SHA-256 over all that a run has computed: what two runs have in common when they are the same to the bit.
+// SHA-256 over the computed state: equal for two runs exactly when their results are equal to the bit.
 #include <string>
 
 #include "shell/run/simulation.h"
 
 namespace sunder::shell {
 
-/// Over `before` (the hash of shells that were frozen), positions, velocities, fibres, damage and crack edges of
-/// shells, soft bodies, and bodies in id order.
+/// Hashes `before` (the hash of frozen shells), then positions, velocities, fibres, damage and crack edges of shells,
+/// soft bodies, and bodies in the order of their ids.
 std::string state_hash(const std::string& before, const State& state);
 
 }  // namespace sunder::shell

@@ -12,7 +12,7 @@
 namespace sunder::shell {
 namespace {
 
-/// Share of a new stress in the running mean that criteria of fracture and yielding look at; 0: nothing is recorded.
+/// Weight of the new stress in the running mean that criteria of fracture and yielding use; 0: no mean is kept.
 double stress_share(const ShellPart& part, double dt) {
   const double share = stress_share(part.setup->fracture, part.model(), dt);
   return share > 0.0 || !part.state->yields() ? share : 1.0;
@@ -105,7 +105,7 @@ void constrain_all(const Model& model, State& state, Scratch& scratch, double dt
 
 void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
   Stopwatch w(scratch.times[Stage::kKickDrift]);
-  // Supports may have changed velocities that dependent control points take theirs from.
+  // Supports may have changed velocities on which dependent control points depend.
   if (!state.stitching.empty()) state.stitching.follow(refs(state, scratch));
   for (ShellPart& part : state.shells) drift(part.model(), *part.state, dt);
   if (state.soft_left > 0 && --state.soft_left == 0) state.soft.finish(model.threads);

@@ -8,9 +8,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kFacing = 0.1;   // cosine: faces that look along a shell or away from it do not touch it
-constexpr double kFastest = 2.0;  // of the present speeds, that surfaces may reach before the next look
-constexpr double kDeepest = 1.0;  // grid spacings: what lies deeper is on the other side
+constexpr double kFacing = 0.1;   // least cosine between a face and the shell that it may touch
+constexpr double kFastest = 2.0;  // surfaces may reach this multiple of their present speeds before the next look-up
+constexpr double kDeepest = 1.0;  // in grid spacings: a deeper point belongs to the other side
 
 constexpr int kSeen = kNodes * kNodes * kNodes;
 
@@ -33,7 +33,7 @@ Vec3 velocity(const SoftRef& soft, const SoftSurface& face) {
   return v;
 }
 
-// What `a`, of nodes, is at the point where the impulse acts: the transpose of how they share it.
+// Returns the nodal vectors `a` at the point where the impulse acts. This is the transpose of sharing an impulse.
 template <class Nodes>
 Vec3 at(const Nodes& n, const std::vector<Vec3>& a) {
   Vec3 sum = Vec3::Zero();
@@ -41,7 +41,7 @@ Vec3 at(const Nodes& n, const std::vector<Vec3>& a) {
   return sum;
 }
 
-// Inverse mass along a direction, and the sum over three [1/kg].
+// Returns the inverse mass along a direction, and the sum over three orthogonal directions [1/kg].
 template <class Nodes>
 std::pair<double, double> mobility(const Nodes& n, const std::vector<double>& mass, const Vec3& along) {
   double one = 0.0, all = 0.0;
@@ -134,7 +134,7 @@ void SoftContact::place(const std::vector<SoftRef>& soft, const std::vector<Shel
     boxes_[q.owner].extend(q.x);
   }
   for (std::size_t i = 0; i < soft.size(); ++i) boxes_[shells.size() + i] = box_of(*soft[i].state);
-  for (std::size_t i = 1; i < soft.size(); ++i)  // a soft body against those before it
+  for (std::size_t i = 1; i < soft.size(); ++i)  // each soft body meets only those before it
     for (std::size_t k = 0; k < i; ++k) {
       const double reach = 2.0 * cell_ + soft[i].model->spacing + soft[k].model->spacing;
       if (boxes_[shells.size() + i].squaredExteriorDistance(boxes_[shells.size() + k]) > reach * reach) continue;
@@ -156,7 +156,8 @@ void SoftContact::place(const std::vector<SoftRef>& soft, const std::vector<Shel
   }
 }
 
-// Of the surfaces that face this one: soft bodies meet those before them.
+// Returns the nearest sample of a surface that faces this one, or null where none is within reach. Soft bodies meet
+// only those before them.
 const SoftContact::Sample* SoftContact::nearest(const SoftRef& body, std::size_t number, const Vec3& x,
                                                 const Vec3& normal) {
   const std::array<int, 3> here = cell_of(x, cell_);
@@ -183,8 +184,9 @@ SoftContact::Nodes SoftContact::nodes_of(const SoftRef& soft, std::size_t body, 
                                          const Vec3& at) {
   Nodes n;
   n.body = body, n.arm = at - soft.state->surface_point(face);
-  // The point is reached by a spin of the particle's nodes, whose weights have the second moment grid^2 / 4: a node
-  // takes w (spin x offset), spin = 2 / grid^2 (arm x j), which is w 2 / grid^2 ((arm . offset) j - (offset . j) arm).
+  // A spin of the particle's nodes carries the impulse to the point. Their weights have the second moment grid^2 / 4,
+  // so spin = 2 / grid^2 (arm x j). A node takes w (spin x offset) = w 2 / grid^2 ((arm . offset) j - (offset . j)
+  // arm).
   const double share = 2.0 / (soft.model->grid * soft.model->grid);
   int k = 0;
   soft.state->each_surface_node(
@@ -223,7 +225,7 @@ int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRe
   place(soft, shells, elapsed);
   presses_.clear();
   if (samples_.empty()) return 0;
-  const double ahead = std::min(dt, shell_dt);  // until contact is looked at again
+  const double ahead = std::min(dt, shell_dt);  // [s], until contact is solved next
   for (std::size_t i = 0; i < soft.size(); ++i) {
     const SoftModel& m = *soft[i].model;
     const SoftState& s = *soft[i].state;
@@ -240,7 +242,7 @@ int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRe
       if (!q) continue;
       Press p;
       p.against = q;
-      // of a shell: the side that the body is on, which its particle tells and the way that a face looks does not
+      // The particle tells on which side of a shell the body is. The direction of its face does not.
       const bool beyond =
           q->face ? q->normal.dot(outward) > 0.0 : q->normal.dot(s.x[face.particle] + (x - from) - q->x) < 0.0;
       p.normal = beyond ? Vec3(-q->normal) : q->normal;
@@ -287,7 +289,7 @@ int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRe
   for (const Press& p : presses_) {
     if (p.impulse.isZero(0.0)) continue;
     ++touching;
-    // on the means of the velocities before the kicks and after contact
+    // Work is booked on the mean of the velocities before the kicks and after contact.
     soft[p.own.body].state->book.contact -= p.impulse.dot(0.5 * (p.before + relative(p, soft, shells)) - p.back);
   }
   return touching;

@@ -11,11 +11,11 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kParts = 4;             // a side, into which a cell that the surface cuts is divided
-constexpr double kLeastShare = 0.05;  // of a cell: less is no particle
-constexpr double kSameFace = 0.99;    // cosine between normals of one face
+constexpr int kParts = 4;             // parts per direction of a cell that the surface cuts
+constexpr double kLeastShare = 0.05;  // least share of a cell inside that makes a particle
+constexpr double kSameFace = 0.99;    // least cosine between normals of one face
 
-// A box by its corners: then each of its faces is a plane by itself.
+// Returns a box as a convex shape of its corners, so that each face is a separate plane.
 Shape with_planes(const Shape& shape) {
   const auto* box = std::get_if<BoxShape>(&shape);
   if (!box) return shape;
@@ -44,7 +44,8 @@ std::array<int, 3> cells_of(const Eigen::AlignedBox3d& box, double spacing) {
   return n;
 }
 
-// Faces within `reach` of x: planes that a probe beside it finds. A ball has the nearest point of its surface only.
+// Lists the faces within `reach` [m] of x. Probes around x find the planes of a convex shape. A ball has one face, at
+// the nearest point of its surface.
 std::vector<SoftSurface> faces(const Proxy& shape, const Vec3& x, double reach, int particle) {
   std::vector<SoftSurface> out;
   const auto add = [&](const Vec3& normal, double depth) {

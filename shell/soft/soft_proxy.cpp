@@ -18,7 +18,7 @@ Vec3 of_nodes(const BodyPress& c, const std::vector<Vec3>& a) {
   return sum;
 }
 
-// Gauss-Seidel on velocities of copies: the true bodies take what is found at the end, once.
+// Solves on copies of bodies and velocities. The true bodies receive the total impulses once, at the end.
 void solve(const SoftState& s, std::vector<BodyPress>& presses, std::vector<Proxy>& copies, std::vector<Vec3>& v) {
   for (int sweep = 0; sweep < kPressSweeps; ++sweep) {
     double changed = 0.0, sum = 0.0;
@@ -39,7 +39,7 @@ void solve(const SoftState& s, std::vector<BodyPress>& presses, std::vector<Prox
 
 int press_on_bodies(const SoftModel& m, SoftState& s, std::vector<Proxy>& bodies, const std::vector<double>& friction,
                     double dt, PressScratch& scratch) {
-  auto& [points, v, presses, copies] = scratch;  // copies: of what may be pressed on
+  auto& [points, v, presses, copies] = scratch;  // copies: only of bodies that may be touched
   points.clear(), presses.clear(), copies.clear();
   Eigen::AlignedBox3d box;
   for (const SoftSurface& face : m.surface) points.push_back(s.surface_point(face)), box.extend(points.back());
@@ -70,7 +70,7 @@ int press_on_bodies(const SoftModel& m, SoftState& s, std::vector<Proxy>& bodies
         if (c.weight[k++] != 0.0) c.own += w * w / s.grid.mass[node];
       });
       c.before = of_nodes(c, s.grid.v) - body.velocity_at(c.x);
-      // what is in keeps its overlap, but for what is taken back slowly, or as the engine's rows need it
+      // An overlap is taken back slowly, or as fast as rows of the engine ask for.
       c.wanted = wanted_velocity(gap.value, dt, dt, std::max(kPressRecovery, body.recovery));
       if (c.before.dot(c.normal) > c.wanted + margin / dt) continue;
       const Mat3 theirs = body.inverse_mass_at(c.x);
@@ -100,7 +100,7 @@ int press_on_bodies(const SoftModel& m, SoftState& s, std::vector<Proxy>& bodies
   for (const BodyPress& c : presses)
     if (!c.impulse.isZero(0.0)) {
       const Vec3 after = of_nodes(c, s.grid.v) - bodies[c.body].velocity_at(c.x);
-      // on the mean of the velocities before the kick and after contact
+      // Work is booked on the mean of the velocities before the kick and after contact.
       s.book.contact -= c.impulse.dot(0.5 * (c.before + after) - 0.25 * (s.dt + dt) * of_nodes(c, s.grid.acceleration));
     }
   return touching;

@@ -1,5 +1,5 @@
 #pragma once
-// Soft bodies against rigid ones.
+// Contact of soft bodies with rigid bodies.
 #include <array>
 #include <vector>
 
@@ -9,30 +9,31 @@
 
 namespace sunder::shell {
 
-/// One point that may press on a body.
+/// A surface point of a soft body that may press on a rigid body.
 struct BodyPress {
-  std::size_t body, copy;
+  std::size_t body, copy;  // indices of the body and of its copy in PressScratch
   const SoftSurface* face;
-  Vec3 x, normal;  // out of the body
+  Vec3 x, normal;  // point [m]; normal out of the body
   double wanted, friction;
   std::array<std::size_t, kNodes * kNodes * kNodes> node;
   std::array<double, kNodes * kNodes * kNodes> weight;
-  double own, along, across;  // inverse masses: of the nodes, and of both as `press` takes them [1/kg]
+  double own, along, across;  // inverse masses [1/kg]: of the nodes alone; of both sides, as `press` takes them
   Vec3 impulse = Vec3::Zero();
   Vec3 before;  // relative velocity before all impulses [m/s]
 };
 
-/// Kept from step to step.
+/// Working memory that is reused from step to step.
 struct PressScratch {
   std::vector<Vec3> points, v;
   std::vector<BodyPress> presses;
   std::vector<Proxy> copies;
 };
 
-/// Between `to_grid` and `from_grid`: impulses on grid nodes where points of the surface would be inside a body at the
-/// end of the step, inelastic and with Coulomb's friction, all of them together by projected Gauss-Seidel. Each acts
-/// at the surface, on the body and, by the weights there, on the nodes: both pages of the body's ledger close.
-/// `friction[group]` [-]. Their work is booked. Returns the number of points that press.
+/// Applies impulses to the grid nodes of a soft body and to rigid bodies, so that no surface point is inside a body at
+/// the end of the step of `dt` [s]. Contact is inelastic with Coulomb friction `friction[group]` [-]; projected
+/// Gauss-Seidel solves all points together. Call it between `to_grid` and `from_grid`. Each impulse acts at the surface
+/// point, on the body and, by the weights there, on the nodes, so the body's linear and angular ledger both close. The
+/// work is booked. Returns the number of points that press.
 int press_on_bodies(const SoftModel& model, SoftState& state, std::vector<Proxy>& bodies,
                     const std::vector<double>& friction, double dt, PressScratch& scratch);
 

@@ -22,7 +22,7 @@ Mat3 kirchhoff_stress(const SoftMaterial& m, const Mat3& f, double log_j) {
   return m.mu() * (f * f.transpose() - Mat3::Identity()) + m.lambda() * log_j * Mat3::Identity();
 }
 
-// The rate of F that led to it from the last step: dF = rate F, where the step was F <- (1 + dt affine) F.
+// Returns the rate L of F over the last step: dF = L F dt, where that step was F <- (1 + dt affine) F.
 Mat3 rate_behind(const Mat3& affine, double dt) {
   if (dt <= 0.0) return Mat3::Zero();
   return (Mat3::Identity() - (Mat3::Identity() + dt * affine).inverse()) / dt;
@@ -31,7 +31,7 @@ Mat3 rate_behind(const Mat3& affine, double dt) {
 // Second moment of the quadratic kernel [m^2].
 double moment(const SoftModel& m) { return 0.25 * m.grid * m.grid; }
 
-// Work that the stress at F does a second, along the motion that led to it [W].
+// Returns the power [W] of the stress at F along the motion of the last step.
 double stress_power(const SoftModel& m, const SoftState& s, std::size_t p, const Mat3& kirchhoff) {
   return -m.mass[p] / m.material.density * kirchhoff.cwiseProduct(rate_behind(s.affine[p], s.dt)).sum();
 }
@@ -62,7 +62,7 @@ SoftState make_soft_state(const SoftModel& m, const Vec3& velocity, const Vec3& 
 void to_grid(const SoftModel& m, SoftState& s, const Vec3& gravity, double dt, int threads) {
   const std::size_t n = s.x.size();
   const double stiffness = 1.0 / moment(m);
-  const double kick = 0.5 * (s.dt + dt);  // from half the last step before the positions' time to half this one after
+  const double kick = 0.5 * (s.dt + dt);  // from half the last step before t to half this step after t
   s.stress.resize(n), s.energy.resize(n), s.power.resize(n);
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (std::size_t p = 0; p < n; ++p) {
@@ -88,7 +88,7 @@ void to_grid(const SoftModel& m, SoftState& s, const Vec3& gravity, double dt, i
   for (std::size_t p = 0; p < n; ++p) find_blocks(g.blocks, s.stencil(m, static_cast<int>(p)), &g.block[kBlocks * p]);
   const std::size_t nodes = g.blocks.nodes();
   g.mass.assign(nodes, 0.0), g.v.assign(nodes, Vec3::Zero()), g.acceleration.assign(nodes, Vec3::Zero());
-  for (std::size_t p = 0; p < n; ++p) {  // in order: the sums do not depend on threads
+  for (std::size_t p = 0; p < n; ++p) {  // serial: the order of the sums does not depend on threads
     const double mass = m.mass[p];
     const Vec3 momentum = mass * s.v[p];
     const Mat3 slope = mass * s.affine[p];
@@ -111,7 +111,8 @@ void to_grid(const SoftModel& m, SoftState& s, const Vec3& gravity, double dt, i
     s.work += g.mass[k] * v.dot(g.acceleration[k]);
     g.v[k] = v + kick * g.acceleration[k];
   }
-  // Forces worked on what moved the particles, and start from what the grid has made of it: their energy by halves.
+  // Half of the forces' work counts on the particles' motion, half on the grid's velocities; their difference is a loss
+  // of the transfer.
   s.book.transfer += kinetic - kept + 0.5 * s.dt * (power - work);
 }
 
@@ -124,7 +125,7 @@ void from_grid(const SoftModel& m, SoftState& s, double dt, int threads) {
       given += 0.5 * g.mass[k] * g.v[k].squaredNorm();
       work += g.mass[k] * g.v[k].dot(g.acceleration[k]);
     }
-  // Steps that differ: halves of the one before and of this one do not share a kick evenly.
+  // Unequal steps: the half steps before and after do not share the kick evenly. Their difference is booked.
   s.book.transfer += 0.25 * (dt - s.dt) * (work - s.work);
   const double stiffness = 1.0 / moment(m);
 #pragma omp parallel for schedule(static) num_threads(threads)
@@ -148,11 +149,11 @@ void from_grid(const SoftModel& m, SoftState& s, double dt, int threads) {
 }
 
 double soft_stable_step(const SoftModel& m, const SoftState& s) {
-  double fastest = 0.0;  // squared, times the density
+  double fastest = 0.0;  // density times the squared speed
   for (const Mat3& f : s.f) {
     const Mat3 b = f * f.transpose();
     const double mean = b.trace() / 3.0, j = f.determinant();
-    // not below the largest principal value of b, and that itself where two of them are the same
+    // An upper bound of the largest principal value of b, exact where the two others are equal.
     const double most = mean + std::sqrt(2.0 / 3.0) * (b - mean * Mat3::Identity()).norm();
     const double modulus = m.material.mu() * (1.0 + most) + m.material.lambda() * (1.0 - std::log(std::max(j, 1e-300)));
     fastest = std::max(fastest, modulus);

@@ -1,9 +1,10 @@
 #pragma once
-// A soft body of particles: what changes during a run, and one step of it over its background grid.
+// State of a soft body of particles, and one step over its background grid.
 //
-// MLS-MPM (Hu et al. 2018) with APIC (Jiang et al. 2015) and quadratic B-splines. Positions and deformation gradients
-// stand at t, velocities and the affine field half a step earlier (leapfrog; steps may differ). Transfers keep linear
-// and angular momentum to round-off; what they lose of the energy is booked as `transfer`.
+// The method is MLS-MPM (Hu et al. 2018) with APIC (Jiang et al. 2015) and quadratic B-splines. Positions and
+// deformation gradients are those of time t. Velocities and affine fields are those of half a step earlier (leapfrog
+// with variable steps). Transfers conserve linear and angular momentum to round-off; the energy that they lose is
+// booked as `transfer`.
 #include <vector>
 
 #include "coupler/core/archive.h"
@@ -13,40 +14,43 @@
 
 namespace sunder::shell {
 
-/// The body's own nodes, of one step.
+/// The background grid of one body in one step.
 struct SoftGrid {
   SparseGrid blocks;
   std::vector<int> block;             // [particle][kBlocks]
-  std::vector<double> mass;           // of each node [kg]; 0: none
-  std::vector<Vec3> v, acceleration;  // [m/s], [m/s^2] of forces and gravity
+  std::vector<double> mass;           // of each node [kg]; 0 for a node without particles
+  std::vector<Vec3> v, acceleration;  // [m/s]; [m/s^2], from forces and gravity
 };
 
+/// Particles of a soft body, its energy book, and the grid and scratch of the current step.
 struct SoftState {
   std::vector<Vec3> x, v;       // [m], [m/s]
-  std::vector<Mat3> affine, f;  // gradient of the velocity [1/s], deformation gradient
-  double dt = 0.0;              // of the last step [s]; 0: velocities stand at t as well
+  std::vector<Mat3> affine, f;  // velocity gradient [1/s]; deformation gradient
+  double dt = 0.0;              // last step [s]; 0 at the start, where velocities are those of time t
   EnergyBook book{};
   SoftGrid grid{};
-  std::vector<Mat3> stress{};  // scratch: of each particle, as a node's force needs it [N/m]
+  // scratch, of each particle: 4/grid^2 times volume times Kirchhoff stress, negative [N/m]
+  std::vector<Mat3> stress{};
   std::vector<double> energy{}, power{};
-  double work = 0.0;  // that forces and gravity do a second on the velocities before the kick [W]
+  double work = 0.0;  // power of forces and gravity on the velocities before the kick [W]
 
+  /// The kernel of a particle on the grid.
   Stencil stencil(const SoftModel& m, int particle) const {
     const Vec3& p = x[particle];
     return {p.x(), p.y(), p.z(), m.grid};
   }
-  /// f(node, weight, offset from the particle [m]) after `to_grid`.
+  /// Calls g(node, weight, offset from the particle [m]) for each node of a particle; valid after `to_grid`.
   template <class F>
   void each_node(const SoftModel& m, int particle, F&& g) const {
     stencil(m, particle).each(&grid.block[static_cast<std::size_t>(kBlocks) * particle], g);
   }
-  /// A face's point of the surface from its particle [m], and its normal (not unit).
+  /// Returns the vector [m] from the particle to its face's surface point.
   Vec3 above(const SoftSurface& face) const { return face.depth * (f[face.particle] * face.normal); }
   Vec3 surface_point(const SoftSurface& face) const { return x[face.particle] + above(face); }
-  Vec3 surface_normal(const SoftSurface& face) const;
-  /// f(node, weight, offset from the particle [m]) as the surface's point moves: with the particle and its gradient.
-  /// The weights sum to one and to that point, so an impulse that nodes take by them acts just there; some are
-  /// negative. All of these nodes have mass, which those around the point itself may not.
+  Vec3 surface_normal(const SoftSurface& face) const;  // not of unit length
+  /// Calls g(node, weight, offset from the particle [m]) for the nodes of a surface point. The weights add up to one
+  /// and their mean offset is the surface point, so an impulse shared by them acts exactly there. Some weights are
+  /// negative. All these nodes have mass; nodes around the surface point itself may have none.
   template <class F>
   void each_surface_node(const SoftModel& m, const SoftSurface& face, F&& g) const {
     const Vec3 up = 4.0 / (m.grid * m.grid) * above(face);
@@ -56,29 +60,31 @@ struct SoftState {
   }
 };
 
-/// Undeformed, `velocity` [m/s] of its centre of mass and `angular` [rad/s] about it.
+/// Makes an undeformed state: `velocity` [m/s] of the centre of mass and `angular` velocity [rad/s] about it.
 SoftState make_soft_state(const SoftModel& model, const Vec3& velocity, const Vec3& angular);
 
-/// Velocities to the grid, forces there, and the kick to half of `dt` after the positions' time. Throws Error
-/// (soft_inverted) where a particle has turned inside out.
+/// Transfers mass and momentum to the grid, computes forces there, and kicks velocities to half of `dt` [s] after the
+/// time of the positions. Throws Error (soft_inverted) where a particle has turned inside out.
 void to_grid(const SoftModel& model, SoftState& state, const Vec3& gravity, double dt, int threads);
-/// What impulses have left of the grid's velocities goes back, and particles drift by `dt`.
+/// Transfers the grid's velocities, contact impulses included, back to the particles, which drift by `dt` [s].
 void from_grid(const SoftModel& model, SoftState& state, double dt, int threads);
 
-/// Steps are stable below this [s]: kCourant grid spacings over the fastest wave of any particle as it is deformed.
+/// Returns the stable step [s]: kCourant grid spacings divided by the speed of the fastest wave of any deformed
+/// particle.
 double soft_stable_step(const SoftModel& model, const SoftState& state);
 constexpr double kCourant = 0.8;
 
-/// Sums over particles. Kinetic energy is that of the positions' time, half a kick after the velocities; angular
-/// momentum about the origin counts the affine field.
+/// Sums over particles. Kinetic energy is that of the time of the positions, half a kick after the velocities. Angular
+/// momentum is about the origin and includes the affine field.
 struct SoftSums {
   double mass = 0.0, kinetic = 0.0, elastic = 0.0, potential = 0.0;  // [kg], [J]
   Vec3 momentum = Vec3::Zero(), angular = Vec3::Zero(), centre = Vec3::Zero();
   double momentum_scale = 0.0, angular_scale = 0.0;  // sums of magnitudes
 };
+/// Computes the sums of one soft body in a field of gravity [m/s^2].
 SoftSums soft_sums(const SoftModel& model, const SoftState& state, const Vec3& gravity);
 
-/// Von Mises' equivalent of the Cauchy stress [Pa].
+/// Returns the von Mises equivalent of the Cauchy stress [Pa] at the deformation gradient `f`.
 double von_mises(const SoftModel& model, const Mat3& f);
 
 template <class A>

@@ -28,7 +28,7 @@ void check_compression(const ShellModel& m, const ShellState& s) {
       for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
         const Sym2<double> c = at_height(f.a, f.b, t.layers.zeta[l]), a = reference_at(p.metric, t.layers, l);
         const double area = std::sqrt(std::max(0.0, determinant(c) / determinant(a)));
-        if (area > least || !std::isfinite(determinant(c))) continue;  // what is not finite is found elsewhere
+        if (area > least || !std::isfinite(determinant(c))) continue;  // other checks find values that are not finite
         throw Error(Exit::kPhysics, "compression",
                     fmt::format("shell '{}' is compressed to {:.3g} of its area at (u, v) = ({:.4g}, {:.4g}); with a "
                                 "poisson_ratio of {} a sheet in plane stress bears no more below {:.3g}: load it less, "

@@ -1,14 +1,14 @@
 #pragma once
-// Sheets with a negative Poisson's ratio, compressed further than plane stress has an answer for.
+// Check of sheets with a negative Poisson's ratio: beyond a limit of compression, plane stress has no solution.
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 
-/// Substeps between two looks; between them such a point bears what it bears at the limit.
+/// Substeps between two checks. Until the next check such a point bears the stress at the limit.
 constexpr int kCompressionInterval = 8;
 
-/// Throws Error (physics) with the place and the area ratio where a layer is compressed beyond what its Poisson's ratio
-/// permits (find_least_log_area). Costs nothing where all is permitted.
+/// Throws Error (physics) where a layer is compressed beyond the limit of its Poisson's ratio (find_least_log_area);
+/// the message has place and area ratio. Returns at once where there is no limit.
 void check_compression(const ShellModel& model, const ShellState& state);
 
 }  // namespace sunder::shell

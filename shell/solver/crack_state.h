@@ -1,5 +1,5 @@
 #pragma once
-// The cracks of a shell and the Gauss points that they have touched: the part of its state that only cracks change.
+// Cracks of a shell and the Gauss points that they touch: the part of its state that only cracks change.
 #include <array>
 #include <vector>
 
@@ -10,60 +10,61 @@
 
 namespace sunder::shell {
 
-/// A running end of a crack.
+/// A running crack tip.
 struct Tip {
   Vec2 p, direction;
   int vertex = 0, edge = -1, crack = 0;
-  int sibling = -1;           // crack of the other arm of the last branch
-  int face = 0;               // tension side, -1 or +1
-  double pending = 0.0;       // length that it may advance [m]
-  double since_branch = 0.0;  // [m]
-  double grown = 0.0;         // since it was born [m]
-  double strength = 1e300;    // of the flaw that it was born from [Pa]; falls until `grown` is `flaw`
+  int sibling = -1;           // number of the crack that is the other arm of the last branch
+  int face = 0;               // face in tension, -1 or +1
+  double pending = 0.0;       // length that the tip may advance [m]
+  double since_branch = 0.0;  // length since the last branch [m]
+  double grown = 0.0;         // length since its nucleation [m]
+  double strength = 1e300;    // of the flaw at its origin [Pa]; falls until `grown` reaches `flaw`
   double flaw = 0.0;          // half the critical length of that flaw [m]
   double first_turn = 0.0;    // largest turn of its first edge [rad]
-  // Sums while `pending` grew, weighted by speed: weight, turn [rad], drive.
+  // Sums over the growth of `pending`, weighted by speed: weight, turn [rad], drive.
   double weight = 0.0, turn = 0.0, ratio = 0.0;
   bool alive = true;
-  bool crossed = false;  // dead, and already asked whether it goes on beyond a seam
+  bool crossed = false;  // dead, and its propagation over a seam has been decided
 };
 
-/// The two faces of a fresh crack edge bear on one another at its middle (solver/interlock.h).
+/// Contact of the two faces of a fresh crack edge, at its middle (solver/interlock.h).
 struct Interlock {
   int edge = 0;
   double area = 0.0;         // [m^2]
-  double stiffness = 1e300;  // [Pa/m]; never rises
+  double stiffness = 1e300;  // [Pa/m]; never increases
   std::vector<GatheredFunction> plus, minus;
-  // Caches, found again after a checkpoint: what each side sees, which control points its functions use, and whether
-  // the functions reproduce planes only.
+  // Caches, computed again after a checkpoint: control points visible from each side, control points that its functions
+  // use, and whether the functions reproduce only linear fields.
   std::array<Sight, 2> sights{}, uses{};
   std::array<bool, 2> planes{};
-  bool looked = false;       // the caches are filled
-  Vec3 rest = Vec3::Zero();  // gap without force: across, along, normal [m]
-  double rest_area = 1.0;    // of the tangents' parallelogram when it was fastened
+  bool looked = false;       // the caches are valid
+  Vec3 rest = Vec3::Zero();  // gap at zero force: across, along, normal [m]
+  double rest_area = 1.0;    // area of the tangents' parallelogram at the start of contact
   bool holds = true;
-  // As the last force found them: opening [m], shear traction of springs of full stiffness [Pa], energy [J], and
-  // whether the faces still fit.
+  // Results of the last force evaluation: opening [m], shear traction of springs with full stiffness [Pa], energy [J],
+  // and whether the faces still fit.
   double opening = 0.0, shear = 0.0, energy = 0.0;
   bool sound = true;
   double was_open = 0.0;  // opening at the start of the last substep [m]
-  double depth = 0.0;     // of closing, where more than the least [m]
+  double depth = 0.0;     // depth of closing, where above the least depth [m]
 };
 
-/// Cracks: their graph, their running ends, their faces, and the force discontinuity that they have left.
+/// Cracks of a shell: graph, tips, faces in contact, and the force discontinuity that they have caused.
 struct Cracks {
   CrackGraph graph{Vec2::Zero(), Vec2::Ones(), 1.0, 0.01};
   std::vector<Tip> tips;
   std::vector<Interlock> interlocks;
-  std::vector<int> interlock_of;  // of each crack edge, -1: none
-  std::vector<char> cut_done;     // prescribed cuts that have been made
+  std::vector<int> interlock_of;  // of each crack edge; -1: none
+  std::vector<char> cut_done;     // 1 for prescribed cuts that have been made
   double last_crack_time = -1.0;  // [s]
-  double interlock_energy = 0.0;  // as the last force found it [J]
-  // [3][component stride], internal force before the cracks of this moment less that after [N]; empty: none.
+  double interlock_energy = 0.0;  // from the last force evaluation [J]
+  // [3][component stride]: internal force before the cracks of this moment minus the force after them [N]; empty: no
+  // new cracks.
   std::vector<double> force_discontinuity;
-  double released = 0.0;  // stored energy that went with it, booked as fracture [J]
+  double released = 0.0;  // stored energy released by them, booked as fracture [J]
 
-  /// Calls f with all members that a checkpoint keeps.
+  /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     f(graph, tips, interlocks, interlock_of, cut_done, last_crack_time, interlock_energy, force_discontinuity,
@@ -71,20 +72,20 @@ struct Cracks {
   }
 };
 
-/// Gauss points that a crack has touched or that damage may weaken, and what the row kernel still sums.
+/// Gauss points that a crack has touched or damage may weaken, and the tables of the points that the row kernel sums.
 struct CrackedPoints {
-  RowTables tables;                     // as the model's, areas of gathered points taken out
-  RowTables interlayer;                 // as the model's, areas of detached points taken out
-  std::vector<GatheredPoint> gathered;  // summed point by point
-  std::vector<int> point_of;            // [block][lane]: index into `gathered`, -1: none
-  std::vector<char> kind_of;  // [block][lane]: PointKind of the entry in `gathered`, kQuadratic where there is none
-  std::vector<PointDamage> damage;  // of each gathered point where damage drives the cracks, else empty
-  std::vector<char> watched;        // [block][lane]: damage may weaken the point, the rows sum it; empty: none
-  // [block][lane]: distance of the furthest control point that the functions beside a crack use, the larger of the two
-  // coordinates [spacings]; 0: functions are those of the patch.
+  RowTables tables;                     // as the model's, with zero area at gathered points
+  RowTables interlayer;                 // as the model's, with zero area at detached points
+  std::vector<GatheredPoint> gathered;  // points that are summed one by one
+  std::vector<int> point_of;            // [block][lane]: index into `gathered`; -1: none
+  std::vector<char> kind_of;            // [block][lane]: PointKind of the gathered point; kQuadratic elsewhere
+  std::vector<PointDamage> damage;      // of each gathered point where damage drives cracks; otherwise empty
+  std::vector<char> watched;  // [block][lane]: 1 where damage may weaken a point that the rows sum; empty: none
+  // [block][lane]: distance of the furthest control point that the functions beside a crack use, as the larger of the
+  // two coordinates [spacings]; 0: the functions are those of the patch.
   std::vector<float> reach;
 
-  /// Calls f with all members that a checkpoint keeps; `kind_of` follows from `gathered`.
+  /// Calls f with all members that a checkpoint saves; `kind_of` is computed from `gathered`.
   template <class F>
   void saved(F&& f) {
     f(tables.metric, interlayer.metric, gathered, point_of, damage, watched, reach);

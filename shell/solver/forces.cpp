@@ -15,7 +15,7 @@ RowPlasticity plasticity_of(const ShellModel& m, ShellState& s) {
   return plastic;
 }
 
-// Of each block of Gauss points.
+// Returns the least strength of each block of Gauss points [Pa].
 std::vector<double> least_strengths(const ShellState& s) {
   std::vector<double> least(s.cracked.tables.blocks());
   for (int q = 0; q < s.cracked.tables.blocks(); ++q) {
@@ -46,7 +46,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     interlock_forces(m, s, stress_share > 0.0, chunk, chunks, x4, force4);
   };
   PointsBeside beside;
-  if (!s.cracks.interlocks.empty()) beside = std::ref(faces);  // which needs no memory
+  if (!s.cracks.interlocks.empty()) beside = std::ref(faces);  // needs no memory
   sum += add_point_forces(s.cracked.tables, s.cracked.gathered, s.motion.x, energy, stress, threads, s.scratch.points,
                           s.motion.force, s.weakens() ? &law : nullptr, s.yields() ? &plastic : nullptr, beside);
   s.book.plastic += plastic.dissipated;
@@ -75,7 +75,7 @@ double kinetic_energy(const ShellModel& m, const ShellState& s, double dt) {
       const double v = s.motion.v[d * plane + i];
       sum += 0.5 * s.motion.mass[i] * v * (v + dt * s.motion.inverse_mass[i] * s.motion.force[d * plane + i]);
     }
-  for (const auto& driven : m.constraints.driven)  // forces do not move what a support drives
+  for (const auto& driven : m.constraints.driven)  // forces do not move a driven control point
     for (int d = 0; d < 3; ++d)
       for (const int slot : driven.slots[d])
         if (s.motion.inverse_mass[slot] > 0.0 && s.motion.mass[slot] > 0.0)

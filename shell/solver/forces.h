@@ -4,22 +4,23 @@
 
 namespace sunder::shell {
 
-/// Views on the layer states and the law of a shell that yields.
+/// Returns views of the layer states and the law of a shell that yields.
 RowPlasticity plasticity_of(const ShellModel& model, ShellState& state);
 
-/// Forces at the present positions into state.motion.force [N]: rows, gathered points, crack faces, interlayer, and
-/// loads at state.motion.time. Returns the elastic energy [J] where `energy`, else 0.
-/// Damage and plastic flow move on only where stress is recorded, `stress_share` > 0 (share of the new stress in the
-/// running mean); else the answer is that of a step from where they stand. Books what they dissipate.
+/// Computes the forces at the present positions into state.motion.force [N]: rows, gathered points, crack faces,
+/// interlayer, and loads at state.motion.time. Returns the elastic energy [J] where `energy` is true, otherwise 0.
+/// `stress_share` is the weight of the new stress in the running mean; 0: no stress is recorded. Damage and plastic
+/// flow advance only where it is positive, and their dissipation is booked. With 0 the forces are those of a trial step
+/// from the stored states.
 double compute_forces(const ShellModel& model, ShellState& state, bool energy, double stress_share, int threads);
 
-/// Kinetic energy [J] at the time of the positions: m v- . v+ / 2, v- the stored velocities and v+ those a
-/// kick of `dt` later. With the elastic energy of a linear shell it is what leapfrog keeps to round-off, at
-/// any stable step; (v- + v+)^2 / 8 is not: at 0.8 of the stable step it gives the stiffest mode 1.6 times
-/// its elastic energy too much. A control point that a support drives counts with m v-^2 / 2: no force moves it.
+/// Returns the kinetic energy [J] at the time of the positions: m v- . v+ / 2. v- are the stored velocities, v+ those
+/// after a kick of `dt` [s]. With the elastic energy of a linear shell, leapfrog conserves this sum to round-off at any
+/// stable step. It does not conserve (v- + v+)^2 / 8, which is far too large for the stiffest modes near the stable
+/// step. A driven control point counts m v-^2 / 2, as forces do not move it.
 double kinetic_energy(const ShellModel& model, const ShellState& state, double dt);
 
-/// Energy of free control points in the field of gravity [J].
+/// Returns the potential energy of free control points in the field of gravity [J].
 double potential_energy(const ShellModel& model, const ShellState& state, const Vec3& gravity);
 
 }  // namespace sunder::shell

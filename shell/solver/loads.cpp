@@ -109,10 +109,10 @@ void add_load(const PreparedLoad& p, const RowTables& t, double time, const std:
     for (const GatheredFunction& f : sample.functions)
       for (int d = 0; d < 3; ++d) xu[d] += f.n[1] * x[d * plane + f.slot], xv[d] += f.n[2] * x[d * plane + f.slot];
     const Vec3 cross = xu.cross(xv);
-    // A turn w about the edge's tangent t changes the normal by w t x n, and the normal changes by
-    // -(n . dx_a) x^a: w = -(n . dx_a) (x^a . t x n), and the moment's work is M w.
+    // A rotation w about the edge's tangent t changes the normal by w t x n. The normal changes by -(n . dx_a) x^a, so
+    // w = -(n . dx_a) (x^a . t x n). The moment's work is M w.
     const Vec3 normal = cross.normalized(), tangent = sample.outward * (sample.along_u ? xu : xv).normalized();
-    const Vec3 out = tangent.cross(normal);  // out of the patch, in its plane
+    const Vec3 out = tangent.cross(normal);  // in the tangent plane, away from the patch
     const double square = cross.squaredNorm();
     const Vec3 du = xv.cross(cross) / square, dv = cross.cross(xu) / square;  // dual tangents
     const double moment = factor * sample.weight * p.load.size;

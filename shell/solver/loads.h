@@ -1,5 +1,5 @@
 #pragma once
-// Forces from outside on a shell, apart from gravity and bodies.
+// External forces on a shell, without gravity and contact with bodies.
 #include <vector>
 
 #include "shell/geometry/patch.h"
@@ -7,10 +7,11 @@
 
 namespace sunder::shell {
 
-/// Factor over time [s], linear between points and constant beyond; empty: 1.
+/// Factor over time [s]: linear between points, constant outside; empty: 1.
 using TimeFactor = std::vector<std::pair<double, double>>;
 double factor_at(const TimeFactor& factor, double time);
 
+/// A load as the scene gives it.
 struct Load {
   enum class Kind {
     kPoint,       // `force` [N] at parameter `point`; keeps its direction
@@ -27,12 +28,12 @@ struct Load {
   TimeFactor in_time;
 };
 
-/// Where the load of a point or an edge acts, with the functions of the uncut patch.
+/// A sample of a point or edge load, with the functions of the uncut patch.
 struct LoadSample {
   std::vector<GatheredFunction> functions;
   double weight = 1.0;   // length [m]; 1 for points
-  double outward = 0.0;  // for edges: +1 where the tangent below has the patch on its left
-  bool along_u = false;  // the edge's tangent is x_u, else x_v
+  double outward = 0.0;  // edges: +1 where the tangent has the patch on its left, otherwise -1
+  bool along_u = false;  // the edge's tangent is x_u, otherwise x_v
 };
 struct PreparedLoad {
   Load load;
@@ -41,21 +42,21 @@ struct PreparedLoad {
 struct PreparedLoads {
   std::vector<PreparedLoad> beside;  // of points and edges
   std::vector<Load> pressures;
-  std::vector<double> area;  // parameter area of Gauss points [block][lane] [m^2]; empty: no pressure
+  std::vector<double> area;  // parameter area of each Gauss point [block][lane] [m^2]; empty: no pressure
 
   bool empty() const { return beside.empty() && pressures.empty(); }
-  /// Some turn with the surface, so that their tangent is not symmetric.
+  /// True where a load turns with the surface, so that its tangent stiffness is not symmetric.
   bool follow() const;
-  /// Until when they change [s]; 0: they do not.
+  /// Returns the time of the last change of a load [s]; 0: loads are constant.
   double last_change() const;
 };
 
-/// Throws Error where a point lies outside the patch or nothing is loaded.
+/// Prepares the samples of all loads. Throws Error where a point lies outside the patch or an edge load names no edge.
 PreparedLoads prepare_loads(const Patch& patch, const RowTables& tables, const std::vector<Load>& loads,
                             const std::string& name);
 
-/// Overwrites `force` with that of the loads at `time` and positions `x`, both [3][plane]. `points`: the gathered Gauss
-/// points of a state, which bear pressure with their own functions.
+/// Overwrites `force` [N] with the loads at `time` [s] and positions `x` [m], both [3][component stride]. `points` are
+/// the gathered Gauss points of a state; pressure acts on them with their own functions.
 void load_forces(const PreparedLoads& loads, const RowTables& tables, const std::vector<GatheredPoint>& points,
                  double time, const std::vector<double>& x, int threads, RowScratch& scratch,
                  std::vector<double>& force);

@@ -9,7 +9,7 @@
 namespace sunder::shell {
 
 namespace {
-constexpr int kCoreLayers = 2;  // of an interlayer
+constexpr int kCoreLayers = 2;  // layers of an interlayer
 }
 
 double ShellModel::wave_speed() const {
@@ -47,7 +47,7 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   }
   const RowTables& t = m.tables;
   m.mass.assign(t.plane, 0.0);
-  // m_I = integral of rho tau N_I: the row sum of the consistent mass, positive for B-splines
+  // m_I = integral of rho tau N_I: the row sum of the consistent mass; it is positive for B-splines.
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
@@ -95,8 +95,7 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
       double sum = 0.0;
       patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride, functions);
       for (const auto& f : functions) sum += f.n[0] * f.n[0] / m.mass[f.slot];
-      m.largest_mobility =
-          std::max(m.largest_mobility, 2.0 * sum);  // the border itself gives way more than its samples
+      m.largest_mobility = std::max(m.largest_mobility, 2.0 * sum);  // the border is more mobile than its samples
     }
   m.spacing_u = (m.patch.knots_u.end() - m.patch.knots_u.begin()) / t.spans_u;
   m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;

@@ -1,5 +1,5 @@
 #pragma once
-// One shell: what does not change during a run.
+// The constant part of one shell.
 #include <string>
 #include <vector>
 
@@ -11,28 +11,30 @@
 
 namespace sunder::shell {
 
-/// The core of laminated glass: it bears beside the plies, and does not crack.
+/// The core of laminated glass. It carries load beside the plies and does not crack.
 struct Interlayer {
-  double thickness = 0.0;                                           // [m]; 0: there is none
+  double thickness = 0.0;                                           // [m]; 0: no interlayer
   double density = 0.0, youngs_modulus = 0.0, poisson_ratio = 0.0;  // [kg/m^3], [Pa], [-]
 };
 
+/// Material of a shell.
 struct ShellMaterial {
   double density = 0.0, youngs_modulus = 0.0, poisson_ratio = 0.0;  // [kg/m^3], [Pa], [-]
-  double strength = 0.0;                                            // [Pa]; 0: does not break
+  double strength = 0.0;                                            // [Pa]; 0: the shell does not break
   double fracture_energy = 0.0;                                     // [J/m^2]
   double weibull_modulus = 0.0;                                     // 0: no scatter
   double flaw_spacing = 0.0;                                        // [m]
   double mass_damping = 0.0;                                        // [1/s]
   double stiffness_damping = 0.0;                                   // [s]
   StressModel stress_model = StressModel::kPlaneStress;
-  double yield_stress = 0.0;         // [Pa]; 0: does not yield
+  double yield_stress = 0.0;         // [Pa]; 0: the shell does not yield
   double hardening_modulus = 0.0;    // [Pa]
-  bool linear_bending = false;       // by Hooke's law, without layers
-  double surface_compression = 0.0;  // of the stress at rest [Pa] (`prestress`)
+  bool linear_bending = false;       // Hooke's law, without layers
+  double surface_compression = 0.0;  // compressive prestress of the faces [Pa] (`prestress`)
   Interlayer interlayer{};
 };
 
+/// Geometry, material, tables, supports and loads of a shell.
 struct ShellModel {
   std::string name;
   Patch patch;  // parameters are lengths
@@ -40,26 +42,25 @@ struct ShellModel {
   ShellMaterial material;
   std::uint32_t contact_group = 0;
   int clamped = 0;  // EdgeBit: edges that are held with their slopes along all axes
-  int joined = 0;   // EdgeBit: edges that go on in another shell, but for hinges
+  int joined = 0;   // EdgeBit: edges with a seam to another shell, hinges excepted
   RowTables tables{};
-  // Of the interlayer, whose functions are those of the uncut patch whatever cracks; without points where there is
-  // none.
+  // Tables of the interlayer, with the functions of the uncut patch at all times; empty without an interlayer.
   RowTables interlayer{};
-  std::vector<double> mass{};  // lumped, of each slot [kg]; padding 0
-  std::vector<double> rest{};  // positions at rest, [3][plane]
-  std::vector<char> held{};    // slot is held by a support, along all axes
+  std::vector<double> mass{};  // lumped mass of each slot [kg]; padding 0
+  std::vector<double> rest{};  // positions at rest [m], [3][component stride]
+  std::vector<char> held{};    // 1 where a support holds the slot along all axes
   Constraints constraints{};
   PreparedLoads loads{};
   std::vector<Vec2> parameter{};  // Greville point of each control point
-  std::vector<Vec2> of_slot{};    // the same by slots; padding: zero
-  double longest_element = 0.0;   // along u or v, at rest [m]
+  std::vector<Vec2> of_slot{};    // the same for each slot; padding: zero
+  double longest_element = 0.0;   // longest side of an element at rest [m]
   double shortest_element = 0.0;  // at rest [m]
-  double largest_mobility = 0.0;  // inverse mass of a point of the surface, at most [1/kg]
+  double largest_mobility = 0.0;  // largest inverse mass of a surface point [1/kg]
   double spacing = 0.0;           // mean length of an element [m]
   double spacing_u = 0.0, spacing_v = 0.0;
-  // Of the material's strength, [block][lane]; empty: 1 everywhere. The fracture energy goes with its square.
+  // Factor of the strength, [block][lane]; empty: 1 everywhere. The fracture energy scales with its square.
   std::vector<float> strength_factor{};
-  FibreLaw fibres{};  // shear and compression through the thickness, where it touches others that have them
+  FibreLaw fibres{};  // shear and compression through the thickness, for contact between shells with fibres
 
   bool has_fibres() const { return fibres.compression > 0.0; }
   double strength_factor_at(int block, int lane) const {
@@ -69,12 +70,14 @@ struct ShellModel {
   int control_points() const { return tables.columns * tables.rows; }
   double wave_speed() const;      // of compression in the plane [m/s]
   double rayleigh_speed() const;  // [m/s]
-  /// Over which stress is averaged before it starts or drives cracks: the passage of a spacing or, where that is
-  /// longer, of the thickness by a shear wave, before which a thin shell's theory knows nothing [s].
+  /// Returns the time [s] over which stress is averaged before it starts or drives cracks. It is the passage of a wave
+  /// over a spacing or, where that is longer, of a shear wave through the thickness. Shell theory cannot resolve
+  /// shorter times.
   double response_time() const;
 };
 
-/// `layers` of each ply where there is an interlayer. The model's density is then the mean over the thickness.
+/// Makes the model of a shell. `layers` is the number of layers, of each ply where there is an interlayer. The model's
+/// density is then the mean over the thickness. Throws Error where a support or a load is wrong.
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
                       int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads = {});
 

@@ -10,8 +10,9 @@
 namespace sunder::shell {
 namespace {
 
-// The material's strength times the scene's factors, and Weibull's on a lattice of cells of the flaw spacing, turned
-// and shifted by the seed so that it shares no direction with the patch.
+// Strength is the material's, times the scene's factors, times a Weibull factor. The Weibull factor is constant in
+// cells of the flaw spacing. The seed turns and shifts the lattice of cells, so that it shares no direction with the
+// patch.
 void assign_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
   const RowTables& t = m.tables;
   s.layers.strength.assign(static_cast<std::size_t>(t.blocks()) * t.lanes, m.material.strength);
@@ -28,7 +29,7 @@ void assign_strength(const ShellModel& m, ShellState& s, std::uint64_t seed) {
       const Vec2 p = gauss_point(m.patch, t, q, e).parameter;
       const double a = (std::cos(angle) * p.x() - std::sin(angle) * p.y()) / m.material.flaw_spacing + shift_u;
       const double b = (std::sin(angle) * p.x() + std::cos(angle) * p.y()) / m.material.flaw_spacing + shift_v;
-      std::uint64_t h = salt;  // splitmix over the cell's coordinates
+      std::uint64_t h = salt;  // splitmix hash of the cell's coordinates
       for (const double cell : {std::floor(a), std::floor(b)}) {
         h += static_cast<std::uint64_t>(static_cast<std::int64_t>(cell)) + 0x9e3779b97f4a7c15ULL;
         h = (h ^ (h >> 30)) * 0xbf58476d1ce4e5b9ULL;
@@ -57,14 +58,14 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
     s.motion.inverse_mass[slot] = 1.0 / m.mass[slot];
     for (int d = 0; d < 3; ++d) s.motion.v[d * plane + slot] = velocity[d];
   }
-  for (int d = 0; d < 3; ++d)  // what a support holds never had that velocity, nor its energy
+  for (int d = 0; d < 3; ++d)  // a held point has neither this velocity nor its energy
     for (const int slot : m.constraints.held[d]) s.motion.v[d * plane + slot] = 0.0;
   s.layers.surface_stress.assign(gauss * 6, 0.0);
   s.layers.c.assign(gauss, 0.0f), s.layers.c_his.assign(gauss, 0.0f);
   if (m.material.yield_stress > 0.0) {
     s.layers.plastic.assign(gauss * 4 * t.layers.zeta.size(), 0.0);
     s.layers.plastic_forms.resize(gauss * kFormFields);
-    for (int q = 0; q < t.blocks(); ++q)  // the metric's first fields are the forms at rest, in the same order
+    for (int q = 0; q < t.blocks(); ++q)  // the metric begins with the forms at rest, in the same order
       std::copy_n(&t.metric[t.at(q, kMetricFields, kA11, 0)], kFormFields * t.lanes,
                   &s.layers.plastic_forms[t.at(q, kFormFields, 0, 0)]);
   }

@@ -1,6 +1,6 @@
 #pragma once
-// One shell: what changes during a run, by kinds. A kind lists in saved() what a checkpoint keeps; caches and scratch
-// can be found again.
+// The changing part of one shell, by kinds. A kind lists in saved() what a checkpoint stores. Caches and scratch are
+// computed again.
 #include <algorithm>
 #include <vector>
 
@@ -13,19 +13,19 @@
 
 namespace sunder::shell {
 
-/// Control points: [3][component stride] per vector field, one entry a slot.
+/// Control points: vector fields are [3][component stride], with one entry for each slot.
 struct Motion {
   std::vector<double> x, v, force;         // [m], [m/s], [N]
-  double time = 0.0;                       // of the positions, for loads and supports that change [s]
-  std::vector<double> external;            // loads within `force` [N]; empty: no loads
-  std::vector<double> last_force;          // of the substep before, for stiffness damping; empty: not comparable
+  double time = 0.0;                       // time of the positions, for loads and supports that change [s]
+  std::vector<double> external;            // loads included in `force` [N]; empty: no loads
+  std::vector<double> last_force;          // force of the last substep, for stiffness damping; empty: not comparable
   std::vector<double> mass, inverse_mass;  // [kg], [1/kg]; inverse 0: held, padding or detached
-  std::vector<char> detached;              // control point belongs to a piece that was handed off
-  // For velocities that go through the background grid, else empty: before kick and contact, after them, the velocity
-  // of positions [m/s], and APIC's affine matrix [9][component stride] [1/s].
+  std::vector<char> detached;              // 1 where the control point belongs to a piece that was handed off
+  // For velocities that pass through the background grid; otherwise empty. Velocities before kick and contact,
+  // velocities after them, velocities that move positions [m/s], and APIC's affine matrix [9][component stride] [1/s].
   std::vector<double> before, kicked, moving, affine;
 
-  /// Calls f with all members that a checkpoint keeps.
+  /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     f(x, v, force, time, external, last_force, mass, inverse_mass, detached, before, kicked, moving, affine);
@@ -34,37 +34,37 @@ struct Motion {
 
 /// Layers and faces of each Gauss point.
 struct LayerStates {
-  std::vector<double> surface_stress;  // [block][6][lane], three components on each face [Pa]
-  std::vector<double> strength;        // [block][lane], with its scatter [Pa]
-  std::vector<float> c, c_his;         // [block][lane], damage now and at most (paper eq. 9) [-]
-  std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: none do
-  std::vector<double> plastic_forms;   // surface forms at which they last moved on
+  std::vector<double> surface_stress;  // [block][6][lane]: three components on each face [Pa]
+  std::vector<double> strength;        // [block][lane]: strength with its scatter [Pa]
+  std::vector<float> c, c_his;         // [block][lane]: damage now, and its maximum (paper eq. 9) [-]
+  std::vector<double> plastic;         // states of layers that yield (RowPlasticity); empty: no yielding
+  std::vector<double> plastic_forms;   // surface forms at the last plastic step
   std::vector<double> fibres;  // [block][lane][below, above][r13, r23, r33]; empty: none (solver/contact/fibres.h)
-  double brittleness = 0.0;    // H of eq. 9; 0: cracks are not driven by damage
-  bool heals = true;           // damage follows the present stress, else it stays at its maximum
+  double brittleness = 0.0;    // H of eq. 9 [-]; 0: damage does not drive cracks
+  bool heals = true;           // damage falls with the stress; otherwise it keeps its maximum
 
-  /// Calls f with all members that a checkpoint keeps.
+  /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     f(surface_stress, strength, c, c_his, plastic, plastic_forms, fibres, brittleness, heals);
   }
 };
 
-/// An elastic energy [J] and the time at which it was found [s].
+/// An elastic energy [J] and its time [s].
 struct TimedEnergy {
   double energy = 0.0, time = -1.0;
 };
 
-/// Answers that are kept because they are asked again; none changes what a run computes.
+/// Stored answers to repeated questions. None of them changes what a run computes.
 struct Caches {
-  std::vector<double> least_strength;  // [block]; empty: not looked for yet
+  std::vector<double> least_strength;  // [block]; empty: not computed yet
   std::vector<char> over;              // [block]: 0 where no recorded stress is above the strength
-  std::vector<char> marked;            // [block]: 0 where c is zero since the last look; empty: unknown
+  std::vector<char> marked;            // [block]: 0 where c was zero at the last check; empty: unknown
   std::vector<Sight> visibility;       // of Gauss points near a new edge: control points that no crack hides
-  std::vector<Sight> used;             // of each of them: control points that its functions use
-  std::vector<int> visibility_of;      // [block][lane]: index into `visibility`, -1: none
-  /// What edges on trial leave of a point with this visibility. A refused edge is tried again, longer or a little
-  /// later, and mostly leaves the same.
+  std::vector<Sight> used;             // of the same points: control points that their functions use
+  std::vector<int> visibility_of;      // [block][lane]: index into `visibility`; -1: none
+  /// A point with its functions after trial edges have left it this visibility. A refused edge is tried again, longer
+  /// or a little later, and mostly leaves the same visibility.
   struct Trial {
     Sight sight;
     GatheredPoint point;
@@ -72,13 +72,13 @@ struct Caches {
   };
   struct Trials {
     std::vector<Trial> known;
-    TimedEnergy present{};  // of the point as it is
+    TimedEnergy present{};  // of the point without trial edges
   };
-  std::vector<Trials> trials;  // of each entry of `visibility`; empty: none is remembered
+  std::vector<Trials> trials;  // of each entry of `visibility`; empty: none is stored
   KnownSurroundings surroundings;
 };
 
-/// Memory that a force evaluation uses and the next one overwrites.
+/// Memory that each force evaluation overwrites.
 struct ShellScratch {
   TransferBuffers transfer;
   RowScratch rows;
@@ -86,6 +86,7 @@ struct ShellScratch {
   std::vector<double> interlayer_force;
 };
 
+/// The whole state of one shell.
 struct ShellState {
   Motion motion;
   LayerStates layers;
@@ -95,17 +96,17 @@ struct ShellState {
   Caches caches;
   ShellScratch scratch;
 
-  /// Gauss points of standing pieces that bear nothing any more.
+  /// Counts Gauss points without any stiffness on pieces that are not handed off.
   int rubble() const {
     return static_cast<int>(std::count_if(cracked.gathered.begin(), cracked.gathered.end(),
                                           [](const auto& g) { return g.kind == PointKind::kDead && !g.left; }));
   }
-  /// The force discontinuity, zero everywhere at first.
+  /// Returns the force discontinuity; it is zero at first.
   std::vector<double>& discontinuity() {
     if (cracks.force_discontinuity.empty()) cracks.force_discontinuity.assign(motion.force.size(), 0.0);
     return cracks.force_discontinuity;
   }
-  /// Books stored energy that new cracks released [J]; the next kick takes it up with their force discontinuity.
+  /// Books energy [J] that new cracks release. The next kick uses it together with their force discontinuity.
   void release(double energy) { cracks.released += energy, book.fracture += energy; }
   bool yields() const { return !layers.plastic.empty(); }
   bool weakens() const { return layers.brittleness > 0.0; }  // by damage
@@ -121,16 +122,18 @@ struct ShellState {
   }
 };
 
-/// A shell of several, model and state.
+/// Model and state of one shell.
 struct ShellRef {
   const ShellModel* model;
   ShellState* state;
 };
 
-/// The state at rest, moving at `velocity` [m/s] where nothing holds it. `seed` decides the scatter of strength.
+/// Makes the undeformed state. `velocity` [m/s] is that of all points without a support. `seed` determines the scatter
+/// of strength.
 ShellState make_state(const ShellModel& model, const Vec3& velocity, std::uint64_t seed);
 
-/// Value shape functions of a Gauss point as it stands: gathered ones, else the patch's.
+/// Returns the functions (values only) of a Gauss point in this state: gathered ones where it has them, otherwise the
+/// patch's.
 void sample_functions(const ShellModel& model, const ShellState& state, int block, int lane,
                       std::vector<GatheredFunction>& out);
 

@@ -1,5 +1,5 @@
 #pragma once
-// All that a shell is between two windows, for checkpoints.
+// The state of a shell between two windows, for checkpoints.
 #include <memory>
 
 #include "coupler/core/archive.h"
@@ -23,7 +23,7 @@ void archive(A& a, Interlock& i) {
               i.sound, i.was_open, i.depth);
 }
 
-/// Edges are added again in their order, which finds the same bins.
+/// Edges are added again in their order, which reproduces the bins.
 template <class A>
 void archive(A& a, CrackGraph& g) {
   std::vector<Vec2> vertices = g.vertices();
@@ -37,7 +37,7 @@ void archive(A& a, CrackGraph& g) {
   if constexpr (A::kReading) g.restore(vertices, edges, cracks, length);
 }
 
-/// Members that a kind of state lists in its saved().
+/// Archives the members that a kind of state lists in its saved().
 template <class A, class Kind>
 requires requires(Kind& kind) {
   kind.saved([](auto&...) {});
@@ -46,7 +46,7 @@ void archive(A& a, Kind& kind) {
   kind.saved([&a](auto&... members) { archive_all(a, members...); });
 }
 
-/// `s` is a state of the same model; caches and scratch stay as they are.
+/// Reads or writes a state of the same model; caches and scratch do not change.
 template <class A>
 void archive(A& a, ShellState& s) {
   archive_all(a, s.motion, s.layers, s.cracks, s.cracked, s.book);

@@ -9,7 +9,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kInPlane = 1e-9;  // of the patch's size
+constexpr double kInPlane = 1e-9;  // share of the patch's size
 
 }  // namespace
 
@@ -32,7 +32,8 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   for (const Vec3& x : p.control_points) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const double size = (high - low).norm();
   std::array<std::vector<char>, 3> held;
-  std::array<std::vector<int>, 3> driver;  // the motion that moves a control point, the last one named; -1: none
+  // number of the motion that moves a control point, the last one named; -1: none
+  std::array<std::vector<int>, 3> driver;
   std::array<std::vector<int>, 3> root;
   for (int d = 0; d < 3; ++d) {
     held[d].assign(count, 0);
@@ -93,7 +94,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   for (int d = 0; d < 3; ++d) {
     std::map<int, std::vector<int>> groups;
     for (int i = 0; i < count; ++i) groups[find(d, i)].push_back(i);
-    for (const auto& [first, members] : groups) {  // a group with a held member is held, with a driven one driven
+    for (const auto& [first, members] : groups) {  // one held member holds the group; one driven member drives it
       bool any = false;
       int by = -1;
       std::vector<int> slots;

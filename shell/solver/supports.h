@@ -1,5 +1,5 @@
 #pragma once
-// How a shell is held: control points that do not move along some axes, move as prescribed, or move together.
+// Supports of a shell: control points that do not move along some axes, move as prescribed, or move together.
 #include <array>
 #include <vector>
 
@@ -10,37 +10,43 @@ namespace sunder::shell {
 /// Corners of a patch as bits.
 enum CornerBit { kUMinVMin = 1, kUMaxVMin = 2, kUMinVMax = 4, kUMaxVMax = 8 };
 
+/// A box in the parameters of a patch.
 struct ParameterBox {
-  Vec2 low, high;  // as in the scene's parameters [m]
+  Vec2 low, high;  // in the scene's parameters [m]
 };
 
+/// A support as the scene gives it.
 struct Support {
   int edges = 0;
-  bool clamped = true;                            // slope held too: two rows of control points
-  std::array<bool, 3> axes = {true, true, true};  // x y z that are held
-  int symmetry = -1;                              // 0 1 2: edges lie in a plane of symmetry across that axis
+  bool clamped = true;                            // the slope is held too, by the second row of control points
+  std::array<bool, 3> axes = {true, true, true};  // axes x y z that are held
+  int symmetry = -1;                              // 0 1 2: the edges lie in a symmetry plane across that axis; -1: none
   int corners = 0;
-  std::vector<ParameterBox> regions{};  // control points whose Greville points lie inside
-  /// Displacement over time [s], [m], linear between; before and after as at the ends. Empty: does not move.
+  std::vector<ParameterBox> regions{};  // control points with Greville points inside are held
+  /// Displacement over time [s], [m]: linear between points, constant outside. Empty: no motion.
   std::vector<std::pair<double, Vec3>> motion{};
 };
 
-/// What supports come to, by axis. Sums of mass and force over a tied group move it as one.
+/// The combined effect of all supports, by axis. Tied slots move as one, with the sums of their masses and forces.
 struct Constraints {
   std::array<std::vector<int>, 3> held;               // slots that do not move along the axis
   std::array<std::vector<std::vector<int>>, 3> tied;  // slots that move together along it
+  /// Control points that a support moves as prescribed.
   struct Driven {
     std::array<std::vector<int>, 3> slots;
     std::vector<std::pair<double, Vec3>> motion;
+    /// Displacement [m] at `time` [s].
     Vec3 displacement(double time) const;
   };
   std::vector<Driven> driven;
-  std::vector<int> anchors;  // slots that hold a piece; the second row of a clamped edge only gives its slope
-  bool partial = false;      // anything but control points that are held altogether
+  // slots that hold a piece; the second row of a clamped edge, which holds only the slope, is left out
+  std::vector<int> anchors;
+  bool partial = false;  // true where some control point is held along some axes only, tied or driven
 };
 
-/// A control point that one support holds and another moves along an axis is held. Throws Error where a symmetry edge
-/// does not lie in a plane across its axis, or a region holds no control point.
+/// Combines the supports. A control point that one support holds and another moves along the same axis is held. Throws
+/// Error where a symmetry edge does not lie in a plane across its axis, a region holds no control point, or a symmetry
+/// edge moves in two ways.
 Constraints make_constraints(const Patch& patch, const std::vector<Support>& supports, int stride,
                              const std::string& name);
 

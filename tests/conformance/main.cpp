@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
       ->type_name("A")
       ->allow_extra_args(false);
   app.add_option("--endpoint", suite.target.endpoint, "Address of an engine that serves session after session there")
+      ->type_name("ADDRESS")
       ->take_last();
   app.add_option("--case", only, "Runs this case; may be given again")->type_name("NAME")->allow_extra_args(false);
   app.add_option("--leave-out", left_out, "Does not run this case; may be given again")

@@ -87,26 +87,29 @@ class Snippets(unittest.TestCase):
                 if re.match(r"(scenes|coupler|tests|rigid)/", word):
                     self.assertTrue((folder / word).exists(), f"{snippet.place}: {word} is not there")
 
+    def _block(self, snippet: Snippet, folder: Path) -> None:
+        """Does with a block what its info string asks for; fails, with its place, where that does not work."""
+        if snippet.option("file") and snippet.language != "textproto":
+            (folder / str(snippet.option("file"))).write_text(snippet.text)
+        if snippet.mode == "norun":
+            return
+        if snippet.language == "textproto":
+            self._scene(snippet, folder)
+        elif snippet.language == "sh" and snippet.mode == "check":
+            self._parsed(snippet, folder)
+        elif snippet.language == "sh":
+            self._run(snippet, ["bash", "-euo", "pipefail", "-c", snippet.text], folder)
+        elif snippet.language == "python":
+            compile(snippet.text, snippet.place, "exec")
+            if snippet.info.split()[:1] == ["run"]:
+                self._run(snippet, ["/usr/bin/python3", "-c", snippet.text], folder)
+
     def _readme(self, readme: Path) -> None:
         with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            folder_of_a_reader(folder)
+            folder_of_a_reader(Path(name))
             for snippet in snippets(readme):
                 with self.subTest(place=snippet.place):
-                    if snippet.option("file") and snippet.language != "textproto":
-                        (folder / str(snippet.option("file"))).write_text(snippet.text)
-                    if snippet.mode == "norun":
-                        continue
-                    if snippet.language == "textproto":
-                        self._scene(snippet, folder)
-                    elif snippet.language == "sh" and snippet.mode == "check":
-                        self._parsed(snippet, folder)
-                    elif snippet.language == "sh":
-                        self._run(snippet, ["bash", "-euo", "pipefail", "-c", snippet.text], folder)
-                    elif snippet.language == "python":
-                        compile(snippet.text, snippet.place, "exec")
-                        if snippet.info.split()[:1] == ["run"]:
-                            self._run(snippet, ["/usr/bin/python3", "-c", snippet.text], folder)
+                    self._block(snippet, Path(name))
 
     def test_every_block_says_what_it_is(self) -> None:
         for readme in readmes():
@@ -130,6 +133,31 @@ class Snippets(unittest.TestCase):
                 self.assertGreater(len(keys), 40)
                 missing = [key for key in [*run, *keys] if f"`{key}`" not in page]
                 self.assertEqual(missing, [], f"coupler/README.md does not explain these keys of {scene}")
+
+    def test_a_part_goes_into_what_has_its_name(self) -> None:
+        def scene(text: str) -> Any:
+            return text_format.Parse(text, scene_class()())
+
+        base = scene('shells { name: "a" thickness_m: 1 supports { kind: CLAMPED } plate { size_x_m: 2 } } shells { name: "b" }')
+        dropped(base, "shells[a].supports")
+        merged(base, scene('shells { name: "a" thickness_m: 3 cylinder { radius_m: 4 } } shells { name: "c" } end_time_s: 5'))
+        self.assertEqual(base, scene('shells { name: "a" thickness_m: 3 cylinder { radius_m: 4 } } shells { name: "b" } '
+                                     'shells { name: "c" } end_time_s: 5'))
+        with self.assertRaises(KeyError):
+            dropped(base, "shells[d].supports")
+
+    def test_what_does_not_work_is_found(self) -> None:
+        """Each block is refused, with its place."""
+        blocks = (("sh", "", "coupler/sunder check scenes/none.textproto\n"),
+                  ("sh", "check: long", "coupler/sunder run scenes/glass.textproto --quick\n"),
+                  ("sh", "check: long", "coupler/sunder run scenes/none.textproto\n"),
+                  ("textproto", "into=scenes/intact_pane.textproto", 'shells { name: "pane" thickness_m: -1 }\n'),
+                  ("python", "run", "import nothing_of_that_name\n"))
+        for language, info, text in blocks:
+            with tempfile.TemporaryDirectory() as name:
+                folder_of_a_reader(Path(name))
+                with self.assertRaisesRegex(AssertionError, "README.md:7: "):
+                    self._block(Snippet(TOP / "README.md", 7, language, info, text), Path(name))
 
 
 def _add_tests() -> None:

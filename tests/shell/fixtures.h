@@ -32,6 +32,31 @@ inline Patch rational_patch() {  // unequal knots
   return rational_patch(KnotVector({0, 0, 0, 0.3, 0.5, 1, 1, 1}, 2, "u"), KnotVector({0, 0, 0, 0.4, 1, 1, 1}, 2, "v"));
 }
 
+// Unequal weights, unequal knots, one of them double, and curvature.
+inline Patch cubic_patch() {
+  return rational_patch(KnotVector({0, 0, 0, 0, 0.3, 0.5, 0.5, 1, 1, 1, 1}, 3, "u"),
+                        KnotVector({0, 0, 0, 0, 0.4, 1, 1, 1, 1}, 3, "v"));
+}
+
+// A pane of 20 cm and 4 mm that cracks at 60 MPa.
+inline ShellModel brittle_sheet(int elements = 20) {
+  ShellMaterial m = glass();
+  m.strength = 60e6, m.fracture_energy = 8.0;
+  return make_shell("p", plate(0.2, 0.2, elements, elements, Vec3::Zero(), Quat::Identity()), 0.004, m, 2, 2, {});
+}
+
+// A strip of 1 m along x from the origin, 20 cm wide.
+inline ShellModel strip(const std::vector<Support>& supports, const std::vector<Load>& loads, double poisson = 0.0) {
+  ShellMaterial m = glass();
+  m.poisson_ratio = poisson;
+  return make_shell("strip", plate(1.0, 0.2, 20, 4, Vec3(0.5, 0.1, 0), Quat::Identity()), 0.01, m, 2, 2, supports,
+                    loads);
+}
+
+inline double uniform(std::mt19937_64& random, double low, double high) {
+  return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
+}
+
 inline void disturb(ShellState& s, const ShellModel& m, double size) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(-size, size);

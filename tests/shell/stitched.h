@@ -6,12 +6,17 @@
 #include <string>
 #include <vector>
 
+#include "shell/geometry/builders.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/joining/stitching.h"
 #include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 
 namespace sunder::shell {
+
+inline Patch flat(double x0, double x1, double y0, double y1, int nx, int ny, int degree = 2) {
+  return plate(x1 - x0, y1 - y0, nx, ny, Vec3(0.5 * (x0 + x1), 0.5 * (y0 + y1), 0.0), Quat::Identity(), degree);
+}
 
 /// The same surface, its parameters turned by a quarter: u' = v, v' = -u. The normal stays.
 inline Patch turned(const Patch& p) {

@@ -1,7 +1,7 @@
 #pragma once
 // Shear and compression through the thickness of shells that touch one another, or themselves: the paper's type-III
 // particles, one on either side of each Gauss point. They keep layers apart and hold them by friction, in place of the
-// contact that shells have otherwise (solver/shell_contact.h).
+// contact that shells have otherwise (solver/contact/shell_contact.h).
 #include "shell/contact/fibre_grid.h"
 #include "shell/solver/contact/near_tiles.h"
 

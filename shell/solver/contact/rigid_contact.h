@@ -45,8 +45,8 @@ void apply_impulse(ShellState& state, Proxy& body, const std::vector<GatheredFun
 /// kick of `dt`; returns the number of samples in contact. Their work is booked so that it closes with
 /// kinetic_energy: an impulse that acts half a step after the positions works on the velocity at the
 /// positions' time, v - dt f / 2m.
-/// A sphere with a Hertz stiffness is pushed by that law instead (solver/hertz.h), a force that acts for `kicked` [s]
-/// as those of the kick did.
+/// A sphere with a Hertz stiffness is pushed by that law instead (solver/contact/hertz.h), a force that acts for
+/// `kicked` [s] as those of the kick did.
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt,
             double kicked);

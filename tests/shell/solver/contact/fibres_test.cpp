@@ -1,0 +1,258 @@
+// Shells with fibres: what control points feel, and what that costs.
+#include <algorithm>
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+#include <Eigen/Dense>
+
+#include "coupler/core/error.h"
+#include "shell/solver/contact/fibres.h"
+#include "tests/shell/fixtures.h"
+#include "tests/shell/pile.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+const FibreLaw kLaw{3e5, 2e5, 0.4};
+
+ShellModel sheet(double size, int elements, const Vec3& at, const Quat& turn = Quat::Identity(),
+                 double thickness = 0.01) {
+  ShellMaterial m;
+  m.density = 1000, m.youngs_modulus = 1e7, m.poisson_ratio = 0.3;
+  return make_shell("sheet", plate(size, size, elements, elements, at, turn), thickness, m, 2, 2, {});
+}
+
+// Two sheets that have met askew and spinning: bent, pressed and sheared, some of it slipping.
+void meet(Pile& l) {
+  const Quat turn(Eigen::AngleAxisd(0.4, Vec3(0.05, 0.1, 1.0).normalized()));
+  l.add(sheet(0.5, 10, Vec3::Zero()), kLaw);
+  l.add(sheet(0.4, 9, Vec3(0.02, 0.03, 0.05), turn), kLaw, Vec3(3, 1, -6));
+  l.join(0.06);
+  ShellState& s = *l.states[1];
+  for (int i = 0; i < l.models[1]->control_points(); ++i) {
+    const int slot = l.models[1]->tables.slot(i);
+    s.add_velocity(slot, Vec3(1, -2, 3).cross(s.position(slot)));
+  }
+}
+
+// Fibres' forces alone, and the velocities' power on them.
+struct Felt {
+  Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+  double sum = 0.0, torque_sum = 0.0, power = 0.0;
+};
+Felt felt(Pile& l) {
+  for (const ShellRef& r : l.shells) r.state->motion.force.assign(r.state->motion.force.size(), 0.0);
+  l.fibres->add_forces(l.shells);
+  Felt out;
+  for (const ShellRef& r : l.shells)
+    for (int i = 0; i < r.model->control_points(); ++i) {
+      const int slot = r.model->tables.slot(i);
+      const Vec3 f = r.state->at(r.state->motion.force, slot), x = r.state->position(slot);
+      out.force += f, out.torque += x.cross(f), out.sum += f.norm(), out.torque_sum += x.norm() * f.norm();
+      out.power += f.dot(r.state->velocity(slot));
+    }
+  return out;
+}
+
+}  // namespace
+
+TEST(Fibres, ForcesHaveNeitherSumNorTorque) {
+  Pile l;
+  meet(l);
+  const double dt = 0.5 * l.step();
+  int strained = 0;
+  for (int k = 0; k < 60; ++k) {
+    l.run(10, dt);
+    const Felt f = felt(l);
+    if (f.sum == 0.0) continue;
+    ++strained;
+    EXPECT_LT(f.force.norm(), 1e-13 * f.sum) << k;
+    EXPECT_LT(f.torque.norm(), 1e-13 * f.torque_sum) << k;
+  }
+  EXPECT_GT(strained, 5);
+}
+
+TEST(Fibres, ForcesDoTheWorkThatIsStoredAndSlips) {
+  Pile l;
+  meet(l);
+  const double dt = 0.5 * l.step();
+  int compared = 0;
+  for (int k = 0; k < 60; ++k) {
+    l.run(10, dt);
+    const Felt f = felt(l);
+    const double before = l.fibres->energy() + l.states[0]->book.contact + l.states[1]->book.contact;
+    if (f.sum == 0.0 || std::abs(f.power) < 1.0) continue;
+    ++compared;
+    std::vector<ShellState> kept{*l.states[0], *l.states[1]};
+    const double tiny = 1e-5 * dt;  // differences: error of that order, and 1e-15 of the energy over tiny
+    for (const ShellRef& r : l.shells)
+      for (std::size_t i = 0; i < r.state->motion.x.size(); ++i) r.state->motion.x[i] += tiny * r.state->motion.v[i];
+    l.fibres->advance(l.shells, tiny);
+    const double after = l.fibres->energy() + l.states[0]->book.contact + l.states[1]->book.contact;
+    EXPECT_NEAR((after - before) / tiny, -f.power, 1e-3 * std::abs(f.power)) << k;
+    for (int i = 0; i < 2; ++i) *l.states[i] = kept[i];
+    l.fibres->forget();
+  }
+  EXPECT_GT(compared, 3);
+}
+
+TEST(Fibres, KeepTheirStateInRigidMotion) {
+  Pile l;
+  meet(l);
+  const double dt = 0.5 * l.step();
+  for (int k = 0; k < 60 && felt(l).sum == 0.0; ++k) l.run(10, dt);
+  l.run(30, dt);
+  ASSERT_GT(felt(l).sum, 0.0);
+  const std::vector<double> before = l.states[0]->fibres;
+  const double contact = l.states[0]->book.contact;
+  const Vec3 spin(30, -50, 80);  // a tenth of a radian in all
+  for (int k = 0; k < 100; ++k) {
+    for (const ShellRef& r : l.shells)
+      for (int i = 0; i < r.model->control_points(); ++i) {
+        const int slot = r.model->tables.slot(i);
+        const Vec3 v = spin.cross(r.state->position(slot)) + Vec3(7, 8, 9);
+        for (int d = 0; d < 3; ++d)
+          r.state->motion.v[d * r.state->motion.mass.size() + slot] = v[d],
+                                                              r.state->motion
+                                                                  .x[d * r.state->motion.mass.size() + slot] +=
+                                                              1e-5 * v[d];
+      }
+    // the gradient of v as it is at the new place: positions moved by (1 + dt w x), which is no rotation but in limit
+    l.fibres->advance(l.shells, 1e-5);
+  }
+  int kept = 0;
+  for (std::size_t i = 0; i < before.size(); i += 3) {
+    const Vec3 was(before[i], before[i + 1], before[i + 2]);
+    const Vec3 is(l.states[0]->fibres[i], l.states[0]->fibres[i + 1], l.states[0]->fibres[i + 2]);
+    if (was == Vec3::UnitZ()) continue;
+    // at the rim, nodes of the grid that the surfaces now share are others: there fibres let go
+    if (is != Vec3::UnitZ()) {
+      EXPECT_LT((was - is).norm(), 1e-4);  // 100 (dt w)^2
+      ++kept;
+    }
+  }
+  EXPECT_GT(kept, 10);
+  EXPECT_NEAR(l.states[0]->book.contact, contact, 1e-2 * l.fibres->energy());
+}
+
+TEST(Fibres, StableStepBoundsThatOfStacks) {
+  // Power iteration on the forces that a motion changes, fibres following it; all pressed to 0.6 of their length.
+  struct Case {
+    int layers, elements;
+    double spacing, shear;
+  };
+  for (const Case& c : {Case{2, 8, 0.0625, 1.0}, Case{2, 8, 0.15, 3.0}, Case{3, 8, 0.0625, 1.0}, Case{4, 8, 0.07, 3.0},
+                        Case{2, 40, 0.02, 3.0}}) {
+    Pile l;
+    const FibreLaw law{1e8, c.shear * 1e8, 1e6};
+    for (int k = 0; k < c.layers; ++k) l.add(sheet(0.5, c.elements, Vec3(0.003 * k, 0.002 * k, 0.0099 * k)), law);
+    l.join(c.spacing);
+    const auto press = [&](double by, double dt) {
+      for (int k = 0; k < c.layers; ++k) {
+        ShellState& s = *l.states[k];
+        const std::size_t plane = s.motion.mass.size();
+        for (std::size_t i = 0; i < plane; ++i)
+          if (s.motion.mass[i] > 0.0) s.motion.v[2 * plane + i] = -by * k / dt, s.motion.x[2 * plane + i] -= by * k;
+      }
+      l.fibres->advance(l.shells, dt);
+    };
+    for (int k = 0; k < 8; ++k) press(0.0005, 1e-3);
+    const double bound = l.step();
+    std::vector<std::vector<double>> x, force, fibres;
+    l.forces();
+    for (const auto& s : l.states)
+      x.push_back(s->motion.x), force.push_back(s->motion.force), fibres.push_back(s->layers.fibres);
+    std::mt19937_64 random(3);
+    for (const auto& s : l.states)
+      for (std::size_t i = 0; i < s->motion.v.size(); ++i)
+        s->motion.v[i] = s->motion.mass[i % s->motion.mass.size()] > 0.0 ? uniform(random, -1.0, 1.0) : 0.0;
+    double lambda = 0.0;
+    for (int it = 0; it < 60; ++it) {
+      double norm = 0.0;
+      for (const auto& s : l.states)
+        for (const double v : s->motion.v) norm += v * v;
+      norm = std::sqrt(norm);
+      const double dt = 1e-8;
+      for (std::size_t k = 0; k < l.states.size(); ++k) {
+        ShellState& s = *l.states[k];
+        s.layers.fibres = fibres[k];
+        for (std::size_t i = 0; i < s.motion.v.size(); ++i)
+          s.motion.v[i] *= 10.0 / norm, s.motion.x[i] = x[k][i] + dt * s.motion.v[i];
+      }
+      l.fibres->advance(l.shells, dt);
+      l.forces();
+      double sum = 0.0;
+      for (std::size_t k = 0; k < l.states.size(); ++k) {
+        ShellState& s = *l.states[k];
+        for (std::size_t i = 0; i < s.motion.v.size(); ++i) {
+          s.motion.v[i] =
+              -(s.motion.force[i] - force[k][i]) / dt * s.motion.inverse_mass[i % s.motion.mass.size()] / 10.0;
+          sum += s.motion.v[i] * s.motion.v[i];
+        }
+      }
+      lambda = std::sqrt(sum);
+    }
+    const double found = 2.0 / std::sqrt(lambda);
+    EXPECT_GT(found, bound) << c.layers << " layers, " << c.elements << " elements";
+    EXPECT_LT(found, 4.0 * bound) << c.layers << " layers, " << c.elements << " elements";  // it is of use
+  }
+}
+
+TEST(Fibres, WhatCannotMeetCostsNothing) {
+  Pile l;
+  l.add(sheet(0.5, 20, Vec3::Zero()), kLaw);
+  l.add(sheet(0.5, 20, Vec3(0, 0, 0.4)), kLaw);
+  l.join(0.03);
+  l.run(3, 1e-6);
+  EXPECT_EQ(l.fibres->candidates(), 0);
+  EXPECT_EQ(l.fibres->energy(), 0.0);
+}
+
+TEST(Fibres, LayersThatArePressedToNothingStopTheRun) {
+  Pile l;
+  l.add(sheet(0.4, 8, Vec3::Zero()), kLaw);
+  l.add(sheet(0.4, 8, Vec3(0, 0, 0.0101)), kLaw, Vec3(0, 0, -60));  // 9 kJ/m^2 against 2 k t / 3 = 2 kJ/m^2
+  l.join(0.05);
+  try {
+    l.run(2000, 0.5 * l.step());
+    FAIL() << "went on";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "fibres");
+    EXPECT_NE(std::string(e.what()).find("raise fibres.compression_modulus"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Fibres, ASheetFoldedOnItselfDoesNotPassThrough) {
+  // both ends are turned up, and one is thrown at the other whole: so their faces meet (fibres do not hold edge on
+  // edge)
+  for (const double speed : {13.0, 16.0}) {
+    Pile l;
+    ShellMaterial rubber;
+    rubber.density = 1000, rubber.youngs_modulus = 1e7, rubber.poisson_ratio = 0.3;
+    l.add(make_shell("sheet", plate(1.0, 0.25, 40, 10, Vec3::Zero(), Quat::Identity()), 0.01, rubber, 2, 2, {}),
+          {1e7, 1e7, 0.3});
+    const ShellModel& m = *l.models[0];
+    ShellState& s = *l.states[0];
+    fold_up(m, s, [](double) { return 0.0; });
+    for (int i = 0; i < m.control_points(); ++i)
+      if (m.rest[m.tables.slot(i)] < -kFoldFlat) s.motion.v[m.tables.slot(i)] = speed;
+    l.join(m.longest_element);
+    const double dt = 0.5 * l.step();
+    double nearest = 1.0, pressed = 0.0;
+    l.run(static_cast<int>(0.04 / dt), dt, [&] {
+      const int row = 5 * m.tables.columns;
+      for (int k = 0; k < 10; ++k)
+        nearest = std::min(nearest, s.position(m.tables.slot(row + m.tables.columns - 1 - k)).x() -
+                                        s.position(m.tables.slot(row + k)).x());
+      pressed = std::max(pressed, l.fibres->energy());
+    });
+    EXPECT_GT(pressed, 0.1) << speed;  // they met: of 50 J and more
+    EXPECT_LT(nearest, 0.02) << speed;
+    EXPECT_GT(nearest, 0.1 * 0.01) << speed;  // and stayed on their sides
+  }
+}

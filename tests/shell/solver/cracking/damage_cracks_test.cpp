@@ -1,0 +1,170 @@
+// Cracks that are made of damage.
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "shell/solver/cracking/damage_cracks.h"
+#include "shell/solver/cracking/damage_lattice.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "tests/shell/damaging_panel.h"
+#include "tests/shell/fixtures.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+int pieces_of_graph(const CrackGraph& g) {
+  std::vector<int> root(g.vertices().size());
+  for (std::size_t i = 0; i < root.size(); ++i) root[i] = static_cast<int>(i);
+  const auto find = [&](int v) {
+    while (root[v] != v) v = root[v] = root[root[v]];
+    return v;
+  };
+  for (const CrackEdge& e : g.edges()) root[find(e.from)] = find(e.to);
+  std::set<int> roots;
+  for (const CrackEdge& e : g.edges()) roots.insert(find(e.from));
+  return static_cast<int>(roots.size());
+}
+
+}  // namespace
+
+TEST(ExtractCracks, FollowsACurvedBandStageByStageWithoutAGap) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  const auto middle = [](double x) { return 0.12 + 0.8 * x * (0.3 - x); };
+  std::vector<CrackEdge> earlier;
+  for (const double reach : {0.12, 0.2, 0.31}) {
+    damage_where(m, s,
+                 [&](const Vec2& p) { return p.x() < reach && std::abs(p.y() - middle(p.x())) < 0.9 * m.spacing; });
+    extract_cracks(m, s, reach);
+    const auto& edges = s.cracks.graph.edges();
+    ASSERT_GT(edges.size(), earlier.size()) << reach;
+    for (std::size_t k = 0; k < earlier.size(); ++k) {
+      EXPECT_EQ(edges[k].a, earlier[k].a);
+      EXPECT_EQ(edges[k].b, earlier[k].b);
+    }
+    for (const CrackEdge& e : edges) EXPECT_NEAR(e.b.y(), middle(e.b.x()), m.spacing) << reach;
+    EXPECT_EQ(pieces_of_graph(s.cracks.graph), 1) << reach;
+    earlier = edges;
+  }
+  EXPECT_LT(s.cracks.graph.total_length(), 0.38);  // once, not also beside itself: the curve is 0.315 m long
+  // it runs out at both borders: nothing above sees anything below
+  for (double x = 0.01; x < 0.3; x += 0.01) EXPECT_FALSE(s.cracks.graph.visible({x, 0.05}, {x, 0.25})) << x;
+}
+
+TEST(ExtractCracks, BroadDamageStartsOneCrackAcrossTheLargestStress) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.15, 0.15)).norm() < 5.0 * m.spacing; });
+  stretch_x(m, s, 2e-3);
+  extract_cracks(m, s, 0.0);
+  ASSERT_EQ(s.cracks.graph.edges().size(), 1u);
+  const Vec2 d = (s.cracks.graph.edges()[0].b - s.cracks.graph.edges()[0].a).normalized();
+  EXPECT_NEAR(std::abs(d.y()), 1.0, 1e-6);
+  for (int k = 0; k < 5; ++k) extract_cracks(m, s, 0.0);
+  EXPECT_EQ(pieces_of_graph(s.cracks.graph), 1);
+  EXPECT_GT(s.cracks.graph.total_length(), 3.0 * m.spacing);
+}
+
+// Bent to a fold along y: the stretched face is torn, the pressed one is sound, and the crack goes through both.
+TEST(ExtractCracks, UnderBendingTheStretchedFaceDecides) {
+  const ShellModel m = panel(40, 0.2);
+  for (const double up : {1.0, -1.0}) {
+    ShellState s = damaging(m);
+    const double band = 2.0 * m.spacing, curvature = 44.0 * kStrength / kYoung / m.thickness;
+    const auto bend = [&](double share) {  // turns by `curvature` over the band in the middle
+      for (int i = 0; i < m.control_points(); ++i) {
+        const int slot = m.tables.slot(i);
+        const double x = m.rest[slot], from = -0.5 * band, within = std::clamp(x - from, 0.0, band);
+        const double k = share * curvature, angle = k * within, after = std::max(0.0, x - from - band);
+        s.motion.x[slot] = std::min(x, from) + std::sin(angle) / k + std::cos(angle) * after;
+        s.motion.x[2 * m.tables.plane + slot] = up * ((1.0 - std::cos(angle)) / k + std::sin(angle) * after);
+      }
+    };
+    for (int step = 1; step <= 40; ++step) {
+      bend(step / 40.0);
+      compute_forces(m, s, false, 1.0, 1);
+      watch_stress(m, s);
+    }
+    compute_forces(m, s, false, 1.0, 1);
+    float stretched = 0.0f, pressed = 0.0f;
+    for (const PointDamage& d : s.cracked.damage) {
+      stretched = std::max(stretched, d.history[up > 0.0 ? 0 : 1]);
+      pressed = std::max(pressed, d.history[up > 0.0 ? 1 : 0]);
+    }
+    EXPECT_EQ(stretched, 1.0f);
+    EXPECT_EQ(pressed, 0.0f);
+    for (int k = 0; k < 20; ++k) extract_cracks(m, s, 0.0);
+    for (double y = 0.02; y < 0.29; y += 0.02)
+      EXPECT_FALSE(s.cracks.graph.visible({0.13, y}, {0.17, y})) << up << " " << y;
+    for (const CrackEdge& e : s.cracks.graph.edges())
+      EXPECT_LT(std::max(std::abs(e.a.x() - 0.15), std::abs(e.b.x() - 0.15)), 1.5 * m.spacing);
+  }
+}
+
+// An end that has met a stem lies just past it: it must not walk along it, however it leans.
+TEST(ExtractCracks, AnEndThatHasJoinedAStemIsNotOpen) {
+  for (const double lean : {0.0, 0.03, 0.06, 0.12}) {
+    const ShellModel m = panel(40, 0.2);
+    ShellState s = damaging(m);
+    insert_polyline(m, s, {{0.0, 0.1503}, {0.3, 0.1541}}, 0.0);
+    insert_polyline(m, s, {{0.17 - lean, 0.0}, {0.17 - 0.5 * lean, 0.08}, {0.17, 0.1503 + 0.17 / 0.3 * 0.0038}}, 0.0);
+    damage_where(m, s, [&](const Vec2& p) { return std::abs(p.y() - 0.15) < 0.9 * m.spacing; });
+    const std::size_t edges = s.cracks.graph.edges().size();
+    for (int k = 0; k < 5; ++k) extract_cracks(m, s, 0.0);
+    EXPECT_EQ(s.cracks.graph.edges().size(), edges) << lean;
+  }
+}
+
+// One that stops at a stem without having met it is open, and joins it once.
+TEST(ExtractCracks, AnEndJustShortOfAStemJoinsItOnce) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  insert_polyline(m, s, {{0.0, 0.1503}, {0.3, 0.1503}}, 0.0);
+  insert_polyline(m, s, {{0.11, 0.0}, {0.17, 0.1503 - 0.3 * m.spacing}}, 0.0);
+  damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.17, 0.15)).norm() < 0.9 * m.spacing; });
+  const std::size_t edges = s.cracks.graph.edges().size();
+  for (int k = 0; k < 5; ++k) extract_cracks(m, s, 0.0);
+  EXPECT_EQ(s.cracks.graph.edges().size(), edges + 1);
+}
+
+// The end ahead is too far over sound ground; what lies behind it on the same crack is not a way out.
+TEST(ExtractCracks, AnEndDoesNotRunAlongTheCrackAheadOfIt) {
+  const ShellModel m = panel(40, 0.2);
+  const double l = m.spacing;
+  for (const double sound : {0.55, 0.65}) {
+    ShellState s = damaging(m);
+    insert_polyline(m, s, {{0.0, 0.1503}, {0.1, 0.1503}}, 0.0);
+    insert_polyline(m, s, {{0.1 + 2.4 * l, 0.1507}, {0.1 + 6.4 * l, 0.1513}}, 0.0);
+    damage_where(m, s, [&](const Vec2& p) {
+      return std::abs(p.y() - 0.15) < 0.9 * l && p.x() > 0.1 + sound * l && p.x() < 0.1 + 6.0 * l;
+    });
+    const std::size_t edges = s.cracks.graph.edges().size();
+    for (int k = 0; k < 3; ++k) extract_cracks(m, s, 0.0);
+    EXPECT_EQ(s.cracks.graph.edges().size(), edges) << sound;
+  }
+}
+
+TEST(ExtractCracks, WhatHasHealedIsNotCut) {
+  const ShellModel m = panel(40, 0.2);
+  ShellState s = damaging(m);
+  damage_where(m, s, [&](const Vec2& p) { return std::abs(p.y() - 0.15) < 0.9 * m.spacing; });
+  for (PointDamage& d : s.cracked.damage) d.now.fill(0.0f);
+  EXPECT_EQ(extract_cracks(m, s, 0.0), 0);
+}
+
+TEST(ExtractCracks, TornPointsLetGoAndAreCounted) {
+  const ShellModel m = panel(32, 0.0);
+  ShellState s = damaging(m);
+  damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.15, 0.15)).norm() < 0.4 * m.spacing; });
+  stretch_x(m, s, 0.05);
+  const int damaged = static_cast<int>(s.cracked.gathered.size());
+  ASSERT_GT(damaged, 0);
+  extract_cracks(m, s, 0.0);
+  EXPECT_EQ(s.rubble(), damaged);
+}
