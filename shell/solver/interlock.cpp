@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shell/solver/cracking/insertion.h"
-
 namespace sunder::shell {
 namespace {
 

@@ -85,6 +85,15 @@ const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, do
 
 }  // namespace
 
+ControlGrid control_grid(const ShellModel& m) {
+  return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
+}
+
+void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Sight& uses) {
+  uses.close();
+  for (const GatheredFunction& f : functions) uses.show(control_grid(m), m.tables.control_point(f.slot));
+}
+
 std::size_t most_bytes_seen(const ShellModel& m, double radius) {
   const double side = (2.0 * radius / m.spacing + 1.0) * m.tables.gauss;  // side of a square, in Gauss points
   return static_cast<std::size_t>(side * side) * sizeof(Neighbours::Seen);

@@ -7,7 +7,8 @@
 #include <vector>
 
 #include "shell/fracture/constants.h"
-#include "shell/fracture/crack_graph.h"
+#include "shell/fracture/sight.h"
+#include "shell/mechanics/point_force.h"
 #include "shell/solver/model.h"
 
 namespace sunder::shell {
@@ -166,6 +167,12 @@ struct KnownSurroundings {
 };
 
 constexpr std::size_t kBytesOfCracks = 24 * sizeof(SeenEdge);  // most points see fewer edges nearby
+
+/// The control points of a shell by their parameter points.
+ControlGrid control_grid(const ShellModel& model);
+
+/// Reduces `uses`, the visibility of the same point, to the control points of these functions.
+void note_uses(const ShellModel& model, const std::vector<GatheredFunction>& functions, Sight& uses);
 
 /// Bytes of the neighbours within the radius [m], at most.
 std::size_t most_bytes_seen(const ShellModel& model, double radius);

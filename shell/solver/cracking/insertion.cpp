@@ -169,15 +169,6 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, ShellState&
 
 }  // namespace
 
-ControlGrid control_grid(const ShellModel& m) {
-  return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
-}
-
-void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Sight& uses) {
-  uses.close();
-  for (const GatheredFunction& f : functions) uses.show(control_grid(m), m.tables.control_point(f.slot));
-}
-
 int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;

@@ -29,9 +29,4 @@ int gather_point(const ShellModel& model, ShellState& state, int block, int lane
 /// The Gauss point may be damaged from now on. It is listed in state.cracked.gathered; the row kernel still sums it.
 void watch_point(const ShellModel& model, ShellState& state, int block, int lane);
 
-ControlGrid control_grid(const ShellModel& model);
-
-/// Reduces `uses`, the visibility of the same point, to the control points of these functions.
-void note_uses(const ShellModel& model, const std::vector<GatheredFunction>& functions, Sight& uses);
-
 }  // namespace sunder::shell
