@@ -8,7 +8,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kMargin = 1e-6;  // for the round-off of what is compared
+constexpr double kMargin = 1e-6;  // for the round-off of comparisons
 
 typedef std::int64_t Mask __attribute__((vector_size(8 * kChoices)));
 
@@ -159,7 +159,7 @@ void conditioned(const View& view, const SupportChoice* choices, int least_count
   const Lanes norms2 = squared_norm(a) * squared_norm(b);
   Mask surely = norms2 <= (1.0 - kMargin) * limit2;
   Mask perhaps = (largest * largest_b <= (1.0 + kMargin) * limit) & (norms2 <= (1.0 + kMargin) * (B * B) * limit2);
-  int first = 0;  // that is not a no
+  int first = 0;  // the first that is not kNo
   while (first < kChoices && !(open[first] & perhaps[first])) ++first;
   if (first < kChoices && !surely[first]) {
     const Largest high = largest_eigenvalue(a), low = largest_eigenvalue(b);  // and one over the least

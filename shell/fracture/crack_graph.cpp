@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "coupler/core/error.h"
+#include "shell/fracture/constants.h"
 
 namespace sunder::shell {
 
@@ -24,7 +25,7 @@ int CrackGraph::add_edge(int from, int to, int crack, double time, int face) {
   e.from = from, e.to = to, e.crack = crack, e.time = time, e.face = face;
   e.a = vertices_[from], e.b = vertices_[to];
   const double length = (e.b - e.a).norm();
-  if (length < 1e-3 * lengthening_) return -1;
+  if (length < kNoLength * lengthening_) return -1;
   const Vec2 d = (e.b - e.a) / length;
   e.long_a = e.a - lengthening_ * d, e.long_b = e.b + lengthening_ * d;
   const int index = static_cast<int>(edges_.size());
@@ -56,7 +57,7 @@ void CrackGraph::restore(const std::vector<Vec2>& vertices, const std::vector<Cr
     if (!known || add_edge(e.from, e.to, e.crack, e.time, e.face) < 0)
       throw Error(Exit::kBadInput, "bad_checkpoint", fmt::format("crack edge {} is none", edges_.size()));
   }
-  cracks_ = cracks, total_length_ = total_length;  // a sum depends on the order of what was taken back in between
+  cracks_ = cracks, total_length_ = total_length;  // a sum depends on the edges that were taken back in between
 }
 
 bool CrackGraph::visible(const Vec2& a, const Vec2& b, int skip1, int skip2) const {

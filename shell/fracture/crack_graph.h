@@ -1,6 +1,6 @@
 #pragma once
-// The cracks of a patch: a graph in its parameter domain to which vertices and edges are only added,
-// so that every earlier crack is part of every later one.
+// The cracks of a patch: a graph in its parameter domain to which vertices and edges are only added. So every earlier
+// crack is a part of every later one.
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -9,8 +9,8 @@
 
 namespace sunder::shell {
 
-/// Twice the signed area of the triangle p q r, rounded alike wherever it is inlined: left to the compiler, a point
-/// that lies on a line to round-off, as one does where a crack starts, would be left of it here and right of it there.
+/// Twice the signed area of the triangle p q r, rounded alike wherever it is inlined. Otherwise a point on a line to
+/// round-off, as at the start of a crack, would be left of it in one place and right of it in another.
 inline double orientation(const Vec2& p, const Vec2& q, const Vec2& r) {
   const double across = (q.y() - p.y()) * (r.x() - p.x());
 #ifdef __FP_FAST_FMA
@@ -19,8 +19,8 @@ inline double orientation(const Vec2& p, const Vec2& q, const Vec2& r) {
   return (q.x() - p.x()) * (r.y() - p.y()) - across;
 #endif
 }
-/// The line of sight ab is cut by the edge cd. A point on the edge's line counts as left of it, so that a
-/// control point on a crack is seen from one side and not from none.
+/// Whether the edge cd cuts the segment ab. A point on the line of the edge counts as left of it, so a control point on
+/// a crack is seen from one side, not from none.
 inline bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d) {
   return (orientation(c, d, a) >= 0.0) != (orientation(c, d, b) >= 0.0) &&
          orientation(a, b, c) * orientation(a, b, d) <= 0.0;
@@ -29,7 +29,7 @@ inline bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec
 struct CrackEdge {
   int from = 0, to = 0;  // vertices
   Vec2 a, b;             // their parameter points
-  Vec2 long_a, long_b;   // lengthened a little at both ends: nothing sees past a vertex
+  Vec2 long_a, long_b;   // lengthened a little at both ends, so that nothing sees past a vertex
   int crack = 0;         // edges of one crack share a number
   double time = 0.0;     // of birth [s]
   int face = 0;          // tension side that opened it: -1, +1; 0: cut
@@ -45,21 +45,20 @@ class CrackGraph {
   int add_edge(int from, int to, int crack, double time, int face);
   int new_crack() { return cracks_++; }
   int next_crack() const { return cracks_; }
-  /// Takes back the last edge, which was only tried, or the last vertex, which no edge has.
+  /// Takes back the last edge, which was on trial, or the last vertex, which no edge has.
   void undo_edge();
   void undo_vertex() { vertices_.pop_back(); }
-  /// Puts the cracks of a checkpoint in place of these; the graph's domain and bins are as they were. Throws Error
-  /// (bad_checkpoint).
+  /// Replaces the cracks by those of a checkpoint; the domain and the bins stay. Throws Error (bad_checkpoint).
   void restore(const std::vector<Vec2>& vertices, const std::vector<CrackEdge>& edges, int cracks, double total_length);
 
   const std::vector<Vec2>& vertices() const { return vertices_; }
   const std::vector<CrackEdge>& edges() const { return edges_; }
   double total_length() const { return total_length_; }
 
-  /// Nothing lies between a and b but edges `skip1`, `skip2`.
+  /// Whether no edge but `skip1`, `skip2` cuts the segment from a to b.
   bool visible(const Vec2& a, const Vec2& b, int skip1 = -1, int skip2 = -1) const;
-  /// Calls back every edge whose bins touch the box of a and b widened by pad; stops where false returns.
-  /// An edge may come more than once.
+  /// Calls back every edge whose bins touch the box of a and b widened by pad, until false is returned. An edge may
+  /// come more than once.
   template <class F>
   void near(const Vec2& a, const Vec2& b, double pad, F&& callback) const {
     const int i0 = bin(std::min(a.x(), b.x()) - pad - low_.x(), nx_),
@@ -71,8 +70,7 @@ class CrackGraph {
         for (const int e : bins_[static_cast<std::size_t>(j) * nx_ + i])
           if (!callback(e)) return;
   }
-  /// The same for edges of the box from `low` to `high` that are not older than edge `first`; the youngest of a bin
-  /// comes first.
+  /// Calls back every edge from number `first` on of the box from `low` to `high`; the youngest of a bin comes first.
   template <class F>
   void near_since(const Vec2& low, const Vec2& high, int first, F&& callback) const {
     const int i0 = bin(low.x() - low_.x(), nx_), i1 = bin(high.x() - low_.x(), nx_);

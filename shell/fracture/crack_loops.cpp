@@ -2,10 +2,10 @@
 
 #include <algorithm>
 
+#include "shell/fracture/constants.h"
+
 namespace sunder::shell {
 namespace {
-
-constexpr double kMet = 1e-3;  // spacings: far more than round-off, less than what joins go past what they join
 
 double squared_distance(const Vec2& p, const Vec2& a, const Vec2& b) {
   const Vec2 d = b - a;
@@ -23,7 +23,7 @@ bool meet(const CrackEdge& e, const CrackEdge& f, double distance) {
 
 bool CrackLoops::closed(const CrackGraph& cracks, const Vec2& low, const Vec2& high, double spacing) {
   constexpr int kBorder = 0;
-  const double met = kMet * spacing;
+  const double met = kLoopMet * spacing;
   const auto inside = [&](const Vec2& p) {
     return (p.array() > low.array() + met).all() && (p.array() < high.array() - met).all();
   };
@@ -44,7 +44,7 @@ bool CrackLoops::closed(const CrackGraph& cracks, const Vec2& low, const Vec2& h
     };
     for (const int other : beside)
       if (starts_there(other)) sets_.join(other + 1, own);
-    for (const int other : beside)  // met in one place more
+    for (const int other : beside)  // one more place where they meet
       if (!starts_there(other) && meet(e, cracks.edges()[other], met)) closed |= !sets_.join(other + 1, own);
     for (const Vec2& end : {e.a, e.b})
       if (!inside(end)) closed |= !sets_.join(kBorder, own);

@@ -7,9 +7,9 @@ namespace sunder::shell {
 
 class CrackLoops {
  public:
-  /// Whether any edge that is new since the last call may have closed one in the domain from `low` to `high`: what
-  /// comes nearer than a thousandth of `spacing` counts as met. Never false where one has. None of the edges of an
-  /// earlier call may have been taken back.
+  /// Whether any edge that is new since the last call may have closed a loop in the domain from `low` to `high` [m].
+  /// Edges nearer than kLoopMet of `spacing` have met. Never false where one has closed. No edge of an earlier call may
+  /// have been taken back.
   bool closed(const CrackGraph& cracks, const Vec2& low, const Vec2& high, double spacing);
 
  private:

@@ -7,6 +7,7 @@
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 
 #include "shell/fracture/cdt.h"
+#include "shell/fracture/constants.h"
 
 namespace sunder::shell {
 namespace {
@@ -14,9 +15,6 @@ namespace {
 using DelaunayData =
     CGAL::Triangulation_data_structure_2<VertexBase, CGAL::Triangulation_face_base_with_info_2<int, Kernel>>;
 using Delaunay = CGAL::Delaunay_triangulation_2<Kernel, DelaunayData>;
-
-constexpr double kSamePlace = 1e-6;  // of the distance of two seeds, between their Voronoi vertices
-constexpr double kFacing = -0.3;     // cosine between the outward normals of two seeds that face one another
 
 std::vector<std::vector<int>> walk(const std::vector<std::array<int, 2>>& edges, std::size_t vertices) {
   std::vector<std::vector<int>> at(vertices);  // edges of each vertex
@@ -93,7 +91,7 @@ MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::func
     const BoundarySample& a = seeds[face->vertex((k + 1) % 3)->info()];
     const BoundarySample& b = seeds[face->vertex((k + 2) % 3)->info()];
     const Vec2 chord = b.p - a.p;
-    if (a.historical || b.historical || a.outward.dot(b.outward) > kFacing || a.outward.dot(chord) >= 0.0 ||
+    if (a.historical || b.historical || a.outward.dot(b.outward) > kFacingSeeds || a.outward.dot(chord) >= 0.0 ||
         b.outward.dot(chord) <= 0.0)
       return;
     const Point p = d.circumcenter(face), q = d.circumcenter(other);

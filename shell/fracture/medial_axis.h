@@ -1,5 +1,5 @@
 #pragma once
-// The middle line of a damaged region from the Voronoi diagram of its boundary (paper 5.2, figure 6).
+// The middle line of a damaged region, from the Voronoi diagram of its boundary (paper section 5.2, figure 6).
 #include <array>
 #include <functional>
 #include <vector>
@@ -11,7 +11,7 @@ namespace sunder::shell {
 /// A seed of the diagram: a point of the region's boundary.
 struct BoundarySample {
   Vec2 p, outward;          // [m]; unit normal out of the region
-  bool historical = false;  // borders on an earlier crack: lines between such seeds are not new
+  bool historical = false;  // beside an earlier crack: lines between such seeds are not new
 };
 
 struct MedialAxis {
@@ -19,12 +19,12 @@ struct MedialAxis {
   std::vector<std::array<int, 2>> edges;
 };
 
-/// Voronoi edges between two new seeds that face one another across the region and whose ends satisfy
-/// `inside`. Fewer than three seeds have none.
+/// Voronoi edges between two new seeds that face one another across the region, and whose ends satisfy `inside`. Fewer
+/// than three seeds have none.
 MedialAxis medial_axis(const std::vector<BoundarySample>& seeds, const std::function<bool(const Vec2&)>& inside);
 
-/// The axis as polylines between its ends and junctions; spurs shorter than `spur` [m] are left out.
-/// Each is a list of vertices of the axis.
+/// The axis as polylines between its ends and junctions, each a list of its vertices. Spurs shorter than `spur` [m] are
+/// left out.
 std::vector<std::vector<int>> polylines(const MedialAxis& axis, double spur);
 
 }  // namespace sunder::shell

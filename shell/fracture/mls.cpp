@@ -23,14 +23,14 @@ struct Points {
   alignas(64) double x[kMostPacks * kLanes], y[kMostPacks * kLanes];  // offsets in spacings
 };
 
-// The next line beyond those from `low` up to `high`, on the other side of zero too.
+// Distance of the next line beyond those from `low` up to `high`, on either side.
 double next(const double* x, int low, int high, int count) {
   const double below = low > 0 ? -x[low - 1] : kLargestSupport, above = high < count ? x[high] : kLargestSupport;
   return std::min(below, above);
 }
 
-// The control points at one distance, the larger of the two coordinates', are the border of a rectangle of columns and
-// rows: it grows line by line, and rows in turn give them by their numbers.
+// Control points at one distance (the larger of the two coordinates) are the border of a rectangle of columns and rows.
+// It grows line by line; rows in turn give the points by their numbers.
 void sort_points(const View& view, double support, Points& out) {
   int left = static_cast<int>(std::lower_bound(view.x, view.x + view.columns, 0.0) - view.x), right = left;
   int low = static_cast<int>(std::lower_bound(view.y, view.y + view.rows, 0.0) - view.y), high = low;
@@ -60,7 +60,7 @@ Lanes positive(Lanes a) { return a > 0.0 ? a : Lanes{}; }
 struct Window {
   Lanes w, d, dd;
 };
-// Paper eq. 18 with its second branch corrected: w(1/2) = 1/6 from both sides, w(1) = 0; of -x. Both branches as a
+// Paper eq. 18 with its second branch corrected: w(1/2) = 1/6 from both sides, w(1) = 0. Of -x. Both branches as a
 // difference of two powers.
 Window window(Lanes x) {
   const Lanes right = x > 0.0 ? x : -x, a = positive(1.0 - right), b = positive(0.5 - right);
@@ -189,8 +189,8 @@ bool well_conditioned(const Symmetric<B>& all, int lane, double limit) {
   return low > 0.0 && high <= limit * low;
 }
 
-// Calls take(conditioning, choices, number) for each of the supports, in their order, whose matrix is conditioned well
-// enough, until it returns true; false where it never does.
+// Calls take(conditioning, choices, number) for each of the supports, in their order, whose matrix is well conditioned,
+// until it returns true. False where it never does.
 template <int B, std::size_t N, class F>
 bool any_support(const View& view, const std::array<SupportChoice, N>& supports, int least, F&& take) {
   static_assert(N % kChoices == 0);
@@ -214,7 +214,6 @@ void shape_functions(const ControlGrid& grid, const View& view, const Conditioni
   shape_functions(points, Inverse<B>(all.inverse, k), choices[k].size, grid.spacing_u, grid.spacing_v, out);
 }
 
-constexpr int kLeastQuadratic = 9, kLeastLinear = 4, kLeastPlane = 3;  // control points
 // In the order in which they are tried. A narrow strip is better conditioned in the smaller one of the last two.
 constexpr int kSmallSteps = 11, kTried = 16, kLinearTried = 8;  // the last three are none
 static_assert(kSmallestSupport + (kSmallSteps - 1) * kSupportStep == kLargeSupport);
@@ -225,7 +224,7 @@ constexpr std::array<SupportChoice, kTried> kSupports = [] {
   all[kSmallSteps] = {kLargestSupport, kLastCondition}, all[kSmallSteps + 1] = {kLargeSupport, kLastCondition};
   return all;
 }();
-// Of a linear basis, up to the support `last`.
+// Supports of a linear basis, up to the support `last`.
 constexpr std::array<SupportChoice, kLinearTried> linear_supports(double last, double limit) {
   std::array<SupportChoice, kLinearTried> all;
   for (int k = 0; k < kLinearTried; ++k) {

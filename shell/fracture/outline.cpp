@@ -6,12 +6,13 @@
 #include <CGAL/convex_hull_2.h>
 
 #include "shell/fracture/cdt.h"
+#include "shell/fracture/constants.h"
 
 namespace sunder::shell {
 
 Outline outline_of(const Triangulation& t, int piece) {
   Cdt cdt;
-  std::map<std::pair<int, int>, int> edges;  // undirected edge -> how many of the piece's triangles have it
+  std::map<std::pair<int, int>, int> edges;  // undirected edge -> number of triangles of the piece that have it
   for (const int i : t.triangles_of(piece))
     for (int k = 0; k < 3; ++k) {
       const int a = t.triangles[i][(k + 1) % 3], b = t.triangles[i][(k + 2) % 3];
@@ -84,7 +85,7 @@ std::vector<std::vector<Vec2>> convex_parts(const Outline& outline, double toler
       r.hull_area += triangle_area(r.hull[0], r.hull[k], r.hull[k + 1]);
     return r;
   };
-  for (bool again = true; again;) {  // the merge that adds least, as long as one adds little
+  for (bool again = true; again;) {  // the merge that adds least, while it adds little
     again = false;
     double best = tolerance;
     std::pair<int, int> which;
@@ -101,7 +102,7 @@ std::vector<std::vector<Vec2>> convex_parts(const Outline& outline, double toler
   }
   std::vector<std::vector<Vec2>> parts;
   for (std::size_t i = 0; i < polygons.size(); ++i)
-    if (sets.root(static_cast<int>(i)) == static_cast<int>(i) && polygons[i].area > 1e-6 * whole)
+    if (sets.root(static_cast<int>(i)) == static_cast<int>(i) && polygons[i].area > kLeastPart * whole)
       parts.push_back(polygons[i].hull);
   return parts;
 }

@@ -1,6 +1,6 @@
 #pragma once
-// The outline of a piece, triangulated without inner vertices: what is drawn of a shard and what its
-// convex parts are made of.
+// The outline of a piece, triangulated without inner vertices: what is drawn of a shard, and the base of its convex
+// parts.
 #include <array>
 #include <vector>
 
@@ -16,8 +16,8 @@ struct Outline {
 
 Outline outline_of(const Triangulation& t, int piece);
 
-/// Convex polygons that cover the outline: its triangles, merged while what the hull adds stays below
-/// `tolerance` [m^2] each.
+/// Convex polygons that cover the outline: its triangles, merged while the hull of each adds less than `tolerance`
+/// [m^2].
 std::vector<std::vector<Vec2>> convex_parts(const Outline& outline, double tolerance);
 
 }  // namespace sunder::shell

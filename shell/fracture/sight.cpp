@@ -8,9 +8,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kFew = 8;                             // edges, which are looked at sooner than the bins around a point
-constexpr int kRemembered = 64;                     // edges that were just looked at
-constexpr double kBeyond = 1e-6 + kLargestSupport;  // spacings: what is seen is nearer, whatever the round-off
+constexpr int kFew = 8;                             // edges that are tested one by one, without the bins
+constexpr int kRemembered = 64;                     // edges that were tested last
+constexpr double kBeyond = 1e-6 + kLargestSupport;  // spacings: visible points are nearer, whatever the round-off
 constexpr double kRoundOff = 1e-12;                 // of areas, in squared spacings
 constexpr double kMostDoubt = 1e-3;                 // spacings
 
@@ -27,7 +27,7 @@ unsigned columns_between(const Four* x, double left, double right) {
 
 }  // namespace
 
-// Offsets of columns from the point, which rise: infinite where the patch has none.
+// Offsets of columns from the point, which rise; infinite where the patch has none.
 struct Sight::Columns {
   Four at[kPacks];
 };

@@ -4,11 +4,12 @@
 #include <map>
 
 #include "shell/fracture/cdt.h"
+#include "shell/fracture/constants.h"
 
 namespace sunder::shell {
 namespace {
 
-// The part of ab inside the box; false where there is none.
+// Clips ab to the box; false where no part of it is inside.
 bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
   struct Hit {
     double t;
@@ -29,7 +30,7 @@ bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
   if (first.t >= last.t) return false;
   const auto at = [&](const Hit& hit) {
     Vec2 p = (from + hit.t * d).cwiseMax(low).cwiseMin(high);
-    p[hit.axis] = hit.side;  // exactly: an end a bit inside the border would leave both sides connected
+    p[hit.axis] = hit.side;  // exactly: an end just inside the border would leave both sides connected
     return p;
   };
   if (last.t < 1.0) b = at(last);
@@ -42,20 +43,19 @@ bool clip(Vec2& a, Vec2& b, const Vec2& low, const Vec2& high) {
 double triangle_area(const Vec2& a, const Vec2& b, const Vec2& c) { return 0.5 * orientation(a, b, c); }
 
 Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackGraph& cracks,
-                          const std::vector<Vec2>& queries, double spacing, double crumb,
+                          const std::vector<Vec2>& queries, double spacing, double sliver,
                           std::span<const Eigen::AlignedBox2d> knots_in) {
   Cdt cdt;
   const Vec2 low(u.begin(), v.begin()), high(u.end(), v.end());
   const Vec2 corners[4] = {low, {high.x(), low.y()}, high, {low.x(), high.y()}};
   for (int k = 0; k < 4; ++k) cdt.insert_constraint(point(corners[k]), point(corners[(k + 1) % 4]));
-  // Cracks have vertices in common, and their vertices are not far from the one before: no walk through the whole to
-  // find where a vertex belongs.
+  // Cracks share vertices, and a vertex is near the one before: this saves a walk through the whole to find its place.
   std::vector<Cdt::Vertex_handle> known(cracks.vertices().size());
   Cdt::Vertex_handle last;
   const auto on_border = [&](Vec2 p) {
     for (int k = 0; k < 2; ++k)
       for (const double border : {low[k], high[k]})
-        if (std::abs(p[k] - border) < kAtBorder * spacing) p[k] = border;
+        if (std::abs(p[k] - border) < kBorderTolerance * spacing) p[k] = border;
     return p;
   };
   const auto inserted = [&](int vertex, const Vec2& p) {
@@ -70,15 +70,15 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
     const Cdt::Vertex_handle from = inserted(e.from, a), to = inserted(e.to, b);
     if (from != to) cdt.insert_constraint(from, to);
   }
-  Cdt::Face_handle beside;  // the last vertex, from where the next one is soon found
+  Cdt::Face_handle beside;  // beside the last vertex, from where the next is soon found
   for (int j = 0; j <= v.spans() && !knots_in.empty(); ++j)
     for (int i = 0; i <= u.spans(); ++i) {
       const Vec2 p(i < u.spans() ? u.span_begin(i) : u.end(), j < v.spans() ? v.span_begin(j) : v.end());
       if (std::none_of(knots_in.begin(), knots_in.end(), [&](const auto& box) { return box.contains(p); })) continue;
       bool crowded = false;  // a vertex almost on a crack makes slivers
-      cracks.near(p, p, 0.15 * spacing, [&](int e) {
+      cracks.near(p, p, kKnotClearance * spacing, [&](int e) {
         Vec2 foot;
-        crowded = cracks.distance(p, e, foot) < 0.15 * spacing;
+        crowded = cracks.distance(p, e, foot) < kKnotClearance * spacing;
         return !crowded;
       });
       if (!crowded) beside = cdt.insert(point(p), beside)->face();
@@ -97,13 +97,13 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
   t.neighbours.resize(n), t.crack.resize(n);
   std::vector<std::array<int, 3>> across(n);
   DisjointSets sets(n);
-  const auto cracked = [&](Cdt::Face_handle face, int k) {  // an edge of the border
+  const auto cracked = [&](Cdt::Face_handle face, int k) {  // whether a crack runs on an edge of the border
     const auto &a = face->vertex(Cdt::ccw(k))->point(), &b = face->vertex(Cdt::cw(k))->point();
     const Vec2 middle(0.5 * (a.x() + b.x()), 0.5 * (a.y() + b.y()));
     bool found = false;
     Vec2 foot;
-    cracks.near(middle, middle, kAtBorder * spacing,
-                [&](int e) { return found = cracks.distance(middle, e, foot) < kAtBorder * spacing, !found; });
+    cracks.near(middle, middle, kBorderTolerance * spacing,
+                [&](int e) { return found = cracks.distance(middle, e, foot) < kBorderTolerance * spacing, !found; });
     return found;
   };
   for (auto it = cdt.finite_faces_begin(); it != cdt.finite_faces_end(); ++it)
@@ -115,7 +115,7 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
       t.crack[i][k] = constrained && (other >= 0 || cracked(it, k));
       if (!constrained && other >= 0) sets.join(i, other);
     }
-  // crumbs that joins leave where they cross what they join: part of the largest piece beside them
+  // slivers that joins leave where they cross a crack: part of the largest piece beside them
   std::vector<double> area(n, 0.0);
   const auto area_of = [&](int i) {
     const auto& c = t.triangles[i];
@@ -126,7 +126,7 @@ Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackG
   for (int i = 0; i < n; ++i)
     for (const int other : across[i]) {
       const int own = sets.root(i);
-      if (other < 0 || area[own] >= crumb || sets.root(other) == own) continue;
+      if (other < 0 || area[own] >= sliver || sets.root(other) == own) continue;
       const int beside = sets.root(other);
       auto [it, fresh] = largest.try_emplace(own, beside);
       if (!fresh && area[beside] > area[it->second]) it->second = beside;

@@ -1,6 +1,6 @@
 #pragma once
-// The parameter domain cut by the cracks: a constrained Delaunay triangulation. Connected triangles are
-// the pieces; the same triangles are drawn and become collision shapes.
+// The parameter domain cut by the cracks: a constrained Delaunay triangulation. Connected triangles are the pieces; the
+// same triangles are drawn and become collision shapes.
 #include <array>
 #include <span>
 #include <vector>
@@ -10,9 +10,6 @@
 
 namespace sunder::shell {
 
-/// What is nearer to the border lies on it, and parts no strip of it [spacings].
-constexpr double kAtBorder = 1e-3;
-
 struct Triangulation {
   std::vector<Vec2> vertices;
   std::vector<std::array<int, 3>> triangles;   // counter-clockwise
@@ -21,7 +18,7 @@ struct Triangulation {
   std::vector<int> piece;                      // of each triangle, numbered from 0
   int pieces = 0;
   std::vector<int> owner;               // piece of each query point
-  std::vector<int> by_piece, first_of;  // triangles by their pieces; where those of each piece begin, and the end
+  std::vector<int> by_piece, first_of;  // triangles by pieces; where each piece begins, and the end
 
   /// Triangles of a piece, in rising order.
   std::span<const int> triangles_of(int number) const {
@@ -29,11 +26,11 @@ struct Triangulation {
   }
 };
 
-/// Vertices: crack vertices, and knots of the patch (but those almost on a crack) that lie in one of the boxes; pieces
-/// that are only counted and measured need none. `queries` are located (points inside the domain). Pieces smaller than
-/// `crumb` [m^2] are joined to their largest neighbour.
+/// Vertices: crack vertices, and knots of the patch that lie in one of the boxes and not too near a crack. Pieces that
+/// are only counted and measured need no knots. `queries` are points inside the domain whose pieces are found. Pieces
+/// smaller than `sliver` [m^2] are joined to their largest neighbour.
 Triangulation triangulate(const KnotVector& u, const KnotVector& v, const CrackGraph& cracks,
-                          const std::vector<Vec2>& queries, double spacing, double crumb,
+                          const std::vector<Vec2>& queries, double spacing, double sliver,
                           std::span<const Eigen::AlignedBox2d> knots_in);
 
 double triangle_area(const Vec2& a, const Vec2& b, const Vec2& c);

@@ -10,8 +10,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
-constexpr double kSag = 1e-2;                      // largest distance of a chord from its arc [spacings]
-constexpr double kShortest = 0.5, kLongest = 0.9;  // edge length [spacings]; insertion would halve a longer one
+constexpr double kLongest = 0.9;  // edge length [spacings]; insertion would halve a longer one
 constexpr double kMargin = 0.9;  // share of the edge length that kSag allows: rounding to whole edges makes them longer
 constexpr int kFine = 16;        // fine points per spacing
 constexpr int kFewest = 256, kMost = 1 << 19;  // number of fine points
@@ -104,7 +103,7 @@ std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing) {
   for (int i = 1; i <= pieces; ++i) {
     const double radius = 1.0 / std::max({bend[i - 1], bend[i], 1e-9 / spacing});
     const double edge =
-        std::clamp(kMargin * std::sqrt(8.0 * kSag * spacing * radius), kShortest * spacing, kLongest * spacing);
+        std::clamp(kMargin * std::sqrt(8.0 * kSag * spacing * radius), kShortestEdge * spacing, kLongest * spacing);
     edges[i] = edges[i - 1] + (p[i] - p[i - 1]).norm() / edge;
   }
   const int count = std::max(curve.closed ? 8 : 1, static_cast<int>(edges.back() + 1e-9));

@@ -24,6 +24,11 @@ PlaneCurve spiral_curve(const Vec2& centre, double inner, double outer, double t
 /// is smooth.
 PlaneCurve spline_curve(const std::vector<Vec2>& points, int degree, bool closed);
 
+/// Shortest edge of a cut; a polyline with shorter edges loses points [spacings].
+constexpr double kShortestEdge = 0.5;
+/// Largest distance of a chord from its arc, and of a removed point from the line [spacings].
+constexpr double kSag = 0.01;
+
 /// Samples a curve densely: about sixteen points for each `spacing` [m], within fixed limits.
 std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing);
 

@@ -251,8 +251,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.probe_interval = m.output().has_probe_interval_s() ? m.output().probe_interval_s() : r.window;
   r.checkpoint_interval =
       m.output().has_checkpoint_interval_s() ? m.output().checkpoint_interval_s() : r.end_time / 10.0;
-  r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : 5e-4;
-  r.quiet_growth = m.fracture().has_quiet_growth() ? m.fracture().quiet_growth() : 0.01;
+  r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : kQuietTime;
+  r.quiet_growth = m.fracture().has_quiet_growth() ? m.fracture().quiet_growth() : kQuietGrowth;
   r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;
   r.seed = static_cast<std::uint64_t>(m.fracture().seed());
   std::map<std::string, std::uint32_t> groups;
@@ -287,7 +287,7 @@ RunSetup build(const scene::LoadedScene& scene) {
     for (const Seam& seam : r.stitches.seams)
       seamed |= (seam.first == static_cast<int>(k) ? seam.first_edge : 0) |
                 (seam.second == static_cast<int>(k) ? seam.second_edge : 0);
-    std::vector<PrescribedCut>& cuts = r.shells[k].cuts;
+    std::vector<PrescribedCut>& cuts = r.shells[k].fracture.cuts;
     for (std::size_t i = 0; i < cuts.size(); ++i)
       settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", k, i), cuts[i]);
   }

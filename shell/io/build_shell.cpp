@@ -135,7 +135,7 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.poisson_ratio = mat.poisson_ratio();
   material.strength = mat.strength(), material.fracture_energy = mat.fracture_energy();
   material.weibull_modulus = mat.weibull_modulus();
-  material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : 4e-3;
+  material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : kFlawSpacing;
   material.mass_damping = mat.mass_damping_per_s();
   material.stiffness_damping = mat.stiffness_damping_s();
   material.yield_stress = mat.yield_stress(), material.hardening_modulus = mat.hardening_modulus();
@@ -157,7 +157,7 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   scene.check(material.surface_compression == 0.0 || material.yield_stress == 0.0 || material.strength == 0.0,
               field + ".surface_compression",
               "is given, and material '{}' yields and has a strength; leave one of the three out", s.material());
-  const double in_the_middle = 0.5 * material.surface_compression;
+  const double in_the_middle = kTemperedMiddle * material.surface_compression;
   scene.check(material.yield_stress == 0.0 || material.surface_compression < material.yield_stress,
               field + ".surface_compression", "is {} Pa, but material '{}' yields at {} Pa: take less",
               material.surface_compression, s.material(), material.yield_stress);

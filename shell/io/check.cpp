@@ -38,7 +38,7 @@ double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::siz
 /// Returns the step [s] that a run may take with this shell. Throws Error where the scene asks for a longer one.
 double allowed_step(const scene::LoadedScene& scene, const RunSetup& setup, const ShellSetup& shell, double step) {
   const ShellModel& m = shell.model;
-  const double allowed = step * (shell.can_crack() ? kCrackedStep : 1.0);
+  const double allowed = step * (shell.can_crack() ? shell.cracked_step : 1.0);
   const double most = kMostOfStable * allowed;
   scene.check(setup.time_step <= most, "time_step_s",
               "is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
@@ -69,12 +69,11 @@ std::string fracture_lines(const ShellSetup& shell) {
   }
   if (q.strength <= 0.0) return out;
   const double width = 2.0 * q.youngs_modulus * q.fracture_energy / (q.strength * q.strength);
-  if (shell.brittleness > 0.0) {
+  if (const double h = shell.fracture.damage.brittleness; shell.fracture.damages()) {
     out += fmt::format(
         "fracture       damage over {:.3g} m: complete at {:.2f} times the strain of the strength, and takes {:.3g} "
         "J/m^2\n",
-        width * shell.brittleness / (1.0 + shell.brittleness), (1.0 + shell.brittleness) / shell.brittleness,
-        q.fracture_energy);
+        width * h / (1.0 + h), (1.0 + h) / h, q.fracture_energy);
     return out;
   }
   const double resolved = width / std::sqrt(3.0);

@@ -11,11 +11,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSame = 1e-9;          // spacings: points this near are one
-constexpr double kMostEdges = 2e4;      // edges of a curve
-constexpr double kShortestEdge = 0.5;   // spacings: a polyline with shorter edges loses points
-constexpr double kSag = 0.01;           // spacings: largest distance of a removed point from the line
-constexpr double kSmallestRound = 0.5;  // spacings: least radius of a circle, and least distance of a spiral's turns
+constexpr double kSame = 1e-9;      // spacings: points this near are one
+constexpr double kMostEdges = 2e4;  // edges of a curve
 
 Vec2 to_vec2(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
 

@@ -15,7 +15,7 @@ constexpr double kThin = 0.05;  // thickness / width at which transverse shear a
 void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   const proto::Scene& m = scene.message;
   const ShellModel& s = r.model;
-  const double width = m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : std::sqrt(3.0) * s.spacing;
+  const double width = m.fracture().has_damage_width_m() ? m.fracture().damage_width_m() : kDamageWidth * s.spacing;
   const double cell = s.spacing / s.tables.gauss;
   scene.check(width >= cell * (1.0 - 1e-9), "fracture.damage_width_m",
               "is {:.3g} m; damage cannot localise in less than a Gauss point's cell, {:.3g} m", width, cell);
@@ -26,16 +26,17 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
                                      std::pair{m.fracture().has_branch_ratio(), "branch_ratio"}})
     scene.check(!given, std::string("fracture.") + field, "is for mode TIPS; leave it out");
   const ShellMaterial& q = s.material;
-  r.brittleness = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
+  double& h = r.fracture.damage.brittleness;
+  h = brittleness(q.strength, q.youngs_modulus, q.fracture_energy, width);
   const double widest = 2.0 * q.youngs_modulus * q.fracture_energy / (q.strength * q.strength);
-  scene.check(std::isfinite(widest) && (r.brittleness < 0.0 || r.brittleness > 1e-9), "fracture.mode",
+  scene.check(std::isfinite(widest) && (h < 0.0 || h > 1e-9), "fracture.mode",
               "DAMAGE would be complete at {:.3g} times the strain of the strength: strength and fracture_energy do "
               "not belong together",
-              1.0 / r.brittleness);
+              1.0 / h);
   const double coarse = width / widest;  // factor by which the spacing is too coarse
   const auto finer = [&](int elements) { return std::floor(1.001 * coarse * elements) + 1.0; };
   scene.check(
-      r.brittleness > 0.0, "fracture.mode",
+      h > 0.0, "fracture.mode",
       "DAMAGE needs a spacing that resolves the softening: damage localises over {:.3g} m, which must be "
       "below 2 E G_f / strength^2 = {:.3g} m; {}, a fracture_energy above {:.4g} J/m^2, or TIPS",
       width, widest,
@@ -46,20 +47,21 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
                         finer(s.tables.spans_u), finer(s.tables.spans_v), s.tables.spans_u, s.tables.spans_v,
                         s.spacing / coarse, s.spacing),
       q.fracture_energy * coarse);
-  if (m.fracture().has_extract_cracks()) r.extract_cracks = m.fracture().extract_cracks();
-  r.rules = make_crack_rules(s, 0.0);  // for the speed of crack ends
+  if (m.fracture().has_extract_cracks()) r.fracture.damage.extract = m.fracture().extract_cracks();
+  r.fracture.tips = make_crack_rules(s, 0.0);  // for the speed of crack ends
 }
 
 void set_tips(const scene::LoadedScene& scene, ShellSetup& r) {
   const proto::Scene& m = scene.message;
   const ShellModel& s = r.model;
-  r.rules = make_crack_rules(s, m.fracture().tip_radius_m());
-  scene.check(r.rules.tip_radius >= s.spacing, "fracture.tip_radius_m",
-              "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.rules.tip_radius, s.spacing);
-  if (m.fracture().has_interlock_strength()) r.rules.faces.shear_strength = m.fracture().interlock_strength();
-  if (m.fracture().has_interlock_opening_m()) r.rules.faces.opening = m.fracture().interlock_opening_m();
-  if (m.fracture().has_branch_ratio()) r.rules.branch_ratio = m.fracture().branch_ratio();
-  if (m.fracture().has_interlock()) r.rules.interlock = m.fracture().interlock();
+  r.fracture.tips = make_crack_rules(s, m.fracture().tip_radius_m());
+  scene.check(r.fracture.tips.tip_radius >= s.spacing, "fracture.tip_radius_m",
+              "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.fracture.tips.tip_radius,
+              s.spacing);
+  if (m.fracture().has_interlock_strength()) r.fracture.tips.faces.shear_strength = m.fracture().interlock_strength();
+  if (m.fracture().has_interlock_opening_m()) r.fracture.tips.faces.opening = m.fracture().interlock_opening_m();
+  if (m.fracture().has_branch_ratio()) r.fracture.tips.branch_ratio = m.fracture().branch_ratio();
+  if (m.fracture().has_interlock()) r.fracture.tips.interlock = m.fracture().interlock();
 }
 
 void set_transfer(const scene::LoadedScene& scene, ShellSetup& r) {
@@ -130,7 +132,7 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
   ShellSetup r{build_shell(scene, shell, field)};
   r.velocity = scene::to_vec(shell.velocity());
   for (int k = 0; k < shell.cuts_size(); ++k)
-    r.cuts.push_back(make_cut(scene, shell.cuts(k), r.model, fmt::format("{}.cuts[{}]", field, k)));
+    r.fracture.cuts.push_back(make_cut(scene, shell.cuts(k), r.model, fmt::format("{}.cuts[{}]", field, k)));
   if (shell.has_equilibrium())
     r.equilibrium = shell.equilibrium().has_tolerance() ? shell.equilibrium().tolerance() : 1e-6;
   set_transfer(scene, r);
@@ -141,10 +143,10 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
     scene.check(std::any_of(m.materials().begin(), m.materials().end(),
                             [](const proto::Material& q) { return q.has_strength(); }),
                 "fracture.mode", "DAMAGE needs a strength, which material '{}' has not", shell.material());
-    if (m.fracture().has_healing()) r.healing = m.fracture().healing();
-    if (breaks) set_damage(scene, r);
+    if (m.fracture().has_healing()) r.fracture.damage.heals = m.fracture().healing();
+    if (breaks) r.fracture.mode = FractureMode::kDamage, set_damage(scene, r);
   } else if (mode != proto::Fracture::CUTS && breaks) {
-    r.tips = true;
+    r.fracture.mode = FractureMode::kTips;
     set_tips(scene, r);
   }
   return r;

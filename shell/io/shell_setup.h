@@ -6,14 +6,10 @@
 
 #include "shell/io/cuts.h"
 #include "shell/solver/contact/near_tiles.h"
-#include "shell/solver/cracking/crack_rules.h"
+#include "shell/solver/cracking/criteria.h"
 #include "shell/solver/stepping/grid_transfer.h"
 
 namespace sunder::shell {
-
-/// Stable step of a shell full of cracks, as a share of the intact shell's. A shell that can crack starts with this
-/// share: cracks may begin within a window, and the step must be stable for them.
-constexpr double kCrackedStep = 0.8;
 
 /// Largest share of the stable step that a scene may ask for: iteration approaches the stable step from above.
 constexpr double kMostOfStable = 0.95;
@@ -22,19 +18,15 @@ constexpr double kMostOfStable = 0.95;
 struct ShellSetup {
   ShellModel model;
   Vec3 velocity = Vec3::Zero();  // initial [m/s]
-  std::vector<PrescribedCut> cuts{};
-  double equilibrium = 0.0;    // tolerance of the initial equilibrium; 0: starts as given
-  bool tips = false;           // cracks run at tips
-  double brittleness = 0.0;    // H of the damage law [-]; 0: no damage
-  bool healing = true;         // damage falls with the stress
-  bool extract_cracks = true;  // cracks are extracted where damage is complete
-  CrackRules rules{};
+  double equilibrium = 0.0;      // tolerance of the initial equilibrium; 0: starts as given
+  FractureRules fracture{};
+  double cracked_step = kCrackedStep;  // share of the free stable step that it starts with where it can crack
   TransferRules transfer{};
   double fibre_spacing = 0.0;   // of the fibres' grid, as the scene asks for it [m]
   std::vector<double> hertz{};  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   bool seam_may_part = false;   // a seam with a shell that can crack
 
-  bool can_crack() const { return tips || brittleness > 0.0 || !cuts.empty() || seam_may_part; }
+  bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
 };
 
 /// Makes the setup of a shell, except for Hertz stiffnesses, which the caller adds. `field` is the shell's field.

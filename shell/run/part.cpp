@@ -4,21 +4,10 @@
 #include <cmath>
 
 #include "shell/solver/contact/hertz.h"
-#include "shell/solver/cracking/insertion.h"
-#include "shell/solver/cracking/polyline.h"
-#include "shell/solver/cracking/tips.h"
+#include "shell/solver/cracking/criteria.h"
 #include "shell/solver/stepping/stable_step.h"
 
 namespace sunder::shell {
-namespace {
-
-// Windows between two measurements of the stable step. The stable step of a cracked shell usually stays above its
-// allowance, but not always. A rare measurement is too late: a growing crack then gains energy.
-constexpr int kMeasureEvery = 4;
-constexpr int kStrainedWindows = 8;  // interval [windows] of a measurement at damaged points
-
-}  // namespace
-
 Eigen::AlignedBox3d ShellPart::box() const {
   Eigen::AlignedBox3d box;
   const ShellModel& m = model();
@@ -91,19 +80,9 @@ double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std
   return step;
 }
 
-std::vector<EdgeCut> ShellPart::cut(double now, double until) {
+std::vector<EdgeCut> ShellPart::cut(double now, double span, std::uint64_t& random) {
   std::vector<EdgeCut> on_edges;
-  std::vector<std::pair<int, int>> made;  // edges of each cut: first, one past the last
-  for (std::size_t i = 0; i < setup->cuts.size(); ++i)
-    if (!state->cracks.cut_done[i] && setup->cuts[i].time <= until) {
-      const int before = static_cast<int>(state->cracks.graph.edges().size());
-      for (const auto& line : setup->cuts[i].lines) insert_polyline(model(), *state, line, now);
-      on_edges.insert(on_edges.end(), setup->cuts[i].on_edges.begin(), setup->cuts[i].on_edges.end());
-      made.emplace_back(before, static_cast<int>(state->cracks.graph.edges().size()));
-      state->cracks.cut_done[i] = 1;
-    }
-  if (setup->tips)  // after all cuts: a cut that ends on another has no tip there
-    for (const auto& [first, last] : made) start_at_ends(model(), *state, first, last);
+  propose_edges({model(), *state, setup->fracture, now, span, random, &on_edges}, CrackMoment::kWindow);
   return on_edges;
 }
 
@@ -111,14 +90,14 @@ void ShellPart::measure_step(std::int64_t window, int threads) {
   const ShellModel& m = model();
   const auto& edges = state->cracks.graph.edges();
   for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
-  if (setup->brittleness > 0.0 && window % kStrainedWindows == 0)  // damaged points may be strained strongly
+  if (setup->fracture.damages() && window % kDamagedStepWindows == 0)  // damaged points may be strained strongly
     for (const GatheredPoint& g : state->cracked.gathered)
       changed.push_back(gauss_point(m.patch, m.tables, g.block, g.lane).parameter);
   if (changed.empty() || window < next_measure) return;
   smallest_step =
       std::min(smallest_step, stable_step(m, *state, kLocalIterations, threads, setup->can_crack(), changed));
   changed.clear();
-  next_measure = window + kMeasureEvery;
+  next_measure = window + kStepWindows;
 }
 
 }  // namespace sunder::shell

@@ -46,15 +46,16 @@ struct ShellPart {
   const ShellModel& model() const { return setup->model; }
   /// Returns the stable step [s], with an allowance for cracks to come where the shell can crack.
   double step() const {
-    return setup->can_crack() ? std::min(smallest_step, kCrackedStep * initial_step) : smallest_step;
+    return setup->can_crack() ? std::min(smallest_step, setup->cracked_step * initial_step) : smallest_step;
   }
   /// Shortens `step` [s] where a sphere with Hertz stiffness may touch the shell within two windows of `window` [s].
   /// The short step is kept for some time after, twice as long at each new contact. Reason: changing the step adds
   /// noise near the stability limit, and many changes in a row make energy grow. `now` is the number of the window.
   double with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
                     double window, std::int64_t now);
-  /// Makes the cuts that are due before `until`, at time `now` [s]. Returns the parts of seams that they open.
-  std::vector<EdgeCut> cut(double now, double until);
+  /// Criteria that act at the start of a window insert their edges: cuts that are due up to `span` [s] after `now` [s].
+  /// Returns the parts of seams that they open.
+  std::vector<EdgeCut> cut(double now, double span, std::uint64_t& random);
   /// Measures the stable step again near changes by cracks. `window` is the number of the window.
   void measure_step(std::int64_t window, int threads);
   /// Marks pieces without control points that have been handed off before.

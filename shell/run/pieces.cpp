@@ -11,10 +11,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSmallPiece = 30.0;  // squared spacings: a smaller piece cannot bend and leaves at once
-// a larger piece waits while a wave passes so many spacings; so it does after its last crack, which may branch
-constexpr double kSettle = 40.0;
-
 // absolute where the scale is zero
 double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }
 
@@ -165,7 +161,7 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
   const auto [since, fresh] = state_.shells[front].detached_since.try_emplace(lowest, clock_.tick);
   double settle = 0.0;
   for (const auto& [k, i] : g.members)
-    settle = std::max(settle, kSettle * state_.shells[k].model().spacing / state_.shells[k].model().wave_speed());
+    settle = std::max(settle, kSettleWaves * state_.shells[k].model().spacing / state_.shells[k].model().wave_speed());
   if (static_cast<double>(clock_.tick - since->second) * setup_.tick < settle) return false;
   const double lately = clock_.time() + coupler_.window_ticks() * setup_.tick - settle;
   return std::none_of(g.members.begin(), g.members.end(), [&](const auto& member) {

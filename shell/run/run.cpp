@@ -155,7 +155,7 @@ void Run::make_cuts(double window) {
   Stopwatch w(simulation_.scratch.times[Stage::kCrackUpdate]);
   for (std::size_t k = 0; k < state.shells.size(); ++k) {
     state.shells[k].state->motion.time = clock_.time();
-    for (const EdgeCut& e : state.shells[k].cut(clock_.time(), clock_.time() + 0.5 * window))
+    for (const EdgeCut& e : state.shells[k].cut(clock_.time(), 0.5 * window, state.random))
       open_seams(setup_.stitches.seams, simulation_.refs(), state.stitching, static_cast<int>(k), e.edge, e.from, e.to);
   }
 }

@@ -173,8 +173,8 @@ Json models_of(const RunParts& run) {
   const RunSetup& setup = run.setup;
   const State& state = run.simulation.state;
   const auto any = [&](auto&& test) { return std::any_of(setup.shells.begin(), setup.shells.end(), test); };
-  const bool damage = any([](const ShellSetup& s) { return s.brittleness > 0.0; });
-  const bool heals = !setup.shells.empty() && setup.shells[0].healing;
+  const bool damage = any([](const ShellSetup& s) { return s.fracture.damages(); });
+  const bool heals = !setup.shells.empty() && setup.shells[0].fracture.damage.heals;
   Models models(run.simulation.scratch.times);
   for (int k = 0; k < 4; ++k)
     models.add(any([&](const ShellSetup& s) { return static_cast<int>(s.model.tables.elasticity.model) == k; }),
@@ -191,8 +191,8 @@ Json models_of(const RunParts& run) {
   models.add(setup.shells_meet, "contact_between_shells", "shells can meet", Stage::kShellContact);
   models.add(state.fibres != nullptr, "fibres", "shells with fibres can meet", Stage::kFibres);
   models.add(!setup.stitches.seams.empty(), "seams", "shells hang together", Stage::kInternalForce);
-  models.add(any([](const ShellSetup& s) { return s.tips; }), "tip_cracks", "a shell's material has a strength",
-             Stage::kCrackUpdate);
+  models.add(any([](const ShellSetup& s) { return s.fracture.tips_run(); }), "tip_cracks",
+             "a shell's material has a strength", Stage::kCrackUpdate);
   models.add(damage, heals ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",
              Stage::kCrackUpdate);
   models.add(any([](const ShellSetup& s) { return !s.model.strength_factor.empty(); }), "strength_factors",
@@ -201,7 +201,7 @@ Json models_of(const RunParts& run) {
              "a shell's material has a yield stress", Stage::kInternalForce);
   models.add(any([](const ShellSetup& s) { return s.model.laminated(); }), "interlayer", "a shell has an interlayer",
              Stage::kInternalForce);
-  models.add(any([](const ShellSetup& s) { return !s.cuts.empty(); }), "prescribed_cuts", "a shell has cuts",
+  models.add(any([](const ShellSetup& s) { return !s.fracture.cuts.empty(); }), "prescribed_cuts", "a shell has cuts",
              Stage::kCrackUpdate);
   models.add(!setup.bodies.empty() || run.pieces.counts().handed_off > 0, "rigid_engine", "there are rigid bodies",
              Stage::kCoupling);

@@ -40,8 +40,9 @@ Simulation::Simulation(RunSetup& setup, int threads) : model{setup, threads, 1, 
     model.shells_at_once = std::min(model.threads, static_cast<int>(setup.shells.size()));
     model.threads = 1;
   }
-  for (ShellSetup& s : setup.shells) s.rules.threads = model.threads;  // results do not depend on the number of threads
-  for (const ShellSetup& s : setup.shells) model.tips.push_back(s.tips ? 1 : 0);
+  for (ShellSetup& s : setup.shells)
+    s.fracture.tips.threads = model.threads;  // results do not depend on the number of threads
+  for (const ShellSetup& s : setup.shells) model.tips.push_back(s.fracture.tips_run() ? 1 : 0);
 }
 
 void Simulation::prepare() {
@@ -77,14 +78,14 @@ void Simulation::start_shells(const std::function<void()>& look) {
     const ShellSetup& setup = *part.setup;
     part.state = std::make_unique<ShellState>(make_state(m, setup.velocity, setup_.seed));
     ShellState& s = *part.state;
-    s.cracks.cut_done.assign(setup.cuts.size(), 0);
-    s.layers.brittleness = setup.brittleness, s.layers.heals = setup.healing;
+    s.cracks.cut_done.assign(setup.fracture.cuts.size(), 0);
+    s.layers.brittleness = setup.fracture.damage.brittleness, s.layers.heals = setup.fracture.damage.heals;
     if (setup.transfer.kind != Transfer::kDirect) s.motion.before = s.motion.v;
     if (setup.equilibrium > 0.0) {
       find_equilibrium(part, look);
       s.book = {};  // plastic work on the way to equilibrium does not belong to the run
     }
-    if (setup.tips)  // a load must first overcome the prestress of the face
+    if (setup.fracture.tips_run())  // a load must first overcome the prestress of the face
       for (double& strength : s.layers.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
     double stable = stable_step(m, s, kStepIterations, model.threads, cracks);
@@ -100,7 +101,7 @@ void Simulation::start_shells(const std::function<void()>& look) {
           "slow it down, or lower time_step_safety",
           p.body.name, travel, m.name);
     }
-    const double most = kMostOfStable * (cracks ? kCrackedStep : 1.0) * stable;
+    const double most = kMostOfStable * (cracks ? setup.cracked_step : 1.0) * stable;
     require(setup_.time_step <= most,
             "time_step_s is {} s; the stable step of shell '{}'{} is {:.4g} s, with a margin at most {:.3g} s would do",
             setup_.time_step, m.name, cracks ? " with cracks" : "", most / kMostOfStable, 0.99 * most);

@@ -3,8 +3,7 @@
 #include <algorithm>
 
 #include "shell/solver/contact/hertz.h"
-#include "shell/solver/cracking/damage_cracks.h"
-#include "shell/solver/cracking/tips.h"
+#include "shell/solver/cracking/criteria.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/joining/seam_cracks.h"
 #include "shell/solver/stepping/grid_transfer.h"
@@ -13,12 +12,10 @@
 namespace sunder::shell {
 namespace {
 
-/// Weight of the new stress in the running mean that cracks and damage use; 0: no mean is kept.
+/// Weight of the new stress in the running mean that criteria of fracture and yielding use; 0: no mean is kept.
 double stress_share(const ShellPart& part, double dt) {
-  const ShellSetup& setup = *part.setup;
-  if (setup.brittleness > 0.0) return 1.0;
-  if (setup.tips) return std::min(1.0, dt / setup.model.response_time());
-  return part.state->yields() ? 1.0 : 0.0;
+  const double share = stress_share(part.setup->fracture, part.model(), dt);
+  return share > 0.0 || !part.state->yields() ? share : 1.0;
 }
 
 }  // namespace
@@ -119,17 +116,16 @@ void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
 namespace {
 
 void crack_one(ShellPart& part, State& state, Scratch& scratch, const Clock& clock, int k, int n, double dt) {
-  const ShellSetup& setup = *part.setup;
-  if (!setup.tips && setup.brittleness <= 0.0) return;
+  const FractureRules& rules = part.setup->fracture;
+  if (rules.mode == FractureMode::kNone) return;
   Stopwatch w(scratch.times[Stage::kCrackUpdate]);
-  const int every = crack_interval(setup.rules, dt);
-  const bool due = k % every == every - 1 || k == n - 1;
-  if (setup.tips && due)
-    grow_cracks(setup.model, *part.state, setup.rules, clock.time() + (k + 1) * dt, (k % every + 1) * dt, state.random);
-  if (setup.brittleness > 0.0) {
-    watch_stress(setup.model, *part.state);
-    if (setup.extract_cracks && due) extract_cracks(setup.model, *part.state, clock.time() + (k + 1) * dt);
-  }
+  const int every = crack_interval(rules.tips, dt);
+  const CrackLook look{part.model(),         *part.state, rules, clock.time() + (k + 1) * dt,
+                       (k % every + 1) * dt, state.random};
+  each_criterion(rules, [&](const Criterion& c) {
+    if (c.watch) c.watch(look);
+  });
+  if (k % every == every - 1 || k == n - 1) propose_edges(look, CrackMoment::kLook);
 }
 
 }  // namespace

@@ -48,8 +48,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   PointsBeside beside;
   if (!s.cracks.interlocks.empty()) beside = std::ref(faces);  // needs no memory
   sum += add_point_forces(s.cracked.tables, s.cracked.gathered, s.motion.x, energy, stress, threads, s.scratch.points,
-                          s.motion.force, s.layers.brittleness > 0.0 ? &law : nullptr, s.yields() ? &plastic : nullptr,
-                          beside);
+                          s.motion.force, s.weakens() ? &law : nullptr, s.yields() ? &plastic : nullptr, beside);
   s.book.plastic += plastic.dissipated;
   s.book.healing -= law.healed, s.book.fracture += law.dissipated;
   if (m.laminated()) {

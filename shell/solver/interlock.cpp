@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "shell/solver/cracking/insertion.h"
-
 namespace sunder::shell {
 namespace {
 
@@ -23,7 +21,7 @@ Vec2 direction(const ShellState& s, const Interlock& lock) {
   return (e.b - e.a).normalized();
 }
 
-// `position`: of a slot.
+// `position`: position of a slot.
 template <class At>
 Gap gap_of(const ShellState& s, const Interlock& lock, At&& position) {
   Gap r;
@@ -48,22 +46,13 @@ Gap gap_of(const ShellState& s, const Interlock& lock) {
   return gap_of(s, lock, [&](int slot) { return s.position(slot); });
 }
 
-// Faces that have turned against one another, or whose surroundings are crushed, do not key any more.
-constexpr double kLeastCosine = 0.7;               // between the normals of the two sides
-constexpr double kLeastArea = 0.5, kMostArea = 2;  // of the mean tangents' parallelogram
-
-constexpr double kClosing = 0.05;      // least depth of closing, in spacings strained to the strength
-constexpr double kMostClosing = 1e-3;  // of that depth, in spacings
-constexpr double kTravels = 8.0;       // of faces that close, their travel in a substep that the depth is at least
-
-constexpr double kMostMobility = 4.0;  // of a gap beside a plane, in those of the mass a spacing wide along the edge
-
+// Faces that have turned against one another, or whose surroundings are crushed, bear no more.
 bool sound(const Interlock& lock, const Gap& gap) {
   const double cosine = gap.side[0].dot(gap.side[1]);
-  return cosine > kLeastCosine && gap.c > kLeastArea * lock.rest_area && gap.c < kMostArea * lock.rest_area;
+  return cosine > kFacesCosine && gap.c > kFacesLeastArea * lock.rest_area && gap.c < kFacesMostArea * lock.rest_area;
 }
 
-double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // that of one element [Pa/m]
+double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // of one element [Pa/m]
 
 // The springs of an edge, over k A: what they bear across, along and normal [m], and hold [m^2]. Across they bear
 // pressure only, and are soft over the depth of closing.
@@ -86,8 +75,8 @@ Springs springs_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
   return r;
 }
 
-// Of faces one of which is a plane through the few control points between close cracks: less where so little mass hangs
-// on them, when they are fastened, that the step would not stand it.
+// Stiffness of faces one of which is a plane through the few control points between close cracks [Pa/m]: reduced where
+// these have so little mass at fastening that the step would not be stable.
 double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const Interlock& lock) {
   double mobility = 0.0;  // of the gap [1/kg]
   for (const auto* side : {&lock.plus, &lock.minus})
@@ -96,11 +85,11 @@ double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const In
   return stiffness(m) * (mobility > most ? most / mobility : 1.0);
 }
 
-// Just beside the middle of its edge, on the plus side (0) or the minus side.
+// The point just beside the middle of the edge, on the plus side (0) or the minus side (1).
 Vec2 face(const ShellModel& m, const ShellState& s, const Interlock& lock, int side) {
   const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
   const Vec2 d = (e.b - e.a).normalized(), normal(-d.y(), d.x());
-  return 0.5 * (e.a + e.b) + (side == 0 ? 1e-3 : -1e-3) * m.spacing * normal;
+  return 0.5 * (e.a + e.b) + (side == 0 ? kFaceBeside : -kFaceBeside) * m.spacing * normal;
 }
 
 bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
@@ -128,7 +117,7 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   return true;
 }
 
-// What springs do to both sides: on their values, and on their derivatives along u and v [N, N m].
+// Forces of the springs on both sides: on their values, and on their derivatives along u and v [N, N m].
 struct Push {
   Vec3 value, u, v;
 };
@@ -147,7 +136,7 @@ Push push_of(const ShellState& s, const Interlock& lock, const Gap& gap, const S
   return {on_gap, 0.5 * (gap.tv.cross(a) + p.x() * b), 0.5 * (a.cross(gap.tu) + p.y() * b)};
 }
 
-// `add`: to the force on a slot.
+// `add`: adds to the force on a slot.
 template <class Add>
 void spread(const Interlock& lock, const Push& push, Add&& add) {
   for (int side = 0; side < 2; ++side)
@@ -167,7 +156,7 @@ void add_force(const ShellState& s, const Interlock& lock, const Gap& gap, const
 }  // namespace
 
 double closing_depth(const ShellModel& m) {
-  return std::min(kClosing * m.material.strength / m.material.youngs_modulus, kMostClosing) * m.spacing;
+  return std::min(kClosingDepth * m.material.strength / m.material.youngs_modulus, kMostClosing) * m.spacing;
 }
 
 bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
@@ -181,7 +170,7 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 bool loses_sight(const ShellModel& m, const ShellState& s, Interlock& lock, int first) {
   const ControlGrid grid = control_grid(m);
   const int end = static_cast<int>(s.cracks.graph.edges().size());
-  if (!lock.looked)  // since a checkpoint
+  if (!lock.looked)  // first look since a checkpoint
     for (int side = 0; side < 2; ++side) {
       const Vec2 p = face(m, s, lock, side);
       lock.uses[side] = {grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
@@ -225,11 +214,11 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
     const Gap gap = gap_of(s, lock, position);
     lock.opening = gap.components()[0] - lock.rest[0];
     if (advance) {
-      if (lock.opening > 0.0) lock.depth = kTravels * std::abs(lock.opening - lock.was_open);
+      if (lock.opening > 0.0) lock.depth = kClosingTravels * std::abs(lock.opening - lock.was_open);
       lock.was_open = lock.opening;
     }
     const Springs springs = springs_of(m, gap, lock);
-    // at full stiffness: one that is softer slips no further
+    // at full stiffness: a softer spring slips no further
     lock.shear = stiffness(m) * std::hypot(springs.bear[1], springs.bear[2]);
     lock.sound = sound(lock, gap);
     lock.energy = lock.stiffness * lock.area * springs.hold;

@@ -1,47 +1,48 @@
 #pragma once
-// Fresh crack faces bear on one another: they push in compression and key into one another in shear, as
-// rough faces do, until they have opened by more than the height of the roughness. A crack never bears
-// tension. One point per edge, at its middle, evaluated with each side's own shape functions.
+// Fresh crack faces bear on one another: they push in compression and resist in shear, as rough faces do, until they
+// have opened by more than the height of the roughness. A crack never bears tension. One point per edge, at its middle,
+// is evaluated with the shape functions of each side.
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 
-/// When faces let go.
+/// When faces release.
 struct InterlockLaw {
-  double opening = 0.0;         // [m]: faces further apart key no longer
-  double shear_strength = 0.0;  // [Pa]
+  double opening = 0.0;         // faces further apart bear no more [m]
+  double shear_strength = 0.0;  // shear traction at which they slip [Pa]
 };
 
-/// Pressed together, faces meet at their highest points first: over the depth of closing their stiffness grows evenly
-/// from none. A kink that is crossed within a substep makes energy (0.1 % of a shattering pane's in a millisecond), so
-/// the depth is eight times what the faces moved in the last substep in which they were open, where they hold nothing
-/// across, and at least this [m].
+/// Least depth over which pressed faces grow stiff [m]. They meet at their highest points first, so their stiffness
+/// grows evenly from zero over a depth of closing. A kink in the stiffness that is crossed within a substep makes
+/// energy. So the depth is also at least kClosingTravels times the travel of the faces in the last substep in which
+/// they were open and bore nothing.
 double closing_depth(const ShellModel& model);
 
-/// Fastens the two sides of an edge as they stand: the spring starts without force.
-/// False where a side sees too few control points.
+/// Fastens the two sides of an edge as they stand: the spring starts without force. False where a side sees too few
+/// control points.
 bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
 /// Whether the edges from `first` on hide control points that a face uses.
 bool loses_sight(const ShellModel& model, const ShellState& state, Interlock& lock, int first);
 
 struct Refastened {
-  std::vector<std::pair<int, Vec3>> jump;  // of a slot, for the state's: the force before less that after [N]
-  double let_go = 0.0;                     // for the books [J]
+  std::vector<std::pair<int, Vec3>>
+      jump;             // change of force by slot, for the force discontinuity: before less after [N]
+  double let_go = 0.0;  // energy released, for the books [J]
 };
-/// After another crack has cut its sight: new shape functions, the same extension. The faces may then bear less, or one
-/// see too little and let go. Changes no other lock.
+/// After another crack has cut the visibility of a face: new shape functions, the same extension. The faces may then
+/// bear less, or release where one sees too little. Changes no other pair of faces.
 Refastened refasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
-/// Adds the forces of one chunk of them (PointsBeside). `advance`: a substep begins here, and faces that are open take
-/// the depth of their next closing from how they have moved since the last one. A function of the gap in the frame of
-/// the deformed surface, so momentum and angular momentum are kept to round-off.
+/// Adds the forces of one chunk of all pairs of faces (PointsBeside). `advance`: a substep begins here, and open faces
+/// take the depth of their next closing from their travel since the last one. The force is a function of the gap in the
+/// frame of the deformed surface, so momentum and angular momentum stay to round-off.
 void interlock_forces(const ShellModel& model, ShellState& state, bool advance, int chunk, int chunks, const double* x4,
                       double* force4);
-/// As the last force found it [J].
+/// Energy of all faces at the last force [J].
 double interlock_energy(const ShellState& state);
 
-/// Lets go where the last force found faces opened or sheared too far (`all`: everywhere); books what the
+/// Releases faces that the last force found opened or sheared too far (`all`: all faces). Books the energy that the
 /// springs hold at the present positions.
 void release_interlocks(const ShellModel& model, ShellState& state, const InterlockLaw& law, bool all);
 

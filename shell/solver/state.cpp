@@ -10,8 +10,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kLengthening = 1e-2;  // share of the spacing: crack edges block visibility this far past their ends
-
 // Strength is the material's, times the scene's factors, times a Weibull factor. The Weibull factor is constant in
 // cells of the flaw spacing. The seed turns and shifts the lattice of cells, so that it shares no direction with the
 // patch.

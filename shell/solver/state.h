@@ -109,6 +109,7 @@ struct ShellState {
   /// Books energy [J] that new cracks release. The next kick uses it together with their force discontinuity.
   void release(double energy) { cracks.released += energy, book.fracture += energy; }
   bool yields() const { return !layers.plastic.empty(); }
+  bool weakens() const { return layers.brittleness > 0.0; }  // by damage
   Vec3 position(int slot) const { return at(motion.x, slot); }
   Vec3 velocity(int slot) const { return at(motion.v, slot); }
   Vec3 at(const std::vector<double>& a, int slot) const {

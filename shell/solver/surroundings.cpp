@@ -12,14 +12,11 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kEye = 0.1;            // spacings ahead of the middle
-constexpr double kBeforeAnEdge = 0.02;  // of the distance from it: one that is seen to there is seen
+constexpr double kFar = 1e30;          // no end [m]
+constexpr double kSpare = 1.25;        // of a radius that is asked for: a little more saves another look at all edges
+constexpr double kWhole = 1.0 - 1e-6;  // of a radius: the result must not depend on edges further off
 
-constexpr double kFar = 1e30;          // [m]: no end
-constexpr double kSpare = 1.25;        // of a radius that is asked for: a little more costs no other look at all edges
-constexpr double kWhole = 1.0 - 1e-6;  // of a radius: whether edges far off were looked at must not tell
-
-// From a flaw along ground_ways() to where its ground ends [m].
+// Lengths from a flaw along ground_ways() to the end of its energy-release zone [m].
 using Rays = std::array<float, OwnGround::kWays>;
 
 const std::array<Vec2, OwnGround::kWays>& ground_ways() {
@@ -32,7 +29,7 @@ const std::array<Vec2, OwnGround::kWays>& ground_ways() {
   return ways;
 }
 
-// Of a segment from a to b, seen from the origin.
+// A segment from a to b as seen from the origin.
 struct Line {
   Line(const Vec2& a, const Vec2& b) : along((b - a).normalized()), across(-along.y(), along.x()) {
     if (across.dot(a) < 0.0) across = -across;
@@ -52,8 +49,9 @@ void end_at_cut(const Vec2& a, const Vec2& b, Rays& rays) {
   }
 }
 
-// Ends rays where they become nearer to a crack than to the origin. What is nearer to the origin is convex, so they
-// leave it once: where they are as near to the line, if its foot is on the segment, or to the end beyond which it is.
+// Ends rays where they become nearer to a crack than to the origin. The region nearer to the origin is convex, so a ray
+// leaves it once: where it is as near to the line, if its foot is on the segment, else as near to the end beyond which
+// the foot is.
 void end_at_crack(const Vec2& a, const Vec2& b, Rays& rays) {
   const Line line(a, b);
   for (int k = 0; k < OwnGround::kWays; ++k) {
@@ -69,7 +67,7 @@ void end_at_crack(const Vec2& a, const Vec2& b, Rays& rays) {
   }
 }
 
-// Edges from `first` on that can stand between points within `radius` of p, each once, but `skip`.
+// Edges from `first` on that can stand between points within `radius` of p, each once, without `skip`.
 const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, double radius, int skip, int first) {
   thread_local std::vector<int> found;
   found.clear();
@@ -87,8 +85,17 @@ const std::vector<int>& edges_around(const CrackGraph& cracks, const Vec2& p, do
 
 }  // namespace
 
+ControlGrid control_grid(const ShellModel& m) {
+  return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
+}
+
+void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Sight& uses) {
+  uses.close();
+  for (const GatheredFunction& f : functions) uses.show(control_grid(m), m.tables.control_point(f.slot));
+}
+
 std::size_t most_bytes_seen(const ShellModel& m, double radius) {
-  const double side = (2.0 * radius / m.spacing + 1.0) * m.tables.gauss;  // of a square, in Gauss points
+  const double side = (2.0 * radius / m.spacing + 1.0) * m.tables.gauss;  // side of a square, in Gauss points
   return static_cast<std::size_t>(side * side) * sizeof(Neighbours::Seen);
 }
 
@@ -96,7 +103,7 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
   const int end = static_cast<int>(cracks.edges().size());
   const bool again = look == look_;
   if (again && known_ == end) return points_;
-  const Vec2 eye = look.p + kEye * m.spacing * look.direction;
+  const Vec2 eye = look.p + kEyeAhead * m.spacing * look.direction;
   const std::vector<int>& between = edges_around(cracks, look.p, look.radius, look.edge, again ? known_ : 0);
   const auto hidden = [&](const Vec2& q) {
     return std::any_of(between.begin(), between.end(), [&](int e) {
@@ -110,8 +117,8 @@ const std::vector<SeenPoint>& Surroundings::seen(const ShellModel& m, const Crac
     const Vec2& ahead = look.direction;
     points_within(m, look.p, look.radius, 1, 1, [&](int block, int lane, const Vec2& d, double /*area*/) {
       const double angle = ahead.isZero(0.0) ? 0.0 : std::atan2(ahead.x() * d.y() - ahead.y() * d.x(), ahead.dot(d));
-      if (std::abs(angle) > kBeside || hidden(look.p + d)) return;
-      const double weight = std::exp(-2.0 * d.squaredNorm() / (look.radius * look.radius));
+      if (std::abs(angle) > kFlankAngle || hidden(look.p + d)) return;
+      const double weight = std::exp(-kRadialFall * d.squaredNorm() / (look.radius * look.radius));
       const bool one_way = !ahead.isZero(0.0);
       points_.push_back({block, lane, d, angle, weight, one_way ? weight * wedge(angle) : 0.0,
                          one_way ? wedge_tilt(angle, kTurnStep) : 0.0});
@@ -180,7 +187,7 @@ double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec
 }
 
 bool OwnGround::holds(const Vec2& offset) const {
-  // its sector, by quadrant: this is asked far too often for an arc tangent
+  // its sector, by quadrant: this is called too often for an arc tangent
   static_assert(kWays == 16);
   static const double first = std::tan(std::numbers::pi / 8.0);
   double x = offset.x(), y = offset.y();
@@ -195,7 +202,7 @@ const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Ve
                                               double parallel) {
   const int end = static_cast<int>(cracks.edges().size());
   const Vec2 pad = Vec2::Constant(reach);
-  bool changed = false;  // what is new may also hide what is not
+  bool changed = false;  // new edges may hide old ones
   if (known_ < end) cracks.near_since(p - pad, p + pad, known_, [&](int) { changed = true; });
   known_ = end;
   if (!changed) return edges_;
@@ -209,14 +216,14 @@ const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Ve
   for (const int e : around) {
     Vec2 foot;
     const double distance = cracks.distance(p, e, foot);
-    if (distance >= reach || !cracks.visible(p, foot + kBeforeAnEdge * (p - foot), e)) continue;
+    if (distance >= reach || !cracks.visible(p, foot + kShortOfEdge * (p - foot), e)) continue;
     const CrackEdge& c = cracks.edges()[e];
     edges_.push_back({distance, foot, (c.b - c.a).normalized()});
     const Vec2& d = edges_.back().along;
     if (distance < clearance) angles.push_back(std::atan2(d.y() < 0.0 ? -d.y() : d.y(), d.y() < 0.0 ? -d.x() : d.x()));
   }
   std::sort(angles.begin(), angles.end());
-  const double most = 2.0 * std::acos(parallel) - 1e-9;  // between two that shield all between them
+  const double most = 2.0 * std::acos(parallel) - 1e-9;  // angle between two that shield all directions between them
   shield_all_ = !angles.empty() && angles.front() + std::numbers::pi - angles.back() < most;
   for (std::size_t k = 1; k < angles.size(); ++k) shield_all_ = shield_all_ && angles[k] - angles[k - 1] < most;
   return edges_;

@@ -13,6 +13,7 @@
 #include "shell/solver/forces.h"
 #include "shell/solver/statics/relaxation.h"
 #include "tests/validation/cases.h"
+#include "tests/validation/tips.h"
 
 namespace sunder::validation {
 namespace {
@@ -56,8 +57,9 @@ struct Found {
   double anticlockwise = 0.0;  // mean of both tips [rad]
 };
 
-// `beside` is the offset of the crack's middle from the sheet's, in spacings. Real cracks do not lie on the lattice.
-Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2& beside = Vec2(0.31, 0.17)) {
+// `beside`: the crack's middle from that of the sheet, in spacings; off the lattice, as cracks are.
+Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2& beside = Vec2(0.31, 0.17),
+                  const CalibratedConstants& constants = {}) {
   const ShellModel m = make_shell("sheet", plate(kSide, kSide, elements, elements, Vec3::Zero(), Quat::Identity()),
                                   kThickness, glass(), 2, 2, {}, loads(pull));
   ShellState s = make_state(m, Vec3::Zero(), 1);
@@ -68,11 +70,11 @@ Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2
   rules.threads = threads, rules.tolerance = 1e-5;
   relax(m, s, rules);
   compute_forces(m, s, false, 1.0, threads);
-  const CrackRules r = make_crack_rules(m, 0.0);
+  const CrackRules r = make_crack_rules(m, 0.0, constants);
   Found found;
   for (const Tip& tip : s.cracks.tips) {
     Start start;
-    start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.most_turn = 80.0 * kPi / 180.0;
+    start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.most_turn = kFirstTurn;
     const Drive drive = drive_at(m, s, r, start);
     const double e = m.material.youngs_modulus, nu = m.material.poisson_ratio;
     const double root = drive.ratio * std::sqrt(e * m.material.fracture_energy);  // sqrt(E G)
@@ -91,12 +93,17 @@ std::pair<double, double> kinked(double k1, double k2) {
   return {std::abs(t), std::pow(std::cos(0.5 * t), 3) * k1 - 1.5 * std::cos(0.5 * t) * std::sin(t) * k2};
 }
 
-void energy_release(Report& r, int threads) {
-  constexpr double kDegree = kPi / 180.0;
-  // 1 over the plastic number: a sequence of evenly spread places (Roberts)
+constexpr double kDegree = kPi / 180.0;
+
+// Places in an element, evenly spread (Roberts): powers of 1 over the plastic number.
+Vec2 place(int k) {
   constexpr double kPlastic = 0.754877666246693;
-  // The mean over R includes the field beyond the singular one, 1 + 3 r / 4 a of it: about a tenth too much at R = a /
-  // 4.
+  return {std::fmod(0.5 + k * kPlastic, 1.0), std::fmod(0.5 + k * kPlastic * kPlastic, 1.0)};
+}
+
+void energy_release(Report& r, int threads) {
+  // The mean over R sees the field beyond the singular one as well, 1 + 3 r / 4 a of it: some tenth too much at R = a
+  // / 4.
   for (const auto& [pull, name] : {std::pair{Pull::kAllRound, "stretched"}, std::pair{Pull::kBending, "bent"}})
     for (const double angle : {0.0, 15.0, 30.0, 45.0})
       for (const int elements : {64, 96, 128}) {
@@ -122,8 +129,7 @@ void energy_release(Report& r, int threads) {
     const double start = seconds_now();
     double sum = 0.0, squares = 0.0;
     for (int k = 0; k < places; ++k) {
-      const Vec2 beside(std::fmod(0.5 + k * kPlastic, 1.0), std::fmod(0.5 + k * kPlastic * kPlastic, 1.0));
-      const double turn = crack_under(pull, 48, 22.5 * kDegree, threads, beside).anticlockwise / kDegree;
+      const double turn = crack_under(pull, 48, 22.5 * kDegree, threads, place(k)).anticlockwise / kDegree;
       sum += turn, squares += turn * turn;
     }
     const double mean = sum / places, error = std::sqrt((squares / places - mean * mean) / (places - 1));
@@ -141,6 +147,13 @@ void energy_release(Report& r, int threads) {
 }
 
 }  // namespace
+
+double bent_crack_turns(const CalibratedConstants& constants, int places, int threads) {
+  double sum = 0.0;
+  for (int k = 0; k < places; ++k)
+    sum += crack_under(Pull::kBending, 48, 22.5 * kDegree, threads, place(k), constants).anticlockwise / kDegree;
+  return sum / places;
+}
 
 std::vector<Case> tip_cases() {
   return {

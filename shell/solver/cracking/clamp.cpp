@@ -7,12 +7,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kParallel = 0.85;  // cosine, as of cracks that shield one another
-constexpr double kAway = 0.3;       // sine; more than a tip turns at once: what runs on the border stays there
-
 struct Border {
-  int axis;         // across it
-  double at, sign;  // where it lies; inwards
+  int axis;         // across the border
+  double at, sign;  // its coordinate; sign of the inward direction
 };
 
 Border border_of(const Patch& p, int edge) {
@@ -29,7 +26,7 @@ std::optional<ClampedBorder> clamped_border(const ShellModel& m, const Vec2& p, 
     if (!(m.clamped & edge)) continue;
     const Border b = border_of(m.patch, edge);
     const double inwards = b.sign * direction[b.axis], along = direction[1 - b.axis];
-    if (b.sign * (p[b.axis] - b.at) > reach || std::abs(along) < kParallel || inwards > kAway) continue;
+    if (b.sign * (p[b.axis] - b.at) > reach || std::abs(along) < kParallelCosine || inwards > kLeavesClamp) continue;
     ClampedBorder out{p, Vec2::Zero()};
     out.foot[b.axis] = b.at + b.sign * kOnBorder * m.spacing;
     out.along[1 - b.axis] = along < 0.0 ? -1.0 : 1.0;

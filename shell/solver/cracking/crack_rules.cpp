@@ -2,41 +2,40 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "shell/solver/cracking/tip_drive.h"
 
 namespace sunder::shell {
-namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kCrushing = 10.0;  // compressive over tensile strength of glass and ceramics, about
-constexpr double kRadius = 2.0;     // spacings over which a tip averages
-
-}  // namespace
-
-CrackRules make_crack_rules(const ShellModel& m, double tip_radius) {
+CrackRules make_crack_rules(const ShellModel& m, double tip_radius, const CalibratedConstants& calibrated) {
   const double l = m.spacing, e = m.material.youngs_modulus, g = m.material.fracture_energy;
   CrackRules r;
-  r.tip_radius = tip_radius > 0.0 ? tip_radius : kRadius * l;
-  r.advance = 0.75 * l;
+  r.tip_radius = tip_radius > 0.0 ? tip_radius : kTipRadius * l;
+  r.advance = kEdgeLength * l;
   r.rayleigh = m.rayleigh_speed();
   const double toughness = std::sqrt(e * g / r.tip_radius);
   r.tip_strength = stretching_mean() * toughness;
   r.tip_bending_strength = bending_mean(m.material.poisson_ratio) * toughness;
   r.process_length = e * g / (m.material.strength * m.material.strength);
-  r.branch_ratio = std::numbers::sqrt2, r.branch_angle = 28.0 * kDegree;
-  r.branch_spacing = 8.0 * l, r.branch_clearance = 2.5 * l;
-  r.tip_clearance = std::max({2.5 * l, m.thickness, r.process_length});
-  r.parallel_clearance = std::max(2.5 * l, 2.0 * m.thickness);
-  r.join = l;
-  r.turn = 10.0 * kDegree;
-  r.faces = {0.05 * m.thickness, kCrushing * m.material.strength};
+  r.branch_angle = calibrated.branch_angle;
+  r.branch_spacing = kBranchRun * l, r.branch_clearance = kClearance * l;
+  r.tip_clearance = std::max({kClearance * l, m.thickness, r.process_length});
+  r.parallel_clearance = std::max(kClearance * l, kParallelThickness * m.thickness);
+  r.join = kJoinReach * l;
+  r.turn = calibrated.most_turn;
+  r.to_diagonal = calibrated.to_diagonal;
+  r.faces = {calibrated.interlock_opening * m.thickness, kInterlockStrength * m.material.strength};
   return r;
 }
 
+void set_calibrated(DamageRules& r, const CalibratedConstants& c) {
+  r.spent_beside = c.spent_beside, r.shortest_line = c.shortest_line, r.spur = c.spur, r.unhealed = c.unhealed;
+  r.damaged_reach = c.damaged_reach, r.through_damage = c.through_damage, r.broad_damage = c.broad_damage;
+  r.turn = c.damage_turn, r.torn_stress = c.torn_stress;
+}
+
 int crack_interval(const CrackRules& r, double dt) {
-  return std::max(1, static_cast<int>(0.5 * r.advance / (r.rayleigh * dt)));
+  return std::max(1, static_cast<int>(kLookShare * r.advance / (r.rayleigh * dt)));
 }
 
 double uniform(std::uint64_t& state) {

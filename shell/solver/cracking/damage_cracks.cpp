@@ -11,27 +11,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kWatched = 0.8;   // of the strength: a layer may bear more than the mean surface stress says
-constexpr double kStep = 0.75;     // spacings of an edge
-constexpr double kSpent = 1.25;    // spacings beside a crack whose damage is that crack's
-constexpr double kMet = 0.01;      // spacings: an end so little past a crack that its edge has met is a joint
-constexpr double kShortest = 1.5;  // spacings: a shorter line waits until it has grown
-constexpr double kSpur = 1.5;      // spacings: a shorter side line is noise of the boundary
-constexpr double kUnhealed = 0.5;  // of a line's points: where less is still damaged, waves have passed
-// Middle lines of lattice cells run through control points, where lines that meet head on differ in which side
-// such a point belongs to; spacings off it none does.
-constexpr double kOffLattice = 0.013;
-constexpr double kJoin = 1.5, kDamagedJoin = 5.0;  // spacings an end reaches, on sound and on damaged ground
-constexpr double kBeside = 0.25;  // spacings: a way that passes an open end so close runs along its crack
-constexpr double kThrough = 0.8;  // of a way's cells that make it damaged ground
-constexpr double kBroad = 0.7;    // of the cells around, fully damaged: no middle line tells where the crack goes
-constexpr double kView = 2.0;     // spacings ahead of an end over which its stress is averaged
-constexpr double kTurn = 20.0 * std::numbers::pi / 180.0;  // most per edge
-constexpr double kTorn = 16.0;  // times the stress at which damage is complete: what is stretched so far is rubble
-
-// Smooths the steps of the cells out of a line, ends held, and cuts it into edges.
+// Smooths the steps of the cells out of a line, whose ends stay, and cuts it into edges of about `step` [m].
 std::vector<Vec2> resampled(std::vector<Vec2> line, double step) {
-  for (int pass = 0; pass < 4; ++pass) {
+  for (int pass = 0; pass < kSmoothings; ++pass) {
     const std::vector<Vec2> old = line;
     for (std::size_t i = 1; i + 1 < line.size(); ++i) line[i] = 0.25 * (old[i - 1] + 2.0 * old[i] + old[i + 1]);
   }
@@ -55,15 +37,15 @@ struct End {
   Vec2 p, ahead;
 };
 
-// An end that has joined another crack stands just past it, on a vertex of its own.
+// Whether an end has joined another crack: it then stands just past it, on a vertex of its own.
 bool joined(const ShellModel& m, const CrackGraph& g, int edge, const Vec2& end) {
   const CrackEdge& own = g.edges()[edge];
   bool met = false;
-  g.near(end, end, kMet * m.spacing, [&](int e) {
+  g.near(end, end, kEndJoined * m.spacing, [&](int e) {
     const CrackEdge& c = g.edges()[e];
     if (c.from == own.from || c.from == own.to || c.to == own.from || c.to == own.to) return true;
     Vec2 foot;
-    met = g.distance(end, e, foot) < kMet * m.spacing && segments_meet(own.a, own.b, c.long_a, c.long_b);
+    met = g.distance(end, e, foot) < kEndJoined * m.spacing && segments_meet(own.a, own.b, c.long_a, c.long_b);
     return !met;
   });
   return met;
@@ -86,10 +68,10 @@ std::vector<End> open_ends(const ShellModel& m, const CrackGraph& g) {
   return ends;
 }
 
-// Inserts the straight way from `from` to the vertex `to` in edges of at most a spacing.
+// Inserts the straight way from `from` to the vertex `to`, in edges of about kEdgeLength.
 int insert_way(const ShellModel& m, ShellState& s, const End& from, int to, double time) {
   const Vec2 b = s.cracks.graph.vertices()[to];
-  const int pieces = std::max(1, static_cast<int>(std::lround((b - from.p).norm() / (kStep * m.spacing))));
+  const int pieces = std::max(1, static_cast<int>(std::lround((b - from.p).norm() / (kEdgeLength * m.spacing))));
   int inserted = 0, last = from.vertex;
   for (int k = 1; k <= pieces; ++k) {
     const int next =
@@ -100,68 +82,69 @@ int insert_way(const ShellModel& m, ShellState& s, const End& from, int to, doub
   return inserted;
 }
 
-// An end goes on to the nearest of border, open end and crack that it sees ahead: a little way on any ground,
-// further where all between was fully damaged. Returns edges inserted.
-int join(const ShellModel& m, ShellState& s, const DamageLattice& grid, const End& end, const std::vector<End>& ends,
-         double time) {
+// An end runs to the nearest of border, open end and crack that it sees ahead: a short way over sound material, further
+// where all between was fully damaged. Returns the number of edges inserted.
+int join(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageLattice& grid, const End& end,
+         const std::vector<End>& ends, double time) {
   const double l = m.spacing;
-  double nearest = kDamagedJoin * l;
+  double nearest = r.damaged_reach * l;
   Vec2 target;
   int vertex = -1;
   bool found = false;
   const auto offer = [&](const Vec2& p, int v, int skip) {
     const Vec2 way = p - end.p;
     const double distance = way.norm();
-    if (distance >= nearest || distance < 1e-6 * l || way.dot(end.ahead) < 0.3 * distance) return;
-    if (!s.cracks.graph.visible(end.p, p - 1e-3 * l * way / distance, end.edge, skip)) return;
-    if (distance > kJoin * l && grid.damaged_share(end.p, p) < kThrough) return;
+    if (distance >= nearest || distance < 1e-6 * l || way.dot(end.ahead) < kAheadCosine * distance) return;
+    if (!s.cracks.graph.visible(end.p, p - kShortOfWay * l * way / distance, end.edge, skip)) return;
+    if (distance > kSoundReach * l && grid.damaged_share(end.p, p) < r.through_damage) return;
     for (const End& other : ends) {
       const Vec2 off = other.p - end.p;
       const double along = off.dot(way) / distance;
-      if (other.vertex != end.vertex && other.vertex != v && along > 0.0 && along < distance - kBeside * l &&
-          (off - along * way / distance).norm() < kBeside * l)
+      if (other.vertex != end.vertex && other.vertex != v && along > 0.0 && along < distance - kPassesEnd * l &&
+          (off - along * way / distance).norm() < kPassesEnd * l)
         return;
     }
     nearest = distance, target = p, vertex = v, found = true;
   };
   for (const End& other : ends)
     if (other.vertex != end.vertex && other.edge != end.edge) offer(other.p, other.vertex, other.edge);
-  s.cracks.graph.near(end.p, end.p, kDamagedJoin * l, [&](int e) {
+  s.cracks.graph.near(end.p, end.p, r.damaged_reach * l, [&](int e) {
     const CrackEdge& c = s.cracks.graph.edges()[e];
     Vec2 foot;
     if (e == end.edge || c.from == end.vertex || c.to == end.vertex) return true;
     s.cracks.graph.distance(end.p, e, foot);
     const double before = nearest;
     offer(foot, -1, e);
-    if (nearest < before) target += 2e-3 * l * (foot - end.p).normalized();  // no gap at the stem
+    if (nearest < before) target += kJoinPast * l * (foot - end.p).normalized();  // no gap at the stem
     return true;
   });
-  for (int k = 1; k <= static_cast<int>(4.0 * kDamagedJoin); ++k) {
-    const Vec2 p = end.p + 0.25 * k * l * end.ahead;
+  for (int k = 1; k <= static_cast<int>(r.damaged_reach / kBorderSteps); ++k) {
+    const Vec2 p = end.p + kBorderSteps * k * l * end.ahead;
     if (m.patch.contains(p)) continue;
     const double before = nearest;
     offer(p, -1, -1);
-    if (nearest < before) target += 0.1 * l * end.ahead;
+    if (nearest < before) target += kRunOut * l * end.ahead;
     break;
   }
   if (!found) return 0;
   return insert_way(m, s, end, vertex >= 0 ? vertex : s.cracks.graph.add_vertex(target), time);
 }
 
-// Direction in which the undamaged stress around `p` opens a crack, of what is seen from there and lies ahead.
+// Direction in which the undamaged stress opens a crack, on the mean over visible points ahead of `p`. False where none
+// bears.
 bool opening_direction(const ShellModel& m, const ShellState& s, const Vec2& p, const Vec2& ahead, int skip,
                        Vec2& out) {
   const RowTables& t = m.tables;
-  const double radius = kView * m.spacing;
+  const double radius = kTipRadius * m.spacing;
   double sum = 0.0;
   std::array<double, 6> six{};
   for (const GatheredPoint& g : s.cracked.gathered) {
     if (g.kind == PointKind::kDead) continue;
     const Vec2 q = gauss_point(m.patch, t, g.block, g.lane).parameter, d = q - p;
-    if (d.squaredNorm() > radius * radius || d.dot(ahead) < 0.0 || !s.cracks.graph.visible(p + 0.01 * d, q, skip))
+    if (d.squaredNorm() > radius * radius || d.dot(ahead) < 0.0 || !s.cracks.graph.visible(p + kEyeShare * d, q, skip))
       continue;
     const std::array<double, 6> own = undamaged_stress(t, g, s.motion.x);
-    const double w = std::exp(-2.0 * d.squaredNorm() / (radius * radius));
+    const double w = std::exp(-kRadialFall * d.squaredNorm() / (radius * radius));
     sum += w;
     for (int k = 0; k < 6; ++k) six[k] += w * own[k];
   }
@@ -172,24 +155,27 @@ bool opening_direction(const ShellModel& m, const ShellState& s, const Vec2& p, 
   return true;
 }
 
-// In broad damage an end runs on an edge along the plane of largest principal stress.
-int run_on(const ShellModel& m, ShellState& s, const DamageLattice& grid, const End& end, double time) {
+// In broad damage an end runs by one edge along the plane of the largest principal stress.
+int run_on(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageLattice& grid, const End& end,
+           double time) {
   const double l = m.spacing;
   Vec2 along;
-  if (grid.breadth(end.p + l * end.ahead) < kBroad || !opening_direction(m, s, end.p, end.ahead, end.edge, along))
+  if (grid.breadth(end.p + l * end.ahead) < r.broad_damage ||
+      !opening_direction(m, s, end.p, end.ahead, end.edge, along))
     return 0;
   const double turn = std::atan2(end.ahead.x() * along.y() - end.ahead.y() * along.x(), end.ahead.dot(along));
-  const Vec2 p = end.p + kStep * l * turned(end.ahead, std::clamp(turn, -kTurn, kTurn));
-  if (!m.patch.contains(p) || !s.cracks.graph.visible(end.p, p, end.edge)) return 0;  // join runs it out, or ends it
+  const Vec2 p = end.p + kEdgeLength * l * turned(end.ahead, std::clamp(turn, -r.turn, r.turn));
+  if (!m.patch.contains(p) || !s.cracks.graph.visible(end.p, p, end.edge))
+    return 0;  // join() lets it run out, or ends it
   return insert_edge(m, s, end.vertex, s.cracks.graph.add_vertex(p), end.crack, time, 0, false) >= 0;
 }
 
-// The middle lines of what is damaged and no crack's yet.
-int insert_lines(const ShellModel& m, ShellState& s, const DamageLattice& grid, double time) {
+// Inserts the middle lines of damaged regions that belong to no crack yet.
+int insert_lines(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageLattice& grid, double time) {
   const MedialAxis axis = medial_axis(grid.boundary(), [&](const Vec2& p) { return grid.damaged(p); });
   std::vector<int> number(axis.vertices.size(), -1);
   int inserted = 0;
-  for (const auto& line : polylines(axis, kSpur * m.spacing)) {
+  for (const auto& line : polylines(axis, r.spur * m.spacing)) {
     std::vector<Vec2> fine;
     double length = 0.0;
     int unhealed = 0, i, j;
@@ -199,9 +185,9 @@ int insert_lines(const ShellModel& m, ShellState& s, const DamageLattice& grid, 
       const int c = grid.cell_of(fine.back(), i, j);
       unhealed += c >= 0 && grid.now[c];
     }
-    if (length < kShortest * m.spacing || unhealed < kUnhealed * static_cast<double>(line.size())) continue;
-    std::vector<Vec2> points = resampled(std::move(fine), kStep * m.spacing);
-    for (Vec2& p : points) p += kOffLattice * m.spacing * Vec2(1.0, 1.3);
+    if (length < r.shortest_line * m.spacing || unhealed < r.unhealed * static_cast<double>(line.size())) continue;
+    std::vector<Vec2> points = resampled(std::move(fine), kEdgeLength * m.spacing);
+    for (Vec2& p : points) p += kOffLattice * m.spacing * Vec2(kNudgeU, kNudgeV);
     const int crack = s.cracks.graph.new_crack();
     const auto end = [&](int v, const Vec2& p) {
       if (number[v] < 0) number[v] = s.cracks.graph.add_vertex(p);
@@ -217,14 +203,14 @@ int insert_lines(const ShellModel& m, ShellState& s, const DamageLattice& grid, 
   return inserted;
 }
 
-// Broad damage that no crack has reached starts one at its most critical point.
-int start_broad(const ShellModel& m, ShellState& s, const DamageLattice& grid, double time) {
+// Broad damage that no crack has reached starts a crack at its most critical point.
+int start_broad(const ShellModel& m, ShellState& s, const DamageRules& r, const DamageLattice& grid, double time) {
   double most = 0.0;
   Vec2 p, crack;
   for (const GatheredPoint& g : s.cracked.gathered) {
     if (g.kind == PointKind::kDead) continue;
     const Vec2 q = gauss_point(m.patch, m.tables, g.block, g.lane).parameter;
-    if (!grid.damaged(q) || grid.breadth(q) < kBroad) continue;
+    if (!grid.damaged(q) || grid.breadth(q) < r.broad_damage) continue;
     const std::array<double, 6> six = undamaged_stress(m.tables, g, s.motion.x);
     for (int face = 0; face < 2; ++face) {
       const Principal stress = principal(six[3 * face], six[3 * face + 1], six[3 * face + 2]);
@@ -233,20 +219,20 @@ int start_broad(const ShellModel& m, ShellState& s, const DamageLattice& grid, d
     }
   }
   if (most <= 0.0) return 0;
-  const int a = s.cracks.graph.add_vertex(p - 0.5 * kStep * m.spacing * crack);
-  const int b = s.cracks.graph.add_vertex(p + 0.5 * kStep * m.spacing * crack);
+  const int a = s.cracks.graph.add_vertex(p - 0.5 * kEdgeLength * m.spacing * crack);
+  const int b = s.cracks.graph.add_vertex(p + 0.5 * kEdgeLength * m.spacing * crack);
   return insert_edge(m, s, a, b, s.cracks.graph.new_crack(), time, 0, false) >= 0;
 }
 
-// What is stretched far beyond complete damage and was not cut bears no tension any more; it would only grow
-// into a distorted ligament. Its material goes on with the control points around.
-void tear(const ShellModel& m, ShellState& s) {
+// A point that is stretched far beyond complete damage and was not cut becomes rubble: it bears no tension any more,
+// and would only grow into a distorted ligament.
+void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
   for (std::size_t i = 0; i < s.cracked.gathered.size(); ++i) {
     GatheredPoint& g = s.cracked.gathered[i];
     PointDamage& d = s.cracked.damage[i];
     if (g.kind == PointKind::kDead || d.damage() < 1.0f) continue;
     const std::array<double, 6> six = undamaged_stress(m.tables, g, s.motion.x);
-    const double limit = kTorn * d.strength * (1.0 + s.layers.brittleness) / s.layers.brittleness;
+    const double limit = r.torn_stress * d.strength * (1.0 + s.layers.brittleness) / s.layers.brittleness;
     if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit) continue;
     s.book.fracture += point_energy(m.tables, g, s.motion.x, &d, s.layers.brittleness, s.layers.heals);
     gather_point(m, s, g.block, g.lane);
@@ -273,25 +259,36 @@ void watch_stress(const ShellModel& m, ShellState& s) {
         const double half = 0.5 * (f[0] - f[t.lanes]);
         high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::hypot(half, f[2 * t.lanes]));
       }
-      // stress at rest is not in the resultants: its tension in the middle adds
-      high += 0.5 * m.material.surface_compression;
+      // stress at rest is not in the resultants: its tension in the middle is added
+      high += kTemperedMiddle * m.material.surface_compression;
       if (high > kWatched * s.layers.strength[g]) watch_point(m, s, q, e);
     }
 }
 
-int extract_cracks(const ShellModel& m, ShellState& s, double time) {
+int extract_cracks(const ShellModel& m, ShellState& s, double time, const DamageRules& r) {
   if (s.cracked.gathered.empty()) return 0;
-  tear(m, s);
-  const DamageLattice grid(m, s, kSpent * m.spacing);
-  int inserted = insert_lines(m, s, grid, time);
+  tear(m, s, r);
+  const DamageLattice grid(m, s, r.spent_beside * m.spacing);
+  int inserted = insert_lines(m, s, r, grid, time);
   for (const End& end : open_ends(m, s.cracks.graph)) {
     // an earlier end may have joined this one
     const std::vector<End> ends = open_ends(m, s.cracks.graph);
     if (std::none_of(ends.begin(), ends.end(), [&](const End& e) { return e.vertex == end.vertex; })) continue;
-    const int joined = join(m, s, grid, end, ends, time);
-    inserted += joined > 0 ? joined : run_on(m, s, grid, end, time);
+    const int joined = join(m, s, r, grid, end, ends, time);
+    inserted += joined > 0 ? joined : run_on(m, s, r, grid, end, time);
   }
-  return inserted > 0 ? inserted : start_broad(m, s, grid, time);
+  return inserted > 0 ? inserted : start_broad(m, s, r, grid, time);
+}
+
+Criterion cracks_from_damage() {
+  return {"cracks_from_damage",
+          CrackMoment::kLook,
+          [](const FractureRules& r) { return r.damages(); },
+          [](const CrackLook& k) {
+            return k.rules.damage.extract ? extract_cracks(k.model, k.state, k.time, k.rules.damage) : 0;
+          },
+          [](const ShellModel&, double) { return 1.0; },
+          [](const CrackLook& k) { watch_stress(k.model, k.state); }};
 }
 
 }  // namespace sunder::shell

@@ -1,16 +1,19 @@
 #pragma once
-// Cracks from damage, the paper's way (5.1, 5.2): the stress damages and heals, what has been fully damaged
-// is a region, and the region's middle line becomes the crack.
-#include "shell/solver/state.h"
+// Cracks from damage, as in the paper (sections 5.1, 5.2): stress damages and heals, what has ever been fully damaged
+// is a region, and the middle line of the region becomes the crack.
+#include "shell/solver/cracking/criteria.h"
 
 namespace sunder::shell {
 
-/// Hands the Gauss points that come near their strength to the damage law. Call with the stress of the
-/// present substep, not a mean over time.
+/// Damage is watched in each substep; where it is complete, cracks are extracted.
+Criterion cracks_from_damage();
+
+/// Hands the Gauss points that come near their strength to the damage law. Call it with the stress of the present
+/// substep, not with a mean over time.
 void watch_stress(const ShellModel& model, ShellState& state);
 
-/// Adds the middle lines of what was fully damaged since the last call to the cracks: tips go on, branches
-/// join their stems, ends near the border run out. Earlier cracks stay as they are. Returns edges inserted.
-int extract_cracks(const ShellModel& model, ShellState& state, double time);
+/// Inserts the middle lines of what was fully damaged since the last call. Ends go on, branches join their stems, and
+/// ends near the border run out. Earlier cracks stay as they are. Returns the number of edges inserted.
+int extract_cracks(const ShellModel& model, ShellState& state, double time, const DamageRules& rules = {});
 
 }  // namespace sunder::shell

@@ -6,8 +6,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kBlur = 2;  // cells: a normal is that of the blurred region, not of its steps
-
 double side(const KnotVector& k, int gauss, int i) {
   const int span = std::min(i / gauss, k.spans() - 1);
   return k.span_begin(span) + k.span_length(span) * (static_cast<double>(i) / gauss - span);
@@ -61,7 +59,7 @@ bool DamageLattice::damaged(const Vec2& p) const {
 }
 
 double DamageLattice::damaged_share(const Vec2& a, const Vec2& b) const {
-  const int steps = 1 + static_cast<int>(4.0 * (b - a).norm() / model->spacing);
+  const int steps = 1 + static_cast<int>(kWaySamples * (b - a).norm() / model->spacing);
   int damaged = 0, i, j;
   for (int k = 0; k <= steps; ++k) {
     const int c = cell_of(a + (b - a) * (static_cast<double>(k) / steps), i, j);
@@ -73,8 +71,8 @@ double DamageLattice::damaged_share(const Vec2& a, const Vec2& b) const {
 double DamageLattice::breadth(const Vec2& p) const {
   int i, j, inside = 0, full = 0;
   if (cell_of(p, i, j) < 0) return 0.0;
-  for (int q = -3; q <= 3; ++q)
-    for (int r = -3; r <= 3; ++r)
+  for (int q = -kBroadWindow; q <= kBroadWindow; ++q)
+    for (int r = -kBroadWindow; r <= kBroadWindow; ++r)
       if (holds(i + r, j + q)) ++inside, full += now[at(i + r, j + q)];
   return static_cast<double>(full) / inside;
 }
@@ -92,8 +90,8 @@ std::vector<BoundarySample> DamageLattice::boundary() const {
         seed.p = 0.5 * (a + b);
         seed.historical = cells[at(i + di, j + dj)] == kSpent;
         Vec2 inward = Vec2::Zero();
-        for (int q = -kBlur; q <= kBlur; ++q)
-          for (int r = -kBlur; r <= kBlur; ++r)
+        for (int q = -kNormalBlur; q <= kNormalBlur; ++q)
+          for (int r = -kNormalBlur; r <= kNormalBlur; ++r)
             if (holds(i + r, j + q) && cells[at(i + r, j + q)] == kDamaged)
               inward += (centre(i + r, j + q) - seed.p).normalized();
         seed.outward = inward.norm() > 1e-9 ? Vec2(-inward.normalized()) : Vec2(di, dj);

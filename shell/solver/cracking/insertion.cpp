@@ -10,10 +10,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr std::size_t kTrials = 8;    // remembered of a point
-constexpr int kForget = 128;          // edges after which all are forgotten
-constexpr double kMostGain = 4.0;     // of a point's energy when its functions change
-constexpr double kFreeEnergy = 1e-4;  // of E per volume: that of a strain of 1.4 %
+constexpr std::size_t kTrials = 8;  // that are remembered of a point
+constexpr int kForget = 128;        // edges after which all are forgotten
 
 std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   std::vector<GatheredFunction> out;
@@ -22,7 +20,7 @@ std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   return out;
 }
 
-// The Gauss point as it is now. Where no crack has touched it, it is made, with the functions of the uncut patch.
+// The Gauss point as it is now. Where no crack has touched it, `made` gets it, with the functions of the uncut patch.
 const GatheredPoint& present_point(const ShellModel& m, const ShellState& s, int block, int lane, GatheredPoint& made) {
   const RowTables& t = m.tables;
   const int index = s.cracked.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
@@ -66,7 +64,7 @@ GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoi
   return g;
 }
 
-// The same, as a trial has found it where one had that sight. Until the next one of that point.
+// The same, from a trial with the same visibility where there was one. Valid until the next trial of that point.
 Caches::Trial& tried(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
                      std::vector<Caches::Trial>& trials) {
   for (Caches::Trial& known : trials)
@@ -80,7 +78,7 @@ void remember_point(const ShellModel& m, ShellState& s, int block, int lane) {
   const std::size_t gauss = static_cast<std::size_t>(block) * m.tables.lanes + lane;
   GatheredPoint made;
   s.cracked.gathered.push_back(present_point(m, s, block, lane, made));
-  if (s.layers.brittleness > 0.0) {
+  if (s.weakens()) {
     s.cracked.damage.emplace_back();
     s.cracked.damage.back().strength = s.layers.strength[gauss];
   }
@@ -97,23 +95,24 @@ void leave_rows(const ShellModel& m, ShellState& s, int block, int lane) {
   if (point.in_rows) point.in_rows = false, s.cracked.watched[gauss] = 0;
 }
 
-// How far off the control points are that a point at p uses [spacings].
+// Distance of the furthest control point that a point at p uses, the larger of the two coordinates [spacings].
 float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
   double reach = 0.0;
   for (const GatheredFunction& f : g.functions) {
     const Vec2 d = (m.of_slot[f.slot] - p).cwiseAbs();
     reach = std::max({reach, d.x() / m.spacing_u, d.y() / m.spacing_v});
   }
-  return static_cast<float>(reach * (1.0 + 1e-6));  // more than the rounding
+  return static_cast<float>(reach * (1.0 + 1e-6));  // more than rounding
 }
 
 // A Gauss point that may look across an edge.
 struct Candidate {
   int block, lane;
-  bool unsure;  // what it uses is not noted yet
+  bool unsure;  // its control points are not noted yet
 };
 
-// Those of one row of elements; changes nothing. `low`, `high`: box of the edge and all that can look across it.
+// The candidates of one row of elements. Changes nothing. `low`, `high`: box of the edge and of all points that can
+// look across it.
 std::vector<Candidate> candidates_in(const ShellModel& m, const ShellState& s, const CrackEdge& e, int f,
                                      const Vec2& low, const Vec2& high) {
   const RowTables& t = m.tables;
@@ -138,7 +137,7 @@ std::vector<Candidate> candidates_in(const ShellModel& m, const ShellState& s, c
       if (g.weight == 0.0 || (reach > 0.0 && (gap.x() > reach * m.spacing_u || gap.y() > reach * m.spacing_v)))
         continue;
       const int point = s.cracked.point_of[gauss];
-      bool hit = false, unsure = false;  // what it does not use may hide: its functions are still as sound as they were
+      bool hit = false, unsure = false;  // only control points that it uses matter
       if (point < 0) {
         for (int k = 0; k < t.support() * t.support() && !hit; ++k)
           hit = segments_meet(g.parameter, m.parameter[(f + k / t.support()) * t.columns + lane + k % t.support()],
@@ -170,15 +169,6 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, ShellState&
 
 }  // namespace
 
-ControlGrid control_grid(const ShellModel& m) {
-  return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
-}
-
-void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Sight& uses) {
-  uses.close();
-  for (const GatheredFunction& f : functions) uses.show(control_grid(m), m.tables.control_point(f.slot));
-}
-
 int gather_point(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
@@ -203,28 +193,28 @@ struct Renewal {
   Renewal(int block, int lane, int sight) : block(block), lane(lane), sight(sight) {}
 
   int block, lane, sight;
-  GatheredPoint own;               // what is not to be remembered
-  GatheredPoint* point = nullptr;  // that, or the trial's
-  GatheredPoint made;              // as it was, where no crack had touched it
+  GatheredPoint own;               // a result that is not kept for other trials
+  GatheredPoint* point = nullptr;  // `own`, or the point of a trial
+  GatheredPoint made;              // the old point, where no crack had touched it
   PointDamage damage;
-  double before = 0.0, after = 0.0;                 // elastic energy [J]
-  std::optional<Derivatives<double>> lost, gained;  // forces before, and less those after
+  double before = 0.0, after = 0.0;                 // elastic energy before and after [J]
+  std::optional<Derivatives<double>> lost, gained;  // forces before, and minus the forces after
 };
 
-// What becomes of it. Changes nothing of the state but the point's own trials and its sight, which the edges from
-// `first` on, on trial, do not enter yet.
+// Finds the new state of the point. Changes nothing of the shell but the trials and the visibility of this point. Edges
+// from `first` on are on trial: the kept visibility does not have them yet.
 void renew(const ShellModel& m, ShellState& s, int first, int end, double time, Renewal& r) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(r.block) * t.lanes + r.lane;
   const GatheredPoint& old = present_point(m, s, r.block, r.lane, r.made);
   const int point = s.cracked.point_of[gauss];
   PointDamage fresh;
-  if (s.layers.brittleness > 0.0) fresh.strength = s.layers.strength[gauss];
-  const PointDamage* damage = s.layers.brittleness <= 0.0 ? nullptr : point >= 0 ? &s.cracked.damage[point] : &fresh;
+  if (s.weakens()) fresh.strength = s.layers.strength[gauss];
+  const PointDamage* damage = !s.weakens() ? nullptr : point >= 0 ? &s.cracked.damage[point] : &fresh;
   const auto elastic = [&](const GatheredPoint& g) {
     return s.yields() ? point_energy(t, g, s.motion.x, plasticity_of(m, s)) : point_energy(t, g, s.motion.x);
   };
-  // edges of one moment are tried on one state: longer, shorter, those of the next tip
+  // edges of one moment are tried on one state: longer ones, shorter ones, those of the next tip
   const auto at_present = [&](const GatheredPoint& g, TimedEnergy& known) {
     if (s.yields() || known.time != time) known = {elastic(g), time};
     return known.energy;
@@ -257,7 +247,7 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, double time, 
   PointDamage d = damage ? *damage : fresh;
   d.fresh = true, d.spared = 0.0;
   if (damage && s.layers.heals) {
-    // a damaged point stores the same share of the full energy of what is left
+    // a damaged point stores the same share of the full energy as before
     d.spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
   } else if (damage) {
     settle(t, *r.point, s.motion.x, s.layers.brittleness, d);
@@ -266,9 +256,9 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, double time, 
   r.damage = d;
 }
 
-// Interlocks that hold within the largest support of the edges from `first` on, in rising order.
+// Pairs of faces that bear, within the largest support of the edges from `first` on, in rising order.
 std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int first) {
-  // their functions are those of points just beside the middle of an edge
+  // their functions belong to points just beside the middle of an edge
   const Vec2 pad = 1.01 * kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
   std::vector<int> found;
   for (int k = first; k < static_cast<int>(s.cracks.graph.edges().size()); ++k) {
@@ -283,13 +273,13 @@ std::vector<int> interlocks_near(const ShellModel& m, const ShellState& s, int f
   return found;
 }
 
-// Puts what has become of the points in their places, and the change of their forces in the state's jump.
+// Stores the new points, and adds the change of their forces to the force discontinuity.
 void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, int threads) {
   if (changed.empty()) return;
   const RowTables& t = m.tables;
   RowPlasticity layers;
   if (s.yields()) layers = plasticity_of(m, s);
-  const bool damaged = s.layers.brittleness > 0.0;
+  const bool damaged = s.weakens();
   const auto force_of = [&](const GatheredPoint& g, double times, const PointDamage* damage) {
     return point_force(t, g, s.motion.x, times, damage, s.layers.brittleness, s.layers.heals,
                        s.yields() ? &layers : nullptr);
@@ -335,8 +325,8 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
   }
 }
 
-// Faces that the edges from `first` on have cut off from what they use are fastened again, and where `interlock`, those
-// of these edges for the first time.
+// Fastens again the faces that the edges from `first` on have cut off from their control points and, where `interlock`,
+// the faces of these edges for the first time.
 void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, int threads) {
   const int end = static_cast<int>(s.cracks.graph.edges().size());
   s.cracks.interlock_of.resize(end, -1);
@@ -369,8 +359,8 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
   }
 }
 
-// The edges from `first` on have just been added to the graph: what they touch gets new functions. False, and nothing
-// has changed, where they must release energy and do not.
+// The edges from `first` on have just been added to the graph. The points that they touch get new functions. Returns
+// false, and nothing has changed, where they must release energy and do not.
 bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool interlock, bool must_release,
              int threads) {
   const RowTables& t = m.tables;
@@ -387,7 +377,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   std::vector<Renewal> changed;
   for (const auto& [block, lane] : touched) changed.emplace_back(block, lane, sight_of(m, s, block, lane));
   s.caches.trials.resize(must_release ? s.caches.visibility.size() : 0);
-  if (s.yields())  // positions have moved on since the layers last flowed; that is no work of the crack
+  if (s.yields())  // positions have moved since the layers last yielded; that work is not the crack's
     for (const auto& [block, lane] : touched) {
       GatheredPoint made;
       s.book.plastic += settle(t, present_point(m, s, block, lane, made), s.motion.x, plasticity_of(m, s));
@@ -403,9 +393,9 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     s.book.injected += after - before;
   else
     s.release(before - after);
-  if (first / kForget != end / kForget) s.caches.trials.clear();  // what cracks have passed by is tried no more
+  if (first / kForget != end / kForget) s.caches.trials.clear();  // points that cracks have passed are not tried again
   s.cracks.last_crack_time = time;
-  s.motion.last_force.clear();  // the next one differs by the crack, not by motion
+  s.motion.last_force.clear();  // the next force differs by the crack, not by motion
   return true;
 }
 

@@ -1,11 +1,11 @@
 #pragma once
-// New crack edges enter the mechanics here, whoever proposed them.
+// All new crack edges enter the mechanics here, whichever criterion proposes them.
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 
-/// Adds the edge and gives every Gauss point and interlock whose sight it cuts new shape functions.
-/// Books the jump of elastic energy. Returns the edge or -1 where it would have no length.
+/// Adds the edge. Every Gauss point and every pair of faces whose visibility it cuts gets new shape functions. Books
+/// the change of elastic energy. Returns the edge, or -1 where it would have no length.
 int insert_edge(const ShellModel& model, ShellState& state, int from, int to, int crack, double time, int face,
                 bool interlock);
 
@@ -16,23 +16,17 @@ struct NewEdge {
   int crack, face;
 };
 
-/// Adds edges as one event at `time` (of the positions: energies found at one time are kept), but only where that adds
-/// no energy: what a crack would have to put in, the shell does not have. Returns the first of them; negative where
-/// they were refused, or one would have no length, and all is as before.
+/// Adds edges as one event, if together they add no energy: a crack cannot put in energy that the shell does not have.
+/// `time` [s] is that of the positions; energies found at one time are kept. Returns the first edge, or -1 where they
+/// are refused or one would have no length; then nothing has changed.
 int extend_cracks(const ShellModel& model, ShellState& state, const std::vector<NewEdge>& edges, double time,
                   bool interlock, int threads = 1);
 
-/// The Gauss point leaves the row kernel and keeps its functions: those of the patch. Returns its index in
-/// state.cracked.gathered; one that has left before stays what it is.
+/// The Gauss point leaves the row kernel and keeps its functions, those of the patch. Returns its index in
+/// state.cracked.gathered. A point that has left before stays as it is.
 int gather_point(const ShellModel& model, ShellState& state, int block, int lane);
 
-/// The Gauss point may be damaged from now on: it is listed in state.cracked.gathered, and the row kernel goes on
-/// summing it.
+/// The Gauss point may be damaged from now on. It is listed in state.cracked.gathered; the row kernel still sums it.
 void watch_point(const ShellModel& model, ShellState& state, int block, int lane);
-
-ControlGrid control_grid(const ShellModel& model);
-
-/// `uses`, a sight of the same point, sees from now on just the control points of these functions.
-void note_uses(const ShellModel& model, const std::vector<GatheredFunction>& functions, Sight& uses);
 
 }  // namespace sunder::shell

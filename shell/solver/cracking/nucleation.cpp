@@ -12,12 +12,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kParallel = 0.85;  // cosine: a crack at a steeper angle does not relieve this one
-constexpr double kBehind = 0.5;     // spacings
-constexpr double kJoin = 1.5;       // spacings: a crack that starts so near another starts on it
-constexpr int kSampled = 16;        // elements each way that are enough for what a large ground stores
 constexpr double kRoundOff = 1e-9;  // of a spacing, or of a step along a line
-constexpr double kFarthest = 1e6;   // spacings: no shell has so many
 
 struct Overstressed {
   double ratio;
@@ -62,20 +57,21 @@ std::vector<Overstressed> overstressed_points(const ShellModel& m, ShellState& s
   return over;
 }
 
-// All of the process zone is the tip's, and further what lies ahead of it or beside it. `running`: tips that are alive.
+// Whether p belongs to a tip that runs: all of its process zone does, and further out what lies ahead of it or beside
+// it. `running`: tips that are alive.
 bool near_a_tip(const ShellModel& m, const ShellState& s, const CrackRules& r, const std::vector<int>& running,
                 const Vec2& p) {
   for (const int i : running) {
     const Tip& tip = s.cracks.tips[i];
     if ((tip.p - p).norm() < r.tip_clearance &&
-        ((tip.p - p).norm() < r.process_length || (p - tip.p).dot(tip.direction) > -kBehind * m.spacing) &&
-        s.cracks.graph.visible(p, tip.p + 0.1 * m.spacing * tip.direction, tip.edge))
+        ((tip.p - p).norm() < r.process_length || (p - tip.p).dot(tip.direction) > -kBesideTip * m.spacing) &&
+        s.cracks.graph.visible(p, tip.p + kEyeAhead * m.spacing * tip.direction, tip.edge))
       return true;
   }
   return false;
 }
 
-// The Gauss point nearest to q of those in its element.
+// The Gauss point nearest to q in the element of q.
 std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
   const GaussRule& rule = gauss_rule(m.tables.gauss);
   const auto nearest = [&](const KnotVector& knots, int span, double at) {
@@ -92,14 +88,14 @@ std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
   return {(row * m.tables.gauss + b) * m.tables.gauss + a, lane};
 }
 
-// Mean stress of what surrounds a Gauss point, as `mean_stress`. At one point of a few an element, a direction would be
-// that of the lattice.
+// Mean stress around a Gauss point, as `mean_stress`. The direction of the stress at one point would be that of the
+// lattice.
 bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int block, int lane, double time,
                    double* six) {
   const std::size_t gauss = m.tables.at(block, 1, 0, lane);
   KnownMean& mean = s.caches.surroundings.mean_of_point.at(s.cracked.point_of.size(), gauss,
                                                            sizeof(KnownMean) + most_bytes_seen(m, r.tip_radius));
-  if (mean.time != time || mean.edges != s.cracks.graph.edges().size()) {  // many lines run over the same points
+  if (mean.time != time || mean.edges != s.cracks.graph.edges().size()) {  // many lines use the same points
     mean.found =
         mean_stress(m, s, gauss_point(m.patch, m.tables, block, lane).parameter, r.tip_radius, mean.around, mean.six);
     mean.time = time, mean.edges = s.cracks.graph.edges().size();
@@ -108,8 +104,7 @@ bool stress_around(const ShellModel& m, ShellState& s, const CrackRules& r, int 
   return mean.found;
 }
 
-// Mean along a line of what resists there, over the material's fracture energy: it goes with the square of the
-// strength.
+// Mean along a line of the local fracture energy over that of the material: the square of the strength factor.
 double mean_resistance(const ShellModel& m, const FlawLine& line) {
   const int steps = static_cast<int>(std::ceil(std::min(line.length() / m.spacing, kFarthest))) + 1;
   double sum = 0.0;
@@ -122,13 +117,13 @@ double mean_resistance(const ShellModel& m, const FlawLine& line) {
   return sum / steps;
 }
 
-// A new crack from `from` to `to`; its open end lives on.
+// Starts a crack from vertex `from` to the point `to`; its open end lives on.
 int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int from, const Vec2& to, const Tip& kind,
                 double time) {
   Tip tip = kind;
   tip.edge = extend_cracks(m, s, {{from, to, tip.crack, tip.face}}, time, r.interlock, r.threads);
   if (tip.edge < 0) {
-    s.cracks.graph.undo_vertex();  // the other end, which is new as well
+    s.cracks.graph.undo_vertex();  // the other end is new as well
     return 0;
   }
   tip.vertex = s.cracks.graph.edges()[tip.edge].to;
@@ -137,11 +132,11 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
   return 1;
 }
 
-// Of the crack along a direction that a field of this shape would open at the strength.
+// The crack along a direction that a field of this shape would open at the strength.
 struct Critical {
   double half_length;  // [m]; infinite: none
-  double ground;       // radius [m]
-  double stored;       // by that field at the strength, of stored_by [Pa^2]
+  double ground;       // radius of its energy-release zone [m]
+  double stored;       // stored_by of that field at the strength [Pa^2]
 };
 
 Critical critical_across(const ShellModel& m, double strength, const double* six, const Vec2& along) {
@@ -157,8 +152,8 @@ OwnGround& ground_of(ShellState& s, std::size_t gauss) {
   return s.caches.surroundings.ground_of_point.at(s.cracked.point_of.size(), gauss, sizeof(OwnGround));
 }
 
-// Whether so little ground is left about a point that it is not worth a look at what is about it, which takes much
-// longer. A rule of its own, not a bound of `opens_along`: it goes by the stress at the point, not its mean on a line.
+// Whether so little of the energy-release zone is left that the point needs no closer look, which takes much longer. A
+// rule of its own, not a bound of `opens_along`: it uses the stress at the point, not its mean on a line.
 bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, const Vec2& p, std::size_t gauss) {
   double here[6];
   if (!surface_stress_at(m, s, o.block, o.lane, here)) return true;
@@ -167,20 +162,20 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   const double strength = s.layers.strength[gauss] / m.strength_factor_at(o.block, o.lane);
   const Critical crack = critical_across(m, strength, here, along);
   if (!(crack.half_length > m.spacing) || !std::isfinite(crack.half_length)) return false;
-  // were this the mean on a line: 1 / energy of its half, the shortest that opens
+  // with this stress as the mean on a line: half the line is the shortest that opens, and needs 1 / energy
   const double energy = o.ratio * o.ratio, ground = ground_of(s, gauss).share(m, s.cracks.graph, p, crack.ground);
-  return energy * energy * ground * 2.0 < 1.0;
+  return energy * energy * ground * kShortestOpens < 1.0;
 }
 
-// `refused`: there is no ground for a crack of this flaw, which is longer than a spacing.
+// `refused` becomes true where a flaw longer than a spacing has no energy-release zone of its own.
 int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<int>& running,
                 const Overstressed& o, double time, std::uint64_t& random, bool& refused) {
   const Vec2 flaw = gauss_point(m.patch, m.tables, o.block, o.lane).parameter;
-  Vec2 p = flaw;  // where the crack starts
+  Vec2 p = flaw;  // start of the crack
   const std::size_t gauss = m.tables.at(o.block, 1, 0, o.lane), points = s.cracked.point_of.size();
   NearCracks& beside = s.caches.surroundings.cracks_of_point.at(points, gauss, kBytesOfCracks);
-  const double reach = std::max(kJoin * m.spacing, r.parallel_clearance);
-  const std::vector<SeenEdge>& cracks = beside.seen(s.cracks.graph, p, reach, r.parallel_clearance, kParallel);
+  const double reach = std::max(kStartsOnCrack * m.spacing, r.parallel_clearance);
+  const std::vector<SeenEdge>& cracks = beside.seen(s.cracks.graph, p, reach, r.parallel_clearance, kParallelCosine);
   if (beside.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
   if (lacks_ground(m, s, o, p, gauss)) return refused = true, 0;
   double six[6];
@@ -188,31 +183,31 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
   const int face = high.high > low.high ? 1 : -1;
   const Principal& stress = face > 0 ? high : low;
-  const bool alike = stress.low > r.alike * stress.high;  // then any direction is as good: scatter decides
+  const bool alike = stress.low > r.alike * stress.high;  // then any direction is as good: chance decides
   Vec2 join_foot, join_way;
-  double join = kJoin * m.spacing;
+  double join = kStartsOnCrack * m.spacing;
   bool joins = false;
   Vec2 along = stress.crack;
   for (const SeenEdge& c : cracks) {
-    if (c.distance < r.parallel_clearance && std::abs(c.along.dot(stress.crack)) > kParallel) return 0;
+    if (c.distance < r.parallel_clearance && std::abs(c.along.dot(stress.crack)) > kParallelCosine) return 0;
     if (c.distance < join) join = c.distance, join_foot = c.foot, join_way = c.along, joins = true;
   }
   if (alike && !joins) along = turned(Vec2(1, 0), std::numbers::pi * uniform(random));
   if (const auto clamp = clamped_start(m, s.cracks.graph, flaw, along)) {
-    const auto met = joins ? met_at(*clamp, join_foot, join_way, kJoin * m.spacing) : std::nullopt;
+    const auto met = joins ? met_at(*clamp, join_foot, join_way, kStartsOnCrack * m.spacing) : std::nullopt;
     if (!joins || (met && m.patch.contains(*met))) p = clamp->foot, along = clamp->along;
     if (met && p != flaw) join_foot = *met;
   }
-  // A flaw becomes a crack through the thickness only where it would run on: strength alone, at a point that
-  // a wave passes, would leave the sheet full of cracks one edge long.
+  // A flaw becomes a crack through the thickness only where the crack would run on. Strength alone, at a point that a
+  // wave passes, would fill the sheet with cracks one edge long.
   Tip kind;
-  // what drives is measured against the material's resistance
+  // the drive is taken against the resistance of the material
   kind.strength = s.layers.strength[gauss] / m.strength_factor_at(o.block, o.lane);
   kind.face = face;
   const Critical crack = critical_across(m, kind.strength, six, along);
-  if (!std::isfinite(crack.half_length)) return 0;  // nothing opens a crack along it
+  if (!std::isfinite(crack.half_length)) return 0;  // the field does not open it
   kind.flaw = crack.half_length;
-  if (crack.half_length > m.spacing) {  // the grid resolves what a crack needs to run by its energy
+  if (crack.half_length > m.spacing) {  // the grid resolves the length that a crack needs to run by its energy
     OwnGround& own = ground_of(s, gauss);
     const double share = own.share(m, s.cracks.graph, flaw, crack.ground);
     const FlawLine line = line_through(m, s.cracks.graph, p, along, crack.half_length);
@@ -231,11 +226,11 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   kind.crack = s.cracks.graph.new_crack();
   if (joins) {
     const Vec2 d = (p - join_foot).dot(along) > 0.0 ? along : Vec2(-along);
-    return start_crack(m, s, r, s.cracks.graph.add_vertex(join_foot - 2e-3 * m.spacing * d), join_foot + m.spacing * d,
-                       kind, time);
+    return start_crack(m, s, r, s.cracks.graph.add_vertex(join_foot - kJoinPast * m.spacing * d),
+                       join_foot + kFirstEdge * m.spacing * d, kind, time);
   }
-  const int a = s.cracks.graph.add_vertex(p - 0.5 * m.spacing * along);
-  const int inserted = start_crack(m, s, r, a, p + 0.5 * m.spacing * along, kind, time);
+  const int a = s.cracks.graph.add_vertex(p - 0.5 * kFirstEdge * m.spacing * along);
+  const int inserted = start_crack(m, s, r, a, p + 0.5 * kFirstEdge * m.spacing * along, kind, time);
   if (inserted > 0) {
     Tip back = s.cracks.tips.back();
     back.vertex = a, back.p = s.cracks.graph.vertices()[a], back.direction = -along;
@@ -259,7 +254,8 @@ FlawLine line_through(const ShellModel& m, const CrackGraph& cracks, const Vec2&
       const CrackEdge& c = cracks.edges()[e];
       const Vec2 edge = c.long_b - c.long_a, from = c.long_a - p;
       const double across = way.x() * edge.y() - way.y() * edge.x(), off = way.x() * from.y() - way.y() * from.x();
-      if (std::max(std::abs(across), std::abs(off)) < kRoundOff * m.spacing) {  // on one line, as along a clamp
+      if (std::max(std::abs(across), std::abs(off)) <
+          kRoundOff * m.spacing) {  // on one line, for example along a clamp
         const double first = std::min(from.dot(way), (c.long_b - p).dot(way));
         if (std::max(from.dot(way), (c.long_b - p).dot(way)) > 0.0) before = std::min(before, std::max(0.0, first));
         return true;
@@ -281,11 +277,11 @@ bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const 
   for (int k = -static_cast<int>(line.behind / step + kRoundOff); k * step <= line.ahead + kRoundOff * step; ++k) {
     const auto [block, lane] = point_at(m, line.p + k * step * line.along);
     double six[6];
-    if (stress_around(m, s, r, block, lane, time, six))  // else nothing bears there
+    if (stress_around(m, s, r, block, lane, time, six))  // else the place bears nothing
       sum += across(six + (face > 0 ? 3 : 0), line.along) / m.strength_factor_at(block, lane);
     ++samples;
   }
-  const double over = sum / (samples * flaw.strength);  // energy grows with its square
+  const double over = sum / (samples * flaw.strength);  // energy grows with the square
   return over >= 1.0 && over * over * line.length() >= flaw.half_length &&
          over * over * flaw.ground * 2.0 * flaw.half_length >= line.length();
 }
@@ -294,7 +290,7 @@ double stored_in_ground(const ShellModel& m, const ShellState& s, OwnGround& own
                         const Vec2& along, int face, double even) {
   const double share = own.share(m, s.cracks.graph, p, radius), reach = std::min(radius, own.reach());
   const auto every = [&](const KnotVector& k, double at) {
-    return std::max(1, (k.span_of(at + reach) - k.span_of(at - reach)) / kSampled);
+    return std::max(1, (k.span_of(at + reach) - k.span_of(at - reach)) / kZoneSamples);
   };
   double sum = 0.0, all = 0.0;
   points_within(m, p, reach, every(m.patch.knots_u, p.x()), every(m.patch.knots_v, p.y()),
@@ -314,11 +310,12 @@ int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double tim
   int inserted = 0, nucleated = 0, known = 0;
   std::vector<int> running;
   const int each = m.tables.gauss * m.tables.gauss;
-  thread_local std::vector<char> refused;  // [v][u]: a flaw of the element, whose most overstressed comes first
+  thread_local std::vector<char>
+      refused;  // [v][u] elements that lack their zone; the most overstressed flaw is asked first
   refused.assign(static_cast<std::size_t>(m.tables.blocks() / each) * m.tables.spans_u, 0);
   for (const Overstressed& o : overstressed_points(m, s)) {
     if (nucleated >= r.nucleations_per_step) break;
-    // one that lacks ground speaks for the element's others
+    // one that lacks its zone answers for the others of the element
     char& spoken = refused[static_cast<std::size_t>(o.block / each) * m.tables.spans_u + o.lane];
     if (spoken != 0) continue;
     for (; known < static_cast<int>(s.cracks.tips.size()); ++known)
@@ -330,6 +327,12 @@ int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double tim
     nucleated += edges > 0;
   }
   return inserted;
+}
+
+Criterion nucleation_by_strength() {
+  return {"nucleation_by_strength", CrackMoment::kLook, [](const FractureRules& r) { return r.tips_run(); },
+          [](const CrackLook& k) { return nucleate(k.model, k.state, k.rules.tips, k.time, k.random); },
+          [](const ShellModel& m, double dt) { return std::min(1.0, dt / m.response_time()); }};
 }
 
 }  // namespace sunder::shell

@@ -4,19 +4,14 @@
 #include <cmath>
 
 #include "shell/solver/cracking/insertion.h"
+#include "shell/solver/cracking/tips.h"
 
 namespace sunder::shell {
 namespace {
 
-constexpr double kAtBorder = 0.1;                 // spacings: a cut that ends so close to the border runs out
-constexpr double kOnACrack = 0.02, kPast = 2e-3;  // spacings: a cut that comes so close to a crack meets it
-// Control points of a uniform cubic patch lie on knots, where a cut at round numbers runs, and round-off would put one
-// on either side of it, edge by edge. Spacings off, each is clearly on one.
-constexpr double kOffKnots = 1e-6;
-
-// The vertex of an earlier crack on which a point is, or -1. `vertices`: how many are earlier.
+// The vertex of an earlier crack at p, or -1. `vertices`: number of earlier ones.
 int vertex_on(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, int vertices) {
-  double nearest = kOnACrack * m.spacing;
+  double nearest = kCutOnCrack * m.spacing;
   int found = -1;
   cracks.near(p, p, nearest, [&](int e) {
     for (const int v : {cracks.edges()[e].from, cracks.edges()[e].to}) {
@@ -28,10 +23,10 @@ int vertex_on(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, int 
   return found;
 }
 
-// Those which a segment from a to b passes over between its ends, in its order.
+// Vertices of earlier cracks that a segment from a to b passes over between its ends, in its order.
 std::vector<int> vertices_between(const ShellModel& m, const CrackGraph& cracks, const Vec2& a, const Vec2& b,
                                   int vertices) {
-  const double near = kOnACrack * m.spacing, length = (b - a).norm();
+  const double near = kCutOnCrack * m.spacing, length = (b - a).norm();
   const Vec2 along = (b - a) / length;
   std::vector<std::pair<double, int>> found;
   cracks.near(a, b, near, [&](int e) {
@@ -59,7 +54,7 @@ bool has_edge(const CrackGraph& cracks, int from, int to) {
   return found;
 }
 
-// Whether all of the element at p has come off: there is nothing to cut.
+// Whether all of the element at p has detached: there is nothing to cut.
 bool has_left(const ShellModel& m, const ShellState& s, const Vec2& p) {
   if (!m.patch.contains(p)) return false;
   const int lane = m.patch.knots_u.span_of(p.x()), each = m.tables.gauss * m.tables.gauss;
@@ -79,29 +74,30 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
   const int crack = s.cracks.graph.new_crack(), earlier = static_cast<int>(s.cracks.graph.vertices().size());
   const auto run_out = [&](Vec2 end, const Vec2& from) {
     const Vec2 d = (end - from).normalized();
-    // an end on another crack goes a little past it, so that no gap is left
-    double nearest = kOnACrack * m.spacing;
+    // an end on another crack ends a little past it, so that no gap is left
+    double nearest = kCutOnCrack * m.spacing;
     Vec2 landed = end;
     s.cracks.graph.near(end, end, nearest, [&](int e) {
       Vec2 foot;
-      const double distance = s.cracks.graph.distance(end, e, foot);  // none is its own yet
-      if (distance < nearest) nearest = distance, landed = foot + kPast * m.spacing * d;
+      const double distance = s.cracks.graph.distance(end, e, foot);  // it has no edges yet
+      if (distance < nearest) nearest = distance, landed = foot + kJoinPast * m.spacing * d;
       return true;
     });
-    // at the border it goes on over it, by more than visibility needs
-    if (landed == end && !m.patch.contains(end + kAtBorder * m.spacing * d)) landed = end + 1.01 * m.spacing * d;
+    // at the border it runs over it, further than visibility needs
+    if (landed == end && !m.patch.contains(end + kCutAtBorder * m.spacing * d))
+      landed = end + kCutRunOut * m.spacing * d;
     return landed;
   };
-  // Where it comes upon a vertex of another crack, as where two end in one point or the other ends on this one, it goes
-  // through that: lines that only touch may leave a gap of round-off.
+  // A cut that comes upon a vertex of another crack goes through that vertex: two ends in one point, or the other crack
+  // ends on this one. Lines that only touch may leave a gap of round-off.
   const auto vertex_at = [&](const Vec2& p) {
     const int known = vertex_on(m, s.cracks.graph, p, earlier);
     return known >= 0 ? known : s.cracks.graph.add_vertex(p);
   };
-  const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(1.0, 1.3)) : Vec2(Vec2::Zero());
+  const Vec2 off = m.patch.degree() == 3 ? Vec2(kOffKnots * m.spacing * Vec2(kNudgeU, kNudgeV)) : Vec2(Vec2::Zero());
   const bool closed = points.size() > 2 && points.front() == points.back();
   int first = -1, last = -1;
-  std::vector<std::pair<int, int>> edges;  // all are found before one changes which points have come off
+  std::vector<std::pair<int, int>> edges;  // all are found before the first changes which points are detached
   const auto go_to = [&](int next) {
     const Vec2 a = s.cracks.graph.vertices()[last], b = s.cracks.graph.vertices()[next];
     const int pieces = std::max(1, static_cast<int>(std::ceil((b - a).norm() / m.spacing)));
@@ -124,6 +120,33 @@ void insert_polyline(const ShellModel& m, ShellState& s, const std::vector<Vec2>
   }
   for (const auto& [from, to] : edges)
     if (from != to && !has_edge(s.cracks.graph, from, to)) insert_edge(m, s, from, to, crack, time, 0, false);
+}
+
+namespace {
+
+int make_cuts(const CrackLook& k) {
+  ShellState& s = k.state;
+  const auto edges = [&] { return static_cast<int>(s.cracks.graph.edges().size()); };
+  const int all = edges();
+  std::vector<std::pair<int, int>> made;  // first edge, and the one after the last
+  for (std::size_t i = 0; i < k.rules.cuts.size(); ++i) {
+    const PrescribedCut& cut = k.rules.cuts[i];
+    if (s.cracks.cut_done[i] || cut.time > k.time + k.span) continue;
+    const int before = edges();
+    for (const auto& line : cut.lines) insert_polyline(k.model, s, line, k.time);
+    if (k.on_edges) k.on_edges->insert(k.on_edges->end(), cut.on_edges.begin(), cut.on_edges.end());
+    made.emplace_back(before, edges());
+    s.cracks.cut_done[i] = 1;
+  }
+  if (k.rules.tips_run())  // after all cuts: an end on another cut is not open
+    for (const auto& [first, last] : made) start_at_ends(k.model, s, first, last);
+  return edges() - all;
+}
+
+}  // namespace
+
+Criterion prescribed_cuts() {
+  return {"prescribed_cuts", CrackMoment::kWindow, [](const FractureRules& r) { return !r.cuts.empty(); }, make_cuts};
 }
 
 }  // namespace sunder::shell

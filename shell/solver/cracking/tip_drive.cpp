@@ -10,19 +10,13 @@
 namespace sunder::shell {
 namespace {
 
-// The field of a bent crack that lies between an axis and a diagonal of the lattice opens directions nearer to the
-// diagonal: by so much times sin(4 angle), on the mean over where the tip is in its element, as measured on square
-// elements of degree 2. A stretched one turns less, and to the axis. `validate cracks --case energy_release` has what
-// is left of it (rows `..._lattice_turns`).
-constexpr double kToDiagonal = 3.7 * std::numbers::pi / 180.0;
-
-// Of the points around a start, weighted about one direction.
+// Sums over the points around a start, weighted about one direction.
 struct Sums {
   double six[6] = {}, weight = 0.0;
 };
 
-// A crack that an even field of its strength opens is sharper the longer it is, as the root of its length: at the
-// critical length it needs the energy.
+// Resistance of a young crack. An even field of the strength makes it sharper as the root of its length, until it needs
+// the energy at its critical length.
 double resistance(double sharp, const Start& start) {
   if (start.grown >= 1.0 || start.strength >= sharp) return sharp;
   const double blunt = start.strength * start.strength;
@@ -47,22 +41,22 @@ Drive drive_along(const Sums& sums, const CrackRules& r, const Start& start, dou
   return best;
 }
 
-// Mean of an angular function over the wedge straight ahead, times that of sqrt(R / r) with weight exp(-2 r^2 / R^2).
+// Mean of an angular function over the wedge straight ahead, times the mean of sqrt(R / r), with the weights of
+// drive_at.
 template <class F>
 double mean_ahead(F&& opening) {
-  constexpr int kAngles = 480;
-  constexpr double kRadial = 1.5420;
   double sum = 0.0, weight = 0.0;
-  for (int i = 0; i < kAngles; ++i) {
-    const double t = kBeside * (2.0 * (i + 0.5) / kAngles - 1.0), w = wedge(t);
+  for (int i = 0; i < kWedgePoints; ++i) {
+    const double t = kFlankAngle * (2.0 * (i + 0.5) / kWedgePoints - 1.0), w = wedge(t);
     sum += w * opening(t), weight += w;
   }
-  return kRadial * sum / weight;
+  return kRadialMean * sum / weight;
 }
 
-// Energies of a field that stretches and bends, over those of one that only stretches as much as the opened face.
+// Energies of a field that stretches and bends, over those of a field that only stretches, with the same stress on the
+// opened face.
 struct Opening {
-  double released = 0.0;  // by a crack; 0: nothing opens it
+  double released = 0.0;  // by a crack; 0: the field does not open it
   double stored = 0.0;
 };
 
@@ -101,7 +95,7 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
 }
 
 Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, const Start& start, Surroundings& known) {
-  // a step further than it may turn: what the lattice adds is taken off first
+  // one step further than the largest turn: the turn by the lattice is taken off first
   const double furthest = start.most_turn > 0.0 ? start.most_turn + kTurnStep : 0.0;
   const int steps = static_cast<int>(std::ceil(furthest / kTurnStep - 1e-9));
   const double step = steps > 0 ? furthest / steps : 0.0;
@@ -111,7 +105,7 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
   for (const SeenPoint& q : known.seen(m, s.cracks.graph, {start.p, r.tip_radius, start.direction, start.edge})) {
     double here[6];
     if (!surface_stress_at(m, s, q.block, q.lane, here)) continue;
-    const double factor = m.strength_factor_at(q.block, q.lane);  // of what resists there
+    const double factor = m.strength_factor_at(q.block, q.lane);  // of the resistance there
     if (factor != 1.0)
       for (double& stress : here) stress /= factor;
     const double straight = q.ahead, tilt = step == kTurnStep ? q.tilt : wedge_tilt(q.angle, step);
@@ -133,22 +127,22 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
       const Drive d = drive_along(ahead[sign * k], r, start, sign * step * k);
       if (d.ratio > best.ratio) best = d, at = sign * k;
     }
-  if (std::abs(at) < steps) {  // between the directions that were tried: the top of a parabola
+  if (std::abs(at) < steps) {  // the top of a parabola, between the directions tried
     const double before = drive_along(ahead[at - 1], r, start, (at - 1) * step).ratio,
                  after = drive_along(ahead[at + 1], r, start, (at + 1) * step).ratio;
     const double bend = before - 2.0 * best.ratio + after;
     if (bend < 0.0) best.turn += 0.5 * step * std::clamp((before - after) / bend, -1.0, 1.0);
   }
   const double angle = std::atan2(start.direction.y() / m.spacing_v, start.direction.x() / m.spacing_u);
-  const double off = kToDiagonal * best.bent * std::sin(4.0 * angle), wanted = best.turn - off;
+  const double off = r.to_diagonal * best.bent * std::sin(4.0 * angle), wanted = best.turn - off;
   const double turn = std::clamp(wanted, -start.most_turn, start.most_turn);
-  if (turn != wanted && steps > 0) {  // what drives it is what it finds as far round as it may turn
+  if (turn != wanted && steps > 0) {  // then the drive is that at the largest turn
     const double at_most = (turn + off) / step;
     const int low = std::clamp(static_cast<int>(std::floor(at_most)), -steps, steps - 1);
     const Drive before = drive_along(ahead[low], r, start, low * step),
                 after = drive_along(ahead[low + 1], r, start, (low + 1) * step);
     const double part = at_most - low;
-    best = before.ratio > after.ratio ? before : after;  // the weaker may be closed, and then has no face
+    best = before.ratio > after.ratio ? before : after;  // the weaker one may be closed, and then has no face
     best.ratio = (1.0 - part) * before.ratio + part * after.ratio;
   }
   best.turn = turn;

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "shell/mechanics/principal.h"
 #include "shell/solver/cracking/clamp.h"
@@ -13,19 +12,10 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kCrossingCosine = 0.7;  // a tip that meets a crack at a flatter angle follows it
-// Edges, where a shorter one would not release energy: what changes around a tip costs the same for any.
-constexpr double kLengths[] = {1.0, 1.5, 2.0, 3.0, 4.0};
-constexpr double kRetry = 0.25;  // of an edge that a tip keeps which was refused
-constexpr double kMet = 0.05;    // spacings between tips that have met
-constexpr double kApart = 2.0;   // spacings that a tip has run before it may join its own crack
-constexpr double kOnto = 0.5;  // of an edge: a tip so near a clamped border that it follows is on it with the next one
-constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;  // of a crack from the end of a cut
+constexpr std::size_t kFewTips = 8;  // for which one thread is faster than several
 
-constexpr std::size_t kFewTips = 8;  // that one thread looks at sooner than it shares them
-
-// A crack that opens one face runs across one that opened the other and still keys, for that one is closed
-// where this one opens: the radial cracks of a struck pane cross its rings.
+// A crack that opens one face crosses a crack that opened the other and still bears: that one is closed where this one
+// opens. The radial cracks of a struck pane cross its rings so.
 bool crosses(const ShellState& s, int edge, const Tip& tip, const Vec2& d) {
   const CrackEdge& e = s.cracks.graph.edges()[edge];
   const int lock = s.cracks.interlock_of[edge];
@@ -35,16 +25,16 @@ bool crosses(const ShellState& s, int edge, const Tip& tip, const Vec2& d) {
 
 struct Way {
   Vec2 to;
-  bool ends;                  // on another crack or past the border
-  std::optional<Vec2> along;  // a clamped border, as it goes on
+  bool ends;                  // it ends on another crack or past the border
+  std::optional<Vec2> along;  // direction of a clamped border that it follows
 };
 
-// The next edge of a tip along `wanted`, `length` long; ends on what lies within reach.
+// The next edge of a tip along `wanted`, `length` long; it ends on a crack or the border within reach.
 Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, const Tip& tip, const Vec2& wanted,
               double length) {
   const Vec2 a = tip.p;
   Vec2 d = wanted, b = a + length * d;
-  const std::optional<ClampedBorder> clamp = clamped_border(m, a, d, kOnto * length);
+  const std::optional<ClampedBorder> clamp = clamped_border(m, a, d, kOntoClamp * length);
   if (clamp) {
     const double across = (a - clamp->foot).norm();
     b = clamp->foot + std::sqrt(length * length - across * across) * clamp->along;
@@ -55,12 +45,12 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
   double nearest = 2.0;
   int hit = -1;
   const Vec2 far = reach * d;
-  s.cracks.graph.near(a, a + far, 0.0, [&](int e) {  // straight ahead: end on it
+  s.cracks.graph.near(a, a + far, 0.0, [&](int e) {  // a crack straight ahead ends it
     const CrackEdge& c = s.cracks.graph.edges()[e];
     if (e == tip.edge || c.from == tip.vertex || c.to == tip.vertex) return true;
     const Vec2 q = c.long_b - c.long_a, o = c.long_a - a;
     const double det = q.x() * far.y() - far.x() * q.y();
-    if (std::abs(det) < 1e-12 * q.norm() * reach) {  // on one line: tips that run along a border meet head on
+    if (std::abs(det) < 1e-12 * q.norm() * reach) {  // on one line, as tips that meet head on along a border
       if (std::abs(o.x() * d.y() - o.y() * d.x()) > 1e-9 * m.spacing) return true;
       const double end = std::min((c.a - a).dot(d), (c.b - a).dot(d)) / reach;
       if (end > 1e-6 && end <= 1.0 && end < nearest) nearest = end, hit = e;
@@ -70,39 +60,40 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
     if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest) nearest = along, hit = e;
     return true;
   });
-  const double past = 2e-3 * m.spacing;  // joins cross what they join, so that nothing sees between
+  const double past = kJoinPast * m.spacing;  // joins go past the crack, so that nothing sees between
   if (nearest <= 1.0) {
     b = a + nearest * far + past * d;
     ends = !crosses(s, hit, tip, d);
   } else {
-    double snap = 0.7 * r.join;
+    double snap = kSnapShare * r.join;
     Vec2 foot, best = b;
     s.cracks.graph.near(b, b, snap, [&](int e) {
       const CrackEdge& c = s.cracks.graph.edges()[e];
       if (e == tip.edge || c.from == tip.vertex || c.to == tip.vertex) return true;
-      const bool own = c.crack == tip.crack || (c.crack == tip.sibling && tip.since_branch < kApart * m.spacing);
-      if (own && ((c.a - a).norm() < kApart * m.spacing || (c.b - a).norm() < kApart * m.spacing)) return true;
+      const bool own = c.crack == tip.crack || (c.crack == tip.sibling && tip.since_branch < kOwnEdges * m.spacing);
+      if (own && ((c.a - a).norm() < kOwnEdges * m.spacing || (c.b - a).norm() < kOwnEdges * m.spacing)) return true;
       const double distance = s.cracks.graph.distance(b, e, foot);
-      if (clamp && std::abs((foot - b).dot(Vec2(clamp->along.y(), clamp->along.x()))) > kMet * m.spacing) return true;
-      if (distance < snap && (foot - b).dot(d) > -0.1 * m.spacing) snap = distance, best = foot, ends = true;
+      if (clamp && std::abs((foot - b).dot(Vec2(clamp->along.y(), clamp->along.x()))) > kTipsMet * m.spacing)
+        return true;
+      if (distance < snap && (foot - b).dot(d) > -kSnapBehind * m.spacing) snap = distance, best = foot, ends = true;
       return true;
     });
     if (ends) b = best + past * (best - a).normalized();
   }
-  // one that comes onto the border goes on along it before it may leave at a corner
+  // a tip that comes onto the border runs along it before it may leave at a corner
   const bool lands = clamp && std::abs(clamp->along.dot(d)) < 1.0 - 1e-9;
   const Vec2 beyond = lands ? b : clamp ? Vec2(b + r.join * clamp->along) : Vec2(a + reach * d);
-  if (!ends && hit < 0 && !m.patch.contains(beyond)) b = a + (reach + 0.1 * m.spacing) * d, ends = true;
+  if (!ends && hit < 0 && !m.patch.contains(beyond)) b = a + (reach + kRunOut * m.spacing) * d, ends = true;
   return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }
 
-// Each tip runs one edge along its direction, all or none. Returns edges inserted.
+// Each tip runs one edge along its direction, all of them or none. Returns the number of edges inserted.
 int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<std::pair<Tip*, Vec2>>& tips,
             double time) {
   std::vector<Way> ways;
   int first = -1;
   double length = r.advance;
-  for (const double longer : kLengths) {
+  for (const double longer : kEdgesTried) {
     length = longer * r.advance;
     ways.clear();
     std::vector<NewEdge> edges;
@@ -124,8 +115,8 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     tip.pending -= length - r.advance;
     if (!ways[k].ends) continue;
     tip.alive = false;
-    for (Tip& other : s.cracks.tips)  // met head on
-      if (other.alive && (other.p - b).norm() < kMet * m.spacing) other.alive = false;
+    for (Tip& other : s.cracks.tips)  // tips that meet head on
+      if (other.alive && (other.p - b).norm() < kTipsMet * m.spacing) other.alive = false;
   }
   return static_cast<int>(tips.size());
 }
@@ -134,12 +125,12 @@ bool room_to_branch(const ShellState& s, const CrackRules& r, const Tip& tip, do
   for (const Tip& other : s.cracks.tips)
     if (&other != &tip && other.alive && (other.p - tip.p).norm() < r.branch_clearance) return false;
   bool room = true;
-  const Vec2 look = tip.p + 2.0 * spacing * tip.direction;
-  s.cracks.graph.near(look, look, 1.5 * spacing, [&](int e) {
+  const Vec2 look = tip.p + kBranchLook * spacing * tip.direction;
+  s.cracks.graph.near(look, look, kBranchRoom * spacing, [&](int e) {
     Vec2 foot;
     const CrackEdge& c = s.cracks.graph.edges()[e];
-    if (c.crack == tip.crack && (c.b - tip.p).norm() < 2.0 * spacing) return true;
-    room = s.cracks.graph.distance(look, e, foot) >= 1.5 * spacing;
+    if (c.crack == tip.crack && (c.b - tip.p).norm() < kBranchOwn * spacing) return true;
+    room = s.cracks.graph.distance(look, e, foot) >= kBranchRoom * spacing;
     return room;
   });
   return room;
@@ -154,13 +145,13 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.face = tip.face;
     start.most_turn = tip.grown > 0.0 ? r.turn : std::max(r.turn, tip.first_turn);
     start.strength = tip.strength;
-    start.grown = tip.flaw > 0.0 ? std::min(1.0, (tip.grown + 0.5 * m.spacing) / tip.flaw) : 1.0;
+    start.grown = tip.flaw > 0.0 ? std::min(1.0, (tip.grown + kCreditedLength * m.spacing) / tip.flaw) : 1.0;
     return start;
   };
-  // all at once, which is right until one of them runs nearby
+  // all tips at once, which holds until one of them runs nearby
   const int known = static_cast<int>(s.cracks.graph.edges().size());
   const auto as_before = [&](const Vec2& p) {
-    // an edge changes what a tip sees, and what points bear that see across the edge
+    // an edge changes the points that a tip sees, and the stress of points that see across the edge
     const Vec2 pad = Vec2::Constant(r.tip_radius) + kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
     bool same = true;
     if (static_cast<int>(s.cracks.graph.edges().size()) == known) return same;
@@ -183,7 +174,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     const Drive now = as_before(tip.p) ? drives[i] : drive_at(m, s, r, start_of(tip), s.caches.surroundings.of_tip[i]);
     if (now.ratio <= 1.0) continue;
     tip.face = now.face;
-    // Freund: energy release falls to zero at the Rayleigh speed; it balances the resistance at this speed
+    // Freund: the energy release falls to zero at the Rayleigh speed; at this speed it equals the resistance
     const double speed = r.rayleigh * (1.0 - 1.0 / (now.ratio * now.ratio));
     tip.pending += speed * dt;
     tip.weight += speed, tip.turn += speed * now.turn, tip.ratio += speed * now.ratio;
@@ -191,8 +182,9 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
       tip.pending -= r.advance;
       const Vec2 d = turned(tip.direction, tip.turn / tip.weight);
       int edges = 0;
-      if (tip.ratio / tip.weight > r.branch_ratio && tip.since_branch > std::max(r.branch_spacing, 2.0 * tip.flaw) &&
-          !clamped_border(m, tip.p, d, kOnto * r.advance) && room_to_branch(s, r, s.cracks.tips[i], m.spacing)) {
+      if (tip.ratio / tip.weight > r.branch_ratio &&
+          tip.since_branch > std::max(r.branch_spacing, kWholeCrack * tip.flaw) &&
+          !clamped_border(m, tip.p, d, kOntoClamp * r.advance) && room_to_branch(s, r, s.cracks.tips[i], m.spacing)) {
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.graph.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
         one.since_branch = twin.since_branch = 0.0;
@@ -200,7 +192,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
         if (edges > 0) s.cracks.graph.new_crack(), tip = one, s.cracks.tips.push_back(twin);
       }
       if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, time);
-      if (edges == 0) tip.pending = kRetry * r.advance;
+      if (edges == 0) tip.pending = kRefusedPending * r.advance;
       inserted += edges;
     }
     s.cracks.tips[i] = tip;
@@ -218,10 +210,10 @@ void start_at_ends(const ShellModel& m, ShellState& s, int first, int last) {
     const CrackEdge& e = g.edges()[edge];
     const Vec2 p = back ? e.a : e.b;
     bool open = m.patch.contains(p);
-    g.near(p, p, 0.1 * m.spacing, [&](int other) {
+    g.near(p, p, kEndTaken * m.spacing, [&](int other) {
       Vec2 foot;
       const bool next = other >= first && other < last && std::abs(other - edge) <= 1;  // of the same cut
-      if (!next && g.distance(p, other, foot) < 0.1 * m.spacing) open = false;
+      if (!next && g.distance(p, other, foot) < kEndTaken * m.spacing) open = false;
       return open;
     });
     if (!open) continue;
@@ -232,12 +224,10 @@ void start_at_ends(const ShellModel& m, ShellState& s, int first, int last) {
   }
 }
 
-int grow_cracks(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt,
-                std::uint64_t& random) {
-  int inserted = grow_tips(m, s, r, time, dt);
-  inserted += nucleate(m, s, r, time, random);
-  if (!s.cracks.interlocks.empty()) release_interlocks(m, s, r.faces, false);
-  return inserted;
+Criterion tips_by_energy() {
+  return {"tips_by_energy", CrackMoment::kLook, [](const FractureRules& r) { return r.tips_run(); },
+          [](const CrackLook& k) { return grow_tips(k.model, k.state, k.rules.tips, k.time, k.span); },
+          [](const ShellModel& m, double dt) { return std::min(1.0, dt / m.response_time()); }};
 }
 
 }  // namespace sunder::shell

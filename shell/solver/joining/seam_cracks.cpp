@@ -66,8 +66,8 @@ void each_seam_beside(const std::vector<Seam>& seams, int shell, const ShellMode
         const double own = (at - along.begin()) / (along.end() - along.begin());
         return !first && seam.reversed ? 1.0 - own : own;
       };
-      // an edge blocks visibility just beyond its ends, too
-      const double pad = m.spacing / (along.end() - along.begin());
+      const double pad =
+          kSeamPad * m.spacing / (along.end() - along.begin());  // sight is blocked just beyond an end, too
       const double a = share(e.a[1 - across]), b = share(e.b[1 - across]);
       callback(seam, std::min(a, b) - pad, std::max(a, b) + pad);
     }
@@ -111,16 +111,16 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
         const Vec2 way = (tangents.transpose() * tangents).ldlt().solve(tangents.transpose() * way_on).normalized();
         ShellState& s = *shells[other].state;
         const int before = static_cast<int>(s.cracks.graph.edges().size());
-        insert_polyline(n, s, {at, at + n.spacing * way}, time);
+        insert_polyline(n, s, {at, at + kFirstEdge * n.spacing * way}, time);
         const std::size_t first = s.cracks.tips.size();
         start_at_ends(n, s, before, static_cast<int>(s.cracks.graph.edges().size()));
         for (std::size_t t = first; t < s.cracks.tips.size(); ++t) {
           Tip& on = s.cracks.tips[t];
-          // The tip has run on at once, so it waits as long as that length would have taken.
-          on.pending = -n.spacing - (from.p - exit.at).norm();
-          // A tip shorter than a whole crack keeps its flaw. Any other one may turn as sharply as a new crack, which
-          // corrects the direction of the first edge.
-          if (from.grown < 2.0 * from.flaw)
+          // it has run on at once, and waits as long as that would have taken it
+          on.pending = -kFirstEdge * n.spacing - (from.p - exit.at).norm();
+          // shorter than a whole crack: no less so; else it may turn as sharply as one that starts, which rights the
+          // edge that it has run blindly
+          if (from.grown < kWholeCrack * from.flaw)
             on.strength = from.strength, on.flaw = from.flaw, on.grown = from.grown,
             on.since_branch = from.since_branch;
         }

@@ -13,15 +13,10 @@
 namespace sunder::shell {
 namespace {
 
-// [rad]: a sharper crease keeps the distance of the rows beside it; a flatter one keeps the offset of the seam from the
-// line between these rows
-constexpr double kSharp = std::numbers::pi / 3.0;
-constexpr double kFlat = 1e-3;       // share of the rows' distance: a seam with less offset is smooth
-constexpr double kOnALine = 1e-9;    // share of the largest moment of inertia: below it, points lie on a line
-constexpr double kOnePlace = 1e-3;   // spacings: control points nearer to each other have no lever arm
-constexpr int kSweeps = 12;          // over creases that share control points
-constexpr double kMet = 1e-13;       // relative error of a length that counts as round-off
-constexpr double kLeastMass = 0.25;  // share of its own mass that a control point keeps when another one is released
+constexpr double kOnALine = 1e-9;      // of the largest moment of inertia, that points on a line have about it
+constexpr double kOnePlace = 1e-3;     // spacings: control points no further apart have no arm to turn by
+constexpr int kSweeps = 12;            // over creases that share control points
+constexpr double kSameLength = 1e-13;  // of a length: round-off
 
 void add(std::vector<double>& a, int slot, const Vec3& value) {
   const std::size_t plane = a.size() / 3;
@@ -67,7 +62,7 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
       const double bend =
           std::numbers::pi - std::acos(std::clamp((a - edge).normalized().dot((b - edge).normalized()), -1.0, 1.0));
       const double share = std::clamp((edge - a).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
-      const bool sharp = bend >= kSharp;
+      const bool sharp = bend >= kSharpCrease;
       Brace brace;
       const auto end = [&](const PatchPoint& p, double weight) { brace.ends.push_back({p.patch, slot(p), weight}); };
       end(c.first, sharp ? -1.0 : share - 1.0);
@@ -89,7 +84,7 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
         for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
       }
       brace.length = sum.norm();
-      if (brace.length > kFlat * chord.norm()) braces_.push_back(std::move(brace));
+      if (brace.length > kSmoothSeam * chord.norm()) braces_.push_back(std::move(brace));
     }
   edges_seen_.assign(shells.size(), 0);
 }
@@ -167,7 +162,7 @@ void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
         mobility += t.weight * t.weight * s.motion.inverse_mass[t.slot];
       }
       const Vec3 next = now + dt * change, line = now.stableNormalized();
-      if (std::abs(next.norm() - b.length) <= kMet * b.length || mobility == 0.0) continue;
+      if (std::abs(next.norm() - b.length) <= kSameLength * b.length || mobility == 0.0) continue;
       met = false;
       // Solves |next + dt mobility j line| = length for the smaller j. Where there is no solution, the length comes as
       // near as possible.
@@ -215,7 +210,6 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
 }
 
 Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m, bool look) {
-  constexpr int kRows = 2;  // rows of a patch that a seam joins: the edge row, and the one beside it
   const ShellModel& model = *shells[m.shell].model;
   const int point = model.tables.control_point(m.slot), columns = model.patch.columns();
   const int column = point % columns, row = point / columns;
@@ -225,7 +219,7 @@ Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Se
                       : edge == kUMax ? columns - 1 - column
                       : edge == kVMin ? row
                                       : model.patch.rows() - 1 - row;
-    if (m.shell != (first ? seam.first : seam.second) || depth >= kRows) continue;
+    if (m.shell != (first ? seam.first : seam.second) || depth >= kSeamRows) continue;
     const int axis = edge < kVMin ? 1 : 0;
     const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
     const Vec2 at = model.of_slot[m.slot];
@@ -364,8 +358,8 @@ double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving the mass has removed
   for (const Master& m : t.on) {
     ShellState& s = *shells[m.shell].state;
-    // Pieces that were handed off nearby may have taken some of the shared mass.
-    const double least = kLeastMass * shells[m.shell].model->mass[m.slot];
+    // pieces that have left beside it may have taken some of what was shared
+    const double least = kSeamMassKept * shells[m.shell].model->mass[m.slot];
     const double part = std::min(m.share * model.mass[t.slot], std::max(0.0, s.motion.mass[m.slot] - least));
     const Vec3 v = s.velocity(m.slot);
     mass += part, momentum += part * v, lost += 0.5 * part * v.squaredNorm();

@@ -13,14 +13,7 @@
 namespace sunder::shell {
 namespace {
 
-// Share of its first mass that a control point keeps, however many pieces beside it are handed off. The stable step
-// falls with the root of the mass.
-constexpr double kLeastMass = 0.5;
-constexpr std::size_t kNearest = 192;  // control points beside a piece that are tried at first
-constexpr double kNeighbours = 8.0;    // spacings within which they are searched first
 constexpr std::size_t kEvery = std::numeric_limits<std::size_t>::max();
-constexpr double kPartTolerance = 0.1;  // squared spacings that a convex part may add to a piece's outline
-constexpr double kLastMass = 0.02;  // smaller share for cases where kLeastMass is not enough, such as the last pieces
 
 // Returns the mass that a control point keeps when pieces take from it. A point that a crack along a clamped border has
 // parted from all pieces keeps nothing, since nothing uses it.
@@ -36,7 +29,7 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
                                      const Vec3& centre) {
   Eigen::VectorXd wanted(4);
   wanted << mass, moment / m.spacing;
-  for (std::size_t n = 12; n / 2 < beside.size() && n <= kNearest; n *= 2) {
+  for (std::size_t n = kFewestBalancing; n / 2 < beside.size() && n <= kMostBalancing; n *= 2) {
     const auto count = static_cast<Eigen::Index>(std::min(n, beside.size()));
     Eigen::MatrixXd a(4, count);
     for (Eigen::Index k = 0; k < count; ++k) {
@@ -44,16 +37,17 @@ std::vector<double> balancing_masses(const ShellModel& m, const ShellState& s, c
       a.col(k) << 1.0, arm.x(), arm.y(), arm.z();
     }
     const Eigen::VectorXd parts = a.completeOrthogonalDecomposition().solve(wanted);
-    bool fits = (a * parts - wanted).norm() <= 1e-3 * wanted.norm();  // not exact: a bent piece's points need not fit
+    bool fits =
+        (a * parts - wanted).norm() <= kBalancingMisfit * wanted.norm();  // a bent piece's points need not all fit
     for (Eigen::Index k = 0; k < count && fits; ++k)
       fits =
-          parts[k] <= s.motion.mass[beside[k]] - kept_by(m, t, beside[k], kLeastMass) && -parts[k] <= m.mass[beside[k]];
+          parts[k] <= s.motion.mass[beside[k]] - kept_by(m, t, beside[k], kMassKept) && -parts[k] <= m.mass[beside[k]];
     if (!fits) continue;
     std::vector<double> out(parts.data(), parts.data() + count);
     double sum = 0.0;
     for (const double p : out) sum += p;
-    out[0] += mass - sum;  // makes the sum exact
-    if (out[0] > s.motion.mass[beside[0]] - kept_by(m, t, beside[0], kLeastMass)) continue;
+    out[0] += mass - sum;  // the mass is exact
+    if (out[0] > s.motion.mass[beside[0]] - kept_by(m, t, beside[0], kMassKept)) continue;
     return out;
   }
   return {};
@@ -100,7 +94,7 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
             box.extend(border.back());
   std::vector<std::pair<double, int>> found;
   std::size_t all = most;
-  for (double reach = kNeighbours * m.spacing; found.size() < std::min(most, all); reach *= 2.0) {
+  for (double reach = kBalancingReach * m.spacing; found.size() < std::min(most, all); reach *= 2.0) {
     found.clear(), all = 0;
     for (int i = 0; i < m.control_points(); ++i) {
       const int slot = m.tables.slot(i);
@@ -125,7 +119,6 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
 void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const Piece& piece,
                    const std::vector<int>& beside, const Vec3& centre, const Vec3& common, double energy, double mass,
                    const Mat3& inertia, Vec3& momentum, Vec3& angular) {
-  constexpr std::size_t kTakers = 12;
   const Vec3 linear = momentum - mass * common;
   const double rigid = 0.5 * linear.squaredNorm() / mass + 0.5 * angular.dot(inertia.ldlt().solve(angular));
   if (rigid <= energy) return;
@@ -151,10 +144,10 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
       second += s.motion.mass[slot] * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
     }
     spin = principal_axes(second);
-    return spin.moments[0] >= 1e-3 * spin.moments[2];  // not in a line, as points beside a long strip are
+    return spin.moments[0] >= kInALine * spin.moments[2];  // not in a line, as those beside a long strip are
   };
   std::vector<int> all;
-  for (std::size_t most = kTakers;; most *= 2) {
+  for (std::size_t most = kFewestBalancing;; most *= 2) {
     if (all.empty() && !take(beside, most)) all = neighbours(m, s, t, piece, kEvery);
     const bool more = all.empty() || take(all, most);
     if (takers.size() < 4) return;
@@ -352,7 +345,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     mass += s.motion.mass[slot];
     momentum += s.motion.mass[slot] * velocity_now(slot);
   }
-  std::vector<int> beside = neighbours(m, s, t, piece, kNearest);
+  std::vector<int> beside = neighbours(m, s, t, piece, kMostBalancing);
   std::vector<std::pair<double, Vec3>> sources;  // masses that become the piece, with their velocities
   for (const int slot : slots) sources.emplace_back(s.motion.mass[slot], velocity_now(slot));
   // Place and rotation of the piece.
@@ -395,7 +388,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
     missing = 0.0;
   } else if (missing > 0.0) {
     beside = neighbours(m, s, t, piece, kEvery);
-    for (const double least : {kLeastMass, kLastMass})
+    for (const double least : {kMassKept, kLastMassKept})
       for (const int slot : beside) {
         const double part = std::min(missing, s.motion.mass[slot] - kept_by(m, t, slot, least));
         if (part <= 0.0) continue;

@@ -3,13 +3,6 @@
 #include "shell/solver/cracking/clamp.h"
 
 namespace sunder::shell {
-namespace {
-
-// squared spacings: smaller slivers, which form where joins cross what they join, are removed
-constexpr double kCrumb = 0.02;
-
-}  // namespace
-
 Eigen::AlignedBox2d domain_of(const ShellModel& m) {
   const auto &u = m.patch.knots_u, &v = m.patch.knots_v;
   return {Vec2(u.begin(), v.begin()), Vec2(u.end(), v.end())};
@@ -26,7 +19,7 @@ Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<c
       return true;
     });
   Triangulation t = triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks.graph, places, m.spacing,
-                                kCrumb * m.spacing * m.spacing, knots_in);
+                                kSliver * m.spacing * m.spacing, knots_in);
   for (int i = 0; i < m.control_points(); ++i)
     if (parted_from_clamp(m, s.cracks.graph, i) >= 0) t.owner[i] = -1;
   return t;

@@ -5,11 +5,7 @@
 namespace sunder::shell {
 namespace {
 
-// times its length at rest: a longer side is no surface, since control points of rubble fly freely
-constexpr double kTorn = 4.0;
-constexpr double kBent = 0.5;  // thicknesses from a plane: a piece with more keeps its present shape
-
-// Evaluates the present surface with the functions of the uncut patch.
+// The surface where it stands, with the functions of the uncut patch.
 SurfacePoint surface(const ShellModel& m, const ShellState& s, const Vec2& p) {
   const ShapeFunctions f = m.patch.shape_functions(p);
   SurfacePoint out{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
@@ -48,7 +44,7 @@ Stand stand(const ShellModel& m, const ShellState& s, const Triangulation& t, in
   }
   if (middles.empty()) return out;
   normal.normalize(), centre /= static_cast<double>(middles.size());
-  for (const Vec3& x : middles) out.bent = out.bent || !(std::abs(normal.dot(x - centre)) <= kBent * m.thickness);
+  for (const Vec3& x : middles) out.bent = out.bent || !(std::abs(normal.dot(x - centre)) <= kBentPiece * m.thickness);
   return out;
 }
 
@@ -57,7 +53,7 @@ void take_as_it_stands(const Triangulation& t, const Stand& at, double thickness
                        DrawnMesh& drawn) {
   const auto finite = [&](int v) { return at.low[v].allFinite() && at.high[v].allFinite(); };
   const auto torn = [&](int a, int b) {  // parameters are lengths
-    return (at.low[a] - at.low[b]).norm() > kTorn * (t.vertices[a] - t.vertices[b]).norm() + thickness;
+    return (at.low[a] - at.low[b]).norm() > kNoSurface * (t.vertices[a] - t.vertices[b]).norm() + thickness;
   };
   std::vector<int> number(t.vertices.size(), -1);
   for (const int i : at.triangles) {

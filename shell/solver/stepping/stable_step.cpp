@@ -38,9 +38,9 @@ struct Probed {
   std::vector<double> x, v, force, inverse_mass, at_rest;  // at_rest: forces at the present positions
 };
 
-// Tests whether K is symmetric and forces are linear for small probes. Yielding layers yield in one direction only, and
-// forces of damaged points are no gradient: there the method of Lanczos fails.
-bool elastic(const ShellState& s) { return !s.yields() && s.layers.brittleness <= 0.0; }
+// Whether K is symmetric, and forces linear for small probes: layers that yield go on yielding one way only, and what
+// damage weakens is no gradient. Lanczos found a third of the stable step there.
+bool elastic(const ShellState& s) { return !s.yields() && !s.weakens(); }
 
 // Stable step [s] of central differences, with damping at velocities half a step earlier.
 double step_of(const ShellMaterial& m, double omega) {

@@ -110,7 +110,7 @@ TEST(Cut, ThatMeetsItselfIsRefusedWithBothSegmentsAndThePlace) {
 
 TEST(Cut, TakesSettingsAndKeepsItsTime) {
   const std::string text = scene("cuts { time_s: 0.25 circle { center { u: 0.25 v: 0.25 } radius_m: 0.1 } }");
-  const auto cut = built(text, {"shells[pane].cuts[0].circle.radius_m=0.2"}).shells[0].cuts[0];
+  const auto cut = built(text, {"shells[pane].cuts[0].circle.radius_m=0.2"}).shells[0].fracture.cuts[0];
   EXPECT_EQ(cut.time, 0.25);
   ASSERT_EQ(cut.lines.size(), 1u);
   EXPECT_TRUE(cut.on_edges.empty());
@@ -239,8 +239,9 @@ TEST(Healing, IsForDamageOnly) {
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).shells[0].healing);
   EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].healing);
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"}).shells[0].healing);
-  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n")).shells[0].extract_cracks);
-  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].extract_cracks);
+  EXPECT_FALSE(
+      built(scene("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n")).shells[0].fracture.damage.extract);
+  EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.extract);
   expect_refusal(scene("", tough, "fracture { mode: TIPS extract_cracks: false }\n"), "fracture.extract_cracks",
                  {"is for mode DAMAGE"});
 }

@@ -95,7 +95,7 @@ TEST(SceneCuts, OnEdgesOfThePatchOpenSeamsAndSupports) {
     std::remove(path.c_str());
     // the other shell gets a free edge, and its stable step accounts for it
     EXPECT_EQ(setup.shells[0].can_crack(), !seams.empty());
-    return setup.shells[1].cuts.at(0);
+    return setup.shells[1].fracture.cuts.at(0);
   };
   const auto opened = cut("seams {}", "");
   ASSERT_EQ(opened.on_edges.size(), 1u);

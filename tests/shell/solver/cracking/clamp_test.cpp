@@ -11,6 +11,7 @@
 #include "shell/solver/forces.h"
 #include "shell/solver/parting/handoff.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/grow_cracks.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -128,7 +129,7 @@ TEST(ClampedBorder, BreaksWithoutAStripAndThenHoldsNothing) {
     double on = 0.0;
     for (const CrackEdge& e : c.s.cracks.graph.edges()) {
       const double a = depth(what, e.a), b = depth(what, e.b);
-      if (std::max(a, b) < kAtBorder * c.m.spacing)
+      if (std::max(a, b) < kBorderTolerance * c.m.spacing)
         on += (e.b - e.a).norm();
       else  // nor does any run beside it
         EXPECT_GT(std::max(a, b), 0.5 * across) << label << ": " << e.a.transpose() << "  " << e.b.transpose();
@@ -199,7 +200,7 @@ TEST(ClampedBorder, IsReachedByATipInOneEdge) {
       if (++edges == 1) continue;
       const CrackEdge& e = s.cracks.graph.edges()[last];
       if (depth < 0.5 * r.advance / m.spacing) {
-        EXPECT_LT(std::max(e.a.x(), e.b.x()), kAtBorder * m.spacing) << depth << ", edge " << edges;
+        EXPECT_LT(std::max(e.a.x(), e.b.x()), kBorderTolerance * m.spacing) << depth << ", edge " << edges;
       } else if (edges == 2) {
         EXPECT_GT(e.a.x(), 0.4 * m.spacing) << "goes its own way";
       }

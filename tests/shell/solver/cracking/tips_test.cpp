@@ -11,6 +11,7 @@
 #include "shell/solver/forces.h"
 #include "shell/solver/surroundings.h"
 #include "tests/shell/fixtures.h"
+#include "tests/shell/grow_cracks.h"
 
 using namespace sunder;
 using namespace sunder::shell;
