@@ -9,7 +9,7 @@ Eigen::AlignedBox2d domain_of(const ShellModel& m) {
 }
 
 Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<const Eigen::AlignedBox2d> knots_in) {
-  std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as sight has it
+  std::vector<Vec2> places = m.parameter;  // one that lies on a crack belongs to its left, as visibility has it
   for (Vec2& p : places)
     s.cracks.graph.near(p, p, m.spacing, [&](int e) {
       Vec2 foot;
