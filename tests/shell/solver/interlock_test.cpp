@@ -269,7 +269,8 @@ TEST(Interlock, FacesThatRememberTheirVisibilityGoOnAsThoseThatLookAnew) {
   crack(m, s, {0.05, -0.002}, {0.05, 0.082});
   disturb(s, m, 1e-5);
   ShellState anew = s;
-  for (Interlock& lock : anew.cracks.interlocks) lock.looked = false, lock.visibility = lock.uses = {}, lock.planes = {};
+  for (Interlock& lock : anew.cracks.interlocks)
+    lock.looked = false, lock.visibility = lock.uses = {}, lock.planes = {};
   const std::vector<Interlock> before = s.cracks.interlocks;
   for (ShellState* state : {&s, &anew}) {  // ends beside the first, and later crosses it
     crack(m, *state, {0.03, 0.041}, {0.0495, 0.0415});
