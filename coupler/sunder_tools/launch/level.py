@@ -19,7 +19,8 @@ def level(folder: Path, cpuinfo: Path = CPUINFO) -> Path:
     """The folder of the highest level below `folder` that this processor has. Raises CommandError where there is none."""
     listed = re.search(r"^flags\s*:(.*)$", cpuinfo.read_text(), re.MULTILINE)
     flags = set(listed[1].split()) if listed else set()
-    best, missing = None, {}
+    best: Path | None = None
+    missing: list[str] = []
     for name, needs in NEEDS.items():
         if not needs <= flags:
             missing = sorted(needs - flags)
