@@ -240,7 +240,7 @@ TEST(Healing, IsForDamageOnly) {
   EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.heals);
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.fracture.damage.heals=false"})
                    .shells[0]
-                   .healing);
+                   .fracture.damage.heals);
   EXPECT_FALSE(
       built(scene("", tough, "fracture { mode: DAMAGE extract_cracks: false }\n")).shells[0].fracture.damage.extract);
   EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.extract);

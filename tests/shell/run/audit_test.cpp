@@ -16,7 +16,7 @@ namespace {
 
 Audit sound() {
   Audit a;
-  a.scale = 100.0, a.residual = -0.019, a.given = 4.9, a.coupling = 9.0, a.frozen = 9.0;
+  a.scale = 100.0, a.residual = -0.019, a.returned = 4.9, a.coupling = 9.0, a.frozen = 9.0;
   a.book.healing = -1.9, a.book.handoff = -1.9;
   return a;
 }
@@ -50,7 +50,7 @@ TEST(Audit, EnergyThatIsMissingOrMadeIsNamedWithItsShare) {
   a.residual = std::nan("");
   EXPECT_NE(said(a).find("books miss"), std::string::npos);
   // books that close by a term that can only take
-  a = sound(), a.given = 400.0;
+  a = sound(), a.returned = 400.0;
   EXPECT_NE(said(a).find("contact has given back 400.0 %"), std::string::npos);
   a = sound(), a.book.healing = -3.0;
   EXPECT_NE(said(a).find("healed has made 3.0 %"), std::string::npos);

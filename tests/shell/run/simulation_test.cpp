@@ -104,10 +104,10 @@ TEST(Simulation, FindsTheLawOfTwoGroupsInEitherOrder) {
   RigidBody b;
   b.contact_group = 5;
   Simulation simulation(setup, 1);
-  EXPECT_EQ(simulation.against(setup.shells[0].model, b).friction, 0.5);  // without a law
+  EXPECT_EQ(simulation.contact_law(setup.shells[0].model, b).friction, 0.5);  // without a law
   for (const auto& [first, second] : {std::pair(3u, 5u), {5u, 3u}}) {
     setup.laws = {{1, 5, 0.9, 0.9}, {first, second, 0.25, 0.75}};
-    EXPECT_EQ(simulation.against(setup.shells[0].model, b).friction, 0.25);
-    EXPECT_EQ(simulation.against(setup.shells[0].model, b).restitution, 0.75);
+    EXPECT_EQ(simulation.contact_law(setup.shells[0].model, b).friction, 0.25);
+    EXPECT_EQ(simulation.contact_law(setup.shells[0].model, b).restitution, 0.75);
   }
 }
