@@ -22,7 +22,7 @@ using namespace sunder::link;
 namespace {
 
 constexpr double kTenMinutes = 600.0;
-constexpr int kLooks = 3;  // reads of the clock by a client that sees the jump and still waits
+constexpr int kLooks = 15;  // at the clock, of a client that waits on; a tenth of a limit is used up by each at most
 
 RigidBody ball() {
   RigidBody b;
