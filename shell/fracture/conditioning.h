@@ -3,7 +3,7 @@
 // condition, and the matrix itself, are rarely needed for more than the one that is taken.
 #include <array>
 
-#include "shell/fracture/sight.h"
+#include "shell/fracture/visibility.h"
 
 namespace sunder::shell {
 

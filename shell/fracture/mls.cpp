@@ -252,13 +252,13 @@ Amplification amplification_of(const ControlGrid& grid, const std::vector<MlsFun
 }  // namespace
 
 MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v) {
-  Sight sight(grid, p, span_u, span_v);
-  sight.update(grid, cracks, static_cast<int>(cracks.edges().size()));
-  return mls_point(grid, sight);
+  Visibility visibility(grid, p, span_u, span_v);
+  visibility.update(grid, cracks, static_cast<int>(cracks.edges().size()));
+  return mls_point(grid, visibility);
 }
 
-MlsPoint mls_point(const ControlGrid& grid, const Sight& sight) {
-  const View view = sight.view(grid);
+MlsPoint mls_point(const ControlGrid& grid, const Visibility& visibility) {
+  const View view = visibility.view(grid);
   MlsPoint point;
   const auto take = [&](const auto& all, const SupportChoice* choices, int k) {
     shape_functions(grid, view, all, choices, k, point.functions);
@@ -270,11 +270,11 @@ MlsPoint mls_point(const ControlGrid& grid, const Sight& sight) {
   return point;
 }
 
-MlsPoint face_point(const ControlGrid& grid, const Sight& sight) {
-  MlsPoint point = mls_point(grid, sight);
+MlsPoint face_point(const ControlGrid& grid, const Visibility& visibility) {
+  MlsPoint point = mls_point(grid, visibility);
   if (point.basis != MlsBasis::kNone && amplification_of(grid, point.functions).value <= kFaceAmplification)
     return point;
-  const View view = sight.view(grid);
+  const View view = visibility.view(grid);
   const bool found =
       any_support<3>(view, kFaceSupports, kLeastPlane, [&](const auto& all, const SupportChoice* choices, int k) {
         shape_functions(grid, view, all, choices, k, point.functions);

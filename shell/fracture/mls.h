@@ -3,7 +3,7 @@
 #include <array>
 #include <vector>
 
-#include "shell/fracture/sight.h"
+#include "shell/fracture/visibility.h"
 
 namespace sunder::shell {
 
@@ -21,12 +21,12 @@ struct MlsPoint {
 /// Shape functions of a point with this visibility: the smallest support whose matrix is well conditioned, else the
 /// largest with a higher limit, else a linear basis, else none. Partition of unity and linear (quadratic) reproduction
 /// hold to round-off.
-MlsPoint mls_point(const ControlGrid& grid, const Sight& sight);
+MlsPoint mls_point(const ControlGrid& grid, const Visibility& visibility);
 /// The same at `p`, in span_u, span_v of the patch, whose visibility is found anew.
 MlsPoint mls_point(const ControlGrid& grid, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v);
 
 /// Shape functions of a point on a crack face: those of mls_point. Where other cracks are so near that there are none,
 /// a plane through the visible points, of which only position and tangents are used; else none.
-MlsPoint face_point(const ControlGrid& grid, const Sight& sight);
+MlsPoint face_point(const ControlGrid& grid, const Visibility& visibility);
 
 }  // namespace sunder::shell

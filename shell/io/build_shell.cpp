@@ -4,6 +4,7 @@
 
 #include <numbers>
 
+#include "shell/fracture/constants.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/cad_file.h"
 #include "shell/io/strength_factors.h"

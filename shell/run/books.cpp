@@ -75,7 +75,7 @@ void unstable(double energy, std::int64_t window) {
 
 std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual) {
   const std::vector<ShellSetup>& shells = simulation.model.setup.shells;
-  const bool keeps = std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return !s.healing; });
+  const bool keeps = std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return !s.fracture.damage.heals; });
   const bool grid = std::any_of(shells.begin(), shells.end(),
                                 [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
   std::vector<std::string> out = doubts({books.sum(simulation), books.scale, books.residual, books.contact_given,

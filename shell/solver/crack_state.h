@@ -36,7 +36,7 @@ struct Interlock {
   std::vector<GatheredFunction> plus, minus;
   // Caches, computed again after a checkpoint: control points visible from each side, control points that its functions
   // use, and whether the functions reproduce only linear fields.
-  std::array<Sight, 2> sights{}, uses{};
+  std::array<Visibility, 2> visibility{}, uses{};
   std::array<bool, 2> planes{};
   bool looked = false;       // the caches are valid
   Vec3 rest = Vec3::Zero();  // gap at zero force: across, along, normal [m]

@@ -98,17 +98,17 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   for (int side = 0; side < 2; ++side) {
     const Vec2 p = face(m, s, lock, side);
     if (!m.patch.contains(p)) return false;
-    Sight& sight = lock.sights[side];
-    if (!lock.looked) sight = {grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
-    const Sight before = sight;
-    sight.update(grid, s.cracks.graph, static_cast<int>(s.cracks.graph.edges().size()));
-    if (lock.looked && sight.sees_the_same(before)) continue;
-    const MlsPoint mls = face_point(grid, sight);
+    Visibility& visibility = lock.visibility[side];
+    if (!lock.looked) visibility = {grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
+    const Visibility before = visibility;
+    visibility.update(grid, s.cracks.graph, static_cast<int>(s.cracks.graph.edges().size()));
+    if (lock.looked && visibility.sees_the_same(before)) continue;
+    const MlsPoint mls = face_point(grid, visibility);
     if (mls.basis == MlsBasis::kNone) return false;
     lock.planes[side] = mls.basis == MlsBasis::kLinear;
     sides[side]->clear();
     for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
-    lock.uses[side] = sight;
+    lock.uses[side] = visibility;
     note_uses(m, *sides[side], lock.uses[side]);
   }
   lock.looked = true;
@@ -167,7 +167,7 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   return lock.rest.allFinite();
 }
 
-bool loses_sight(const ShellModel& m, const ShellState& s, Interlock& lock, int first) {
+bool loses_visibility(const ShellModel& m, const ShellState& s, Interlock& lock, int first) {
   const ControlGrid grid = control_grid(m);
   const int end = static_cast<int>(s.cracks.graph.edges().size());
   if (!lock.looked)  // first look since a checkpoint
@@ -177,7 +177,7 @@ bool loses_sight(const ShellModel& m, const ShellState& s, Interlock& lock, int 
       note_uses(m, side == 0 ? lock.plus : lock.minus, lock.uses[side]);
     }
   for (int k = first; k < end; ++k)
-    for (const Sight& uses : lock.uses)
+    for (const Visibility& uses : lock.uses)
       if (uses.loses(grid, s.cracks.graph.edges()[k])) return true;
   return false;
 }
@@ -199,7 +199,7 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   if (lock.holds) lock.rest = gap_of(s, lock).components() - before;
   lock.holds = lock.holds && lock.rest.allFinite();
   if (lock.holds) bear(gap_of(s, lock), springs, -1.0);
-  r.let_go = held * (stiff - (lock.holds ? lock.stiffness : 0.0));
+  r.released = held * (stiff - (lock.holds ? lock.stiffness : 0.0));
   return r;
 }
 

@@ -23,12 +23,12 @@ double closing_depth(const ShellModel& model);
 bool fasten(const ShellModel& model, const ShellState& state, Interlock& lock);
 
 /// Whether the edges from `first` on hide control points that a face uses.
-bool loses_sight(const ShellModel& model, const ShellState& state, Interlock& lock, int first);
+bool loses_visibility(const ShellModel& model, const ShellState& state, Interlock& lock, int first);
 
 struct Refastened {
   std::vector<std::pair<int, Vec3>>
-      jump;             // change of force by slot, for the force discontinuity: before less after [N]
-  double let_go = 0.0;  // energy released, for the books [J]
+      jump;               // change of force by slot, for the force discontinuity: before less after [N]
+  double released = 0.0;  // energy released, for the books [J]
 };
 /// After another crack has cut the visibility of a face: new shape functions, the same extension. The faces may then
 /// bear less, or release where one sees too little. Changes no other pair of faces.

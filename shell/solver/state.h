@@ -60,13 +60,13 @@ struct Caches {
   std::vector<double> least_strength;  // [block]; empty: not computed yet
   std::vector<char> over;              // [block]: 0 where no recorded stress is above the strength
   std::vector<char> marked;            // [block]: 0 where c was zero at the last check; empty: unknown
-  std::vector<Sight> visibility;       // of Gauss points near a new edge: control points that no crack hides
-  std::vector<Sight> used;             // of the same points: control points that their functions use
+  std::vector<Visibility> visibility;  // of Gauss points near a new edge: control points that no crack hides
+  std::vector<Visibility> used;        // of the same points: control points that their functions use
   std::vector<int> visibility_of;      // [block][lane]: index into `visibility`; -1: none
   /// A point with its functions after trial edges have left it this visibility. A refused edge is tried again, longer
   /// or a little later, and mostly leaves the same visibility.
   struct Trial {
-    Sight sight;
+    Visibility visibility;
     GatheredPoint point;
     TimedEnergy energy{};
   };

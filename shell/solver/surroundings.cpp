@@ -16,14 +16,14 @@ constexpr double kFar = 1e30;          // no end [m]
 constexpr double kSpare = 1.25;        // of a radius that is asked for: a little more saves another look at all edges
 constexpr double kWhole = 1.0 - 1e-6;  // of a radius: the result must not depend on edges further off
 
-// Lengths from a flaw along ground_ways() to the end of its energy-release zone [m].
-using Rays = std::array<float, OwnGround::kWays>;
+// Lengths from a flaw along zone_ways() to the end of its energy-release zone [m].
+using Rays = std::array<float, EnergyReleaseZone::kWays>;
 
-const std::array<Vec2, OwnGround::kWays>& ground_ways() {
+const std::array<Vec2, EnergyReleaseZone::kWays>& zone_ways() {
   static const auto ways = [] {
-    std::array<Vec2, OwnGround::kWays> w;
-    for (int k = 0; k < OwnGround::kWays; ++k)
-      w[k] = turned(Vec2(1, 0), 2.0 * std::numbers::pi / OwnGround::kWays * (k + 0.5));
+    std::array<Vec2, EnergyReleaseZone::kWays> w;
+    for (int k = 0; k < EnergyReleaseZone::kWays; ++k)
+      w[k] = turned(Vec2(1, 0), 2.0 * std::numbers::pi / EnergyReleaseZone::kWays * (k + 0.5));
     return w;
   }();
   return ways;
@@ -42,9 +42,9 @@ struct Line {
 // Ends rays where they meet a cut.
 void end_at_cut(const Vec2& a, const Vec2& b, Rays& rays) {
   const Line line(a, b);
-  for (int k = 0; k < OwnGround::kWays; ++k) {
-    const double towards = line.across.dot(ground_ways()[k]), end = line.away / towards;
-    const double foot = end * line.along.dot(ground_ways()[k]);
+  for (int k = 0; k < EnergyReleaseZone::kWays; ++k) {
+    const double towards = line.across.dot(zone_ways()[k]), end = line.away / towards;
+    const double foot = end * line.along.dot(zone_ways()[k]);
     if (towards > 0.0 && foot >= line.first && foot <= line.last) rays[k] = std::min(rays[k], static_cast<float>(end));
   }
 }
@@ -54,8 +54,8 @@ void end_at_cut(const Vec2& a, const Vec2& b, Rays& rays) {
 // the foot is.
 void end_at_crack(const Vec2& a, const Vec2& b, Rays& rays) {
   const Line line(a, b);
-  for (int k = 0; k < OwnGround::kWays; ++k) {
-    const Vec2& way = ground_ways()[k];
+  for (int k = 0; k < EnergyReleaseZone::kWays; ++k) {
+    const Vec2& way = zone_ways()[k];
     double end = line.away / std::max(1.0 + line.across.dot(way), 1e-12);
     const double foot = end * line.along.dot(way);
     if (!(foot >= line.first && foot <= line.last)) {
@@ -89,7 +89,7 @@ ControlGrid control_grid(const ShellModel& m) {
   return {m.tables.columns, m.tables.rows, &m.parameter, m.spacing_u, m.spacing_v};
 }
 
-void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Sight& uses) {
+void note_uses(const ShellModel& m, const std::vector<GatheredFunction>& functions, Visibility& uses) {
   uses.close();
   for (const GatheredFunction& f : functions) uses.show(control_grid(m), m.tables.control_point(f.slot));
 }
@@ -151,7 +151,7 @@ const std::vector<Neighbours::Seen>& Neighbours::seen(const ShellModel& m, const
   return points_;
 }
 
-double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, double radius) {
+double EnergyReleaseZone::share(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, double radius) {
   if (radius > asked_) {
     asked_ = kSpare * radius, known_ = 0;
     const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
@@ -161,7 +161,7 @@ double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec
     const Vec2 low(border(kUMin, ku.begin() - p.x()), border(kVMin, kv.begin() - p.y()));
     const Vec2 high(border(kUMax, ku.end() - p.x()), border(kVMax, kv.end() - p.y()));
     for (int k = 0; k < kWays; ++k) {
-      const Vec2& way = ground_ways()[k];
+      const Vec2& way = zone_ways()[k];
       const Vec2 end = (way.array() > 0.0).select(high, low).array() / way.array();
       rays_[k] = static_cast<float>(std::max(0.0, end.minCoeff()));
     }
@@ -186,7 +186,7 @@ double OwnGround::share(const ShellModel& m, const CrackGraph& cracks, const Vec
   return own / kWays;
 }
 
-bool OwnGround::holds(const Vec2& offset) const {
+bool EnergyReleaseZone::holds(const Vec2& offset) const {
   // its sector, by quadrant: this is called too often for an arc tangent
   static_assert(kWays == 16);
   static const double first = std::tan(std::numbers::pi / 8.0);

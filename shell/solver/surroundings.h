@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "shell/fracture/constants.h"
-#include "shell/fracture/sight.h"
+#include "shell/fracture/visibility.h"
 #include "shell/mechanics/point_force.h"
 #include "shell/solver/model.h"
 
@@ -88,7 +88,7 @@ class NearCracks {
 };
 
 /// The energy-release zone that a crack would have to itself, kept in the same way.
-class OwnGround {
+class EnergyReleaseZone {
  public:
   static constexpr int kWays = kZoneSectors;
 
@@ -162,7 +162,7 @@ struct KnownMean {
 struct KnownSurroundings {
   std::vector<Surroundings> of_tip;
   KnownOfPoints<NearCracks> cracks_of_point;
-  KnownOfPoints<OwnGround> ground_of_point;
+  KnownOfPoints<EnergyReleaseZone> zone_of_point;
   KnownOfPoints<KnownMean> mean_of_point;
 };
 
@@ -172,7 +172,7 @@ constexpr std::size_t kBytesOfCracks = 24 * sizeof(SeenEdge);  // most points se
 ControlGrid control_grid(const ShellModel& model);
 
 /// Reduces `uses`, the visibility of the same point, to the control points of these functions.
-void note_uses(const ShellModel& model, const std::vector<GatheredFunction>& functions, Sight& uses);
+void note_uses(const ShellModel& model, const std::vector<GatheredFunction>& functions, Visibility& uses);
 
 /// Bytes of the neighbours within the radius [m], at most.
 std::size_t most_bytes_seen(const ShellModel& model, double radius);

@@ -27,7 +27,8 @@ class Rig {
     for (ShellPart& part : now().shells) {
       const ShellSetup& s = *part.setup;
       part.state = std::make_unique<ShellState>(make_state(s.model, s.velocity, setup_->seed));
-      part.state->layers.brittleness = s.brittleness, part.state->layers.heals = s.healing;
+      part.state->layers.brittleness = s.fracture.damage.brittleness;
+      part.state->layers.heals = s.fracture.damage.heals;
       if (s.transfer.kind != Transfer::kDirect) part.state->motion.before = part.state->motion.v;
     }
     if (!now().stitching.empty()) now().stitching.tie(refs());

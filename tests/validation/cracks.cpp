@@ -99,12 +99,12 @@ int sight_errors(const ShellModel& m, const ShellState& s) {
 
 struct Worst {
   double step = 1.0, rest = 0.0, moved = 0.0, parted = 0.0, local = 0.0;
-  int sight = 0, cuts = 0, wrong_pieces = 0;
+  int visibility = 0, cuts = 0, wrong_pieces = 0;
 };
 
 // After an insertion: visibility, and the stable step near the cut against that of the whole shell.
 void look(const ShellModel& m, ShellState& s, double intact, const std::vector<Vec2>& around, Worst& w) {
-  w.sight += sight_errors(m, s);
+  w.visibility += sight_errors(m, s);
   const double whole = stable_step(m, s, 200, 1, true);
   w.step = std::min(w.step, whole / intact);
   // A run keeps the least stable step so far, which starts with that of the intact shell.
@@ -138,8 +138,8 @@ std::vector<Vec2> spiral(const Vec2& centre, double turns, double inner, double 
 
 void report(Report& r, const std::string& name, const Worst& w, double seconds) {
   r.add(name + "_stable_step", w.step, 1.0, 0.2, seconds);
-  r.add(name + "_local_stable_step", w.local, 0.0, 0.1, 0.0);  // as a run measures it after an insertion
-  r.add(name + "_sight_errors", w.sight, 0.0, 0.0, 0.0);
+  r.add(name + "_local_stable_step", w.local, 0.0, 0.1, 0.0);  // what a run measures after an insertion
+  r.add(name + "_sight_errors", w.visibility, 0.0, 0.0, 0.0);
   r.add(name + "_rest_strain", w.rest, 0.0, 1e-12, 0.0);
   r.add(name + "_rigid_motion_strain", w.moved, 0.0, 1e-12, 0.0);
   r.add(name + "_parted_strain", w.parted, 0.0, 5e-14, 0.0);  // round-off of one piece is 1e-14
@@ -182,7 +182,7 @@ void cuts_case(Report& r, int threads) {
   for (const Worst& one : all) {
     w.step = std::min(w.step, one.step), w.local = std::max(w.local, one.local), w.rest = std::max(w.rest, one.rest);
     w.moved = std::max(w.moved, one.moved), w.parted = std::max(w.parted, one.parted);
-    w.sight += one.sight, w.wrong_pieces += one.wrong_pieces;
+    w.visibility += one.visibility, w.wrong_pieces += one.wrong_pieces;
   }
   report(r, "cuts_200", w, seconds_now() - start);
 }

@@ -35,7 +35,7 @@ const GatheredPoint& present_point(const ShellModel& m, const ShellState& s, int
   return g;
 }
 
-int sight_of(const ShellModel& m, ShellState& s, int block, int lane) {
+int visibility_at(const ShellModel& m, ShellState& s, int block, int lane) {
   const RowTables& t = m.tables;
   const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
   int& index = s.caches.visibility_of[gauss];
@@ -49,10 +49,10 @@ int sight_of(const ShellModel& m, ShellState& s, int block, int lane) {
 }
 
 // The same point with the functions that cracks leave it.
-GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoint& old) {
+GatheredPoint renewed(const ShellModel& m, const Visibility& visibility, const GatheredPoint& old) {
   GatheredPoint g;
   g.block = old.block, g.lane = old.lane, g.area = old.area, g.metric = old.metric;
-  const MlsPoint mls = mls_point(control_grid(m), sight);
+  const MlsPoint mls = mls_point(control_grid(m), visibility);
   g.kind = mls.basis == MlsBasis::kQuadratic ? PointKind::kQuadratic
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
@@ -65,12 +65,12 @@ GatheredPoint renewed(const ShellModel& m, const Sight& sight, const GatheredPoi
 }
 
 // The same, from a trial with the same visibility where there was one. Valid until the next trial of that point.
-Caches::Trial& tried(const ShellModel& m, const Sight& sight, const GatheredPoint& old,
+Caches::Trial& tried(const ShellModel& m, const Visibility& visibility, const GatheredPoint& old,
                      std::vector<Caches::Trial>& trials) {
   for (Caches::Trial& known : trials)
-    if (known.sight.sees_the_same(sight)) return known;
+    if (known.visibility.sees_the_same(visibility)) return known;
   if (trials.size() == kTrials) trials.erase(trials.begin());
-  trials.push_back({sight, renewed(m, sight, old)});
+  trials.push_back({visibility, renewed(m, visibility, old)});
   return trials.back();
 }
 
@@ -162,7 +162,7 @@ std::vector<std::pair<int, int>> touched_points(const ShellModel& m, ShellState&
   std::vector<std::pair<int, int>> touched;
   for (const std::vector<Candidate>& row : rows)
     for (const auto& [block, lane, unsure] : row)
-      if (!unsure || s.caches.used[sight_of(m, s, block, lane)].loses(control_grid(m), e))
+      if (!unsure || s.caches.used[visibility_at(m, s, block, lane)].loses(control_grid(m), e))
         touched.push_back({block, lane});
   return touched;
 }
@@ -190,9 +190,9 @@ namespace {
 
 // A Gauss point that new edges touch.
 struct Renewal {
-  Renewal(int block, int lane, int sight) : block(block), lane(lane), sight(sight) {}
+  Renewal(int block, int lane, int visibility) : block(block), lane(lane), visibility(visibility) {}
 
-  int block, lane, sight;
+  int block, lane, visibility;
   GatheredPoint own;               // a result that is not kept for other trials
   GatheredPoint* point = nullptr;  // `own`, or the point of a trial
   GatheredPoint made;              // the old point, where no crack had touched it
@@ -219,17 +219,17 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, double time, 
     if (s.yields() || known.time != time) known = {elastic(g), time};
     return known.energy;
   };
-  const double full = s.caches.trials.empty() ? elastic(old) : at_present(old, s.caches.trials[r.sight].present);
+  const double full = s.caches.trials.empty() ? elastic(old) : at_present(old, s.caches.trials[r.visibility].present);
   const double held = damage ? point_energy(t, old, s.motion.x, damage, s.layers.brittleness, s.layers.heals) : full;
-  s.caches.visibility[r.sight].update(control_grid(m), s.cracks.graph, first);
-  Sight sight = s.caches.visibility[r.sight];
-  sight.update(control_grid(m), s.cracks.graph, end);
+  s.caches.visibility[r.visibility].update(control_grid(m), s.cracks.graph, first);
+  Visibility visibility = s.caches.visibility[r.visibility];
+  visibility.update(control_grid(m), s.cracks.graph, end);
   double left = 0.0;
   if (s.caches.trials.empty()) {
-    r.own = renewed(m, sight, old), r.point = &r.own;
+    r.own = renewed(m, visibility, old), r.point = &r.own;
     left = elastic(r.own);
   } else {
-    Caches::Trial& trial = tried(m, sight, old, s.caches.trials[r.sight].known);
+    Caches::Trial& trial = tried(m, visibility, old, s.caches.trials[r.visibility].known);
     r.point = &trial.point;
     left = at_present(trial.point, trial.energy);
   }
@@ -316,12 +316,12 @@ void relieve(const ShellModel& m, ShellState& s, std::vector<Renewal>& changed, 
     GatheredPoint& g = s.cracked.gathered[index_of(r)] = std::move(*r.point);
     s.cracked.note_kind(g);
     if (damaged) s.cracked.damage[index_of(r)] = r.damage;
-    if (!s.caches.trials.empty()) s.caches.trials[r.sight] = {};
+    if (!s.caches.trials.empty()) s.caches.trials[r.visibility] = {};
     if (g.kind == PointKind::kDead)
       for (int f = 0; f < 6; ++f) s.layers.surface_stress[t.at(g.block, 6, f, g.lane)] = 0.0;
     s.cracked.reach[static_cast<std::size_t>(g.block) * t.lanes + g.lane] =
-        reach_of(m, g, s.caches.visibility[r.sight].point());
-    note_uses(m, g.functions, s.caches.used[r.sight]);
+        reach_of(m, g, s.caches.visibility[r.visibility].point());
+    note_uses(m, g.functions, s.caches.used[r.visibility]);
   }
 }
 
@@ -338,7 +338,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
   for (std::size_t i = 0; i < fresh.size() + near.size(); ++i) {
     if (i >= fresh.size()) {
       Interlock& lock = s.cracks.interlocks[near[i - fresh.size()]];
-      if (loses_sight(m, s, lock, first)) again[i - fresh.size()] = refasten(m, s, lock);
+      if (loses_visibility(m, s, lock, first)) again[i - fresh.size()] = refasten(m, s, lock);
       continue;
     }
     Interlock& lock = fresh[i];
@@ -350,7 +350,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
   for (const Refastened& r : again) {
     for (const auto& [slot, force] : r.jump)
       for (int d = 0; d < 3; ++d) s.discontinuity()[d * m.tables.plane + slot] += force[d];
-    s.release(r.let_go);
+    s.release(r.released);
   }
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     if (!keyed[i]) continue;
@@ -375,7 +375,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     touched.erase(std::unique(touched.begin(), touched.end()), touched.end());
   }
   std::vector<Renewal> changed;
-  for (const auto& [block, lane] : touched) changed.emplace_back(block, lane, sight_of(m, s, block, lane));
+  for (const auto& [block, lane] : touched) changed.emplace_back(block, lane, visibility_at(m, s, block, lane));
   s.caches.trials.resize(must_release ? s.caches.visibility.size() : 0);
   if (s.yields())  // positions have moved since the layers last yielded; that work is not the crack's
     for (const auto& [block, lane] : touched) {

@@ -135,7 +135,7 @@ int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int fro
 // The crack along a direction that a field of this shape would open at the strength.
 struct Critical {
   double half_length;  // [m]; infinite: none
-  double ground;       // radius of its energy-release zone [m]
+  double zone;         // radius of its energy-release zone [m]
   double stored;       // stored_by of that field at the strength [Pa^2]
 };
 
@@ -144,17 +144,17 @@ Critical critical_across(const ShellModel& m, double strength, const double* six
   const double stretching = 0.5 * (low + high), bending = 0.5 * std::abs(high - low);
   const double half_length = critical_length(m.material, strength, stretching, bending);
   const double sum = std::max(0.0, stretching) + bending;
-  return {half_length, std::min(ground_radius(m.material, half_length, stretching, bending), kFarthest * m.spacing),
+  return {half_length, std::min(zone_radius(m.material, half_length, stretching, bending), kFarthest * m.spacing),
           sum > 0.0 ? strength * strength * stored_by(stretching / sum, bending / sum) : 0.0};
 }
 
-OwnGround& ground_of(ShellState& s, std::size_t gauss) {
-  return s.caches.surroundings.ground_of_point.at(s.cracked.point_of.size(), gauss, sizeof(OwnGround));
+EnergyReleaseZone& zone_of(ShellState& s, std::size_t gauss) {
+  return s.caches.surroundings.zone_of_point.at(s.cracked.point_of.size(), gauss, sizeof(EnergyReleaseZone));
 }
 
 // Whether so little of the energy-release zone is left that the point needs no closer look, which takes much longer. A
 // rule of its own, not a bound of `opens_along`: it uses the stress at the point, not its mean on a line.
-bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, const Vec2& p, std::size_t gauss) {
+bool lacks_zone(const ShellModel& m, ShellState& s, const Overstressed& o, const Vec2& p, std::size_t gauss) {
   double here[6];
   if (!surface_stress_at(m, s, o.block, o.lane, here)) return true;
   const Principal low = principal(here[0], here[1], here[2]), high = principal(here[3], here[4], here[5]);
@@ -163,8 +163,8 @@ bool lacks_ground(const ShellModel& m, ShellState& s, const Overstressed& o, con
   const Critical crack = critical_across(m, strength, here, along);
   if (!(crack.half_length > m.spacing) || !std::isfinite(crack.half_length)) return false;
   // with this stress as the mean on a line: half the line is the shortest that opens, and needs 1 / energy
-  const double energy = o.ratio * o.ratio, ground = ground_of(s, gauss).share(m, s.cracks.graph, p, crack.ground);
-  return energy * energy * ground * kShortestOpens < 1.0;
+  const double energy = o.ratio * o.ratio, zone = zone_of(s, gauss).share(m, s.cracks.graph, p, crack.zone);
+  return energy * energy * zone * kShortestOpens < 1.0;
 }
 
 // `refused` becomes true where a flaw longer than a spacing has no energy-release zone of its own.
@@ -177,7 +177,7 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   const double reach = std::max(kStartsOnCrack * m.spacing, r.parallel_clearance);
   const std::vector<SeenEdge>& cracks = beside.seen(s.cracks.graph, p, reach, r.parallel_clearance, kParallelCosine);
   if (beside.shield_all() || near_a_tip(m, s, r, running, p)) return 0;
-  if (lacks_ground(m, s, o, p, gauss)) return refused = true, 0;
+  if (lacks_zone(m, s, o, p, gauss)) return refused = true, 0;
   double six[6];
   if (!stress_around(m, s, r, o.block, o.lane, time, six)) return 0;
   const Principal low = principal(six[0], six[1], six[2]), high = principal(six[3], six[4], six[5]);
@@ -208,12 +208,12 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   if (!std::isfinite(crack.half_length)) return 0;  // the field does not open it
   kind.flaw = crack.half_length;
   if (crack.half_length > m.spacing) {  // the grid resolves the length that a crack needs to run by its energy
-    OwnGround& own = ground_of(s, gauss);
-    const double share = own.share(m, s.cracks.graph, flaw, crack.ground);
+    EnergyReleaseZone& own = zone_of(s, gauss);
+    const double share = own.share(m, s.cracks.graph, flaw, crack.zone);
     const FlawLine line = line_through(m, s.cracks.graph, p, along, crack.half_length);
     if (!opens_along(m, s, r, line, face, {crack.half_length, kind.strength, share}, time)) return 0;
     const double even = crack.stored * mean_resistance(m, line);
-    const double stored = stored_in_ground(m, s, own, crack.ground, flaw, along, face, even);
+    const double stored = stored_in_zone(m, s, own, crack.zone, flaw, along, face, even);
     if (!(2.0 * crack.half_length * stored >= line.length())) return 0;
   }
   double strongest = 0.0;
@@ -283,11 +283,11 @@ bool opens_along(const ShellModel& m, ShellState& s, const CrackRules& r, const 
   }
   const double over = sum / (samples * flaw.strength);  // energy grows with the square
   return over >= 1.0 && over * over * line.length() >= flaw.half_length &&
-         over * over * flaw.ground * 2.0 * flaw.half_length >= line.length();
+         over * over * flaw.zone * 2.0 * flaw.half_length >= line.length();
 }
 
-double stored_in_ground(const ShellModel& m, const ShellState& s, OwnGround& own, double radius, const Vec2& p,
-                        const Vec2& along, int face, double even) {
+double stored_in_zone(const ShellModel& m, const ShellState& s, EnergyReleaseZone& own, double radius, const Vec2& p,
+                      const Vec2& along, int face, double even) {
   const double share = own.share(m, s.cracks.graph, p, radius), reach = std::min(radius, own.reach());
   const auto every = [&](const KnotVector& k, double at) {
     return std::max(1, (k.span_of(at + reach) - k.span_of(at - reach)) / kZoneSamples);

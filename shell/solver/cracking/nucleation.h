@@ -15,7 +15,7 @@ int nucleate(const ShellModel& model, ShellState& state, const CrackRules& rules
 struct Flaw {
   double half_length = 0.0;  // of a line that has the energy for a crack in an even field of `strength` [m]
   double strength = 0.0;     // of the material, without the local factor [Pa]
-  double ground = 1.0;       // share of the circle of ground_radius that is its own (OwnGround) [-]
+  double zone = 1.0;         // share of the circle of zone_radius that is its own (EnergyReleaseZone) [-]
 };
 
 /// The line along which a flaw would crack, as far as it is free.
@@ -39,13 +39,13 @@ bool opens_along(const ShellModel& model, ShellState& state, const CrackRules& r
                  const Flaw& flaw, double time);
 
 /// Energy that the stress across a direction stores in the energy-release zone `own` of p, over the energy that an even
-/// field stores in the whole circle of `radius` [m] (ground_radius). `even` > 0 [Pa^2]: stored_by of that even field at
+/// field stores in the whole circle of `radius` [m] (zone_radius). `even` > 0 [Pa^2]: stored_by of that even field at
 /// the strength of the flaw, times the squared share of the strength along the line; the cost of a crack has the same
 /// factor. Points whose face is pressed count as zero. Where the mean over the thickness presses and only the face is
 /// pulled, the stress of the face counts as bending. Beyond a joined edge the mean of this side counts. A large zone is
 /// sampled. No crack starts where less is stored than its line costs: a field that is high along the line only stores
 /// less than the line suggests.
-double stored_in_ground(const ShellModel& model, const ShellState& state, OwnGround& own, double radius, const Vec2& p,
-                        const Vec2& along, int face, double even);
+double stored_in_zone(const ShellModel& model, const ShellState& state, EnergyReleaseZone& own, double radius,
+                      const Vec2& p, const Vec2& along, int face, double even);
 
 }  // namespace sunder::shell

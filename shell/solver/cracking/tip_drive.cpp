@@ -179,7 +179,7 @@ double stored_by(double stretching, double bending) {
   return stretched * stretched + bending * bending / 3.0;
 }
 
-double ground_radius(const ShellMaterial& material, double half_length, double stretching, double bending) {
+double zone_radius(const ShellMaterial& material, double half_length, double stretching, double bending) {
   const Opening opening = opening_of(material, stretching, bending);
   return opening.stored > 0.0 ? half_length * std::sqrt(4.0 * opening.released / opening.stored) : half_length;
 }

@@ -44,7 +44,7 @@ double critical_length(const ShellMaterial& material, double strength, double st
 /// Stretched, 2 a G_f is 2 pi a^2 strength^2 / E and the density strength^2 / (2 E), so the radius is 2 a; bent it is
 /// sqrt(4 (1 + nu) / (3 + nu)) a. The half-length where nothing opens the crack. (Until a crack is critical it releases
 /// half of that.)
-double ground_radius(const ShellMaterial& material, double half_length, double stretching, double bending);
+double zone_radius(const ShellMaterial& material, double half_length, double stretching, double bending);
 /// Energy that the stress across a line stores, whatever Poisson's ratio, over thickness / (2 E) [Pa^2], from its mean
 /// over the thickness and what bending adds on a face [Pa]. A mean that presses counts as zero.
 double stored_by(double stretching, double bending);

@@ -67,7 +67,7 @@ void each_seam_beside(const std::vector<Seam>& seams, int shell, const ShellMode
         return !first && seam.reversed ? 1.0 - own : own;
       };
       const double pad =
-          kSeamPad * m.spacing / (along.end() - along.begin());  // sight is blocked just beyond an end, too
+          kSeamPad * m.spacing / (along.end() - along.begin());  // visibility is blocked just beyond an end, too
       const double a = share(e.a[1 - across]), b = share(e.b[1 - across]);
       callback(seam, std::min(a, b) - pad, std::max(a, b) + pad);
     }

@@ -11,7 +11,7 @@
 using namespace sunder;
 using namespace sunder::shell;
 
-TEST(CrackGraph, SightEndsAtAnEdgeAndALittleBeyondItsEnds) {
+TEST(CrackGraph, VisibilityEndsAtAnEdgeAndALittleBeyondItsEnds) {
   CrackGraph g({0, 0}, {1, 1}, 0.1, 0.01);
   const int a = g.add_vertex({0.5, 0.3}), b = g.add_vertex({0.5, 0.6});
   EXPECT_EQ(g.add_edge(a, b, g.new_crack(), 0.0, 0), 0);

@@ -66,9 +66,9 @@ TEST(LinearBasis, ReproducesPlanesWhereCracksAreClose) {
     line(c - 0.002 * across, c + (apart + 0.002) * across);
     const Vec2 p = c + uniform(0.05, 0.95) * apart * across + uniform(0.05, 1.0) * m.spacing * along;
     const auto [u, v] = std::pair(m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
-    Sight sight(grid, p, u, v);
-    sight.update(grid, g, static_cast<int>(g.edges().size()));
-    const MlsPoint gauss = mls_point(grid, sight), face = face_point(grid, sight);
+    Visibility visibility(grid, p, u, v);
+    visibility.update(grid, g, static_cast<int>(g.edges().size()));
+    const MlsPoint gauss = mls_point(grid, visibility), face = face_point(grid, visibility);
     if (gauss.basis == MlsBasis::kLinear) ++linear, expect_planes(m, gauss, p);
     if (gauss.basis != MlsBasis::kNone || face.basis == MlsBasis::kNone) continue;
     ++planes, expect_planes(m, face, p);

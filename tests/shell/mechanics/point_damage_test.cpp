@@ -194,7 +194,7 @@ TEST(RankineDamage, WithoutHealingClosesTheBookOnAnyPath) {
   EXPECT_LT(missing, 1e-5 * s.book.fracture);  // of the trapezoidal rule over steps of a thousandth of a leg
 }
 
-// The energy that an edge through damaged ground releases or makes is what the book says.
+// The energy that an edge through damaged material releases or makes is what the book says.
 TEST(RankineDamage, BooksWhatACutThroughItChanges) {
   for (const bool heals : {true, false}) {
     const ShellModel m = panel(12, 0.2);

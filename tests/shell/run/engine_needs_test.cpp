@@ -54,7 +54,7 @@ TEST(EngineNeeds, AreRefusedWithTheCapabilityAndWhoNeedsIt) {
       {capability::kJoints, "'pin'", [&](RunSetup& s) { s.joints = {hinge}, s.breaks = {JointBreak{}}; }},
       {capability::kReleaseJoints, "'pin'", [&](RunSetup& s) { s.joints = {hinge}, s.breaks = {weak}; }},
       {capability::kCompound, "shards",
-       [](RunSetup& s) { s.shells.push_back({brittle_sheet(4)}), s.shells[0].tips = true; }},
+       [](RunSetup& s) { s.shells.push_back({brittle_sheet(4)}), s.shells[0].fracture.mode = FractureMode::kTips; }},
       {capability::kExportRows, "EXPORTED", [](RunSetup& s) { s.coupling.scheme = CouplingRules::Scheme::kExported; }},
       {capability::kSaveRestore, "ITERATED", [](RunSetup& s) { s.coupling.scheme = CouplingRules::Scheme::kIterated; }},
   };

@@ -45,7 +45,7 @@ TEST(Simulation, MeasuresTheStableStepOfAShellThatMayCrackAsIfItWereFree) {
     clamp.edges = kUMin | kUMax | kVMin | kVMax;
     setup.shells[0].model =
         make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {clamp});
-    setup.shells[0].tips = cracks;
+    setup.shells[0].fracture.mode = cracks ? FractureMode::kTips : FractureMode::kNone;
     Simulation simulation(setup, 1);
     simulation.prepare();
     simulation.start_shells([] {});

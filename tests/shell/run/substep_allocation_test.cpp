@@ -71,7 +71,10 @@ TEST(Substep, AllocatesNothing) {
                                                3, 2, {edges}, {pressure})}});
         ShellSetup& shell = setup.shells[0];
         shell.hertz = {hertz}, shell.transfer = {kind, shell.model.spacing, false};
-        if (g.strength > 0.0) shell.brittleness = 0.4, shell.healing = hertz == 0.0;
+        if (g.strength > 0.0) {
+          shell.fracture.mode = FractureMode::kDamage;
+          shell.fracture.damage.brittleness = 0.4, shell.fracture.damage.heals = hertz == 0.0;
+        }
         setup.gravity = Vec3(0, 0, -9.81);
         setup.bodies = {ball};
         Rig rig(std::move(setup));

@@ -200,7 +200,7 @@ TEST(Interlock, LetsGoWhenOpenedOrShearedTooFarAndBooksWhatItHeld) {
   EXPECT_NEAR(s.book.fracture - booked, held, 1e-12 * held);
 }
 
-TEST(Interlock, KeepsItsEnergyWhenAnotherCrackCutsItsSight) {
+TEST(Interlock, KeepsItsEnergyWhenAnotherCrackCutsItsVisibility) {
   const ShellModel m = sheet();
   ShellState s = halves(m);
   part(m, s, {-1e-6, 0, 1e-6});
@@ -262,14 +262,14 @@ TEST(Interlock, FacesBetweenCracksAreNoStifferThanTheirMassStands) {
   EXPECT_GT(soft, 0);
 }
 
-// What faces remember of their sight is not in a checkpoint: whether they do, another crack leaves them the same.
-TEST(Interlock, FacesThatRememberTheirSightGoOnAsThoseThatLookAnew) {
+// What faces remember of their visibility is not in a checkpoint: whether they do, another crack leaves them the same.
+TEST(Interlock, FacesThatRememberTheirVisibilityGoOnAsThoseThatLookAnew) {
   const ShellModel m = sheet();
   ShellState s = make_state(m, Vec3::Zero(), 0);
   crack(m, s, {0.05, -0.002}, {0.05, 0.082});
   disturb(s, m, 1e-5);
   ShellState anew = s;
-  for (Interlock& lock : anew.cracks.interlocks) lock.looked = false, lock.sights = lock.uses = {}, lock.planes = {};
+  for (Interlock& lock : anew.cracks.interlocks) lock.looked = false, lock.visibility = lock.uses = {}, lock.planes = {};
   const std::vector<Interlock> before = s.cracks.interlocks;
   for (ShellState* state : {&s, &anew}) {  // ends beside the first, and later crosses it
     crack(m, *state, {0.03, 0.041}, {0.0495, 0.0415});

@@ -133,7 +133,7 @@ TEST(ExtractCracks, AnEndJustShortOfAStemJoinsItOnce) {
   EXPECT_EQ(s.cracks.graph.edges().size(), edges + 1);
 }
 
-// The end ahead is too far over sound ground; what lies behind it on the same crack is not a way out.
+// The end ahead is too far over sound material; what lies behind it on the same crack is not a way out.
 TEST(ExtractCracks, AnEndDoesNotRunAlongTheCrackAheadOfIt) {
   const ShellModel m = panel(40, 0.2);
   const double l = m.spacing;

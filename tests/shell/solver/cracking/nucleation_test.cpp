@@ -43,12 +43,12 @@ struct OverstressedBand {
       s.motion.x[m.tables.plane + m.tables.slot(k)] -= m.material.poisson_ratio * strain * (p.y() - 0.1);
     }
   }
-  bool opens(double ground = 1.0) {
+  bool opens(double zone = 1.0) {
     compute_forces(m, s, false, 1.0, 1);
     const double half_length = critical_length(m.material, 10e6, 1.0, 0.0);
     return opens_along(m, s, make_crack_rules(m, 0.0),
                        line_through(m, s.cracks.graph, {0.1, 0.1}, {0.0, 1.0}, half_length), 1,
-                       {half_length, 10e6, ground}, 0.0);
+                       {half_length, 10e6, zone}, 0.0);
   }
 
   ShellModel m;
@@ -157,21 +157,21 @@ TEST(Flaws, OpenNothingWhereTooShortALineIsOverstressed) {
   EXPECT_TRUE(OverstressedBand(0.015, 0.5).opens());   // all of it
 }
 
-TEST(Flaws, NeedMoreStressWhereOtherCracksHaveTheGround) {
+TEST(Flaws, NeedMoreStressWhereOtherCracksHaveTheZone) {
   OverstressedBand band(0.04, 6.0);  // 1.2 times the strength: 1.44 times the energy
   EXPECT_TRUE(band.opens(0.75));
   EXPECT_FALSE(band.opens(0.65));
 }
 
 // Against samples of the circle by the thousand, each asked by itself; edges come one by one.
-TEST(Flaws, GroundIsWhatIsNearerToThemThanToACrackAndBeforeCuts) {
+TEST(Flaws, ZoneIsWhatIsNearerToThemThanToACrackAndBeforeCuts) {
   ShellModel m = brittle_sheet();  // 0.2 m
   const double radius = 0.03;
   for (const Vec2& p : {Vec2(0.1, 0.1), Vec2(0.012, 0.09), Vec2(0.004, 0.197)})
     for (const int joined : {0, static_cast<int>(kVMax)}) {
       m.joined = joined;
       ShellState s = make_state(m, Vec3::Zero(), 1);
-      OwnGround kept;
+      EnergyReleaseZone kept;
       const std::vector<std::pair<Vec2, Vec2>> edges = {
           {{0.12, 0.05}, {0.11, 0.15}},     {{0.02, 0.08}, {0.06, 0.085}},    {{0.103, 0.06}, {0.1, 0.094}},
           {{0.01, 0.186}, {0.04, 0.188}},   {{0.085, 0.1}, {0.09, 0.115}},    {{0.0, 0.075}, {0.02, 0.1}},
@@ -196,9 +196,9 @@ TEST(Flaws, GroundIsWhatIsNearerToThemThanToACrackAndBeforeCuts) {
             }
             own += mine, ++all;
           }
-        OwnGround fresh;
+        EnergyReleaseZone fresh;
         const double share = kept.share(m, s.cracks.graph, p, radius);
-        OwnGround other;  // what was asked before decides nothing: runs may be resumed
+        EnergyReleaseZone other;  // what was asked before decides nothing: runs may be resumed
         for (const double times : {0.917, 0.3, 2.5}) other.share(m, s.cracks.graph, p, times * radius);
         EXPECT_NEAR(share, static_cast<double>(own) / all, 0.05) << p.transpose() << ", " << c << " edges";
         EXPECT_EQ(share, other.share(m, s.cracks.graph, p, radius));
@@ -215,8 +215,8 @@ TEST(Flaws, GroundIsWhatIsNearerToThemThanToACrackAndBeforeCuts) {
 }
 
 // A sheet that is stretched alike everywhere, by a tenth more than it bears, whatever cracks. Once tips rest only
-// their ground keeps flaws from starting as near to one another as the rules' clearances let them.
-TEST(Flaws, StartOnlyWhereTheyHaveTheGround) {
+// their zone keeps flaws from starting as near to one another as the rules' clearances let them.
+TEST(Flaws, StartOnlyWhereTheyHaveTheZone) {
   OverstressedBand band(1.0, 2.0, 11.0 / 12.0);
   const CrackRules rules = make_crack_rules(band.m, 0.0);
   std::uint64_t random = 1;
@@ -228,8 +228,8 @@ TEST(Flaws, StartOnlyWhereTheyHaveTheGround) {
     if (band.s.cracks.graph.edges().size() == before) break;
     const CrackEdge& e = band.s.cracks.graph.edges()[before];
     const double half_length = critical_length(band.m.material, 10e6, 1.0, 0.0);
-    OwnGround ground;
-    EXPECT_GE(1.3 * ground.share(band.m, older, 0.5 * (e.a + e.b), 2.0 * half_length), 0.5) << "edge " << before;
+    EnergyReleaseZone zone;
+    EXPECT_GE(1.3 * zone.share(band.m, older, 0.5 * (e.a + e.b), 2.0 * half_length), 0.5) << "edge " << before;
     for (Tip& tip : band.s.cracks.tips) tip.alive = false;
   }
   EXPECT_GT(band.s.cracks.graph.edges().size(), 4u);
@@ -258,7 +258,7 @@ TEST(Flaws, OpenNothingBetweenTwoThatAreTooClose) {
   EXPECT_TRUE(more.opens());
 }
 
-TEST(Ground, LinesEndAtCracksAndAtTheBorder) {
+TEST(EnergyReleaseZone, LinesEndAtCracksAndAtTheBorder) {
   const ShellModel m = glass_sheet();  // 0.2 m
   ShellState s = make_state(m, Vec3::Zero(), 1);
   const Vec2 p(0.08, 0.11), along = Vec2(3, 4).normalized();
@@ -289,7 +289,7 @@ TEST(Ground, LinesEndAtCracksAndAtTheBorder) {
 }
 
 // Stress is written into the points, as no sheet need bear it.
-TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
+TEST(EnergyReleaseZone, StoredIsWhatTensionAcrossThemDoesInTheirZone) {
   for (const int degree : {2, 3}) {
     const ShellModel m = glass_sheet(degree);
     ShellState s = make_state(m, Vec3::Zero(), 1);
@@ -303,8 +303,8 @@ TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
                 k % 3 == 1 ? (k < 3 ? below : 1.0) * above(gauss_point(m.patch, m.tables, q, lane).parameter) : 0.0;
     };
     const auto stored = [&](int face, const Vec2& along, double even) {
-      OwnGround own;
-      return stored_in_ground(m, s, own, radius, p, along, face, even);
+      EnergyReleaseZone own;
+      return stored_in_zone(m, s, own, radius, p, along, face, even);
     };
     const auto everywhere = [](const Vec2&) { return 12e6; };
     fill(-1.0, everywhere);
@@ -334,7 +334,7 @@ TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
     const double below = 0.07;
     const int from = s.cracks.graph.add_vertex({0.0, below}), to = s.cracks.graph.add_vertex({0.2, below});
     s.cracks.graph.add_edge(from, to, s.cracks.graph.new_crack(), 0.0, 1);
-    OwnGround own;
+    EnergyReleaseZone own;
     const double share = own.share(m, s.cracks.graph, p, radius);
     const double past = 0.012;  // where it ends by its middle line a sector's sides reach so much further
     EXPECT_LT(share, 0.8);
@@ -344,7 +344,7 @@ TEST(Ground, StoredIsWhatTensionAcrossThemDoesInTheirGround) {
 }
 
 // Every so many elements of a large circle tell what all of them do.
-TEST(Ground, StoredInALargeGroundIsTheSame) {
+TEST(EnergyReleaseZone, StoredInALargeZoneIsTheSame) {
   const ShellModel m = sheet_that_needs(6.0);  // 40 x 40
   ShellState s = make_state(m, Vec3::Zero(), 1);
   for (int q = 0; q < m.tables.blocks(); ++q)
@@ -362,14 +362,14 @@ TEST(Ground, StoredInALargeGroundIsTheSame) {
         if (std::hypot(x, y) > radius) continue;
         sum += std::pow(std::cos(8.0 * x) * std::cos(8.0 * y), 2), ++all;
       }
-    OwnGround own;
-    EXPECT_NEAR(stored_in_ground(m, s, own, radius, {0.1, 0.1}, {0.0, 1.0}, 1, 1e14 / 3.0), sum / all, 0.02) << radius;
+    EnergyReleaseZone own;
+    EXPECT_NEAR(stored_in_zone(m, s, own, radius, {0.1, 0.1}, {0.0, 1.0}, 1, 1e14 / 3.0), sum / all, 0.02) << radius;
   }
 }
 
 // A crack needs a line of 12 spacings at the strength, 10 MPa times a share of it, and what is stored in a circle of as
 // many about it; half of both at the border.
-TEST(Ground, StartOnlyWhereTheirGroundStoresTheEnergy) {
+TEST(EnergyReleaseZone, StartOnlyWhereTheirZoneStoresTheEnergy) {
   struct Sheet {
     double half_width, stress, beside;                   // of a strip along v [m], in it and beside it [Pa]
     double weak_from = 1.0, weak_to = 1.0, share = 1.0;  // off its middle line [m], of the strength

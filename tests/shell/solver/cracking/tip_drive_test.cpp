@@ -88,19 +88,19 @@ TEST(CriticalLength, IsGriffithsStretchedAndThatOfWilliamsFieldBent) {
 
 // The energy of a sheet per area, h E e^2 / 2 or h E k^2 h^2 / 24 in one direction, times the circle's area is the
 // energy of the crack's faces.
-TEST(GroundRadius, StoresWhatTheCrackCosts) {
+TEST(ZoneRadius, StoresWhatTheCrackCosts) {
   ShellMaterial m = glass();
   m.youngs_modulus = 70e9, m.poisson_ratio = 0.22, m.fracture_energy = 8.0;
   const double strength = 60e6, thickness = 1.3e-3, strain = strength / m.youngs_modulus;
   const double curvature = 2.0 * strain / thickness;
   for (const double bent : {0.0, 0.3, 0.7, 1.0}) {
     const double half_length = critical_length(m, strength, 1.0 - bent, bent);
-    const double radius = ground_radius(m, half_length, 1.0 - bent, bent);
+    const double radius = zone_radius(m, half_length, 1.0 - bent, bent);
     const double e = (1.0 - bent) * strain, k = bent * curvature;
     const double stored = m.youngs_modulus * thickness * (e * e / 2.0 + k * k * thickness * thickness / 24.0);
     EXPECT_NEAR(std::numbers::pi * radius * radius * stored / (2.0 * half_length * thickness * m.fracture_energy), 1.0,
                 1e-9)
         << "bent " << bent;
   }
-  EXPECT_EQ(ground_radius(m, 1e-3, 0.0, 3.0), ground_radius(m, 1e-3, -1.0, 3.0));  // what is pressed drives nothing
+  EXPECT_EQ(zone_radius(m, 1e-3, 0.0, 3.0), zone_radius(m, 1e-3, -1.0, 3.0));  // what is pressed drives nothing
 }

@@ -86,7 +86,7 @@ TEST(Jump, IsTheForceBeforeLessThatAfter) {
     compute_forces(m, s, true, 0.0, 1);
     const std::vector<double> before = s.motion.force;
     ASSERT_TRUE(s.cracks.force_discontinuity.empty());
-    ASSERT_GE(insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318}), 0);  // crosses the faces' sight
+    ASSERT_GE(insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318}), 0);  // crosses the faces' visibility
     ASSERT_FALSE(s.cracks.force_discontinuity.empty());
     release_interlocks(m, s, {}, true);
     compute_forces(m, s, true, 0.0, 1);

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/fracture/sight.h"
+#include "shell/fracture/visibility.h"
 #include "shell/solver/cracking/insertion.h"
 #include "tests/shell/fixtures.h"
 
@@ -21,13 +21,13 @@ ShellModel sheet() {
 
 }  // namespace
 
-TEST(Sight, KeptWhileCracksGrowSeesWhatIsVisible) {
+TEST(Visibility, KeptWhileCracksGrowSeesWhatIsVisible) {
   const ShellModel m = sheet();
   const ControlGrid grid = control_grid(m);
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> uniform(0.0, 0.2);
   CrackGraph g({0, 0}, {0.2, 0.2}, 2.0 * m.spacing, 1e-2 * m.spacing);
-  std::vector<Sight> kept;
+  std::vector<Visibility> kept;
   for (int i = 0; i < 60; ++i) {
     const Vec2 p(uniform(random), uniform(random));
     kept.emplace_back(grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
@@ -39,13 +39,13 @@ TEST(Sight, KeptWhileCracksGrowSeesWhatIsVisible) {
       g.add_edge(from, to, g.new_crack(), 0.0, 0);
     }
     const int end = static_cast<int>(g.edges().size()) - 1;  // the last is only tried
-    for (Sight& sight : kept) {
-      sight.update(grid, g, end);
+    for (Visibility& visibility : kept) {
+      visibility.update(grid, g, end);
       std::set<int> seen, visible;
-      sight.each(grid, [&](int k) { seen.insert(k); });
+      visibility.each(grid, [&](int k) { seen.insert(k); });
       for (int k = 0; k < m.control_points(); ++k)
-        if (grid.offset(sight.point(), k).cwiseAbs().maxCoeff() < kLargestSupport &&
-            g.visible(sight.point(), m.parameter[k], end))
+        if (grid.offset(visibility.point(), k).cwiseAbs().maxCoeff() < kLargestSupport &&
+            g.visible(visibility.point(), m.parameter[k], end))
           visible.insert(k);
       EXPECT_EQ(seen, visible) << "step " << step;
     }
@@ -54,7 +54,7 @@ TEST(Sight, KeptWhileCracksGrowSeesWhatIsVisible) {
 }
 
 // Along rows and columns of control points, through them and through the eye itself, where round-off would decide.
-TEST(Sight, LosesWhatAnEdgeAlongTheLatticeHides) {
+TEST(Visibility, LosesWhatAnEdgeAlongTheLatticeHides) {
   const ShellModel m = sheet();
   const ControlGrid grid = control_grid(m);
   const double h = m.spacing;
@@ -76,15 +76,15 @@ TEST(Sight, LosesWhatAnEdgeAlongTheLatticeHides) {
     const int from = g.add_vertex(a), to = g.add_vertex(b);
     ASSERT_EQ(g.add_edge(from, to, g.new_crack(), 0.0, 0), 0);
     const CrackEdge& e = g.edges()[0];
-    const Sight open(grid, eye, m.patch.knots_u.span_of(eye.x()), m.patch.knots_v.span_of(eye.y()));
-    Sight seen = open;
+    const Visibility open(grid, eye, m.patch.knots_u.span_of(eye.x()), m.patch.knots_v.span_of(eye.y()));
+    Visibility seen = open;
     seen.update(grid, g, 1);
     std::set<int> left;
     seen.each(grid, [&](int k) { left.insert(k); });
     open.each(grid, [&](int k) {
       const bool hidden = segments_meet(eye, m.parameter[k], e.long_a, e.long_b);
       EXPECT_EQ(left.count(k), hidden ? 0u : 1u) << "control point " << k;
-      Sight one = open;
+      Visibility one = open;
       one.close(), one.show(grid, k);
       EXPECT_EQ(one.loses(grid, e), hidden) << "control point " << k;
       lost += hidden;

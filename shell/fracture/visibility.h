@@ -34,11 +34,11 @@ struct View {
   std::array<std::uint16_t, kMost> seen;  // of each row, a bit for each column
 };
 
-class Sight {
+class Visibility {
  public:
-  Sight() = default;
+  Visibility() = default;
   /// All control points within the largest support of `p`, which lies in span_u, span_v: no edge hides any yet.
-  Sight(const ControlGrid& grid, const Vec2& p, int span_u, int span_v);
+  Visibility(const ControlGrid& grid, const Vec2& p, int span_u, int span_v);
   /// Hides what the first `end` edges of the graph hide. No edge that it has taken in may be taken back.
   void update(const ControlGrid& grid, const CrackGraph& cracks, int end);
   const Vec2& point() const { return p_; }
@@ -51,7 +51,7 @@ class Sight {
     rows_[j] = static_cast<std::uint16_t>(rows_[j] | 1u << i);
   }
   /// Whether two visibilities of one point are the same.
-  bool sees_the_same(const Sight& other) const { return rows_ == other.rows_; }
+  bool sees_the_same(const Visibility& other) const { return rows_ == other.rows_; }
   /// Calls back each visible control point, in rising order.
   template <class F>
   void each(const ControlGrid& grid, F&& callback) const {

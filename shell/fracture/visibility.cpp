@@ -1,4 +1,4 @@
-#include "shell/fracture/sight.h"
+#include "shell/fracture/visibility.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,11 +28,11 @@ unsigned columns_between(const Four* x, double left, double right) {
 }  // namespace
 
 // Offsets of columns from the point, which rise; infinite where the patch has none.
-struct Sight::Columns {
+struct Visibility::Columns {
   Four at[kPacks];
 };
 
-Sight::Columns Sight::columns(const ControlGrid& grid) const {
+Visibility::Columns Visibility::columns(const ControlGrid& grid) const {
   constexpr double kNone = std::numeric_limits<double>::infinity();
   Columns c;
   for (int i = 0; i < 4 * kPacks; ++i)
@@ -42,7 +42,7 @@ Sight::Columns Sight::columns(const ControlGrid& grid) const {
   return c;
 }
 
-Sight::Sight(const ControlGrid& grid, const Vec2& p, int span_u, int span_v)
+Visibility::Visibility(const ControlGrid& grid, const Vec2& p, int span_u, int span_v)
     : p_(p), column_(span_u + 1 - kReach), row_(span_v + 1 - kReach) {
   static_assert(kReach > kLargestSupport + 1.0);
   unsigned columns = 0;
@@ -53,7 +53,7 @@ Sight::Sight(const ControlGrid& grid, const Vec2& p, int span_u, int span_v)
       rows_[j] = static_cast<std::uint16_t>(columns);
 }
 
-View Sight::view(const ControlGrid& grid) const {
+View Visibility::view(const ControlGrid& grid) const {
   View v;
   unsigned any = 0;
   int low = 0, high = kAcross;  // rows
@@ -75,7 +75,7 @@ View Sight::view(const ControlGrid& grid) const {
 // An edge hides what lies beyond it in the wedge that it fills: three half planes, and of each row of control points
 // what is between two ends. Where round-off would decide, segments_meet does.
 template <class F>
-void Sight::each_hidden(const ControlGrid& grid, const Columns& x, const CrackEdge& e, F&& callback) const {
+void Visibility::each_hidden(const ControlGrid& grid, const Columns& x, const CrackEdge& e, F&& callback) const {
   const Vec2 low = e.long_a.cwiseMin(e.long_b) - p_, high = e.long_a.cwiseMax(e.long_b) - p_;
   const Vec2 reach = kBeyond * Vec2(grid.spacing_u, grid.spacing_v);
   if ((low.array() > reach.array()).any() || (-high.array() > reach.array()).any()) return;
@@ -118,7 +118,7 @@ void Sight::each_hidden(const ControlGrid& grid, const Columns& x, const CrackEd
   }
 }
 
-void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
+void Visibility::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
   if (end <= known_) return;
   const Columns x = columns(grid);
   const auto hide = [&](const CrackEdge& e) {
@@ -140,7 +140,7 @@ void Sight::update(const ControlGrid& grid, const CrackGraph& cracks, int end) {
   known_ = end;
 }
 
-bool Sight::loses(const ControlGrid& grid, const CrackEdge& edge) const {
+bool Visibility::loses(const ControlGrid& grid, const CrackEdge& edge) const {
   bool any = false;
   each_hidden(grid, columns(grid), edge, [&](int j, unsigned hidden) { return !(any = (hidden & rows_[j]) != 0); });
   return any;
