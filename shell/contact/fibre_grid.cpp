@@ -92,7 +92,7 @@ bool FibreGrid::find(std::vector<LayerSample>& samples) {
       const Vec3 off(offset[0], offset[1], offset[2]);
       const std::size_t known = fields_.size();
       corner->field = field_of(fields_, head_[node], q,
-                               [&](const Field& f) { return hang_together(f, q, together_, one_surface()); });
+                               [&](const Field& f) { return are_one_surface(f, q, together_, one_surface()); });
       corner->weight = w;
       if (fields_.size() > known) fields_.back().at = q.x + off;
       Field& f = fields_[corner->field];

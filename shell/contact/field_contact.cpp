@@ -60,7 +60,7 @@ bool FieldContact::find(std::vector<SurfaceSample>& samples, double dt) {
         const Vec3 apart = fields_[pair.other].centre() - fields_[pair.plane].centre();
         if (pair.normal.dot(apart) < 0.0) pair.normal = -pair.normal;
         fields_[a].paired = fields_[b].paired = true;
-        if (hang_together(fields_[a], fields_[b], together_, one_surface())) {
+        if (are_one_surface(fields_[a], fields_[b], together_, one_surface())) {
           pair.gap = std::abs(pair.normal.dot(apart)) - 0.5 * (fields_[a].thickness + fields_[b].thickness);
           fold_near_[node] = 1, folds = pair.fold = true;
         } else {
@@ -174,7 +174,7 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
 // Whether a sample belongs to a field's surface, that of its first sample. What has turned over against that does not:
 // it is the other side of a fold.
 bool FieldContact::one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const {
-  if (!hang_together(f, p, together_, one_surface())) return false;
+  if (!are_one_surface(f, p, together_, one_surface())) return false;
   if (f.shell != p.shell) return true;
   const double now = first.normal.dot(p.normal);
   return now >= 0.0 || now >= first.rest_normal.dot(p.rest_normal) - kTurned;
@@ -199,7 +199,7 @@ void FieldContact::find_folds(const std::vector<SurfaceSample>& samples, double 
     for (int k = fold_head_[node_of_[near]]; k >= 0; k = fold_next_[k]) {
       const int q = in_fold_[k];
       if (q <= p || laws_[samples[p].shell][samples[q].shell].elsewhere) continue;
-      if (!hang_together(samples[p], samples[q], together_, one_surface())) continue;
+      if (!are_one_surface(samples[p], samples[q], together_, one_surface())) continue;
       const double between = 0.5 * (samples[p].thickness + samples[q].thickness);
       const double across = 0.25 * (samples[p].area + samples[q].area);  // half a diagonal of four samples, squared
       const double reach = std::sqrt(between * between + across);

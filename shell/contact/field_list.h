@@ -23,7 +23,7 @@ int field_of(std::vector<Field>& fields, int& head, const Sample& p, Same&& same
 /// Whether two places are of one surface: their shells hang together (`together[i][k]`), and they are no further apart
 /// at rest than `one_surface` [m].
 template <class A, class B>
-bool hang_together(const A& a, const B& b, const std::vector<std::vector<char>>& together, double one_surface) {
+bool are_one_surface(const A& a, const B& b, const std::vector<std::vector<char>>& together, double one_surface) {
   return together[a.shell][b.shell] != 0 && (a.rest - b.rest).squaredNorm() <= one_surface * one_surface;
 }
 

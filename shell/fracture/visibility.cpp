@@ -12,7 +12,7 @@ constexpr int kFew = 8;                             // edges that are tested one
 constexpr int kRemembered = 64;                     // edges that were tested last
 constexpr double kBeyond = 1e-6 + kLargestSupport;  // spacings: visible points are nearer, whatever the round-off
 constexpr double kRoundOff = 1e-12;                 // of areas, in squared spacings
-constexpr double kMostDoubt = 1e-3;                 // spacings
+constexpr double kLargestUncertainty = 1e-3;        // spacings
 
 typedef double Four __attribute__((vector_size(32)));
 typedef std::int64_t FourMasks __attribute__((vector_size(32)));
@@ -92,7 +92,7 @@ void Visibility::each_hidden(const ControlGrid& grid, const Columns& x, const Cr
     at[k] = k == 2 ? area * over : 0.0, slope[k] = -normals[k].y() * over;
     doubt = std::max(doubt, tiny * std::abs(over));
   }
-  const bool unsure = !(area > tiny && doubt < kMostDoubt * grid.spacing_u);
+  const bool unsure = !(area > tiny && doubt < kLargestUncertainty * grid.spacing_u);
   constexpr double kFar = std::numeric_limits<double>::infinity();
   for (int j = 0; j < kAcross; ++j) {
     if (rows_[j] == 0) continue;

@@ -125,7 +125,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   }
   Stitching stitching(setup.stitches, models);
   if (!stitching.empty()) {
-    stitching.tie(refs);
+    stitching.move_masses(refs);
     steps = joined_steps(refs, stitching, steps, can_crack, kJoinedIterations, 1);
   }
   const double smallest = *std::min_element(steps.begin(), steps.end());
@@ -148,7 +148,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   const auto start = std::chrono::steady_clock::now();
   for (int i = 0; i < kTrials; ++i) {
     for (const ShellRef& r : refs) compute_forces(*r.model, *r.state, false, 1.0, 1);
-    if (!stitching.empty()) stitching.share_forces(refs);
+    if (!stitching.empty()) stitching.move_forces(refs);
   }
   const double cost = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count() / kTrials;
   const double until = std::min(setup.latest_freeze, setup.end_time), substeps = a_window * until / setup.window;

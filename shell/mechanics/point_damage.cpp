@@ -4,7 +4,7 @@
 
 namespace sunder::shell {
 
-double spared_since(const PointDamage& d, const Loss& now, double area) {
+double retained_since(const PointDamage& d, const Loss& now, double area) {
   double work = 0.0;
   for (int k = 0; k < 6 && !d.fresh; ++k) {
     const double mean = 0.5 * (now.lost[k] + d.lost[k]) * (k % 3 == 2 ? 2.0 : 1.0);  // 12 counts twice
@@ -14,16 +14,16 @@ double spared_since(const PointDamage& d, const Loss& now, double area) {
 }
 
 double keep(PointDamage& d, const Loss& now, double area) {
-  d.spared += spared_since(d, now, area);
+  d.retained += retained_since(d, now, area);
   d.forms = now.forms, d.lost = now.lost, d.fresh = false;
-  return d.damage() > 0.0f ? 0.0 : std::exchange(d.spared, 0.0);
+  return d.damage() > 0.0f ? 0.0 : std::exchange(d.retained, 0.0);
 }
 
 double keep_worst(PointDamage& d, const Loss& now, double area) {
   const double stays = area * now.energy;
   // the stress takes less work than the full one by what was spared, and stores less by what `stays` grew
-  const double dissipated = stays - d.spared - spared_since(d, now, area);
-  d.spared = stays, d.forms = now.forms, d.lost = now.lost, d.fresh = false;
+  const double dissipated = stays - d.retained - retained_since(d, now, area);
+  d.retained = stays, d.forms = now.forms, d.lost = now.lost, d.fresh = false;
   return dissipated;
 }
 

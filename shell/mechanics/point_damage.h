@@ -14,7 +14,7 @@ struct PointDamage {
   double strength = 0.0;                            // [Pa]
   std::array<float, kMostLayers> now{}, history{};  // damage and its maximum over time, of each layer
   std::array<double, 6> forms{}, lost{};            // of the last substep: a, b and what weakening took of n, m
-  double spared = 0.0;                              // energy that the weakened stress did not store [J]; without
+  double retained = 0.0;                            // energy that the weakened stress did not store [J]; without
                                                     // healing: that it would give back if it were not weakened
   bool fresh = true;                                // `forms` is not of these shape functions
   float damage() const { return *std::max_element(now.begin(), now.end()); }
@@ -28,7 +28,7 @@ struct Loss {
 };
 
 /// What weakening spares between the last substep and this state, by the trapezoidal rule [J].
-double spared_since(const PointDamage& d, const Loss& now, double area);
+double retained_since(const PointDamage& d, const Loss& now, double area);
 /// Keeps what the next substep needs. Returns what was spared and not given back where the point has healed.
 double keep(PointDamage& d, const Loss& now, double area);
 /// The same without healing: a point stores the full energy less what the stress taken would store; what else was
@@ -76,7 +76,7 @@ inline Resultants<T> integrate_weakened_layers(const Forms<T>& f, const Referenc
   return r;
 }
 
-/// One lane of a pack, or a scalar, as `spared_since` and `keep` ask for it.
+/// One lane of a pack, or a scalar, as `retained_since` and `keep` ask for it.
 inline double lane_of(double v, int) { return v; }
 template <class P>
 requires kIsPack<P>

@@ -54,8 +54,8 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const std::array<
     double& mean = (*stress.values)[t.at(p.block, 6, k, p.lane)];
     s[k] = mean += stress.share * (now[k] - mean);
   }
-  if (stress.over &&
-      std::max(most_tension(s[0], s[1], s[2]), most_tension(s[3], s[4], s[5])) > kDoubt * (*stress.least)[p.block])
+  if (stress.over && std::max(most_tension(s[0], s[1], s[2]), most_tension(s[3], s[4], s[5])) >
+                         kSurelyBelow * (*stress.least)[p.block])
     // points of one block may be in two threads' chunks
     std::atomic_ref((*stress.over)[p.block]).store(1, std::memory_order_relaxed);
 }
@@ -199,7 +199,7 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
     if (damaged) {
       PointDamage& d = *damaged[i];
       const Loss loss = loss_of(f, lost, i);
-      const double spared = kEnergy && law->heals ? d.spared + spared_since(d, loss, points[i]->area) : 0.0;
+      const double retained = kEnergy && law->heals ? d.retained + retained_since(d, loss, points[i]->area) : 0.0;
       if (stress.values) {
         for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
           d.now[l] = static_cast<float>(damage[l][i]);
@@ -207,7 +207,7 @@ double batch(const RowTables& t, const GatheredPoint* const* points, int count, 
         }
         booked += (law->heals ? keep : keep_worst)(d, loss, points[i]->area);
       }
-      if constexpr (kEnergy) sum -= law->heals ? spared : d.spared + spared_since(d, loss, points[i]->area);
+      if constexpr (kEnergy) sum -= law->heals ? retained : d.retained + retained_since(d, loss, points[i]->area);
     }
     Pack4 own[5];
     for (int k = 0; k < 5; ++k) own[k] = Pack4{all[k].x[i], all[k].y[i], all[k].z[i], 0.0};
@@ -331,7 +331,7 @@ double point_energy(const RowTables& t, const GatheredPoint& p, const std::vecto
   if (damage) {
     Loss loss;
     energy = p.area * weakened(t, p, f, *damage, brittleness, heals, loss).energy;
-    energy -= damage->spared + spared_since(*damage, loss, p.area);
+    energy -= damage->retained + retained_since(*damage, loss, p.area);
   } else {
     energy = p.area * integrate_layers<double, true>(f, p.metric, t.layers, t.elasticity).energy;
   }

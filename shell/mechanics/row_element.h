@@ -12,7 +12,7 @@
 namespace sunder::shell {
 
 /// What a layer's stress depends on beside its strain.
-enum class LayerLaw { kElastic, kYields, kWeakens, kWeakensForGood };  // the last without healing
+enum class LayerLaw { kElastic, kYields, kWeakens, kIrreversibleDamage };  // the last without healing
 struct RowMemory {
   const RowPlasticity* plastic = nullptr;
   const RowDamage* damage = nullptr;
@@ -47,7 +47,7 @@ inline bool any_tension_above(const double* stress, int lanes, double limit) {
 template <bool kEnergy, bool kStress, bool kHeals>
 Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t first, const Pack& area,
                           const Forms<Pack>& forms, const ReferenceMetric<Pack>& ref, IntPack& summed, double& booked,
-                          double& spared) {
+                          double& retained) {
   constexpr double kNever = 1e300;  // [Pa], strength of what is not watched
   constexpr bool kRemember = kEnergy || kStress;
   IntPack watched;
@@ -70,7 +70,7 @@ Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t 
       continue;
     }
     const Loss loss = loss_of(forms, lost, i);
-    if constexpr (kEnergy && kHeals) spared += d.spared + spared_since(d, loss, area[i]);
+    if constexpr (kEnergy && kHeals) retained += d.retained + retained_since(d, loss, area[i]);
     if constexpr (kStress) {
       for (std::size_t l = 0; l < t.layers.zeta.size(); ++l) {
         d.now[l] = static_cast<float>(damage[l][i]);
@@ -79,7 +79,7 @@ Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t 
       booked += (kHeals ? keep : keep_worst)(d, loss, area[i]);
     }
     // what is not booked yet counts as stored
-    if constexpr (kEnergy && !kHeals) spared += d.spared + spared_since(d, loss, area[i]);
+    if constexpr (kEnergy && !kHeals) retained += d.retained + retained_since(d, loss, area[i]);
   }
   summed &= sound | ~watched;
   return r;
@@ -88,7 +88,7 @@ Resultants<Pack> weakened(const RowTables& t, const RowDamage& law, std::size_t 
 template <int kSupport, bool kRational, bool kEnergy, bool kStress, LayerLaw kLaw>
 double element_row(const RowTables& t, const double* x, SurfaceStress stress, RowMemory memory, int f, double* out,
                    double& booked) {
-  constexpr bool kWeakens = kLaw == LayerLaw::kWeakens || kLaw == LayerLaw::kWeakensForGood;
+  constexpr bool kWeakens = kLaw == LayerLaw::kWeakens || kLaw == LayerLaw::kIrreversibleDamage;
   const int stride = t.stride, lanes = t.lanes;
   thread_local std::vector<double> buffer;
   // Forces on the control points of an element, three or four along u, apart: [k][value, first, second in v][x y z]
@@ -104,7 +104,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
   double* parts = q + 9 * stride + kLanes;
   std::fill(out, out + 3 * kSupport * stride, 0.0);
   Pack energy{};
-  [[maybe_unused]] double spared = 0.0;
+  [[maybe_unused]] double retained = 0.0;
   double thickness = 0.0;
   for (const double w : t.layers.weight) thickness += w;
   const double inverse_thickness = 1.0 / thickness, six_over_square = 6.0 / (thickness * thickness);
@@ -224,7 +224,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
             std::copy_n(memory.damage->watched->data() + first_point, kLanes, watched.data());
             if (watched != std::array<char, kLanes>{})
               return weakened<kEnergy, kStress, kLaw == LayerLaw::kWeakens>(t, *memory.damage, first_point, area, forms,
-                                                                            ref, summed, booked, spared);
+                                                                            ref, summed, booked, retained);
             return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
           } else {
             return integrate_layers<Pack, kEnergy>(forms, ref, t.layers, t.elasticity);
@@ -279,8 +279,8 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
       }
       if constexpr (kStress)
         if (stress.over)
-          (*stress.over)[block] =
-              any_tension_above(stress.values->data() + t.at(block, 6, 0, 0), lanes, kDoubt * (*stress.least)[block]);
+          (*stress.over)[block] = any_tension_above(stress.values->data() + t.at(block, 6, 0, 0), lanes,
+                                                    kSurelyBelow * (*stress.least)[block]);
     }
     for (int k = 0; k < 9; ++k) {
       const double *p0 = parts + k * reach, *p1 = p0 + 9 * reach - 1, *p2 = p0 + 18 * reach - 2;
@@ -301,7 +301,7 @@ double element_row(const RowTables& t, const double* x, SurfaceStress stress, Ro
   }
   double sum = 0.0;
   for (int i = 0; i < kLanes; ++i) sum += energy[i];
-  if constexpr (kWeakens) sum -= spared;
+  if constexpr (kWeakens) sum -= retained;
   return sum;
 }
 
@@ -315,10 +315,10 @@ RowFunction pick(bool energy, bool stress) {
 }
 template <int kSupport, bool kRational>
 RowFunction pick(LayerLaw law, bool energy, bool stress) {
-  return (law == LayerLaw::kYields           ? pick<kSupport, kRational, LayerLaw::kYields>
-          : law == LayerLaw::kWeakens        ? pick<kSupport, kRational, LayerLaw::kWeakens>
-          : law == LayerLaw::kWeakensForGood ? pick<kSupport, kRational, LayerLaw::kWeakensForGood>
-                                             : pick<kSupport, kRational, LayerLaw::kElastic>)(energy, stress);
+  return (law == LayerLaw::kYields               ? pick<kSupport, kRational, LayerLaw::kYields>
+          : law == LayerLaw::kWeakens            ? pick<kSupport, kRational, LayerLaw::kWeakens>
+          : law == LayerLaw::kIrreversibleDamage ? pick<kSupport, kRational, LayerLaw::kIrreversibleDamage>
+                                                 : pick<kSupport, kRational, LayerLaw::kElastic>)(energy, stress);
 }
 template <int kSupport>
 RowFunction row_function(bool rational, LayerLaw law, bool energy, bool stress) {

@@ -40,7 +40,7 @@ double row_forces(const RowTables& t, const std::vector<double>& x, bool energy,
   const double* positions = homogeneous(t, x, scratch);
   const bool record = stress.values != nullptr;
   const LayerLaw law = plastic && plastic->states  ? LayerLaw::kYields
-                       : damage && damage->watched ? damage->heals ? LayerLaw::kWeakens : LayerLaw::kWeakensForGood
+                       : damage && damage->watched ? damage->heals ? LayerLaw::kWeakens : LayerLaw::kIrreversibleDamage
                                                    : LayerLaw::kElastic;
   const RowFunction row = (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, law, energy, record);
   scratch.row_booked.assign(t.spans_v, 0.0);
@@ -55,7 +55,7 @@ double row_forces(const RowTables& t, const std::vector<double>& x, bool energy,
   for (const double b : scratch.row_booked) booked += b;
   if (law == LayerLaw::kYields) plastic->dissipated += booked;
   if (law == LayerLaw::kWeakens) damage->healed += booked;
-  if (law == LayerLaw::kWeakensForGood) damage->dissipated += booked;
+  if (law == LayerLaw::kIrreversibleDamage) damage->dissipated += booked;
   return energy ? sum : 0.0;
 }
 

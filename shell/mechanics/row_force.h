@@ -31,7 +31,7 @@ template <class T>
 T most_tension(const T& s11, const T& s22, const T& s12) {
   return select(s11 > s22, s11, s22) + select(s12 > -s12, s12, -s12);
 }
-constexpr double kDoubt = 1.0 - 1e-12;  // of the strength: more than round-off below it is surely not over
+constexpr double kSurelyBelow = 1.0 - 1e-12;  // of the strength: more than round-off below it is surely not over
 
 constexpr int kFormFields = 6;  // first fundamental form 11 22 12, then the second
 /// Layers that yield: their states, [block][layer][change 11 22 12, strain][lane], of gathered points as well. Where

@@ -8,8 +8,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kMade = 0.02;   // share of the largest energy: gain without a source, or energy missing
-constexpr double kGiven = 0.05;  // share of the largest energy; larger, since released overlaps return a little
+constexpr double kLargestGain = 0.02;    // share of the largest energy: gain without a source, or energy missing
+constexpr double kLargestReturn = 0.05;  // share of the largest energy; larger, since released overlaps return a little
 constexpr double kUncertain = 0.1, kFrozen = 0.1;  // shares of the largest energy
 constexpr double kAdded = 0.01;                    // share of the fracture energy
 constexpr double kNoted = 1e-3;                    // share of the largest energy below which an amount is not reported
@@ -42,20 +42,20 @@ double crack_resistance(const ShellModel& m, const ShellState& s) {
   return m.material.fracture_energy * (m.thickness - m.material.interlayer.thickness) * sum;
 }
 
-std::vector<std::string> doubts(const Audit& audit) {
+std::vector<std::string> audit_warnings(const Audit& audit) {
   const EnergyBook& b = audit.book;
   const auto share = [&](double energy) { return audit.scale > 0.0 ? energy / audit.scale : 0.0; };
   std::vector<std::string> out;
-  if (!(std::abs(audit.residual) <= kMade))
+  if (!(std::abs(audit.residual) <= kLargestGain))
     out.push_back(
         fmt::format("the energy books miss {:.1f} % of the energy there was: lower time_step_safety, or refine",
                     100.0 * audit.residual));
-  if (share(audit.given) > kGiven)
+  if (share(audit.returned) > kLargestReturn)
     out.push_back(
         fmt::format("contact has given back {:.1f} % of the energy there was, where it can only take: lower "
                     "time_step_safety, or refine",
-                    100.0 * share(audit.given)));
-  if (share(-b.healing) > kMade)
+                    100.0 * share(audit.returned)));
+  if (share(-b.healing) > kLargestGain)
     out.push_back(
         fmt::format("damage that healed has made {:.1f} % of the energy there was", 100.0 * share(-b.healing)));
   if (b.injected > kAdded * b.fracture && share(b.injected) > kNoted)
@@ -63,7 +63,7 @@ std::vector<std::string> doubts(const Audit& audit) {
         "cracks have added {:.1f} % of the energy that fracture took, at places and in moments where they "
         "should only take: refine{}",
         100.0 * b.injected / std::max(b.fracture, b.injected), audit.keeps_damage ? ", or let damage heal" : ""));
-  if (share(-b.handoff) > kMade)
+  if (share(-b.handoff) > kLargestGain)
     out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
                               100.0 * share(-b.handoff), audit.grid_transfer ? ": the grid glues what is cut" : ""));
   if (share(audit.coupling) > kUncertain)

@@ -12,7 +12,7 @@ struct Audit {
   EnergyBook book;
   double scale = 0.0;     // largest energy at any time; 0: no energy, so nothing to judge
   double residual = 0.0;  // energy that the books miss [share of `scale`]
-  double given = 0.0;     // largest fall of the contact book below its maximum so far: energy that contact has returned
+  double returned = 0.0;  // largest fall of the contact book below its maximum so far: energy that contact has returned
   double coupling = 0.0;  // uncertain because the shell pushes bodies that the engine holds
   double frozen = 0.0;    // kinetic energy of the shell when it was frozen
   bool grid_transfer = false;  // velocities pass through a background grid
@@ -25,6 +25,6 @@ struct Audit {
 double crack_resistance(const ShellModel& model, const ShellState& state);
 
 /// Returns warnings about the energies of a run, one sentence each; empty where there are none.
-std::vector<std::string> doubts(const Audit& audit);
+std::vector<std::string> audit_warnings(const Audit& audit);
 
 }  // namespace sunder::shell

@@ -51,7 +51,7 @@ void Books::close(Simulation& simulation, double energy) {
   residual = scale > 0.0 ? (energy - reference) / scale : 0.0;
   const double contact = sum(simulation).contact;
   contact_taken = std::max(contact_taken, contact);
-  contact_given = std::max(contact_given, contact_taken - contact);
+  contact_returned = std::max(contact_returned, contact_taken - contact);
 }
 
 void Books::check_stable(Simulation& simulation, double energy, std::int64_t window) const {
@@ -75,11 +75,13 @@ void unstable(double energy, std::int64_t window) {
 
 std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual) {
   const std::vector<ShellSetup>& shells = simulation.model.setup.shells;
-  const bool keeps = std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return !s.fracture.damage.heals; });
+  const bool keeps =
+      std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return !s.fracture.damage.heals; });
   const bool grid = std::any_of(shells.begin(), shells.end(),
                                 [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
-  std::vector<std::string> out = doubts({books.sum(simulation), books.scale, books.residual, books.contact_given,
-                                         coupling_residual, books.frozen_kinetic, grid, keeps});
+  std::vector<std::string> out =
+      audit_warnings({books.sum(simulation), books.scale, books.residual, books.contact_returned, coupling_residual,
+                      books.frozen_kinetic, grid, keeps});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   return out;

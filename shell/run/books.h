@@ -14,7 +14,7 @@ struct Books {
   double reference = 0.0;          // total energy at the start
   double residual = 0.0;           // energy that the books miss, as a share of `scale` [-]
   double contact_taken = 0.0;      // largest value of the contact book so far
-  double contact_given = 0.0;      // largest fall below it; contact can only take energy
+  double contact_returned = 0.0;   // largest fall below it; contact can only take energy
   double frozen_kinetic = 0.0;     // kinetic energy of the shells when they were frozen
   double frozen_length = 0.0;      // length of their cracks then [m]
   double frozen_resistance = 0.0;  // resistance of their cracks then

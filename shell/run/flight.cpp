@@ -13,7 +13,7 @@ constexpr int kRigidSubsteps = 4;  // steps of free flight in a window without a
 
 }  // namespace
 
-std::int64_t settle_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies) {
+std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies) {
   const auto most = static_cast<std::int64_t>(std::llround(setup.settle_window / setup.tick));
   if (setup.shells.empty() || most <= 1) return most;
   double thickness = setup.shells[0].model.thickness;
@@ -35,7 +35,7 @@ std::int64_t settle_ticks(const RunSetup& setup, const std::vector<Proxy>& bodie
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(longest / setup.tick * (1.0 + 1e-9)));
 }
 
-void fly(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double window) {
+void free_fall(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double window) {
   const double h = window / kRigidSubsteps;
   for (std::size_t i = 0; i < count; ++i)
     for (int k = 0; k < kRigidSubsteps && !bodies[i].body.is_static; ++k) {

@@ -62,7 +62,7 @@ std::string Pieces::cracking_has_ended(double last_push) {
 }
 
 std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
-  std::vector<RigidBody> births = take_off(true, dt);
+  std::vector<RigidBody> births = hand_off_pieces(true, dt);
   const double before = simulation_.total_energy(dt);
   books_.frozen_kinetic = 0.0, books_.frozen_length = books_.crack_length(simulation_),
   books_.frozen_resistance = books_.crack_resistance(simulation_);

@@ -50,8 +50,8 @@ void ShellPart::add_rubble(const Triangulation& t, int piece) {
   }
 }
 
-double ShellPart::with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
-                             double window, std::int64_t now) {
+double ShellPart::step_with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies,
+                                  const Vec3& gravity, double window, std::int64_t now) {
   if (std::none_of(setup->hertz.begin(), setup->hertz.end(), [](double k) { return k > 0.0; })) return step;
   const ShellModel& m = model();
   double shell_speed = 0.0;

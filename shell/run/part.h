@@ -51,8 +51,8 @@ struct ShellPart {
   /// Shortens `step` [s] where a sphere with Hertz stiffness may touch the shell within two windows of `window` [s].
   /// The short step is kept for some time after, twice as long at each new contact. Reason: changing the step adds
   /// noise near the stability limit, and many changes in a row make energy grow. `now` is the number of the window.
-  double with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
-                    double window, std::int64_t now);
+  double step_with_hertz(double step, const std::vector<Proxy>& proxies, std::size_t bodies, const Vec3& gravity,
+                         double window, std::int64_t now);
   /// Criteria that act at the start of a window insert their edges: cuts that are due up to `span` [s] after `now` [s].
   /// Returns the parts of seams that they open.
   std::vector<EdgeCut> cut(double now, double span, std::uint64_t& random);

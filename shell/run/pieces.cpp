@@ -174,7 +174,7 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
   });
 }
 
-std::vector<RigidBody> Pieces::take_off(bool all, double dt) {
+std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {
   std::vector<RigidBody> births;
   if (!all && !state_.stitching.parted() &&
       std::all_of(state_.shells.begin(), state_.shells.end(),
@@ -199,7 +199,7 @@ std::vector<RigidBody> Pieces::take_off(bool all, double dt) {
   if (!leaving.empty()) {
     const double before = simulation_.total_energy(dt);
     Totals totals_now = shell_totals();
-    for (const int root : leaving) births.push_back(leave(now, groups.at(root), totals_now, dt));
+    for (const int root : leaving) births.push_back(hand_off_group(now, groups.at(root), totals_now, dt));
     state_.shells.front().state->book.handoff += before - simulation_.total_energy(dt);
   }
   counts_.detached_area = 0.0;
@@ -215,7 +215,7 @@ Totals Pieces::shell_totals() {
   return sum;
 }
 
-RigidBody Pieces::leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now, double dt) {
+RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& group, Totals& totals_now, double dt) {
   const std::vector<ShellRef> shells = simulation_.refs();
   for (const auto& [k, i] : group.members) {
     if (!now[k].whole) continue;
@@ -256,7 +256,7 @@ RigidBody Pieces::leave(std::vector<PartPieces>& now, const Group& group, Totals
   frames_.draw_as(h.body.id, std::move(h.drawn));
   state_.bodies.emplace_back(h.body);
   for (ShellPart& other : state_.shells)
-    other.coefficients.push_back(simulation_.against(other.model(), h.body)), other.candidates.age = 0;
+    other.coefficients.push_back(simulation_.contact_law(other.model(), h.body)), other.candidates.age = 0;
   return h.body;
 }
 

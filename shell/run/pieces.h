@@ -38,7 +38,7 @@ class Pieces {
 
   /// Hands off the pieces that are due, or every loose piece where `all`. Returns their bodies. `dt` is the substep
   /// [s]. Throws Error (ledger) where mass or momentum is lost.
-  std::vector<RigidBody> take_off(bool all, double dt);
+  std::vector<RigidBody> hand_off_pieces(bool all, double dt);
   /// Returns why the shells may be frozen now, or an empty text. `last_push` is the time [s] of a body's last push.
   std::string cracking_has_ended(double last_push);
   /// Hands off loose pieces, turns the held part into static bodies, and empties the shells. Returns all these bodies.
@@ -75,7 +75,7 @@ class Pieces {
   bool is_to_leave(const std::vector<PartPieces>& now, const Group& group, bool all);
   Totals shell_totals();
   /// Hands off one group and returns its body. `totals_now` are the totals of the shells; they are updated.
-  RigidBody leave(std::vector<PartPieces>& now, const Group& group, Totals& totals_now, double dt);
+  RigidBody hand_off_group(std::vector<PartPieces>& now, const Group& group, Totals& totals_now, double dt);
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
   bool impact_ahead() const;  // a body of the scene flies towards a shell
   bool impact_ahead(const ShellPart& part) const;

@@ -68,7 +68,7 @@ void Run::start() {
   }
   coupler_.load();
   simulation_.start_shells([this] {
-    look_around();
+    check_peer_and_progress();
     if (*interrupted_)
       throw Error(Exit::kInterrupted, "interrupted", "interrupted while the equilibrium was looked for");
   });
@@ -114,7 +114,7 @@ void Run::shell_window() {
   coupler_.open_window(window);
   const std::int64_t substeps_begin = Trace::now_ns();
   const auto look = [this] {
-    look_around();
+    check_peer_and_progress();
     if (*interrupted_ && wall_clock() - window_start_ > kPatience)
       throw Error(Exit::kInterrupted, "interrupted", "interrupted within a window, which would have taken long");
   };
@@ -130,7 +130,7 @@ void Run::shell_window() {
   for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
     if (state.bodies[i].impulse_sum > 0.0 && !state.bodies[i].body.is_static) last_push_ = clock_.time() + window;
   const std::int64_t pieces_begin = Trace::now_ns();
-  const std::vector<RigidBody> births = pieces_.take_off(false, dt);
+  const std::vector<RigidBody> births = pieces_.hand_off_pieces(false, dt);
   recorder_.traced("pieces", pieces_begin);
   coupler_.exchange(ticks, window, births);
   double energy;
@@ -156,17 +156,19 @@ void Run::make_cuts(double window) {
   for (std::size_t k = 0; k < state.shells.size(); ++k) {
     state.shells[k].state->motion.time = clock_.time();
     for (const EdgeCut& e : state.shells[k].cut(clock_.time(), 0.5 * window, state.random))
-      open_seams(setup_.stitches.seams, simulation_.refs(), state.stitching, static_cast<int>(k), e.edge, e.from, e.to);
+      release_seams(setup_.stitches.seams, simulation_.refs(), state.stitching, static_cast<int>(k), e.edge, e.from,
+                    e.to);
   }
 }
 
 void Run::rigid_window() {
   State& state = simulation_.state;
   const std::int64_t left = end_tick() - clock_.tick;
-  const int ticks = static_cast<int>(std::max<std::int64_t>(1, std::min(settle_ticks(setup_, state.bodies), left)));
+  const int ticks =
+      static_cast<int>(std::max<std::int64_t>(1, std::min(rigid_window_ticks(setup_, state.bodies), left)));
   const double window = clock_.ticks.time(ticks);
   coupler_.open_window(window);
-  fly(state.bodies, state.bodies.size(), setup_.gravity, window);
+  free_fall(state.bodies, state.bodies.size(), setup_.gravity, window);
   coupler_.exchange(ticks, window, {});
   books_.close(simulation_, simulation_.total_energy(0.0) + books_.frozen.lost() + state.engine_loss);
 }
@@ -178,11 +180,11 @@ void Run::freeze_shell(const std::string& why) {
   const double window = ticks * setup_.tick;
   coupler_.open_window(window);
   // new bodies do not move in this window
-  fly(state.bodies, state.bodies.size() - births.size(), setup_.gravity, window);
+  free_fall(state.bodies, state.bodies.size() - births.size(), setup_.gravity, window);
   coupler_.exchange(ticks, window, births);
 }
 
-void Run::look_around() {
+void Run::check_peer_and_progress() {
   if (wall_clock() - last_look_ < kLookInterval) return;
   last_look_ = wall_clock();
   rigid_->check_peer();

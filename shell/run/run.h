@@ -51,7 +51,7 @@ class Run {
   void shell_window();
   void rigid_window();
   void freeze_shell(const std::string& why);
-  void look_around();  // checks the peer and prints progress, now and then
+  void check_peer_and_progress();  // checks the peer and prints progress, now and then
   void make_cuts(double window);
   void finish(const char* status);
   void fail(const Error& error);

@@ -49,7 +49,7 @@ void Simulation::prepare() {
   for (const ShellSetup& s : setup_.shells) {
     ShellPart& part = state.shells.emplace_back(s);
     for (std::size_t i = 0; i < state.bodies.size(); ++i) {
-      part.coefficients.push_back(against(s.model, state.bodies[i].body));
+      part.coefficients.push_back(contact_law(s.model, state.bodies[i].body));
       part.coefficients.back().hertz = s.hertz[i];
     }
   }
@@ -116,7 +116,7 @@ void Simulation::start_shells(const std::function<void()>& look) {
           setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
           setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step);
   if (state.stitching.empty()) return;
-  state.stitching.tie(refs());
+  state.stitching.move_masses(refs());
   std::vector<char> can_crack;
   std::vector<double> alone;
   for (const ShellPart& part : state.shells)
@@ -143,7 +143,7 @@ void Simulation::find_equilibrium(ShellPart& part, const std::function<void()>& 
                   m.name, r.newton, r.steps, r.residual, part.setup->equilibrium));
 }
 
-ContactCoefficients Simulation::against(const ShellModel& shell, const RigidBody& body) const {
+ContactCoefficients Simulation::contact_law(const ShellModel& shell, const RigidBody& body) const {
   for (const ContactLaw& law : setup_.laws)
     if ((law.first_group == shell.contact_group && law.second_group == body.contact_group) ||
         (law.second_group == shell.contact_group && law.first_group == body.contact_group))
@@ -189,11 +189,11 @@ double Simulation::total_energy(double dt) {
                      hertz_energy(m, s, state.bodies, part.coefficients, part.candidates, dt);
   }
   if (state.fibres) state.fibres->add_forces(refs()), state.elastic += state.fibres->energy();
-  if (!state.stitching.empty()) state.stitching.share_forces(refs()), take_up_jump(refs(), dt);
+  if (!state.stitching.empty()) state.stitching.move_forces(refs()), apply_force_discontinuity(refs(), dt);
   for (const ShellPart& part : state.shells) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
-    if (state.stitching.empty()) take_up_jump({{&m, &s}}, dt);
+    if (state.stitching.empty()) apply_force_discontinuity({{&m, &s}}, dt);
     const double kinetic = kinetic_energy(m, s, dt);
     state.kinetic += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
     // kinetic_energy() has half a kick that the books receive with the next one
@@ -205,8 +205,8 @@ double Simulation::total_energy(double dt) {
 double Simulation::substep_length(std::int64_t window) {
   double step = std::numeric_limits<double>::infinity();
   for (ShellPart& part : state.shells)
-    step = std::min(
-        step, part.with_hertz(part.step(), state.bodies, setup_.bodies.size(), setup_.gravity, setup_.window, window));
+    step = std::min(step, part.step_with_hertz(part.step(), state.bodies, setup_.bodies.size(), setup_.gravity,
+                                               setup_.window, window));
   // A crack may have reduced the stable step by more than its allowance.
   return setup_.time_step > 0.0 ? std::min(setup_.time_step, step) : setup_.safety * step;
 }

@@ -119,7 +119,7 @@ class Simulation {
   EnergyBook shell_book();  // of shells and soft bodies that are solved [J]
   double crack_length();    // of shells that are solved [m]
   /// Returns the contact law of a shell and a body, without Hertz stiffness.
-  ContactCoefficients against(const ShellModel& shell, const RigidBody& body) const;
+  ContactCoefficients contact_law(const ShellModel& shell, const RigidBody& body) const;
   const std::vector<ShellRef>& refs() { return shell::refs(state, scratch); }
   int soft_particles() const;
   /// Returns the energy that all soft bodies store at this strain [J].

@@ -39,8 +39,8 @@ void internal_force(const Model& model, State& state, Scratch& scratch, double d
   });
   if (state.fibres) state.fibres->add_forces(refs(state, scratch));
   if (!state.stitching.empty()) {
-    state.stitching.share_forces(refs(state, scratch));
-    take_up_jump(refs(state, scratch), last);
+    state.stitching.move_forces(refs(state, scratch));
+    apply_force_discontinuity(refs(state, scratch), last);
   }
 }
 
@@ -54,7 +54,7 @@ void kick_all(const Model& model, State& state, Scratch& scratch, double dt, dou
 
 void rigid_contact(const Model&, State& state, Scratch& scratch, double dt, double kicked) {
   Stopwatch w(scratch.times[Stage::kRigidContact]);
-  if (!state.stitching.empty()) state.stitching.mark(refs(state, scratch));
+  if (!state.stitching.empty()) state.stitching.store_velocities(refs(state, scratch));
   for (ShellPart& part : state.shells) {
     ContactCandidates& candidates = part.candidates;
     if (candidates.age++ % kContactRefresh == 0) {
@@ -81,15 +81,15 @@ void shell_contact(const Model&, State& state, Scratch& scratch, double dt) {
   Stopwatch w(scratch.times[Stage::kShellContact]);
   state.contact->act(refs(state, scratch), dt, [&] {
     if (state.stitching.empty()) return;
-    state.stitching.share_impulses(refs(state, scratch));
-    state.stitching.mark(refs(state, scratch));
+    state.stitching.move_impulses(refs(state, scratch));
+    state.stitching.store_velocities(refs(state, scratch));
   });
 }
 
 void constrain_all(const Model& model, State& state, Scratch& scratch, double dt) {
   if (!state.stitching.empty()) {
-    state.stitching.share_impulses(refs(state, scratch));
-    state.stitching.keep_angles(refs(state, scratch), dt);
+    state.stitching.move_impulses(refs(state, scratch));
+    state.stitching.enforce_crease_constraints(refs(state, scratch), dt);
   }
   for (ShellPart& part : state.shells) {
     const TransferRules& transfer = part.setup->transfer;
@@ -106,7 +106,7 @@ void constrain_all(const Model& model, State& state, Scratch& scratch, double dt
 void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
   Stopwatch w(scratch.times[Stage::kKickDrift]);
   // Supports may have changed velocities on which dependent control points depend.
-  if (!state.stitching.empty()) state.stitching.follow(refs(state, scratch));
+  if (!state.stitching.empty()) state.stitching.update_dependent_velocities(refs(state, scratch));
   for (ShellPart& part : state.shells) drift(part.model(), *part.state, dt);
   if (state.soft_left > 0 && --state.soft_left == 0) state.soft.finish(model.threads);
   for (Proxy& p : state.bodies)
@@ -134,7 +134,8 @@ void crack_update(const Model& model, State& state, Scratch& scratch, const Cloc
   for (ShellPart& part : state.shells) crack_one(part, state, scratch, clock, k, n, dt);
   if (state.stitching.empty() || !model.setup.can_crack()) return;
   Stopwatch w(scratch.times[Stage::kCrackUpdate]);
-  carry_on(model.setup.stitches.seams, refs(state, scratch), model.tips, state.stitching, clock.time() + (k + 1) * dt);
+  propagate_over_seams(model.setup.stitches.seams, refs(state, scratch), model.tips, state.stitching,
+                       clock.time() + (k + 1) * dt);
 }
 
 }  // namespace sunder::shell

@@ -25,7 +25,7 @@ struct Tip {
   // Sums over the growth of `pending`, weighted by speed: weight, turn [rad], drive.
   double weight = 0.0, turn = 0.0, ratio = 0.0;
   bool alive = true;
-  bool crossed = false;  // dead, and its propagation over a seam has been decided
+  bool seam_decided = false;  // dead, and its propagation over a seam has been decided
 };
 
 /// Contact of the two faces of a fresh crack edge, at its middle (solver/interlock.h).

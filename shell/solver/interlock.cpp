@@ -187,7 +187,7 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   const auto bear = [&](const Gap& gap, const Springs& springs, double times) {
     if (!springs.bear.isZero(0.0))
       spread(lock, push_of(s, lock, gap, springs, times), [&](int slot, const Vec3& on) {
-        r.jump.push_back({slot, on});
+        r.force_change.push_back({slot, on});
       });
   };
   const Gap gap = gap_of(s, lock);

@@ -27,7 +27,7 @@ bool loses_visibility(const ShellModel& model, const ShellState& state, Interloc
 
 struct Refastened {
   std::vector<std::pair<int, Vec3>>
-      jump;               // change of force by slot, for the force discontinuity: before less after [N]
+      force_change;       // change of force by slot, for the force discontinuity: before less after [N]
   double released = 0.0;  // energy released, for the books [J]
 };
 /// After another crack has cut the visibility of a face: new shape functions, the same extension. The faces may then

@@ -44,7 +44,7 @@ double factor_at(const TimeFactor& f, double time) {
   return f.back().second;
 }
 
-bool PreparedLoads::follow() const {
+bool PreparedLoads::rotate_with_surface() const {
   return !pressures.empty() || std::any_of(beside.begin(), beside.end(), [](const PreparedLoad& p) {
     return p.load.kind == Load::Kind::kEdgeMoment;
   });

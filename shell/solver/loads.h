@@ -46,7 +46,7 @@ struct PreparedLoads {
 
   bool empty() const { return beside.empty() && pressures.empty(); }
   /// True where a load turns with the surface, so that its tangent stiffness is not symmetric.
-  bool follow() const;
+  bool rotate_with_surface() const;
   /// Returns the time of the last change of a load [s]; 0: loads are constant.
   double last_change() const;
 };

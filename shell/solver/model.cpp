@@ -76,10 +76,10 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   };
   for (const int edge : kEdges)
     if (holds(edge, 0) && holds(edge, 1)) m.clamped |= edge;
-  m.of_slot.assign(t.plane, Vec2::Zero());
+  m.parameter_of_slot.assign(t.plane, Vec2::Zero());
   for (int i = 0; i < m.control_points(); ++i) {
     m.parameter.push_back(m.patch.greville(i));
-    m.of_slot[t.slot(i)] = m.parameter.back();
+    m.parameter_of_slot[t.slot(i)] = m.parameter.back();
   }
   std::vector<GatheredFunction> functions;
   for (int q = 0; q < t.blocks(); ++q)

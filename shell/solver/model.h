@@ -51,12 +51,12 @@ struct ShellModel {
   std::vector<char> held{};    // 1 where a support holds the slot along all axes
   Constraints constraints{};
   PreparedLoads loads{};
-  std::vector<Vec2> parameter{};  // Greville point of each control point
-  std::vector<Vec2> of_slot{};    // the same for each slot; padding: zero
-  double longest_element = 0.0;   // longest side of an element at rest [m]
-  double shortest_element = 0.0;  // at rest [m]
-  double largest_mobility = 0.0;  // largest inverse mass of a surface point [1/kg]
-  double spacing = 0.0;           // mean length of an element [m]
+  std::vector<Vec2> parameter{};          // Greville point of each control point
+  std::vector<Vec2> parameter_of_slot{};  // the same for each slot; padding: zero
+  double longest_element = 0.0;           // longest side of an element at rest [m]
+  double shortest_element = 0.0;          // at rest [m]
+  double largest_mobility = 0.0;          // largest inverse mass of a surface point [1/kg]
+  double spacing = 0.0;                   // mean length of an element [m]
   double spacing_u = 0.0, spacing_v = 0.0;
   // Factor of the strength, [block][lane]; empty: 1 everywhere. The fracture energy scales with its square.
   std::vector<float> strength_factor{};

@@ -31,7 +31,7 @@ class Rig {
       part.state->layers.heals = s.fracture.damage.heals;
       if (s.transfer.kind != Transfer::kDirect) part.state->motion.before = part.state->motion.v;
     }
-    if (!now().stitching.empty()) now().stitching.tie(refs());
+    if (!now().stitching.empty()) now().stitching.move_masses(refs());
   }
 
   /// One substep of `dt` [s], after one of the same length.

@@ -64,7 +64,7 @@ struct Stitched : Rig {
   double forces(bool energy = false) {
     double sum = 0.0;
     for (std::size_t k = 0; k < size(); ++k) sum += compute_forces(model(k), state(k), energy, 0.0, 1);
-    stitching().share_forces(refs());
+    stitching().move_forces(refs());
     return sum;
   }
   double kinetic(double dt) const {
@@ -73,7 +73,7 @@ struct Stitched : Rig {
     return sum;
   }
   /// Between passes of contact, as a run does.
-  void hand_on() { stitching().share_impulses(refs()), stitching().mark(refs()); }
+  void hand_on() { stitching().move_impulses(refs()), stitching().store_velocities(refs()); }
   double stable(int iterations = 200) {
     return stable_step(refs(), stitching(), iterations, 1, std::vector<char>(size(), 0));
   }

@@ -81,7 +81,9 @@ Pulled pull(int elements, double width, bool heals, int threads) {
   const double duration = kTransits * kLength / std::sqrt(kYoung / 1000.0);
   RunSetup setup = setup_of({{make_bar(elements, duration)}});
   setup.seed = 1;
-  setup.shells[0].brittleness = brittleness(kStrength, kYoung, kToughness, width), setup.shells[0].healing = heals;
+  FractureRules& rules = setup.shells[0].fracture;
+  rules.mode = FractureMode::kDamage;
+  rules.damage.brittleness = brittleness(kStrength, kYoung, kToughness, width), rules.damage.heals = heals;
   Rig rig(std::move(setup), threads);
   const ShellModel& m = rig.model();
   const RowTables& t = m.tables;
@@ -109,11 +111,11 @@ Pulled pull(int elements, double width, bool heals, int threads) {
     if (extract_cracks(m, s, s.motion.time) == 0) continue;
     out.residual = stress;
     for (std::size_t i = 0; i < worst.size(); ++i)
-      out.band += s.cracked.gathered[i].area / kWidth * passed(worst[i], s.layers.brittleness);
+      out.band += s.cracked.gathered[i].area / kWidth * passed(worst[i], s.layers.fracture.damage.brittleness);
   }
   const double left = compute_forces(m, s, true, 0.0, threads) + kinetic_energy(m, s, dt);
   out.energy = (s.book.external - s.book.damping - left) / section;
-  out.booked = (s.book.fracture - s.book.injected + s.book.healing) / section;
+  out.booked = (s.book.fracture - s.book.injected + s.book.fracture.damage.heals) / section;
   std::vector<Piece> pieces;
   out.pieces = partition(m, s, pieces).pieces;
   return out;

@@ -15,7 +15,7 @@ namespace sunder::validation {
 namespace {
 
 constexpr double kAsMonolithic = 1e-9;  // [m, m/s]
-constexpr double kMostGain = 0.02, kHardest = 3e4;
+constexpr double kMostGain = 0.02, kLargestStiffnessRatio = 3e4;
 
 constexpr long double kOneRounding = 0x1p-53L;
 
@@ -117,7 +117,7 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
       one.hold = hold, one.ratio = ratio, one.windows = windows * *std::max_element(counts.begin(), counts.end());
       const Watched whole = run_coupled(one);
       for (const int n : counts) {
-        double hardness = 0.0, fastest = 0.0;
+        double stiffness_ratio = 0.0, fastest = 0.0;
         for (int k = n; k <= windows * n && k <= static_cast<int>(whole.track.size()); k += n)
           fastest = std::max(fastest, whole.track[k - 1].velocity.norm());
         std::string line;
@@ -126,7 +126,7 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
           c.hold = hold, c.ratio = ratio, c.substeps = n, c.windows = windows, c.scheme = scheme;
           if (scheme == "ITERATED" && n > 100) continue;  // each window takes up to eight passes
           const Watched w = run_coupled(c);
-          hardness = std::max(hardness, w.hardest);
+          stiffness_ratio = std::max(stiffness_ratio, w.hardest);
           const double gain = w.failure.empty() ? std::max(0.0, w.gain()) : std::numeric_limits<double>::infinity();
           double speed = 0.0;
           for (const BodyMotion& m : w.track) speed = std::max(speed, m.velocity.norm());
@@ -144,11 +144,12 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
             report.curves.push_back({scheme, "k H^2 / M", "energy gained", {}, {}});
             curve = &report.curves.back();
           }
-          curve->x.push_back(std::max(hardness, 1e-6)), curve->y.push_back(std::max(std::min(gain, 1e6), 1e-9));
-          if (hold == Hold::kFree || hardness <= kHardest) worst[scheme] = std::max(worst[scheme], gain);
+          curve->x.push_back(std::max(stiffness_ratio, 1e-6)), curve->y.push_back(std::max(std::min(gain, 1e6), 1e-9));
+          if (hold == Hold::kFree || stiffness_ratio <= kLargestStiffnessRatio)
+            worst[scheme] = std::max(worst[scheme], gain);
         }
         report.lines.push_back(fmt::format("{:<6} {:<6g} {:>4} {:>9.2g} {}", kHoldNames[static_cast<int>(hold)], ratio,
-                                           n, hardness, line));
+                                           n, stiffness_ratio, line));
       }
     }
   for (const char* scheme : {"PROXY", "EXPORTED"})

@@ -65,7 +65,7 @@ Linear linear_response(Stitched& s, int modes) {
     const std::vector<double>& all_of = s.state(f.shell).motion.force;
     return all_of[f.axis * all_of.size() / 3 + f.slot];
   };
-  s.stitching().share_forces(s.refs());
+  s.stitching().move_forces(s.refs());
   Eigen::VectorXd load(n), mass(n);
   for (Eigen::Index i = 0; i < n; ++i)
     load[i] = force(all[i]), mass[i] = s.state(all[i].shell).motion.mass[all[i].slot];
@@ -86,7 +86,7 @@ Linear linear_response(Stitched& s, int modes) {
           compute_forces(s.model(k), s.state(k), false, 0.0, 1);
         else
           s.state(k).motion.force = still[k];
-      s.stitching().share_forces(s.refs());
+      s.stitching().move_forces(s.refs());
       for (Eigen::Index i = 0; i < n; ++i) stiffness(i, c) -= sign * force(all[i]) / (2.0 * step);
     };
     stiffness.col(c).setZero();

@@ -381,7 +381,7 @@ void motion_case(Report& r, int) {
                        0.5 * Vec3(std::sin(7.0 * x.y()), std::cos(9.0 * x.z()), std::sin(8.0 * x.x() + x.y()));
         f.state(k).add_velocity(slot, v);
       }
-    f.stitching().follow(f.refs());
+    f.stitching().update_dependent_velocities(f.refs());
     const double dt = 0.8 * f.stable();
     constexpr int kSteps = 20000;
     const auto before = f.sums();

@@ -109,7 +109,7 @@ void Fibres::relax(const ShellModel& m, ShellState& s, const Place& p, int side,
   for (int d = 0; d < 3; ++d) old[d] = a[d];
 }
 
-void Fibres::follow(const ShellModel& m, ShellState& s, std::size_t p, int side, double dt) {
+void Fibres::advance_fibre(const ShellModel& m, ShellState& s, std::size_t p, int side, double dt) {
   const LayerSample& q = samples_[p];
   if (q.share[side] == 0.0) return relax(m, s, places_[p], side, Vec3::UnitZ());
   // The gradient is that of the end of the substep: layers whose distance changed from d to d' have compressed their
@@ -145,7 +145,7 @@ void Fibres::find_forces(const std::vector<ShellRef>& shells, double dt) {
     const ShellModel& m = *shells[samples_[p].shell].model;
     ShellState& s = *shells[samples_[p].shell].state;
     for (int side = 0; side < 2; ++side) {
-      if (dt > 0.0) follow(m, s, p, side, dt);
+      if (dt > 0.0) advance_fibre(m, s, p, side, dt);
       const Vec3 a = fibre(s, p, side), stress = fibre_stress(m.fibres, a);
       energy_ += frames_[p].half * fibre_energy(m.fibres, a);
       stress_[p][side].setZero();

@@ -39,7 +39,7 @@ class Fibres {
   void refresh(const std::vector<ShellRef>& shells, double dt);
   void add_samples(const ShellRef& shell, const Tile& tile);
   void look(const std::vector<ShellRef>& shells);
-  void follow(const ShellModel& model, ShellState& state, std::size_t sample, int side, double dt);
+  void advance_fibre(const ShellModel& model, ShellState& state, std::size_t sample, int side, double dt);
   void find_forces(const std::vector<ShellRef>& shells, double dt);
   Vec3 fibre(const ShellState& state, std::size_t sample, int side) const;
   /// Sets a fibre to `a` and books the energy that it releases.

@@ -88,8 +88,8 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
   if (!fields_.find(samples_, dt)) return 0;
   const int touching = fields_.push(samples_, dt);
   for (int pass = 1; touching > 0; ++pass) {
-    hand_over(shells, dt);
-    hold_folds_open(shells, dt);
+    add_impulses_to_control_points(shells, dt);
+    separate_folds(shells, dt);
     if (pass == kPasses) break;
     if (share) share();
     for (const int p : fields_.near()) {
@@ -107,7 +107,7 @@ int ShellContact::act(const std::vector<ShellRef>& shells, double dt, const std:
 // stopped with that mass, and separated with their own, or control points would be thrown. A held control point counts
 // as free; otherwise the last free one beside it would be thrown. Beside dependent control points, which pass impulses
 // on later, the samples' own mass is used for stopping too.
-void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double dt) {
+void ShellContact::separate_folds(const std::vector<ShellRef>& shells, double dt) {
   for (const FieldContact::Close& c : fields_.folds()) {
     const Vec3 line = samples_[c.q].x - samples_[c.p].x;
     const double apart = line.norm();
@@ -147,7 +147,7 @@ void ShellContact::hold_folds_open(const std::vector<ShellRef>& shells, double d
 }
 
 // Distributes the samples' impulses to the control points.
-void ShellContact::hand_over(const std::vector<ShellRef>& shells, double dt) {
+void ShellContact::add_impulses_to_control_points(const std::vector<ShellRef>& shells, double dt) {
   for (const int p : fields_.near()) {
     const SurfaceSample& q = samples_[p];
     if (q.impulse.isZero(0.0)) continue;

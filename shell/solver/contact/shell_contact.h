@@ -25,8 +25,8 @@ class ShellContact {
 
  private:
   void refresh(const std::vector<ShellRef>& shells, double dt);
-  void hold_folds_open(const std::vector<ShellRef>& shells, double dt);
-  void hand_over(const std::vector<ShellRef>& shells, double dt);
+  void separate_folds(const std::vector<ShellRef>& shells, double dt);
+  void add_impulses_to_control_points(const std::vector<ShellRef>& shells, double dt);
   void add_samples(const ShellRef& shell, const Tile& tile);
   /// Calls f(slot, value) for each function of a sample.
   template <class F>

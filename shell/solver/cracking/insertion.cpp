@@ -99,7 +99,7 @@ void leave_rows(const ShellModel& m, ShellState& s, int block, int lane) {
 float reach_of(const ShellModel& m, const GatheredPoint& g, const Vec2& p) {
   double reach = 0.0;
   for (const GatheredFunction& f : g.functions) {
-    const Vec2 d = (m.of_slot[f.slot] - p).cwiseAbs();
+    const Vec2 d = (m.parameter_of_slot[f.slot] - p).cwiseAbs();
     reach = std::max({reach, d.x() / m.spacing_u, d.y() / m.spacing_v});
   }
   return static_cast<float>(reach * (1.0 + 1e-6));  // more than rounding
@@ -245,14 +245,14 @@ void renew(const ShellModel& m, ShellState& s, int first, int end, double time, 
     left = 0.0;
   }
   PointDamage d = damage ? *damage : fresh;
-  d.fresh = true, d.spared = 0.0;
+  d.fresh = true, d.retained = 0.0;
   if (damage && s.layers.heals) {
     // a damaged point stores the same share of the full energy as before
-    d.spared = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
+    d.retained = full > 0.0 ? left * std::clamp(1.0 - held / full, 0.0, 1.0) : 0.0;
   } else if (damage) {
     settle(t, *r.point, s.motion.x, s.layers.brittleness, d);
   }
-  r.before = held, r.after = left - d.spared;
+  r.before = held, r.after = left - d.retained;
   r.damage = d;
 }
 

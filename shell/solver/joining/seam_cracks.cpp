@@ -83,15 +83,15 @@ void frame(int edge, const SurfacePoint& x, Vec3& along, Vec3& inward) {
 
 }  // namespace
 
-int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, const std::vector<char>& can_crack,
-             Stitching& stitching, double time) {
+int propagate_over_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells,
+                         const std::vector<char>& can_crack, Stitching& stitching, double time) {
   int count = 0;
   for (int k = 0; k < static_cast<int>(shells.size()); ++k) {
     const ShellModel& m = *shells[k].model;
     for (std::size_t i = 0; i < shells[k].state->cracks.tips.size(); ++i) {
       Tip& tip = shells[k].state->cracks.tips[i];
-      if (tip.alive || tip.crossed || tip.edge < 0) continue;
-      tip.crossed = true;
+      if (tip.alive || tip.seam_decided || tip.edge < 0) continue;
+      tip.seam_decided = true;
       const CrackEdge& last = shells[k].state->cracks.graph.edges()[tip.edge];
       const Tip from = tip;  // a copy, since tips are added below
       Exit exit;
@@ -136,7 +136,7 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
     for (; seen < static_cast<std::int64_t>(edges.size()); ++seen) {
       const CrackEdge& e = edges[seen];
       each_seam_beside(seams, k, *shells[k].model, e, [&](const Seam& seam, double low, double high) {
-        stitching.part_beside(shells, seam, k, low, high), parted = true;
+        stitching.release_beside(shells, seam, k, low, high), parted = true;
       });
       for (const bool back : {true, false}) {
         Exit exit;
@@ -146,12 +146,12 @@ int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells
       }
     }
   }
-  if (parted) stitching.settle_corners(shells, seams);
+  if (parted) stitching.release_corners(shells, seams);
   return count;
 }
 
-void open_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,
-                int edge, double from, double to) {
+void release_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,
+                   int edge, double from, double to) {
   constexpr double kAtEnds = 1e-9;  // share of the edge: round-off
   for (const Seam& seam : seams) {
     const bool first = seam.first == shell && seam.first_edge == edge;
@@ -159,7 +159,7 @@ void open_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& she
     const bool back = !first && seam.reversed;
     stitching.open(shells, seam, (back ? 1.0 - to : from) - kAtEnds, (back ? 1.0 - from : to) + kAtEnds);
   }
-  stitching.settle_corners(shells, seams);
+  stitching.release_corners(shells, seams);
 }
 
 }  // namespace sunder::shell

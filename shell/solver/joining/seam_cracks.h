@@ -8,11 +8,11 @@ namespace sunder::shell {
 /// can crack (`can_crack`, by shell). The angle to the seam stays the same. The first edge is cut at `time` [s]; its
 /// new tip then runs by itself. Control points that a seam joins across a crack are released, for prescribed cuts too.
 /// Returns the number of cracks that crossed a seam.
-int carry_on(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, const std::vector<char>& can_crack,
-             Stitching& stitching, double time);
+int propagate_over_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells,
+                         const std::vector<char>& can_crack, Stitching& stitching, double time);
 
 /// Releases all control points that seams on an edge of a shell join, from share `from` of the edge to share `to`.
-void open_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,
-                int edge, double from, double to);
+void release_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,
+                   int edge, double from, double to);
 
 }  // namespace sunder::shell

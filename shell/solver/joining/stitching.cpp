@@ -32,13 +32,13 @@ void put(std::vector<double>& a, int slot, const Vec3& value) {
 Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells) {
   const auto slot = [&](const PatchPoint& p) { return shells[p.patch]->tables.slot(p.point); };
   for (const Dependence& d : stitches.points) {
-    Tie t;
+    DependentPoint t;
     t.shell = d.point.patch, t.slot = slot(d.point);
     if (shells[t.shell]->held[t.slot]) continue;
     double positive = 0.0;
     for (const auto& [p, weight] : d.on) positive += std::max(0.0, weight);
     for (const auto& [p, weight] : d.on) t.on.push_back({{p.patch, slot(p), weight}, std::max(0.0, weight) / positive});
-    ties_.push_back(std::move(t));
+    dependent_points_.push_back(std::move(t));
   }
   for (const Seam& seam : stitches.seams) {
     const auto any_held = [&](int shell, int edge) {
@@ -51,8 +51,8 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
             "a support of shell '{}' holds its seam with shell '{}', which does not; give both of them the support",
             shells[first ? seam.first : seam.second]->name, shells[first ? seam.second : seam.first]->name);
   }
-  std::map<std::pair<int, int>, const Tie*> tie_of;
-  for (const Tie& t : ties_) tie_of[{t.shell, t.slot}] = &t;
+  std::map<std::pair<int, int>, const DependentPoint*> tie_of;
+  for (const DependentPoint& t : dependent_points_) tie_of[{t.shell, t.slot}] = &t;
   for (const Seam& seam : stitches.seams)
     for (const CreasePoint& c : seam.crease) {
       const auto rest = [&](const PatchPoint& p) { return shells[p.patch]->patch.control_points[p.point]; };
@@ -63,62 +63,65 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
           std::numbers::pi - std::acos(std::clamp((a - edge).normalized().dot((b - edge).normalized()), -1.0, 1.0));
       const double share = std::clamp((edge - a).dot(chord) / std::max(chord.squaredNorm(), 1e-300), 0.0, 1.0);
       const bool sharp = bend >= kSharpCrease;
-      Brace brace;
-      const auto end = [&](const PatchPoint& p, double weight) { brace.ends.push_back({p.patch, slot(p), weight}); };
+      CreaseConstraint constraint;
+      const auto end = [&](const PatchPoint& p, double weight) {
+        constraint.ends.push_back({p.patch, slot(p), weight});
+      };
       end(c.first, sharp ? -1.0 : share - 1.0);
       for (const auto& [p, weight] : c.second) end(p, sharp ? weight : -share * weight);
       if (!sharp) end(c.on_seam, 1.0);
       std::map<std::pair<int, int>, double> terms;
-      for (const Term& t : brace.ends) {
+      for (const Term& t : constraint.ends) {
         const auto it = tie_of.find({t.shell, t.slot});
         if (it == tie_of.end())
           terms[{t.shell, t.slot}] += t.weight;
         else
-          for (const Master& m : it->second->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
+          for (const IndependentPoint& m : it->second->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
       }
       Vec3 sum = Vec3::Zero();
       for (const auto& [at, weight] : terms) {
         if (std::abs(weight) <= kLooseWeight) continue;
-        brace.terms.push_back({at.first, at.second, weight});
+        constraint.terms.push_back({at.first, at.second, weight});
         const std::vector<double>& x = shells[at.first]->rest;
         for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
       }
-      brace.length = sum.norm();
-      if (brace.length > kSmoothSeam * chord.norm()) braces_.push_back(std::move(brace));
+      constraint.length = sum.norm();
+      if (constraint.length > kSmoothSeam * chord.norm()) crease_constraints_.push_back(std::move(constraint));
     }
   edges_seen_.assign(shells.size(), 0);
 }
 
-void Stitching::tie(const std::vector<ShellRef>& shells) {
-  for (const Tie& t : ties_) {
+void Stitching::move_masses(const std::vector<ShellRef>& shells) {
+  for (const DependentPoint& t : dependent_points_) {
     double& mass = shells[t.shell].state->motion.mass[t.slot];
-    for (const Master& m : t.on) {
+    for (const IndependentPoint& m : t.on) {
       ShellState& s = *shells[m.shell].state;
       s.motion.mass[m.slot] += m.share * mass;
       if (s.motion.inverse_mass[m.slot] > 0.0) s.motion.inverse_mass[m.slot] = 1.0 / s.motion.mass[m.slot];
     }
     mass = 0.0;
   }
-  for (const Tie& t : ties_) refresh(shells, t);
-  follow(shells);
+  for (const DependentPoint& t : dependent_points_) refresh(shells, t);
+  update_dependent_velocities(shells);
 }
 
-void Stitching::follow(const std::vector<ShellRef>& shells) const {
-  for (const Tie& t : ties_) {
+void Stitching::update_dependent_velocities(const std::vector<ShellRef>& shells) const {
+  for (const DependentPoint& t : dependent_points_) {
     if (!t.holds) continue;
     Vec3 v = Vec3::Zero();
-    for (const Master& m : t.on) v += m.weight * shells[m.shell].state->velocity(m.slot);
+    for (const IndependentPoint& m : t.on) v += m.weight * shells[m.shell].state->velocity(m.slot);
     put(shells[t.shell].state->motion.v, t.slot, v);
   }
 }
 
-void Stitching::refresh(const std::vector<ShellRef>& shells, const Tie& t) {
+void Stitching::refresh(const std::vector<ShellRef>& shells, const DependentPoint& t) {
   double inverse = 0.0;
-  for (const Master& m : t.on) inverse += m.weight * m.weight * shells[m.shell].state->motion.inverse_mass[m.slot];
+  for (const IndependentPoint& m : t.on)
+    inverse += m.weight * m.weight * shells[m.shell].state->motion.inverse_mass[m.slot];
   shells[t.shell].state->motion.inverse_mass[t.slot] = inverse;
 }
 
-void Stitching::share_forces(const std::vector<ShellRef>& shells) {
+void Stitching::move_forces(const std::vector<ShellRef>& shells) {
   share(shells, [](ShellState& s) -> std::vector<double>& { return s.motion.force; });
   if (std::none_of(shells.begin(), shells.end(),
                    [](const ShellRef& r) { return !r.state->cracks.force_discontinuity.empty(); }))
@@ -128,18 +131,18 @@ void Stitching::share_forces(const std::vector<ShellRef>& shells) {
 }
 
 void Stitching::share(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&)) {
-  for (const Tie& t : ties_) {
+  for (const DependentPoint& t : dependent_points_) {
     if (!t.holds) continue;
     ShellState& own = *shells[t.shell].state;
     const Vec3 force = own.at(field(own), t.slot);
-    for (const Master& m : t.on) add(field(*shells[m.shell].state), m.slot, m.weight * force);
+    for (const IndependentPoint& m : t.on) add(field(*shells[m.shell].state), m.slot, m.weight * force);
   }
-  for (const Tie& t : ties_) {
+  for (const DependentPoint& t : dependent_points_) {
     if (!t.holds) continue;
     refresh(shells, t);
     ShellState& own = *shells[t.shell].state;
     Vec3 acceleration = Vec3::Zero();
-    for (const Master& m : t.on) {
+    for (const IndependentPoint& m : t.on) {
       ShellState& s = *shells[m.shell].state;
       acceleration += m.weight * s.motion.inverse_mass[m.slot] * s.at(field(s), m.slot);
     }
@@ -148,11 +151,11 @@ void Stitching::share(const std::vector<ShellRef>& shells, std::vector<double>& 
   }
 }
 
-void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
-  bool met = braces_.empty();
+void Stitching::enforce_crease_constraints(const std::vector<ShellRef>& shells, double dt) {
+  bool met = crease_constraints_.empty();
   for (int sweep = 0; sweep < kSweeps && !met; ++sweep) {
     met = true;
-    for (const Brace& b : braces_) {
+    for (const CreaseConstraint& b : crease_constraints_) {
       if (!b.holds) continue;
       Vec3 now = Vec3::Zero(), change = Vec3::Zero();
       double mobility = 0.0;
@@ -174,19 +177,19 @@ void Stitching::keep_angles(const std::vector<ShellRef>& shells, double dt) {
       }
     }
   }
-  follow(shells);
+  update_dependent_velocities(shells);
 }
 
-void Stitching::mark(const std::vector<ShellRef>& shells) {
-  for (Tie& t : ties_) {
+void Stitching::store_velocities(const std::vector<ShellRef>& shells) {
+  for (DependentPoint& t : dependent_points_) {
     if (!t.holds) continue;
     t.before = shells[t.shell].state->velocity(t.slot);
-    for (Master& m : t.on) m.before = shells[m.shell].state->velocity(m.slot);
+    for (IndependentPoint& m : t.on) m.before = shells[m.shell].state->velocity(m.slot);
   }
 }
 
-void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
-  for (const Tie& t : ties_) {
+void Stitching::move_impulses(const std::vector<ShellRef>& shells) {
+  for (const DependentPoint& t : dependent_points_) {
     if (!t.holds) continue;
     ShellState& own = *shells[t.shell].state;
     const double inverse = own.motion.inverse_mass[t.slot];
@@ -196,7 +199,7 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
     const Vec3 impulse = change / inverse;
     // Contact has booked its work as if this control point were independent.
     own.book.contact += 0.5 * impulse.squaredNorm() * inverse;
-    for (const Master& m : t.on) {
+    for (const IndependentPoint& m : t.on) {
       ShellState& s = *shells[m.shell].state;
       const double mobility = s.motion.inverse_mass[m.slot];
       if (mobility == 0.0) continue;
@@ -206,10 +209,11 @@ void Stitching::share_impulses(const std::vector<ShellRef>& shells) {
       s.add_velocity(m.slot, mobility * j);
     }
   }
-  follow(shells);
+  update_dependent_velocities(shells);
 }
 
-Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m, bool look) {
+Stitching::Foot Stitching::place_on_seam(const std::vector<ShellRef>& shells, const Seam& seam, const Term& m,
+                                         bool look) {
   const ShellModel& model = *shells[m.shell].model;
   const int point = model.tables.control_point(m.slot), columns = model.patch.columns();
   const int column = point % columns, row = point / columns;
@@ -222,7 +226,7 @@ Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Se
     if (m.shell != (first ? seam.first : seam.second) || depth >= kSeamRows) continue;
     const int axis = edge < kVMin ? 1 : 0;
     const KnotVector& k = axis == 1 ? model.patch.knots_v : model.patch.knots_u;
-    const Vec2 at = model.of_slot[m.slot];
+    const Vec2 at = model.parameter_of_slot[m.slot];
     const double own = (at[axis] - k.begin()) / (k.end() - k.begin());
     return {first ? 1 : 2, !look || shells[m.shell].state->cracks.graph.visible(at, edge_point(model.patch, edge, own)),
             depth == 0, !first && seam.reversed ? 1.0 - own : own};
@@ -230,35 +234,38 @@ Stitching::Foot Stitching::foot_of(const std::vector<ShellRef>& shells, const Se
   return {};
 }
 
-bool Stitching::ties_both(const std::vector<ShellRef>& shells, const Seam& seam, const std::vector<Term>& terms) {
+bool Stitching::joins_both_sides(const std::vector<ShellRef>& shells, const Seam& seam,
+                                 const std::vector<Term>& terms) {
   int sides = 0;
-  for (const Term& m : terms) sides |= foot_of(shells, seam, m, false).side;
+  for (const Term& m : terms) sides |= place_on_seam(shells, seam, m, false).side;
   return sides == 3;
 }
 
-std::vector<Stitching::Term> Stitching::named(const Tie& tie) {
-  std::vector<Term> terms{{tie.shell, tie.slot, 1.0}};
-  terms.insert(terms.end(), tie.on.begin(), tie.on.end());
+std::vector<Stitching::Term> Stitching::terms_of(const DependentPoint& dependent) {
+  std::vector<Term> terms{{dependent.shell, dependent.slot, 1.0}};
+  terms.insert(terms.end(), dependent.on.begin(), dependent.on.end());
   return terms;
 }
 
-bool Stitching::at_corner(const std::vector<ShellRef>& shells, const Tie& tie) {
-  const ShellModel& m = *shells[tie.shell].model;
-  const int point = m.tables.control_point(tie.slot), column = point % m.patch.columns(),
+bool Stitching::at_corner(const std::vector<ShellRef>& shells, const DependentPoint& dependent) {
+  const ShellModel& m = *shells[dependent.shell].model;
+  const int point = m.tables.control_point(dependent.slot), column = point % m.patch.columns(),
             row = point / m.patch.columns();
   return (column == 0 || column == m.patch.columns() - 1) && (row == 0 || row == m.patch.rows() - 1);
 }
 
 template <class F>
-void Stitching::part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across) {
+void Stitching::release_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across) {
   double lost = 0.0;
-  for (Tie& tie : ties_) {
-    const Term own{tie.shell, tie.slot, 1.0};
-    if (!tie.holds || at_corner(shells, tie) || !foot_of(shells, seam, own, false).on_seam) continue;
-    if (ties_both(shells, seam, named(tie)) && across(own, tie.on)) lost += let_go(shells, tie);
+  for (DependentPoint& dependent : dependent_points_) {
+    const Term own{dependent.shell, dependent.slot, 1.0};
+    if (!dependent.holds || at_corner(shells, dependent) || !place_on_seam(shells, seam, own, false).on_seam) continue;
+    if (joins_both_sides(shells, seam, terms_of(dependent)) && across(own, dependent.on))
+      lost += release_dependent(shells, dependent);
   }
   book_lost(shells, seam.first, lost);
-  for (Brace& b : braces_) b.holds = b.holds && !(ties_both(shells, seam, b.ends) && across(b.ends[0], b.ends));
+  for (CreaseConstraint& b : crease_constraints_)
+    b.holds = b.holds && !(joins_both_sides(shells, seam, b.ends) && across(b.ends[0], b.ends));
 }
 
 void Stitching::book_lost(const std::vector<ShellRef>& shells, int shell, double lost) {
@@ -266,7 +273,7 @@ void Stitching::book_lost(const std::vector<ShellRef>& shells, int shell, double
   (lost < 0.0 ? book.injected : book.fracture) += std::abs(lost);
 }
 
-void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams) {
+void Stitching::release_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams) {
   const auto rest = [&](int shell, int slot) -> Vec3 {
     return shells[shell].state->at(shells[shell].model->rest, slot);
   };
@@ -281,23 +288,23 @@ void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::v
     const double corner = start < end ? 0.0 : 1.0;
     double nearest = std::numeric_limits<double>::infinity();
     bool holds = true;
-    for (const Tie& tie : ties_) {
-      const Foot foot = foot_of(shells, seam, {tie.shell, tie.slot, 1.0}, false);
-      if (!foot.on_seam || at_corner(shells, tie) || std::abs(foot.share - corner) > nearest) continue;
-      if (!ties_both(shells, seam, named(tie))) continue;
-      holds = (std::abs(foot.share - corner) < nearest || holds) && tie.holds;
+    for (const DependentPoint& dependent : dependent_points_) {
+      const Foot foot = place_on_seam(shells, seam, {dependent.shell, dependent.slot, 1.0}, false);
+      if (!foot.on_seam || at_corner(shells, dependent) || std::abs(foot.share - corner) > nearest) continue;
+      if (!joins_both_sides(shells, seam, terms_of(dependent))) continue;
+      holds = (std::abs(foot.share - corner) < nearest || holds) && dependent.holds;
       nearest = std::abs(foot.share - corner);
     }
     return holds;
   };
-  for (Tie& tie : ties_) {
-    if (!tie.holds || !at_corner(shells, tie)) continue;
+  for (DependentPoint& dependent : dependent_points_) {
+    if (!dependent.holds || !at_corner(shells, dependent)) continue;
     std::vector<int> together;  // shells that its terms name, and shells that they reach over joined seams
     std::vector<char> is_named(shells.size(), 0), reached(shells.size(), 0);
-    for (const Term& m : named(tie))
+    for (const Term& m : terms_of(dependent))
       if (std::abs(m.weight) > kLooseWeight) is_named[m.shell] = 1;
-    const Vec3 x = rest(tie.shell, tie.slot);
-    together.push_back(tie.shell), reached[tie.shell] = 1;
+    const Vec3 x = rest(dependent.shell, dependent.slot);
+    together.push_back(dependent.shell), reached[dependent.shell] = 1;
     for (std::size_t k = 0; k < together.size(); ++k)
       for (const Seam& seam : seams) {
         if (seam.first != together[k] && seam.second != together[k]) continue;
@@ -307,31 +314,32 @@ void Stitching::settle_corners(const std::vector<ShellRef>& shells, const std::v
       }
     bool whole = true;
     for (std::size_t k = 0; k < shells.size(); ++k) whole = whole && (!is_named[k] || reached[k]);
-    if (!whole) book_lost(shells, tie.shell, let_go(shells, tie));
+    if (!whole) book_lost(shells, dependent.shell, release_dependent(shells, dependent));
   }
 }
 
 void Stitching::part(const std::vector<ShellRef>& shells, const Seam& seam, double t) {
   // Returns the side of the crack, -1 or 1; 0: in neither patch.
   const auto side = [&](const Term& m) {
-    const Foot foot = foot_of(shells, seam, m, true);
+    const Foot foot = place_on_seam(shells, seam, m, true);
     // An oblique crack passes between a control point of the second row and its foot on the seam.
     return foot.side == 0 ? 0 : (foot.share < t) == foot.clear ? -1 : 1;
   };
-  part_where(shells, seam, [&](const Term& a, const auto& others) {
+  release_where(shells, seam, [&](const Term& a, const auto& others) {
     const int own = side(a);
     return std::any_of(others.begin(), others.end(),
                        [&](const Term& m) { return std::abs(m.weight) > kLooseWeight && own * side(m) < 0; });
   });
 }
 
-void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high) {
+void Stitching::release_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low,
+                               double high) {
   // Where knots differ, a control point depends on several others. It is released when most of its weight is hidden,
   // not where the crack has yet to arrive.
-  part_where(shells, seam, [&](const Term&, const auto& hangs_on) {
+  release_where(shells, seam, [&](const Term&, const auto& hangs_on) {
     double off = 0.0, all = 0.0;
     for (const Term& m : hangs_on) {
-      const Foot foot = foot_of(shells, seam, m, true);
+      const Foot foot = place_on_seam(shells, seam, m, true);
       if (m.shell != shell || foot.side == 0 || foot.on_seam) continue;
       all += std::abs(m.weight);
       if (foot.share >= low && foot.share <= high && !foot.clear) off += std::abs(m.weight);
@@ -342,21 +350,21 @@ void Stitching::part_beside(const std::vector<ShellRef>& shells, const Seam& sea
 
 void Stitching::open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high) {
   const auto within = [&](const Term& m) {
-    const Foot foot = foot_of(shells, seam, m, false);
+    const Foot foot = place_on_seam(shells, seam, m, false);
     return foot.side != 0 && std::abs(m.weight) > kLooseWeight && foot.share >= low && foot.share <= high;
   };
-  part_where(shells, seam, [&](const Term& a, const auto& others) {
+  release_where(shells, seam, [&](const Term& a, const auto& others) {
     return within(a) || std::any_of(others.begin(), others.end(), within);
   });
 }
 
-double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
+double Stitching::release_dependent(const std::vector<ShellRef>& shells, DependentPoint& t) {
   const ShellModel& model = *shells[t.shell].model;
   ShellState& own = *shells[t.shell].state;
   const Vec3 place = own.position(t.slot);
   double mass = 0.0, lost = 0.0;
   Vec3 momentum = Vec3::Zero(), turning = Vec3::Zero();  // angular momentum that moving the mass has removed
-  for (const Master& m : t.on) {
+  for (const IndependentPoint& m : t.on) {
     ShellState& s = *shells[m.shell].state;
     // pieces that have left beside it may have taken some of what was shared
     const double least = kSeamMassKept * shells[m.shell].model->mass[m.slot];
@@ -370,7 +378,7 @@ double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
   own.motion.mass[t.slot] = mass, own.motion.inverse_mass[t.slot] = mass > 0.0 ? 1.0 / mass : 0.0;
   if (mass > 0.0) put(own.motion.v, t.slot, momentum / mass), lost -= 0.5 * momentum.squaredNorm() / mass;
   t.holds = false;
-  for (Brace& b : braces_)
+  for (CreaseConstraint& b : crease_constraints_)
     for (const Term& end : b.ends) b.holds = b.holds && (end.shell != t.shell || end.slot != t.slot);
   return lost - turn(shells, t, turning);
 }
@@ -378,7 +386,7 @@ double Stitching::let_go(const std::vector<ShellRef>& shells, Tie& t) {
 // Adds a common spin to a released control point and the ones that it depended on. The spin has the angular momentum
 // `turning` and no momentum. Where all of them are at one place, as at a crease, the whole shell turns: a spin of such
 // near points could not replace what the seam's tolerance has shifted. Returns the kinetic energy that this adds.
-double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const Vec3& turning) {
+double Stitching::turn(const std::vector<ShellRef>& shells, const DependentPoint& t, const Vec3& turning) {
   std::vector<Term> all;
   double mass = 0.0, added = 0.0;
   Vec3 centre;
@@ -401,7 +409,7 @@ double Stitching::turn(const std::vector<ShellRef>& shells, const Tie& t, const 
     }
   };
   gather(t.shell, t.slot);
-  for (const Master& m : t.on) gather(m.shell, m.slot);
+  for (const IndependentPoint& m : t.on) gather(m.shell, m.slot);
   if (all.size() < 2) return 0.0;
   weigh();
   if (inertia.trace() <= mass * std::pow(kOnePlace * shells[t.shell].model->spacing, 2)) {

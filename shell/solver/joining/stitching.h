@@ -19,28 +19,28 @@ class Stitching {
   /// its shells only.
   Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells);
 
-  bool empty() const { return ties_.empty(); }
+  bool empty() const { return dependent_points_.empty(); }
   /// Moves the masses of dependent control points to the independent ones. Call it once, after make_state.
-  void tie(const std::vector<ShellRef>& shells);
+  void move_masses(const std::vector<ShellRef>& shells);
   /// Moves the force of each dependent control point to its independent ones, so that both accelerate alike. Moves
   /// force discontinuities in the same way. Call it after compute_forces of all shells.
-  void share_forces(const std::vector<ShellRef>& shells);
+  void move_forces(const std::vector<ShellRef>& shells);
   /// Stores velocities without contact impulses. Call it after the kick and before contact.
-  void mark(const std::vector<ShellRef>& shells);
+  void store_velocities(const std::vector<ShellRef>& shells);
   /// Moves impulses on dependent control points to the independent ones, and books the change of the work of contact.
   /// Call it after contact.
-  void share_impulses(const std::vector<ShellRef>& shells);
+  void move_impulses(const std::vector<ShellRef>& shells);
   /// Applies impulses so that creases have their angle after a drift of `dt` [s]. They act along lines between the
   /// control points that they move (SHAKE), so they conserve momentum and angular momentum and do no work. Call it
-  /// after share_impulses and before drift.
-  void keep_angles(const std::vector<ShellRef>& shells, double dt);
+  /// after move_impulses and before drift.
+  void enforce_crease_constraints(const std::vector<ShellRef>& shells, double dt);
 
   /// Sets velocities of dependent control points from the independent ones.
-  void follow(const std::vector<ShellRef>& shells) const;
+  void update_dependent_velocities(const std::vector<ShellRef>& shells) const;
   /// Calls back (shell, slot, shell, slot) for each pair of control points that is still joined.
   template <class F>
   void each_link(F&& callback) const {
-    for (const Tie& t : ties_)
+    for (const DependentPoint& t : dependent_points_)
       for (std::size_t k = 0; t.holds && k < t.on.size(); ++k)
         if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
   }
@@ -50,12 +50,12 @@ class Stitching {
   template <class F>
   bool release(const std::vector<ShellRef>& shells, F&& leaves) {
     bool any = false;
-    for (Tie& t : ties_) {
+    for (DependentPoint& t : dependent_points_) {
       bool out = leaves(t.shell, t.slot);
-      for (const Master& m : t.on) out = out || leaves(m.shell, m.slot);
-      if (t.holds && out) let_go(shells, t), any = true;
+      for (const IndependentPoint& m : t.on) out = out || leaves(m.shell, m.slot);
+      if (t.holds && out) release_dependent(shells, t), any = true;
     }
-    for (Brace& b : braces_) {
+    for (CreaseConstraint& b : crease_constraints_) {
       for (const Term& m : b.ends) b.holds = b.holds && !leaves(m.shell, m.slot);
       for (const Term& m : b.terms) b.holds = b.holds && !leaves(m.shell, m.slot);
     }
@@ -69,21 +69,22 @@ class Stitching {
   void part(const std::vector<ShellRef>& shells, const Seam& seam, double t);
   /// Releases control points that depend on others which a crack hides from the seam. The crack belongs to `shell` and
   /// runs along the seam from share `low` of its first edge to share `high`.
-  void part_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high);
+  void release_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high);
   /// Releases all control points that a seam joins from share `low` of its first edge to share `high`.
   void open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high);
   /// Releases corner points, after the functions above. At a corner of patches, shells stay joined while the seams from
   /// that corner still join them at their nearest control points.
-  void settle_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams);
+  void release_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams);
   /// True where any control point has been released.
   bool parted() const {
-    return std::any_of(ties_.begin(), ties_.end(), [](const Tie& t) { return !t.holds; });
+    return std::any_of(dependent_points_.begin(), dependent_points_.end(),
+                       [](const DependentPoint& t) { return !t.holds; });
   }
 
   template <class A>
   friend void archive(A& a, Stitching& s) {
-    for (Tie& t : s.ties_) archive_one(a, t.holds);
-    for (Brace& b : s.braces_) archive_one(a, b.holds);
+    for (DependentPoint& t : s.dependent_points_) archive_one(a, t.holds);
+    for (CreaseConstraint& b : s.crease_constraints_) archive_one(a, b.holds);
     archive_one(a, s.edges_seen_);
   }
 
@@ -93,21 +94,21 @@ class Stitching {
     int shell, slot;
     double weight;
   };
-  struct Master : Term {
+  struct IndependentPoint : Term {
     double share = 0.0;          // share of the dependent mass; 0 for a negative weight, or masses could vanish
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
   /// A dependent control point, and the independent ones with their weights.
-  struct Tie {
+  struct DependentPoint {
     int shell, slot;
-    std::vector<Master> on;
+    std::vector<IndependentPoint> on;
     bool holds = true;
     Vec3 before = Vec3::Zero();  // velocity without impulses
   };
   void share(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&));
   /// A crease constraint: keeps the length of a weighted sum of control points beside the crease. The weights sum to 0;
   /// the length measures the angle.
-  struct Brace {
+  struct CreaseConstraint {
     std::vector<Term> ends;   // control points, as the geometry has them
     std::vector<Term> terms;  // the independent control points that move them
     double length = 0.0;      // at rest [m]
@@ -121,20 +122,20 @@ class Stitching {
     bool clear = true, on_seam = false;
     double share = 0.0;
   };
-  static Foot foot_of(const std::vector<ShellRef>& shells, const Seam& seam, const Term& term, bool look);
-  static bool ties_both(const std::vector<ShellRef>& shells, const Seam& seam, const std::vector<Term>& terms);
-  static std::vector<Term> named(const Tie& tie);
-  static bool at_corner(const std::vector<ShellRef>& shells, const Tie& tie);
+  static Foot place_on_seam(const std::vector<ShellRef>& shells, const Seam& seam, const Term& term, bool look);
+  static bool joins_both_sides(const std::vector<ShellRef>& shells, const Seam& seam, const std::vector<Term>& terms);
+  static std::vector<Term> terms_of(const DependentPoint& dependent);
+  static bool at_corner(const std::vector<ShellRef>& shells, const DependentPoint& dependent);
   static void book_lost(const std::vector<ShellRef>& shells, int shell, double lost);
   template <class F>
-  void part_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across);
+  void release_where(const std::vector<ShellRef>& shells, const Seam& seam, F&& across);
   /// Releases a dependent control point. Returns the kinetic energy that is lost [J].
-  double let_go(const std::vector<ShellRef>& shells, Tie& tie);
-  static double turn(const std::vector<ShellRef>& shells, const Tie& tie, const Vec3& turning);
-  static void refresh(const std::vector<ShellRef>& shells, const Tie& tie);
+  double release_dependent(const std::vector<ShellRef>& shells, DependentPoint& dependent);
+  static double turn(const std::vector<ShellRef>& shells, const DependentPoint& dependent, const Vec3& turning);
+  static void refresh(const std::vector<ShellRef>& shells, const DependentPoint& dependent);
 
-  std::vector<Tie> ties_;
-  std::vector<Brace> braces_;
+  std::vector<DependentPoint> dependent_points_;
+  std::vector<CreaseConstraint> crease_constraints_;
   std::vector<std::int64_t> edges_seen_;
 };
 

@@ -13,7 +13,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr std::size_t kEvery = std::numeric_limits<std::size_t>::max();
+constexpr std::size_t kAll = std::numeric_limits<std::size_t>::max();
 
 // Returns the mass that a control point keeps when pieces take from it. A point that a crack along a clamped border has
 // parted from all pieces keeps nothing, since nothing uses it.
@@ -148,7 +148,7 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
   };
   std::vector<int> all;
   for (std::size_t most = kFewestBalancing;; most *= 2) {
-    if (all.empty() && !take(beside, most)) all = neighbours(m, s, t, piece, kEvery);
+    if (all.empty() && !take(beside, most)) all = neighbours(m, s, t, piece, kAll);
     const bool more = all.empty() || take(all, most);
     if (takers.size() < 4) return;
     if (can_spin()) break;
@@ -387,7 +387,7 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
       parts[k] >= 0.0 ? receive(beside[k], parts[k], s.velocity(beside[k])) : give(beside[k], -parts[k], v);
     missing = 0.0;
   } else if (missing > 0.0) {
-    beside = neighbours(m, s, t, piece, kEvery);
+    beside = neighbours(m, s, t, piece, kAll);
     for (const double least : {kMassKept, kLastMassKept})
       for (const int slot : beside) {
         const double part = std::min(missing, s.motion.mass[slot] - kept_by(m, t, slot, least));

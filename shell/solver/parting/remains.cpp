@@ -17,14 +17,14 @@ SurfacePoint surface(const ShellModel& m, const ShellState& s, const Vec2& p) {
 }
 
 // The present shape of a piece.
-struct Stand {
+struct PresentShape {
   std::vector<int> triangles;
   std::vector<Vec3> low, high;  // of each vertex of the triangulation; unset outside the piece
   bool bent = false;
 };
 
-Stand stand(const ShellModel& m, const ShellState& s, const Triangulation& t, int piece) {
-  Stand out;
+PresentShape present_shape(const ShellModel& m, const ShellState& s, const Triangulation& t, int piece) {
+  PresentShape out;
   out.low.resize(t.vertices.size()), out.high.resize(t.vertices.size());
   std::vector<char> seen(t.vertices.size(), 0);
   Vec3 normal = Vec3::Zero(), centre = Vec3::Zero();
@@ -49,8 +49,8 @@ Stand stand(const ShellModel& m, const ShellState& s, const Triangulation& t, in
 }
 
 // Makes a prism of each triangle, in world coordinates.
-void take_as_it_stands(const Triangulation& t, const Stand& at, double thickness, ConvexShape& shape,
-                       DrawnMesh& drawn) {
+void add_prisms(const Triangulation& t, const PresentShape& at, double thickness, ConvexShape& shape,
+                DrawnMesh& drawn) {
   const auto finite = [&](int v) { return at.low[v].allFinite() && at.high[v].allFinite(); };
   const auto torn = [&](int a, int b) {  // parameters are lengths
     return (at.low[a] - at.low[b]).norm() > kNoSurface * (t.vertices[a] - t.vertices[b]).norm() + thickness;
@@ -95,9 +95,9 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
       for (int i = 0; i < m.control_points() && p.control_points.empty(); ++i)  // a splinter on an interlayer
         if (!s.motion.detached[m.tables.slot(i)]) slots.push_back(m.tables.slot(i));
       out.area += p.area;
-      const Stand at = stand(m, s, t, p.number);
+      const PresentShape at = present_shape(m, s, t, p.number);
       if (at.bent) {
-        take_as_it_stands(t, at, m.thickness, shape, out.drawn);
+        add_prisms(t, at, m.thickness, shape, out.drawn);
         continue;
       }
       Mat3 rotation;

@@ -76,7 +76,7 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
   for (std::size_t k = 0; k < residual.size(); ++k)
     if (free.number[k] >= 0) right[free.number[k]] = residual[k];
   Eigen::VectorXd step;
-  if (m.loads.follow()) {  // the tangent is not symmetric
+  if (m.loads.rotate_with_surface()) {  // the tangent is not symmetric
     Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(tangent);
     if (factors.info() != Eigen::Success) return {};
     step = factors.solve(right);

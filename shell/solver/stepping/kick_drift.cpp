@@ -48,13 +48,13 @@ namespace {
 
 // Takes the force discontinuity out of the state. Supports act on it as on forces: it is zero at held and driven
 // control points, and shared by mass in tied groups.
-std::vector<double> free_jump(const ShellModel& m, ShellState& s, double dt) {
+std::vector<double> free_discontinuity(const ShellModel& m, ShellState& s, double dt) {
   const std::size_t plane = m.tables.plane;
-  std::vector<double> jump;
-  jump.swap(s.cracks.force_discontinuity);
+  std::vector<double> discontinuity;
+  discontinuity.swap(s.cracks.force_discontinuity);
   const Constraints& c = m.constraints;
-  for (int d = 0; d < 3 && !jump.empty(); ++d) {
-    double* j = &jump[d * plane];
+  for (int d = 0; d < 3 && !discontinuity.empty(); ++d) {
+    double* j = &discontinuity[d * plane];
     for (const int slot : c.held[d]) j[slot] = 0.0;
     for (const auto& group : c.tied[d]) {
       double mass = 0.0, sum = 0.0;
@@ -70,26 +70,26 @@ std::vector<double> free_jump(const ShellModel& m, ShellState& s, double dt) {
     for (std::size_t slot = 0; slot < plane; ++slot)
       if (s.motion.inverse_mass[slot] == 0.0) j[slot] = 0.0;
   }
-  return jump;
+  return discontinuity;
 }
 
 }  // namespace
 
-void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
+void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
   if (std::all_of(shells.begin(), shells.end(),
                   [](const ShellRef& r) { return r.state->cracks.force_discontinuity.empty(); }))
     return;
-  std::vector<std::vector<double>> jumps;
+  std::vector<std::vector<double>> discontinuities;
   // The energy m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still.
-  double moving = 0.0, square = 0.0, still = 0.0, let_go = 0.0;
+  double moving = 0.0, square = 0.0, still = 0.0, released_energy = 0.0;
   for (const ShellRef& r : shells) {
     ShellState& s = *r.state;
-    let_go += std::exchange(s.cracks.released, 0.0);
-    const std::vector<double>& jump = jumps.emplace_back(free_jump(*r.model, *r.state, dt));
-    for (std::size_t k = 0; k < jump.size(); ++k) {
-      if (jump[k] == 0.0) continue;
+    released_energy += std::exchange(s.cracks.released, 0.0);
+    const std::vector<double>& discontinuity = discontinuities.emplace_back(free_discontinuity(*r.model, *r.state, dt));
+    for (std::size_t k = 0; k < discontinuity.size(); ++k) {
+      if (discontinuity[k] == 0.0) continue;
       const std::size_t slot = k % r.model->tables.plane;
-      const double mass = s.motion.mass[slot], dv = 0.5 * dt * s.motion.inverse_mass[slot] * jump[k];
+      const double mass = s.motion.mass[slot], dv = 0.5 * dt * s.motion.inverse_mass[slot] * discontinuity[k];
       moving += mass * dv * s.motion.v[k], square += 0.5 * mass * dv * dv;
       still += 0.5 * mass * dv * dt * s.motion.inverse_mass[slot] * s.motion.force[k];
     }
@@ -101,17 +101,18 @@ void take_up_jump(const std::vector<ShellRef>& shells, double dt) {
   }
   for (std::size_t i = 0; i < shells.size(); ++i) {
     ShellState& s = *shells[i].state;
-    for (std::size_t k = 0; k < jumps[i].size(); ++k)
-      s.motion.v[k] += share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.plane] * jumps[i][k];
+    for (std::size_t k = 0; k < discontinuities[i].size(); ++k)
+      s.motion.v[k] +=
+          share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.plane] * discontinuities[i][k];
   }
   const double gained = (share - 1.0) * moving + share * (share * square + still);
   EnergyBook& book = shells.front().state->book;
-  const double added = std::max(0.0, gained - let_go);
+  const double added = std::max(0.0, gained - released_energy);
   book.injected += added, book.fracture += added - gained;
 }
 
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {
-  if (!s.cracks.force_discontinuity.empty()) take_up_jump({{&m, &s}}, last);
+  if (!s.cracks.force_discontinuity.empty()) apply_force_discontinuity({{&m, &s}}, last);
   const std::size_t plane = m.tables.plane;
   const double dt = 0.5 * (last + step);
   book_external_work(m, s, last, -1.0);

@@ -12,7 +12,7 @@ namespace sunder::shell {
 /// applied. Remaining gains are charged to the energy that the same cracks released. Any excess is booked as
 /// `injected`. Both entries go to the first shell's book. Shells that are joined have one common share. For a single
 /// shell `kick` does this first. Until then, energy and momentum refer to two different times.
-void take_up_jump(const std::vector<ShellRef>& shells, double dt);
+void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt);
 /// Updates velocities: v += dt (f/m + gravity), and damping. The force must be that of the present positions. Stiffness
 /// damping is beta (f - last f) / dt = -beta K v. The work of damping is booked. The kick leads from the middle of the
 /// `last` substep to the middle of the substep `dt` [s]. Books close at the times of positions, so half of each is its

@@ -169,7 +169,7 @@ double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int 
                    const std::vector<char>& as_if_free) {
   const auto forces = [&] {
     for (const ShellRef& r : refs) compute_forces(*r.model, *r.state, false, 0.0, threads);
-    stitching.share_forces(refs);
+    stitching.move_forces(refs);
   };
   std::vector<Probed> shells;
   for (std::size_t k = 0; k < refs.size(); ++k) shells.emplace_back(refs[k], as_if_free[k] != 0);
@@ -177,7 +177,7 @@ double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int 
   std::mt19937_64 random(1);
   for (Probed& p : shells)
     for (double& v : p.s.motion.v) v = noise(random);
-  stitching.follow(refs);
+  stitching.update_dependent_velocities(refs);
   const double step = iterate(shells, iterations, forces);
   for (Probed& p : shells) p.restore();
   return step;

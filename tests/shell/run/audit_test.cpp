@@ -22,7 +22,7 @@ Audit sound() {
 }
 
 std::string said(const Audit& a) {
-  const std::vector<std::string> all = doubts(a);
+  const std::vector<std::string> all = audit_warnings(a);
   EXPECT_EQ(all.size(), 1u);
   return all.empty() ? "" : all.front();
 }
@@ -30,13 +30,13 @@ std::string said(const Audit& a) {
 }  // namespace
 
 TEST(Audit, WhatIsWithinItsBoundsIsNotSpokenOf) {
-  EXPECT_TRUE(doubts(sound()).empty());
+  EXPECT_TRUE(audit_warnings(sound()).empty());
   Audit takes = sound();  // what contact and hand-offs take is theirs
   takes.book.contact = takes.book.handoff = takes.book.healing = 90.0;
-  EXPECT_TRUE(doubts(takes).empty());
+  EXPECT_TRUE(audit_warnings(takes).empty());
   Audit still = sound();
   still.scale = 0.0;
-  EXPECT_TRUE(doubts(still).empty());
+  EXPECT_TRUE(audit_warnings(still).empty());
 }
 
 TEST(Audit, EnergyThatIsMissingOrMadeIsNamedWithItsShare) {
@@ -60,9 +60,9 @@ TEST(Audit, EnergyThatIsMissingOrMadeIsNamedWithItsShare) {
   a.keeps_damage = true;
   EXPECT_NE(said(a).find("or let damage heal"), std::string::npos);
   a.book.injected = 0.09;
-  EXPECT_TRUE(doubts(a).empty());
+  EXPECT_TRUE(audit_warnings(a).empty());
   a.book.injected = 0.12, a.scale = 1000.0;  // too little to matter
-  EXPECT_TRUE(doubts(a).empty());
+  EXPECT_TRUE(audit_warnings(a).empty());
   a = sound(), a.book.handoff = -3.0;
   EXPECT_NE(said(a).find("3.0 % more energy"), std::string::npos);
   EXPECT_EQ(said(a).find("grid"), std::string::npos);

@@ -54,7 +54,7 @@ TEST(Books, KeepTheMostThatContactHasGivenBack) {
   for (const double taken : {1.0, 0.7, 3.0, 2.5, 2.9})
     rig.state().book.contact = taken, books.close(rig.simulation(), 0);
   EXPECT_EQ(books.contact_taken, 3.0);
-  EXPECT_NEAR(books.contact_given, 0.5, 1e-15);
+  EXPECT_NEAR(books.contact_returned, 0.5, 1e-15);
 }
 
 TEST(Books, StopARunWhoseEnergyHasGoneBeyondWhatTheSceneHas) {

@@ -48,24 +48,24 @@ TEST(Flight, IsAParabola) {
 TEST(SettleWindow, IsAsLongAsTwoBodiesTakeForTheirTravel) {
   const RunSetup s = settling();
   const Vec3 right(1, 0, 0);
-  EXPECT_EQ(settle_ticks(s, {}), 20);
-  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), right)}), 20);
+  EXPECT_EQ(rigid_window_ticks(s, {}), 20);
+  EXPECT_EQ(rigid_window_ticks(s, {ball(Vec3::Zero(), right)}), 20);
   // 5 mm at a relative speed of 1 m/s
-  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), 0.4 * right), ball(Vec3(0.03, 0, 0), -0.6 * right)}), 5);
-  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), 100 * right), ball(Vec3(0.03, 0, 0), Vec3::Zero())}), 1);
+  EXPECT_EQ(rigid_window_ticks(s, {ball(Vec3::Zero(), 0.4 * right), ball(Vec3(0.03, 0, 0), -0.6 * right)}), 5);
+  EXPECT_EQ(rigid_window_ticks(s, {ball(Vec3::Zero(), 100 * right), ball(Vec3(0.03, 0, 0), Vec3::Zero())}), 1);
   // too slow for that travel, or too far apart to meet
-  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), 0.2 * right), ball(Vec3(0.03, 0, 0), Vec3::Zero())}), 20);
-  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), right), ball(Vec3(0.05, 0, 0), Vec3::Zero())}), 20);
+  EXPECT_EQ(rigid_window_ticks(s, {ball(Vec3::Zero(), 0.2 * right), ball(Vec3(0.03, 0, 0), Vec3::Zero())}), 20);
+  EXPECT_EQ(rigid_window_ticks(s, {ball(Vec3::Zero(), right), ball(Vec3(0.05, 0, 0), Vec3::Zero())}), 20);
 }
 
 TEST(SettleWindow, DoesNotCountWhatCannotPassThrough) {
   const RunSetup s = settling();
   const Vec3 right(1, 0, 0), near(0.03, 0, 0);
-  EXPECT_EQ(settle_ticks(s, {of_static(ball(Vec3::Zero(), right)), of_static(ball(near, Vec3::Zero()))}), 20);
+  EXPECT_EQ(rigid_window_ticks(s, {of_static(ball(Vec3::Zero(), right)), of_static(ball(near, Vec3::Zero()))}), 20);
   RigidBody floor;
   floor.id = 2, floor.is_static = true, floor.shape = HalfSpaceShape{};
-  EXPECT_EQ(settle_ticks(s, {ball(Vec3::Zero(), right), Proxy(floor)}), 20);
+  EXPECT_EQ(rigid_window_ticks(s, {ball(Vec3::Zero(), right), Proxy(floor)}), 20);
   RunSetup none = settling();
   none.shells.clear();
-  EXPECT_EQ(settle_ticks(none, {ball(Vec3::Zero(), right), ball(near, Vec3::Zero())}), 20);
+  EXPECT_EQ(rigid_window_ticks(none, {ball(Vec3::Zero(), right), ball(near, Vec3::Zero())}), 20);
 }

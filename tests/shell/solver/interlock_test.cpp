@@ -224,7 +224,8 @@ TEST(Interlock, FacesBetweenCracksThatAreCloseBear) {
       const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
       Vec2 at = Vec2::Zero();
       bool plane = true;
-      for (const GatheredFunction& f : *side) at += f.n[0] * m.of_slot[f.slot], plane = plane && f.n[3] == 0.0;
+      for (const GatheredFunction& f : *side)
+        at += f.n[0] * m.parameter_of_slot[f.slot], plane = plane && f.n[3] == 0.0;
       planes += plane;
       EXPECT_LT((at - 0.5 * (e.a + e.b)).norm(), 2e-3 * m.spacing);  // each side's face is where the crack is
     }
@@ -269,7 +270,8 @@ TEST(Interlock, FacesThatRememberTheirVisibilityGoOnAsThoseThatLookAnew) {
   crack(m, s, {0.05, -0.002}, {0.05, 0.082});
   disturb(s, m, 1e-5);
   ShellState anew = s;
-  for (Interlock& lock : anew.cracks.interlocks) lock.looked = false, lock.visibility = lock.uses = {}, lock.planes = {};
+  for (Interlock& lock : anew.cracks.interlocks)
+    lock.looked = false, lock.visibility = lock.uses = {}, lock.planes = {};
   const std::vector<Interlock> before = s.cracks.interlocks;
   for (ShellState* state : {&s, &anew}) {  // ends beside the first, and later crosses it
     crack(m, *state, {0.03, 0.041}, {0.0495, 0.0415});

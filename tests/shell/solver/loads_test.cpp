@@ -69,7 +69,7 @@ TEST(Loads, PressureIsThatOfEveryGaussPointAsItStands) {
     for (const bool cut : {false, true}) {
       if (cut && patch.rational()) continue;  // too few elements for a cut
       const ShellModel m = make_shell("m", patch, 0.01, glass(), 2, patch.degree(), {}, {one, two});
-      EXPECT_TRUE(m.loads.follow());
+      EXPECT_TRUE(m.loads.rotate_with_surface());
       EXPECT_EQ(m.loads.last_change(), 2.0);
       ShellState s = make_state(m, Vec3::Zero(), 0);
       if (cut) insert_polyline(m, s, {Vec2(0.3, 0.21), Vec2(0.7, 0.32)}, 0.0);

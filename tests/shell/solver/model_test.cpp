@@ -75,7 +75,7 @@ TEST(ShellModel, PaddingHasNeitherMassNorPlace) {
   for (int i = 0; i < m.control_points(); ++i) {
     real[m.tables.slot(i)] = 1;
     EXPECT_EQ(m.tables.control_point(m.tables.slot(i)), i);
-    EXPECT_EQ(m.of_slot[m.tables.slot(i)], m.parameter[i]);
+    EXPECT_EQ(m.parameter_of_slot[m.tables.slot(i)], m.parameter[i]);
   }
   for (int slot = 0; slot < m.tables.plane; ++slot)
     if (!real[slot]) {

@@ -162,9 +162,9 @@ TEST(ShellContact, ASeamIsStoppedLikeWhatIsBesideIt) {
     for (int i = 0; i < s.model(k).control_points(); ++i)
       s.state(k).add_velocity(s.model(k).tables.slot(i), Vec3(0, 0, -2));
   ShellContact contact({&s.model(0), &s.model(1), &s.model(2)}, s.seams(), {3, std::vector<SurfaceLaw>(3, {0.0, 0.0})});
-  s.stitching().mark(s.refs());
+  s.stitching().store_velocities(s.refs());
   contact.act(s.refs(), 2e-6, [&] { s.hand_on(); });
-  s.stitching().share_impulses(s.refs());
+  s.stitching().move_impulses(s.refs());
   for (const double beside : {0.4, 0.38, 0.3}) {
     const double parting =
         upward(s.model(0), s.state(0), {beside, 0.2}) - upward(s.model(2), s.state(2), {beside - 0.4 + 0.29, 0.28});
@@ -335,7 +335,7 @@ TEST(ShellContact, AFoldOverASeamStaysOpenAndIsNotDriven) {
       x += weight * s.state(on.patch).position(s.model(on.patch).tables.slot(on.point));
     put(d.point.patch, s.model(d.point.patch).tables.slot(d.point.point), x, Vec3::Zero());
   }
-  s.stitching().follow(s.refs());
+  s.stitching().update_dependent_velocities(s.refs());
   s.meet();
   const auto energy = [&] {
     return s.forces(true) + s.kinetic(dt) + s.state(0).book.contact + s.state(1).book.contact;

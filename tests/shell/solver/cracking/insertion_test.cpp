@@ -71,7 +71,7 @@ TEST(InsertEdge, LeavesEachPointFunctionsThatSumToOne) {
     double one = 0.0, slope_u = 0.0, slope_v = 0.0;
     Vec2 at = Vec2::Zero();
     for (const GatheredFunction& f : g.functions) {
-      one += f.n[0], slope_u += f.n[1], slope_v += f.n[2], at += f.n[0] * m.of_slot[f.slot];
+      one += f.n[0], slope_u += f.n[1], slope_v += f.n[2], at += f.n[0] * m.parameter_of_slot[f.slot];
     }
     EXPECT_NEAR(one, 1.0, 1e-12);
     EXPECT_NEAR(slope_u, 0.0, 1e-11 / h);

@@ -38,7 +38,7 @@ Vec3 momentum(const ShellState& s) {
 double lost_momentum(Stitched& s) {
   for (std::size_t i = 0; i < s.state(1).motion.mass.size(); ++i)
     s.state(1).add_velocity(static_cast<int>(i), Vec3(1.0, 0.2, 0.3));
-  s.stitching().follow(s.refs());
+  s.stitching().update_dependent_velocities(s.refs());
   const Vec3 before = momentum(s.state(1));
   const double dt = 0.5 * s.stable();
   s.run(200, dt);
@@ -52,15 +52,15 @@ TEST(SeamCracks, PartWhatTheSeamTiesAcrossThemAndNoMore) {
     Stitched s = two_plates(matching);
     // the crack crosses at 0.52: what is four elements off stays tied
     const auto far = [&](int shell, int slot) {
-      return std::abs(s.model(shell).of_slot[slot].y() - 0.52) > 4.0 / 12.0;
+      return std::abs(s.model(shell).parameter_of_slot[slot].y() - 0.52) > 4.0 / 12.0;
     };
     int before = 0, after = 0, across = 0;
     s.stitching().each_link([&](int a, int i, int, int) { before += far(a, i); });
     insert_polyline(s.model(0), s.state(0), {{0.0, 0.31}, {1.0, 0.52}}, 0.0);
     insert_polyline(s.model(1), s.state(1), {{0.0, 0.52}, {1.0, 0.73}}, 0.0);
-    carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
+    propagate_over_seams(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
     const auto above = [&](int shell, int slot) {
-      const Vec2 g = s.model(shell).of_slot[slot];
+      const Vec2 g = s.model(shell).parameter_of_slot[slot];
       return g.y() > (shell == 0 ? 0.31 : 0.52) + 0.21 * g.x();
     };
     s.stitching().each_link(
@@ -85,7 +85,7 @@ TEST(SeamCracks, GoOnAsWhatTheyWere) {
     tip.alive = false;
     tip.strength = 7e6, tip.flaw = 0.9, tip.grown = grown, tip.since_branch = 0.3;
     s.state(0).cracks.tips.push_back(tip);
-    EXPECT_EQ(carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0), 1);
+    EXPECT_EQ(propagate_over_seams(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0), 1);
     ASSERT_EQ(s.state(1).cracks.tips.size(), 1u);
     const Tip& on = s.state(1).cracks.tips[0];
     EXPECT_TRUE(on.alive);
@@ -112,12 +112,12 @@ TEST(SeamCracks, AlongASeamPartWhatHangsAcrossThem) {
         EXPECT_GT(links(s), 20);
         const double u = shell == 0 ? 1.0 - beside / 12.0 : beside / 12.0;
         insert_polyline(s.model(shell), s.state(shell), {{u, 0.0}, {u, 1.0}}, 0.0);
-        carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
+        propagate_over_seams(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
         // control points of the strip that the crack leaves may hang on the other plate
         s.stitching().each_link([&](int a, int i, int b, int j) {
           if (a == b) return;
           const int own = a == shell ? i : j;
-          EXPECT_LT(std::abs(s.model(shell).of_slot[own].x() - (shell == 0 ? 1.0 : 0.0)), beside / 12.0);
+          EXPECT_LT(std::abs(s.model(shell).parameter_of_slot[own].x() - (shell == 0 ? 1.0 : 0.0)), beside / 12.0);
         });
         EXPECT_LT(lost_momentum(s), 1e-12) << matching << " " << shell << " " << beside;
       }
@@ -141,11 +141,11 @@ TEST(SeamCracks, PartTheSeamThatTheyAreAtAndNoOther) {
       for (Stitched* s : {&row, &square}) {
         const int before = links_to(*s, 2), all = links_to(*s, 0);
         if (opened) {
-          open_seams(s->seams(), s->refs(), s->stitching(), 0, kUMax, 0.0, 1.0);
+          release_seams(s->seams(), s->refs(), s->stitching(), 0, kUMax, 0.0, 1.0);
         } else {
           const double u = 1.0 - 0.3 / 12.0;
           insert_polyline(s->model(0), s->state(0), {{u, 0.0}, {u, 1.0}}, 0.0);
-          carry_on(s->seams(), s->refs(), {1, 1, 1, 1}, s->stitching(), 0.0);
+          propagate_over_seams(s->seams(), s->refs(), {1, 1, 1, 1}, s->stitching(), 0.0);
         }
         // a crack within a plate does not part a hinge, on whose far side the strip stays
         EXPECT_LT(links_to(*s, 0), opened || !hinge ? all - 10 : all + 1);
@@ -168,9 +168,9 @@ TEST(SeamCracks, PartACornerOnceNothingElseHoldsItThere) {
         return count;
       };
       const int others = links_between(false);
-      open_seams(s.seams(), s.refs(), s.stitching(), off, off % 2 == 0 ? kUMax : kUMin, 0.0, 1.0);
+      release_seams(s.seams(), s.refs(), s.stitching(), off, off % 2 == 0 ? kUMax : kUMin, 0.0, 1.0);
       EXPECT_GT(links_between(true), 10);
-      open_seams(s.seams(), s.refs(), s.stitching(), off, off < 2 ? kVMax : kVMin, 0.0, 1.0);
+      release_seams(s.seams(), s.refs(), s.stitching(), off, off < 2 ? kVMax : kVMin, 0.0, 1.0);
       EXPECT_EQ(links_between(true), 0) << off << " " << int(join);
       EXPECT_GE(links_between(false), others - 6) << off << " " << int(join);  // but for the corner
     }
@@ -183,16 +183,17 @@ TEST(SeamCracks, AlongAPartOfASeamPartNoMoreThanThat) {
     insert_polyline(s.model(0), s.state(0), {{1.0 - 0.3 / 12.0, 0.0}, {1.0 - 0.3 / 12.0, 0.5}}, 0.0);
     const auto ahead = [&] {
       int count = 0;
-      s.stitching().each_link([&](int a, int i, int, int) { count += s.model(a).of_slot[i].y() > 0.5 + 4.0 / 12.0; });
+      s.stitching().each_link(
+          [&](int a, int i, int, int) { count += s.model(a).parameter_of_slot[i].y() > 0.5 + 4.0 / 12.0; });
       return count;
     };
     const int before = ahead();
-    carry_on(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
+    propagate_over_seams(s.seams(), s.refs(), {1, 1}, s.stitching(), 0.0);
     EXPECT_GT(before, 5);
     EXPECT_EQ(ahead(), before);
     s.stitching().each_link([&](int a, int i, int b, int j) {
       if (a == b) return;
-      EXPECT_GT(std::max(s.model(a).of_slot[i].y(), s.model(b).of_slot[j].y()), 0.5 - 1.0 / 12.0);
+      EXPECT_GT(std::max(s.model(a).parameter_of_slot[i].y(), s.model(b).parameter_of_slot[j].y()), 0.5 - 1.0 / 12.0);
     });
   }
 }
@@ -201,16 +202,16 @@ TEST(SeamCracks, ACutOnASeamOpensItAsFarAsItGoes) {
   for (const bool matching : {true, false})
     for (const int shell : {0, 1}) {
       Stitched s = two_plates(matching);
-      open_seams(s.seams(), s.refs(), s.stitching(), shell, shell == 0 ? kUMax : kUMin, 0.25, 0.75);
+      release_seams(s.seams(), s.refs(), s.stitching(), shell, shell == 0 ? kUMax : kUMin, 0.25, 0.75);
       int left = 0;
       s.stitching().each_link([&](int a, int i, int b, int j) {
         if (a == b) return;
         ++left;
-        for (const double y : {s.model(a).of_slot[i].y(), s.model(b).of_slot[j].y()})
+        for (const double y : {s.model(a).parameter_of_slot[i].y(), s.model(b).parameter_of_slot[j].y()})
           EXPECT_TRUE(y < 0.25 || y > 0.75) << y;
       });
       EXPECT_GT(left, 10);
-      open_seams(s.seams(), s.refs(), s.stitching(), shell, shell == 0 ? kUMax : kUMin, 0.0, 1.0);
+      release_seams(s.seams(), s.refs(), s.stitching(), shell, shell == 0 ? kUMax : kUMin, 0.0, 1.0);
       EXPECT_EQ(links(s), 0);
       EXPECT_TRUE(s.stitching().parted());
       EXPECT_LT(lost_momentum(s), 1e-12);

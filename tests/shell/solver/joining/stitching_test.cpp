@@ -36,7 +36,7 @@ TEST(Stitching, ImpulsesKeepMomentumAndTheirWorkIsBooked) {
   const auto any = [&] { return Vec3(uniform(random), uniform(random), uniform(random)); };
   for (std::size_t k = 0; k < s.size(); ++k)
     for (int i = 0; i < s.model(k).control_points(); ++i) s.state(k).add_velocity(s.model(k).tables.slot(i), any());
-  s.stitching().follow(s.refs());
+  s.stitching().update_dependent_velocities(s.refs());
   const auto energy = [&] {
     double sum = 0.0;
     for (const ShellRef& r : s.refs())
@@ -46,7 +46,7 @@ TEST(Stitching, ImpulsesKeepMomentumAndTheirWorkIsBooked) {
   };
   const auto before = s.sums();
   const double start = energy();
-  s.stitching().mark(s.refs());
+  s.stitching().store_velocities(s.refs());
   Vec3 given = Vec3::Zero(), turning = Vec3::Zero();
   for (std::size_t k = 0; k < s.size(); ++k)
     for (int i = 0; i < s.model(k).control_points(); i += 2) {
@@ -58,7 +58,7 @@ TEST(Stitching, ImpulsesKeepMomentumAndTheirWorkIsBooked) {
       state.add_velocity(slot, state.motion.inverse_mass[slot] * j);
       given += j, turning += state.position(slot).cross(j);
     }
-  s.stitching().share_impulses(s.refs());
+  s.stitching().move_impulses(s.refs());
   const auto after = s.sums();
   EXPECT_LT((after.momentum - before.momentum - given).norm(), 1e-13 * before.momentum_scale);
   EXPECT_LT((after.angular - before.angular - turning).norm(), 1e-13 * before.angular_scale);
@@ -115,7 +115,7 @@ TEST(Stitching, LettingGoKeepsMassMomentumAndAngularMomentum) {
       const Vec3 x = s.state(k).position(slot);
       s.state(k).add_velocity(slot, Vec3(1, 2, 3) + Vec3(0.5, -1, 2).cross(x) + Vec3(0, 0, std::sin(9.0 * x.x())));
     }
-  s.stitching().follow(s.refs());
+  s.stitching().update_dependent_velocities(s.refs());
   const auto before = s.sums();
   EXPECT_NEAR(before.mass, own, 1e-13 * own);
   EXPECT_TRUE(s.stitching().release(s.refs(), [](int shell, int) { return shell == 1; }));
@@ -140,7 +140,7 @@ TEST(Stitching, LettingGoAtOnePlaceChangesNothing) {
     for (const ShellRef& r : s.refs())
       for (std::size_t i = 0; i < r.state->motion.mass.size(); ++i)
         r.state->add_velocity(static_cast<int>(i), Vec3(1, 0, 3));
-    s.stitching().follow(s.refs());
+    s.stitching().update_dependent_velocities(s.refs());
     const auto before = s.sums();
     EXPECT_TRUE(s.stitching().release(s.refs(), [](int, int) { return true; }));
     const auto after = s.sums();
@@ -161,7 +161,7 @@ TEST(Stitching, CreasesKeepTheirAngleAndMakeNoMomentum) {
       const Vec3 arm = s.state(1).position(slot) - Vec3(1, 0, 0);
       s.state(1).add_velocity(slot, Vec3(0, 3.0, 0).cross(arm));  // opens the crease
     }
-    s.stitching().follow(s.refs());
+    s.stitching().update_dependent_velocities(s.refs());
     const auto before = s.sums();
     const auto angle = [&] {
       const auto normal = [&](int shell, double u) {
@@ -203,7 +203,7 @@ TEST(Stitching, WhatASupportHoldsAtTheEndOfASeamIsHeldInBothShells) {
             const int slot = s.model(k).tables.slot(i);
             if (!s.model(k).held[slot]) s.state(k).add_velocity(slot, Vec3(0.3, 0.2, 1.0));
           }
-        s.stitching().follow(s.refs());
+        s.stitching().update_dependent_velocities(s.refs());
         const double dt = 0.5 * s.stable();
         s.run(500, dt);
         double apart = 0.0;

@@ -48,7 +48,7 @@ void step(const ShellModel& m, ShellState& s, int times) {
 
 double energy(const ShellModel& m, ShellState& s) {
   const double stored = compute_forces(m, s, true, 0.0, 1);
-  take_up_jump({{&m, &s}}, kStep);
+  apply_force_discontinuity({{&m, &s}}, kStep);
   const double half = 0.5 * kStep * external_power(m, s);  // as in Run::total_energy
   return stored + kinetic_energy(m, s, kStep) - half + s.book.lost();
 }
@@ -140,7 +140,7 @@ TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
       compute_forces(m, s, true, 0.0, 1);
       const std::vector<double> then = s.motion.v, jump = s.cracks.force_discontinuity;
       const EnergyBook book = s.book;
-      take_up_jump({{&m, &s}}, kStep);
+      apply_force_discontinuity({{&m, &s}}, kStep);
       double along = 0.0, all = 0.0;
       for (std::size_t k = 0; k < jump.size(); ++k) {
         const double half = 0.5 * kStep * s.motion.inverse_mass[k % m.tables.plane] * jump[k];
@@ -177,7 +177,7 @@ TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
       s.motion.v[k] = -0.3 * kStep * s.motion.inverse_mass[k % m.tables.plane] * s.cracks.force_discontinuity[k];
     const double fracture = s.book.fracture, injected = s.book.injected;
     s.cracks.released = let_go * gained;
-    take_up_jump({{&m, &s}}, kStep);
+    apply_force_discontinuity({{&m, &s}}, kStep);
     const double added = s.book.injected - injected, lost = s.book.fracture - fracture;
     if (let_go == 0.0) {
       gained = added;
@@ -220,10 +220,10 @@ TEST(Jump, OverASeamItKeepsEnergyAndMomenta) {
   std::mt19937_64 random(7);
   std::uniform_real_distribution<double> uniform(-20.0, 20.0);
   for (double& v : s.state(0).motion.v) v = uniform(random);  // positions of what follows stay what they follow
-  s.stitching().follow(s.refs());
+  s.stitching().update_dependent_velocities(s.refs());
   const auto energy = [&] {
     const double stored = s.forces(true);
-    take_up_jump(s.refs(), kStep);
+    apply_force_discontinuity(s.refs(), kStep);
     return stored + s.kinetic(kStep) + s.state(0).book.lost() + s.state(1).book.lost();
   };
   s.run(40, kStep);
