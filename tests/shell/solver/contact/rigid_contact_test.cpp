@@ -104,7 +104,7 @@ TEST(RigidContact, DoesNotMoveWhatASupportHolds) {
   const ShellModel m =
       make_shell("p", plate(0.2, 0.2, 8, 8, Vec3::Zero(), Quat::Identity()), 0.004, glass(), 2, 2, {clamp});
   ShellState s = make_state(m, Vec3::Zero(), 0);
-  std::vector<Proxy> bodies{Proxy(ball(Vec3(-0.08, 0, 0.0215), Vec3(0, 0, -4)))};
+  std::vector<Proxy> bodies{Proxy(ball(Vec3(-0.0803, 0.0053, 0.0215), Vec3(0, 0, -4)))};
   const std::vector<ContactCoefficients> law(1);
   ContactCandidates c;
   refresh_candidates(m, s, bodies, law, 1e-7, c);
