@@ -113,7 +113,8 @@ class Campaign:
 
         A member that failed has its error in `error`, and so has one that could not be measured.
         """
-        rows, times = [], []
+        rows: list[dict[str, object]] = []
+        times: list[dict[str, object]] = []
         for p in planned:
             place = self.place(p.member)
             found = outcome(place)
@@ -126,8 +127,9 @@ class Campaign:
                     row["status"], row["error"] = "not measured", f"{type(error).__name__}: {error}".replace(
                         f"{place}/", "")
             rows.append(row)
-            times.append({"member": place.name, **{k: found.get(k) for k in ("wall_s", "processor_s", "host", "program")}})
-        programs = {t["program"] for t in times if t["program"]}
+            spent: dict[str, object] = {k: found.get(k) for k in ("wall_s", "processor_s", "host", "program")}
+            times.append({"member": place.name} | spent)
+        programs = {str(t["program"]) for t in times if t["program"]}
         if len(programs) > 1:
             self.say(f"runs of {len(programs)} different builds of the solver are in this table, see times.csv; a new "
                       "--out runs all anew", always=True)

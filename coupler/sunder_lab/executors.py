@@ -54,7 +54,8 @@ class Local:
     jobs: int = 1
 
     def run(self, folders: list[Path], ended: Ended) -> None:
-        waiting, running = list(folders), {}
+        waiting = list(folders)
+        running: dict[subprocess.Popen[bytes], Path] = {}
         try:
             while waiting or running:
                 while waiting and len(running) < self.jobs:

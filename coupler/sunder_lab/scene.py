@@ -187,8 +187,8 @@ class Scene:
         if (out / "run.json").is_file():  # so that it can go on, or be run again, by the folder alone
             replace(job, scene=self.save(out)).write(out)
         if status != DONE:
-            error = read_run(out).get("error") or {}
-            raise CommandError(f"{out}: {error.get('message') or f'ended with status {status}'}", status)
+            told = read_run(out).get("error") or {}
+            raise CommandError(f"{out}: {told.get('message') or f'ended with status {status}'}", status)
         return Results(out)
 
 
@@ -207,7 +207,7 @@ class Results(RunArrays):
 
 def _pairs(settings: Sequence[str]) -> dict[str, Value]:
     """PATH=VALUE as `Scene.set` takes it."""
-    return dict(setting.split("=", 1) for setting in settings)
+    return {path: value for path, value in (setting.split("=", 1) for setting in settings)}
 
 
 def _enter(at: Any, step: str, path: str) -> Any:

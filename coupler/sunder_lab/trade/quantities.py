@@ -35,7 +35,9 @@ def prepared(scene: Scene) -> Scene:
     if not any(p.shell for p in message.output.probes):
         for shell in message.shells:
             size = _lengths(shell)
-            for k, (u, v) in enumerate(PLACES if size else ()):
+            if size is None:
+                continue
+            for k, (u, v) in enumerate(PLACES):
                 probe = message.output.probes.add(name=f"{PREFIX}{shell.name}_{k}", shell=shell.name)
                 probe.at.u, probe.at.v = u * size[0], v * size[1]
     return out

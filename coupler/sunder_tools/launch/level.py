@@ -7,6 +7,7 @@ from pathlib import Path
 from ..errors import CommandError
 
 CPUINFO = Path("/proc/cpuinfo")
+HERE = "native"  # of an installation on the machine that built it; no other runs it
 # As the x86-64 psABI has them, by the names of /proc/cpuinfo; each level needs those below it too.
 NEEDS = {
     "x86-64-v2": {"cx16", "lahf_lm", "popcnt", "sse4_1", "sse4_2", "ssse3"},
@@ -17,9 +18,12 @@ NEEDS = {
 
 def level(folder: Path, cpuinfo: Path = CPUINFO) -> Path:
     """The folder of the highest level below `folder` that this processor has. Raises CommandError where there is none."""
+    if (folder / HERE / "sunder-shell").is_file():
+        return folder / HERE
     listed = re.search(r"^flags\s*:(.*)$", cpuinfo.read_text(), re.MULTILINE)
     flags = set(listed[1].split()) if listed else set()
-    best, missing = None, {}
+    best: Path | None = None
+    missing: list[str] = []
     for name, needs in NEEDS.items():
         if not needs <= flags:
             missing = sorted(needs - flags)

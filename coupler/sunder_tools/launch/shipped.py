@@ -91,7 +91,7 @@ def measure(names: list[str], folder: Path = SCENES) -> None:
 def _keep(folder: Path, name: str, entry: dict[str, object]) -> None:
     path, temporary = folder / SECONDS, folder / f".{SECONDS}.{os.getpid()}"
     try:
-        temporary.write_text(json.dumps(dict(sorted({**read_seconds(folder), name: entry}.items())), indent=1) + "\n")
+        temporary.write_text(json.dumps(dict(sorted((read_seconds(folder) | {name: entry}).items())), indent=1) + "\n")
         os.replace(temporary, path)
     except OSError as error:
         raise CommandError(f"cannot write {path}: {error.strerror}", BAD_INPUT) from None

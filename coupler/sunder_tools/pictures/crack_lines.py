@@ -39,8 +39,10 @@ class Graph:
         return np.unique(self.ends.reshape(-1, 2), axis=0, return_inverse=True)[1].reshape(-1, 2)
 
 
-def graph_of(mesh: PolyData, where: str) -> Graph:
+def graph_of(mesh: PolyData | None, where: str) -> Graph:
     """The graph in a crack file. Raises VtpError where an array is missing."""
+    if mesh is None:
+        raise VtpError(f"{where}: there is none")
     missing = [n for n in ("parameter",) if n not in mesh.point_data] + [
         n for n in ("crack", "time") if n not in mesh.cell_data]
     if missing:

@@ -73,7 +73,7 @@ def along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: 
     """Looks straight on the pane, from above where there is an above."""
     corner = points[triangles]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]).sum(axis=0)
-    normal /= max(np.linalg.norm(normal), 1e-12)
+    normal /= max(float(np.linalg.norm(normal)), 1e-12)
     if normal[2] < -1e-6:
         normal = -normal
     up = np.array([0.0, 1.0, 0.0]) if abs(normal[1]) < 0.7 else np.array([0.0, 0.0, 1.0])

@@ -123,8 +123,8 @@ def impulses(probes: dict[str, np.ndarray], words: Words) -> list[dict[str, Any]
             out["N s"].append(f"supports {a}")
     plots = []
     for unit, names in out.items():
-        columns = {"time [s]": time} | {f"{n} [{unit}]": held[n] for n in names}
-        plots.append(_plot("impulse" if unit == "N s" else "impulse per mass", unit, columns, list(columns)[1:]))
+        table = {"time [s]": time} | {f"{n} [{unit}]": held[n] for n in names}
+        plots.append(_plot("impulse" if unit == "N s" else "impulse per mass", unit, table, list(table)[1:]))
     return plots
 
 

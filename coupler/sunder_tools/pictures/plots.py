@@ -85,7 +85,10 @@ def draw_panel(panel: Panel) -> Image.Image:
         return image
     bars = [(x, y + sign * h) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half) for sign in (-1, 1)]
     points += [p for p in bars if _good(p, log)]
-    scale = math.log10 if log else float
+
+    def scale(value: float) -> float:
+        return math.log10(value) if log else float(value)
+
     spans = []
     for axis in (0, 1):
         values = [p[axis] for p in points]

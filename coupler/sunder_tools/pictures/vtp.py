@@ -11,7 +11,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
-TYPES = {"Float64": np.dtype("<f8"), "Float32": np.dtype("<f4"),
+TYPES: dict[str, np.dtype] = {"Float64": np.dtype("<f8"), "Float32": np.dtype("<f4"),
          "Int64": np.dtype("<i8"), "Int32": np.dtype("<i4")}
 
 

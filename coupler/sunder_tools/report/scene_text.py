@@ -140,13 +140,13 @@ def words_of(scene: Message, settings: list[str]) -> Words:
     probes = [(str(_one(p, "name")), str(_one(p, "body"))) for o in scene.get("output", []) if isinstance(o, dict)
               for p in o.get("probes", []) if _one(p, "body")]
     pull = _one(scene, "gravity")
-    gravity = STANDARD_GRAVITY if pull is None else tuple(_number(_one(pull, a, default=0.0)) for a in "xyz")
+    x, y, z = STANDARD_GRAVITY if pull is None else (_number(_one(pull, a, default=0.0)) for a in "xyz")
     if any(s.startswith("gravity") for s in settings):
         masses = []  # the impulse of weight would be a wrong one
     return Words(tuple(str(_one(s, "name", default="")) for s in shells), tuple(of),
                  tuple("glass" in m.lower() for m in of),
                  tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density),
-                 tuple(str(_one(b, "name", default="")) for b in bodies), tuple(probes), tuple(masses), gravity)
+                 tuple(str(_one(b, "name", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z))
 
 
 def _number(value: Any) -> float:

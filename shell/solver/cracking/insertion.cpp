@@ -348,7 +348,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
     keyed[i] = fasten(m, s, lock);
   }
   for (const Refastened& r : again) {
-    for (const auto& [slot, force] : r.jump)
+    for (const auto& [slot, force] : r.force_change)
       for (int d = 0; d < 3; ++d) s.discontinuity()[d * m.tables.plane + slot] += force[d];
     s.release(r.released);
   }
