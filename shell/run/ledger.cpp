@@ -17,6 +17,9 @@ constexpr double kSingleTolerance = 1e-4;  // for engines that declare single pr
 // absolute where the scale is zero
 double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }
 
+// the larger one; NaN where either is
+double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+
 }  // namespace
 
 void Coupler::check_ledger(double window, double dt) {
@@ -38,11 +41,10 @@ void Coupler::check_ledger(double window, double dt) {
       if (!p.unmoved) gained -= p.linear_impulse, turned -= p.angular_impulse;
       const double fall = window * setup_.gravity.norm(), scale = then.velocity.norm() + now.velocity.norm() + fall;
       const double turning = then.angular_momentum.norm() + now.angular_momentum.norm();
-      // The new value comes first: max() keeps its first argument when one is NaN.
-      linear = std::max(relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings, linear);
-      angular = std::max(relative(turned.norm(), p.moment_sum + turning) / roundings, angular);
+      linear = worse(relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings, linear);
+      angular = worse(relative(turned.norm(), p.moment_sum + turning) / roundings, angular);
     }
-    ledger_linear_ = std::max(linear, ledger_linear_), ledger_angular_ = std::max(angular, ledger_angular_);
+    ledger_linear_ = worse(linear, ledger_linear_), ledger_angular_ = worse(angular, ledger_angular_);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
       Error e(Exit::kPhysics, "ledger",
               fmt::format(

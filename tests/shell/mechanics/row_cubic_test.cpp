@@ -11,7 +11,6 @@
 #include "shell/solver/forces.h"
 #include "shell/solver/parting/handoff.h"
 #include "shell/solver/statics/relaxation.h"
-#include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/shell/fixtures.h"
 #include "tests/shell/rig.h"

@@ -43,7 +43,7 @@ TEST(Layers, OfPliesLeaveOutTheCore) {
   const double t = 0.01, core = 0.002;
   const Layers layers = plies(2, t, core);
   ASSERT_EQ(layers.zeta.size(), 4u);
-  EXPECT_NEAR(moment(layers, 0), t - core, 1e-17);
+  EXPECT_NEAR(moment(layers, 0), t - core, 1e-16);
   EXPECT_NEAR(moment(layers, 2), (std::pow(t, 3) - std::pow(core, 3)) / 12.0, 1e-20);  // two points a ply are exact
   for (const double z : layers.zeta) EXPECT_GT(std::abs(z), 0.5 * core);
 }
@@ -65,8 +65,10 @@ TEST(RowTables, AreasSumToTheSurfaceAndSlotsAreTheirOwn) {
     for (int lane = 0; lane < t.lanes; ++lane) {
       const double a = t.metric[t.at(q, kMetricFields, kArea, lane)];
       area += a, points += a > 0.0;
-      if (lane >= t.spans_u) EXPECT_EQ(a, 0.0) << "padding";
-      if (lane < t.spans_u) parameter_area += gauss_point(p, t, q, lane).weight;
+      if (lane < t.spans_u)
+        parameter_area += gauss_point(p, t, q, lane).weight;
+      else
+        EXPECT_EQ(a, 0.0) << "padding";
     }
   EXPECT_EQ(points, t.gauss_points());
   EXPECT_NEAR(area, 0.3 * 1.2 * 0.5, 1e-8);  // the arc by three points an element

@@ -39,7 +39,7 @@ TEST(Substep, OfAShellAtRestIsFreeFall) {
   const Vec3 moved = kSteps * kStep * v + 0.5 * kSteps * (kSteps + 1) * kStep * kStep * gravity;
   EXPECT_LT((rig.state().position(rig.model().tables.slot(9)) - start - moved).norm(), 1e-15);  // of 0.2 m
   EXPECT_LT((rig.state().velocity(rig.model().tables.slot(9)) - v - kSteps * kStep * gravity).norm(), 1e-10);
-  EXPECT_LT((rig.body().body.motion.position - Vec3(0, 0, 5) - moved).norm(), 1e-14);
+  EXPECT_LT((rig.body().body.motion.position - Vec3(0, 0, 5) - moved).norm(), 5e-14);  // of 5 m
   EXPECT_NEAR(rig.state().motion.time, kSteps * kStep, 1e-18);
 }
 

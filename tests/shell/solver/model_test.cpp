@@ -44,14 +44,14 @@ TEST(ShellModel, RayleighSpeedIsThatOfItsEquation) {
     m.poisson_ratio = nu;
     const ShellModel s = make_shell("p", plate(1, 1, 4, 4, Vec3::Zero(), Quat::Identity()), 0.004, m, 2, 2, {});
     const double shear = std::sqrt(m.youngs_modulus / (2.0 * (1.0 + nu)) / m.density);
-    EXPECT_NEAR(s.rayleigh_speed() / shear, rayleigh_over_shear(nu), 5e-3) << nu;  // Viktorov's fit
+    EXPECT_NEAR(s.rayleigh_speed() / shear, rayleigh_over_shear(nu), 7e-3) << nu;  // the fit is 0.6 % off at 0.1
     EXPECT_NEAR(s.wave_speed(), std::sqrt(m.youngs_modulus / (1.0 - nu * nu) / m.density), 1e-9) << nu;
   }
 }
 
 TEST(ShellModel, RespondsInThePassageOfASpacingOrOfItsThickness) {
   const double shear = std::sqrt(70e9 / (2.0 * 1.22) / 2500);
-  const ShellModel fine = brittle_sheet(200), coarse = brittle_sheet(10);  // 1 mm and 20 mm; 4 mm thick
+  const ShellModel fine = brittle_sheet(100), coarse = brittle_sheet(10);  // 2 mm and 20 mm; 4 mm thick
   EXPECT_NEAR(fine.response_time(), 0.004 / shear, 1e-15);
   EXPECT_NEAR(coarse.response_time(), 0.02 / coarse.wave_speed(), 1e-15);
 }
@@ -78,7 +78,9 @@ TEST(ShellModel, PaddingHasNeitherMassNorPlace) {
     EXPECT_EQ(m.parameter_of_slot[m.tables.slot(i)], m.parameter[i]);
   }
   for (int slot = 0; slot < m.tables.plane; ++slot)
-    if (!real[slot]) EXPECT_EQ(m.mass[slot], 0.0) << slot;
+    if (!real[slot]) {
+      EXPECT_EQ(m.mass[slot], 0.0) << slot;
+    }
 }
 
 TEST(ShellModel, RefusesAPatchThatHasNoArea) {
