@@ -40,7 +40,8 @@ class Ballistic:
 
 def median_interval(count: int, confidence: float = CONFIDENCE) -> tuple[int, float]:
     """Returns k and its probability. The k-th smallest and k-th largest of `count` numbers enclose the median of
-    their distribution with at least `confidence`; k is the largest such number. Too few numbers give k = 0 with probability 1."""
+    their distribution with at least `confidence`; k is the largest such number. With too few numbers k is 0 and its
+    probability 1."""
     best, chance = 0, 1.0
     for k in range(1, count // 2 + 1):
         inside = 1.0 - 2.0 * sum(math.comb(count, i) for i in range(k)) / 2.0 ** count
