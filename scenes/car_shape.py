@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Spans of the coarse net along the five chains of opposite edges; patches that a chain runs through share its knots.
+# Spans of the coarse net along the five chains of opposite edges. Patches along one chain share its knots.
 SPANS = {
     "across": 14,  # bumper, bonnet, both screens, roof, tail: from side to side
     "height": 6,   # bumper, wings, sides, tail: upwards
@@ -22,9 +22,9 @@ SPANS = {
     "screen": 6,   # windscreen, rear window, greenhouses: upwards
     "roof": 20,    # roof, greenhouses, sides: rearwards
 }
-GRID_M = 1e-5  # control points are rounded to it, which keeps the text short and averages of two exact
+GRID_M = 1e-5  # control points are rounded to this, which keeps the text short and means of two points exact
 
-# Where the band is cut: t counts its spans from the left wing's front edge.
+# Cuts of the band: t counts its spans from the left wing's front edge.
 WING, TAIL = SPANS["bonnet"], SPANS["bonnet"] + SPANS["roof"]
 MIDDLE = TAIL + SPANS["across"] // 2
 
@@ -33,39 +33,40 @@ SHOULDER = [
     (0, 0.335, 0.695, 0.665), (2.5, 0.60, 0.725, 0.755), (5, 0.875, 0.745, 0.825), (WING, 1.42, 0.765, 0.915),
     (15, 2.03, 0.785, 0.940), (20, 2.65, 0.790, 0.960), (25, 3.27, 0.765, 0.985), (28, 3.62, 0.730, 1.000),
     (TAIL, 3.80, 0.680, 1.010), (31.7, 3.90, 0.540, 1.018), (34.4, 3.965, 0.270, 1.025), (MIDDLE, 3.98, 0.0, 1.027)]
-# Lower edge: the same, wheel arches apart.
+# Lower edge, in the same columns, without the wheel arches.
 SILL = [
     (0, 0.350, 0.760, 0.225), (0.5, 0.430, 0.785, 0.225), (8.7, 1.190, 0.800, 0.225), (WING, 1.390, 0.800, 0.225),
     (19.5, 2.950, 0.800, 0.225), (29, 3.710, 0.790, 0.240), (TAIL, 3.900, 0.760, 0.250),
     (31.75, 4.080, 0.660, 0.260), (33.5, 4.140, 0.430, 0.270), (MIDDLE, 4.165, 0.0, 0.280)]
 ARCHES = ((0.5, 8.7), (19.5, 29.0))  # t from and to
 ARCH_HEIGHT_M = 0.38                 # above the sill
-ARCH_ROUNDNESS = 0.45                # of x along the arch: 1 is an ellipse, whose ends are upright, 0 a sine
+ARCH_ROUNDNESS = 0.45  # share of an ellipse along the arch: 1 is an ellipse with upright ends, 0 a sine
 ARCH_FLARE_M = 0.015
-# How far the band swells between its edges [m] at t, and the power of the height that moves the swelling up: to a
-# boot lid's edge at the tail.
+# Swelling of the band between its edges: t, swelling [m], and a power of the height that moves the swelling up, to form
+# the edge of the boot lid at the tail.
 SWELL = [(0, 0.045, 1.0), (1, 0.045, 1.0), (4.5, 0.025, 1.0), (8, 0.05, 1.0), (WING, 0.065, 1.0), (18, 0.075, 1.0),
          (24.5, 0.055, 1.2), (TAIL, 0.075, 1.6), (33.5, 0.120, 2.4), (MIDDLE, 0.130, 2.5)]
 
-# Half curves across, from the left to the middle: x, distance from the middle, z [m]. Their first point is a corner.
+# Half curves across the car, from the left to the middle: x, distance from the middle, z [m]. The first point is a
+# corner.
 BUMPER_TOP = [(0.19, 0.46, 0.700), (0.11, 0.22, 0.722), (0.09, 0.0, 0.728)]
 BUMPER_FOOT = [(0.17, 0.52, 0.205), (0.09, 0.26, 0.198), (0.07, 0.0, 0.195)]
 COWL = [(1.325, 0.52, 0.945), (1.25, 0.26, 0.965), (1.225, 0.0, 0.970)]
 ROOF_FRONT = [(1.985, 0.560, 1.315), (1.935, 0.40, 1.360), (1.905, 0.20, 1.385), (1.895, 0.0, 1.392)]
 ROOF_REAR = [(3.380, 0.540, 1.325), (3.440, 0.38, 1.367), (3.475, 0.19, 1.386), (3.485, 0.0, 1.392)]
-# Between corners, on the left.
+# Curves between corners, on the left side.
 WINDSCREEN_PILLAR = [(1.705, 0.690, 1.130)]
 REAR_PILLAR = [(3.605, 0.635, 1.180)]
 ROOF_EDGE = [(2.33, 0.590, 1.352), (2.70, 0.595, 1.361), (3.06, 0.580, 1.353)]
 
-# How far panels swell off the mean of their edges [m].
+# Swelling of panels off the mean of their edges [m].
 SWELL_OF = {"front_bumper": 0.085, "bonnet": 0.035, "windscreen": 0.030, "roof": 0.030, "rear_window": 0.020,
             "greenhouse": 0.012}
 
 
 @dataclass
 class Patch:
-    """Degree 2, all weights 1; knots are 0, 0, 0, 1, 2, ... n, n, n."""
+    """A quadratic patch with all weights 1 and knots 0, 0, 0, 1, 2, ... n, n, n."""
     name: str
     chain_u: str
     chain_v: str
@@ -77,7 +78,7 @@ class Patch:
                 "v_min": self.net[0], "v_max": self.net[-1]}[side]
 
     def beside(self, side: str) -> np.ndarray:
-        """The control points one row in from an edge."""
+        """Control points one row in from an edge."""
         return {"u_min": self.net[:, 1], "u_max": self.net[:, -2],
                 "v_min": self.net[1], "v_max": self.net[-2]}[side]
 
@@ -92,7 +93,7 @@ def rounded(points: np.ndarray) -> np.ndarray:
 
 
 def cubic_through(at: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.ndarray:
-    """The natural cubic spline through values (n, 3) at `at` (n,), taken at `wanted` (m,): (m, 3)."""
+    """Evaluates the natural cubic spline through values (n, 3) at `at` (n,), at the places `wanted` (m,): (m, 3)."""
     step, rise = np.diff(at), np.diff(values, axis=0)
     n = len(at)
     matrix, rates = np.eye(n), np.zeros((n, values.shape[1]))
@@ -107,7 +108,7 @@ def cubic_through(at: np.ndarray, values: np.ndarray, wanted: np.ndarray) -> np.
 
 
 def curve(points: list, spans: int) -> np.ndarray:
-    """Control points (spans + 2, 3) of a curve through `points`, its parameter close to the length."""
+    """Returns control points (spans + 2, 3) of a curve through `points`; its parameter is close to its length."""
     values = np.asarray(points, float)
     at = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(values, axis=0), axis=1))])
     dense = np.linspace(0.0, at[-1], 400)
@@ -115,7 +116,7 @@ def curve(points: list, spans: int) -> np.ndarray:
     length = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(drawn, axis=0), axis=1))])
     wanted = np.interp(greville(spans) / spans * length[-1], length, dense)
     out = rounded(cubic_through(at, values, wanted))
-    out[0], out[-1] = values[0], values[-1]  # corners are others' as well, to the last bit
+    out[0], out[-1] = values[0], values[-1]  # other patches share the corners, to the last bit
     return out
 
 
@@ -124,12 +125,12 @@ def mirrored(points: np.ndarray) -> np.ndarray:
 
 
 def left(points: list) -> np.ndarray:
-    """Hand-made points with distances from the middle to points on the left."""
+    """Returns points on the left from hand-made points with distances from the middle."""
     return mirrored(np.asarray(points, float))
 
 
 def across(half: list, corner: np.ndarray | None = None) -> np.ndarray:
-    """Control points of a symmetric curve from the left to the right; `corner` comes before `half`."""
+    """Returns control points of a symmetric curve from left to right; `corner` is put before `half`."""
     start = left(half) if corner is None else np.vstack([corner, left(half)])
     out = curve(np.vstack([start, mirrored(start[-2::-1])]), SPANS["across"])
     out[len(out) // 2:] = mirrored(out[:len(out) // 2][::-1])
@@ -137,7 +138,7 @@ def across(half: list, corner: np.ndarray | None = None) -> np.ndarray:
 
 
 def _foot(t: np.ndarray) -> np.ndarray:
-    """The lower edge of the band's left half at t, (n, 3), distances from the middle positive."""
+    """Returns the lower edge of the band's left half at t: (n, 3), distances from the middle positive."""
     table = np.asarray(SILL, float)
     out = np.stack([np.interp(t, table[:, 0], table[:, k]) for k in (1, 2, 3)], axis=1)
     for start, end in ARCHES:
@@ -152,7 +153,8 @@ def _foot(t: np.ndarray) -> np.ndarray:
 
 
 def _band() -> np.ndarray:
-    """Control net (height + 2, spans + 2, 3) of the lower body from the left wing round the tail to the right one."""
+    """Returns the control net (height + 2, spans + 2, 3) of the lower body, from the left wing round the tail to the
+    right wing."""
     spans = 2 * MIDDLE
     t = greville(spans)[:spans // 2 + 1]
     table = np.asarray(SHOULDER, float)
@@ -168,14 +170,15 @@ def _band() -> np.ndarray:
     dense = foot + h[..., None] * (top - foot) + (4.0 * h ** power * (1.0 - h ** power) * swell)[..., None] * out
     length = np.linalg.norm(np.diff(dense, axis=0), axis=2).cumsum(axis=0)
     length = np.vstack([np.zeros(len(t)), length]) / length[-1]
-    wanted = greville(SPANS["height"]) / SPANS["height"]  # of the length upwards, so that elements are even
+    wanted = greville(SPANS["height"]) / SPANS["height"]  # in equal steps of the length upwards, for even elements
     net = np.stack([[np.interp(wanted, length[:, i], dense[:, i, k]) for k in range(3)] for i in range(len(t))])
     half = rounded(mirrored(np.moveaxis(net, 2, 0)))
     return np.concatenate([half, mirrored(half[:, ::-1])], axis=1)
 
 
 def _pieces(band: np.ndarray, cuts: list[int]) -> list[np.ndarray]:
-    """The band cut at knots: each of them inserted once more, a control point halfway between its neighbours."""
+    """Cuts the band at knots by inserting each once more: the new control point lies half way between its
+    neighbours."""
     seams = {s: np.round(0.5 * (band[:, s] + band[:, s + 1]), 9) for s in cuts}
     ends = [0, *cuts, band.shape[1] - 2]
     out = []
@@ -187,7 +190,7 @@ def _pieces(band: np.ndarray, cuts: list[int]) -> list[np.ndarray]:
 
 
 def _panel(v_min: np.ndarray, v_max: np.ndarray, u_min: np.ndarray, u_max: np.ndarray, swell_m: float) -> np.ndarray:
-    """Control net between four edges (Coons), swollen along its outward normal; the edges stay as they are."""
+    """Returns a control net between four edges (Coons), swollen along its outward normal; the edges do not change."""
     gu, gv = greville(len(v_min) - 2), greville(len(u_min) - 2)
     u, v = (gu / gu[-1])[None, :, None], (gv / gv[-1])[:, None, None]
     net = ((1 - v) * v_min[None] + v * v_max[None] + (1 - u) * u_min[:, None] + u * u_max[:, None]
@@ -200,12 +203,12 @@ def _panel(v_min: np.ndarray, v_max: np.ndarray, u_min: np.ndarray, u_max: np.nd
 
 
 def _mirrored_patch(patch: Patch, name: str) -> Patch:
-    """On the other side, with u reversed so that u cross v still points out."""
+    """Mirrors a patch, with u reversed so that u cross v still points outwards."""
     return Patch(name, patch.chain_u, patch.chain_v, mirrored(patch.net[:, ::-1]))
 
 
 def _symmetric(net: np.ndarray, axis: int) -> np.ndarray:
-    """A panel's net made exactly symmetric, which it is up to rounding."""
+    """Makes a panel's net exactly symmetric; before, it is symmetric up to rounding."""
     net = net.copy()
     n = net.shape[axis] // 2
     lower, upper = [slice(None)] * 2, [slice(None)] * 2
@@ -215,8 +218,8 @@ def _symmetric(net: np.ndarray, axis: int) -> np.ndarray:
 
 
 def car() -> list[Patch]:
-    """The 12 patches. Of the lower body u runs round the car, counter-clockwise from above, and v upwards; of panels
-    that lie across u runs rearwards and v to the right."""
+    """Returns the 12 patches. On the lower body u runs round the car, counter-clockwise from above, and v upwards.
+    On panels across the car u runs rearwards and v to the right."""
     wing, side, tail, _, _ = _pieces(_band(), [WING, TAIL, 2 * MIDDLE - TAIL, 2 * MIDDLE - WING])
     tail = _symmetric(tail, 1)
     nose_corner, cowl_corner, tail_corner = wing[-1, 0], wing[-1, -1], side[-1, -1]

@@ -21,13 +21,14 @@ from splines import basis, open_knots, refined
 from step_file import write_step
 
 SPACING_M = 0.05
-SAME_M = 1e-12  # control points of two sides of a seam; double precision keeps 1e-15 of a car's length
+# largest distance of control points on both sides of a seam; double precision keeps 1e-15 of a car's length
+SAME_M = 1e-12
 SIDES = ("u_min", "u_max", "v_min", "v_max")
-# Points that have the body around them: from the engine to the boot.
+# Points inside the body: from the engine to the boot.
 SKELETON = (np.array([0.8, 0.0, 0.45]), np.array([3.5, 0.0, 0.6]))
 
-# Material, thickness [m] and layers (0: the default, of what stays elastic until it breaks) of each patch; left and
-# right are alike. What yields takes most of the time: few layers where little is expected to.
+# Material, thickness [m] and layers of each patch; 0 layers: the default, for elastic materials. Left and right are
+# alike. Layers of yielding materials take most of the time, so there are few where little yielding is expected.
 SHELLS = {
     "front_bumper": ("bumper_plastic", 0.008, 0),
     "bonnet": ("sheet_metal", 0.008, 5),
@@ -53,15 +54,15 @@ CRASH_BOXES, CRASH_BOX_M = ((0.22, 0.5), (0.78, 0.5)), 0.14
 
 @dataclass
 class Seam:
-    """Where a patch's side is another one's, run through backwards if `reversed`."""
+    """Two sides of patches that coincide; one runs backwards if `reversed`."""
     first: Patch
     first_side: str
     second: Patch
     second_side: str
     reversed: bool
     gap_m: float        # between the control points of both sides
-    smoothness_m: float  # by which the seam's row misses the mean of the rows beside it
-    angle_deg: tuple[float, float]  # by which the surface turns, least and most along the seam
+    smoothness_m: float  # distance of the seam's row from the mean of the rows beside it
+    angle_deg: tuple[float, float]  # turn of the surface, least and most along the seam
 
     @property
     def smooth(self) -> bool:
@@ -69,7 +70,8 @@ class Seam:
 
 
 def elements(patches: list[Patch], spacing_m: float) -> dict[str, int]:
-    """Elements along each chain, a multiple of its spans: their mean size is as close to the spacing as that allows."""
+    """Returns the elements along each chain, a multiple of its spans, with a mean size as close to the spacing as
+    possible."""
     lengths: dict[str, list[float]] = {chain: [] for chain in SPANS}
     for patch in patches:
         u, v = mean_lengths(patch)
@@ -80,14 +82,14 @@ def elements(patches: list[Patch], spacing_m: float) -> dict[str, int]:
 
 
 def sampled(patch: Patch, u: np.ndarray, v: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Positions and derivatives along u and v (len(v), len(u), 3) in the parameters of the coarse knots."""
+    """Evaluates positions and derivatives along u and v (len(v), len(u), 3) in the parameters of the coarse knots."""
     (bu, du), (bv, dv) = (basis(open_knots(SPANS[chain]), at) for chain, at in ((patch.chain_u, u), (patch.chain_v, v)))
     return (np.einsum("ai,bj,ijk->abk", bv, bu, patch.net), np.einsum("ai,bj,ijk->abk", bv, du, patch.net),
             np.einsum("ai,bj,ijk->abk", dv, bu, patch.net))
 
 
 def mean_lengths(patch: Patch) -> tuple[float, float]:
-    """Metres along u and v on average over the parameter domain, as the solver scales parameters (2 Gauss points)."""
+    """Returns mean lengths along u and v [m], by 2 Gauss points, as the solver scales parameters."""
     def gauss(spans: int) -> np.ndarray:
         return (np.arange(spans)[:, None] + 0.5 + np.array([-0.5, 0.5]) / np.sqrt(3.0)).ravel()
     nu, nv = SPANS[patch.chain_u], SPANS[patch.chain_v]
@@ -96,7 +98,7 @@ def mean_lengths(patch: Patch) -> tuple[float, float]:
 
 
 def refined_patch(patch: Patch, counts: dict[str, int]) -> tuple[Patch, np.ndarray, np.ndarray]:
-    """What the solver makes of `elements_u` and `elements_v`: the patch, knots of u and of v."""
+    """Refines a patch as the solver does with `elements_u` and `elements_v`; also returns the knots of u and v."""
     ku, across = refined(open_knots(SPANS[patch.chain_u]), np.swapaxes(patch.net, 0, 1), counts[patch.chain_u])
     kv, net = refined(open_knots(SPANS[patch.chain_v]), np.swapaxes(across, 0, 1), counts[patch.chain_v])
     return Patch(patch.name, patch.chain_u, patch.chain_v, net), ku, kv
@@ -117,7 +119,7 @@ def _normals_along(patch: Patch, side: str) -> np.ndarray:
 
 
 def find_seams(patches: list[Patch], counts: dict[str, int]) -> list[Seam]:
-    """Pairs of sides that start and end in the same two corners, in the car as refined to `counts`."""
+    """Finds pairs of sides with both corners in common, on the car refined to `counts`."""
     fine = [refined_patch(patch, counts) for patch in patches]
     seams = []
     sides = [(k, side) for k in range(len(patches)) for side in SIDES]
@@ -144,7 +146,7 @@ def find_seams(patches: list[Patch], counts: dict[str, int]) -> list[Seam]:
 
 
 def faults(patches: list[Patch], seams: list[Seam]) -> list[str]:
-    """What is wrong with the car, in words; empty where all is well."""
+    """Lists faults of the car in words; empty where there is none."""
     out = []
     names = [patch.name for patch in patches]
     if len(patches) != 12 or len(set(names)) != 12:
@@ -171,7 +173,8 @@ def faults(patches: list[Patch], seams: list[Seam]) -> list[str]:
             out.append(f"{where}: {seam.gap_m:.3g} m apart")
         if not seam.smooth and seam.angle_deg[1] < 5.0:
             out.append(f"{where}: a crease of {seam.angle_deg[1]:.2f} degrees; is it meant to be smooth?")
-    # A side is on the border or in one seam, and where three seams or more meet, corners meet: V - E + F = 1 of a disc.
+    # A side is on the border or in one seam. Where three seams or more meet, corners meet: V - E + F = 1, as for a
+    # disc.
     taken = [(seam.first.name, seam.first_side) for seam in seams] + [(s.second.name, s.second_side) for s in seams]
     if len(taken) != len(set(taken)):
         out.append("a side is in two seams")
@@ -186,7 +189,8 @@ def faults(patches: list[Patch], seams: list[Seam]) -> list[str]:
 
 
 def sizes(patch: Patch, counts: dict[str, int]) -> tuple[float, float, float, float, float]:
-    """Of its elements: shortest and longest side [m], mean and worst aspect ratio, least angle of sides [degrees]."""
+    """Returns, for the elements of a patch: shortest and longest side [m], mean and worst aspect ratio, least angle
+    [degrees]."""
     nu, nv = SPANS[patch.chain_u], SPANS[patch.chain_v]
     mu, mv = counts[patch.chain_u], counts[patch.chain_v]
     _, xu, xv = sampled(patch, (np.arange(mu) + 0.5) * nu / mu, (np.arange(mv) + 0.5) * nv / mv)
@@ -217,7 +221,7 @@ def report(patches: list[Patch], seams: list[Seam], counts: dict[str, int]) -> s
 
 
 def kind_of(name: str) -> str:
-    """A patch's name without its side."""
+    """Returns a patch's name without its side."""
     return name.removeprefix("left_").removeprefix("right_")
 
 
@@ -234,7 +238,7 @@ def _supports(patch: Patch) -> list[str]:
 
 
 def shell_text(patch: Patch, counts: dict[str, int]) -> list[str]:
-    """The patch as a `shells` message in text, a line for each row of control points."""
+    """Writes the patch as a `shells` message in text, with one line for each row of control points."""
     kind = kind_of(patch.name)
     material, thickness, layers = SHELLS[kind]
     out = [f"# {NOTES[kind]}"] if kind in NOTES else []
@@ -252,7 +256,7 @@ def shell_text(patch: Patch, counts: dict[str, int]) -> list[str]:
 
 
 def seams_text(seams: list[Seam]) -> list[str]:
-    """A rule for each seam, so that a scene that has lost a patch, or moved one, is refused."""
+    """Writes a rule for each seam, so that a scene without a patch, or with a moved one, is refused."""
     pairs = dict.fromkeys((s.first.name, s.second.name) for s in seams)
     return ["seams {", *(f'  rules {{ first: "{first}" second: "{second}" }}' for first, second in pairs), "}"]
 

@@ -19,13 +19,14 @@ import numpy as np
 from scene_part import number, replace_part
 
 FOOT = np.array([0.45, -4.40, 0.35])    # of the hinge, on a stump [m]
-TARGET = np.array([1.62, 0.0])          # what it falls onto: x and y of the middle of the windscreen [m]
-LEAN_DEG, FROM_DEG = 62.0, 5.0          # off the vertical: at the start, and where it began to fall
+TARGET = np.array([1.62, 0.0])  # target: x and y of the middle of the windscreen [m]
+LEAN_DEG, FROM_DEG = 62.0, 5.0  # angles to the vertical: at the start, and where the fall began
 DENSITY = 600.0                         # green wood of a spruce [kg/m^3]
 GRAVITY = 9.81                          # [m/s^2]
 CORNERS = 10                            # of each end of a trunk or branch
 TRUNK = (6.5, 0.17, 0.08)               # length, radius at the foot and at the top [m]
-# Height on the trunk, length [m], angle off the trunk and about it [degrees; 0 is down once it lies], radii [m].
+# Height on the trunk, length [m], angle to the trunk and about it [degrees; 0 points down when the tree lies], radii
+# [m].
 BRANCHES = [
     (4.15, 0.55, 65.0, 10.0, 0.055, 0.040), (4.75, 0.60, 60.0, -15.0, 0.055, 0.040),
     (3.30, 1.30, 50.0, 110.0, 0.060, 0.035), (3.75, 1.40, 50.0, -105.0, 0.060, 0.035),
@@ -35,14 +36,14 @@ BRANCHES = [
 
 @dataclass
 class Piece:
-    """A tapered prism; along it from `start` to `end`, in the frame of the standing tree: foot in the origin, z up."""
+    """A tapered prism from `start` to `end`, in the frame of the standing tree: foot at the origin, z up."""
     name: str
     start: np.ndarray
     end: np.ndarray
     radii: tuple[float, float]
 
     def corners(self) -> np.ndarray:
-        """(2 CORNERS, 3) corners of both ends [m]."""
+        """Returns the corners of both ends, (2 CORNERS, 3) [m]."""
         along = (self.end - self.start) / np.linalg.norm(self.end - self.start)
         side = np.cross(along, [0.0, 1.0, 0.0] if abs(along[1]) < 0.9 else [1.0, 0.0, 0.0])
         side /= np.linalg.norm(side)
@@ -51,7 +52,7 @@ class Piece:
         return np.concatenate([self.start + self.radii[0] * ring, self.end + self.radii[1] * ring]).round(6)
 
     def mass_properties(self) -> tuple[float, np.ndarray, np.ndarray]:
-        """Mass [kg], centre [m] and second moment of mass about the origin (3, 3) [kg m^2], by tetrahedra."""
+        """Returns mass [kg], centre [m] and second moment of mass about the origin (3, 3) [kg m^2], by tetrahedra."""
         p = self.corners()
         n = CORNERS
         faces = [(i, (i + 1) % n, n + (i + 1) % n) for i in range(n)] + [(i, n + (i + 1) % n, n + i) for i in range(n)]
@@ -74,36 +75,38 @@ def tree() -> list[Piece]:
     for k, (height, reach, off, about, r0, r1) in enumerate(BRANCHES):
         a, b = np.radians(off), np.radians(about)
         along = np.array([np.sin(a) * np.cos(b), np.sin(a) * np.sin(b), np.cos(a)])
-        start = np.array([0.0, 0.0, height])  # on the axis, so that it grows out of the trunk
+        start = np.array([0.0, 0.0, height])  # on the axis, so that the branch starts inside the trunk
         pieces.append(Piece(f"branch_{k + 1}", start, start + reach * along, (r0, r1)))
     return pieces
 
 
 def start() -> tuple[np.ndarray, np.ndarray, float]:
-    """Rotation (3, 3) from the standing tree to its start, the hinge's axis, angular velocity about it [rad/s]."""
+    """Returns the rotation (3, 3) from the standing tree to its start, the hinge's axis, and the angular velocity
+    [rad/s]."""
     towards = np.append(TARGET - FOOT[:2], 0.0)
     towards /= np.linalg.norm(towards)
     axis = np.cross([0.0, 0.0, 1.0], towards)
-    standing = np.column_stack([towards, axis, [0.0, 0.0, 1.0]])  # the tree's x to where it falls
+    standing = np.column_stack([towards, axis, [0.0, 0.0, 1.0]])  # turns the tree's x to the direction of the fall
     lean = np.radians(LEAN_DEG)
     about_y = np.array([[np.cos(lean), 0.0, np.sin(lean)], [0.0, 1.0, 0.0], [-np.sin(lean), 0.0, np.cos(lean)]])
     inertia = moment = 0.0
     for piece in tree():
         mass, centre, second = piece.mass_properties()
         inertia += second[0, 0] + second[2, 2]  # about the tree's y through the foot
-        moment += mass * centre[2]              # branches grow evenly enough to leave the centre on the axis
+        moment += mass * centre[2]  # branches are even enough for a centre on the axis
     fallen = GRAVITY * moment * (np.cos(np.radians(FROM_DEG)) - np.cos(lean))
     return standing @ about_y, axis, float(np.sqrt(2.0 * fallen / inertia))
 
 
 def quaternion(r: np.ndarray) -> np.ndarray:
-    """w x y z of a rotation by less than half a turn."""
+    """Returns w x y z of a rotation by less than half a turn."""
     w = 0.5 * np.sqrt(1.0 + np.trace(r))
     return np.array([w, *(np.array([r[2, 1] - r[1, 2], r[0, 2] - r[2, 0], r[1, 0] - r[0, 1]]) / (4.0 * w))])
 
 
 def off_text(piece: Piece) -> str:
-    """An OFF file; z up, the tree's foot in the origin. Faces are for viewers: the solver takes the corners' hull."""
+    """Writes an OFF file: z up, the tree's foot at the origin. Viewers use the faces; the solver takes the corners'
+    hull."""
     n = CORNERS
     corners = [" ".join(number(c) for c in p) for p in piece.corners()]
     faces = [f"{n} {' '.join(str(i) for i in reversed(range(n)))}", f"{n} {' '.join(str(n + i) for i in range(n))}"]
@@ -116,8 +119,8 @@ def _vector(v: np.ndarray) -> str:
 
 
 def scene_text(notch_deg: float | None = None) -> list[str]:
-    """Bodies and joints of the tree, the material `wood` being the scene's; `notch_deg`: the lean at which its hinge
-    breaks [degrees]. Raises ValueError where the tree leans further from the start."""
+    """Writes bodies and joints of the tree; the scene has the material `wood`. Its hinge breaks at a lean of
+    `notch_deg` [degrees]. Raises ValueError where the tree leans further from the start."""
     if notch_deg is not None and not LEAN_DEG < notch_deg < 180.0:
         raise ValueError(f"--notch {notch_deg:g}: the tree starts at {LEAN_DEG:g} degrees; more than that, less than 180")
     rotation, axis, speed = start()

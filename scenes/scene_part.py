@@ -5,7 +5,7 @@ from pathlib import Path
 
 
 def number(value: float) -> str:
-    """The shortest text that gives the same number, to a nanometre."""
+    """Returns the shortest text of a number, to a nanometre."""
     text = f"{value:.9f}".rstrip("0").rstrip(".")
     return "0" if text in ("-0", "") else text
 

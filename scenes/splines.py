@@ -1,16 +1,18 @@
-"""Quadratic B-splines over knots 0, 0, 0, ... n, n, n: knot insertion, values, as the solver does at load."""
+"""Quadratic B-splines over knots 0, 0, 0, ... n, n, n: knot insertion and values, as the solver computes them at
+load."""
 from __future__ import annotations
 
 import numpy as np
 
 
 def open_knots(spans: int) -> np.ndarray:
-    """0, 0, 0, 1, 2, ... n, n, n."""
+    """Returns 0, 0, 0, 1, 2, ... n, n, n."""
     return np.concatenate([[0.0, 0.0], np.arange(spans + 1), [float(spans)] * 2])
 
 
 def with_knot(knots: np.ndarray, rows: np.ndarray, knot: float) -> tuple[np.ndarray, np.ndarray]:
-    """The same curves with a knot more (Boehm 1980). `rows` (n, ...) are the control points along the first axis."""
+    """Inserts one knot without changing the curves (Boehm 1980). `rows` (n, ...) are control points along the first
+    axis."""
     k = int(np.searchsorted(knots, knot, side="right")) - 1
     new = []
     for i in (k - 1, k):
@@ -20,7 +22,7 @@ def with_knot(knots: np.ndarray, rows: np.ndarray, knot: float) -> tuple[np.ndar
 
 
 def refined(knots: np.ndarray, rows: np.ndarray, elements: int) -> tuple[np.ndarray, np.ndarray]:
-    """Spans cut into equal parts until none is longer than a part of `elements` of the domain."""
+    """Divides spans into equal parts until none is longer than the domain divided by `elements`."""
     longest = (knots[-1] - knots[0]) / elements
     marks = np.unique(knots)
     for a, b in zip(marks, marks[1:]):
@@ -31,7 +33,7 @@ def refined(knots: np.ndarray, rows: np.ndarray, elements: int) -> tuple[np.ndar
 
 
 def basis(knots: np.ndarray, at: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Values and first derivatives of all functions at parameters (m,): two arrays (m, n)."""
+    """Evaluates all functions and their first derivatives at parameters (m,): two arrays (m, n)."""
     n = len(knots) - 3
     value, slope = np.zeros((len(at), n)), np.zeros((len(at), n))
     for row, u in enumerate(at):

@@ -1,4 +1,4 @@
-"""Patches as a STEP file (AP214), an open shell of faces that share edges and corners."""
+"""Writes patches as a STEP file (AP214): an open shell of faces that share edges and corners."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -9,7 +9,7 @@ from car_shape import SPANS, Patch
 
 
 class _Entities:
-    """Numbered lines of the data section."""
+    """Collects the numbered lines of the data section."""
 
     def __init__(self) -> None:
         self.lines: list[str] = []
@@ -28,13 +28,13 @@ def _real(value: float) -> str:
 
 
 def _knots(spans: int) -> tuple[str, str]:
-    """Multiplicities and knots."""
+    """Returns multiplicities and knots."""
     inner = ["1"] * (spans - 1)
     return f"({','.join(['3', *inner, '3'])})", f"({','.join(f'{k}.' for k in range(spans + 1))})"
 
 
 class _Topology:
-    """Corners and edges, each once, however many faces have them."""
+    """Adds each corner and each edge once, for all faces that share it."""
 
     def __init__(self, entities: _Entities) -> None:
         self._entities = entities
@@ -48,7 +48,7 @@ class _Topology:
         return self._vertices[key]
 
     def oriented_edge(self, points: np.ndarray) -> str:
-        """The edge along control points (n, 3), passed from the first to the last."""
+        """Adds the edge along control points (n, 3), from the first to the last."""
         key = tuple(map(tuple, np.round(points, 9) + 0.0))
         if key not in self._edges:
             add = self._entities.add
@@ -64,7 +64,7 @@ class _Topology:
 
 
 def write_step(file: Path, patches: list[Patch]) -> None:
-    """Writes the patches as faces 0, 1, ... in metres, u cross v their normals."""
+    """Writes the patches as faces 0, 1, ... in metres; u cross v is the normal."""
     data = _Entities()
     topology = _Topology(data)
     faces = []
@@ -100,7 +100,7 @@ def write_step(file: Path, patches: list[Patch]) -> None:
     placement = data.add(f"AXIS2_PLACEMENT_3D('',{origin},{axes[0]},{axes[1]})")
     whole = data.add(f"MANIFOLD_SURFACE_SHAPE_REPRESENTATION('',({placement},{model}),{world})")
     data.add(f"SHAPE_DEFINITION_REPRESENTATION({shape},{whole})")
-    # No date: the same car is the same file.
+    # The file has no date, so the same car gives the same file.
     head = ["ISO-10303-21;", "HEADER;", "FILE_DESCRIPTION((''),'2;1');",
             f"FILE_NAME('{file.name}','',(''),(''),'make_car.py','','');",
             "FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));", "ENDSEC;", "DATA;"]

@@ -1,4 +1,5 @@
-"""A folder of members: which there are, which are done, what they gave. What experiments and bisections stand on."""
+"""A folder of members of a series: their plan, their state and their results. Experiments and bisections build on
+it."""
 from __future__ import annotations
 
 import fcntl
@@ -16,7 +17,7 @@ from .member import KEEP, RUN_FOLDER, Member, is_done, outcome
 from .scene import Results
 from .table import Cell, Table, write_sqlite
 
-MARK = "sunder-series"  # a file that says what the folder is
+MARK = "sunder-series"  # a file that marks the folder of a series
 MEMBERS = "members"
 
 Measure = Callable[[Results], dict[str, Any]]
@@ -24,14 +25,14 @@ Measure = Callable[[Results], dict[str, Any]]
 
 @dataclass(frozen=True)
 class Planned:
-    """A row to be: its own columns, and the member that gives the others."""
+    """A planned row: its own columns, and the member that gives the others."""
     columns: dict[str, Cell]
     member: Member
 
 
 @dataclass
 class Settings:
-    """How a series is run; nothing of it changes a result. `jobs` 0: as many as there are processors for."""
+    """Ways to run a series; none changes a result. `jobs` 0: as many as the processors can run at once."""
     out: Path | str
     jobs: int = 0
     executor: str = "local"
@@ -41,7 +42,7 @@ class Settings:
     quiet: bool = False
 
     def make(self) -> Executor:
-        """Raises CommandError for an executor that there is not."""
+        """Returns the executor. Raises CommandError for an unknown one."""
         if self.executor == "local":
             return Local(self.jobs or default_jobs(self.threads))
         if self.executor == "slurm":
@@ -50,7 +51,7 @@ class Settings:
 
 
 def member(out: Path | str, name: str) -> Results:
-    """The run behind a row of a table: `name` is its column `member`. Raises CommandError where there is none."""
+    """Opens the run behind a row of a table; `name` is its column `member`. Raises CommandError where there is none."""
     return Results(Path(out) / MEMBERS / name / RUN_FOLDER)
 
 
@@ -58,7 +59,8 @@ class Campaign:
     """Context manager: holds the folder for this process alone, runs members in it, and makes tables of them."""
 
     def __init__(self, settings: Settings) -> None:
-        """Raises CommandError where the folder is somebody else's or another series is running in it."""
+        """Opens the folder. Raises CommandError where it is no folder of a series, or another series is running in
+        it."""
         if settings.keep not in KEEP:
             raise CommandError(f"keep '{settings.keep}': there are {', '.join(KEEP)}")
         self.settings, self.executor, self.folder = settings, settings.make(), Path(settings.out)
@@ -83,11 +85,11 @@ class Campaign:
         os.close(self._handle)
 
     def place(self, member: Member) -> Path:
-        """Its folder."""
+        """Returns its folder."""
         return (self.folder / MEMBERS / member.identity()).resolve()
 
     def run(self, planned: list[Planned]) -> None:
-        """Runs what is not done; what failed earlier is tried once more."""
+        """Runs members that are not done. A member that has failed earlier is tried once more."""
         places = {self.place(p.member): p for p in planned}
         remaining = [place for place in places if not is_done(place)]
         self.say(f"{len(places)} runs, {len(places) - len(remaining)} of them done already")
@@ -109,7 +111,7 @@ class Campaign:
         self.executor.run(remaining, ended)
 
     def table(self, planned: list[Planned], measure: Measure) -> tuple[Table, Table]:
-        """Results, and apart from them what is never the same twice: times, hosts, builds.
+        """Returns the table of results, and a table of values that differ between runs: times, hosts, builds.
 
         A member that failed has its error in `error`, and so has one that could not be measured.
         """
@@ -136,12 +138,12 @@ class Campaign:
         return Table(rows), Table(times)
 
     def write(self, results: Table, times: Table) -> None:
-        """results.csv, times.csv, and results.sqlite with both."""
+        """Writes results.csv, times.csv, and results.sqlite with both."""
         results.write_csv(self.folder / "results.csv")
         times.write_csv(self.folder / "times.csv")
         write_sqlite(self.folder / "results.sqlite", {"results": results, "times": times})
 
     def say(self, words: str, always: bool = False) -> None:
-        """Progress, on stderr."""
+        """Prints progress on stderr."""
         if always or not self.settings.quiet:
             print(f"sunder: {words}", file=sys.stderr, flush=True)

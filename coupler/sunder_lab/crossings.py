@@ -1,4 +1,4 @@
-"""Radial cracks: where they cross a circle."""
+"""Radial cracks: their crossings of a circle."""
 from __future__ import annotations
 
 import math
@@ -9,7 +9,7 @@ RADIAL = math.cos(math.radians(45.0))  # an edge within 45 degrees of the radius
 
 
 def radial_crossings(ends: np.ndarray, centre: np.ndarray, radius: float) -> np.ndarray:
-    """Angles [rad], in order, at which edges (n, 2, 2) that run within 45 degrees of the radius cross a circle."""
+    """Returns the angles [rad], sorted, at which edges (n, 2, 2) within 45 degrees of the radius cross a circle."""
     local = ends - centre
     along = local[:, 1] - local[:, 0]
     middle = local.mean(axis=1)

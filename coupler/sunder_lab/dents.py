@@ -1,4 +1,4 @@
-"""What an impact leaves of a shell that is held: how far and how much of it is pushed in."""
+"""Dents that an impact leaves in a held shell: depth and volume."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -15,9 +15,9 @@ from .scene import Results
 
 @dataclass(frozen=True)
 class Dent:
-    """Of one shell, where it still stands in the last frame of the shells: area at rest [m^2]; volumes between where it
-    was at rest and where it is, against its normal and along it [m^3]; largest displacement [m]; time of that frame [s].
-    All displacement counts: what springs back later, and what a loose part moves as a whole."""
+    """Dent of one shell, in the last frame of the shells: area at rest [m^2]; volumes between rest and present
+    shape, against its normal and along it [m^3]; largest displacement [m]; time of that frame [s]. All displacement
+    counts, also elastic displacement and the motion of a loose part as a whole."""
     area: float
     pushed_in: float
     pushed_out: float
@@ -26,7 +26,8 @@ class Dent:
 
 
 def dents(results: Results) -> dict[str, Dent]:
-    """Dents of all shells that the frame shows, by name. Volumes are those of the normal displacement over the shell at rest.
+    """Returns the dents of all shells in the frame, by name. Volumes are those of the normal displacement over the
+    shell at rest.
 
     Raises CommandError where no frame shows a shell.
     """
@@ -46,7 +47,7 @@ def dents(results: Results) -> dict[str, Dent]:
     for number, shell in enumerate(results.scene.message.shells):
         own = part == number
         if not own.any():
-            continue  # it has left as a whole
+            continue  # the whole shell has left
         found[shell.name] = Dent(float(area[own].sum()), float(-along[own].clip(max=0.0).sum()),
                                  float(along[own].clip(min=0.0).sum()), float(farthest[own].max(initial=0.0)),
                                  frames[-1].time_s)
@@ -54,7 +55,7 @@ def dents(results: Results) -> dict[str, Dent]:
 
 
 def dent(shell: str) -> Any:
-    """A measure for experiments: volumes that a shell is pushed in and out by, and its largest displacement."""
+    """Measures, for experiments, volumes that a shell is pushed in and out by, and its largest displacement."""
     def measure(results: Results) -> dict[str, float]:
         all_of_them = dents(results)
         if shell not in all_of_them:

@@ -1,4 +1,4 @@
-"""Who runs the members of a series: processes of this machine, or a Slurm job array."""
+"""Executors of a series' members: processes of this machine, or a Slurm job array."""
 from __future__ import annotations
 
 import os
@@ -20,11 +20,11 @@ from sunder_tools.words import quoted
 from .member import DIE_WITH_PARENT, LOG_FILE, OUTCOME_FILE, is_done, outcome, read_json, write_atomically
 
 COUPLER = Path(__file__).resolve().parents[1]
-PYTHON = "/usr/bin/python3"  # the one that has Debian's packages
-LOOK_S = 0.05                # between two looks at local processes
-SLURM_LOOK_S = 1.0           # at the queue; it is asked seldom, as others ask it too
-PATIENCE_S = 5.0             # for outcomes of an array that has ended, on a file system that is slow to show them
-MOST_TASKS = 1000            # of one array: Slurm's MaxArraySize is 1001 unless it is set
+PYTHON = "/usr/bin/python3"  # this one has Debian's packages
+LOOK_S = 0.05  # between two checks of local processes
+SLURM_LOOK_S = 1.0  # between two checks of the queue, which others ask too
+PATIENCE_S = 5.0  # wait for outcomes of an ended array, on a file system that shows them late
+MOST_TASKS = 1000  # of one array: Slurm's MaxArraySize is 1001 by default
 JOB_FILE = "slurm.json"
 
 Ended = Callable[[Path], None]
@@ -34,23 +34,23 @@ class Executor(Protocol):
     """Runs members."""
 
     def run(self, folders: list[Path], ended: Ended) -> None:
-        """Runs those that have been prepared; calls `ended` with each as it ends, in whatever order."""
+        """Runs prepared members. Calls `ended` with each when it ends, in any order."""
 
 
 def default_jobs(threads: int) -> int:
-    """As many as there are processors for."""
+    """Returns the number of jobs with `threads` threads each that the processors can run at once."""
     return max(1, len(os.sched_getaffinity(0)) // max(1, threads))
 
 
 def _environment() -> dict[str, str]:
-    """Members find this checkout's package, and take what has been built: they neither install nor build."""
+    """Makes members find this checkout's package and its finished build; they neither install nor build."""
     return {**os.environ, BUILD_DIR_VARIABLE: str(build_dir()), "PYTHONPATH": str(COUPLER),
             "PYTHONPYCACHEPREFIX": str(COUPLER.parent / "build" / "pycache")}
 
 
 @dataclass
 class Local:
-    """At most `jobs` processes at a time. Those that run end with this one, be it killed."""
+    """Runs at most `jobs` processes at a time. They end with this process, also when it is killed."""
     jobs: int = 1
 
     def run(self, folders: list[Path], ended: Ended) -> None:
@@ -68,7 +68,7 @@ class Local:
                     ended(folder)
         except (Interrupted, KeyboardInterrupt):
             for process in running:
-                process.send_signal(signal.SIGINT)  # ends after its window
+                process.send_signal(signal.SIGINT)  # the run ends after its window
             raise
         finally:
             for process in running:
@@ -81,7 +81,7 @@ class Local:
     @staticmethod
     def _start(folder: Path) -> "subprocess.Popen[bytes]":
         with (folder / LOG_FILE).open("wb") as log:
-            # In a session of its own: Ctrl-C reaches it through this process, once.
+            # A session of its own: Ctrl-C reaches the member through this process, once.
             return subprocess.Popen([PYTHON, "-m", "sunder_lab.member", DIE_WITH_PARENT, str(os.getpid()), str(folder)],
                                     cwd=COUPLER, env=_environment(), stdin=subprocess.DEVNULL, stdout=log, stderr=log,
                                     start_new_session=True)
@@ -89,7 +89,8 @@ class Local:
 
 @dataclass
 class Slurm:
-    """A job array in the folder's file system, which all nodes must share. `jobs`: tasks at a time, 0: as Slurm likes.
+    """Runs a job array in the folder's file system, which all nodes must share. `jobs` is the number of tasks at a
+    time, 0: Slurm's default.
 
     `options` go to sbatch (`--partition=long`); so do SBATCH_... variables of the environment. A series that was killed
     leaves its array to Slurm, and waits for it when it goes on.
@@ -124,7 +125,7 @@ class Slurm:
         note.unlink(missing_ok=True)
 
     def _submit(self, folders: list[Path]) -> str:
-        """Number of the array that runs them."""
+        """Submits the array and returns its number."""
         listed, script = self.folder / "slurm.list", self.folder / "slurm.sh"
         listed.write_text("".join(f"{folder}\n" for folder in folders))
         environment = _environment()
@@ -140,7 +141,7 @@ class Slurm:
         return words.strip().split(";")[0]
 
     def _wait(self, job: str, folders: list[Path], ended: Ended) -> None:
-        """Until the queue has no task of `job` left, and each member its outcome."""
+        """Waits until the queue has no task of `job` left and each member has its outcome."""
         open_ = list(folders)
 
         def look() -> None:
@@ -164,13 +165,13 @@ class Slurm:
 
 
 def _queued(job: str) -> bool:
-    """Whether Slurm has tasks of this job that wait or run. It forgets old jobs, which then are none."""
+    """Tests whether Slurm has waiting or running tasks of this job. A job that Slurm has forgotten has none."""
     done = subprocess.run(["squeue", "--noheader", f"--jobs={job}", "--states=all", "--format=%T"], text=True,
                           stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
     if done.returncode != 0:
         if re.search(r"Invalid job id", done.stderr):
             return False
-        # The controller may be restarting: its silence is not the end of a job.
+        # The controller may be restarting; its silence does not mean the end of a job.
         print(f"sunder: squeue: {done.stderr.strip()}", file=sys.stderr, flush=True)
         return True
     over = {"COMPLETED", "CANCELLED", "FAILED", "TIMEOUT", "NODE_FAIL", "PREEMPTED", "BOOT_FAIL", "DEADLINE",
@@ -179,7 +180,7 @@ def _queued(job: str) -> bool:
 
 
 def _slurm(command: list[str]) -> str:
-    """What a Slurm command prints. Raises CommandError with its words."""
+    """Returns the output of a Slurm command. Raises CommandError with its message."""
     try:
         done = subprocess.run(command, text=True, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
                               stderr=subprocess.PIPE, check=False)
@@ -191,7 +192,7 @@ def _slurm(command: list[str]) -> str:
 
 
 def _without_word(folder: Path, why: str) -> None:
-    """Gives a member an outcome whose process ended without one: killed, out of memory, or unable to start."""
+    """Writes an outcome for a member whose process ended without one: killed, out of memory, or unable to start."""
     if outcome(folder):
         return
     log = folder / LOG_FILE

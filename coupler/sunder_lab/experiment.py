@@ -1,4 +1,4 @@
-"""`Experiment`: every combination of parameters, seeds and repeats of a scene, and a table of what came out."""
+"""`Experiment`: runs a scene with every combination of parameters, seeds and repeats, and makes a table of results."""
 from __future__ import annotations
 
 import itertools
@@ -17,7 +17,7 @@ from .scene import Scene, Value
 from .table import Cell, Table
 
 SEED_PATH = "fracture.seed"
-# Columns of every table, which no parameter and no measure may take.
+# Columns of every table; no parameter and no measure may use these names.
 OWN = ("member", "seed", "repeat", "status", "error")
 
 To = Union[str, Sequence[str], Mapping[str, Callable[[Any], Value]], Callable[[Scene, Any], None]]
@@ -25,13 +25,14 @@ To = Union[str, Sequence[str], Mapping[str, Callable[[Any], Value]], Callable[[S
 
 @dataclass(frozen=True)
 class Parameter:
-    """Values, and what of the scene takes them: a path; several paths that take the same; paths with a function of the
-    value each (`{"bodies[ball].twist.linear.z": lambda speed: -speed}`); or a function that changes the scene."""
+    """Values of a parameter, and the place in the scene that takes them: a path; several paths with the same value;
+    paths with a function of the value (`{"bodies[ball].twist.linear.z": lambda speed: -speed}`); or a function that
+    changes the scene."""
     values: Sequence[Any]
     to: To
 
     def apply(self, scene: Scene, value: Any) -> None:
-        """Raises BadSetting where a path leads nowhere or the value does not fit."""
+        """Applies a value to a scene. Raises BadSetting where a path does not exist or the value does not fit."""
         if callable(self.to):
             self.to(scene, value)
         elif isinstance(self.to, Mapping):
@@ -45,7 +46,7 @@ class Parameter:
 @dataclass(frozen=True)
 class Plot:
     """A panel of plots.png: the mean of column `y` over seeds and repeats at each `x`, with its 95 % confidence
-    interval, and every run as a dot; a line for each value of column `by`."""
+    interval, and every run as a dot. There is a line for each value of column `by`."""
     x: str
     y: str
     by: str | None = None
@@ -53,7 +54,7 @@ class Plot:
     title: str = ""
 
     def panel(self, table: Table) -> Panel:
-        """Raises CommandError where a column is missing."""
+        """Draws the panel. Raises CommandError where a column is missing."""
         lines = []
         for key in dict.fromkeys(table[self.by].tolist()) if self.by else [None]:
             part = table.where(**{self.by: key}) if self.by else table
@@ -86,7 +87,7 @@ class Experiment:
     engine: str = "bullet"
 
     def plan(self) -> list[Planned]:
-        """Every row to be. Raises CommandError that names all parameters which do not fit, before anything runs."""
+        """Plans every row. Raises CommandError that names all unsuitable parameters, before anything runs."""
         faults = []
         parameters = {name: p if isinstance(p, Parameter) else Parameter(p, name) for name, p in self.parameters.items()}
         for name, parameter in parameters.items():
@@ -139,7 +140,8 @@ class Experiment:
         scene[path] = float(scene[path]) + by
 
     def run(self, settings: Settings | Path | str) -> Table:
-        """Runs what has not been run, and writes results.csv, results.sqlite, times.csv and plots.png into a folder."""
+        """Runs members that have not been run, and writes results.csv, results.sqlite, times.csv and plots.png into
+        a folder."""
         planned = self.plan()
         settings = settings if isinstance(settings, Settings) else Settings(settings)
         with Campaign(settings) as campaign:
@@ -150,7 +152,7 @@ class Experiment:
         return results
 
     def _draw(self, done: Table, campaign: Campaign) -> None:
-        """plots.png; a plot of a column that is not there costs no result."""
+        """Writes plots.png. A plot of a missing column does not lose results."""
         panels = []
         for plot in self.plots if len(done) else ():
             try:

@@ -1,4 +1,4 @@
-"""What an impact does: force, impulse and velocity of the body that struck, the energy that it lost and to what."""
+"""Measures of an impact: force, impulse and velocity of the striking body, and the energy that it lost, by cause."""
 from __future__ import annotations
 
 import math
@@ -11,16 +11,16 @@ from sunder_tools.errors import CommandError
 
 from .scene import Results
 
-STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], of a scene that says nothing
-NO_PUSH = 0.01         # of the largest force: contact has ended
-AT_REST = 1e-9         # of the first speed: round-off of the nine digits in probes.csv
-LAST_SHARE = 0.1       # of the record, at its end, in which a body that is through
-STILL_SLOWED = 0.02    # loses less than this part of its speed: splinters may touch it still
+STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], for a scene without gravity field
+NO_PUSH = 0.01  # share of the largest force below which contact has ended
+AT_REST = 1e-9  # share of the first speed: round-off of the nine digits in probes.csv
+LAST_SHARE = 0.1  # last share of the record, in which a body that went through
+STILL_SLOWED = 0.02  # loses less than this share of its speed, although splinters may still touch it
 
 
 @dataclass(frozen=True)
 class Motion:
-    """A body over time, from its probe. `time` (n,) [s]; `position`, `velocity`, `impulse` (n, 3) [m], [m/s], [N s]."""
+    """Motion of a body from its probe. `time` (n,) [s]; `position`, `velocity`, `impulse` (n, 3) [m], [m/s], [N s]."""
     name: str
     mass: float            # [kg]
     gravity: np.ndarray    # (3,) [m/s^2]
@@ -30,12 +30,12 @@ class Motion:
 
     @property
     def impulse(self) -> np.ndarray:
-        """(n, 3) [N s] that everything but gravity has given to the body since the start."""
+        """Returns the impulse (n, 3) [N s] on the body since the start, without gravity."""
         fallen = self.gravity * (self.time - self.time[0])[:, None]
         return self.mass * (self.velocity - self.velocity[0] - fallen)
 
     def force(self, over_s: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Middles of intervals (k,) [s], and the mean force in each (k, 3) [N], without gravity.
+        """Returns middles of intervals (k,) [s], and the mean force in each (k, 3) [N], without gravity.
 
         The intervals are those of the probe, or of at least `over_s`. The mean over an interval is exact, being the
         impulse in it over its length; what happens within is not seen: for the peak of a stiff contact shorten
@@ -52,31 +52,32 @@ class Motion:
 
     @property
     def contact_until(self) -> float:
-        """End of the last interval [s] in which the body was pushed by more than a hundredth of the largest force: where
-        that is the end of the run, what is said of its end is not final."""
+        """Returns the end of the last interval [s] with a force above a hundredth of the largest one. At the end of
+        the run, final values are not final yet."""
         size = np.linalg.norm(self.force()[1], axis=1)
         return float(self.time[1 + int(np.flatnonzero(size > NO_PUSH * size.max())[-1])]) if size.max() > 0.0 else 0.0
 
     @property
     def direction(self) -> np.ndarray:
-        """(3,) unit vector along which the body came; zero where it stood still."""
+        """Returns the unit vector (3,) of the body's initial direction; zero where it was at rest."""
         speed = float(np.linalg.norm(self.velocity[0]))
         return self.velocity[0] / speed if speed > 0.0 else np.zeros(3)
 
     @property
     def residual_velocity(self) -> float:
-        """At the end, along the direction in which it came [m/s]; negative where it bounced."""
+        """Returns the final speed along the initial direction [m/s]; negative after a bounce."""
         return float(self.velocity[-1] @ self.direction)
 
     @property
     def energy_lost(self) -> float:
-        """Kinetic energy of translation, less what gravity has given [J]; spin is not in probes.csv."""
+        """Returns the kinetic energy of translation, without the work of gravity [J]; probes.csv has no spin."""
         fallen = float(self.gravity @ (self.position[-1] - self.position[0]))
         return self.mass * (0.5 * float((self.velocity[0] ** 2).sum() - (self.velocity[-1] ** 2).sum()) + fallen)
 
 
 def motion(results: Results, body: str | None = None, mass: float | None = None) -> Motion:
-    """The body's motion; `body` may be left out where one body has a probe, `mass` [kg] but for meshes.
+    """Reads the body's motion. `body` may be omitted where only one body has a probe. `mass` [kg] is needed for
+    meshes only.
 
     Raises CommandError where the scene has no such body, no probe of it, or does not say its mass.
     """
@@ -100,7 +101,7 @@ def motion(results: Results, body: str | None = None, mass: float | None = None)
 
 
 def mass_of(scene: Any, body: Any) -> float:
-    """[kg] of a sphere or a box. Raises CommandError for what else there is."""
+    """Returns the mass [kg] of a sphere or a box. Raises CommandError for other shapes."""
     density = next((m.density for m in scene.materials if m.name == body.material), 0.0)
     shape = body.WhichOneof("shape")
     if density > 0.0 and shape == "sphere":
@@ -113,7 +114,7 @@ def mass_of(scene: Any, body: Any) -> float:
 
 
 def energy_taken(results: Results, body: str | None = None, mass: float | None = None) -> dict[str, float]:
-    """What the body lost and where it is at the end [J].
+    """Returns the energy that the body lost, and its distribution at the end [J].
 
     `lost` by the body; `motion` of all else (shell, shards, other bodies, and the body's own spin), `elastic` stored,
     `fracture`, `plastic`, `contact` (inelastic impacts and friction), `damping`, `frozen` and `handoff` (vibration that
@@ -132,7 +133,7 @@ def energy_taken(results: Results, body: str | None = None, mass: float | None =
 
 
 def perforated(results: Results, body: str | None = None) -> bool | None:
-    """Whether the body went through the shell; None: not decided when the run ended.
+    """Returns whether the body went through the shell; None: not decided at the end of the run.
 
     Through is: its centre beyond the plane of the shell by its radius and half the thickness, along the direction in
     which it came, still moving on, and hardly slowed any more. Held up is: stopped or on its way back. Meant for
@@ -160,7 +161,7 @@ def perforated(results: Results, body: str | None = None) -> bool | None:
 
 
 def impact(body: str | None = None, mass: float | None = None) -> Any:
-    """A measure for experiments: columns of the usual quantities of an impact by `body`."""
+    """Measures, for experiments, the usual quantities of an impact by `body`, as columns."""
     def measure(results: Results) -> dict[str, float]:
         one = motion(results, body, mass)
         energy = energy_taken(results, body, mass)

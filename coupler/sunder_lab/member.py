@@ -1,4 +1,4 @@
-"""One run of a series: a folder with its scene, run by a process of its own, wherever that is.
+"""One run of a series: a folder with its scene, run by its own process, on any machine.
 
     cd coupler && python3 -m sunder_lab.member FOLDER
 
@@ -36,30 +36,30 @@ PR_SET_PDEATHSIG = 1  # <sys/prctl.h>
 
 @dataclass(frozen=True)
 class Member:
-    """What identifies a run: its scene and its engine. Threads and what is kept do not."""
+    """Identity of a run: its scene and its engine. Threads and stored files do not belong to it."""
     scene: Scene
     engine: str = "bullet"
 
     def identity(self) -> str:
-        """16 hexadecimal digits; results are the same to the bit for the same."""
+        """Returns 16 hexadecimal digits. Runs with equal digits have equal results, to the bit."""
         text = json.dumps([self.scene.identity(), self.engine])
         return hashlib.sha256(text.encode()).hexdigest()[:16]
 
     def prepare(self, folder: Path, threads: int, keep: str) -> None:
-        """Writes what the process needs; nothing that a run there has left is touched."""
+        """Writes the files that the process needs; files of an earlier run in the folder do not change."""
         self.scene.save(folder)
         write_atomically(folder / MEMBER_FILE, {"engine": self.engine, "threads": threads, "keep": keep})
 
 
 def write_atomically(path: Path, value: Any) -> None:
-    """JSON, whole or not at all."""
+    """Writes JSON atomically."""
     part = path.with_name(f".{path.name}.{os.getpid()}")
     part.write_text(json.dumps(value, indent=1) + "\n")
     os.replace(part, path)
 
 
 def read_json(path: Path) -> dict[str, Any]:
-    """{} where it is not there or no object."""
+    """Reads a JSON object; {} where the file does not exist or holds none."""
     try:
         value = json.loads(path.read_text())
     except (OSError, ValueError):
@@ -68,18 +68,19 @@ def read_json(path: Path) -> dict[str, Any]:
 
 
 def outcome(folder: Path) -> dict[str, Any]:
-    """status 'done' or 'failed', error, wall_s, processor_s of both processes, host, program; {} where the member has not
-    ended."""
+    """Returns the outcome: status 'done' or 'failed', error, wall_s, processor_s of both processes, host, program.
+    {} where the member has not ended."""
     return read_json(folder / OUTCOME_FILE)
 
 
 def is_done(folder: Path) -> bool:
-    """True where it need not be run."""
+    """True where the member need not be run."""
     return outcome(folder).get("status") == "done"
 
 
 def run_member(folder: Path) -> int:
-    """Runs what the folder says, unless it is done; the exit status is that of `sunder run`. Waits while another does."""
+    """Runs the member unless it is done, and returns the exit status of `sunder run`. Waits while another process
+    runs it."""
     handle = os.open(folder, os.O_RDONLY | os.O_DIRECTORY)
     fcntl.flock(handle, fcntl.LOCK_EX)
     try:
@@ -100,12 +101,12 @@ def run_member(folder: Path) -> int:
             print(f"sunder: {refused}", file=sys.stderr)
         except (KeyError, OSError) as broken:
             status, error = BAD_INPUT, f"{type(broken).__name__}: {broken}"
-        if status == INTERRUPTED:  # by the user or by the end of who started it: not an outcome of the scene
+        if status == INTERRUPTED:  # by the user, or by the end of the parent process: not an outcome of the scene
             return INTERRUPTED
         thin_out(folder / RUN_FOLDER, str(kept.get("keep", KEEP[0])))
         write_atomically(folder / OUTCOME_FILE, {
             "status": "done" if status == DONE else "failed", "exit": status,
-            # A folder's place is no result: the same series elsewhere has the same table.
+            # The folder's path is not part of the result: the same series elsewhere has the same table.
             "error": error.replace(f"{folder}/", "").replace(f"{folder.resolve()}/", ""),
             "wall_s": round(time.time() - start, 3), "processor_s": read_usage(folder / RUN_FOLDER).get("processor_s"),
             "host": os.uname().nodename, "program": _program()})
@@ -115,8 +116,8 @@ def run_member(folder: Path) -> int:
 
 
 def thin_out(run: Path, keep: str) -> None:
-    """Removes what takes room: with 'last' all frames of shell and bodies but the first and the last, and the
-    checkpoint; with 'none' all frames. Crack lines of all times are small, and stay with 'last'."""
+    """Removes large files. With 'last', all frames of shell and bodies except for the first and the last, and the
+    checkpoint; with 'none', all frames. Crack lines are small and stay with 'last'."""
     shutil.rmtree(run / "checkpoint", ignore_errors=True)
     if keep == "all" or not (run / "frames.pvd").is_file():
         return
@@ -131,17 +132,17 @@ def thin_out(run: Path, keep: str) -> None:
 
 
 def _program() -> str:
-    """Tells builds of the solver apart."""
+    """Returns a text that identifies the build of the solver."""
     return hashlib.sha256(ensure_built().shell.read_bytes()).hexdigest()[:12]
 
 
 def _die_with_parent() -> None:
-    """Asks for SIGTERM when the process that started this one is gone, killed for instance."""
+    """Asks the system for SIGTERM when the parent process ends, also when it is killed."""
     ctypes.CDLL(None, use_errno=True).prctl(PR_SET_PDEATHSIG, signal.SIGTERM, 0, 0, 0)
 
 
 def main(arguments: list[str]) -> int:
-    """The process."""
+    """Runs as the process of a member."""
     def interrupt(number: int, frame: object) -> None:
         del number, frame
         raise Interrupted
@@ -151,7 +152,7 @@ def main(arguments: list[str]) -> int:
     if arguments[:1] == [DIE_WITH_PARENT]:
         parent = int(arguments[1])
         _die_with_parent()
-        if os.getppid() != parent:  # it went before it could be asked
+        if os.getppid() != parent:  # the parent ended before the request
             return INTERRUPTED
         arguments = arguments[2:]
     try:

@@ -1,4 +1,4 @@
-"""What an impact leaves of a shell: pieces and their sizes, radial cracks."""
+"""Remains of a shell after an impact: pieces with their sizes, and radial cracks."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -15,12 +15,12 @@ from sunder_tools.pictures.vtp import PolyData
 from .crossings import radial_crossings
 from .scene import Results
 
-SPLINTER = 1e-3  # of the shell's area: what is smaller is no piece, as in run.json
+SPLINTER = 1e-3  # share of the shell's area: smaller shards are not counted as pieces, as in run.json
 
 
 @dataclass(frozen=True)
 class Pieces:
-    """Areas [m^2] at the end, each sorted, largest first. `whole`: of the shell at rest.
+    """Areas [m^2] at the end, sorted, largest first. `whole` is the area of the shell at rest.
 
     `off` came off as rigid bodies; `standing` are those that the shell still had, whether held or loose. Where the
     shell was frozen, what did not come off counts as one.
@@ -30,12 +30,12 @@ class Pieces:
     whole: float
 
     def counted(self, splinter: float = SPLINTER) -> np.ndarray:
-        """All of at least `splinter` times the whole, largest first [m^2]."""
+        """Returns all areas of at least `splinter` times the whole, largest first [m^2]."""
         both = np.sort(np.concatenate([self.off, self.standing]))[::-1]
         return both[both >= splinter * self.whole]
 
     def mean_size(self, splinter: float = SPLINTER) -> float:
-        """Area of the piece in which a point of the shell lies on the mean [m^2]: sum of squares over sum.
+        """Returns the mean area of the piece that holds a random point of the shell [m^2]: sum of squares over sum.
 
         Many splinters do not change it, as they change a mean over pieces.
         """
@@ -44,7 +44,8 @@ class Pieces:
 
 
 def pieces(results: Results) -> Pieces:
-    """Raises CommandError where the frames that it takes are gone: the first, and the last of a shell that stands."""
+    """Reads the areas. Raises CommandError where the needed frames are missing: the first one, and the last one of a
+    shell that is not frozen."""
     frames = [frame for frame in results.frames if SHELL in frame.files]
     if not frames:
         raise CommandError(f"{results.folder}: no frame of the shell; keep='last' keeps what is needed")
@@ -61,7 +62,7 @@ def pieces(results: Results) -> Pieces:
 
 
 def _areas(shell: PolyData | None) -> np.ndarray:
-    """[m^2] at rest, of each fragment in a frame."""
+    """Returns the area at rest [m^2] of each fragment in a frame."""
     assert shell is not None
     corner = reference_points(shell)[shell.triangles]
     area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
@@ -70,7 +71,7 @@ def _areas(shell: PolyData | None) -> np.ndarray:
 
 
 def fragments(splinter: float = SPLINTER) -> Any:
-    """A measure for experiments: number and sizes of pieces of at least `splinter` of the shell's area."""
+    """Measures, for experiments, number and sizes of pieces of at least `splinter` of the shell's area."""
     def measure(results: Results) -> dict[str, float]:
         found = pieces(results)
         areas = found.counted(splinter)
@@ -81,7 +82,8 @@ def fragments(splinter: float = SPLINTER) -> Any:
 
 
 def radial_cracks(centre: tuple[float, float], radius_m: float) -> Any:
-    """A measure for experiments: cracks that cross a circle in the parameter domain [m], within 45 degrees of the radius."""
+    """Measures, for experiments, cracks that cross a circle in the parameter domain [m] within 45 degrees of the
+    radius."""
     def measure(results: Results) -> dict[str, float]:
         graph = results.cracks
         ends = np.zeros((0, 2, 2)) if graph is None else grown(graph).ends

@@ -1,4 +1,4 @@
-"""What a run has left in its folder, as numpy arrays."""
+"""Files of a run folder, as numpy arrays."""
 from __future__ import annotations
 
 import csv
@@ -16,13 +16,13 @@ from sunder_tools.report.run_json import read_run
 
 
 class Columns(Mapping[str, np.ndarray]):
-    """The columns of a CSV file by name without unit, all of one length; `units` has what stood in brackets.
+    """Columns of a CSV file, by name without unit, all of one length; `units` has the texts in brackets.
 
     What is empty in the file is NaN: probes of a shell that is frozen, for example.
     """
 
     def __init__(self, path: Path) -> None:
-        """Raises CommandError where the file is not there or not such a table."""
+        """Reads the file. Raises CommandError where it does not exist or is no such table."""
         self.path = path
         try:
             with path.open(newline="") as source:
@@ -37,7 +37,7 @@ class Columns(Mapping[str, np.ndarray]):
         self._columns = {name: numbers[:, k] for k, name in enumerate(names)}
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """Raises CommandError that says which columns there are."""
+        """Returns a column. Raises CommandError that lists the existing columns."""
         if name not in self._columns:
             raise CommandError(f"{self.path}: no column '{name}'; there are: {', '.join(self._columns)}")
         return self._columns[name]
@@ -52,15 +52,15 @@ class Columns(Mapping[str, np.ndarray]):
         return len(self._columns)
 
     def vector(self, name: str, axes: str = "_x _y _z") -> np.ndarray:
-        """(n, 3) of three columns `name` + each of `axes`."""
+        """Returns (n, 3) from three columns `name` + each of `axes`."""
         return np.stack([self[name + axis] for axis in axes.split()], axis=1)
 
 
 class RunArrays:
-    """What a run has written, as arrays. Files are read when they are asked for, once."""
+    """Everything that a run has written, as arrays. Each file is read once, when it is first needed."""
 
     def __init__(self, folder: Path | str) -> None:
-        """Raises CommandError where the folder holds no run."""
+        """Opens a run folder. Raises CommandError where it holds no run."""
         self.folder = Path(folder)
         self.run: dict[str, Any] = read_run(self.folder)
         if "status" not in self.run:
@@ -68,39 +68,40 @@ class RunArrays:
 
     @property
     def status(self) -> str:
-        """done, failed, interrupted or running."""
+        """Returns done, failed, interrupted or running."""
         return str(self.run["status"])
 
     @property
     def energy(self) -> dict[str, float]:
-        """Energies at the end [J], as run.json has them."""
+        """Returns the energies at the end [J], as in run.json."""
         return dict(self.run["energy"])
 
     @cached_property
     def series(self) -> Columns:
-        """Energies, crack length, fragments: a row a window."""
+        """Returns energies, crack length and fragments, with a row for each window."""
         return Columns(self.folder / "series.csv")
 
     @cached_property
     def probes(self) -> Columns:
-        """What the scene's output.probes ask for. Raises CommandError where it asks for none."""
+        """Returns the probes of the scene's output.probes. Raises CommandError where it has none."""
         if not (self.folder / "probes.csv").is_file():
             raise CommandError(f"{self.folder}: the scene has no output.probes")
         return Columns(self.folder / "probes.csv")
 
     @cached_property
     def shards(self) -> Columns:
-        """Every piece that came off as a rigid body."""
+        """Returns every piece that was handed off as a rigid body."""
         return Columns(self.folder / "shards.csv")
 
     @cached_property
     def frames(self) -> list[Frame]:
-        """Frames that are still there, in order of time; `frame.read(part)` has points, triangles and data as arrays."""
+        """Returns the stored frames in order of time; `frame.read(part)` gives points, triangles and data as arrays."""
         return list_frames(self.folder)
 
     @cached_property
     def cracks(self) -> Graph | None:
-        """Crack lines at the end: ends (n, 2, 2) in parameters [m], on the sheet at rest (n, 2, 3) [m], crack, birth [s].
+        """Returns the crack lines at the end: ends (n, 2, 2) in parameters [m], on the sheet at rest (n, 2, 3) [m],
+        crack, birth [s].
 
         None where there is none. What was cut at time zero counts, its birth is zero.
         """

@@ -23,18 +23,18 @@ from sunder_tools.report.scene_text import parse_text
 from .results import RunArrays
 from .schema import assets_of, relative_asset, scene_class
 
-SCENES = REPOSITORY / "scenes"  # those that come with the project
+SCENES = REPOSITORY / "scenes"  # scenes of the project
 SCENE_FILE = "scene.textproto"
 
 Value = Union[float, int, bool, str]
 
 
 class BadSetting(CommandError, ValueError):
-    """A path that leads nowhere, or a value that its field cannot hold."""
+    """A path that does not exist, or a value that its field cannot hold."""
 
 
 class Scene:
-    """A scene, `message` the protobuf message of proto/scene.proto.
+    """A scene; `message` is the protobuf message of proto/scene.proto.
 
     Fields are set in the message, whose types are checked by protobuf (`scene.message.end_time_s = 2e-4`), or by a path
     as `sunder run --set` takes it (`scene["bodies[ball].twist.linear.z"] = -20`). What makes sense as a whole is checked
@@ -42,13 +42,13 @@ class Scene:
     """
 
     def __init__(self, message: Any, folder: Path) -> None:
-        """`folder`: where the files are that the scene names."""
+        """Makes a scene. `folder` holds the files that the scene names."""
         self.message = message
         self.folder = Path(folder)
 
     @staticmethod
     def load(path: Path | str) -> "Scene":
-        """Reads a scene file. Raises CommandError with file, line and column where it is no scene."""
+        """Reads a scene file. Raises CommandError with file, line and column where it is not a scene."""
         path = Path(path)
         try:
             text = path.read_text()
@@ -62,26 +62,27 @@ class Scene:
         return Scene(message, path.parent)
 
     def copy(self) -> "Scene":
-        """One that can be changed without changing this one."""
+        """Returns a copy that can be changed independently."""
         message = type(self.message)()
         message.CopyFrom(self.message)
         return Scene(message, self.folder)
 
     def find(self, path: str) -> Any:
-        """The message at a path: `scene.find("shells[pane].plate").elements_x = 40`. Raises BadSetting."""
+        """Returns the message at a path: `scene.find("shells[pane].plate").elements_x = 40`. Raises BadSetting."""
         at = self.message
         for step in path.split("."):
             at = _enter(at, step, path)
         return at
 
     def __getitem__(self, path: str) -> Value:
-        """The value of a single field; the default of the schema where it is absent. Raises BadSetting."""
+        """Returns the value of a single field, or the schema's default where it is absent. Raises BadSetting."""
         at, field = self._field(path)
         value: Value = getattr(at, field.name)
         return field.enum_type.values_by_number[value].name if field.enum_type else value
 
     def __setitem__(self, path: str, value: Value) -> None:
-        """Sets a single field; messages on the way come to be. Raises BadSetting, the scene then stays as it is."""
+        """Sets a single field and creates absent messages of its path. Raises BadSetting and then leaves the scene
+        unchanged."""
         at, field = self._field(path)
         text = _text(value, field)
         scratch = type(at)()
@@ -104,8 +105,8 @@ class Scene:
         return self
 
     def fidelity(self, name: str) -> "Scene":
-        """Takes the values of a preset as `sunder run --fidelity` does; returns the scene itself. Values of one's own are set
-        afterwards. Raises BadSetting for a preset that there is not."""
+        """Applies a preset as `sunder run --fidelity` does; returns the scene itself. Set own values afterwards.
+        Raises BadSetting for an unknown preset."""
         if name not in PRESETS:
             raise BadSetting(f"fidelity '{name}': there are {', '.join(PRESETS)}")
 
@@ -119,9 +120,9 @@ class Scene:
         return self.set(_pairs(taken(name, parse_text(self.text()), (), accepted).settings))
 
     def _field(self, path: str) -> tuple[Any, Any]:
-        """The message that holds the last field of `path`, and that field's descriptor."""
+        """Returns the message that holds the last field of `path`, and that field's descriptor."""
         *steps, last = path.split(".")
-        at = self.message  # reading a message that is absent does not make it: a refused path changes nothing
+        at = self.message  # reading an absent message does not create it, so a refused path changes nothing
         for step in steps:
             at = _enter(at, step, path)
         field = at.DESCRIPTOR.fields_by_name.get(last)
@@ -133,11 +134,11 @@ class Scene:
         return at, field
 
     def text(self) -> str:
-        """The scene as text, the same for the same scene."""
+        """Returns the scene as text; equal scenes give equal texts."""
         return str(text_format.MessageToString(self.message, as_utf8=True))
 
     def identity(self) -> str:
-        """SHA-256 over the scene and the files that it names: equal where the same would be run."""
+        """Returns the SHA-256 of the scene and the files that it names; equal hashes mean equal runs."""
         digest = hashlib.sha256(self.text().encode())
         for name in assets_of(self.message):
             digest.update(name.encode() + b"\0")
@@ -161,7 +162,8 @@ class Scene:
         return path
 
     def check(self) -> str:
-        """What `sunder check` says of sizes, stable step and minutes. Raises CommandError where the scene is refused."""
+        """Returns the report of `sunder check`: sizes, stable step, minutes. Raises CommandError where the scene is
+        refused."""
         with tempfile.TemporaryDirectory(prefix="check-sunder-") as folder:
             path = self.save(folder)
             done = subprocess.run([str(ensure_built().shell), "--scene", str(path), "--check"], text=True,
@@ -182,9 +184,9 @@ class Scene:
             job = Job(self.save(folder), engine, threads=str(threads) if threads else None)
             try:
                 status = run_scene(job, out, quiet)
-            except CommandError as error:  # the folder is of no use to the user, it is gone
+            except CommandError as error:  # the temporary folder no longer exists and means nothing to the user
                 raise CommandError(str(error).replace(f"{folder}/", ""), error.status) from None
-        if (out / "run.json").is_file():  # so that it can go on, or be run again, by the folder alone
+        if (out / "run.json").is_file():  # the folder alone is then enough to resume or repeat the run
             replace(job, scene=self.save(out)).write(out)
         if status != DONE:
             told = read_run(out).get("error") or {}
@@ -193,11 +195,11 @@ class Scene:
 
 
 class Results(RunArrays):
-    """A run folder, with the scene that was run."""
+    """A run folder, with the scene of the run."""
 
     @cached_property
     def scene(self) -> Scene:
-        """The scene that was run. Raises CommandError where the folder does not say."""
+        """Returns the scene of the run. Raises CommandError where the folder has none."""
         for place in (self.folder / SCENE_FILE, self.folder.parent / SCENE_FILE):
             if place.is_file():
                 return Scene.load(place)
@@ -211,7 +213,7 @@ def _pairs(settings: Sequence[str]) -> dict[str, Value]:
 
 
 def _enter(at: Any, step: str, path: str) -> Any:
-    """The message that a step of a path leads to: a field, or `field[name or number]`."""
+    """Returns the message at one step of a path: a field, or `field[name or number]`."""
     name, bracket, element = step.partition("[")
     element = element[:-1] if bracket and element.endswith("]") else ""
     field = at.DESCRIPTOR.fields_by_name.get(name)
@@ -233,12 +235,12 @@ def _enter(at: Any, step: str, path: str) -> Any:
 
 
 def _text(value: Value, field: Any) -> str:
-    """A value as the text format has it; numpy's numbers count as Python's."""
+    """Returns a value in the text format; numpy's numbers count as Python's."""
     value = value.item() if hasattr(value, "item") else value
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, float) and value.is_integer() and field.cpp_type in (field.CPPTYPE_INT32, field.CPPTYPE_INT64):
-        return str(int(value))  # 40.0 elements, as arithmetic leaves them
+        return str(int(value))  # 40.0 elements, as arithmetic gives them
     return repr(value) if isinstance(value, (int, float)) else str(value)
 
 

@@ -1,4 +1,4 @@
-"""The messages of proto/scene.proto as Python classes, made from the schema itself: there is no generated file."""
+"""The messages of proto/scene.proto as Python classes, made from the schema itself; there is no generated file."""
 from __future__ import annotations
 
 import subprocess
@@ -16,7 +16,7 @@ PROTO = REPOSITORY / "proto"
 
 @lru_cache(maxsize=None)
 def scene_class() -> Any:
-    """The class of message Scene. Raises CommandError where protoc is missing or refuses the schema."""
+    """Returns the class of message Scene. Raises CommandError where protoc is missing or refuses the schema."""
     try:
         done = subprocess.run(["protoc", f"-I{PROTO}", "--include_imports", "--descriptor_set_out=/dev/stdout",
                                str(PROTO / "scene.proto")], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
@@ -26,7 +26,7 @@ def scene_class() -> Any:
                            "protobuf-compiler)") from None
     if done.returncode != 0:
         raise CommandError(f"{PROTO / 'scene.proto'}: {done.stderr.decode(errors='replace').strip()}")
-    pool = descriptor_pool.DescriptorPool()  # of its own: a script may have messages of its own in the default one
+    pool = descriptor_pool.DescriptorPool()  # a separate pool: a script may have its own messages in the default one
     for file in descriptor_pb2.FileDescriptorSet.FromString(done.stdout).file:
         pool.Add(file)
     descriptor = pool.FindMessageTypeByName("sunder.proto.Scene")
@@ -34,7 +34,7 @@ def scene_class() -> Any:
 
 
 def assets_of(message: Any) -> list[str]:
-    """Every file that a scene names, in order: string fields called `path`, as the schema has them."""
+    """Lists every file that a scene names, in order: string fields called `path`."""
     found: list[str] = []
     for field, value in message.ListFields():
         if field.type == field.TYPE_MESSAGE:
@@ -46,7 +46,8 @@ def assets_of(message: Any) -> list[str]:
 
 
 def relative_asset(name: str, where: Path) -> Path:
-    """The file `name` beside a scene in `where`. Raises CommandError where it is not there or not below it."""
+    """Returns the file `name` beside a scene in `where`. Raises CommandError where it does not exist or is not below
+    that folder."""
     folder = where.resolve()
     path = (folder / name).resolve()
     if not path.is_relative_to(folder) or not path.is_file():

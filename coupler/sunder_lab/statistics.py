@@ -1,11 +1,11 @@
-"""Distributions that confidence intervals and tests of variance need, with the standard library only."""
+"""Distributions for confidence intervals and tests of variance, with the standard library only."""
 from __future__ import annotations
 
 import math
 
 
 def beta_share(x: float, a: float, b: float) -> float:
-    """Regularised incomplete beta function, by its continued fraction (Lentz)."""
+    """Returns the regularised incomplete beta function, by its continued fraction (Lentz)."""
     if not 0.0 < x < 1.0:
         return 0.0 if x <= 0.0 else 1.0
     if x > (a + 1.0) / (a + b + 2.0):
@@ -28,7 +28,7 @@ def beta_share(x: float, a: float, b: float) -> float:
 
 
 def student(share: float, degrees: int) -> float:
-    """t that a Student variable stays within, either side, with chance `share`."""
+    """Returns the bound t of a Student variable that stays within -t and t with probability `share`."""
     low, high = 0.0, 1e4
     for _ in range(200):
         t = 0.5 * (low + high)

@@ -19,10 +19,10 @@ Series = Union[Experiment, V50]
 
 
 def sweep(file: Path, settings: Settings) -> int:
-    """Runs every series of `file`; exit status 1 where a member failed, the others having been run."""
+    """Runs every series of `file`. The exit status is 1 where a member failed; the others have been run."""
     found = series_of(file)
     for series in found:
-        series.plan()  # what is wrong with any of them is said before the first runs
+        series.plan()  # reports errors of all series before the first one runs
     status = DONE
     for series in found:
         out = Path(settings.out) if len(found) == 1 else Path(settings.out) / series.name
@@ -39,10 +39,10 @@ def sweep(file: Path, settings: Settings) -> int:
 
 
 def series_of(file: Path) -> list[Series]:
-    """The experiments and bisections among the names that a Python file defines. Raises CommandError."""
+    """Returns the experiments and bisections among the names that a Python file defines. Raises CommandError."""
     if not file.is_file():
         raise CommandError(f"{file}: no such file")
-    sys.path.insert(0, str(file.resolve().parent))  # as for a script: what lies beside it can be imported
+    sys.path.insert(0, str(file.resolve().parent))  # files beside it can be imported, as for a script
     try:
         names = runpy.run_path(str(file), run_name="__sweep__")
     except (CommandError, Interrupted):
@@ -86,7 +86,7 @@ def _tell_v50(series: Series, found: Ballistic) -> int:
 
 def settings_of(file: Path, out: Path | None, jobs: int | None, executor: str, threads: int, keep: str,
                 sbatch: list[str], quiet: bool) -> Settings:
-    """From the command line; the folder is sweeps/NAME unless it is given, so that a second call goes on."""
+    """Reads the command line. The default folder is sweeps/NAME, so that a second call continues the series."""
     if sbatch and executor != "slurm":
         raise CommandError("--sbatch: is for --executor slurm", BAD_INPUT)
     return Settings(out or Path("sweeps") / file.stem, jobs or 0, executor, threads, keep, sbatch, quiet)

@@ -22,8 +22,8 @@ Cell = Any  # float, int, str, bool or None
 
 @dataclass(frozen=True)
 class Mean:
-    """Of rows that agree in `key`: how many numbers, their mean, standard deviation, and half of the mean's 95 %
-    confidence interval (Student; NaN for one number)."""
+    """Statistics of rows with an equal `key`: number of values, mean, standard deviation, and half of the mean's 95
+    % confidence interval (Student; NaN for one value)."""
     key: dict[str, Cell]
     count: int
     mean: float
@@ -32,7 +32,7 @@ class Mean:
 
 
 class Table:
-    """Rows of one set of columns, in order; a column that a row lacks is None in it."""
+    """Rows with one set of columns, in order; a missing value is None."""
 
     def __init__(self, rows: Iterable[dict[str, Cell]]) -> None:
         rows = list(rows)
@@ -46,7 +46,7 @@ class Table:
         return iter(self.rows)
 
     def __getitem__(self, name: str) -> np.ndarray:
-        """A column as an array (n,): numbers with NaN for None, else objects. Raises CommandError."""
+        """Returns a column as an array (n,): numbers with NaN for None, otherwise objects. Raises CommandError."""
         if name not in self.columns:
             raise CommandError(f"no column '{name}'; there are: {', '.join(self.columns)}")
         values = [row[name] for row in self.rows]
@@ -55,15 +55,15 @@ class Table:
         return np.array(values, object)
 
     def where(self, **wanted: Cell) -> "Table":
-        """The rows that have these values."""
+        """Returns the rows with these values."""
         return Table([row for row in self.rows if all(row.get(k) == v for k, v in wanted.items())])
 
     def means(self, of: str, by: Iterable[str]) -> list[Mean]:
-        """Column `of` over rows that agree in the columns `by`, in the order in which these come. What is not a number
-        is left out: members that failed."""
+        """Computes statistics of column `of` over rows with equal columns `by`, in the order of first appearance.
+        Values that are no numbers, such as those of failed members, are left out."""
         by = list(by)
         for name in (of, *by):
-            self[name]  # raises where it is not there
+            self[name]  # raises where the column does not exist
         groups: dict[tuple[Cell, ...], list[float]] = {}
         for row in self.rows:
             values = groups.setdefault(tuple(row[name] for name in by), [])
@@ -72,7 +72,7 @@ class Table:
         return [_mean(dict(zip(by, key)), values) for key, values in groups.items()]
 
     def csv(self) -> str:
-        """The table as text; numbers with as many digits as they need to be read back to the bit."""
+        """Returns the table as text; numbers have enough digits to be read back exactly."""
         out = io.StringIO()
         writer = csv.writer(out, lineterminator="\n")
         writer.writerow(self.columns)
@@ -80,14 +80,14 @@ class Table:
         return out.getvalue()
 
     def write_csv(self, path: Path) -> None:
-        """Replaces the file as a whole."""
+        """Replaces the file atomically."""
         part = path.with_name(f".{path.name}.{os.getpid()}")
         part.write_text(self.csv())
         os.replace(part, path)
 
 
 def write_sqlite(path: Path, tables: dict[str, Table]) -> None:
-    """A database of these tables, replaced as a whole."""
+    """Writes a database of these tables and replaces an earlier one atomically."""
     part = path.with_name(f".{path.name}.{os.getpid()}")
     part.unlink(missing_ok=True)
     base = sqlite3.connect(part)
@@ -111,7 +111,7 @@ def _mean(key: dict[str, Cell], values: list[float]) -> Mean:
 
 
 def _plain(value: Cell) -> Cell:
-    """numpy's numbers as Python's; what SQLite does not know, as text. NaN is None: there is no number."""
+    """Converts numpy's numbers to Python's, and types unknown to SQLite to text. NaN becomes None."""
     value = value.item() if hasattr(value, "item") else value
     if isinstance(value, float) and math.isnan(value):
         return None

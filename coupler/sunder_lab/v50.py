@@ -1,4 +1,4 @@
-"""V50: the speed at which half of the panes are perforated, by bisection over panes."""
+"""V50: the speed at which half of the panes are perforated, by bisection for each pane."""
 from __future__ import annotations
 
 import math
@@ -23,7 +23,7 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Ballistic:
-    """What a bisection has found. Speeds [m/s].
+    """Result of a bisection. Speeds are in [m/s].
 
     `limits`: of each pane, the middle of the interval in which it was perforated first; infinite where it was not
     within the range, zero where it was at its lower end. `v50` is their median. `low`, `high` hold the true median with
@@ -39,8 +39,9 @@ class Ballistic:
 
 
 def median_interval(count: int, confidence: float = CONFIDENCE) -> tuple[int, float]:
-    """k and its chance: the k-th smallest and the k-th largest of `count` numbers hold the median of what they are
-    drawn from with at least `confidence`; k is the largest such. k = 0, chance 1 where there are too few numbers."""
+    """Returns k and its probability. The k-th smallest and k-th largest of `count` numbers enclose the median of
+    their distribution with at least `confidence`; k is the largest such number. With too few numbers k is 0 and its
+    probability 1."""
     best, chance = 0, 1.0
     for k in range(1, count // 2 + 1):
         inside = 1.0 - 2.0 * sum(math.comb(count, i) for i in range(k)) / 2.0 ** count
@@ -51,7 +52,7 @@ def median_interval(count: int, confidence: float = CONFIDENCE) -> tuple[int, fl
 
 
 def judged(limits: Sequence[float], resolution: float) -> Ballistic:
-    """Median of `limits` [m/s] and what is known of it."""
+    """Computes the median of `limits` [m/s] and its confidence interval."""
     ordered = np.sort(np.asarray(limits, float))
     if len(ordered) == 0:
         raise CommandError("no pane was decided: there is no V50")
@@ -64,8 +65,8 @@ def judged(limits: Sequence[float], resolution: float) -> Ballistic:
 
 @dataclass
 class V50:
-    """For each pane (seed) the range of speeds is halved until it is no wider than `tolerance`; the panes go side by
-    side, so that a round keeps as many processes busy as there are panes.
+    """Halves the range of speeds for each pane (seed) until it is no wider than `tolerance`. All panes are bisected
+    at the same time, so each round runs as many processes as there are panes.
 
     `speed` says what of the scene takes a speed, as a `Parameter` does. That a pane which is perforated is so at every
     higher speed is taken for granted; the table has all runs. Near its limit a body may hang in the hole: a run that ends
@@ -85,7 +86,8 @@ class V50:
     engine: str = "bullet"
 
     def plan(self) -> list[Planned]:
-        """The first round, both ends of the range. Raises CommandError where the bisection makes no sense."""
+        """Plans the first round, with both ends of the range. Raises CommandError where the bisection makes no
+        sense."""
         if not 0.0 <= self.low < self.high or not self.tolerance > 0.0:
             raise CommandError(f"{self.name}: speeds {self.low} to {self.high} m/s, to {self.tolerance}: must rise, and "
                                "the tolerance be positive")
@@ -104,7 +106,7 @@ class V50:
         return {"perforated": self.through(results), **impact(self.body)(results)}
 
     def run(self, settings: Settings | Path | str) -> Ballistic:
-        """Runs until every pane is decided; writes results.csv, results.sqlite, times.csv, v50.json, plots.png."""
+        """Runs until every pane is decided. Writes results.csv, results.sqlite, times.csv, v50.json, plots.png."""
         settings = settings if isinstance(settings, Settings) else Settings(settings)
         ranges = {seed: [self.low, self.high] for seed in self.seeds}
         planned = self.plan()
@@ -140,14 +142,14 @@ class V50:
         return found
 
     def _limit(self, low: float, high: float) -> float:
-        """Of one pane [m/s]."""
+        """Returns the limit of one pane [m/s]."""
         if low >= self.high:
             return math.inf
         return 0.0 if high <= self.low else 0.5 * (low + high)
 
     def _plot(self, results: Table, found: Ballistic, campaign: Campaign) -> None:
         done = Table(row for row in results if row["status"] == "done")
-        at_once = sum(v == 0.0 for v in found.limits)  # below the range
+        at_once = sum(v == 0.0 for v in found.limits)  # perforated at the lower end of the range
         share = sorted(v for v in found.limits if math.isfinite(v) and v > 0.0)
         n = len(found.limits)
         first = at_once / n
@@ -162,5 +164,5 @@ class V50:
 
 
 def _finite(value: float) -> float | None:
-    """JSON knows no infinity: null."""
+    """Replaces infinity by None: JSON has no infinity."""
     return value if math.isfinite(value) else None

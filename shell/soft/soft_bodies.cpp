@@ -9,7 +9,7 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kMargin = 0.85;  // of a stable step that has become shorter: what is squeezed is so further
+constexpr double kMargin = 0.85;  // margin of a stable step that has become shorter, since compression goes on
 
 }  // namespace
 
@@ -93,7 +93,7 @@ double SoftBodies::stiffness_against(const Proxy& body) const {
     for (const Vec3& x : states_[i].x) box.extend(x);
     const double reach = body.radius() + 2.0 * models_[i].grid;
     if (box.squaredExteriorDistance(body.body.motion.position) > reach * reach) continue;
-    // a flat punch as wide as the narrower of both (Boussinesq)
+    // A flat punch as wide as the narrower of both (Boussinesq).
     const SoftMaterial& m = models_[i].material;
     const double radius = std::min(body.radius(), 0.5 * box.sizes().maxCoeff());
     sum += 2.0 * m.youngs_modulus / (1.0 - m.poisson_ratio * m.poisson_ratio) * radius;

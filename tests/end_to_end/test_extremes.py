@@ -1,4 +1,4 @@
-"""The quick rows of `validate extremes`, and that the table cannot pass what it should not."""
+"""Runs the quick rows of `validate extremes`, and checks that the table rejects wrong runs."""
 from __future__ import annotations
 
 import contextlib
@@ -46,7 +46,7 @@ class Extremes(unittest.TestCase):
                     return extremes._until_it_ends(process, 0.5)
                 finally:
                     process.kill()
-        self.assertEqual(until_it_ends("sh", "-c", "sleep 1.5; echo awake >&2"), "awake\n")  # thrice its limit
+        self.assertEqual(until_it_ends("sh", "-c", "sleep 1.5; echo awake >&2"), "awake\n")  # three times its limit
         with self.assertRaises(subprocess.TimeoutExpired):
             until_it_ends("sh", "-c", "while :; do :; done")
         with self.assertRaises(subprocess.TimeoutExpired):

@@ -1,4 +1,4 @@
-"""Encrypted runs by the command: over a relay that listens in, and between two hosts, which are network namespaces."""
+"""Encrypted runs by the command: over a relay that records all data, and between two hosts in network namespaces."""
 from __future__ import annotations
 
 import contextlib
@@ -24,7 +24,7 @@ STOPPED_S = 4.0  # twice as long as a machine that is cut off is waited for
 
 
 class Relay:
-    """Hands on one connection between two ports of this machine, and keeps what went either way."""
+    """Relays one connection between two ports of this machine and records the data of both directions."""
 
     def __init__(self, to_port: int) -> None:
         self.heard = bytearray()
@@ -57,7 +57,7 @@ class Relay:
                 self.heard += words
                 sink.sendall(words)
             sink.shutdown(socket.SHUT_WR)
-        except OSError:  # one end has gone: the other is told
+        except OSError:  # one side has closed: the other is closed too
             for end in (source, sink):
                 with contextlib.suppress(OSError):
                     end.shutdown(socket.SHUT_RDWR)
@@ -126,7 +126,7 @@ class Encrypted(unittest.TestCase):
             hashes.add(run["state_hash"])
             heard = relay.end()
             self.assertGreater(len(heard), 1000)
-            # of Hello's reply; without keys it is there for anybody
+            # This text is in Hello's reply; without keys anybody can read it.
             self.assertEqual(b"double_precision" in heard, not options)
         self.assertEqual(len(hashes), 1, "encryption changed the run")
 
@@ -160,7 +160,8 @@ class Encrypted(unittest.TestCase):
         self.assertIn("give --keys DIR, made by 'sunder keys DIR'", far.stderr)
 
     def namespaces(self) -> tuple[list[str], list[str]]:
-        """Prefixes of commands on two hosts with a cable between them; both vanish with the processes that hold them."""
+        """Returns command prefixes for two hosts with a cable between them; both vanish with the processes that hold
+        them."""
         if os.geteuid() != 0:
             self.skipTest("two hosts need network namespaces, and those root")
         for tool in ("ip", "unshare", "nsenter"):
@@ -202,7 +203,7 @@ class Encrypted(unittest.TestCase):
     def test_two_hosts(self) -> None:
         hosts = self.namespaces()
         keys = self.make_keys()
-        theirs, ours = self.root / "rigid_host", self.root / "shell_host"  # each without the other's secret
+        theirs, ours = self.root / "rigid_host", self.root / "shell_host"  # each host lacks the other's secret key
         for folder, other in ((theirs, "shell.key"), (ours, "rigid.key")):
             shutil.copytree(keys, folder)
             (folder / other).unlink()

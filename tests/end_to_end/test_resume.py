@@ -1,4 +1,4 @@
-"""Runs that go on from a checkpoint, and recorded ones that are played back: the real programs."""
+"""Runs that resume from a checkpoint, and replays of recorded runs, with the real programs."""
 from __future__ import annotations
 
 import json
@@ -22,7 +22,8 @@ SHATTERING = [part for setting in ("shells[pane].plate.elements_x=40", "shells[p
 TRIES = 3
 OFTEN = [part for setting in ("output.checkpoint_interval_s=3e-4", "output.frame_interval_s=1",
                               "output.shell_frame_interval_s=1") for part in ("--set", setting)]
-# A mat is pressed onto another one by a growing pressure, and drawn along at an edge: it slips there and sticks elsewhere.
+# A growing pressure presses a mat onto another one, which is drawn along at an edge: it slips there and sticks
+# elsewhere.
 MATS = """name: "mats"
 end_time_s: 0.012
 window_s: 5e-4
@@ -45,7 +46,7 @@ shells {
   loads { edge_force { edge: U_MAX force_per_length { x: 40 } } }
 }
 """
-# Two rods that hang linked from the world: the lower one lets go first. What was linked overlaps, and goes on to.
+# Two linked rods hang from the world. The lower one is released first. Linked bodies overlap, and still do after that.
 JOINTS = """name: "joints"
 end_time_s: 0.1
 window_s: 1e-3
@@ -75,7 +76,7 @@ def state(folder: Path) -> str:
 
 
 def is_cracking(run_json: Path) -> bool:
-    """The run has pieces, goes on cracking, and has a checkpoint to go on from."""
+    """Checks that the run has pieces, that its cracks grow further, and that it has a checkpoint to resume from."""
     try:
         run = json.loads(run_json.read_text())
         return bool(run["counts"]["fragments"] > 1 and run["time"]["frozen_at_s"] is None
@@ -85,7 +86,7 @@ def is_cracking(run_json: Path) -> bool:
 
 
 def children(parent: int, program: str) -> list[int]:
-    """Processes of this name that `parent` has started."""
+    """Returns the processes of this name that `parent` has started."""
     pids = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
     return [int(pid) for pid in pids if Path(os.readlink(f"/proc/{pid}/exe")).name == program]
 
@@ -106,7 +107,7 @@ class Resume(unittest.TestCase):
         for engine in ("bullet", "inprocess:ode"):
             with self.subTest(engine):
                 whole = self.run_to(f"whole_{engine}", "0.004", "--rigid", engine)
-                part = self.run_to(f"part_{engine}", "0.0008", "--rigid", engine)  # between the cut and the freeze
+                part = self.run_to(f"part_{engine}", "0.0008", "--rigid", engine)  # between the cut and the freezing
                 self.assertNotEqual(state(part), state(whole))
                 done = sunder("run", "--resume", str(part), "--until", "0.004", "--quiet")
                 self.assertEqual(done.returncode, 0, done.stderr)
@@ -114,8 +115,8 @@ class Resume(unittest.TestCase):
                 self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
 
     def test_soft_bodies_go_on_to_the_bit(self) -> None:
-        whole = self.run_to("whole", "0.012", scene=SOFT)  # the ball is thrown back by the sheet
-        part = self.run_to("part", "0.006", scene=SOFT)  # and pressed into it
+        whole = self.run_to("whole", "0.012", scene=SOFT)  # the sheet throws the ball back
+        part = self.run_to("part", "0.006", scene=SOFT)  # the ball presses into the sheet
         done = sunder("run", "--resume", str(part), "--until", "0.012", "--quiet")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(state(part), state(whole))
@@ -154,13 +155,13 @@ class Resume(unittest.TestCase):
         scene = self.here / "mats.textproto"
         scene.write_text(MATS)
         whole = self.run_to("whole", "0.012", scene=str(scene))
-        part = self.run_to("part", "0.006", scene=str(scene))  # pressed, and slipping where it is drawn
+        part = self.run_to("part", "0.006", scene=str(scene))  # the mats are pressed, and slip at the drawn edge
         done = sunder("run", "--resume", str(part), "--until", "0.012", "--quiet")
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertEqual(state(part), state(whole))
         self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
         run = json.loads((whole / "run.json").read_text())
-        self.assertGreater(run["energy"]["contact"], 0.0)  # it did slip
+        self.assertGreater(run["energy"]["contact"], 0.0)  # the mats have slipped
         self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)  # of first order in the step
         self.assertIn("fibres", [m["name"] for m in run["models"]])
         self.assertNotIn("contact_between_shells", [m["name"] for m in run["models"]])

@@ -1,1 +1,2 @@
-"""Validation by whole runs, beside the C++ cases of this folder: each case against an exact or a published answer."""
+"""Validation by whole runs, beside the C++ cases of this folder. Each case is compared with an exact or published
+result."""

@@ -1,4 +1,4 @@
-"""Energy and momentum of runs that crack, and a run of a thousand pieces."""
+"""Energy and momentum books of runs that crack, and a run with a thousand pieces."""
 from __future__ import annotations
 
 import shutil
@@ -14,7 +14,7 @@ from sunder_tools.report.run_json import read_run
 from .trials import Table, add_books, add_momentum, kept_run
 
 COARSE_GLASS = [f"shells[pane].plate.elements_{axis}=40" for axis in "xy"]
-# Runs whose books no other case closes, as they ship.
+# Shipped runs whose books no other case checks.
 BOOKS: tuple[tuple[str, list[str]], ...] = (
     ("glass", ["end_time_s=2e-3", *COARSE_GLASS]), ("struck_glass", []), ("acrylic", []), ("round_pane", []),
     ("ductile_strip", []), ("bullet_sheet", []), ("impactor_small", []))
@@ -28,14 +28,17 @@ MANY = [f"shells[pane].loads[0].pressure={BLAST:g}", "shells[pane].loads[0].fact
         "output.frame_interval_s=1e-4", "output.shell_frame_interval_s=1e-4",
         *(f"shells[pane].plate.elements_{axis}=96" for axis in "xy")]
 QUARTER = [f"shells[pane].plate.{change}" for change in ("size_x_m=0.25", "size_y_m=0.25", "elements_x=48", "elements_y=48")]
-MOST_DEARER = 1.5  # an edge among many than one among few: what grows with their number squared would be far beyond
-OF_CRACKS = ("crack_update", "internal_force", "kick_drift")  # stages that see cracks, and those that see bodies
+MOST_DEARER = 1.5  # cost of an edge among many, over that of an edge among few; quadratic growth would be far beyond
+# stages that depend on cracks; the other stages depend on bodies
+OF_CRACKS = ("crack_update", "internal_force", "kick_drift")
 OF_BODIES = ("coupling", "rigid_contact")
-PROPORTIONAL = 0.25  # by which an edge may cost more in four times the pane: how far timings scatter on a shared machine
+# allowed rise of an edge's cost in four times the pane: timings scatter by this on a shared machine
+PROPORTIONAL = 0.25
 
 
 def books(table: Table, executables: Executables) -> None:
-    """Every kind of run that cracks: what insertions add, what no book has, what pieces carry off."""
+    """Checks the books of every kind of run that cracks: energy that insertions add, energy in no book, and what
+    pieces carry."""
     for scene, settings in BOOKS:
         with kept_run(executables, f"{scene}.textproto", settings) as (folder, seconds):
             run = read_run(folder)
@@ -47,15 +50,16 @@ def books(table: Table, executables: Executables) -> None:
 
 
 def growth_of_number(born: np.ndarray) -> float:
-    """How many are there after EARLY_S, on the mean over time, for one before; `born` [s] of shape (n,)."""
+    """Returns the mean number over time after EARLY_S, over that before; `born` [s] has shape (n,)."""
     early = np.clip(EARLY_S - born, 0.0, None).sum() / EARLY_S
     if early <= 0.0:
-        return 1.0  # nothing to measure growth against
+        return 1.0  # no number to compare with
     return float(np.clip(LATE_S - born, 0.0, LATE_S - EARLY_S).sum() / (LATE_S - EARLY_S) / early)
 
 
 def many(table: Table, executables: Executables) -> None:
-    """A pane that a blast breaks into a thousand pieces, all by cracks that start and run by themselves."""
+    """Checks a pane that a blast breaks into a thousand pieces, with all cracks nucleated and propagated by
+    themselves."""
     update, edges, stages = [], [], []
     for end, settings in ((LATE_S, QUARTER), (EARLY_S, []), (LATE_S, [])):
         with kept_run(executables, "pressed_plate.textproto", [*MANY, *settings, f"end_time_s={end}"]) as (folder, seconds):

@@ -1,4 +1,4 @@
-"""Are the cracks of a run consistent over time? Knows nothing but the frames that the run wrote.
+"""Checks that the cracks of a run are consistent over time, from the written frames alone.
 
     PYTHONPATH=coupler /usr/bin/python3 -m tests.validation.crack_check RUN_FOLDER
 
@@ -19,32 +19,32 @@ from sunder_tools.pictures.frames import CRACKS, SHELL, list_frames
 from sunder_tools.pictures.meshes import reference_points
 from sunder_tools.pictures.vtp import PolyData, VtpError
 
-TOUCH = 1e-6       # spacings: round-off. Joints overshoot by 2e-3, so lines that are meant to meet cross
-GAP = 0.05         # spacings: nearer than this without touching is a gap, not two cracks
-ON_TOP = 0.02      # spacings: an edge that is so close to an earlier one over half its length cuts nothing new
-OF_LENGTH = 0.1    # or that share of itself where it is shorter, as where a crack crosses two others beside their joint
-SAMPLES = 10       # of an edge
-AT_BORDER = 1e-3   # spacings: an end so close to the border has run out
-MOST_NOTES = 12    # faults told one by one
+TOUCH = 1e-6  # spacings: round-off. Joints overshoot by 2e-3, so lines that are meant to meet do cross
+GAP = 0.05  # spacings: an end nearer than this that does not touch leaves a gap
+ON_TOP = 0.02  # spacings: an edge this near to an earlier one over half of its length cuts nothing new
+OF_LENGTH = 0.1  # or this share of a shorter edge, as where a crack crosses two others beside their joint
+SAMPLES = 10  # points of an edge
+AT_BORDER = 1e-3  # spacings: an end this near to the border has run out
+MOST_NOTES = 12  # faults that are described one by one
 
 
 @dataclass
 class Findings:
-    """Counts of what was seen, and counts of faults, which must be zero."""
+    """Counts of what the frames show, and counts of faults, which must be zero."""
     frames: int = 0         # with crack lines
     growing: int = 0        # frames with more edges than the one before
     edges: int = 0          # in the last frame
     cracks: int = 0
-    starts: int = 0         # connected groups of new edges that hang on nothing that was there
-    lost: int = 0           # edges that vanish, move or change hands, and such that come after their time
-    unconnected: int = 0    # new edges of an old crack that hang on nothing
-    gaps: int = 0           # end vertices that stop short of another edge, each counted once
-    apart: int = 0          # cracks whose own edges are not one connected piece
-    doubled: int = 0        # edges that run on top of an earlier one
+    starts: int = 0  # connected groups of new edges that touch no earlier edge
+    lost: int = 0  # edges that vanish, move or change their crack, and edges that appear after their time
+    unconnected: int = 0  # new edges of an old crack that touch no earlier edge
+    gaps: int = 0  # end vertices that stop before another edge, each counted once
+    apart: int = 0  # cracks whose own edges are not connected
+    doubled: int = 0  # edges on top of an earlier one
     notes: list[str] = field(default_factory=list)
 
     def faults(self) -> int:
-        """All faults together."""
+        """Returns the number of all faults."""
         return self.lost + self.unconnected + self.gaps + self.apart + self.doubled
 
 
@@ -79,7 +79,8 @@ def check_folder(folder: Path) -> Findings:
 
 
 def joined(a: Findings, b: Findings) -> Findings:
-    """Of two shells of a run: faults and counts together, frames and those that grew as the shell with the most has."""
+    """Combines two shells of a run: adds faults and counts; takes frames and growing frames from the shell with the
+    most."""
     return Findings(max(a.frames, b.frames), max(a.growing, b.growing), *(
         getattr(a, name) + getattr(b, name) for name in (
             "edges", "cracks", "starts", "lost", "unconnected", "gaps", "apart", "doubled")),
@@ -87,26 +88,29 @@ def joined(a: Findings, b: Findings) -> Findings:
 
 
 def element_side(shell: PolyData, of: np.ndarray | None = None) -> float:
-    """Side of a square element [m]: two triangles are one. `of`: which triangles (n,), all where it is not given."""
+    """Returns the side of a square element [m]: two triangles are one element. `of` selects triangles (n,); default:
+    all."""
     corner = reference_points(shell)[shell.triangles if of is None else shell.triangles[of]]
     return float(np.sqrt(np.median(np.linalg.norm(
         np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1))))
 
 
 def border_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
-    """(k, 2, 3) sides of triangles that no other triangle shares [m], at rest. `of`: which triangles (n,)."""
+    """Returns sides (k, 2, 3) [m] at rest of triangles that no other triangle shares. `of` selects triangles (n,);
+    default: all."""
     return reference_points(shell)[_outer_sides(shell, of)]
 
 
 def _outer_sides(shell: PolyData, of: np.ndarray) -> np.ndarray:
-    """(k, 2) points of the sides of triangles `of` that no other of them shares."""
+    """Returns points (k, 2) of the sides of the triangles `of` that no other of them shares."""
     sides = np.sort(shell.triangles[of][:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2), axis=1)
     pairs, count = np.unique(sides, axis=0, return_counts=True)
     return pairs[count == 1]
 
 
 def bulge_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
-    """(k,) how far a curved border may be off the sides of `border_of` [m]: twice what an arc through its neighbours is."""
+    """Returns how far (k,) [m] a curved border may be off the sides of `border_of`: twice the offset of an arc
+    through its neighbours."""
     points, sides = reference_points(shell), _outer_sides(shell, of)
     ends: dict[int, list[int]] = {}
     for a, b in sides.tolist():
@@ -115,14 +119,14 @@ def bulge_of(shell: PolyData, of: np.ndarray) -> np.ndarray:
     for point, beside in ends.items():
         if len(beside) == 2:
             back, ahead = points[beside[0]] - points[point], points[beside[1]] - points[point]
-            if back @ ahead < -0.7 * np.linalg.norm(back) * np.linalg.norm(ahead):  # else a corner
+            if back @ ahead < -0.7 * np.linalg.norm(back) * np.linalg.norm(ahead):  # otherwise a corner
                 bend[point] = 0.5 * np.linalg.norm(np.cross(back, ahead)) / np.linalg.norm(ahead - back)
     return bend[sides].max(axis=1, initial=0.0)
 
 
 def check_graphs(graphs: list[tuple[float, Graph]], spacing: float, border: np.ndarray, bulge: np.ndarray) -> Findings:
-    """Checks graphs in order of time. `spacing`: side of an element [m]; `border`: (k, 2, 3) segments [m], which the
-    sheet's own border is off by up to `bulge` (k,) [m]."""
+    """Checks graphs in order of time. `spacing` is the side of an element [m]. `border` (k, 2, 3) are segments [m];
+    the sheet's border is off them by up to `bulge` (k,) [m]."""
     found = Findings()
     gaps: set[bytes] = set()
     apart: set[int] = set()
@@ -163,7 +167,7 @@ def _place(point: np.ndarray) -> str:
 
 
 def _compare(found: Findings, before: Graph, now: Graph, before_s: float, time_s: float) -> np.ndarray:
-    """Earlier edges must be there, each as often as it was; returns which edges are new."""
+    """Checks that earlier edges are still there, each as often as before. Returns which edges are new."""
     left: dict[bytes, int] = {}
     for key in before.keys():
         left[key] = left.get(key, 0) + 1
@@ -178,7 +182,7 @@ def _compare(found: Findings, before: Graph, now: Graph, before_s: float, time_s
             found.lost += 1
             _note(found, time_s, f"an edge of crack {before.crack[i]} at {_place(before.ends[i, 0])} is gone or "
                   "changed")
-    # frames.pvd has nine digits of time; cuts are made after the first frame and born at its time
+    # frames.pvd has nine digits of time. Cuts are made after the first frame and have its time.
     for i in np.flatnonzero(fresh & (now.born < before_s - 1e-6 * (time_s - before_s))):
         found.lost += 1
         _note(found, time_s, f"an edge of crack {now.crack[i]} at {_place(now.ends[i, 0])}, born at "
@@ -187,7 +191,7 @@ def _compare(found: Findings, before: Graph, now: Graph, before_s: float, time_s
 
 
 def _attach(found: Findings, before: Graph, now: Graph, fresh: np.ndarray, spacing: float, time_s: float) -> None:
-    """New edges hang, directly or through one another, on earlier ones, or are the start of a new crack."""
+    """Checks that new edges touch earlier ones, directly or through one another, or start a new crack."""
     new = np.flatnonzero(fresh)
     if len(new) == 0:
         return
@@ -216,7 +220,7 @@ def _attach(found: Findings, before: Graph, now: Graph, fresh: np.ndarray, spaci
 
 
 def _gaps(now: Graph, spacing: float, border: np.ndarray, bulge: np.ndarray) -> list[tuple[bytes, str]]:
-    """End vertices that come close to an edge without touching it or what it hangs on there."""
+    """Finds end vertices near an edge that touch neither it nor an edge connected to it there."""
     number = now.vertices()
     degree = np.bincount(number.ravel()) if len(now) else np.zeros(0, int)
     gaps = []
@@ -227,7 +231,7 @@ def _gaps(now: Graph, spacing: float, border: np.ndarray, bulge: np.ndarray) -> 
         if not near.any() or (_distance(now.rest[i, k], border) < bulge + AT_BORDER * spacing).any():
             continue
         near = np.flatnonzero(near)
-        # what the end's own edge meets there, and what hangs on that, has been reached
+        # The end has reached the edges that its own edge meets there, and edges connected to these.
         reached = np.concatenate([[i], near[_apart(now.ends[i], now.ends[near]) <= TOUCH * spacing]])
         for j in np.setdiff1d(near, reached):
             if not np.isin(number[j], number[reached]).any() and (
@@ -240,7 +244,7 @@ def _gaps(now: Graph, spacing: float, border: np.ndarray, bulge: np.ndarray) -> 
 
 
 def _doubled(found: Findings, now: Graph, fresh: np.ndarray, spacing: float, time_s: float) -> None:
-    """New edges that lie on what was there, or on another new one."""
+    """Finds new edges on top of an earlier one or another new one."""
     order = np.concatenate([np.flatnonzero(~fresh), np.flatnonzero(fresh)])
     share = (np.arange(SAMPLES) + 0.5) / SAMPLES
     for k in range(int((~fresh).sum()), len(order)):
@@ -255,7 +259,7 @@ def _doubled(found: Findings, now: Graph, fresh: np.ndarray, spacing: float, tim
 
 
 def _cracks_apart(now: Graph) -> set[int]:
-    """Numbers of cracks whose edges do not hang together at their own vertices."""
+    """Returns numbers of cracks whose edges are not connected at their own vertices."""
     number = now.vertices()
     result = set()
     for crack in np.unique(now.crack):
@@ -286,14 +290,14 @@ class _Groups:
 
 
 def _distance(point: np.ndarray, segments: np.ndarray) -> np.ndarray:
-    """From a point, or (n, d) points one by one, to each of (n, 2, d) segments [m]."""
+    """Returns distances [m] from a point, or from points (n, d) one by one, to segments (n, 2, d)."""
     along = segments[:, 1] - segments[:, 0]
     share = ((point - segments[:, 0]) * along).sum(axis=1) / np.maximum((along ** 2).sum(axis=1), 1e-300)
     return np.linalg.norm(point - segments[:, 0] - np.clip(share, 0.0, 1.0)[:, None] * along, axis=1)
 
 
 def _apart(segment: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Least distance between a segment (2, 2) and each of (n, 2, 2), 0 where they cross [m]."""
+    """Returns the least distances [m] between a segment (2, 2) and segments (n, 2, 2); 0 where they cross."""
     def side(p: np.ndarray, q: np.ndarray, r: np.ndarray) -> np.ndarray:
         return (q - p)[..., 0] * (r - p)[..., 1] - (q - p)[..., 1] * (r - p)[..., 0]
 
@@ -307,7 +311,7 @@ def _apart(segment: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def main(arguments: list[str]) -> int:
-    """Prints what was found in the run folder; exit status 1 where something is wrong."""
+    """Prints the findings for the run folder. The exit status is 1 where there is a fault."""
     if len(arguments) != 1:
         print("usage: python3 -m tests.validation.crack_check RUN_FOLDER", file=sys.stderr)
         return 2

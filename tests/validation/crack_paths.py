@@ -1,4 +1,4 @@
-"""Where cracks go, when they divide and what they cost: whole runs against what was published."""
+"""Crack paths, branching and cost: whole runs against published results."""
 from __future__ import annotations
 
 import math
@@ -12,13 +12,13 @@ from sunder_tools.report.run_json import read_run
 from .crack_pictures import draw_cracks
 from .trials import Table, add_books, kept_run
 
-ARM = 4e-3    # [m]: a crack has divided where two run side by side for so long
-RUN = 25e-3   # [m] over which a crack's direction is taken
-APART = 1e-3  # [m] between them
+ARM = 4e-3  # [m]: length of two parallel cracks that counts as a branch
+RUN = 25e-3  # [m]: length over which a crack's direction is measured
+APART = 1e-3  # [m] between two cracks
 
 
 def leaving(graph: Graph, place: np.ndarray) -> np.ndarray:
-    """(k, 2) points [m] of the edges that hang together with the vertex nearest to `place`."""
+    """Returns points (k, 2) [m] of the edges that are connected to the vertex nearest to `place`."""
     vertex = graph.vertices()
     nearest = int(np.argmin(np.linalg.norm(graph.ends.reshape(-1, 2) - place, axis=1)))
     reached = {int(vertex.reshape(-1)[nearest])}
@@ -32,7 +32,8 @@ def leaving(graph: Graph, place: np.ndarray) -> np.ndarray:
 
 
 def first_division(graph: Graph) -> tuple[float, float]:
-    """Place along u [m] and time [s] of the first vertex from which a crack runs on in two directions; NaN: nowhere."""
+    """Returns place along u [m] and time [s] of the first vertex from which a crack runs on in two directions; NaN:
+    none."""
     vertex = graph.vertices()
     times: dict[int, list[tuple[float, float]]] = {}
     for (a, b), ends, born in zip(vertex, graph.ends, graph.born):
@@ -44,8 +45,9 @@ def first_division(graph: Graph) -> tuple[float, float]:
 
 
 def lasting_division(graph: Graph, start: float, end: float) -> tuple[float, float]:
-    """Place along u [m] from which cracks cross planes of constant u in two places `APART` from one another, and go on
-    to for `ARM`; and when the second of them came there [s]. NaN where they never do."""
+    """Returns the place along u [m] from which cracks cross planes of constant u in two places, `APART` from each
+    other, over the length `ARM`. Also returns the time of the second crack there [s]. NaN where there is no such
+    place."""
     planes = np.arange(start, end, 0.25e-3)
     u = graph.ends[:, :, 0]
     apart, second = np.zeros(len(planes), bool), np.full(len(planes), math.nan)
@@ -68,7 +70,7 @@ def lasting_division(graph: Graph, start: float, end: float) -> tuple[float, flo
 
 
 def front_speed(graph: Graph, until: float) -> tuple[float, float]:
-    """Mean speed of the foremost end along u until a time, and the largest over 5 mm [m/s]."""
+    """Returns the mean speed of the foremost tip along u until a time, and the largest speed over 5 mm [m/s]."""
     order = np.argsort(graph.born, kind="stable")
     when = graph.born[order]
     front = np.maximum.accumulate(graph.ends[order][:, :, 0].max(axis=1))
@@ -90,7 +92,7 @@ def _draw(table: Table, name: str, graphs: list[Graph], extent: tuple[float, flo
 
 
 def branching(table: Table, executables: Executables) -> None:
-    """scenes/branching.textproto at 2, 1 and 0.5 mm, and at 1 mm with the branch ratio a tenth lower and higher."""
+    """Runs scenes/branching.textproto at 2, 1 and 0.5 mm, and at 1 mm with a branch ratio a tenth lower and higher."""
     rayleigh = 2112.0  # [m/s]
     x, y, graphs = [], [], []
     for elements, ratio in ((50, None), (100, None), (200, None), (100, 0.9), (100, 1.1)):
@@ -123,7 +125,7 @@ def branching(table: Table, executables: Executables) -> None:
 
 
 def kalthoff(table: Table, executables: Executables) -> None:
-    """scenes/kalthoff.textproto on three grids: direction from the notch's end to the far end of its crack."""
+    """Runs scenes/kalthoff.textproto on three grids: the direction from the notch's end to the far end of its crack."""
     graphs = []
     for elements in (75, 100, 150):
         with kept_run(executables, "kalthoff.textproto", [
@@ -143,7 +145,8 @@ def kalthoff(table: Table, executables: Executables) -> None:
 
 
 def modes(table: Table, executables: Executables) -> None:
-    """The crack of a sheet drawn apart stays in line with the notch; that of a sheared one turns by 70.5 degrees."""
+    """Checks that the crack of a stretched sheet stays in line with the notch, and that of a sheared sheet turns by
+    70.5 degrees."""
     graphs = []
     for scene in ("mode_one", "mode_two"):
         with kept_run(executables, f"{scene}.textproto", []) as (folder, seconds):
@@ -169,18 +172,19 @@ def modes(table: Table, executables: Executables) -> None:
 
 
 def pressed_plate(table: Table, executables: Executables) -> None:
-    """scenes/pressed_plate.textproto: between the middle and the corners cracks run along the diagonals."""
+    """Runs scenes/pressed_plate.textproto: between middle and corners cracks run along the diagonals."""
     with kept_run(executables, "pressed_plate.textproto", []) as (folder, seconds):
         graph, run = grown(last_graph(folder)), read_run(folder)
     way = graph.ends[:, 1] - graph.ends[:, 0]
     length = np.linalg.norm(way, axis=1)
     place = graph.ends.mean(axis=1) - 0.25
-    corner = np.abs(place).min(axis=1) > 0.12  # beyond half way to a corner
+    corner = np.abs(place).min(axis=1) > 0.12  # more than half way to a corner
     diagonal = np.arctan2(place[:, 1], place[:, 0])
     wanted = np.sign(np.sin(2.0 * diagonal)) * math.pi / 4.0
     turn = np.angle(np.exp(2j * (np.arctan2(way[:, 1], way[:, 0]) - wanted))) / 2.0
     off = float((np.abs(turn) * length)[corner].sum() / length[corner].sum())
-    table.add("pressed_off_diagonal_degrees", math.degrees(off), 0.0, 22.5, seconds)  # 45 where there is no order
+    # 45 is the value without any order
+    table.add("pressed_off_diagonal_degrees", math.degrees(off), 0.0, 22.5, seconds)
     table.add("pressed_corners", len({(x > 0, y > 0) for x, y in place[corner]}), 4.0, 0.0, 0.0)
     add_books(table, "pressed", run)
     _draw(table, "pressed_plate", [graph], (0.5, 0.5), 800)
@@ -188,11 +192,11 @@ def pressed_plate(table: Table, executables: Executables) -> None:
                        f"{length[corner].sum() / length.sum():.2f} of the length near the corners")
 
 
-FINE_GLASS = 245  # elements along the pane: the 60,000 points of the paper's (its table 2)
+FINE_GLASS = 245  # elements along the pane: the 60,000 points of the paper's table 2
 
 
 def share(table: Table, executables: Executables) -> None:
-    """What fracture takes of the time over the windows in which cracks grew, with few cracks and with many."""
+    """Measures the share of fracture in the time of windows with growing cracks, with few cracks and with many."""
     each = []
     fine = [f"shells[pane].plate.elements_{axis}={FINE_GLASS}" for axis in "xy"]
     for name, scene, settings in (("glass", "glass.textproto", ["end_time_s=2e-3"]),
@@ -205,4 +209,4 @@ def share(table: Table, executables: Executables) -> None:
         each.append(grew["crack_update_s"] / edges)
         table.lines.append(f"share {name}: {edges} edges, {run['counts']['fragments']} fragments, crack update "
                            f"{grew['crack_update_s']:.2f} of {grew['wall_s']:.2f} s, {1e3 * each[-1]:.2f} ms an edge")
-    table.add("cost_of_an_edge_many_to_few", max(each[1] / each[0], 1.0), 1.0, 0.5, 0.0)  # cheaper is no fault
+    table.add("cost_of_an_edge_many_to_few", max(each[1] / each[0], 1.0), 1.0, 0.5, 0.0)  # a lower cost is no fault

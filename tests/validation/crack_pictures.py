@@ -9,8 +9,9 @@ from sunder_tools.pictures.crack_lines import Graph
 
 
 def draw_cracks(path: Path, rows: Sequence[Sequence[Graph | None]], extent: tuple[float, float], size: int = 200) -> None:
-    """Crack lines of many runs, each `size` pixels wide, a row a list; early ones blue, late ones red, cuts of time zero
-    grey. `extent` [m]: of the shell along u and v. None: a run without cracks."""
+    """Draws crack lines of many runs, each `size` pixels wide, with a list for each row. Early lines are blue, late
+    ones red, cuts of time zero grey. `extent` [m] is the size of the shell along u and v. None stands for a run
+    without cracks."""
     from PIL import Image, ImageDraw
     scale = size / extent[0]
     height = round(extent[1] * scale)

@@ -22,26 +22,27 @@ from .trials import SCENES, Table, answering
 SEEDS = (1, 2, 3, 4)
 END_S = 0.012
 COARSE = tuple(f"shells[pane].plate.elements_{axis}=40" for axis in "xy")
-ONE_SCHEME = ("coupling.export_above=1e9",)  # not all can export the ball: what is compared is engines, not schemes
+ONE_SCHEME = ("coupling.export_above=1e9",)  # not all engines export rows; the case compares engines, not schemes
 NEEDED = {"convex_hulls", "compound", "contact"}
 BALL = 'output { probes { name: "ball" body: "ball" }'
-# Once shards meet in an engine, the last bit of a pose makes another pattern of it: what is left to agree are means over
+# When shards collide in an engine, the last bit of a pose changes the pattern. Means over seeds can still be compared:
+# to twice the standard error of their mean difference, plus a floor for quantities with little scatter.
 # seeds, to twice the standard error of the mean of their differences, and a floor for what seeds hardly scatter.
 MOST_APART = {"fragments": 0.05, "crack length [m]": 0.02, "impulse on the ball [N s]": 0.02}
 
 
 @dataclass(frozen=True)
 class Broken:
-    """A run of the pane."""
+    """Results of one run of the pane."""
     rows: list[list[str]]       # of series.csv, the head left out
-    met: int                    # row in which the engine first changed something, their number if never
+    met: int  # row of the engine's first change of a motion; the number of rows where there is none
     quantities: dict[str, float]
     residual: float
     impulse: float              # largest error of a window's impulses
 
 
 def broken(folder: Path) -> Broken:
-    """What the run in a folder came to."""
+    """Reads the results of a run folder."""
     run = read_run(folder)
     table = list(csv.reader((folder / "series.csv").read_text().splitlines()))
     head, rows = table[0], table[1:]
@@ -57,20 +58,22 @@ def broken(folder: Path) -> Broken:
 
 
 def same_until(first: Broken, second: Broken) -> int:
-    """Rows of series.csv that are the same from the start on."""
+    """Counts equal rows of series.csv from the start."""
     return next((k for k, (a, b) in enumerate(zip(first.rows, second.rows)) if a != b),
                 min(len(first.rows), len(second.rows)))
 
 
 def apart(first: list[float], second: list[float]) -> tuple[float, float]:
-    """Difference of the means over seeds, and twice its standard error, of pairs; both relative to the first's mean."""
+    """Returns the difference of the means over seeds and twice its standard error, for pairs; both relative to the
+    first mean."""
     difference = np.array(second) - np.array(first)
     mean = float(np.mean(first))
     return float(difference.mean()) / mean, 2.0 * float(difference.std(ddof=1)) / math.sqrt(len(difference)) / abs(mean)
 
 
 def glass(table: Table, executables: Executables) -> None:
-    """Four seeds to 12 ms with every engine, against the first of them; with pictures, one seed to the end."""
+    """Runs four seeds to 12 ms with every engine, compared with the first engine; with pictures, one seed to the
+    end."""
     text = (SCENES / "glass.textproto").read_text().replace("output {", BALL, 1)
     found: dict[str, list[Broken]] = {}
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as temporary:
@@ -102,7 +105,7 @@ def _compare(table: Table, found: dict[str, list[Broken]]) -> None:
     for name, runs in found.items():
         if name == first:
             continue
-        # up to the window in which one of the engines first changed something: cracks, births, impulses, energies
+        # Up to the first window in which an engine changes a motion: cracks, births, impulses, energies.
         early = sum(same_until(a, b) < min(a.met, b.met) for a, b in zip(found[first], runs))
         table.add(f"glass_{name}_differs_early", early, 0.0, 0.0, 0.0)
         table.lines.append(f"glass {name}: the same as {first} to the bit up to rows "
@@ -115,7 +118,7 @@ def _compare(table: Table, found: dict[str, list[Broken]]) -> None:
 
 
 def _pictures(path: Path, names: list[str], scene: Path, temporary: Path, executables: Executables) -> None:
-    """A row an engine: the pane as it has cracked, and all at rest."""
+    """Draws a row for each engine: the pane after cracking, and everything at rest."""
     from PIL import Image
     from sunder_tools.pictures.lettering import draw_text
     from sunder_tools.pictures.render import Shot, frames_of, render
@@ -130,7 +133,7 @@ def _pictures(path: Path, names: list[str], scene: Path, temporary: Path, execut
         times = [frame.time_s for frame in frames_of(folder, "render")]
         numbers = [int(np.searchsorted(times, t * (1 - 1e-9))) for t in (5e-3, END_S, 0.3)] + [len(times) - 1]
         out = temporary / f"{name}_stills"
-        with contextlib.redirect_stdout(io.StringIO()):  # it says where its stills are, which go
+        with contextlib.redirect_stdout(io.StringIO()):  # suppresses its message about stills, which are temporary
             render(folder, out, False, False, ",".join(map(str, numbers)), Shot(size=size), None, 1)
         rows.append([Image.open(out / f"still_{k:06d}.png") for k in numbers])
         draw_text(rows[-1][0], (10, size[1] - 24), name, 16)

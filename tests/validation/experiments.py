@@ -1,4 +1,4 @@
-"""The cases of `validate` that run whole scenes in two processes, and two groups of them: shells and cracks."""
+"""Cases of `validate` that run whole scenes in two processes, and two groups of them: shells and cracks."""
 from __future__ import annotations
 
 import importlib
@@ -15,7 +15,8 @@ from .trials import MOST_INJECTED, Table, injected, kept_run, run_scene
 
 
 def zener(inelasticity: float, step: float = 1e-4) -> float:
-    """Restitution of a sphere on an endless plate: s'' + (1 + lambda d/dt) s^3/2 = 0, s = 0, s' = 1 (Zener 1941)."""
+    """Returns the restitution of a sphere on an infinite plate: s'' + (1 + lambda d/dt) s^3/2 = 0, s = 0, s' = 1
+    (Zener 1941)."""
     def slope(s: float, u: float) -> tuple[float, float]:  # u = s' + lambda s^3/2
         f = max(s, 0.0) ** 1.5
         return u - inelasticity * f, -f
@@ -33,7 +34,7 @@ def zener(inelasticity: float, step: float = 1e-4) -> float:
 
 
 def restitution(table: Table, executables: Executables) -> None:
-    """Balls of six radii on scenes/zener.textproto. Stiffness and rigidity are worked out here once more."""
+    """Runs balls of six radii on scenes/zener.textproto. Stiffness and rigidity are computed here independently."""
     steel, glass = (7800.0, 210e9, 0.3), (2500.0, 70e9, 0.22)  # density, Young's modulus, Poisson's ratio
     thickness, speed, gap = 0.004, 1.0, 1e-5
     rigidity = glass[1] * thickness ** 3 / 12.0 / (1.0 - glass[2] ** 2)
@@ -43,7 +44,7 @@ def restitution(table: Table, executables: Executables) -> None:
         stiffness = 4.0 / 3.0 * math.sqrt(radius) / sum((1.0 - nu ** 2) / young for _, young, nu in (steel, glass))
         inelasticity = mass ** 0.6 * stiffness ** 0.4 * speed ** 0.2 / (
             8.0 * math.sqrt(glass[0] * thickness * rigidity))
-        touch = 5.0 * (mass ** 2 / (stiffness ** 2 * speed)) ** 0.2  # with room
+        touch = 5.0 * (mass ** 2 / (stiffness ** 2 * speed)) ** 0.2  # with a margin
         found, rows, seconds = run_scene(executables, "zener.textproto", [
             f"bodies[ball].sphere.radius_m={radius}",
             f"bodies[ball].pose.position.z={radius + 0.5 * thickness + gap}",
@@ -65,12 +66,13 @@ def restitution(table: Table, executables: Executables) -> None:
 
 
 def torn_area(table: Table, executables: Executables) -> None:
-    """scenes/torn_square.textproto with each stress model: area that the sheet keeps, torn points counted as lost."""
+    """Runs scenes/torn_square.textproto with each stress model: the area that the sheet keeps; torn points count as
+    lost."""
     for model in ("PLANE_STRESS", "PAPER_PROJECTION", "JGT17", "GHF18"):
         found, _, seconds = run_scene(executables, "torn_square.textproto", [f"shells[sheet].stress_model={model}",
                                                            "output.frame_interval_s=10"])
         surface, counts = found["surface"], found["counts"]
-        # from below: an area above one is as wrong as one below
+        # An area above one is as wrong as one below.
         tolerance = 0.01 if model == "PLANE_STRESS" else 0.05
         table.add(f"area_kept_{model.lower()}", surface["now_m2"], 1.0, tolerance, seconds)
         if model == "PLANE_STRESS":
@@ -82,12 +84,14 @@ def torn_area(table: Table, executables: Executables) -> None:
                        "models are run in one scheme, and none loses area")
 
 
-DENSE = ["window_s=1e-5", "output.shell_frame_interval_s=1e-5"]  # frames closer than a tip takes for an edge
+# frames are so frequent that a tip needs several for an edge
+DENSE = ["window_s=1e-5", "output.shell_frame_interval_s=1e-5"]
 FEWEST_GROWING = 10  # frames with new edges; fewer would prove little
 
 
 def consistency(table: Table, executables: Executables) -> None:
-    """Cracks of both modes over time, and those of joined shells, judged by the written frames alone; and Fig. 8."""
+    """Checks the cracks of both modes over time, and those of joined shells, from the written frames alone; and Fig.
+    8."""
     from .crack_check import check_folder  # numpy and PIL only now
     from .stages import FINE, find_stages, write_stages
     glass = ["shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=1.5e-3"]
@@ -116,13 +120,13 @@ def consistency(table: Table, executables: Executables) -> None:
                 print(f"picture          {table.pictures / 'crack_stages.png'}", flush=True)
 
 
-AFTER_S = 2.0     # the stretch is looked at so long after the sheet has parted
-COMES_BACK = 0.3  # more than this is over-stretched
-STAYS = 3.0       # without cracks: at least this
+AFTER_S = 2.0  # time after the sheet has separated at which its stretch is measured
+COMES_BACK = 0.3  # a larger remaining stretch is over-stretch
+STAYS = 3.0  # least remaining stretch without cracks
 
 
 def over_stretch(table: Table, executables: Executables) -> None:
-    """scenes/over_stretch.textproto as it is, with maximum damage, and both without cracks; the paper's Fig. 4."""
+    """Runs scenes/over_stretch.textproto as it is, with maximum damage, and both without cracks: the paper's Fig. 4."""
     from .stretch import separated_at, stretched_at, write_stretched  # numpy and PIL only now
     found = []
     parted = 0.0
@@ -135,7 +139,7 @@ def over_stretch(table: Table, executables: Executables) -> None:
         with kept_run(executables, "over_stretch.textproto", settings) as (folder, seconds):
             run = read_run(folder)
             if cut:
-                parted = separated_at(folder)  # the same motion parts all four
+                parted = separated_at(folder)  # the motion is the same in all four
             one = stretched_at(folder, parted + AFTER_S)
             before = stretched_at(folder, parted - 0.1).largest() if cut else math.nan
         found.append((words, one))
@@ -167,7 +171,7 @@ class Experiment:
 
 
 def _later(module: str, name: str) -> Callable[[Table, Executables], None]:
-    """A function of a module that needs numpy, which may not be installed before the first build."""
+    """Loads a function of a module that needs numpy, which may not be installed before the first build."""
     def run(table: Table, executables: Executables) -> None:
         getattr(importlib.import_module(f".{module}", __package__), name)(table, executables)
     return run
@@ -211,7 +215,7 @@ EXPERIMENTS = {"shells": (
 
 
 def run_experiments(chosen: tuple[Experiment, ...], table: Table) -> None:
-    """Runs them one after the other; one that breaks is a failed row."""
+    """Runs the cases one after the other. A case that raises becomes a failed row."""
     if not chosen:
         return
     executables = ensure_built()

@@ -1,4 +1,4 @@
-"""Impacts on a brittle plate: the lattice must not show, radial cracks against speed, what refinement changes."""
+"""Impacts on a brittle plate: independence of the lattice, radial cracks against speed, and effects of refinement."""
 from __future__ import annotations
 
 import csv
@@ -30,10 +30,10 @@ SIDE = 0.06       # [m] of the plate of scenes/acrylic.textproto
 ROUND = 0.03      # [m] of that of scenes/round_pane.textproto
 ELEMENTS = 80
 SEEDS = 8
-COUNTED_AT = 4e-3  # [m]: four thicknesses from the impact radial cracks are counted
+COUNTED_AT = 4e-3  # [m]: radial cracks are counted four thicknesses from the impact
 LEAST_CHANCE = 0.01
-FEWEST_RADIALS = 3.0  # in a round pane, on the mean: of fewer neither their number nor their directions tell much
-MOST_STRIPS = 0.5  # at the border, in a run
+FEWEST_RADIALS = 3.0  # mean in a round pane; of fewer, neither number nor directions mean much
+MOST_STRIPS = 0.5  # pieces at the border, in a run
 SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
 BETWEEN_PUBLISHED = math.log(8.0 / 4.0) / math.log(57.0 / 22.0)
 
@@ -42,12 +42,13 @@ BARS = "(± 2 standard errors)"
 
 
 def _bar(values: list) -> float:
-    """Half of the bar of a mean over seeds."""
+    """Returns half of the error bar of a mean over seeds."""
     return 2.0 * float(np.std(values, ddof=1)) / math.sqrt(len(values))
 
 
 def _beside(seed: int) -> list[str]:
-    """The pellet beside the lattice's point of symmetry, by up to half an element; else that is what is seen."""
+    """Shifts the pellet from the lattice's point of symmetry, by up to half an element; otherwise the symmetry would
+    show."""
     chance = random.Random(seed)
     reach = 0.5 * SIDE / ELEMENTS
     return [f"bodies[pellet].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
@@ -55,7 +56,7 @@ def _beside(seed: int) -> list[str]:
 
 def _struck(executables: Executables, scene: str, seed: int,
             settings: list[str]) -> tuple[Graph | None, dict, float, float]:
-    """Cracks, run.json, the pellet's velocity at the end [m/s] and seconds; no cracks: None."""
+    """Returns cracks, run.json, the pellet's final velocity [m/s] and seconds; None for cracks where there are none."""
     with kept_run(executables, scene, [f"fracture.seed={seed}", "end_time_s=1.2e-4", *_beside(seed), *settings]) as (
             folder, seconds):
         rows = list(csv.reader((folder / "probes.csv").open()))
@@ -68,12 +69,12 @@ def _struck(executables: Executables, scene: str, seed: int,
 
 
 def _add_energy(table: Table, name: str, residuals: list[float]) -> None:
-    """Row NAME_energy, as `add_books` has it, of the worst of many runs."""
+    """Adds row NAME_energy, as `add_books` does, for the worst of many runs."""
     table.add(f"{name}_energy", float(np.abs(residuals).max()), 0.0, MOST_MISSING, 0.0)
 
 
 def round_pane(table: Table, executables: Executables) -> None:
-    """scenes/round_pane.textproto, its lattice turned by 0, 15, 30 and 45 degrees, eight seeds each."""
+    """Runs scenes/round_pane.textproto with its lattice turned by 0, 15, 30 and 45 degrees, eight seeds each."""
     centre, radius = np.array([0.5 * ROUND, 0.5 * ROUND]), 0.0135
     names = ("harmonic", "harmonic_in_the_room", "length", "radials")
     groups: dict[str, list[list[complex]]] = {name: [] for name in names}
@@ -94,7 +95,8 @@ def round_pane(table: Table, executables: Executables) -> None:
             if len(ends) == 0:
                 raise ValueError(f"round_pane: no crack at {degrees} degrees, seed {seed}")
             found["harmonic"].append(harmonic(ends))
-            found["harmonic_in_the_room"].append(harmonic(ends, turn=2.0 * half))  # in which a lattice's own would turn
+            # a harmonic of the lattice would turn with it
+            found["harmonic_in_the_room"].append(harmonic(ends, turn=2.0 * half))
             found["length"].append(float(lengths(ends).sum()))
             found["radials"].append(float(len(radial_crossings(ends, centre, COUNTED_AT))))
         for name, values in found.items():
@@ -119,7 +121,7 @@ def round_pane(table: Table, executables: Executables) -> None:
 
 
 def impact_speed(table: Table, executables: Executables) -> None:
-    """scenes/acrylic.textproto at seven speeds over a factor of eight, eight seeds each."""
+    """Runs scenes/acrylic.textproto at seven speeds over a factor of eight, eight seeds each."""
     centre = np.array([0.5 * SIDE, 0.5 * SIDE])
     means, errors, rows, x, y, residuals, seconds = {}, {}, [], [], [], [], 0.0
     for speed in SPEEDS:
@@ -142,7 +144,8 @@ def impact_speed(table: Table, executables: Executables) -> None:
                 if count > 0:
                     x.append(float(speed)), y.append(float(count))
     every = power_law(np.array(x), np.array(y))
-    most = max(SPEEDS, key=lambda speed: (means[speed], speed))  # beyond, rings cut a plug out before radial cracks run
+    # at higher speeds rings cut a plug out before radial cracks run
+    most = max(SPEEDS, key=lambda speed: (means[speed], speed))
     rising = np.array(x) <= most
     fit = power_law(np.array(x)[rising], np.array(y)[rising])
     table.add("impact_speed_exponent", fit.exponent, 0.5, 0.5, seconds)
@@ -165,8 +168,8 @@ def impact_speed(table: Table, executables: Executables) -> None:
 
 
 def _add_convergence(table: Table, name: str, of: list[list[float]], part: float, seconds: float) -> list[float]:
-    """Rows of what three grids give, runs by grid, coarse first: the last two must agree to `part` of the mean, the first
-    and the last to twice that, each and twice the standard error of their difference. Returns the means."""
+    """Adds rows for results on three grids, coarse first. The last two must agree to `part` of the mean, the first
+    and the last to twice that, each plus twice the standard error of their difference. Returns the means."""
     mean = [float(np.mean(values)) for values in of]
     for row, first, share in ((name, 1, part), (f"{name}_over_three", 0, 2.0 * part)):
         error = math.sqrt((np.var(of[first], ddof=1) + np.var(of[2], ddof=1)) / SEEDS) / max(abs(mean[first]), 1e-300)
@@ -175,7 +178,7 @@ def _add_convergence(table: Table, name: str, of: list[list[float]], part: float
 
 
 def refinement(table: Table, executables: Executables) -> None:
-    """scenes/acrylic.textproto at 40 m/s on three grids, eight seeds each: what comes of it."""
+    """Runs scenes/acrylic.textproto at 40 m/s on three grids, eight seeds each."""
     found: dict[int, dict[str, list[float]]] = {}
     grids = (50, 75, 110)
     for elements in grids:
@@ -206,7 +209,8 @@ QUANTILES = (0.25, 0.5, 0.75)
 
 @dataclass(frozen=True)
 class Shattering:
-    """A plate that breaks into pieces, on three grids, each element 1.3 to 1.5 times as long as the next one's."""
+    """A plate that breaks into pieces, on three grids; the element of each grid is 1.3 to 1.5 times that of the next
+    one."""
     name: str
     scene: str
     shell: str
@@ -214,23 +218,25 @@ class Shattering:
     grids: tuple[int, int, int]  # elements along the plate
     settings: tuple[str, ...]
     compared: tuple[tuple[str, float], ...]  # share of the mean by which the last two grids may differ
-    in_place: bool = False  # sizes of all but the largest, also those in place; and without what is left at the border
+    # also counts pieces still in place, except for the largest one, and leaves out those at the border
+    in_place: bool = False
 
 
-# A heavy ball snaps a plate of acrylic into sectors: its cracks take what their area asks.
+# A heavy ball breaks a plate of acrylic into sectors. Its cracks dissipate the energy that their area needs.
 SNAPPED = Shattering("snapped", "acrylic.textproto", "plate", "pellet", (44, 66, 96), (
     "bodies[pellet].sphere.radius_m=0.008", "bodies[pellet].pose.position.z=0.00851",
     "bodies[pellet].twist.linear.z=-20", "end_time_s=8e-4", "output.frame_interval_s=2e-4"),
     (("count", 0.1), ("length", 0.1), ("taken", 0.1), ("residual_speed", 0.05)))
-# What a strength that no grid resolves leaves of a pane.
+# Pieces of a pane with a strength that no grid resolves.
 STRUCK = Shattering("pieces", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (),
                     (("count", 0.1), ("length", 0.1), ("area_off", 0.1), ("residual_speed", 0.05)))
 
-# A pane that shatters though its grids resolve the length that a crack needs for its energy: 4 mm where it is bent.
+# A pane that shatters, on grids that resolve the length that a crack needs for its energy: 4 mm in bending.
 RESOLVED = ("materials[glass].strength=60e6", "materials[glass].fracture_energy=80")
 TOUGH = Shattering("tough", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (
     *RESOLVED, "bodies[ball].twist.linear.z=-30"), STRUCK.compared)
-# A larger and slower ball: the stress under it is only 1.4 times the strength, and pieces are larger than what the grids
+# A larger and slower ball: the stress under it is only 1.4 times the strength, and pieces are larger than the
+# resolution of the grids. Most of them are still in place at the end.
 # resolve. Most of them are still in place at the end.
 HEAVY = Shattering("heavy", "struck_glass.textproto", "pane", "ball", (40, 56, 80), (
     *RESOLVED, "bodies[ball].sphere.radius_m=0.01", "bodies[ball].pose.position.z=0.01051",
@@ -238,9 +244,9 @@ HEAVY = Shattering("heavy", "struck_glass.textproto", "pane", "ball", (40, 56, 8
 
 
 def _in_place(folder: Path, spacing: float) -> tuple[np.ndarray, np.ndarray]:
-    """Areas at rest [m^2] of the pieces that the shell process has still at the end, but for the largest: of those that
-    reach further than `spacing` [m] from the border of the plate, and of those that do not: strips, of which a crack
-    along a clamp leaves none."""
+    """Returns the areas at rest [m^2] of the pieces that the shell process still has at the end, without the
+    largest. The first array has pieces that reach further than `spacing` [m] from the plate's border; the second has
+    the others, strips at the border. A crack along a clamp leaves no strips."""
     mesh = list_frames(folder)[-1].read(SHELL)
     if mesh is None:
         return np.zeros(0), np.zeros(0)
@@ -260,8 +266,8 @@ def _in_place(folder: Path, spacing: float) -> tuple[np.ndarray, np.ndarray]:
 
 def _shattered(executables: Executables, what: Shattering, elements: int, seed: int,
                picture: Path | None) -> tuple[dict, np.ndarray, np.ndarray]:
-    """What is compared of one run, the areas of its pieces [m^2]: of those that came off, or of all; and of these all
-    but what is left at the border."""
+    """Returns the compared numbers of one run, and areas [m^2] of its pieces, handed off or all; and the same areas
+    without pieces at the border."""
     chance = random.Random(seed)
     reach = 0.5 * SIDE / what.grids[0]  # the same places on all grids
     beside = [f"bodies[{what.ball}].pose.position.{axis}={chance.uniform(-reach, reach):.9g}" for axis in "xy"]
@@ -280,12 +286,12 @@ def _shattered(executables: Executables, what: Shattering, elements: int, seed: 
 
 
 def _one_thread() -> None:
-    os.environ["OMP_NUM_THREADS"] = "1"  # results are the same for any number
+    os.environ["OMP_NUM_THREADS"] = "1"  # results do not depend on the number of threads
 
 
 def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None:
-    """On three grids, eight seeds each: pieces, their sizes, cracks and the ball. Numbers must agree as
-    `_add_convergence` has it, sizes of the last two grids by the distance of their distributions over whole runs."""
+    """Compares pieces, their sizes, cracks and the ball on three grids, with eight seeds each. Numbers must agree as
+    in `_add_convergence`; sizes of the last two grids by the distance of their distributions over whole runs."""
     name = what.name
     found: dict[int, list[dict]] = {}
     sizes: dict[int, list[np.ndarray]] = {}
@@ -294,7 +300,8 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
     for elements in what.grids:
         spacing = 1e3 * SIDE / elements  # [mm]
         picture = table.pictures / f"{name}_{elements}.png" if table.pictures is not None else None
-        with ProcessPoolExecutor(len(os.sched_getaffinity(0)), initializer=_one_thread) as pool:  # a run a processor
+        # one run per processor
+        with ProcessPoolExecutor(len(os.sched_getaffinity(0)), initializer=_one_thread) as pool:
             runs = list(pool.map(_shattered, repeat(executables), repeat(what), repeat(elements), range(1, SEEDS + 1),
                                  [picture] + [None] * (SEEDS - 1)))
         found[elements] = [numbers for numbers, _, _ in runs]
@@ -333,7 +340,7 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
 
 
 def _sizes(table: Table, name: str, key: str, sizes: dict[int, list[np.ndarray]], grids: tuple[int, ...]) -> None:
-    """Whether the last two grids differ in the sizes of their pieces, `sizes` [mm^2] of every run."""
+    """Tests whether the last two grids differ in the sizes of their pieces, `sizes` [mm^2] of every run."""
     apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(grids, grids[1:])]
     chance = chance_of_distance(sizes[grids[1]], sizes[grids[2]])
     table.add(f"{name}_{key}_depend", float(chance < LEAST_CHANCE), 0.0, 0.0, 0.0)
@@ -344,20 +351,20 @@ def _sizes(table: Table, name: str, key: str, sizes: dict[int, list[np.ndarray]]
 
 
 def snapped(table: Table, executables: Executables) -> None:
-    """Pieces where cracks take what their area asks: all of it converges."""
+    """Checks pieces where cracks dissipate the energy that their area needs: every result converges."""
     _pieces_of(table, executables, SNAPPED)
 
 
 def tough(table: Table, executables: Executables) -> None:
-    """Pieces of a pane that shatters and whose grids resolve how cracks start."""
+    """Checks pieces of a pane that shatters, on grids that resolve the start of cracks."""
     _pieces_of(table, executables, TOUGH)
 
 
 def heavy(table: Table, executables: Executables) -> None:
-    """Pieces of such a pane under a larger and slower ball, which are larger than what the grids resolve."""
+    """Checks pieces of such a pane under a larger and slower ball; they are larger than the resolution of the grids."""
     _pieces_of(table, executables, HEAVY)
 
 
 def pieces(table: Table, executables: Executables) -> None:
-    """Pieces of scenes/struck_glass.textproto: their number and sizes do not."""
+    """Reports pieces of scenes/struck_glass.textproto: their number and sizes do not converge."""
     _pieces_of(table, executables, STRUCK)

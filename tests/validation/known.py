@@ -1,4 +1,4 @@
-"""Lists of cases that are known to fail, each with the largest error at which it is still the known failure."""
+"""Lists of cases that are known to fail, with the largest error of the known failure."""
 from __future__ import annotations
 
 import math
@@ -17,12 +17,13 @@ Row = dict[str, object]
 @dataclass(frozen=True)
 class Gap:
     """A known failure."""
-    largest: float  # error, as the table has it, up to which it is the known one
+    largest: float  # largest error, as in the table, that is still the known failure
     why: str
 
 
 def read_known(path: Path) -> dict[str, Gap]:
-    """Gaps by the names of their rows; none where there is no such file. Raises CommandError with file and line."""
+    """Reads the known failures by names of rows; none where there is no such file. Raises CommandError with file and
+    line."""
     if not path.exists():
         return {}
     gaps: dict[str, Gap] = {}
@@ -50,13 +51,14 @@ def read_known(path: Path) -> dict[str, Gap]:
 
 
 def _number(value: object) -> float:
-    """Programs write null for what is not finite."""
+    """Reads null as a value that is not finite, as programs write it."""
     return float(value) if isinstance(value, (int, float)) else math.nan
 
 
 def judge(rows: list[Row], gaps: dict[str, Gap], every: bool) -> tuple[bool, list[str]]:
-    """Gives rows of sunder-validate's JSON that fail as known a "known", why; returns whether nothing else fails, and
-    lines that tell it. With `every` row of a kind there, a gap without one is a fault of the list."""
+    """Marks failing rows of sunder-validate's JSON that are known with "known", the reason. Returns whether no other
+    row fails, and lines that report it. With `every` row of a kind present, an entry of the list without a row is a
+    fault of the list."""
     good, lines, names = True, [], {str(row["name"]) for row in rows}
     for row in rows:
         gap = gaps.get(str(row["name"]))
@@ -64,7 +66,7 @@ def judge(rows: list[Row], gaps: dict[str, Gap], every: bool) -> tuple[bool, lis
         if row["pass"]:
             if gap:
                 lines.append(f"reached   {row['name']}: known to fail, up to {gap.largest:g}")
-        elif gap and error <= gap.largest:  # NaN is beyond
+        elif gap and error <= gap.largest:  # NaN is not known
             row["known"] = gap.why
             lines.append(f"known     {row['name']}: off by {error:.3g}, by {gap.largest:g} at most: {gap.why}")
         else:

@@ -1,4 +1,4 @@
-"""`validate` and `bench`: runs the programs that measure, judges their rows, writes tables and plots."""
+"""`validate` and `bench`: run the measuring programs, judge their rows, write tables and plots."""
 from __future__ import annotations
 
 import json
@@ -24,8 +24,8 @@ VALIDATIONS = ("shells", "seams", "cracks", "contact", "soft", "coupling", "engi
 
 def validate(what: str, case: str | None, report: Path | None, plots: Path | None,
              pictures: Path | None = None, rigid: str | None = None, full: bool = False, known: bool = False) -> int:
-    """Runs the validation cases of `what`; exit status 1 where a case fails, with `known` where one fails that is not
-    known to, or by more."""
+    """Runs the validation cases of `what`. The exit status is 1 where a case fails; with `known`, only where a
+    failure is not known or its error is larger than the known one."""
     if what not in VALIDATIONS:
         raise CommandError(f"nothing called '{what}' to validate; {did_you_mean(what, VALIDATIONS)}", BAD_INPUT)
     if rigid and what != "engines":
@@ -111,7 +111,7 @@ def _extremes(case: str | None, report: Path | None, full: bool) -> int:
 
 
 def _without_nan(value: object) -> object:
-    """JSON knows no NaN: null, as the programs write it."""
+    """Writes NaN as null, since JSON has no NaN."""
     if isinstance(value, dict):
         return {key: _without_nan(item) for key, item in value.items()}
     if isinstance(value, list):
@@ -120,7 +120,7 @@ def _without_nan(value: object) -> object:
 
 
 def bench(pattern: str | None, report: Path | None) -> int:
-    """Runs the benchmarks whose name holds `pattern`."""
+    """Runs the benchmarks with `pattern` in their names."""
     command = [str(program("sunder-bench"))]
     if pattern:
         command += ["--filter", pattern]
@@ -131,7 +131,8 @@ def bench(pattern: str | None, report: Path | None) -> int:
 
 
 def _can_write(path: Path) -> None:
-    """Raises CommandError where a file cannot be written, before minutes are spent. Leaves an existing file as it is."""
+    """Checks that a file can be written, before minutes are spent. Raises CommandError; does not change an existing
+    file."""
     new = not os.path.lexists(path)
     try:
         path.open("a").close()

@@ -1,4 +1,4 @@
-"""Numbers out of crack patterns, and what can be said of several of them. Pure functions of arrays."""
+"""Measures of crack patterns, and statistics of several of them. Pure functions of arrays."""
 from __future__ import annotations
 
 import math
@@ -8,16 +8,17 @@ import numpy as np
 
 from sunder_lab.statistics import beta_share, student
 
-RESAMPLED = 4000  # times, for a bound: its own scatter is then a percent
+RESAMPLED = 4000  # resamples for a bound: its own scatter is then a percent
 
 
 def lengths(ends: np.ndarray) -> np.ndarray:
-    """Of edges (n, 2, 2) [m]."""
+    """Returns the total length [m] of edges (n, 2, 2)."""
     return np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
 
 
 def harmonic(ends: np.ndarray, order: int = 4, turn: float = 0.0) -> complex:
-    """Mean of exp(i order phi) over the length of edges (n, 2, 2), phi the angle of an edge, turned by `turn` [rad].
+    """Returns the mean of exp(i order phi), weighted by the length of edges (n, 2, 2). phi is an edge's angle plus
+    `turn` [rad].
 
     An even order knows no sense of an edge. Order 4 is 1 for edges along either axis, -1 for edges along either
     diagonal, 0 on the mean for edges that know nothing of the axes.
@@ -31,12 +32,14 @@ def harmonic(ends: np.ndarray, order: int = 4, turn: float = 0.0) -> complex:
 
 
 def off_circle(ends: np.ndarray, centre: np.ndarray, radius: float, margin: float) -> np.ndarray:
-    """Which edges (n, 2, 2) have their middle inside a circle by more than `margin` [m]: not the circle's own."""
+    """Selects edges (n, 2, 2) with their middle inside a circle by more than `margin` [m]; so the circle's own edges
+    are left out."""
     return np.linalg.norm(ends.mean(axis=1) - centre, axis=1) < radius - margin
 
 
 def anova(groups: list[np.ndarray]) -> tuple[float, float]:
-    """One-way analysis of variance: F, and the chance of such an F or more if all groups are of one kind.
+    """Computes a one-way analysis of variance: F, and the probability of such an F or more if all groups are of one
+    kind.
 
     Complex numbers count as two independent ones of one scatter each: twice the degrees of freedom.
     """
@@ -55,7 +58,7 @@ def anova(groups: list[np.ndarray]) -> tuple[float, float]:
 
 
 def upper_bound(values: np.ndarray, share: float = 0.95) -> float:
-    """Bound of the modulus of the true mean of complex numbers, from resampling; the same for the same numbers."""
+    """Returns a bound of the modulus of the true mean of complex numbers, by resampling; it is reproducible."""
     values = np.asarray(values)
     picks = np.random.default_rng(1).integers(0, len(values), (RESAMPLED, len(values)))
     return float(np.quantile(np.abs(values[picks].mean(axis=1)), share))
@@ -63,14 +66,14 @@ def upper_bound(values: np.ndarray, share: float = 0.95) -> float:
 
 @dataclass(frozen=True)
 class PowerLaw:
-    """y = factor x^exponent; `half` is half of the exponent's 95 % confidence interval."""
+    """Parameters of y = factor x^exponent; `half` is half of the exponent's 95 % confidence interval."""
     exponent: float
     half: float
     factor: float
 
 
 def power_law(x: np.ndarray, y: np.ndarray) -> PowerLaw:
-    """Least squares of log y over log x; all must be positive, and three of them at least."""
+    """Fits log y over log x by least squares; needs at least three points, all positive."""
     x, y = np.asarray(x, float), np.asarray(y, float)
     if len(x) < 3 or (x <= 0.0).any() or (y <= 0.0).any() or np.ptp(x) == 0.0:
         raise ValueError("a power law needs three positive pairs at least, and different x")
@@ -83,7 +86,7 @@ def power_law(x: np.ndarray, y: np.ndarray) -> PowerLaw:
 
 
 def distance(a: np.ndarray, b: np.ndarray) -> float:
-    """Largest difference between the cumulative distributions of two sets of numbers (Kolmogorov and Smirnov)."""
+    """Returns the largest difference between two cumulative distributions (Kolmogorov and Smirnov)."""
     a, b = np.sort(a), np.sort(b)
     every = np.concatenate([a, b])
     share = [np.searchsorted(one, every, side="right") / len(one) for one in (a, b)]
@@ -91,7 +94,7 @@ def distance(a: np.ndarray, b: np.ndarray) -> float:
 
 
 def chance_of_distance(first: list[np.ndarray], second: list[np.ndarray]) -> float:
-    """Chance that two groups of runs of one kind are so far apart in their numbers, or further.
+    """Returns the probability that two groups of runs of one kind differ in their numbers by as much, or more.
 
     Whole runs change sides, as the numbers of one run hang together; the same for the same numbers.
     """
@@ -108,7 +111,7 @@ def chance_of_distance(first: list[np.ndarray], second: list[np.ndarray]) -> flo
 
 
 def quantile_bounds(runs: list[np.ndarray], share: float) -> tuple[float, float, float]:
-    """A quantile of the numbers of all runs, and its 95 % interval from resampling whole runs."""
+    """Returns a quantile of the numbers of all runs, and its 95 % interval from resampling whole runs."""
     random = np.random.default_rng(1)
     found = [float(np.quantile(np.concatenate([runs[k] for k in random.integers(0, len(runs), len(runs))]), share))
              for _ in range(RESAMPLED)]

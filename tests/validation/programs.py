@@ -1,4 +1,4 @@
-"""Programs of the build that measure: where they are, and how they end."""
+"""Measuring programs of the build: their paths, and how they end."""
 from __future__ import annotations
 
 import os
@@ -10,7 +10,7 @@ from sunder_tools.launch.build import build_dir, ensure_built
 
 
 def program(name: str) -> Path:
-    """A program of the build folder tests/; builds it as far as needed. Raises CommandError."""
+    """Returns the path of a program in the build folder tests/, and builds it where needed. Raises CommandError."""
     ensure_built(targets=(name,))
     path = build_dir() / "tests" / name
     if not os.access(path, os.X_OK):
@@ -19,7 +19,7 @@ def program(name: str) -> Path:
 
 
 def run_program(command: list[str]) -> int:
-    """Exit status of a program of the build. Raises CommandError where it dies."""
+    """Runs a program of the build and returns its exit status. Raises CommandError where a signal ends it."""
     status = subprocess.run(command, check=False).returncode
     if status < 0:
         raise CommandError(f"{Path(command[0]).name} {how_it_ended(status)}", PEER_LOST)

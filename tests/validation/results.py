@@ -1,4 +1,4 @@
-"""Results of suites: kept as JSON, one file a suite, and written as pages and as the status lines of README.md.
+"""Results of suites: stored as JSON, one file for each suite, and written as pages and as status lines of README.md.
 
 A suite can be renewed alone: pages are made from all files that are there.
 """
@@ -22,25 +22,25 @@ Row = dict[str, object]
 
 @dataclass(frozen=True)
 class Result:
-    """What one suite has given, and what it was run with."""
+    """Results of one suite, and the circumstances of its run."""
     suite: str
     seconds: float
     circumstances: dict[str, object]
-    rows: list[Row] = field(default_factory=list)           # of a validation; none of `bench`
+    rows: list[Row] = field(default_factory=list)  # of a validation; empty for `bench`
     numbers: dict[str, object] = field(default_factory=dict)  # of `bench`
 
     def count(self, verdict: str) -> int:
-        """Rows of that verdict."""
+        """Returns the rows with that verdict."""
         return sum(row["verdict"] == verdict for row in self.rows)
 
     def in_words(self) -> str:
-        """'20 pass, 1 known'."""
+        """Returns counts such as '20 pass, 1 known'."""
         counts = [f"{self.count(verdict)} {verdict}" for verdict in VERDICTS if self.count(verdict)]
         return ", ".join(counts) or f"{len(self.numbers)} numbers"
 
 
 def result_of(suite: str, found: dict[str, object], seconds: float, circumstances: dict[str, object]) -> Result:
-    """From the JSON that `validate SUITE --json` or `bench --json` writes. Raises CommandError where it is none."""
+    """Reads the JSON that `validate SUITE --json` or `bench --json` writes. Raises CommandError for anything else."""
     if suite == BENCH:
         return Result(suite, seconds, circumstances, numbers=found)
     try:
@@ -54,21 +54,21 @@ def result_of(suite: str, found: dict[str, object], seconds: float, circumstance
 
 
 def _row(row: Row, before: str = "") -> Row:
-    """A row with a verdict and a note, whether it is one of sunder-validate or of sunder-conformance."""
+    """Reads a row of sunder-validate or sunder-conformance, with its verdict and note."""
     verdict = row["verdict"] if "verdict" in row else "pass" if row["pass"] else "known" if "known" in row else "fail"
     return {"case": f"{before}{row['name']}", **{key: row[key] for key in ("computed", "reference", "error", "tolerance")},
             "seconds": row.get("seconds"), "verdict": verdict, "note": row.get("known") or row.get("note") or ""}
 
 
 def write(result: Result, folder: Path) -> None:
-    """FOLDER/<suite>.json, replaced at once. Raises CommandError where it cannot be written."""
+    """Writes FOLDER/<suite>.json atomically. Raises CommandError where it cannot be written."""
     kept = {"suite": result.suite, "seconds": round(result.seconds, 1), "circumstances": result.circumstances,
             "rows": result.rows, "numbers": result.numbers}
     replace(folder / f"{result.suite}.json", json.dumps(kept, indent=1) + "\n")
 
 
 def read_all(folder: Path) -> list[Result]:
-    """Every result that is kept, by name of the suite. Raises CommandError for a file that is none."""
+    """Reads all stored results, by name of the suite. Raises CommandError for a file that holds none."""
     found = []
     for path in sorted(folder.glob("*.json")):
         try:
@@ -82,7 +82,7 @@ def read_all(folder: Path) -> list[Result]:
 
 
 def page(title: str, results: list[Result]) -> str:
-    """The whole page: how each suite was run, and its table."""
+    """Returns the whole page: the circumstances of each suite, and its table."""
     lines = [f"# {title}", "", "Written by `coupler/sunder report`; what is typed here is lost. `load` is what other programs "
              "took of the cores before the suite began."]
     for result in results:
@@ -110,7 +110,7 @@ def _numbers(result: Result) -> list[str]:
 
 
 def _figure(value: object, form: str) -> str:
-    """'-' for what is no number: JSON has null for what is not finite."""
+    """Returns '-' for a value that is no number: JSON has null for values that are not finite."""
     if isinstance(value, bool) or not isinstance(value, (int, float)) or not math.isfinite(value):
         return "-" if value is None or isinstance(value, float) else _cell(value)
     return format(value, form)
@@ -121,7 +121,7 @@ def _cell(value: object) -> str:
 
 
 def status(results: list[Result]) -> str:
-    """A line a suite, between the two marks."""
+    """Returns one line for each suite, for the place between the two marks."""
     lines = ["| suite | outcome | minutes | commit | date |", "| --- | --- | --: | --- | --- |"]
     lines += [f"| {result.suite} | {result.in_words()} | {result.seconds / 60.0:.1f} | "
               f"{_cell(result.circumstances.get('commit'))} | {_cell(result.circumstances.get('date'))} |"
@@ -130,7 +130,8 @@ def status(results: list[Result]) -> str:
 
 
 def put_status(readme: Path, results: list[Result]) -> None:
-    """Replaces what stands between the marks. Raises CommandError where the file has not both of them, once, in order."""
+    """Replaces the text between the marks. Raises CommandError where the file does not have both, once each, in
+    order."""
     try:
         text = readme.read_text(encoding="utf-8")
     except OSError as error:
@@ -144,7 +145,7 @@ def put_status(readme: Path, results: list[Result]) -> None:
 
 
 def replace(path: Path, text: str) -> None:
-    """Writes a file at once, so that no half of it is ever there. Raises CommandError."""
+    """Writes a file atomically, so that it is never incomplete. Raises CommandError."""
     temporary = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)

@@ -1,4 +1,5 @@
-"""`validate coupling --case scenes`: every shipped scene with bodies, with every engine; do impulses and births close?"""
+"""`validate coupling --case scenes`: checks that impulses and births close in every shipped scene with bodies, with
+every engine."""
 from __future__ import annotations
 
 import math
@@ -14,18 +15,18 @@ from sunder_tools.launch.run import launch_once
 
 from .trials import SCENES, Table, answering
 
-MOST_IMPULSE = 1e-12  # of the impulses of a window; round-off of 1e4 samples in double precision is 1e-14
-MOST_BIRTH = 1e-10    # of a piece's mass, momentum and angular momentum
+MOST_IMPULSE = 1e-12  # share of the impulses of a window; round-off of 1e4 samples in double precision is 1e-14
+MOST_BIRTH = 1e-10  # share of a piece's mass, momentum and angular momentum
 COARSE_GLASS = ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "fracture.latest_freeze_s=1.5e-3")
 
 
 @dataclass(frozen=True)
 class Shortened:
-    """A scene as long as it takes until what is said of it has happened."""
+    """A scene and the time in which its contact or birth has happened."""
     scene: str
     end_s: float
-    pushed: bool  # a body has met a shell: else nothing has been closed
-    born: bool    # a piece has left
+    pushed: bool  # a body has touched a shell; otherwise the case proves nothing
+    born: bool  # a piece has been handed off
     settings: tuple[str, ...] = ()
 
 
@@ -36,7 +37,7 @@ SHIPPED = (
     Shortened("dent", 2e-3, True, False),
     Shortened("falling_tree_small", 0.1106, True, False),  # the trunk meets the roof at 0.1102 s
     Shortened("glass", 2e-3, True, True, COARSE_GLASS),
-    Shortened("impactor", 4e-3, True, False),  # as the small one, on 43,200 elements
+    Shortened("impactor", 4e-3, True, False),  # like the small one, with 43,200 elements
     Shortened("impactor_small", 0.04, True, True),
     Shortened("intact_pane", 4e-3, True, False),
     Shortened("round_pane", 5.2e-5, True, True),
@@ -46,11 +47,12 @@ SHIPPED = (
     Shortened("zener", 1.6e-5, True, False),
 )
 
-REPEATED = ("falling_tree",)  # minutes until its bodies meet the car; falling_tree_small has the same ones
+REPEATED = ("falling_tree",)  # takes minutes until its bodies hit the car; falling_tree_small has the same bodies
 
 
 def books_of(run: dict, wanted: Shortened) -> tuple[float, float]:
-    """Largest errors of the windows' impulses and of births; NaN where what should have happened has not."""
+    """Returns the largest errors of the windows' impulses and of births; NaN where the expected event has not
+    happened."""
     ledger, handoff = run["ledger"], run["handoff"]
     impulse = max(ledger["linear_max"], ledger["angular_max"])
     birth = max(handoff["mass_error_max"], handoff["momentum_error_max"], handoff["angular_momentum_error_max"])
@@ -62,7 +64,7 @@ def books_of(run: dict, wanted: Shortened) -> tuple[float, float]:
 
 
 def scenes(table: Table, executables: Executables) -> None:
-    """Every scene with every engine. The books are the shell's, in double precision whatever the engine has."""
+    """Runs every scene with every engine. The books are the shell's, in double precision with any engine."""
     for name, words in answering(table, "scenes", executables):
         if "double_precision" not in words:
             table.lines.append(f"scenes {name}: declares no double precision; the books are the shell's and hold all the same")
@@ -80,7 +82,7 @@ def _one(table: Table, executables: Executables, engine: str, words: list[str], 
             run = launch_once(executables, SCENES / f"{wanted.scene}.textproto", Path(folder), settings, engine)
         except CommandError as error:
             lacks = re.search(r"cannot do '(\w+)'", str(error))
-            if error.status == BAD_INPUT and lacks and lacks[1] not in words:  # said before the run
+            if error.status == BAD_INPUT and lacks and lacks[1] not in words:  # reported before the run
                 table.lines.append(f"scenes {name}: left out: the engine does not declare {lacks[1]}")
                 return
             table.add(f"{name}_impulse", math.nan, 0.0, MOST_IMPULSE, time.monotonic() - start)

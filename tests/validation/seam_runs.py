@@ -1,4 +1,4 @@
-"""Cracks and cuts over seams: whole runs of a sheet in two patches against the sheet in one."""
+"""Cracks and cuts over seams: whole runs of a sheet in two patches, compared with the sheet in one patch."""
 from __future__ import annotations
 
 import json
@@ -20,10 +20,10 @@ from sunder_tools.report.run_json import read_run
 from .trials import Table
 
 SIDE = 0.2        # [m] of the sheet
-ELEMENTS = 50     # a side of the single patch
-STRENGTH = 8e6    # [Pa]: nothing starts ahead of the crack, which obeys the energy
+ELEMENTS = 50  # per side of the single patch
+STRENGTH = 8e6  # [Pa]: no crack nucleates ahead of the crack, which follows its energy
 NOTCH = 0.1013    # [m] height of the notch
-SEAM = 0.14       # [m] along the crack's way, where the sheet is divided
+SEAM = 0.14  # [m] along the crack's path, where the sheet is divided
 HEAD = """name: "{name}" end_time_s: {end} window_s: 5e-6 gravity {{}}
 materials {{ name: "plaster" density: 1000 youngs_modulus: 3e9 poisson_ratio: 0.2 strength: {strength} fracture_energy: 12 }}
 fracture {{ mode: {mode} seed: 1 {more} }}
@@ -32,7 +32,8 @@ output {{ frame_interval_s: {frames} }}
 
 
 def sheet_text(elements: list[tuple[float, float, int, int]], name: str) -> str:
-    """Scene of scenes/mode_one.textproto, its sheet divided along x: (from [m], to [m], elements along x, along y)."""
+    """Writes scenes/mode_one.textproto with its sheet divided along x: (from [m], to [m], elements along x, along
+    y)."""
     text = HEAD.format(name=name, end=1.5e-3, strength=STRENGTH, mode="TIPS", more="branch_ratio: 5", frames=5e-5)
     for number, (low, high, along, across) in enumerate(elements):
         cut = f"cuts {{ points {{ u: 0 v: {NOTCH} }} points {{ u: 0.1 v: {NOTCH} }} }}" if low == 0.0 else ""
@@ -49,7 +50,8 @@ def sheet_text(elements: list[tuple[float, float, int, int]], name: str) -> str:
 
 @contextmanager
 def run_text(executables: Executables, text: str) -> Iterator[tuple[Path, float]]:
-    """Runs a scene given as text; its run folder is there within, with the seconds that it took."""
+    """Runs a scene given as text. Yields its run folder, which exists within the context, and the seconds of the
+    run."""
     start = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
         scene, out = Path(folder) / "scene.textproto", Path(folder) / "out"
@@ -60,7 +62,8 @@ def run_text(executables: Executables, text: str) -> Iterator[tuple[Path, float]
 
 
 def crossings(folder: Path, planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Height [m] and time [s] at which a grown crack first crosses each plane of constant x [m]; NaN where none does."""
+    """Returns height [m] and time [s] at which a grown crack first crosses each plane of constant x [m]; NaN: none
+    crosses."""
     graph = grown(last_graph(folder))
     x = graph.rest[:, :, 0]
     height, when = np.full(len(planes), math.nan), np.full(len(planes), math.nan)
@@ -77,7 +80,7 @@ def crossings(folder: Path, planes: np.ndarray) -> tuple[np.ndarray, np.ndarray]
 
 
 def crack(table: Table, executables: Executables) -> None:
-    """A notched sheet drawn apart, in one patch and in two with a seam across the crack's way."""
+    """Pulls a notched sheet, in one patch and in two with a seam across the crack's path."""
     spacing = SIDE / ELEMENTS
     left, right = round(SEAM / spacing), ELEMENTS - round(SEAM / spacing)
     planes = np.array([0.12, SEAM - 1.5 * spacing, SEAM + 1.5 * spacing, 0.16, 0.18, SIDE - spacing])
@@ -94,7 +97,7 @@ def crack(table: Table, executables: Executables) -> None:
             run = read_run(folder)
         table.add(f"crack_{name}_off_path_spacings", float(np.max(np.abs(found_height - height))) / spacing, 0.0, 1.0,
                   seconds)
-        # how late it comes through the far side, of the time that it runs from the notch on
+        # Delay of the crack at the far side, as a share of its travel time from the notch.
         run_time = when[-1] - when[0]
         table.add(f"crack_{name}_arrival", (found_when[-1] - found_when[0]) / run_time, 1.0, 0.1, 0.0)
         table.add(f"crack_{name}_starts", found_when[0] / when[0], 1.0, 0.02, 0.0)
@@ -107,13 +110,14 @@ def crack(table: Table, executables: Executables) -> None:
                            f"{run['energy']['dissipated_fracture']:.1e} J")
 
 
-HEIGHTS = (0.1013, 0.1003, 0.0997)  # [m] of the notch, 0.33 and 0.08 elements above the seam and as far below
-PATH = (0.11, 0.12, 0.14, 0.16, 0.18, 0.196)  # [m] along it
-MOST_OFF = 1.5  # elements from the notch's line: the single patch's crack wanders 1.7
+HEIGHTS = (0.1013, 0.1003, 0.0997)  # [m] of the notch: 0.33 and 0.08 elements above the seam, and as far below
+PATH = (0.11, 0.12, 0.14, 0.16, 0.18, 0.196)  # [m] along the crack's path
+MOST_OFF = 1.5  # elements from the notch's line: in the single patch the crack leaves it by up to 1.7
 
 
 def along_text(notch: float, parts: list[tuple[float, float, int]], name: str) -> str:
-    """Scene of scenes/mode_one.textproto, its sheet divided along the crack's way: (from [m], to [m], elements along x)."""
+    """Writes scenes/mode_one.textproto with its sheet divided along the crack's path: (from [m], to [m], elements
+    along x)."""
     text = HEAD.format(name=name, end=1.5e-3, strength=STRENGTH, mode="TIPS", more="branch_ratio: 5", frames=5e-5)
     for number, (low, high, along) in enumerate(parts):
         across = round((high - low) / SIDE * ELEMENTS)
@@ -130,9 +134,9 @@ def along_text(notch: float, parts: list[tuple[float, float, int]], name: str) -
 
 
 def follow(table: Table, executables: Executables) -> None:
-    """A crack whose way is a seam, or within an element of one, against a sheet in one patch."""
+    """Compares a crack along a seam, or within an element of it, with the crack in a single patch."""
     middle, planes, knots = 0.5 * SIDE, np.array(PATH), ("matching", "other_knots")
-    late, off = [], []  # of matching knots; NaN where the crack is not seen everywhere
+    late, off = [], []  # with matching knots; NaN where the crack does not cross every plane
     through = dict.fromkeys(knots, 0)
     most, spent = 0.0, 0.0
     for notch in HEIGHTS:
@@ -148,7 +152,8 @@ def follow(table: Table, executables: Executables) -> None:
                 height, when = crossings(folder, planes)
                 run, elastic = read_run(folder), read_columns(folder / "series.csv")["elastic [J]"]
             spent += seconds
-            through[name] += bool(elastic[-1] < stored)  # a sheet that is not parted is pulled on and stores four times that
+            # a sheet that is not separated is stretched further and stores four times as much
+            through[name] += bool(elastic[-1] < stored)
             if name == "matching":
                 late.append(when[-1] / arrival), off.append(np.abs(height - notch).max() * ELEMENTS / SIDE)
             most = max(most, run["energy"]["crack_injected"] / run["energy"]["dissipated_fracture"])
@@ -169,7 +174,7 @@ def _course(off: np.ndarray, when: np.ndarray, run: dict) -> str:
 
 
 def cut_text(across: int, free: bool) -> str:
-    """Two plates with a seam at x = 0.2 m, and a cut in each that together take out a piece over the seam."""
+    """Writes two plates with a seam at x = 0.2 m, and cuts in both that together separate a piece over the seam."""
     text = HEAD.format(name="cut_out", end=2e-3, strength=STRENGTH, mode="CUTS", more="latest_freeze_s: 1.9e-3", frames=1e-3)
     for number, (low, elements, cut) in enumerate((
             (0.0, 20, ((0.2, 0.061), (0.08, 0.083), (0.08, 0.131), (0.2, 0.147))),
@@ -191,7 +196,7 @@ def cut_text(across: int, free: bool) -> str:
 
 
 def piece(table: Table, executables: Executables) -> None:
-    """What cuts of both patches take out over the seam leaves as one body, and nothing is lost."""
+    """Checks that a piece that cuts of both patches separate over the seam leaves as one body, with nothing lost."""
     area = 0.5 * 0.12 * (0.086 + 0.048) + 0.5 * 0.11 * (0.086 + 0.048)
     for across in (20, 27):
         name = "matching" if across == 20 else "other_knots"
@@ -202,7 +207,7 @@ def piece(table: Table, executables: Executables) -> None:
                 rows = (folder / "shards.csv").read_text().splitlines()
             handed = run["handoff"]
             areas = sorted(float(row.split(",")[2]) for row in rows[1:])
-            table.add(f"{what}_bodies", len(areas), 2.0 if free else 1.0, 0.0, seconds)  # what is left leaves too
+            table.add(f"{what}_bodies", len(areas), 2.0 if free else 1.0, 0.0, seconds)  # the remaining part leaves too
             table.add(f"{what}_area_m2", areas[0] if areas else math.nan, area, 1e-9, 0.0)
             for key in ("mass_error_max", "momentum_error_max", "angular_momentum_error_max"):
                 table.add(f"{what}_{key}", handed[key], 0.0, 1e-12, 0.0)

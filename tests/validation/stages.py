@@ -1,4 +1,4 @@
-"""Cracks that only grow, beside what they would be if each stage were worked out anew.
+"""Compares cracks that only grow with cracks that would be extracted anew at each stage.
 
 The paper's Fig. 8. The middle line of the damaged region is taken from the written frames alone: elements whose
 damage was complete once, as a picture, thinned.
@@ -23,11 +23,11 @@ from .crack_check import element_side
 from .thinning import closed, grown, share_outside, thinned
 
 WIDTH, GAP, HEAD, CAPTION = 760, 8, 44, 36  # [px]
-TALLEST = 760                    # [px] a panel
-LARGEST = 20.0                   # [px] an element
-ROOM = 2.5                       # elements around what is shown
-GROWN = (1 / 3, 2 / 3, 1.0)      # of all edges that grew: when the stages are taken
-FINE = 0.25                      # elements: a middle line that is further off than this has moved
+TALLEST = 760  # [px] largest height of a panel
+LARGEST = 20.0  # [px] largest size of an element
+ROOM = 2.5  # elements around the shown region
+GROWN = (1 / 3, 2 / 3, 1.0)  # shares of all edges that grew, at which the stages are taken
+FINE = 0.25  # elements: a middle line that is further away than this has moved
 PAPER, SHEET = np.array([0.98, 0.98, 0.976]), np.array([0.93, 0.955, 0.955])
 REGION = np.array([0.97, 0.84, 0.74])
 STAGE = (np.array([0.05, 0.45, 0.68]), np.array([0.10, 0.50, 0.20]), np.array([0.74, 0.14, 0.50]))
@@ -37,7 +37,7 @@ GONE = np.array([0.90, 0.08, 0.06])
 
 @dataclass(frozen=True)
 class Stage:
-    """An instant: what was damaged by then, the middle line of that, and the cracks."""
+    """One stage: the region damaged by then, its middle line, and the cracks."""
     time_s: float
     region: np.ndarray    # (h, w) pixels
     skeleton: np.ndarray  # (h, w) pixels
@@ -46,25 +46,26 @@ class Stage:
 
 @dataclass(frozen=True)
 class Stages:
-    """Three of them, and how they were looked at."""
+    """Three stages, and their view."""
     stages: list[Stage]
     camera: Camera
     sheet: np.ndarray     # (h, w) pixels
     cell: float           # side of an element [px]
 
     def share_moved(self, cells: float = 1.0) -> float:
-        """Share of the first stage's middle line that is further than so many elements from the last one's."""
+        """Returns the share of the first stage's middle line that is further than so many elements from the last
+        stage's."""
         return share_outside(self.stages[0].skeleton, self.stages[-1].skeleton, cells * self.cell)
 
 
 def find_stages(folder: Path) -> Stages:
-    """Reads a run folder. Raises VtpError, OSError."""
+    """Reads the stages of a run folder. Raises VtpError, OSError."""
     frames: list[tuple[float, PolyData, PolyData]] = []
     for frame in list_frames(folder):
         shell, lines = frame.read(SHELL), frame.read(CRACKS)
         if shell is not None and lines is not None:
             frames.append((frame.time_s, shell, lines))
-    grew = [len(lines.lines) - len(frames[1][2].lines) for _, _, lines in frames[1:]]  # cuts come with the second
+    grew = [len(lines.lines) - len(frames[1][2].lines) for _, _, lines in frames[1:]]  # cuts come with the second frame
     if not grew or grew[-1] <= 0:
         raise VtpError(f"{folder}: no crack grows")
     chosen = [1 + next(k for k, n in enumerate(grew) if n >= share * grew[-1]) for share in GROWN]
@@ -76,20 +77,21 @@ def find_stages(folder: Path) -> Stages:
     region = np.zeros((height, WIDTH), bool)
     stages = []
     for k, (time_s, shell, lines) in enumerate(frames):
-        region |= _painted(shell, _torn(shell), camera, height)  # pieces leave the shell: once damaged is enough
+        # pieces leave the shell, so damage at any earlier time counts
+        region |= _painted(shell, _torn(shell), camera, height)
         if k in chosen:
-            whole = closed(region)  # cells beside a crack are drawn a hair apart
+            whole = closed(region)  # cells beside a crack are drawn slightly apart
             stages += [Stage(time_s, whole, thinned(whole), lines.points[lines.segments()])] * chosen.count(k)
     return Stages(stages, camera, _painted(first, first.triangles, camera, height), side * float(camera.scale[0]))
 
 
 def _torn(shell: PolyData) -> np.ndarray:
-    """Triangles of elements whose damage was complete once."""
+    """Selects triangles of elements whose damage has ever been complete."""
     return shell.triangles[shell.of_triangles("c_his", 0.0) >= 1.0]
 
 
 def _camera(first: PolyData, shown: np.ndarray, side: float) -> tuple[Camera, int]:
-    """Straight on what is to be seen, as wide as a panel; and the panel's height [px]."""
+    """Looks at the shown region from above, at the width of a panel. Also returns the panel's height [px]."""
     axes = along_normal(reference_points(first), first.triangles, WIDTH, WIDTH, 1.0).axes
     local = shown @ axes.T
     low, high = local.min(axis=0) - ROOM * side, local.max(axis=0) + ROOM * side
@@ -104,7 +106,7 @@ def _painted(mesh: PolyData, triangles: np.ndarray, camera: Camera, height: int)
 
 
 def write_stages(found: Stages, path: Path) -> None:
-    """The stages one below the other: the cracks on the left, the middle lines on the right. Raises OSError."""
+    """Draws the stages one below the other: cracks on the left, middle lines on the right. Raises OSError."""
     height = found.sheet.shape[0]
     sheet = Image.new("RGB", (2 * WIDTH + 3 * GAP, HEAD + len(found.stages) * (CAPTION + height + GAP)),
                       tuple(int(255 * c) for c in PAPER))
@@ -129,16 +131,16 @@ def _picture(colours: np.ndarray) -> Image.Image:
 
 
 def _ground(found: Stages, stage: Stage) -> np.ndarray:
-    """The sheet with what is damaged on it, (h, w, 3) colours."""
+    """Draws the sheet with its damaged region: (h, w, 3) colours."""
     out = np.where(found.sheet[:, :, None], SHEET, PAPER)
     return np.where(stage.region[:, :, None], REGION, out)
 
 
 def _cracks(found: Stages, k: int) -> np.ndarray:
-    """Edges in the colour of the stage that saw them first."""
+    """Draws edges in the colour of the stage that first had them."""
     picture = _ground(found, found.stages[k])
     height = picture.shape[0]
-    for i in range(k, -1, -1):  # the earliest on top
+    for i in range(k, -1, -1):  # earliest on top
         edges = found.stages[i].cracks
         start, near_start = found.camera.project(edges[:, 0])
         end, near_end = found.camera.project(edges[:, 1])
@@ -147,7 +149,7 @@ def _cracks(found: Stages, k: int) -> np.ndarray:
 
 
 def _middle(found: Stages, k: int) -> np.ndarray:
-    """The stage's own middle line, and in red what earlier stages had elsewhere."""
+    """Draws the stage's own middle line, and in red the parts of earlier middle lines that lie elsewhere."""
     picture = _ground(found, found.stages[k])
     own = found.stages[k].skeleton
     for earlier in found.stages[:k]:

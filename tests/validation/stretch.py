@@ -1,4 +1,4 @@
-"""How far a sheet is stretched, triangle by triangle, from the written frames alone; the paper's Fig. 4."""
+"""Stretch of a sheet, triangle by triangle, from the written frames alone; the paper's Fig. 4."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -17,36 +17,36 @@ from sunder_tools.pictures.vtp import PolyData, VtpError
 
 from .crack_check import element_side
 
-SLIVER = 0.05    # elements: a smaller triangle, where a crack cuts off a corner, says little
+SLIVER = 0.05  # elements: a smaller triangle, where a crack cuts off a corner, is ignored
 WIDTH, GAP, HEAD, CAPTION = 620, 8, 44, 30  # [px]
 MARGIN = 1.04
-MOST = 3.0       # the colour of this stretch is that of all beyond
+MOST = 3.0  # stretch with the last colour; larger ones have the same colour
 PAPER, CALM, FAR = np.array([0.98, 0.98, 0.976]), np.array([0.80, 0.87, 0.88]), np.array([0.78, 0.10, 0.08])
 
 
 @dataclass(frozen=True)
 class Stretched:
-    """The sheet at an instant."""
+    """The sheet at one time."""
     time_s: float
     shell: PolyData
-    stretch: np.ndarray  # of each triangle, the larger principal one
+    stretch: np.ndarray  # larger principal stretch of each triangle
     side: float          # of an element [m]
 
     def counted(self) -> np.ndarray:
-        """Triangles that are no slivers."""
+        """Selects triangles that are no slivers."""
         return _area(self.shell) > SLIVER * self.side ** 2
 
     def largest(self) -> float:
         return float(self.stretch[self.counted()].max())
 
     def beyond(self, limit: float) -> float:
-        """Area at rest that is stretched further than that, in elements."""
+        """Returns the area at rest with a larger stretch than the given one, in elements."""
         area = _area(self.shell)
         return float(area[self.counted() & (self.stretch > limit)].sum()) / self.side ** 2
 
 
 def separated_at(folder: Path) -> float:
-    """When the first frame was written that has the sheet in several pieces [s]. Raises VtpError."""
+    """Returns the time [s] of the first frame with the sheet in several pieces. Raises VtpError."""
     for frame in list_frames(folder):
         shell = frame.read(SHELL)
         if shell is not None and len(np.unique(shell.of_triangles("fragment", 0))) > 1:
@@ -55,7 +55,8 @@ def separated_at(folder: Path) -> float:
 
 
 def stretched_at(folder: Path, time_s: float) -> Stretched:
-    """The first frame with the shell from that time on. Raises VtpError where there is none: it may be frozen."""
+    """Returns the first frame with the shell from that time on. Raises VtpError where there is none, as after
+    freezing."""
     side = 0.0
     for frame in list_frames(folder):
         shell = frame.read(SHELL)
@@ -73,7 +74,8 @@ def _area(shell: PolyData) -> np.ndarray:
 
 
 def _stretch(shell: PolyData) -> np.ndarray:
-    """Root of the larger eigenvalue of C, whose components are scalar products of a triangle's sides."""
+    """Returns the square root of the larger eigenvalue of C; its components are scalar products of a triangle's
+    sides."""
     def metric(points: np.ndarray) -> np.ndarray:
         corner = points[shell.triangles]
         sides = np.stack([corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]], axis=1)
@@ -85,7 +87,7 @@ def _stretch(shell: PolyData) -> np.ndarray:
 
 
 def write_stretched(found: list[tuple[str, Stretched]], path: Path) -> None:
-    """Sheets side by side as they are, from pale to red with their stretch. Raises OSError."""
+    """Draws sheets side by side in their present shape, from pale to red with their stretch. Raises OSError."""
     points = np.concatenate([one.shell.points for _, one in found])
     first = found[0][1].shell
     axes = along_normal(reference_points(first), first.triangles, WIDTH, WIDTH, 1.0).axes

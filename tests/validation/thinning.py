@@ -5,7 +5,8 @@ import numpy as np
 
 
 def thinned(image: np.ndarray) -> np.ndarray:
-    """The skeleton of (h, w) booleans, a pixel wide and connected as the picture is (Zhang and Suen 1984)."""
+    """Returns the skeleton of (h, w) booleans: one pixel wide, and connected where the picture is (Zhang and Suen
+    1984)."""
     work = np.pad(np.asarray(image, bool), 1)
     while True:
         before = int(work.sum())
@@ -22,19 +23,19 @@ def thinned(image: np.ndarray) -> np.ndarray:
 
 
 def _around(work: np.ndarray) -> tuple[np.ndarray, ...]:
-    """The eight neighbours of all pixels but the rim, clockwise from above."""
+    """Returns the eight neighbours of all pixels inside the rim, clockwise from above."""
     h, w = work.shape
     return tuple(work[1 + i:h - 1 + i, 1 + j:w - 1 + j]
                  for i, j in ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1)))
 
 
 def grown(image: np.ndarray, radius: float) -> np.ndarray:
-    """All pixels within `radius` [px] of one that is set."""
+    """Sets all pixels within `radius` [px] of a set pixel."""
     reach = int(radius)
     h, w = image.shape
     sums = np.cumsum(np.pad(np.asarray(image, np.int32), ((reach, reach), (reach + 1, reach))), axis=1)
     out = np.zeros((h, w), bool)
-    for i in range(-reach, reach + 1):  # a disc is rows of different widths
+    for i in range(-reach, reach + 1):  # a disc consists of rows of different widths
         half = int((radius * radius - i * i) ** 0.5)
         row = sums[reach + i:reach + i + h]
         out |= row[:, reach + half + 1:reach + half + 1 + w] > row[:, reach - half:reach - half + w]
@@ -42,11 +43,12 @@ def grown(image: np.ndarray, radius: float) -> np.ndarray:
 
 
 def closed(image: np.ndarray) -> np.ndarray:
-    """Without holes and clefts narrower than two pixels."""
+    """Closes holes and clefts narrower than two pixels."""
     return ~grown(~grown(image, 1.5), 1.5) | np.asarray(image, bool)
 
 
 def share_outside(image: np.ndarray, other: np.ndarray, radius: float) -> float:
-    """Share of the pixels of `image` further than `radius` [px] from every one of `other`; NaN where there is none."""
+    """Returns the share of `image`'s pixels further than `radius` [px] from every pixel of `other`; NaN where there
+    is none."""
     count = int(image.sum())
     return int((image & ~grown(other, radius)).sum()) / count if count else float("nan")

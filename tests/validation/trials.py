@@ -1,4 +1,4 @@
-"""Tools of validation by whole runs: the table of rows, and runs of the repository's scenes."""
+"""Tools for validation by whole runs: the table of rows, and runs of the repository's scenes."""
 from __future__ import annotations
 
 import csv
@@ -18,22 +18,22 @@ from sunder_tools.places import REPOSITORY
 from sunder_tools.report.run_json import read_run
 
 SCENES = REPOSITORY / "scenes"
-MOST_INJECTED = 0.01  # of what fracture took, that insertions of edges may add
-MOST_MISSING = 0.01   # of the largest energy, that no book has: half of what a run warns at
-ROUND_OFF = 1e-12     # of impulses and of what pieces carry: sums of 10^4 terms
+MOST_INJECTED = 0.01  # share of the fracture energy that insertions of edges may add
+MOST_MISSING = 0.01  # share of the largest energy that no book has; a run warns at twice that
+ROUND_OFF = 1e-12  # of impulses and of what pieces carry: sums of 10^4 terms
 
 
 @dataclass
 class Table:
-    """Rows as `sunder-validate` prints and writes them."""
+    """Collects rows as `sunder-validate` prints and writes them."""
     rows: list[dict[str, object]] = field(default_factory=list)
     lines: list[str] = field(default_factory=list)
     curves: list[dict[str, object]] = field(default_factory=list)
-    headed: bool = False  # the head of the table stands already
+    headed: bool = False  # the head of the table has been printed
     pictures: Path | None = None  # an existing folder for them
 
     def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float) -> None:
-        """Relative error, or absolute where the reference is zero; printed at once."""
+        """Adds a row and prints it at once. The error is relative, or absolute where the reference is zero."""
         error = abs(computed / reference - 1.0) if reference != 0.0 else abs(computed)
         good = error <= tolerance  # NaN fails
         self.rows.append({"name": name, "computed": computed, "reference": reference, "error": error,
@@ -43,7 +43,7 @@ class Table:
 
 
 def run_scene(executables: Executables, scene: str, settings: list[str]) -> tuple[dict, list[list[str]], float]:
-    """Runs a scene of the repository; returns run.json, the rows of probes.csv and the seconds that it took."""
+    """Runs a scene of the repository. Returns run.json, the rows of probes.csv and the seconds of the run."""
     with kept_run(executables, scene, settings) as (folder, seconds):
         probes = folder / "probes.csv"
         rows = list(csv.reader(probes.open())) if probes.is_file() else []
@@ -51,8 +51,8 @@ def run_scene(executables: Executables, scene: str, settings: list[str]) -> tupl
 
 
 def answering(table: Table, case: str, executables: Executables) -> Iterator[tuple[str, list[str]]]:
-    """Every engine that comes with the project, and its capabilities. What it runs with may not be there to install:
-    then it is left out, with the reason. One that is there and does not answer is a failed row."""
+    """Returns the engines that come with the project, with their capabilities. An engine without its environment is
+    left out with the reason. An installed engine that does not answer becomes a failed row."""
     for name in engines.names(executables):
         try:
             rigid = engines.resolve(name, executables)
@@ -71,7 +71,8 @@ def answering(table: Table, case: str, executables: Executables) -> Iterator[tup
 
 @contextmanager
 def kept_run(executables: Executables, scene: str, settings: list[str]) -> Iterator[tuple[Path, float]]:
-    """Runs a scene of the repository; its run folder is there within, with the seconds that it took."""
+    """Runs a scene of the repository. Yields its run folder, which exists within the context, and the seconds of the
+    run."""
     start = time.monotonic()
     with tempfile.TemporaryDirectory(prefix="validate-sunder-") as folder:
         launch_once(executables, SCENES / scene, Path(folder), settings)
@@ -79,20 +80,20 @@ def kept_run(executables: Executables, scene: str, settings: list[str]) -> Itera
 
 
 def injected(run: dict[str, Any]) -> float:
-    """Energy that insertions of edges have added, over what fracture took; NaN where nothing has cracked."""
+    """Returns the energy that insertions of edges have added over the fracture energy; NaN without cracks."""
     energy = run["energy"]
     taken = energy["dissipated_fracture"]
     return energy["crack_injected"] / taken if taken > 0.0 else math.nan
 
 
 def add_books(table: Table, name: str, run: dict[str, Any], seconds: float = 0.0) -> None:
-    """Rows NAME_injected and NAME_energy, what is missing of the largest energy."""
+    """Adds rows NAME_injected and NAME_energy, the missing share of the largest energy."""
     table.add(f"{name}_injected", injected(run), 0.0, MOST_INJECTED, seconds)
     table.add(f"{name}_energy", run["energy"]["residual_relative"], 0.0, MOST_MISSING, 0.0)
 
 
 def add_momentum(table: Table, name: str, run: dict[str, Any]) -> None:
-    """Rows NAME_impulses, of windows, and NAME_handoffs, of births: errors of momentum and angular momentum."""
+    """Adds rows NAME_impulses, of windows, and NAME_handoffs, of births: errors of momentum and angular momentum."""
     ledger, handoff = run["ledger"], run["handoff"]
     table.add(f"{name}_impulses", max(ledger["linear_max"], ledger["angular_max"]), 0.0, ROUND_OFF, 0.0)
     births = max(handoff[f"{what}_error_max"] for what in ("mass", "momentum", "angular_momentum"))

@@ -1,1 +1,1 @@
-"""Reads the frames of a run and shows them: contact sheet, stills, films, meshes for other tools, the page of the viewer."""
+"""Reads the frames of a run and makes contact sheets, stills, films, meshes for other tools, and the viewer's data."""

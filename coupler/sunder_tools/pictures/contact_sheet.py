@@ -1,4 +1,4 @@
-"""contact_sheet.png: a run at a glance, with numpy and PIL only."""
+"""contact_sheet.png: the whole run on one picture, with numpy and PIL only."""
 from __future__ import annotations
 
 import os
@@ -24,8 +24,8 @@ HEAD = 44                      # [px] the line on top
 PATTERN = 860                  # [px] side of the crack pattern
 DETAIL = 250                   # [px] height of the strip just above the floor
 SAMPLES = 2                    # per pixel and direction
-DIRECTION = (-0.42, 0.80, -0.46)  # of sight in the panels
-FAR = 1.3                      # pane widths; what lies further from its middle does not decide the framing
+DIRECTION = (-0.42, 0.80, -0.46)  # of view in the panels
+FAR = 1.3  # pane widths; points further from its middle do not count for the framing
 PAPER = (250, 250, 249)
 SHEET = (COLUMNS * PANEL[0] + (COLUMNS + 1) * GAP, HEAD + ROWS * (PANEL[1] + GAP) + GAP + PATTERN + GAP)
 
@@ -84,7 +84,7 @@ def _title(folder: Path) -> str:
 
 
 def towards_what_is_hit(scene: Scene, low: np.ndarray, high: np.ndarray) -> np.ndarray:
-    """The usual direction of sight, from the other side where what hits the shell comes from behind it."""
+    """Returns the usual direction of view, or the opposite one where a body strikes the shell from behind."""
     direction = np.array(DIRECTION)
     if len(scene.moving) and scene.moving[:, 0].mean() < 0.5 * (low[0] + high[0]) - 0.25 * (high - low).max():
         direction[0] *= -1.0
@@ -92,7 +92,7 @@ def towards_what_is_hit(scene: Scene, low: np.ndarray, high: np.ndarray) -> np.n
 
 
 def boxes(first: Frame, scenes: list[Scene]) -> tuple[tuple[np.ndarray, np.ndarray], tuple[np.ndarray, np.ndarray]]:
-    """Two boxes [m] to frame: the pane with what hits it, and all that happens down to the floor."""
+    """Returns two boxes [m] to frame: the pane with the striking bodies, and everything down to the floor."""
     shell = first.read(SHELL)
     core = [shell.points] if shell is not None and len(shell.points) else [
         scenes[0].shards, scenes[0].glass.points, scenes[0].moving]
@@ -120,7 +120,7 @@ def boxes(first: Frame, scenes: list[Scene]) -> tuple[tuple[np.ndarray, np.ndarr
 
 
 def _within(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
-    """True if nearly all points are in the box (with a tenth to spare)."""
+    """Tests whether nearly all points are in the box, with a margin of a tenth."""
     spare = 0.1 * (high - low).max()
     return len(points) == 0 or float(((points > low - spare) & (points < high + spare)).all(axis=1).mean()) > 0.97
 
@@ -138,7 +138,7 @@ def _pattern_panel(frames: list[Frame]) -> Image.Image:
 
 
 def _side_panel(frame: Frame, scene: Scene, wide: tuple[np.ndarray, np.ndarray], width: int) -> Image.Image:
-    """Edge on: everything true to scale, and below it the first centimetres above the floor, stretched."""
+    """Draws the run edge on: all at true scale, and below it the first centimetres above the floor, stretched."""
     panel = Image.new("RGB", (width, PATTERN), PAPER)
     low, high = wide[0] - 0.04, wide[1] + 0.04
     detail = DETAIL if scene.floor_z is not None else 0
@@ -149,7 +149,7 @@ def _side_panel(frame: Frame, scene: Scene, wide: tuple[np.ndarray, np.ndarray],
     _scale_bar(view, float(camera.scale[0]) / SAMPLES)
     panel.paste(view, (0, 0))
     if scene.floor_z is not None:
-        half = 0.5 * width * SAMPLES / camera.scale[0]  # the same length of floor as above it
+        half = 0.5 * width * SAMPLES / camera.scale[0]  # the same length of floor as in the picture above
         middle = 0.5 * (low + high)
         low = np.array([middle[0] - half, low[1], scene.floor_z - 0.008])
         high = np.array([middle[0] + half, high[1], scene.floor_z + 0.048])
@@ -176,7 +176,7 @@ def _caption(image: Image.Image, text: str) -> None:
 
 
 def _scale_bar(image: Image.Image, pixels_per_m: float) -> None:
-    """A bar of 1, 10 or 100 cm in the lower left corner."""
+    """Draws a bar of 1, 10 or 100 cm in the lower left corner."""
     length_m = next((m for m in (1.0, 0.1, 0.01) if m * pixels_per_m < 0.4 * image.width), 0.001)
     x, y = 14, image.height - 16
     ImageDraw.Draw(image).line([(x, y), (x + length_m * pixels_per_m, y)], fill=TEXT, width=3)

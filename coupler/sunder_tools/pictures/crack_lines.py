@@ -1,4 +1,4 @@
-"""Crack lines as a run writes them: the edges of one frame, in the parameters of their shell and on the sheet at rest."""
+"""Crack lines of a run: the edges of one frame, in the parameters of their shell and on the sheet at rest."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -13,9 +13,9 @@ from .vtp import PolyData, VtpError
 
 @dataclass(frozen=True)
 class Graph:
-    """The crack lines of one frame. Vertices are the same where their numbers are the same to the last bit."""
+    """Crack lines of one frame. Equal vertices have equal coordinates, to the last bit."""
     ends: np.ndarray   # (n, 2, 2) parameter points [m]
-    rest: np.ndarray   # (n, 2, 3) where they are on the sheet at rest [m], held back at its border
+    rest: np.ndarray  # (n, 2, 3) on the sheet at rest [m], cut off at its border
     crack: np.ndarray  # (n,) number of the crack
     born: np.ndarray   # (n,) [s]
 
@@ -23,17 +23,17 @@ class Graph:
         return len(self.ends)
 
     def some(self, which: np.ndarray) -> "Graph":
-        """The edges of which `which` (n,) is true."""
+        """Selects edges by `which` (n,)."""
         return Graph(self.ends[which], self.rest[which], self.crack[which], self.born[which])
 
     def keys(self) -> list[bytes]:
-        """One per edge: the two points in either order, crack and birth."""
+        """Returns one key per edge: its two points in either order, crack and birth."""
         order = np.lexsort((self.ends[:, :, 1], self.ends[:, :, 0]), axis=1)
         points = np.take_along_axis(self.ends, order[:, :, None], axis=1).reshape(len(self), 4)
         return [row.tobytes() for row in np.column_stack([points, self.crack, self.born])]
 
     def vertices(self) -> np.ndarray:
-        """(n, 2) numbers of the ends, equal for equal points."""
+        """Returns numbers (n, 2) of the ends; equal points have equal numbers."""
         if len(self) == 0:
             return np.zeros((0, 2), int)
         return np.unique(self.ends.reshape(-1, 2), axis=0, return_inverse=True)[1].reshape(-1, 2)
@@ -55,7 +55,7 @@ def graph_of(mesh: PolyData | None, where: str) -> Graph:
 
 
 def last_graph(folder: Path) -> Graph:
-    """The crack lines of the last frame that has any. Raises ValueError where there is none."""
+    """Returns the crack lines of the last frame with any. Raises ValueError where there is none."""
     frames = [f for f in list_frames(folder) if CRACKS in f.files]
     if not frames:
         raise ValueError(f"{folder}: no crack lines")
@@ -64,5 +64,5 @@ def last_graph(folder: Path) -> Graph:
 
 
 def grown(graph: Graph) -> Graph:
-    """What has grown, without the cuts of time zero."""
+    """Returns the grown edges, without cuts at time zero."""
     return graph.some(graph.born > 0.0)

@@ -32,19 +32,19 @@ STEEL = (0.58, 0.60, 0.63)
 
 @dataclass
 class Mesh:
-    """All triangles of a frame, shell first."""
+    """All triangles of a frame, those of shells first."""
     points: np.ndarray     # (n, 3) [m]
     velocity: np.ndarray   # (n, 3) [m/s]
     triangles: np.ndarray  # (m, 3)
-    fragment: np.ndarray   # (m,); of a shard the number of its body
-    damage: np.ndarray     # (m,) 0..1, the most of all layers; 0 for bodies
+    fragment: np.ndarray  # (m,); for a shard the number of its body
+    damage: np.ndarray  # (m,) 0..1, largest of all layers; 0 for bodies
     part: np.ndarray       # (m,) number of the shell, -1 for bodies
     body: np.ndarray       # (m,) -1 for the shell
     kind: np.ndarray       # (m,) as in frames.py, -1 for the shell
 
 
 def mesh_of(frames: list[Frame], k: int) -> Mesh:
-    """Frame k. Raises VtpError, OSError."""
+    """Reads frame k. Raises VtpError, OSError."""
     shell = frames[k].read(SHELL)
     bodies, moves = with_soft(frames[k], frames[k].read(BODIES), body_velocity(frames, k))
     points, velocity, triangles = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3), int)]
@@ -73,7 +73,7 @@ def mesh_of(frames: list[Frame], k: int) -> Mesh:
 
 
 def ply_bytes(mesh: Mesh, time_s: float) -> bytes:
-    """A binary PLY."""
+    """Writes a binary PLY."""
     vertex = np.zeros(len(mesh.points), [(n, "<f4") for n in ("x", "y", "z", "vx", "vy", "vz")])
     for axis in range(3):
         vertex["xyz"[axis]], vertex["v" + "xyz"[axis]] = mesh.points[:, axis], mesh.velocity[:, axis]
@@ -90,7 +90,7 @@ def ply_bytes(mesh: Mesh, time_s: float) -> bytes:
 
 
 class _Glb:
-    """A binary glTF that grows."""
+    """A binary glTF under construction."""
 
     def __init__(self, time_s: float) -> None:
         self._blob = bytearray()
@@ -111,12 +111,12 @@ class _Glb:
         self._blob += bytes(-len(self._blob) % 4)
         accessor = {"bufferView": view, "componentType": 5126 if values.dtype.kind == "f" else 5125, "count": len(values),
                     "type": kind}
-        if limits:  # asked for of positions
+        if limits:  # required for positions
             accessor |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
         return self._add("accessors", accessor)
 
     def add(self, name: str, mesh: Mesh, which: np.ndarray, colour: tuple[float, ...]) -> None:
-        """The triangles `which` as a node of this name; nothing where there are none."""
+        """Adds the triangles `which` as a node of this name; adds nothing where there are none."""
         if not which.any():
             return
         corners = mesh.triangles[which].ravel()
@@ -140,7 +140,7 @@ class _Glb:
         scene[0]["nodes"].append(node)
 
     def packed(self) -> bytes:
-        # the format has no empty lists, and no scene of no nodes
+        # The format allows no empty lists, and no scene without nodes.
         content = {k: v for k, v in self.json.items() if v != []}
         if not self.json["nodes"]:
             content["scenes"] = [{}]
@@ -155,7 +155,7 @@ class _Glb:
 
 
 def glb_bytes(mesh: Mesh, time_s: float, words: Words, part_of: dict[int, int]) -> bytes:
-    """A binary glTF 2.0."""
+    """Writes a binary glTF 2.0."""
     out = _Glb(time_s)
     several = mesh.part.max(initial=0) > 0
 
@@ -178,7 +178,7 @@ def glb_bytes(mesh: Mesh, time_s: float, words: Words, part_of: dict[int, int]) 
 
 
 def export(folder: Path, kind: str, out: Path | None, spec: str | None) -> int:
-    """Writes the meshes and says where they are; returns the exit status. Raises CommandError."""
+    """Writes the meshes and prints their paths; returns the exit status. Raises CommandError."""
     frames = frames_of(folder, "export")
     numbers = pick(spec or "all", len(frames))
     target = out if out is not None else folder / "export"

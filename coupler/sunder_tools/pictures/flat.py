@@ -1,4 +1,4 @@
-"""The crack pattern from above, and the last frame edge on."""
+"""Draws the crack pattern from above, and the last frame edge on."""
 from __future__ import annotations
 
 import numpy as np
@@ -8,12 +8,12 @@ from .meshes import Scene, fragment_edges, reference_points
 from .raster import Camera, line_pixels, orthographic_camera, rasterise
 from .views import INK, background, draw_scene
 
-PAINTED_FRAMES = 24  # at most so many are painted over one another
+PAINTED_FRAMES = 24  # largest number of frames painted over one another
 DAMAGE = np.array([0.93, 0.62, 0.45])
 
 
 def _pastel(fragment: np.ndarray) -> np.ndarray:
-    """Pale colours that differ between neighbouring ids; the largest fragment stays nearly white."""
+    """Returns pale colours that differ between neighbouring ids; the largest fragment stays nearly white."""
     ids, inverse, count = np.unique(fragment, return_inverse=True, return_counts=True)
     hue = np.modf(ids * 0.6180339887498949)[0] * 2.0 * np.pi
     colours = 0.86 + 0.10 * np.cos(hue[:, None] - np.array([0.0, 2.0943951, 4.1887902]))
@@ -23,12 +23,12 @@ def _pastel(fragment: np.ndarray) -> np.ndarray:
 
 
 def crack_pattern(frames: list[Frame], width: int, height: int, margin: float = 1.08) -> tuple[np.ndarray, float] | None:
-    """The undeformed pane along its normal: (height, width, 3) colours 0..1, and the scale [px/m].
+    """Draws the undeformed pane along its normal: (height, width, 3) colours 0..1, and the scale [px/m].
 
     A fragment that was handed over is no longer in the shell's later frames, so the frames before each
     hand-over are painted first and the last one over them. None if the run has no shell frames.
     """
-    # Areas tell when fragments leave; the meshes themselves are read again: all at once may not fit in memory.
+    # Areas show when fragments leave. The meshes are read again, since all at once may not fit in memory.
     kept: list[tuple[Frame, float]] = []
     for frame in frames:
         mesh = frame.read(SHELL)
@@ -55,7 +55,7 @@ def crack_pattern(frames: list[Frame], width: int, height: int, margin: float = 
         index, _ = rasterise(pixels, near, mesh.triangles, width, height)
         hit = index >= 0
         damage = np.clip(mesh.of_triangles("damage", 0.0), 0.0, 1.0)
-        if damage.ndim == 2:  # one value per layer
+        if damage.ndim == 2:  # one value for each layer
             damage = damage.max(axis=1)
         colours = _pastel(mesh.of_triangles("fragment", 0))
         colours = colours + 0.6 * damage[:, None] * (DAMAGE - colours)
@@ -70,7 +70,7 @@ def crack_pattern(frames: list[Frame], width: int, height: int, margin: float = 
 
 
 def along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: int, margin: float) -> Camera:
-    """Looks straight on the pane, from above where there is an above."""
+    """Looks straight on the pane, from above where it is level."""
     corner = points[triangles]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]).sum(axis=0)
     normal /= max(float(np.linalg.norm(normal)), 1e-12)
@@ -92,7 +92,7 @@ def _ink(segments: np.ndarray, camera: Camera, width: int, height: int) -> np.nd
 
 def side_view(scene: Scene, low: np.ndarray, high: np.ndarray, width: int, height: int,
               stretch: bool = True) -> tuple[np.ndarray, Camera]:
-    """Edge on along +y, without perspective, of the box low..high [m].
+    """Draws the box low..high [m] edge on along +y, without perspective.
 
     With `stretch` the heights fill the picture on their own scale. The floor is seen as the edge of
     a grey ground, so a body that hovers shows a gap and one that sinks is cut by the line.

@@ -1,4 +1,4 @@
-"""The frames of a run as frames.pvd lists them, and which of them a contact sheet shows."""
+"""Frames of a run, as listed in frames.pvd, and the choice of frames for a contact sheet."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -11,23 +11,23 @@ from .vtp import PolyData, VtpError, read_vtp
 
 SHELL, CRACKS, BODIES, SOFT = 0, 1, 2, 3       # `part` in frames.pvd
 MOVING, SHARD, STATIC, FROZEN = 0, 1, 2, 3     # `kind` of a triangle in bodies_*.vtp
-MEASURED_FRAMES = 240                          # at most so many are read to choose the panels
+MEASURED_FRAMES = 240  # largest number of frames that are read to choose the panels
 
 
 @dataclass(frozen=True)
 class Frame:
-    """One instant; a part that has no file (a frozen shell) reads as None."""
+    """One time; a part without a file (a frozen shell) reads as None."""
     time_s: float
     files: dict[int, Path]
 
     def read(self, part: int) -> PolyData | None:
-        """The part's mesh, or None if this frame has none. Raises VtpError, OSError."""
+        """Reads the part's mesh, or returns None where this frame has none. Raises VtpError, OSError."""
         path = self.files.get(part)
         return read_vtp(path) if path is not None else None
 
 
 def list_frames(folder: Path) -> list[Frame]:
-    """All frames of a run folder in order of time. Raises VtpError, OSError."""
+    """Lists all frames of a run folder in order of time. Raises VtpError, OSError."""
     pvd = folder / "frames.pvd"
     try:
         root = ElementTree.parse(pvd).getroot()
@@ -40,13 +40,13 @@ def list_frames(folder: Path) -> list[Frame]:
         except (KeyError, ValueError) as error:
             raise VtpError(f"{pvd}: bad DataSet: {error}") from None
         path = folder / name
-        if path.exists():  # the last frame of a killed run may be listed but not there
+        if path.exists():  # the last frame of a killed run may be listed but missing
             by_time.setdefault(time_s, {})[part] = path
     return [Frame(time_s, files) for time_s, files in sorted(by_time.items())]
 
 
 def choose_frames(frames: list[Frame], panels: int) -> list[Frame]:
-    """`panels` frames, first and last among them, in equal steps of how much has changed.
+    """Chooses `panels` frames, with the first and the last, in equal steps of change.
 
     Change counts growth of cracks, new shards, movement of shards, and the mere passing of frames,
     each relative to its total over the run; so the breaking gets its panels although it takes a

@@ -1,4 +1,4 @@
-"""Text in pictures, with whatever font there is."""
+"""Text in pictures, with any available font."""
 from __future__ import annotations
 
 from PIL import Image, ImageDraw, ImageFont
@@ -16,13 +16,13 @@ def _font(size: int) -> ImageFont.FreeTypeFont | None:
 
 
 def draw_text(image: Image.Image, at: tuple[int, int], text: str, size: int) -> None:
-    """Text with its upper left corner at `at`; PIL's own small font, enlarged, where no other is there."""
+    """Draws text with its upper left corner at `at`; without other fonts, in PIL's own small font, enlarged."""
     font = _font(size)
     if font is not None:
         ImageDraw.Draw(image).text(at, text, fill=TEXT, font=font)
         return
     plain = ImageFont.load_default()
-    text = text.encode("latin-1", "replace").decode("latin-1")  # all that the built-in font has
+    text = text.encode("latin-1", "replace").decode("latin-1")  # the built-in font has only these characters
     mask = Image.new("L", plain.getbbox(text)[2:])
     ImageDraw.Draw(mask).text((0, 0), text, fill=255, font=plain)
     factor = max(size / 11.0, 1.0)

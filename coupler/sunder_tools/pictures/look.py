@@ -1,4 +1,4 @@
-"""The quantity that colours the triangles of a picture, and what is known of them beyond the frame."""
+"""The quantity that colours triangles in a picture, and the knowledge about them outside of the frame."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -15,21 +15,21 @@ SAME_DENSITY = 1e-6  # relative; mass and area of a shard are written with nine 
 
 @dataclass(frozen=True)
 class Look:
-    """`part_of` is the shell that each shard came off, by its body's number."""
+    """Colouring of a picture. `part_of` is the shell that each shard came from, by its body's number."""
     by: str = "part"
     glass: tuple[bool, ...] = ()
     part_of: dict[int, int] = field(default_factory=dict)
-    fastest: float = 1.0  # [m/s], the end of the colours of speed
+    fastest: float = 1.0  # [m/s], end of the colour scale of speed
 
     @staticmethod
     def of(folder: Path, by: str = "part", fastest: float = 1.0) -> "Look":
-        """For the run in `folder`; less is known where its scene is not found."""
+        """Makes the colouring for the run in `folder`; with less knowledge where its scene is not found."""
         words = scene_words(folder)
         return Look(by, words.glass, origins(folder, words), fastest)
 
 
 def origins(folder: Path, words: Words) -> dict[int, int]:
-    """The shell that each shard of shards.csv came off, by its mass per area.
+    """Finds the shell of each shard in shards.csv, by its mass per area.
 
     Frames do not say. Of several shells with this mass per area that can break the first is named: it has their colour
     only where they are of one material, else the shard is left out.
@@ -47,6 +47,6 @@ def origins(folder: Path, words: Words) -> dict[int, int]:
 
 
 def parts_of_bodies(body: np.ndarray, part_of: dict[int, int]) -> np.ndarray:
-    """(n,) shell of each of the bodies (n,), -1 where it is not known."""
+    """Returns the shell (n,) of each of the bodies (n,), -1 where it is unknown."""
     ids, inverse = np.unique(body.astype(np.int64), return_inverse=True)
     return np.array([part_of.get(int(i), -1) for i in ids], np.int64)[inverse].reshape(body.shape)

@@ -1,4 +1,4 @@
-"""Makes a frame ready for drawing: glass and solid triangles, their colours, and the lines on them."""
+"""Prepares a frame for drawing: glass and solid triangles, their colours, and the lines on them."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -12,18 +12,18 @@ from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
 from .soft import balls, colours as soft_colours, speeds
 from .vtp import PolyData
 
-WELD_M = 1e-6            # points closer than this are one when lines are looked for
-SHARP_COSINE = 0.8       # edges between faces that turn by more than 37 degrees are drawn
-LONGEST_STATIC_M = 0.12  # static triangles are divided to this, so that none reaches behind the eye
+WELD_M = 1e-6  # nearer points are one when lines are searched
+SHARP_COSINE = 0.8  # edges between faces that turn by more than 37 degrees are drawn
+LONGEST_STATIC_M = 0.12  # static triangles are divided to this size, so that none reaches behind the eye
 STEEL = np.array([0.58, 0.60, 0.63])
 FLOOR = np.array([0.87, 0.87, 0.86])
-DEBRIS = np.array([0.66, 0.69, 0.71])  # shards of one of several shells, not known which
+DEBRIS = np.array([0.66, 0.69, 0.71])  # shards of an unknown shell of several
 PALE = np.array([0.90, 0.92, 0.92])    # the largest fragment
 
 
 @dataclass
 class Surface:
-    """Triangles of one sort. `round_centre` is the centre of a ball that a triangle belongs to, else NaN."""
+    """Triangles of one kind. `round_centre` is the centre of the ball that a triangle belongs to, otherwise NaN."""
     points: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # [m]
     triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), int))
     colours: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))         # per triangle, 0..1
@@ -33,7 +33,7 @@ class Surface:
     smooth: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # per point: unit normal, NaN where flat
 
     def normals(self) -> np.ndarray:
-        """Unit normals per triangle; zero for a degenerate one."""
+        """Returns unit normals of the triangles; zero for a degenerate one."""
         corner = self.points[self.triangles]
         normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
         length = np.linalg.norm(normal, axis=1, keepdims=True)
@@ -42,7 +42,7 @@ class Surface:
 
 @dataclass
 class Scene:
-    """A frame ready to be drawn. Transparent triangles are in `glass`, the others in `solid`."""
+    """A frame ready for drawing. Transparent triangles are in `glass`, all others in `solid`."""
     glass: Surface
     solid: Surface
     cracks: np.ndarray      # (k, 2, 3) ends of crack and fragment lines [m]
@@ -50,11 +50,11 @@ class Scene:
     shards: np.ndarray      # (n, 3) corners of shards and soft bodies [m]
     moving: np.ndarray      # (n, 3) corners of the scene's own moving bodies [m]
     floor_z: float | None   # height of the lowest level static face [m]; None: there is none
-    glass_opacity: float = 0.70  # of glass that one looks straight on
+    glass_opacity: float = 0.70  # for a view along the normal of the glass
 
 
 def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
-    """A number per point, the same for points in one place (and with the same number in `apart`)."""
+    """Returns a number per point, equal for points at one place with equal `apart`."""
     cell = np.round(points / WELD_M).astype(np.int64)
     if apart is not None:
         cell = np.column_stack([cell, np.asarray(apart, np.int64)])
@@ -64,7 +64,7 @@ def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
 
 
 def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: np.ndarray | None) -> np.ndarray:
-    """Edges (k, 2) of the mesh that are to be seen: its border, where the label changes, where it is sharp.
+    """Returns the visible edges (k, 2) of a mesh: its border, changes of the label, sharp edges.
 
     `same` is weld() of the points; the result indexes the points themselves.
     """
@@ -86,18 +86,18 @@ def edges(triangles: np.ndarray, same: np.ndarray, labels: np.ndarray, normals: 
 
 
 def reference_points(mesh: PolyData) -> np.ndarray:
-    """Undeformed positions [m]; the present ones where the file has no displacement."""
+    """Returns positions at rest [m], or the present ones where the file has no displacement."""
     displacement = mesh.point_data.get("displacement")
     return mesh.points if displacement is None or displacement.ndim != 2 else mesh.points - displacement
 
 
 def fragment_edges(mesh: PolyData) -> np.ndarray:
-    """Edges (k, 2) along which the shell's fragments, or their outer border, end."""
+    """Returns edges (k, 2) at borders of the shell's fragments."""
     return edges(mesh.triangles, weld(reference_points(mesh)), mesh.of_triangles("fragment", 0), None)
 
 
 def _divided(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Triangles halved until no edge is longer than LONGEST_STATIC_M; also which one each came from."""
+    """Halves triangles until no edge is longer than LONGEST_STATIC_M. Also returns the original triangle of each."""
     corner, source = points[triangles], np.arange(len(triangles))
     for _ in range(16):
         length = np.linalg.norm(corner[:, [1, 2, 0]] - corner, axis=2)
@@ -114,7 +114,7 @@ def _divided(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.
 
 
 def _ball_centres(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -> np.ndarray:
-    """Per triangle the centre of its body if that is a ball, else NaN."""
+    """Returns, for each triangle, the centre of its body if that is a ball, otherwise NaN."""
     centres = np.full((len(triangles), 3), np.nan)
     for one in np.unique(body):
         mine = body == one
@@ -143,7 +143,8 @@ def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, thr
 
 
 def _smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """A unit normal per point, of the triangles around it by area. Sides of a crack have points of their own."""
+    """Returns a unit normal per point, from its triangles weighted by area. Both sides of a crack have their own
+    points."""
     corner = points[triangles]
     normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
     sums = np.stack([np.bincount(triangles.ravel(), np.repeat(normal[:, axis], 3), len(points)) for axis in range(3)], 1)
@@ -163,7 +164,7 @@ def _shell_colours(shell: PolyData, look: Look, part: np.ndarray, several: bool)
         speed = np.linalg.norm(shell_velocity(shell), axis=1)[shell.triangles].mean(axis=1)
         return ramp(speed / look.fastest)
     base = part_colours(part, look.glass) if several else GLASS
-    return varied(np.where(largest, 0, fragment + 1), base, 0.10)  # the largest keeps the base colour
+    return varied(np.where(largest, 0, fragment + 1), base, 0.10)  # the largest one keeps the base colour
 
 
 def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.ndarray, several: bool,
@@ -171,7 +172,7 @@ def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.n
     if look.by == "fragment":
         return np.where(frozen[:, None], PALE, pastel(body))
     if look.by == "damage":
-        return ramp(np.zeros(len(body)))  # frames do not say for what has come off
+        return ramp(np.zeros(len(body)))  # frames have no value for detached pieces
     if look.by == "speed":
         return ramp(speed / look.fastest)
     base = np.where((part >= 0)[:, None], part_colours(np.maximum(part, 0), look.glass), DEBRIS) if several else GLASS
@@ -179,7 +180,8 @@ def _broken_colours(body: np.ndarray, frozen: np.ndarray, look: Look, part: np.n
 
 
 def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = None) -> Scene:
-    """Reads a frame's files. `velocity` (n, 3) [m/s] of the points of bodies, for a look by speed. Raises VtpError, OSError.
+    """Reads the files of a frame. `velocity` (n, 3) [m/s] of bodies' points is for colours by speed. Raises
+    VtpError, OSError.
 
     A lone shell is glass, as are its shards. Of several each has a colour, and is opaque unless its material is glass.
     """
@@ -243,6 +245,7 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         shown = ramp(speeds(soft)[particle] / look.fastest) if look.by == "speed" else soft_colours(soft, particle)
         solid.append(_surface(points, triangles, shown))
         solid[-1].smooth = normals
-        moving, shards = np.concatenate([moving, points]), np.concatenate([shards, points])  # what a picture has to hold
+        # a picture must contain these
+        moving, shards = np.concatenate([moving, points]), np.concatenate([shards, points])
     return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z,
                  0.40 if several else 0.70)  # windows are for looking in, a pane is what there is to see

@@ -1,4 +1,4 @@
-"""How fast the points of a frame move: as the shell writes it, and from frame to frame for rigid bodies."""
+"""Velocities of a frame's points: as the shell writes them, and from frame to frame for rigid bodies."""
 from __future__ import annotations
 
 import numpy as np
@@ -8,13 +8,14 @@ from .vtp import PolyData
 
 
 def shell_velocity(mesh: PolyData) -> np.ndarray:
-    """(n, 3) [m/s], zero where an older frame does not say."""
+    """Returns velocities (n, 3) [m/s], zero where an older frame has none."""
     velocity = mesh.point_data.get("velocity")
     return np.zeros_like(mesh.points) if velocity is None or velocity.ndim != 2 else velocity.astype(float)
 
 
 def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
-    """(n, 3) [m/s] of the points of bodies in frame k; (0, 3) where it has none. Raises VtpError, OSError.
+    """Returns velocities (n, 3) [m/s] of bodies' points in frame k; (0, 3) where there are none. Raises VtpError,
+    OSError.
 
     Frames have no velocity of bodies: it is the mean over the interval since the frame before, or up to the next for
     one that is new; zero where a body is in neither. Spin of more than half a turn in an interval is not seen.
@@ -38,7 +39,7 @@ def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
 
 
 def _by_body(mesh: PolyData) -> dict[int, np.ndarray]:
-    """Points of each body in ascending order."""
+    """Returns the points of each body, in ascending order of bodies."""
     body = mesh.of_triangles("body", 0).astype(np.int64)
     owner = np.full(len(mesh.points), -1, np.int64)
     owner[mesh.triangles.ravel()] = np.repeat(body, 3)

@@ -1,4 +1,4 @@
-"""Data for the viewer's page: the list of frames, each frame as one binary buffer, and the curves."""
+"""Data of the viewer's page: the list of frames, each frame as a binary buffer, and the curves."""
 from __future__ import annotations
 
 import json
@@ -26,7 +26,7 @@ NOTHING = np.zeros((0, 3))
 
 
 class Playback:
-    """A run folder, finished or still under way; may be asked by several threads."""
+    """A run folder, finished or still growing; several threads may use it."""
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
@@ -35,7 +35,8 @@ class Playback:
         self._words: Words | None = None
 
     def state(self) -> dict[str, Any]:
-        """Status and frames, as JSON. A frame's version changes when another run has replaced it. Raises VtpError, OSError."""
+        """Returns status and frames as JSON. A frame's version changes when another run replaces it. Raises
+        VtpError, OSError."""
         run = read_run(self.folder)
         if self._words is None or not self._words.shells:
             self._words = scene_words(self.folder)
@@ -48,11 +49,11 @@ class Playback:
                 "palette": PARTS.tolist(), "part_of": origins(self.folder, words), "bodies": words.bodies, "error": run.get("error"), "counts": run.get("counts", {})}
 
     def frame(self, k: int) -> bytes | None:
-        """pack_frame() of frame k; None if there is none. Raises VtpError, OSError."""
+        """Returns pack_frame() of frame k, or None where there is none. Raises VtpError, OSError."""
         frames = list_frames(self.folder)
         if not 0 <= k < len(frames):
             return None
-        key = " ".join(_version(f) for f in frames[max(k - 1, 0):k + 2])  # neighbours give velocities
+        key = " ".join(_version(f) for f in frames[max(k - 1, 0):k + 2])  # neighbouring frames give velocities
         with self._lock:
             if key in self._packed:
                 self._packed.move_to_end(key)
@@ -65,7 +66,8 @@ class Playback:
         return packed
 
     def curves(self) -> dict[str, Any]:
-        """Plots: titles, units and thinned curves of series.csv and probes.csv, None where a value is not finite."""
+        """Returns plots: titles, units and thinned curves of series.csv and probes.csv; None for a value that is not
+        finite."""
         series, probes = read_columns(self.folder / "series.csv"), read_columns(self.folder / "probes.csv")
         words = self._words or scene_words(self.folder)
         plots = [_plot("energies", "J", series, [n for n in series if n.endswith(" [J]")]),
@@ -79,7 +81,7 @@ class Playback:
 
 
 def _version(frame: Frame) -> str:
-    """Changes with the frame's files."""
+    """Returns a text that changes with the frame's files."""
     stats = [path.stat() for _, path in sorted(frame.files.items())]
     return "-".join(f"{s.st_mtime_ns:x}.{s.st_size:x}" for s in stats)
 
@@ -89,7 +91,7 @@ def _plot(title: str, unit: str, columns: dict[str, np.ndarray], names: list[str
     for name in names:
         values = columns.get(name)
         if values is None or "time [s]" not in columns or not np.any(values[np.isfinite(values)]):
-            continue  # what stays zero throughout says nothing
+            continue  # constant zeros are left out
         t, y = thin(columns["time [s]"], values)
         curves.append({"name": name.rpartition(" [")[0], "t": t.tolist(),
                        "y": [v if np.isfinite(v) else None for v in y.tolist()]})
@@ -97,7 +99,7 @@ def _plot(title: str, unit: str, columns: dict[str, np.ndarray], names: list[str
 
 
 def impulses(probes: dict[str, np.ndarray], words: Words) -> list[dict[str, Any]]:
-    """What each probed body has got from all it touched since the start: m (v - v0 - g t) [N s].
+    """Returns the impulse on each probed body since the start, from all contacts: m (v - v0 - g t) [N s].
 
     Where its mass is not known, the same per mass [m/s]. Also the impulse that supports gave: their reaction in time.
     """
@@ -129,7 +131,8 @@ def impulses(probes: dict[str, np.ndarray], words: Words) -> list[dict[str, Any]
 
 
 def pack_frame(frames: list[Frame], k: int) -> bytes:
-    """One frame for the page: length of a JSON header (u32), the header, padding to 8, then arrays, little-endian.
+    """Packs a frame for the page: length of a JSON header (u32), the header, padding to 8, then arrays,
+    little-endian.
 
     The header has counts, ranges and {name: [type, offset, length]}; offsets count from the first array. Positions are
     single precision from `origin` [m], so that what is small and far away stays sharp. Raises VtpError, OSError.

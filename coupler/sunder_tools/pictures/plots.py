@@ -10,18 +10,19 @@ from PIL import Image, ImageDraw
 from .lettering import TEXT, draw_text
 
 WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 480, 90, 60, 60
-LEGEND, ROW = 190, 18  # width, and height of a line's name
-SMALL = 12              # of labels beside points
-STEPS = 40              # along a piece of a line, that labels keep off
+LEGEND, ROW = 190, 18  # width of the legend, and height of a line's name
+SMALL = 12  # size of labels beside points
+STEPS = 40  # points along a line that labels keep away from
 GRID, PAPER = (222, 224, 226), (250, 250, 249)
-# Told apart by people who see colours otherwise, too (Okabe and Ito 2008).
+# Distinguishable with colour vision deficiencies (Okabe and Ito 2008).
 COLOURS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233), (230, 159, 0))
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One line; both axes logarithmic where `logarithmic`, then only positive points are drawn. Those of one `panel`
-    share axes, which begin at zero where one asks for it. `half`: half the length of a point's bar."""
+    """One line of a plot. Where `logarithmic`, both axes are, and only positive points are drawn. Curves of one
+    `panel` share axes, which begin at zero where one curve asks for it. `half` is half the length of a point's error
+    bar."""
     name: str
     x_label: str
     y_label: str
@@ -35,8 +36,8 @@ class Curve:
 
 @dataclass(frozen=True)
 class Line:
-    """Points joined by a line, each with half the length of a bar where `half` has one; `dots` are not joined. `labels`
-    are written beside the points."""
+    """Points joined by a line; `half` gives half the length of each error bar. `dots` are not joined. `labels` are
+    written beside the points."""
     name: str
     x: list[float]
     y: list[float]
@@ -47,19 +48,19 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """Lines over one pair of axes; named in a legend where there are several."""
+    """Lines over one pair of axes, with a legend where there are several."""
     name: str
     x_label: str
     y_label: str
     lines: list[Line]
     logarithmic: bool = False
-    from_zero: bool = False  # what differs by little then looks so
+    from_zero: bool = False  # shows small differences as small
 
 
 def _ticks(low: float, high: float, logarithmic: bool) -> list[float]:
     if logarithmic:
         first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-        for bases in ((1,), (1, 2, 5), range(1, 10)):  # as few as leave three
+        for bases in ((1,), (1, 2, 5), range(1, 10)):  # the fewest that give three
             ticks = [base * 10.0**e for e in range(first, last + 1) for base in bases]
             if sum(low <= t <= high for t in ticks) >= 3:
                 break
@@ -74,11 +75,11 @@ def _good(values: tuple[float | None, ...], logarithmic: bool) -> bool:
 
 
 def draw_panel(panel: Panel) -> Image.Image:
-    """One pair of axes; without two points in all, its name only."""
+    """Draws one pair of axes; with fewer than two points, only its name."""
     image = Image.new("RGB", (WIDTH, HEIGHT), PAPER)
     draw = ImageDraw.Draw(image)
     log = panel.logarithmic
-    above = max(ABOVE, 12 + ROW * len(panel.lines)) if len(panel.lines) > 1 else ABOVE  # names stand over the axes
+    above = max(ABOVE, 12 + ROW * len(panel.lines)) if len(panel.lines) > 1 else ABOVE  # names stand above the axes
     points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots] if _good(p, log)]
     draw_text(image, (10, 8), panel.name, 18)
     if len(set(points)) < 2:
@@ -147,13 +148,14 @@ Place = tuple[float, float]
 
 
 def _write_labels(image: Image.Image, labels: list[tuple[Place, str]], points: list[Place], lines: list[list[Place]]) -> None:
-    """Each text where there is room nearest to its point, off points and lines, a thin line leading to it [pixels]."""
+    """Places each text near its point where there is room, away from points and lines, with a thin line to the point
+    [pixels]."""
     along = [(a[0] + (b[0] - a[0]) * k / STEPS, a[1] + (b[1] - a[1]) * k / STEPS)
              for line in lines for a, b in zip(line, line[1:]) for k in range(STEPS)]
     taken = [(x - 4, y - 4, x + 4, y + 4) for x, y in points + along]
     draw = ImageDraw.Draw(image)
     for (x, y), text in labels:
-        width = SMALL * 0.56 * len(text)  # about; the font is not known here
+        width = SMALL * 0.56 * len(text)  # approximately; the font is not known here
         spots = [(min(max(LEFT, x + dx), WIDTH - 8 - width), y + dy) for far in range(8, HEIGHT, SMALL + 3)
                  for dy in (-far - SMALL, far) for dx in (8, -8 - width)]
         spots = [s for s in spots if ABOVE <= s[1] <= HEIGHT - BELOW - SMALL] or [(LEFT, y)]
@@ -169,7 +171,7 @@ def _meet(a: tuple[float, float, float, float], b: tuple[float, float, float, fl
 
 
 def write_panels(panels: list[Panel], path: Path) -> None:
-    """All panels on one sheet, two a row. Raises OSError."""
+    """Draws all panels on one sheet, two in a row. Raises OSError."""
     columns = min(2, len(panels))
     rows = -(-len(panels) // columns)
     sheet = Image.new("RGB", (WIDTH * columns, HEIGHT * rows), PAPER)
@@ -179,7 +181,7 @@ def write_panels(panels: list[Panel], path: Path) -> None:
 
 
 def write_plots(curves: list[Curve], path: Path) -> None:
-    """A panel for each curve, or for those that share one. Raises OSError."""
+    """Draws a panel for each curve, or for curves that share one. Raises OSError."""
     panels: dict[str, list[Curve]] = {}
     for c in curves:
         panels.setdefault(c.panel or c.name, []).append(c)

@@ -5,23 +5,23 @@ from dataclasses import dataclass
 
 import numpy as np
 
-NEAR_M = 0.02            # triangles with a corner closer to the eye are not drawn
-CANDIDATES = 1_500_000   # (triangle, pixel) pairs handled at once; bounds the memory
-INSIDE = 1e-9            # of a barycentric weight: pixels on an edge belong to both triangles
+NEAR_M = 0.02  # triangles with a corner nearer to the eye are not drawn
+CANDIDATES = 1_500_000  # (triangle, pixel) pairs that are handled at once; limits the memory
+INSIDE = 1e-9  # of a barycentric weight: pixels on an edge belong to both triangles
 
 
 @dataclass(frozen=True)
 class Camera:
-    """World [m] to pixels. `nearness` is linear across a triangle on the screen, greater is nearer:
+    """Maps the world [m] to pixels. `nearness` is linear over a triangle on the screen and larger for nearer points:
     1/depth with perspective, -depth without."""
     eye: np.ndarray     # (3,) [m]
     axes: np.ndarray    # (3, 3) rows: right, down, forward
     scale: np.ndarray   # (2,) perspective: focal length [px]; else [px/m]; may differ in x and y
-    centre: np.ndarray  # (2,) [px], where the forward axis goes through
+    centre: np.ndarray  # (2,) [px], where the forward axis meets the picture
     perspective: bool
 
     def project(self, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Pixels (n, 2) and nearness (n,); NaN where a point is too near to be seen."""
+        """Returns pixels (n, 2) and nearness (n,); NaN where a point is too near to the eye."""
         local = (points - self.eye) @ self.axes.T
         depth = local[:, 2]
         if not self.perspective:
@@ -30,7 +30,7 @@ class Camera:
         return local[:, :2] * near[:, None] * self.scale + self.centre, near
 
     def unproject(self, pixels: np.ndarray, nearness: np.ndarray) -> np.ndarray:
-        """World positions (n, 3) of pixels with known nearness."""
+        """Returns world positions (n, 3) of pixels with known nearness."""
         local = np.empty((len(pixels), 3))
         local[:, :2] = (pixels - self.centre) / self.scale
         if self.perspective:
@@ -41,7 +41,7 @@ class Camera:
         return local @ self.axes + self.eye
 
     def towards_eye(self, points: np.ndarray) -> np.ndarray:
-        """Unit vectors (n, 3) from points to the eye."""
+        """Returns unit vectors (n, 3) from points to the eye."""
         if not self.perspective:
             return np.broadcast_to(-self.axes[2], points.shape)
         rays = self.eye - points
@@ -57,7 +57,7 @@ def _axes(forward: np.ndarray, up: np.ndarray) -> np.ndarray:
 
 def perspective_camera(low: np.ndarray, high: np.ndarray, direction: np.ndarray, width: int, height: int,
                        field_deg: float = 28.0, margin: float = 1.06) -> Camera:
-    """Looks along `direction` so that the box low..high [m] fills the picture."""
+    """Makes a camera along `direction`, with the box low..high [m] filling the picture."""
     axes = _axes(np.asarray(direction, float), np.array([0.0, 0.0, 1.0]))
     focal = 0.5 * height / np.tan(0.5 * np.radians(field_deg))
     corners = np.array([[x, y, z] for x in (low[0], high[0]) for y in (low[1], high[1]) for z in (low[2], high[2])])
@@ -78,7 +78,7 @@ def perspective_camera(low: np.ndarray, high: np.ndarray, direction: np.ndarray,
 
 def orthographic_camera(centre: np.ndarray, direction: np.ndarray, up: np.ndarray, scale_x: float,
                         scale_y: float, width: int, height: int) -> Camera:
-    """Looks along `direction`; `centre` [m] is in the middle, scales in px/m."""
+    """Makes a camera along `direction` without perspective; `centre` [m] is in the middle, scales are in px/m."""
     axes = _axes(np.asarray(direction, float), np.asarray(up, float))
     return Camera(np.asarray(centre, float), axes, np.array([scale_x, scale_y]),
                   np.array([0.5 * width, 0.5 * height]), False)
@@ -86,7 +86,8 @@ def orthographic_camera(centre: np.ndarray, direction: np.ndarray, up: np.ndarra
 
 def rasterise(pixels: np.ndarray, nearness: np.ndarray, triangles: np.ndarray, width: int,
               height: int) -> tuple[np.ndarray, np.ndarray]:
-    """Nearest triangle per pixel: (indices, -1 where none; nearness, -inf where none), flat, row by row.
+    """Finds the nearest triangle for each pixel: indices, -1 where none; nearness, -inf where none; flat, row by
+    row.
 
     `pixels` (n, 2) and `nearness` (n,) are the projected points; both sides of triangles are seen.
     """
@@ -119,7 +120,7 @@ def rasterise(pixels: np.ndarray, nearness: np.ndarray, triangles: np.ndarray, w
 
 def _rasterise_some(ids: np.ndarray, span: np.ndarray, low: np.ndarray, corner: np.ndarray, area: np.ndarray,
                     near: np.ndarray, width: int, index: np.ndarray, depth: np.ndarray) -> None:
-    """Of each triangle its rows, of each row the pixels inside; updates `index` and `depth`."""
+    """Goes through the rows of each triangle and the pixels inside; updates `index` and `depth`."""
     # Barycentric weights and nearness are affine in the pixel: one gradient per triangle, (m, 3) by corner.
     a, b, c = corner[ids, 0], corner[ids, 1], corner[ids, 2]
     inverse = 1.0 / area[ids]
@@ -131,7 +132,7 @@ def _rasterise_some(ids: np.ndarray, span: np.ndarray, low: np.ndarray, corner: 
     rows, row = _counted(span[:, 1])
     slope, start = gx[:, rows], first[:, rows] + row * gy[:, rows]
     with np.errstate(divide="ignore", invalid="ignore"):
-        zero = -(start + INSIDE) / slope  # column where a weight begins, or ends, to be seen
+        zero = -(start + INSIDE) / slope  # column where a weight becomes positive, or stops being so
         never = ((slope == 0.0) & (start < -INSIDE)).any(axis=0)
     columns = span[rows, 0].astype(float)
     begin = np.ceil(np.where(slope > 0.0, zero, 0.0).max(axis=0).clip(0.0, columns))
@@ -139,12 +140,12 @@ def _rasterise_some(ids: np.ndarray, span: np.ndarray, low: np.ndarray, corner: 
     count = np.where(never, 0.0, (end - begin + 1.0).clip(0.0, None)).astype(np.int64)
     line, column = _counted(count)
     column += begin.astype(np.int64)[line]
-    rise = (near[ids, 1:] - near[ids, :1]).T  # (2, m): a face that is everywhere as near stays so to the bit
+    rise = (near[ids, 1:] - near[ids, :1]).T  # (2, m): a face of constant nearness keeps it to the bit
     value = near[ids, 0][rows] + (start[1:] * rise[:, rows]).sum(axis=0)
     value = value[line] + column * (gx[1:] * rise).sum(axis=0)[rows][line]
     pixel = ((low[ids, 1].astype(np.int64)[rows] + row) * width + low[ids, 0].astype(np.int64)[rows])[line] + column
     tri = ids[rows][line]
-    # Of several candidates for a pixel numpy keeps any one; repeat with those that are still nearer.
+    # numpy keeps any one of several candidates for a pixel, so this repeats with those that are still nearer.
     while True:
         nearer = value > depth[pixel]
         if not nearer.any():
@@ -155,14 +156,14 @@ def _rasterise_some(ids: np.ndarray, span: np.ndarray, low: np.ndarray, corner: 
 
 
 def _counted(count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """For counts (m,): of each of their sum, whose it is, and which it is of those."""
+    """Returns, for counts (m,), the owner of each counted item and its number with that owner."""
     whose = np.repeat(np.arange(len(count)), count)
     return whose, np.arange(len(whose)) - np.repeat(np.cumsum(count) - count, count)
 
 
 def line_pixels(start: np.ndarray, end: np.ndarray, near_start: np.ndarray, near_end: np.ndarray, width: int,
                 height: int, thick: int) -> tuple[np.ndarray, np.ndarray]:
-    """Pixels (flat) and nearness of line segments given by projected ends; `thick` pixels wide."""
+    """Returns pixels (flat) and nearness of line segments given by projected ends, `thick` pixels wide."""
     length = np.abs(end - start).max(axis=1) if len(start) else np.zeros(0)
     good = np.isfinite(length) & (length < 4 * (width + height))
     start, end, near_start, near_end, length = (v[good] for v in (start, end, near_start, near_end, length))

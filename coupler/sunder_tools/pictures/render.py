@@ -1,4 +1,4 @@
-"""`sunder render`: stills and a film of a run, by the rasteriser of the contact sheet."""
+"""`sunder render`: stills and a film of a run, with the contact sheet's rasteriser."""
 from __future__ import annotations
 
 import multiprocessing
@@ -33,9 +33,9 @@ from .vtp import VtpError
 
 STILLS = 6               # without --frames
 SIZE = (1280, 720)       # [px]
-FILM_S = 6.0             # a film of few frames is slowed down to last about this long
+FILM_S = 6.0  # [s] approximate length of a film with few frames, which is slowed down
 FRAMES_A_SECOND = (4, 30)
-SPEED_FRAMES = 24        # at most so many are read to find how fast it gets
+SPEED_FRAMES = 24  # largest number of frames that are read to find the largest speed
 VIEWS = {"front": (180.0, 12.0), "back": (0.0, 12.0), "left": (90.0, 8.0), "right": (-90.0, 8.0), "top": (-90.0, 89.0)}
 ENCODERS = {".mp4": ("-c:v", "libx264", "-crf", "18", "-pix_fmt", "yuv420p", "-movflags", "+faststart"),
             ".webm": ("-c:v", "libvpx-vp9", "-crf", "30", "-b:v", "0", "-pix_fmt", "yuv420p")}
@@ -44,27 +44,27 @@ ANIMATED = (".gif", ".png")
 
 @dataclass(frozen=True)
 class Shot:
-    """How every picture of a run is taken."""
+    """View and style of a run's pictures."""
     size: tuple[int, int] = SIZE                  # [px] width, height
     view: tuple[float, float] | None = None       # [degrees] azimuth of the eye from +x, elevation; None: as in the sheet
     zoom: float = 1.0
-    close: bool = False                           # the shell fills the picture, not all that happens
+    close: bool = False  # the shell fills the picture instead of the whole scene
     caption: bool = True
     look: Look = Look()
 
 
 @dataclass(frozen=True)
 class _Stage:
-    """What a process needs to draw any frame."""
+    """Everything that a process needs to draw any frame."""
     frames: list[Frame]
     shot: Shot
     low: np.ndarray        # box [m] that fills the picture
     high: np.ndarray
-    direction: np.ndarray  # of sight
+    direction: np.ndarray  # of view
 
 
 def parse_view(text: str) -> tuple[float, float]:
-    """A name of VIEWS or 'AZIMUTH,ELEVATION' in degrees. Raises ValueError."""
+    """Reads a name of VIEWS or 'AZIMUTH,ELEVATION' in degrees. Raises ValueError."""
     if text in VIEWS:
         return VIEWS[text]
     azimuth, elevation = (float(x) for x in text.split(","))
@@ -74,7 +74,7 @@ def parse_view(text: str) -> tuple[float, float]:
 
 
 def pick(spec: str, count: int) -> list[int]:
-    """Numbers of frames: 'all', or a list such as '0,5,10-20,last'. Raises CommandError."""
+    """Reads numbers of frames: 'all', or a list such as '0,5,10-20,last'. Raises CommandError."""
     found: list[int] = []
     for word in spec.split(","):
         word = word.strip()
@@ -89,7 +89,7 @@ def pick(spec: str, count: int) -> list[int]:
 
 
 def frames_of(folder: Path, command: str) -> list[Frame]:
-    """All frames of a run. Raises CommandError where there are none."""
+    """Returns all frames of a run. Raises CommandError where there are none."""
     existing_run(folder, command)
     try:
         frames = list_frames(folder)
@@ -102,7 +102,7 @@ def frames_of(folder: Path, command: str) -> list[Frame]:
 
 def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | None, shot: Shot, rate: float | None,
            jobs: int) -> int:
-    """Writes pictures and says where they are; returns the exit status. Raises CommandError."""
+    """Writes pictures and prints their paths; returns the exit status. Raises CommandError."""
     frames = frames_of(folder, "render")
     if sheet:
         with telling(folder / "contact_sheet.png"):
@@ -133,7 +133,7 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
 
 
 class telling:  # noqa: N801: reads as a word in `with telling(target)`
-    """Makes CommandError of what can go wrong while pictures or meshes are written."""
+    """Turns errors while pictures or meshes are written into CommandError."""
 
     def __init__(self, target: Path) -> None:
         self._target = target
@@ -151,7 +151,7 @@ class telling:  # noqa: N801: reads as a word in `with telling(target)`
 
 
 def put_in_place(target: Path, write: Callable[[Path], object]) -> None:
-    """`write(path)` a file that is there whole or not at all."""
+    """Runs `write(path)` so that the file is complete or absent."""
     part = target.with_name(f".{os.getpid()}.{target.name}")
     try:
         write(part)
@@ -176,7 +176,7 @@ def _set_stage(folder: Path, frames: list[Frame], numbers: Sequence[int], shot: 
 
 
 def _fastest(frames: list[Frame], numbers: Sequence[int]) -> float:
-    """[m/s] over some of the frames, shells and bodies; the end of the colours."""
+    """Returns the largest speed [m/s] in some of the frames, of shells and bodies, for the colour scale."""
     top = 0.0
     for k in np.unique(np.linspace(0, len(numbers) - 1, SPEED_FRAMES).round().astype(int)):
         shell = frames[numbers[k]].read(SHELL)
@@ -194,8 +194,8 @@ _stage: _Stage | None = None  # of this process
 def _enter(stage: _Stage) -> None:
     global _stage
     _stage = stage
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C goes to all; the first process ends the others
-    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # by this
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C reaches all processes; the first one ends the others
+    signal.signal(signal.SIGTERM, signal.SIG_DFL)  # with this signal
 
 
 def _draw(k: int) -> np.ndarray:
@@ -204,7 +204,7 @@ def _draw(k: int) -> np.ndarray:
 
 
 def draw_one(stage: _Stage, k: int) -> np.ndarray:
-    """Frame k as (height, width, 3) bytes. Raises VtpError, OSError."""
+    """Draws frame k as (height, width, 3) bytes. Raises VtpError, OSError."""
     shot = stage.shot
     width, height = shot.size[0] * SAMPLES, shot.size[1] * SAMPLES
     velocity = body_velocity(stage.frames, k) if shot.look.by == "speed" else None
@@ -218,7 +218,7 @@ def draw_one(stage: _Stage, k: int) -> np.ndarray:
 
 
 def _drawn(stage: _Stage, numbers: Sequence[int], jobs: int) -> Iterator[Image.Image]:
-    """The pictures in order, by several processes."""
+    """Draws the pictures in order, with several processes."""
     jobs = min(jobs, len(numbers))
     if jobs <= 1:
         yield from (Image.fromarray(draw_one(stage, k)) for k in numbers)
@@ -228,7 +228,8 @@ def _drawn(stage: _Stage, numbers: Sequence[int], jobs: int) -> Iterator[Image.I
 
 
 def _film_file(target: Path, given: bool, size: tuple[int, int]) -> Path:
-    """Where the film goes; another kind of file where ffmpeg cannot be had and none was asked for. Raises CommandError."""
+    """Returns the film's path. Chooses another kind of file where ffmpeg is missing and no kind was asked for.
+    Raises CommandError."""
     if target.suffix not in (*ENCODERS, *ANIMATED):
         raise CommandError(f"--out {target}: a film is one of {', '.join((*ENCODERS, *ANIMATED))}")
     if target.suffix in ANIMATED:
@@ -256,15 +257,15 @@ def _write_film(target: Path, pictures: Iterator[Image.Image], size: tuple[int, 
         put_in_place(target, lambda path: _encode(path, pictures, size, seconds_each))
     else:
         first = next(pictures)
-        milliseconds = max(round(1000 * seconds_each), 20)  # browsers slow down what is faster
+        milliseconds = max(round(1000 * seconds_each), 20)  # browsers slow down faster films
         options = {"format": "GIF", "optimize": False} if target.suffix == ".gif" else {"format": "PNG"}
-        rest = list(pictures)  # for PNG they are gone through twice
+        rest = list(pictures)  # PNG needs them twice
         put_in_place(target, lambda path: first.save(path, save_all=True, append_images=rest, duration=milliseconds,
                                                      loop=0, **options))
 
 
 def _encode(path: Path, pictures: Iterator[Image.Image], size: tuple[int, int], seconds_each: float) -> None:
-    """By ffmpeg. Raises CommandError with its last words where it fails, OSError."""
+    """Writes the film with ffmpeg. Raises CommandError with its last message where it fails, OSError."""
     command = ["ffmpeg", "-hide_banner", "-loglevel", "error", "-y", "-f", "rawvideo", "-pix_fmt", "rgb24", "-s",
                f"{size[0]}x{size[1]}", "-r", f"{1.0 / seconds_each:.6f}", "-i", "-", *ENCODERS[path.suffix], str(path)]
     with tempfile.TemporaryFile() as words:
@@ -275,7 +276,7 @@ def _encode(path: Path, pictures: Iterator[Image.Image], size: tuple[int, int], 
                 encoder.stdin.write(picture.tobytes())
             encoder.stdin.close()
         except BrokenPipeError:
-            pass  # it says why
+            pass  # ffmpeg's message gives the reason
         except BaseException:
             encoder.kill()
             raise

@@ -1,4 +1,4 @@
-"""Soft bodies in pictures: a ball for each particle at the surface, lit as the surface is."""
+"""Soft bodies in pictures: a ball for each particle at the surface, shaded with the surface's normal."""
 from __future__ import annotations
 
 import numpy as np
@@ -6,9 +6,9 @@ import numpy as np
 from .frames import MOVING, SOFT, Frame
 from .vtp import PolyData
 
-RUBBER = np.array([[0.78, 0.36, 0.26], [0.30, 0.48, 0.66], [0.42, 0.58, 0.32]])  # of one soft body after the other
-FIRST = 1_000_000  # number of the first soft body where they are counted with the rigid ones
-OVERLAP = 1.5  # of a ball's radius: those of neighbours close the gaps between them
+RUBBER = np.array([[0.78, 0.36, 0.26], [0.30, 0.48, 0.66], [0.42, 0.58, 0.32]])  # colours of the soft bodies, in turn
+FIRST = 1_000_000  # number of the first soft body where they are numbered with rigid ones
+OVERLAP = 1.5  # radii as a multiple of a ball's: neighbours close the gaps
 
 _GOLDEN = 0.5 * (1.0 + 5.0 ** 0.5)
 _CORNERS = np.array([(-1, _GOLDEN, 0), (1, _GOLDEN, 0), (-1, -_GOLDEN, 0), (1, -_GOLDEN, 0), (0, -1, _GOLDEN), (0, 1, _GOLDEN),
@@ -20,8 +20,8 @@ _FACES = np.array([(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1
 
 
 def balls(mesh: PolyData) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Icosahedra on the particles at the surface: points (n, 3) [m], triangles (m, 3), the particle of each triangle (m,)
-    and a unit normal of the surface per point (n, 3)."""
+    """Makes icosahedra on particles at the surface: points (n, 3) [m], triangles (m, 3), the particle of each
+    triangle (m,) and a unit normal of the surface per point (n, 3)."""
     here = np.flatnonzero(mesh.point_data["surface"] > 0.5)
     radius = OVERLAP * mesh.point_data["radius"][here]
     points = mesh.points[here, None, :] + radius[:, None, None] * _CORNERS
@@ -33,18 +33,18 @@ def balls(mesh: PolyData) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarra
 
 
 def colours(mesh: PolyData, particle: np.ndarray) -> np.ndarray:
-    """(m, 3) of triangles that belong to these particles."""
+    """Returns colours (m, 3) of triangles that belong to these particles."""
     return RUBBER[mesh.point_data["soft_body"][particle].astype(int) % len(RUBBER)]
 
 
 def speeds(mesh: PolyData) -> np.ndarray:
-    """(n,) [m/s] of the particles."""
+    """Returns the speed (n,) [m/s] of the particles."""
     return np.linalg.norm(mesh.point_data["velocity"], axis=1)
 
 
 def with_soft(frame: Frame, bodies: PolyData | None, velocity: np.ndarray) -> tuple[PolyData | None, np.ndarray]:
-    """Rigid bodies and the velocities (n, 3) [m/s] of their points, with the soft bodies of the frame as more of them,
-    numbered from FIRST. Raises VtpError, OSError."""
+    """Adds the frame's soft bodies to the rigid bodies and to the velocities (n, 3) [m/s] of their points, numbered
+    from FIRST. Raises VtpError, OSError."""
     soft = frame.read(SOFT)
     if soft is None or not len(soft.points):
         return bodies, velocity

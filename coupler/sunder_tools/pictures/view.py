@@ -25,7 +25,7 @@ HOST = "127.0.0.1"
 PAGE = REPOSITORY / "coupler" / "viewer"
 PACKAGES = work_folder() / "viewer"
 THREE = PACKAGES / "node_modules" / "three"
-FILES = {  # all that is ever served from disk
+FILES = {  # all files that are served from disk
     "/": PAGE / "index.html", "/view.css": PAGE / "view.css",
     "/three.module.js": THREE / "build" / "three.module.js", "/three.core.js": THREE / "build" / "three.core.js",
     "/OrbitControls.js": THREE / "examples" / "jsm" / "controls" / "OrbitControls.js",
@@ -34,7 +34,7 @@ KINDS = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=u
 
 
 def ensure_page() -> None:
-    """three.js in the work folder's viewer/, from npm's registry, once. Raises CommandError."""
+    """Downloads three.js from npm's registry into viewer/ of the work folder, once. Raises CommandError."""
     if (THREE / "build" / "three.module.js").is_file() and os.environ.get(BUILD_DIR_VARIABLE):
         return
     if os.environ.get(BUILD_DIR_VARIABLE):
@@ -46,7 +46,8 @@ def ensure_page() -> None:
 
 
 def content_policy(page: bytes) -> str:
-    """A browser that obeys this fetches nothing but from this server. The one inline script, the import map, by hash."""
+    """Returns a policy under which a browser fetches from this server only. The one inline script, the import map,
+    has a hash."""
     maps = re.findall(rb'<script type="importmap">(.*?)</script>', page, re.DOTALL)
     hashes = " ".join(f"'sha256-{base64.b64encode(hashlib.sha256(m).digest()).decode()}'" for m in maps)
     return ("default-src 'none'; connect-src 'self'; style-src 'self'; img-src 'self' data:; "
@@ -56,7 +57,7 @@ def content_policy(page: bytes) -> str:
 class _Handler(http.server.BaseHTTPRequestHandler):
     server: "Server"
     protocol_version = "HTTP/1.1"
-    timeout = 60.0  # [s] of silence on a kept connection
+    timeout = 60.0  # [s] of silence
 
     def do_GET(self) -> None:  # noqa: N802: the base class's name
         # a page elsewhere whose name leads here (DNS rebinding) must not read runs
