@@ -111,11 +111,11 @@ Pulled pull(int elements, double width, bool heals, int threads) {
     if (extract_cracks(m, s, s.motion.time) == 0) continue;
     out.residual = stress;
     for (std::size_t i = 0; i < worst.size(); ++i)
-      out.band += s.cracked.gathered[i].area / kWidth * passed(worst[i], s.layers.fracture.damage.brittleness);
+      out.band += s.cracked.gathered[i].area / kWidth * passed(worst[i], s.layers.brittleness);
   }
   const double left = compute_forces(m, s, true, 0.0, threads) + kinetic_energy(m, s, dt);
   out.energy = (s.book.external - s.book.damping - left) / section;
-  out.booked = (s.book.fracture - s.book.injected + s.book.fracture.damage.heals) / section;
+  out.booked = (s.book.fracture - s.book.injected + s.book.healing) / section;
   std::vector<Piece> pieces;
   out.pieces = partition(m, s, pieces).pieces;
   return out;

@@ -168,7 +168,7 @@ std::vector<double> swing(Divided& d, double dt, int steps) {
   const SurfacePoint x = d.shells.model(d.shell).patch.evaluate(d.at);
   const Vec3 normal = x.u.cross(x.v).normalized();
   for (int k = 0; k < steps; ++k) {
-    d.shells.forces(), d.shells.advance(dt);
+    d.shells.step(dt);
     out.push_back((d.shells.at(d.shell, d.at) - x.x).dot(normal));
   }
   return out;
