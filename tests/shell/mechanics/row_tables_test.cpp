@@ -65,10 +65,11 @@ TEST(RowTables, AreasSumToTheSurfaceAndSlotsAreTheirOwn) {
     for (int lane = 0; lane < t.lanes; ++lane) {
       const double a = t.metric[t.at(q, kMetricFields, kArea, lane)];
       area += a, points += a > 0.0;
-      if (lane < t.spans_u)
+      if (lane < t.spans_u) {
         parameter_area += gauss_point(p, t, q, lane).weight;
-      else
+      } else {
         EXPECT_EQ(a, 0.0) << "padding";
+      }
     }
   EXPECT_EQ(points, t.gauss_points());
   EXPECT_NEAR(area, 0.3 * 1.2 * 0.5, 1e-8);  // the arc by three points an element
