@@ -31,7 +31,8 @@ install(FILES ${CMAKE_BINARY_DIR}/VERSION DESTINATION ${share}/coupler)  # its b
 
 # Python follows these links to share/sunder, where the rest is.
 function(install_link target where)
-  install(CODE "file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${where}/..\")
+  get_filename_component(folder ${where} DIRECTORY)
+  install(CODE "file(MAKE_DIRECTORY \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${folder}\")
     file(CREATE_LINK ${target} \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${where}\" SYMBOLIC)")
 endfunction()
 string(REGEX REPLACE "[^/]+" ".." up ${SUNDER_PYTHON_DIR})

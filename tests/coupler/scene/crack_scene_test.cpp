@@ -235,10 +235,10 @@ TEST(Healing, IsForDamageOnly) {
   const std::string tough = "strength: 6e7 fracture_energy: 3000 ";
   for (const char* mode : {"TIPS", "CUTS", "MODE_UNSPECIFIED"})
     expect_refusal(scene("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)),
-                   "fracture.fracture.damage.heals", {"only mode DAMAGE", "leave it out"});
+                   "fracture.healing", {"only mode DAMAGE", "leave it out"});
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).shells[0].fracture.damage.heals);
   EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.heals);
-  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.fracture.damage.heals=false"})
+  EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"})
                    .shells[0]
                    .fracture.damage.heals);
   EXPECT_FALSE(

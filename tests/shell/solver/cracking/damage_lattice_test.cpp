@@ -75,7 +75,9 @@ TEST(DamageLattice, BoundaryLooksOutwardsAndKnowsWhatOlderCracksHave) {
   for (const BoundarySample& b : fresh) {
     EXPECT_FALSE(b.historical);
     EXPECT_NEAR(b.p.y(), b.outward.y() > 0.0 ? kHigh : kLow, 1e-12);
-    EXPECT_GT(std::abs(b.outward.y()), 0.9);
+    // The region is blurred over two cells, so its normals lean within that distance of the border.
+    const bool inside = b.p.x() > 3.0 * kCell && b.p.x() < 57.0 * kCell;
+    EXPECT_GT(std::abs(b.outward.y()), inside ? 0.999 : 0.8);
   }
   insert_polyline(m, s, {{0.0, 0.15}, {0.14, 0.15}}, 0.0);
   const DamageLattice grid(m, s, 2.5 * kCell);  // all of the band beside the crack is the crack's

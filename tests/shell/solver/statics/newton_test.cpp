@@ -65,8 +65,8 @@ TEST(FreeDegrees, OfWhatMovesTogetherAreOne) {
   }
 }
 
-// Bars and beams whose loads are so small that they answer linearly. Differences of the force leave 1e-6 of the
-// tangent.
+// Bars and beams whose loads are so small that they answer linearly. The clamp holds the lateral contraction of the
+// bar, which makes it a little stiffer than a bar of free sides. Differences of the force leave 1e-6 of the tangent.
 TEST(NewtonStep, FindsALinearAnswerAtOnce) {
   const double length = 1.0, young = 70e9, thickness = 0.01;
   struct Case {
@@ -76,7 +76,7 @@ TEST(NewtonStep, FindsALinearAnswerAtOnce) {
   };
   const double bar = 1e3 * length / (young * thickness);
   const double beam = 1e-3 * std::pow(length, 3) / (3.0 * young * std::pow(thickness, 3) / 12.0);
-  for (const Case& c : {Case{Vec3(1e3, 0, 0), bar, 1e-4}, Case{Vec3(0, 0, 1e-3), beam, 0.01}}) {
+  for (const Case& c : {Case{Vec3(1e3, 0, 0), bar, 0.02}, Case{Vec3(0, 0, 1e-3), beam, 0.01}}) {
     const ShellModel m = strip({clamp(kUMin)}, {end_force(c.load)});
     ShellState s = make_state(m, Vec3::Zero(), 0);
     const auto forces = [&] { compute_forces(m, s, false, 0.0, 1); };
