@@ -152,7 +152,9 @@ class Taken(unittest.TestCase):
             return {**numbers, "taken": 3.0, "residual": 0.0}, areas, areas
 
         with mock.patch.object(impacts, "_shattered", run), mock.patch.object(impacts, "ProcessPoolExecutor", Inline), \
-                mock.patch.object(impacts, "_sizes"), contextlib.redirect_stdout(io.StringIO()):
+                mock.patch.object(impacts, "_sizes"), \
+                mock.patch.object(impacts, "quantile_bounds", return_value=(1.0, 1.0, 1.0)), \
+                contextlib.redirect_stdout(io.StringIO()):
             for series in (impacts.SNAPPED, impacts.HEAVY, impacts.STRUCK):
                 table = trials.Table()
                 impacts._pieces_of(table, mock.Mock(), series)
