@@ -37,9 +37,18 @@ The schemas are the language of people (scene files) and of both processes (the 
   too. A scene that breaks a rule is refused before it runs, with file, line, field, value and remedy.
 - `--set` names a field by its path: `--set 'shells[pane].thickness_m=0.003'`, `--set 'bodies[ball].twist.linear.z=-10'`.
 
-A new field takes these steps: the `.proto` file with a comment; its reader in `shell/io` or `coupler/scene`; its check in
-`coupler/scene/validate*.cpp` or `coupler/link/messages.cpp`; a test that a bad value is refused; this page, by
-`/usr/bin/python3 -B proto/reference.py`. There is no field that nothing reads.
+A new field takes these steps. There is no field that nothing reads.
+
+1. **Field and documentation**: the `.proto` file, with a comment that states unit, meaning and default. This page is made
+   from it by `/usr/bin/python3 -B proto/reference.py`.
+2. **Default**: a member with that value in the plain struct that the field is read into: `RunSetup` or `CouplingRules`
+   (`shell/io/build.h`), `ShellSetup` (`shell/io/shell_setup.h`), or the rules that it holds. Some defaults depend on other
+   fields; they stand in the reader.
+3. **Reader**: `shell/io/build.cpp` for the run, bodies and output, `build_shell.cpp` and `shell_setup.cpp` for shells and
+   fracture, `build_soft.cpp` for soft bodies.
+4. **Check**: of the value alone in `coupler/scene/validate*.cpp`; against the model (spacing, other shells, supports) in its
+   reader, by `scene.check`. Fields of the session are checked in `coupler/link/messages.cpp`.
+5. **Test**: a bad value is refused, in `tests/coupler/scene/`.
 """
 SESSION_HEAD = """\
 ## The session

@@ -6,6 +6,7 @@ import io
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
@@ -127,6 +128,51 @@ class Convergence(unittest.TestCase):
         self.assertEqual(self.passed(50.0, 54.0, 62.0), [False, False])
         self.assertEqual(self.passed(50.0, 60.0, 65.0), [True, False])  # whose scatter hides no such rise
         self.assertEqual(self.passed(50.0, 60.0, 65.0, scatter=0.2), [True, True])
+
+
+class Taken(unittest.TestCase):
+    def passed(self, taken: list[float]) -> list[tuple[str, bool]]:
+        table = trials.Table()
+        with contextlib.redirect_stdout(io.StringIO()):
+            impacts._add_taken(table, "snapped", taken)
+        return [(str(row["name"]), bool(row["pass"])) for row in table.rows]
+
+    def test_is_the_fracture_energy_on_the_mean(self) -> None:
+        self.assertEqual(self.passed([0.85, 1.12]), [("snapped_taken_over_G_f", True)])
+
+    def test_far_from_it_or_without_cracks_fails(self) -> None:
+        for taken in ([3.0, 3.0], [1.2, 1.2], [0.5, 0.5], [0.0, 0.0], [float("nan"), 1.0]):
+            self.assertEqual(self.passed(taken), [("snapped_taken_over_G_f", False)], taken)
+
+    def test_is_asked_of_both_series_whose_grids_resolve_it(self) -> None:
+        """From end to end, on runs that are made up."""
+        def run(executables: object, what: impacts.Shattering, elements: int, seed: int, picture: object) -> tuple:
+            numbers = {key: 1.0 + 1e-3 * seed for key in ("count", "length", "residual_speed", "area_off", "seconds")}
+            areas = np.arange(1.0, 9.0) * 1e-6
+            return {**numbers, "taken": 3.0, "residual": 0.0}, areas, areas
+
+        with mock.patch.object(impacts, "_shattered", run), mock.patch.object(impacts, "ProcessPoolExecutor", Inline), \
+                mock.patch.object(impacts, "_sizes"), \
+                mock.patch.object(impacts, "quantile_bounds", return_value=(1.0, 1.0, 1.0)), \
+                contextlib.redirect_stdout(io.StringIO()):
+            for series in (impacts.SNAPPED, impacts.HEAVY, impacts.STRUCK):
+                table = trials.Table()
+                impacts._pieces_of(table, mock.Mock(), series)
+                failed = [row["name"] for row in table.rows if not row["pass"]]
+                self.assertEqual(failed, [] if series is impacts.STRUCK else [f"{series.name}_taken_over_G_f"])
+
+
+class Inline:
+    """A pool of processes that is none."""
+
+    def __init__(self, *_: object, **__: object) -> None:
+        self.map = map
+
+    def __enter__(self) -> "Inline":
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        pass
 
 
 class Registry(unittest.TestCase):
