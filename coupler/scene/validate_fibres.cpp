@@ -34,7 +34,7 @@ void shell(const LoadedScene& s, const std::string& at, const proto::Shell& shel
   }
   s.check(shell.cuts_size() == 0, f, "are for shells that do not break, and this one has cuts; leave one out");
   s.check(!shell.has_equilibrium(), at + ".equilibrium",
-          "is for a shell alone, and fibres carry the pressure of other shells; leave one of them out");
+          "is for a shell alone, and this one has fibres, which carry the pressure of others; leave one of them out");
   bool others = s.message.shells_size() > 1;  // a shell with fibres to touch: another one, or itself by a contact pair
   if (others) {
     int count = 0;
