@@ -32,14 +32,9 @@ ELEMENTS = 80
 SEEDS = 8
 COUNTED_AT = 4e-3  # [m]: radial cracks are counted four thicknesses from the impact
 LEAST_CHANCE = 0.01
-<<<<<<< HEAD
 FEWEST_RADIALS = 3.0  # mean in a round pane; of fewer, neither number nor directions mean much
 MOST_STRIPS = 0.5  # pieces at the border, in a run
-=======
-FEWEST_RADIALS = 3.0  # in a round pane, on the mean: of fewer neither their number nor their directions tell much
-MOST_STRIPS = 0.5  # at the border, in a run
 TAKEN = 0.1  # by which the energy that cracks take may miss G_f: the mean over seeds, by as much as single seeds scatter
->>>>>>> 75e64aeefb4483f289ce646e50dd05446f64f389
 SPEEDS = (15, 22, 30, 40, 57, 80, 120)  # [m/s]
 BETWEEN_PUBLISHED = math.log(8.0 / 4.0) / math.log(57.0 / 22.0)
 

@@ -105,7 +105,7 @@ TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
   expect_refusal(scene(kFibres, kFibres + " cuts { points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.4 } }"), f,
                  {"has cuts"});
   expect_refusal(scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium",
-                 {"fibres carry the pressure of other shells"});
+                 {"has fibres"});
   expect_refusal(scene("", "", "seams {}\n"), "seams", {"have fibres"});
   expect_refusal(scene("", "", "transfer { kind: APIC }\n"), "transfer", {"cannot go with fibres"});
   expect_refusal(scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"ITERATED"});
