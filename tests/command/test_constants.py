@@ -20,7 +20,7 @@ ELSEWHERE = {
     "shell/fracture/mls.cpp": {"kLanes": LAYOUT, "kMostSeen": LAYOUT, "kMostPacks": LAYOUT, "kSmallSteps": LAYOUT,
                                "kTried": LAYOUT, "kLinearTried": LAYOUT},
     "shell/fracture/visibility.cpp": {"kFew": COST, "kRemembered": COST, "kBeyond": ROUND_OFF, "kRoundOff": ROUND_OFF,
-                                 "kMostDoubt": ROUND_OFF, "kPacks": LAYOUT, "kNone": LAYOUT, "kFar": LAYOUT},
+                                 "kLargestUncertainty": ROUND_OFF, "kPacks": LAYOUT, "kNone": LAYOUT, "kFar": LAYOUT},
     "shell/fracture/visibility.h": {"kMost": LAYOUT, "kReach": LAYOUT, "kAcross": LAYOUT},
     "shell/solver/cracking/insertion.cpp": {"kTrials": COST, "kForget": COST},
     "shell/solver/cracking/nucleation.cpp": {"kRoundOff": ROUND_OFF},
@@ -29,7 +29,7 @@ ELSEWHERE = {
     "shell/solver/joining/stitching.cpp": {"kOnALine": ROUND_OFF, "kOnePlace": ROUND_OFF, "kSweeps": COST,
                                            "kSameLength": ROUND_OFF},
     "shell/solver/joining/stitching.h": {"kLooseWeight": ROUND_OFF},
-    "shell/solver/parting/handoff.cpp": {"kEvery": LAYOUT, "kRoundOff": ROUND_OFF},
+    "shell/solver/parting/handoff.cpp": {"kAll": LAYOUT, "kRoundOff": ROUND_OFF},
     "shell/solver/surroundings.cpp": {"kFar": LAYOUT, "kSpare": COST, "kWhole": ROUND_OFF},
     "shell/solver/surroundings.h": {"kWays": LAYOUT, "kMost": COST, "kBytesOfCracks": COST},
 }
