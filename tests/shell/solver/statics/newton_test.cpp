@@ -73,11 +73,15 @@ TEST(NewtonStep, FindsALinearAnswerAtOnce) {
     Vec3 load;     // at the end [N/m]
     double exact;  // along it [m]
     double share;
+    std::vector<Support> supports;
   };
+  Support hold, guide;  // a clamp would stiffen the bar's first element
+  hold.edges = kUMin, guide.edges = kUMax, hold.clamped = guide.clamped = false, guide.axes = {false, true, true};
   const double bar = 1e3 * length / (young * thickness);
   const double beam = 1e-3 * std::pow(length, 3) / (3.0 * young * std::pow(thickness, 3) / 12.0);
-  for (const Case& c : {Case{Vec3(1e3, 0, 0), bar, 1e-4}, Case{Vec3(0, 0, 1e-3), beam, 0.01}}) {
-    const ShellModel m = strip({clamp(kUMin)}, {end_force(c.load)});
+  for (const Case& c :
+       {Case{Vec3(1e3, 0, 0), bar, 1e-4, {hold, guide}}, Case{Vec3(0, 0, 1e-3), beam, 0.01, {clamp(kUMin)}}}) {
+    const ShellModel m = strip(c.supports, {end_force(c.load)});
     ShellState s = make_state(m, Vec3::Zero(), 0);
     const auto forces = [&] { compute_forces(m, s, false, 0.0, 1); };
     forces();
