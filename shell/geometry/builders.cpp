@@ -44,8 +44,8 @@ std::vector<double> cut(const KnotVector& k, Pieces&& pieces) {
 std::vector<double> new_knots(const KnotVector& k, int elements, const char* direction) {
   int spans = 0;
   for (int s = 0; s < k.spans(); ++s) spans += k.span_length(s) > 0.0;
-  require(elements >= spans && elements % spans == 0, "{} elements along {}: must be a multiple of {}", elements,
-          direction, spans);
+  require(spans > 0 && elements >= spans && elements % spans == 0, "{} elements along {}: must be a multiple of {}",
+          elements, direction, spans);
   return cut(k, [&](int) { return elements / spans; });
 }
 
@@ -73,6 +73,7 @@ Patch with_knots(const Patch& p, const std::vector<double>& at_u, const std::vec
   std::vector<double> ku, kv = p.knots_v.knots();
   for (int j = 0; j < p.rows(); ++j) {
     std::vector<Homogeneous> row;
+    row.reserve(p.columns() + at_u.size());
     for (int i = 0; i < p.columns(); ++i) row.push_back(homogeneous(p, j * p.columns() + i));
     ku = p.knots_u.knots();
     for (const double knot : at_u) insert_knot(ku, p.degree(), row, knot);
@@ -82,6 +83,7 @@ Patch with_knots(const Patch& p, const std::vector<double>& at_u, const std::vec
   std::vector<std::vector<Homogeneous>> fine(columns);
   for (int i = 0; i < columns; ++i) {
     std::vector<Homogeneous> column;
+    column.reserve(net.size() + at_v.size());
     for (const auto& row : net) column.push_back(row[i]);
     kv = p.knots_v.knots();
     for (const double knot : at_v) insert_knot(kv, p.degree(), column, knot);

@@ -13,8 +13,9 @@ constexpr int kEdges[] = {kUMin, kUMax, kVMin, kVMax};
 /// it.
 inline std::vector<int> edge_row(const Patch& p, int edge, int depth) {
   std::vector<int> out;
-  const int columns = p.columns(), rows = p.rows();
-  for (int k = 0; k < (edge < kVMin ? rows : columns); ++k)
+  const int columns = p.columns(), rows = p.rows(), length = edge < kVMin ? rows : columns;
+  out.reserve(length);
+  for (int k = 0; k < length; ++k)
     out.push_back(edge == kUMin   ? k * columns + depth
                   : edge == kUMax ? k * columns + columns - 1 - depth
                   : edge == kVMin ? depth * columns + k

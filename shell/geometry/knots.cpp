@@ -40,7 +40,7 @@ KnotVector::KnotVector(std::vector<double> knots, int degree, const std::string&
     : knots_(std::move(knots)), degree_(degree) {
   require(degree == 2 || degree == kHighestDegree, "{}: degree {}; 2 (quadratic) or 3 (cubic)", field, degree);
   const char* ends = degree == 2 ? "three" : "four";
-  require(knots_.size() >= static_cast<std::size_t>(2 * degree + 2),
+  require(knots_.size() >= 2 * static_cast<std::size_t>(degree) + 2,
           "{}: {} knots; an open knot vector of degree {} has at least {}", field, knots_.size(), degree,
           2 * degree + 2);
   for (std::size_t i = 0; i < knots_.size(); ++i) {

@@ -14,7 +14,7 @@ namespace {
 template <int kAcross>
 struct Functions {
   int span_u = 0, span_v = 0;
-  std::array<double, kAcross * kAcross> value, u, v, uu, vv, uv;
+  std::array<double, static_cast<std::size_t>(kAcross) * kAcross> value, u, v, uu, vv, uv;
 };
 
 template <int kAcross>

@@ -13,7 +13,7 @@ namespace sunder::shell {
 struct ShapeFunctions {
   int span_u = 0, span_v = 0;
   int across = 3;  // functions per direction
-  std::array<double, kMostSupport * kMostSupport> value, u, v, uu, vv, uv;
+  std::array<double, static_cast<std::size_t>(kMostSupport) * kMostSupport> value, u, v, uu, vv, uv;
 
   int count() const { return across * across; }
   int column(int k) const { return span_u + k % across; }
@@ -35,7 +35,7 @@ struct Patch {
   int rows() const { return knots_v.control_points(); }
   int degree() const { return knots_u.degree(); }
   // shape functions that are not zero at a point
-  std::size_t functions() const { return (degree() + 1) * (degree() + 1); }
+  std::size_t functions() const { return (static_cast<std::size_t>(degree()) + 1) * (degree() + 1); }
   /// True where not all weights are equal.
   bool rational() const;
   Vec2 greville(int control_point) const {

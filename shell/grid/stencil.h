@@ -32,7 +32,8 @@ struct Stencil {
     for (int a = 0; a < kNodes; ++a)
       for (int b = 0; b < kNodes; ++b) {
         const int i = along[0].base + a, j = along[1].base + b;
-        const int* own = blocks + 4 * (SparseGrid::block_of(i) - first[0]) + 2 * (SparseGrid::block_of(j) - first[1]);
+        const std::ptrdiff_t at = SparseGrid::block_of(i) - first[0], beside = SparseGrid::block_of(j) - first[1];
+        const int* own = blocks + 4 * at + 2 * beside;
         const double ab = along[0].w[a] * along[1].w[b];
         for (int c = 0; c < kNodes; ++c) {
           const int k = along[2].base + c;

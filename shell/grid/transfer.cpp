@@ -31,7 +31,7 @@ void through(double spacing, std::size_t plane, const std::vector<double>& mass,
       for (int e = 0; e < 9; ++e) slope[e] = m * affine[e * plane + i];
     stencil(x, plane, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
       if constexpr (kKind == Transfer::kApic)
-        for (int d = 0; d < 3; ++d)
+        for (std::size_t d = 0; d < 3; ++d)
           b.momentum[k][d] +=
               w * (slope[3 * d] * offset[0] + slope[3 * d + 1] * offset[1] + slope[3 * d + 2] * offset[2]);
       for (int d = 0; d < 4; ++d) b.momentum[k][d] += w * p[d];
