@@ -37,7 +37,7 @@ struct SlowServer {
   std::string endpoint;
   std::atomic<double> clock{0.0};
   std::atomic<int> looks{0};          // reads of the clock by the client
-  int discontinuities = 0;            // of the clock, seen by the client
+  int jumps = 0;                      // of the clock, seen by the client
   std::atomic<bool> given_up{false};  // by the client
   std::thread thread;
 
@@ -76,7 +76,7 @@ struct SlowServer {
   }
   double now() {
     ++looks;
-    return clock > 0.0 ? kTenMinutes * ++discontinuities : 0.0;  // one jump alone may be a machine that slept
+    return clock > 0.0 ? kTenMinutes * ++jumps : 0.0;  // one jump alone may be a machine that slept
   }
   // Runs Hello, Load, a window, Export, AddBodies, Save and Bye. Returns the error.
   std::string session() {
