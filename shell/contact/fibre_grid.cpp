@@ -8,13 +8,13 @@
 namespace sunder::shell {
 namespace {
 
-// Of the thickness, that a sample is spread across it: keeps D invertible where only its own surface is; 0.2 % of the
-// variance of two layers that touch.
+// Spread of a sample across the surface, as a share of the thickness. It keeps D invertible where there is only one
+// surface. It is 0.2 % of the variance of two layers that touch.
 constexpr double kSpread = 0.02;
 
-/// How far a node counts where two surfaces fill it in the shares p and 1 - p: flat around equal shares, so that it
-/// matters little where the grid's nodes lie between two layers (those that one of them hardly reaches have up to
-/// (d / h)^2 / 2 of its weight), and to zero with p, as p^-1 of the force on a mass p would leave no stable step.
+/// Weight of a node that two surfaces share as p and 1 - p. It is flat around equal shares, so the place of the nodes
+/// between two layers matters little: nodes at the edge of one layer's support have up to (d / h)^2 / 2 of its weight.
+/// It goes to zero with p: a force of order 1 on a mass of order p would leave no stable step.
 double shared(double p) {
   const double even = 4.0 * p * (1.0 - p);
   return 1.0 - (1.0 - even) * (1.0 - even);
@@ -33,7 +33,7 @@ void FibreGrid::find_pairs(const std::vector<LayerSample>& samples) {
     for (int a = head; a >= 0; a = fields_[a].next)
       for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
         if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0) continue;
-        // what fills more of the node's surroundings is the plane
+        // the field with the larger sum of normals is the plane
         const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
         Pair pair{first ? a : b, first ? b : a, fields_[first ? a : b].normal};
         if (pair.normal.squaredNorm() == 0.0) continue;

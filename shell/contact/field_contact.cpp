@@ -9,21 +9,24 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kRecovery = 0.05;        // of an overlap, taken back in a substep: more, and what rests creeps;
-constexpr double kDeepRecovery = 0.3;     // and so much more of what goes deeper, or of all of it in a fold
-constexpr double kDeep = 0.25;            // than this share of the thickness
-constexpr double kFastestRecovery = 1.0;  // [m/s], or
-// so much of the speed at which they come: with more than that, or by what moves otherwise, overlaps that are let go
-// make others, and a crumpled sheet heats itself.
+// Share of an overlap that is removed in a substep. With a larger share resting sheets creep.
+constexpr double kRecovery = 0.05;
+// Additional share of the overlap beyond kDeep of the thickness; in a fold, share of the whole overlap.
+constexpr double kDeepRecovery = 0.3;
+constexpr double kDeep = 0.25;
+// Recovery is no faster than this [m/s], or than kBounce of the approach speed if that is faster. A faster recovery
+// makes new overlaps elsewhere, and a crumpled sheet gains energy.
+constexpr double kFastestRecovery = 1.0;
 constexpr double kBounce = 0.75;
-constexpr double kTurned = 0.3;  // by which the cosine with the first sample's normal has fallen in a fold
-// Moment of inertia that a field turns with, of mass times the square of the distance between. At 0.25 a spin takes no
-// more energy than friction that stops the slip sets free; but then so many push without friction that a crumpled sheet
-// passes through itself (validate contact --case crumple_small). What a spin takes is booked.
+// In a fold the cosine between the normals of two samples has fallen by more than this.
+constexpr double kTurned = 0.3;
+// Least moment of inertia of fields that turn, as a share of mass times squared distance. At 0.25 a spin would take no
+// more energy than friction releases by stopping the slip. But then so many fields push without friction that a
+// crumpled sheet passes through itself (validate contact --case crumple_small). The energy of a spin is booked.
 constexpr double kSlender = 0.05;
 
-// Angular velocity that two fields have to be given for `couple`; false where they would have to spin too fast, having
-// no more than the moment of inertia `least` [kg m^2] about an axis of it.
+// Angular velocity [rad/s] that balances `couple` [N m s] for two fields with the sum of inertias `inertia`. False if a
+// part of the couple acts about an axis with a moment of inertia of `least` [kg m^2] or below.
 bool spin_for(const Mat3& inertia, double least, const Vec3& couple, Vec3& spin) {
   const auto [moments, axes] = principal_axes(inertia);
   const Vec3 parts = axes.transpose() * couple;
@@ -51,7 +54,7 @@ bool FieldContact::find(std::vector<SurfaceSample>& samples, double dt) {
       for (int b = fields_[a].next; b >= 0; b = fields_[b].next) {
         if (fields_[a].mass <= 0.0 || fields_[b].mass <= 0.0) continue;
         if (laws_[fields_[a].shell][fields_[b].shell].elsewhere) continue;
-        // what fills more of the node's surroundings is the plane
+        // the field with the larger sum of normals is the plane
         const bool first = fields_[a].normal.squaredNorm() >= fields_[b].normal.squaredNorm();
         Pair pair;
         pair.plane = first ? a : b, pair.other = first ? b : a, pair.normal = fields_[pair.plane].normal;
@@ -86,11 +89,11 @@ bool FieldContact::find(std::vector<SurfaceSample>& samples, double dt) {
   return true;
 }
 
-// Sums of each field but for momentum, and its place in the list of its node.
+// Finds the fields, their place in the list of their node, and their sums without momentum.
 void FieldContact::find_fields(const std::vector<SurfaceSample>& samples) {
   grid_.clear(), fields_.clear();
   corners_.resize(8 * samples.size()), node_of_.resize(corners_.size());
-  // which nodes each sample sees
+  // nodes and weights of each sample
   for (std::size_t p = 0; p < samples.size(); ++p) {
     const Vec3 at = samples[p].x / spacing_;
     const int i = static_cast<int>(std::floor(at.x())), j = static_cast<int>(std::floor(at.y())),
@@ -116,7 +119,7 @@ void FieldContact::find_fields(const std::vector<SurfaceSample>& samples) {
       const double m = corner.weight * samples[p].mass;
       f.mass += m, f.thickness = std::max(f.thickness, samples[p].thickness);
       f.moment += m * samples[p].x;
-      // sides of a surface that folds agree by the first one
+      // normals on both sides of a fold are summed with the sign of the first one
       f.normal += corner.weight * (f.normal.dot(samples[p].normal) < 0.0 ? -1.0 : 1.0) * samples[p].normal;
     }
 }
@@ -135,10 +138,10 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
     const Vec3 n = pair.normal;
     const Vec3 rel = (b.momentum / b.mass + b.change) - (a.momentum / a.mass + a.change);
     const double deeper = std::max(0.0, -pair.gap - kDeep * 0.5 * (a.thickness + b.thickness));
-    // what would touch within the substep is slowed so that the surfaces' means just touch at its end; with restitution
-    // it bounces already here
+    // surfaces that would touch within the substep are slowed, so that their means just touch at its end; with
+    // restitution they bounce already here
     const double approach = rel.dot(n), fastest = std::max(kFastestRecovery, -kBounce * approach);
-    // sides of a fold are always too near one another somewhere in its bend: they stop, and part by their samples
+    // in the bend of a fold the sides are always too near: they stop here, and samples part them two by two
     const double wanted = pair.gap > 0.0 || pair.fold
                               ? std::min(0.0, -pair.gap / dt)
                               : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, fastest);
@@ -150,7 +153,7 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
     const double reduced = a.mass * b.mass / (a.mass + b.mass);
     const double normal = reduced * (after - approach);
     const Vec3 slide = rel - approach * n;
-    const double most = reduced * slide.norm();  // would stop it
+    const double most = reduced * slide.norm();  // friction that stops the slip
     const double friction = std::min(law.friction * normal, most);
     Vec3 j = normal * n;
     if (most > 0.0) j -= friction / slide.norm() * slide;
@@ -171,8 +174,8 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
   return static_cast<int>(touches_.size() + close_.size());
 }
 
-// Whether a sample belongs to a field's surface, that of its first sample. What has turned over against that does not:
-// it is the other side of a fold.
+// True if a sample belongs to the surface of a field, which is that of its first sample. A sample that has turned over
+// against the first one is on the other side of a fold, and does not belong.
 bool FieldContact::one(const Field& f, const SurfaceSample& first, const SurfaceSample& p) const {
   if (!are_one_surface(f, p, together_, one_surface())) return false;
   if (f.shell != p.shell) return true;
@@ -180,9 +183,9 @@ bool FieldContact::one(const Field& f, const SurfaceSample& first, const Surface
   return now >= 0.0 || now >= first.rest_normal.dot(p.rest_normal) - kTurned;
 }
 
-// A fold is tighter than a node sees: there samples are kept apart two by two, so far that the middle of four stays a
-// thickness from what is over it. What is nearer at rest than half a turn is long about a thickness, or about half that
-// diagonal, is the bend itself.
+// A fold may be tighter than the grid resolves. There pairs of samples are kept apart, so far that the middle of four
+// samples stays a thickness from the other side. Pairs in the bend itself are left out: their distance at rest is at
+// most the length of half a turn, with a radius of a thickness or of half the diagonal of four samples.
 void FieldContact::find_folds(const std::vector<SurfaceSample>& samples, double dt) {
   fold_head_.assign(head_.size(), -1), fold_next_.clear(), in_fold_.clear();
   for (const int p : near_)
@@ -193,7 +196,7 @@ void FieldContact::find_folds(const std::vector<SurfaceSample>& samples, double 
       in_fold_.push_back(p);
     }
   for (const int p : near_) {
-    int near = 8 * p;  // the nearest node: all that are within half a spacing see it too
+    int near = 8 * p;  // the nearest node: all samples within half a spacing have it too
     for (int c = 8 * p; c < 8 * p + 8; ++c)
       if (corners_[c].weight > corners_[near].weight) near = c;
     for (int k = fold_head_[node_of_[near]]; k >= 0; k = fold_next_[k]) {
@@ -219,8 +222,8 @@ double FieldContact::parting(const Close& c, double apart, double approach, doub
   return std::min(kDeepRecovery * deep / dt, std::max(kFastestRecovery, -kBounce * approach));
 }
 
-// What two fields do to one another acts at their centres, which are apart: the couple of both impulses is taken by
-// turning both. Fields that cannot (of one point each, for example) push along the line between them alone.
+// The impulses of two fields act at their centres, which are apart, so they make a couple. Both fields turn to balance
+// it. Fields that cannot turn, such as two of one point each, push along the line between their centres alone.
 void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
   for (const int p : near_)
     for (int c = 8 * p; c < 8 * p + 8; ++c) {
@@ -229,7 +232,7 @@ void FieldContact::turn(const std::vector<SurfaceSample>& samples) {
       const Vec3 r = samples[p].x - f.centre();
       f.inertia += corners_[c].weight * samples[p].mass * (r.squaredNorm() * Mat3::Identity() - r * r.transpose());
     }
-  for (const Touch& t : touches_) fields_[t.a].touched = fields_[t.b].touched = true;  // inertia is known from here on
+  for (const Touch& t : touches_) fields_[t.a].touched = fields_[t.b].touched = true;  // their inertia is known now
   for (const Touch& t : touches_) {
     Field &a = fields_[t.a], &b = fields_[t.b];
     const Vec3 apart = b.centre() - a.centre();

@@ -1,13 +1,14 @@
 #pragma once
-// Velocity fields of a background grid's nodes: a field for each surface that comes near a node, in a list by node.
+// Velocity fields at the nodes of a background grid: each node has a list with a field for each surface near it.
 #include <vector>
 
 #include "coupler/core/vec.h"
 
 namespace sunder::shell {
 
-/// The sample's field in the node's list that begins at `head` (-1: none yet): the first that is the `same` surface,
-/// made where none is. A Field has shell, rest [m] and next; a Sample shell and rest. Returns the field's index.
+/// Index of the sample's field in the node's list that begins at `head` (-1: the list is empty). It is the first field
+/// of the `same` surface; a new field is added where there is none. A Field has shell, rest [m] and next; a Sample has
+/// shell and rest.
 template <class Field, class Sample, class Same>
 int field_of(std::vector<Field>& fields, int& head, const Sample& p, Same&& same) {
   int last = -1;
@@ -20,8 +21,8 @@ int field_of(std::vector<Field>& fields, int& head, const Sample& p, Same&& same
   return f;
 }
 
-/// Whether two places are of one surface: their shells hang together (`together[i][k]`), and they are no further apart
-/// at rest than `one_surface` [m].
+/// True if two places are on one surface: their shells are joined (`together[i][k]`), and their distance at rest is at
+/// most `one_surface` [m].
 template <class A, class B>
 bool are_one_surface(const A& a, const B& b, const std::vector<std::vector<char>>& together, double one_surface) {
   return together[a.shell][b.shell] != 0 && (a.rest - b.rest).squaredNorm() <= one_surface * one_surface;

@@ -14,9 +14,9 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
-constexpr int kFew = 24;  // corners of which every triple is tried: n^4 / 6 steps
+constexpr int kFew = 24;  // corners; up to here every triple is tried, which takes n^4 / 6 steps
 
-// Calls back with each triple of corners that may span a plane of their hull.
+// Calls f(a, b, c) with each triple of corners that may span a plane of the hull.
 template <class F>
 void each_candidate(const std::vector<Vec3>& corners, F&& f) {
   const int n = static_cast<int>(corners.size());

@@ -8,10 +8,11 @@ namespace sunder::shell {
 
 struct Plane {
   Vec3 normal;    // outward
-  double offset;  // normal . x <= offset inside
+  double offset;  // inside: normal . x <= offset [m]
 };
 
-/// Of the convex hull of some corners: through each triple that has all others on one side, to 1e-7 of their extent.
+/// Planes of the convex hull of `corners` [m]: those through three corners with all others on one side. The tolerance
+/// is 1e-7 of the extent.
 std::vector<Plane> hull_planes(const std::vector<Vec3>& corners);
 
 }  // namespace sunder::shell

@@ -17,11 +17,11 @@ Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass,
   const double speed = v_t.norm();
   const Vec3 slide = speed > 0.0 ? Vec3(n - friction / speed * v_t) : n;  // |j_t| = mu j_n, against the slip
   const double gain = n.dot(inverse_mass * slide);
-  // pulling sideways on a body that is free to turn can push it away by itself; then friction is left out
+  // a tangential impulse on a body that can turn may separate the surfaces by itself; then friction is left out
   const Vec3 along = gain > 0.0 ? slide : n;
   const double j_n = -(1.0 + restitution) * v_n / n.dot(inverse_mass * along);
   const Vec3 j = j_n * along;
-  // no more than stops the slip: an impulse that works on the mean of both velocities must not add energy
+  // the work of an impulse is that on the mean of the velocities before and after; friction must not add energy
   const bool gains = j.dot(v_rel + 0.5 * (inverse_mass * j)) > 0.0;
   return gains ? Vec3(-(1.0 + restitution) * v_n / n.dot(inverse_mass * n) * n) : j;
 }
@@ -72,7 +72,7 @@ Proxy::Distance Proxy::distance(const Vec3& world) const {
     return {found.value, q * found.normal};
   }
   Distance best{std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
-  for (const auto& planes : parts_) {  // inside a part: its nearest face; outside: a lower bound, never negative
+  for (const auto& planes : parts_) {  // exact inside a part; outside a lower bound that is not negative
     Distance part{-std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
     for (const Plane& p : planes) {
       const double s = p.normal.dot(local) - p.offset;

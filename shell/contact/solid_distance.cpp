@@ -12,7 +12,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr std::size_t kLeaf = 4;     // triangles
-constexpr double kOnSurface = 1e-9;  // of the extent: nearer, the way to the nearest point is round-off
+constexpr double kOnSurface = 1e-9;  // of the extent; nearer points have a direction of round-off only
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -52,7 +52,7 @@ SolidDistance::SolidDistance(const Surface& s) {
   build(triangles, 0, triangles.size());
 }
 
-// Halves by the middle of the longest side of the box around the triangles' centres.
+// Divides the triangles in two halves, along the longest side of the box around their centres.
 void SolidDistance::build(std::vector<Triangle>& triangles, std::size_t begin, std::size_t end) {
   Eigen::AlignedBox3d box, centres;
   const auto centre = [](const Triangle& t) -> Vec3 { return t.a + (t.ab + t.ac) / 3.0; };
@@ -77,7 +77,8 @@ void SolidDistance::build(std::vector<Triangle>& triangles, std::size_t begin, s
   build(triangles, middle, end);
 }
 
-// The nearest point of a triangle by the region of its plane that x lies over (Ericson, Real-Time Collision Detection).
+// The nearest point of a triangle, by the region of its plane that holds the projection of x (Ericson, Real-Time
+// Collision Detection).
 void SolidDistance::look(const Triangle& t, std::int32_t index, const Vec3& x, Nearest& best) const {
   const Vec3 ap = x - t.a, bp = ap - t.ab, cp = ap - t.ac;
   const double d1 = t.ab.dot(ap), d2 = t.ac.dot(ap), d3 = t.ab.dot(bp), d4 = t.ac.dot(bp), d5 = t.ab.dot(cp),
@@ -105,7 +106,7 @@ void SolidDistance::look(const Triangle& t, std::int32_t index, const Vec3& x, N
 
 SolidDistance::Found SolidDistance::at(const Vec3& x) const {
   Nearest best{std::numeric_limits<double>::infinity(), Vec3::Zero(), 0, 0};
-  std::pair<std::int32_t, double> stack[64];  // nodes and how near they are: a tree of halves is not that deep
+  std::pair<std::int32_t, double> stack[64];  // nodes and squared distances; a tree of halves is less deep
   int left = 0;
   stack[left++] = {0, 0.0};
   while (left > 0) {
@@ -118,7 +119,7 @@ SolidDistance::Found SolidDistance::at(const Vec3& x) const {
     }
     const double one = squared_to_box(nodes_[index + 1].low, nodes_[index + 1].high, x),
                  other = squared_to_box(nodes_[node.first].low, nodes_[node.first].high, x);
-    const bool first = one <= other;  // the nearer one is looked at next
+    const bool first = one <= other;  // the nearer child comes next
     stack[left++] = first ? std::pair{node.first, other} : std::pair{index + 1, one};
     stack[left++] = first ? std::pair{index + 1, one} : std::pair{node.first, other};
   }

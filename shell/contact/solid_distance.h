@@ -1,5 +1,5 @@
 #pragma once
-// Signed distance to the surface of a solid that need not be convex.
+// Signed distance to the surface of a solid, convex or not.
 #include <cstdint>
 #include <vector>
 
@@ -7,17 +7,17 @@
 
 namespace sunder::shell {
 
-/// Exact to round-off: the nearest point by a tree of boxes, inside or outside by the normal there, which at edges and
-/// corners is the angle-weighted one (Baerentzen and Aanaes 2005). Body coordinates.
+/// Signed distance in body coordinates, exact to round-off. A tree of boxes finds the nearest point. The normal there
+/// gives the sign; at edges and corners it is angle-weighted (Baerentzen and Aanaes 2005).
 class SolidDistance {
  public:
   explicit SolidDistance(const Surface& surface);
   struct Found {
     double value;  // [m], negative inside
-    Vec3 normal;   // along which the distance grows, unit
+    Vec3 normal;   // gradient of the distance, unit
   };
   Found at(const Vec3& x) const;
-  /// Of the box around the surface, along the body's axes [m].
+  /// Sides of the box around the surface, along the body's axes [m].
   const Vec3& extent() const { return extent_; }
 
  private:
@@ -28,7 +28,7 @@ class SolidDistance {
   };
   struct Node {
     Vec3 low, high;
-    std::int32_t first, count;  // of triangles; 0: the children are this node's index + 1 and `first`
+    std::int32_t first, count;  // of triangles. count 0: the children are the nodes index + 1 and `first`
   };
   struct Nearest {
     double squared;

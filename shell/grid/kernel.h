@@ -5,9 +5,9 @@
 
 namespace sunder::shell {
 
-constexpr int kNodes = 3;  // that a particle sees, a direction
+constexpr int kNodes = 3;  // nodes per direction in the support of a particle
 
-/// Lowest node and weights of a particle at `x` (in spacings); node k lies at base + k. Weights sum to one and
+/// Lowest node and weights of a particle at `x` (in grid spacings). Node k lies at base + k. The weights sum to one and
 /// reproduce x.
 struct Weights {
   int base;

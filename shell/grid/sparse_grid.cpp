@@ -15,7 +15,7 @@ std::size_t hash(const std::array<int, 3>& at) {
   return static_cast<std::size_t>(h);
 }
 
-// inline, where the library's compares memory by a call
+// compiled inline; the comparison of std::array calls memcmp
 bool same(const std::array<int, 3>& a, const std::array<int, 3>& b) {
   return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
 }

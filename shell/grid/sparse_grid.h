@@ -1,5 +1,5 @@
 #pragma once
-// A grid without bounds that holds nodes only where something is: blocks of 4 x 4 x 4, found by hashing.
+// An unbounded grid that holds nodes only near particles: blocks of 4 x 4 x 4 nodes, found by hashing.
 #include <array>
 #include <cstdint>
 #include <vector>
@@ -10,14 +10,14 @@ class SparseGrid {
  public:
   static constexpr int kSide = 4, kBlock = kSide * kSide * kSide;
 
-  /// Block that node coordinate i lies in, along one axis.
+  /// Block of node coordinate i along one axis.
   static int block_of(int i) { return i >> 2; }
   /// Place of the node (i, j, k) within its block.
   static int place_of(int i, int j, int k) { return (((i & 3) * kSide) + (j & 3)) * kSide + (k & 3); }
 
-  /// Forgets all blocks; keeps the memory.
+  /// Removes all blocks and keeps the memory.
   void clear();
-  /// Index of a block, made where it is new; indices count up from 0 in the order of being asked for.
+  /// Index of a block. A new block is added; indices count from 0 in the order of the calls.
   int block(const std::array<int, 3>& at);
   int nodes() const { return static_cast<int>(blocks_.size()) * kBlock; }
 
@@ -25,7 +25,7 @@ class SparseGrid {
   void grow();
   std::vector<std::array<int, 3>> blocks_;
   std::vector<int> table_;  // open addressing; -1: empty
-  int last_ = -1;           // block asked for last: neighbours come one after the other
+  int last_ = -1;           // block of the last call: neighbours come one after the other
 };
 
 }  // namespace sunder::shell

@@ -1,5 +1,5 @@
 #pragma once
-// The nodes that one particle sees, and the blocks that hold them.
+// The nodes in the support of one particle, and the blocks that hold them.
 #include <array>
 #include <cstddef>
 
@@ -8,12 +8,12 @@
 
 namespace sunder::shell {
 
-constexpr int kBlocks = 8;  // that three nodes a direction can touch
+constexpr int kBlocks = 8;  // at most, of the 27 nodes of a particle
 
-/// One particle's nodes: weights, places, and how far off they lie, along each axis.
+/// Weights and offsets of one particle's nodes, along each axis.
 struct Stencil {
   Weights along[3];
-  double from[3][kNodes];  // [m]
+  double from[3][kNodes];  // from the particle to the node [m]
   Stencil(double x, double y, double z, double spacing) {
     const double at[3] = {x / spacing, y / spacing, z / spacing};
     for (int d = 0; d < 3; ++d) {
@@ -25,7 +25,7 @@ struct Stencil {
     return {SparseGrid::block_of(along[0].base), SparseGrid::block_of(along[1].base),
             SparseGrid::block_of(along[2].base)};
   }
-  /// f(node, weight, offset) of its 27 nodes, `blocks` as `find_blocks` left them.
+  /// Calls f(node, weight, offset [m]) for the 27 nodes. `blocks` are those of `find_blocks`.
   template <class F>
   void each(const int* blocks, F&& f) const {
     const std::array<int, 3> first = low();
@@ -46,7 +46,7 @@ struct Stencil {
   }
 };
 
-/// The blocks [kBlocks] that hold its nodes, made where they are new; -1: not touched.
+/// Writes the blocks [kBlocks] that hold the nodes of `s`, and adds new ones to the grid. -1: the block holds none.
 inline void find_blocks(SparseGrid& grid, const Stencil& s, int* blocks) {
   const std::array<int, 3> low = s.low();
   bool two[3];

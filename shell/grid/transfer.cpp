@@ -7,29 +7,30 @@
 namespace sunder::shell {
 namespace {
 
-Stencil stencil(const std::vector<double>& x, std::size_t plane, std::size_t i, double spacing) {
-  return Stencil(x[i], x[plane + i], x[2 * plane + i], spacing);
+Stencil stencil(const std::vector<double>& x, std::size_t stride, std::size_t i, double spacing) {
+  return Stencil(x[i], x[stride + i], x[2 * stride + i], spacing);
 }
 
 template <Transfer kKind>
-void through(double spacing, std::size_t plane, const std::vector<double>& mass, const std::vector<double>& x,
+void through(double spacing, std::size_t stride, const std::vector<double>& mass, const std::vector<double>& x,
              const std::vector<double>& before, int threads, TransferBuffers& b, std::vector<double>& v,
              std::vector<double>& moving, std::vector<double>& affine) {
   b.grid.clear();
-  b.block.resize(kBlocks * plane);
-  for (std::size_t i = 0; i < plane; ++i)
-    if (mass[i] > 0.0) find_blocks(b.grid, stencil(x, plane, i, spacing), &b.block[kBlocks * i]);
+  b.block.resize(kBlocks * stride);
+  for (std::size_t i = 0; i < stride; ++i)
+    if (mass[i] > 0.0) find_blocks(b.grid, stencil(x, stride, i, spacing), &b.block[kBlocks * i]);
   b.momentum.assign(b.grid.nodes(), {});
   if constexpr (kKind == Transfer::kFlip) b.gain.assign(b.grid.nodes(), {});
-  for (std::size_t i = 0; i < plane; ++i) {  // in order: the sums do not depend on threads
+  for (std::size_t i = 0; i < stride; ++i) {  // one after the other: the sums do not depend on the number of threads
     if (mass[i] == 0.0) continue;
     const double m = mass[i];
     double p[4], gain[4] = {}, slope[9];
-    for (int d = 0; d < 3; ++d) p[d] = m * v[d * plane + i], gain[d] = m * (v[d * plane + i] - before[d * plane + i]);
+    for (int d = 0; d < 3; ++d)
+      p[d] = m * v[d * stride + i], gain[d] = m * (v[d * stride + i] - before[d * stride + i]);
     p[3] = m;
     if constexpr (kKind == Transfer::kApic)
-      for (int e = 0; e < 9; ++e) slope[e] = m * affine[e * plane + i];
-    stencil(x, plane, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
+      for (int e = 0; e < 9; ++e) slope[e] = m * affine[e * stride + i];
+    stencil(x, stride, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
       if constexpr (kKind == Transfer::kApic)
         for (std::size_t d = 0; d < 3; ++d)
           b.momentum[k][d] +=
@@ -48,10 +49,10 @@ void through(double spacing, std::size_t plane, const std::vector<double>& mass,
   }
   const double stiffness = 4.0 / (spacing * spacing);  // inverse of the quadratic kernel's second moment
 #pragma omp parallel for schedule(static) num_threads(threads)
-  for (std::size_t i = 0; i < plane; ++i) {
+  for (std::size_t i = 0; i < stride; ++i) {
     if (mass[i] == 0.0) continue;
     double velocity[4] = {}, gain[4] = {}, slope[9] = {};
-    stencil(x, plane, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
+    stencil(x, stride, i, spacing).each(&b.block[kBlocks * i], [&](std::size_t k, double w, const double* offset) {
       for (int d = 0; d < 4; ++d) velocity[d] += w * b.momentum[k][d];
       if constexpr (kKind == Transfer::kFlip)
         for (int d = 0; d < 4; ++d) gain[d] += w * b.gain[k][d];
@@ -60,26 +61,26 @@ void through(double spacing, std::size_t plane, const std::vector<double>& mass,
           for (int e = 0; e < 3; ++e) slope[3 * d + e] += w * b.momentum[k][d] * offset[e];
     });
     for (int d = 0; d < 3; ++d) {
-      moving[d * plane + i] = velocity[d];
-      v[d * plane + i] = kKind == Transfer::kFlip ? before[d * plane + i] + gain[d] : velocity[d];
+      moving[d * stride + i] = velocity[d];
+      v[d * stride + i] = kKind == Transfer::kFlip ? before[d * stride + i] + gain[d] : velocity[d];
     }
     if constexpr (kKind == Transfer::kApic)
-      for (int e = 0; e < 9; ++e) affine[e * plane + i] = stiffness * slope[e];
+      for (int e = 0; e < 9; ++e) affine[e * stride + i] = stiffness * slope[e];
   }
 }
 
 }  // namespace
 
-void transfer(Transfer kind, double spacing, std::size_t plane, const std::vector<double>& mass,
+void transfer(Transfer kind, double spacing, std::size_t stride, const std::vector<double>& mass,
               const std::vector<double>& x, const std::vector<double>& before, int threads, TransferBuffers& buffers,
               std::vector<double>& v, std::vector<double>& moving, std::vector<double>& affine) {
   if (kind == Transfer::kDirect) return;
-  moving.resize(3 * plane);
-  affine.resize(9 * plane, 0.0);
+  moving.resize(3 * stride);
+  affine.resize(9 * stride, 0.0);
   const auto run = kind == Transfer::kFlip   ? through<Transfer::kFlip>
                    : kind == Transfer::kApic ? through<Transfer::kApic>
                                              : through<Transfer::kPic>;
-  run(spacing, plane, mass, x, before, threads, buffers, v, moving, affine);
+  run(spacing, stride, mass, x, before, threads, buffers, v, moving, affine);
 }
 
 }  // namespace sunder::shell

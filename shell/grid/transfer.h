@@ -1,6 +1,6 @@
 #pragma once
-// Particle velocities through the background grid and back, the paper's way of moving (its section 4). It is here to be
-// compared: what acts on control points directly neither damps nor shifts frequencies, and costs less.
+// Transfers particle velocities to the background grid and back: the paper's way of moving (section 4). It is here for
+// comparison. Forces that act on control points directly neither damp nor shift frequencies, and cost less.
 #include <array>
 #include <vector>
 
@@ -10,22 +10,24 @@ namespace sunder::shell {
 
 enum class Transfer {
   kDirect,  // forces act on control points; no grid
-  kFlip,    // particles take the change of the grid's velocity, and move with that velocity itself
-  kApic,    // particles keep an affine velocity field each (Jiang et al. 2015)
+  kFlip,    // particles add the change of the grid's velocity to their own, and move with the grid's velocity
+  kApic,    // each particle keeps an affine velocity field (Jiang et al. 2015)
   kPic,     // particles take the grid's velocity: the paper's lines, literally
 };
 
 struct TransferBuffers {
   SparseGrid grid;
-  // Of each node: momentum and mass, then, for FLIP, what forces added to the momentum.
+  // Of each node: momentum and mass; for FLIP also the momentum that forces added.
   std::vector<std::array<double, 4>> momentum, gain;
-  std::vector<int> block;  // [particle][8]: those that hold its nodes
+  std::vector<int> block;  // [particle][kBlocks]: blocks of its nodes
 };
 
-/// Particle i is at x[d * plane + i]; mass 0: it is not there. `before` are velocities before forces and contact, `v`
-/// those after; `v` is replaced by what comes back. `moving` is what positions move with. `affine` [9][plane] is APIC's
-/// state [1/s], zero at the start. Total momentum stays, angular momentum with APIC too.
-void transfer(Transfer kind, double spacing, std::size_t plane, const std::vector<double>& mass,
+/// Sends velocities [m/s] through a grid of `spacing` [m]. Arrays are [component][stride]: coordinate d of particle i
+/// is x[d * stride + i]. A particle of mass 0 is absent. `before` holds the velocities before forces and contact, `v`
+/// those after; `v` becomes the velocity that the grid returns. `moving` becomes the velocity of the positions.
+/// `affine` [9][stride] is the state of APIC [1/s], zero at the start. Momentum is conserved; with APIC angular
+/// momentum too.
+void transfer(Transfer kind, double spacing, std::size_t stride, const std::vector<double>& mass,
               const std::vector<double>& x, const std::vector<double>& before, int threads, TransferBuffers& buffers,
               std::vector<double>& v, std::vector<double>& moving, std::vector<double>& affine);
 
