@@ -234,8 +234,8 @@ TEST(StrengthMap, IsRefusedWithoutAFileOrFactors) {
 TEST(Healing, IsForDamageOnly) {
   const std::string tough = "strength: 6e7 fracture_energy: 3000 ";
   for (const char* mode : {"TIPS", "CUTS", "MODE_UNSPECIFIED"})
-    expect_refusal(scene("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)),
-                   "fracture.healing", {"only mode DAMAGE", "leave it out"});
+    expect_refusal(scene("", tough, fmt::format("fracture {{ mode: {} healing: false }}\n", mode)), "fracture.healing",
+                   {"only mode DAMAGE", "leave it out"});
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE healing: false }\n")).shells[0].fracture.damage.heals);
   EXPECT_TRUE(built(scene("", tough, "fracture { mode: DAMAGE }\n")).shells[0].fracture.damage.heals);
   EXPECT_FALSE(built(scene("", tough, "fracture { mode: DAMAGE }\n"), {"fracture.healing=false"})

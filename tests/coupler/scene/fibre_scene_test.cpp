@@ -104,8 +104,7 @@ TEST(FibreScene, RefusesFieldsThatExcludeFibres) {
                  {"take mass_damping_per_s"});
   expect_refusal(scene(kFibres, kFibres + " cuts { points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.4 } }"), f,
                  {"has cuts"});
-  expect_refusal(scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium",
-                 {"has fibres"});
+  expect_refusal(scene(kFibres, kFibres + " equilibrium {}"), "shells[0].equilibrium", {"has fibres"});
   expect_refusal(scene("", "", "seams {}\n"), "seams", {"have fibres"});
   expect_refusal(scene("", "", "transfer { kind: APIC }\n"), "transfer", {"cannot go with fibres"});
   expect_refusal(scene("", "", "coupling { scheme: ITERATED }\n"), "coupling.scheme", {"ITERATED"});
