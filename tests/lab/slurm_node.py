@@ -45,11 +45,17 @@ NodeName={node} NodeAddr=127.0.0.1 CPUs=2 State=UNKNOWN
 PartitionName=all Nodes={node} Default=YES State=UP MaxTime=INFINITE
 """
 
+CONTROL_GROUPS = "/sys/fs/cgroup"
+
 
 def why_not() -> str:
     """Why there can be none here; '' if there can."""
     missing = [name for name in PROGRAMS if not _program(name)]
-    return f"not installed: {', '.join(missing)} (Debian: munge, slurmctld, slurmd, slurm-client)" if missing else ""
+    if missing:
+        return f"not installed: {', '.join(missing)} (Debian: munge, slurmctld, slurmd, slurm-client)"
+    if not os.path.ismount(CONTROL_GROUPS):
+        return f"nothing is mounted on {CONTROL_GROUPS}, which slurmd wants"
+    return ""
 
 
 def _program(name: str) -> str | None:
