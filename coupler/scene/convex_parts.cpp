@@ -1,13 +1,11 @@
 // Divides a solid into convex parts: a binary partition of space by the planes of its faces.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <optional>
 #include <set>
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Surface_mesh.h>
-#include <CGAL/convex_hull_3.h>
 #include <Eigen/Dense>
 #include <Eigen/Geometry>
 
@@ -20,6 +18,9 @@ constexpr double kThin = 1e-9;     // share of the diagonal: points nearer to a 
 constexpr double kNothing = 1e-9;  // share of the solid's volume: less is round-off
 constexpr std::size_t kMostCells = 4000, kMostCandidates = 64;
 constexpr double kWhole = 1e-6;  // share of the volume by which the sum of all cells may differ
+/// Share of a part's diagonal below which it is a sliver: two planes of the mesh are nearly one. Engines compute hulls
+/// on grids of 1e-4 of their size. A sliver is left out where it has less than kWhole of the volume.
+constexpr double kSliver = 1e-3;
 
 struct Plane {
   Vec3 normal;
@@ -232,14 +233,21 @@ std::optional<Pair> try_pair(const std::vector<Hull>& parts, std::size_t i, std:
   return Pair{i, j, std::move(both), added};
 }
 
-}  // namespace
-
-double enclosed_volume(const Surface& s) {
-  double volume = 0.0;
-  for (const auto& [i, j, k] : s.triangles)
-    volume += (s.corners[i] - s.corners[0]).dot((s.corners[j] - s.corners[0]).cross(s.corners[k] - s.corners[0])) / 6.0;
-  return volume;
+bool is_sliver(const Hull& part) {
+  const Surface s = convex_surface(part.corners);
+  Eigen::AlignedBox3d box;
+  for (const Vec3& x : s.corners) box.extend(x);
+  double width = std::numeric_limits<double>::infinity();  // least distance of a face from the corner farthest from it
+  for (const auto& [i, j, k] : s.triangles) {
+    const Vec3 normal = (s.corners[j] - s.corners[i]).cross(s.corners[k] - s.corners[i]).stableNormalized();
+    double depth = 0.0;
+    for (const Vec3& x : s.corners) depth = std::max(depth, normal.dot(s.corners[i] - x));
+    width = std::min(width, depth);
+  }
+  return width < kSliver * box.diagonal().norm();
 }
+
+}  // namespace
 
 double winding_number(const Surface& s, const Vec3& point) {
   double angle = 0.0;  // half of the solid angle of each triangle, Van Oosterom and Strackee 1983
@@ -249,33 +257,6 @@ double winding_number(const Surface& s, const Vec3& point) {
     angle += std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
   }
   return angle / (2.0 * std::numbers::pi);
-}
-
-Surface convex_surface(const std::vector<Vec3>& points) {
-  using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
-  std::vector<Point> in;
-  for (const Vec3& p : points) in.emplace_back(p.x(), p.y(), p.z());
-  CGAL::Surface_mesh<Point> mesh;
-  CGAL::convex_hull_3(in.begin(), in.end(), mesh);
-  // CGAL's order follows addresses, which differ from run to run. Order by coordinates, so that runs repeat.
-  std::vector<CGAL::Surface_mesh<Point>::Vertex_index> order(mesh.vertices().begin(), mesh.vertices().end());
-  std::sort(order.begin(), order.end(), [&](auto a, auto b) { return mesh.point(a) < mesh.point(b); });
-  Surface s;
-  std::vector<int> place_of(mesh.number_of_vertices());
-  for (const auto v : order) {
-    place_of[v.idx()] = static_cast<int>(s.corners.size());
-    s.corners.emplace_back(mesh.point(v).x(), mesh.point(v).y(), mesh.point(v).z());
-  }
-  for (const auto f : mesh.faces()) {
-    std::array<int, 3> corners{};
-    int n = 0;
-    for (const auto v : mesh.vertices_around_face(mesh.halfedge(f)))
-      if (n < 3) corners[n++] = place_of[v.idx()];
-    std::rotate(corners.begin(), std::min_element(corners.begin(), corners.end()), corners.end());
-    s.triangles.push_back(corners);
-  }
-  std::sort(s.triangles.begin(), s.triangles.end());
-  return s;
 }
 
 Hull hull_of(const std::vector<Vec3>& points) {
@@ -334,7 +315,7 @@ std::vector<std::vector<Vec3>> convex_parts(const Surface& surface) {
   }
   std::vector<std::vector<Vec3>> out;
   for (const Hull& p : parts) {
-    if (p.volume <= kNothing * volume) continue;
+    if (p.volume <= kNothing * volume || (p.volume <= kWhole * volume && is_sliver(p))) continue;
     if (static_cast<int>(p.corners.size()) > kMostHullCorners)
       refuse(fmt::format("a convex part of it has {} corners, at most {} can be used; simplify it", p.corners.size(),
                          kMostHullCorners));

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "coupler/core/convex_surface.h"
 #include "coupler/scene/load.h"
 
 namespace sunder::scene {
@@ -34,14 +35,9 @@ struct Polygon {
 /// file's order. A component inside another one is a hollow. Throws Error (bad_mesh) with place, line and remedy.
 Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygon>& polygons);
 
-/// Signed volume [m^3]: positive where triangles are counter-clockwise seen from outside.
-double enclosed_volume(const Surface& surface);
 /// Winding number of the surface about a point that is not on it: 1 inside, 0 outside, to round-off (Van Oosterom and
 /// Strackee 1983).
 double winding_number(const Surface& surface, const Vec3& point);
-
-/// Convex hull of points (CGAL), with corners sorted by coordinates. Flat points give no triangles.
-Surface convex_surface(const std::vector<Vec3>& points);
 
 /// Corners and volume [m^3] of a convex hull.
 struct Hull {
@@ -52,8 +48,8 @@ struct Hull {
 Hull hull_of(const std::vector<Vec3>& points);
 
 /// Convex parts of the solid inside a closed surface, each by its corners [m]. A binary partition of space cuts it
-/// along the planes of its faces. Then pairs of parts whose hull is their union are merged. Throws Error (bad_mesh)
-/// where more than kMostParts remain.
+/// along the planes of its faces. Then pairs of parts whose hull is their union are merged, and slivers are left out.
+/// Throws Error (bad_mesh) where more than kMostParts remain.
 std::vector<std::vector<Vec3>> convex_parts(const Surface& surface);
 
 }  // namespace sunder::scene

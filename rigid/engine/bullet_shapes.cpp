@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "coupler/core/convex_surface.h"
 #include "rigid/engine/checks.h"
 
 namespace sunder::rigid {
@@ -22,23 +23,6 @@ constexpr double kLeastMargin_m = 1e-6;
 constexpr double kFlatShare = 1e-12;  // [-]
 
 btVector3 scaled(const Vec3& p) { return btVector3(kLengthScale * p.x(), kLengthScale * p.y(), kLengthScale * p.z()); }
-
-/// Volume of the hull [Bullet units], by tetrahedra over fans of its faces.
-double hull_volume(const btConvexHullComputer& hull) {
-  double six_volumes = 0.0;
-  const btVector3 origin = hull.vertices[0];
-  for (int f = 0; f < hull.faces.size(); ++f) {
-    const auto* first = &hull.edges[hull.faces[f]];
-    const btVector3 a = hull.vertices[first->getSourceVertex()] - origin;
-    for (const auto* e = first->getNextEdgeOfFace(); e->getTargetVertex() != first->getSourceVertex();
-         e = e->getNextEdgeOfFace()) {
-      const btVector3 b = hull.vertices[e->getSourceVertex()] - origin;
-      const btVector3 c = hull.vertices[e->getTargetVertex()] - origin;
-      six_volumes += a.dot(b.cross(c));
-    }
-  }
-  return std::abs(six_volumes) / 6.0;
-}
 
 /// Largest distance of a corner from the shrunk and rounded hull [Bullet lengths]. An upper bound: it considers the
 /// corners of the shrunk hull only.
@@ -73,9 +57,9 @@ std::unique_ptr<btCollisionShape> make_hull(const RigidBody& body, const std::ve
   btConvexHullComputer unshrunk;
   compute(unshrunk, 0.0);
   const double diagonal = (high - low).norm();
-  const double volume =
-      unshrunk.vertices.size() < 4 ? 0.0 : hull_volume(unshrunk) / (kLengthScale * kLengthScale * kLengthScale);
-  if (!(volume > kFlatShare * diagonal * diagonal * diagonal))
+  // Bullet computes hulls on a grid of 1e-4 of their size, on which a thin tilted part is flat.
+  if (const double volume = enclosed_volume(convex_surface(part));
+      !(volume > kFlatShare * diagonal * diagonal * diagonal))
     reject_body(body, field, fmt::format("has volume {} m^3, must enclose some; leave flat parts out", volume));
 
   auto shape = std::make_unique<btConvexHullShape>();

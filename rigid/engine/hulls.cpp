@@ -4,81 +4,132 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <set>
 
+#include "coupler/core/convex_surface.h"
 #include "rigid/engine/checks.h"
 
 namespace sunder::rigid {
 namespace {
 
-/// Share of a part's diagonal within which points coincide or lie in one plane. It is far above the round-off of
-/// corners turned into principal axes and back (1e-16), and far below the thickness of thin plates (1e-4).
+/// Share of a part's diagonal within which points coincide. It is far above the round-off of corners turned into
+/// principal axes and back (1e-16), and far below the thickness of thin plates (1e-4).
 constexpr double kSame = 1e-9;  // [-]
-/// Share of (diagonal)^2 below which a triangle is too thin to define a plane.
-constexpr double kLeastArea = 1e-11;  // [-]
+/// Share of a part's diagonal within which the corners of a face lie in one plane. The division of a mesh leaves 1e-9
+/// of the whole mesh's diagonal, which is more of a small part's.
+constexpr double kOnePlane = 1e-7;  // [-]
+/// Share of (diagonal)^3 below which a part is flat.
+constexpr double kFlatShare = 1e-12;  // [-]
 /// Edges whose directions differ by less (sine of the angle) are parallel.
 constexpr double kParallel = 1e-6;
-/// Limit of corners of a part: all triples are tried for faces, which takes seconds above it.
+/// Limit of corners of a part: contact tries all pairs of edges of two parts.
 constexpr std::size_t kMostCorners = 512;
 
-/// The points `in_plane`, in order around its normal. Points inside edges are left out.
-std::vector<int> outline(const std::vector<Vec3>& points, const std::vector<int>& in_plane, const Vec3& normal,
-                         double tolerance) {
-  const Vec3 x = normal.unitOrthogonal(), y = normal.cross(x);
-  std::vector<std::array<double, 2>> flat(points.size());
-  for (const int i : in_plane) flat[i] = {x.dot(points[i]), y.dot(points[i])};
-  std::vector<int> sorted = in_plane;
-  std::sort(sorted.begin(), sorted.end(), [&](int a, int b) { return flat[a] < flat[b]; });
-  std::vector<int> chain;
-  for (int side = 0; side < 2; ++side) {  // Andrew's monotone chain: below, then above
-    const std::size_t base = chain.size();
-    for (const int i : sorted) {
-      while (chain.size() >= base + 2) {
-        const auto &a = flat[chain[chain.size() - 2]], &b = flat[chain.back()], &c = flat[i];
-        const double ab_x = b[0] - a[0], ab_y = b[1] - a[1], ac_x = c[0] - a[0], ac_y = c[1] - a[1];
-        if (ab_x * ac_y - ab_y * ac_x > tolerance * std::hypot(ac_x, ac_y)) break;
-        chain.pop_back();
-      }
-      chain.push_back(i);
-    }
-    chain.pop_back();  // the first of the other side
-    std::reverse(sorted.begin(), sorted.end());
+/// Neighbouring triangles of a convex surface that lie in the plane of the largest of them.
+struct Flat {
+  Vec3 normal;
+  std::vector<std::array<int, 3>> triangles;  // corners of the surface
+};
+
+std::vector<Flat> flats_of(const Surface& s, double tolerance) {
+  const int n = static_cast<int>(s.triangles.size());
+  std::map<std::pair<int, int>, int> left_of;  // the triangle of a side
+  std::vector<Vec3> across;                    // normals, as long as twice the area
+  for (int t = 0; t < n; ++t) {
+    const auto& c = s.triangles[t];
+    for (int k = 0; k < 3; ++k) left_of[{c[k], c[(k + 1) % 3]}] = t;
+    across.push_back((s.corners[c[1]] - s.corners[c[0]]).cross(s.corners[c[2]] - s.corners[c[0]]));
   }
-  return chain;
+  // A triangle thinner than the tolerance may face anywhere: its normal is round-off.
+  const auto faces_away = [&](int t, const Vec3& normal) {
+    const auto& c = s.triangles[t];
+    double longest = 0.0;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, (s.corners[c[k]] - s.corners[c[(k + 1) % 3]]).norm());
+    return normal.dot(across[t]) < 0.0 && across[t].norm() > tolerance * longest;
+  };
+  std::vector<int> order(n);  // the largest first: normals of slivers are inaccurate
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return across[a].squaredNorm() > across[b].squaredNorm(); });
+  std::vector<bool> taken(n, false);
+  std::vector<Flat> flats;
+  for (const int largest : order) {
+    if (taken[largest]) continue;
+    Flat flat{across[largest].stableNormalized(), {}};
+    const double offset = flat.normal.dot(s.corners[s.triangles[largest][0]]);
+    std::vector<int> open{largest};
+    taken[largest] = true;
+    while (!open.empty()) {
+      const auto corners = s.triangles[open.back()];
+      open.pop_back();
+      flat.triangles.push_back(corners);
+      for (int k = 0; k < 3; ++k) {
+        const int other = left_of.at({corners[(k + 1) % 3], corners[k]});
+        const auto& theirs = s.triangles[other];
+        if (taken[other] || faces_away(other, flat.normal) || std::any_of(theirs.begin(), theirs.end(), [&](int c) {
+              return std::abs(flat.normal.dot(s.corners[c]) - offset) > tolerance;
+            }))
+          continue;
+        taken[other] = true;
+        open.push_back(other);
+      }
+    }
+    flats.push_back(std::move(flat));
+  }
+  return flats;
 }
 
-void find_faces(Hull& hull, double diagonal) {
-  const auto& p = hull.points;
-  const int n = static_cast<int>(p.size());
-  const double tolerance = kSame * diagonal;
-  std::set<std::vector<int>> known;
-  for (int i = 0; i < n; ++i)
-    for (int j = i + 1; j < n; ++j)
-      for (int k = j + 1; k < n; ++k) {
-        Vec3 normal = (p[j] - p[i]).cross(p[k] - p[i]);
-        if (normal.norm() < kLeastArea * diagonal * diagonal) continue;
-        normal.normalize();
-        bool above = false, below = false;
-        std::vector<int> in_plane;
-        for (int m = 0; m < n && !(above && below); ++m) {
-          const double height = normal.dot(p[m] - p[i]);
-          if (height > tolerance)
-            above = true;
-          else if (height < -tolerance)
-            below = true;
-          else
-            in_plane.push_back(m);
-        }
-        if (above == below || !known.insert(in_plane).second) continue;  // an inner plane, a known face, or a flat part
-        if (above) normal = -normal;
-        Hull::Face face;
-        face.normal = normal;
-        face.corners = outline(p, in_plane, normal, tolerance);
-        if (face.corners.size() < 3) continue;
-        face.offset = normal.dot(p[face.corners[0]]);
-        for (const int m : face.corners) face.offset = std::max(face.offset, normal.dot(p[m]));
-        hull.faces.push_back(std::move(face));
-      }
+/// Corners around a flat, anticlockwise from outside. Empty where its outline is more than one loop.
+std::vector<int> outline(const Flat& flat) {
+  std::map<int, int> next;
+  std::set<std::pair<int, int>> sides;
+  for (const auto& t : flat.triangles)
+    for (int k = 0; k < 3; ++k) sides.insert({t[k], t[(k + 1) % 3]});
+  std::size_t count = 0;
+  for (const auto& [from, to] : sides)
+    if (!sides.contains({to, from})) next[from] = to, ++count;
+  if (next.size() != count) return {};  // two loops touch in a corner
+  std::vector<int> loop;
+  for (int c = next.begin()->first; loop.empty() || c != loop.front(); c = next.at(c)) loop.push_back(c);
+  return loop.size() == count ? loop : std::vector<int>{};
+}
+
+/// Faces of the convex hull of `hull.points`. In a corner three faces meet: points on edges and in faces are left out.
+void find_faces(Hull& hull, const Surface& s, double diagonal) {
+  const auto less = [](const Vec3& a, const Vec3& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
+  };
+  std::map<Vec3, int, decltype(less)> place_of(less);
+  for (std::size_t i = 0; i < hull.points.size(); ++i) place_of[hull.points[i]] = static_cast<int>(i);
+  const std::vector<Flat> flats = flats_of(s, kOnePlane * diagonal);
+  std::vector<std::vector<int>> loops;
+  std::vector<int> meeting(s.corners.size(), 0);  // faces in each corner
+  for (const Flat& f : flats) {
+    loops.push_back(outline(f));
+    for (const int c : loops.back()) ++meeting[c];
+  }
+  for (std::size_t f = 0; f < flats.size(); ++f) {
+    Hull::Face face;
+    face.normal = flats[f].normal;
+    for (const int c : loops[f])
+      if (meeting[c] >= 3) face.corners.push_back(place_of.at(s.corners[c]));
+    if (face.corners.size() < 3) continue;
+    const Vec3 x = face.normal.unitOrthogonal(), y = face.normal.cross(x);
+    const auto flat = [&](int c) { return std::pair{x.dot(hull.points[c]), y.dot(hull.points[c])}; };
+    std::rotate(
+        face.corners.begin(),
+        std::min_element(face.corners.begin(), face.corners.end(), [&](int a, int b) { return flat(a) < flat(b); }),
+        face.corners.end());
+    face.offset = face.normal.dot(hull.points[face.corners[0]]);
+    for (const int c : face.corners) face.offset = std::max(face.offset, face.normal.dot(hull.points[c]));
+    hull.faces.push_back(std::move(face));
+  }
+  std::sort(hull.faces.begin(), hull.faces.end(), [](const Hull::Face& a, const Hull::Face& b) {
+    std::vector<int> i = a.corners, j = b.corners;
+    std::sort(i.begin(), i.end()), std::sort(j.begin(), j.end());
+    return i < j;
+  });
 }
 
 void find_edges(Hull& hull) {
@@ -126,13 +177,15 @@ Hull make_hull(const RigidBody& body, const std::vector<Vec3>& part, const std::
     if (std::none_of(hull.points.begin(), hull.points.end(),
                      [&](const Vec3& q) { return (p - q).norm() <= kSame * diagonal; }))
       hull.points.push_back(p);
-  find_faces(hull, diagonal);
+  const Surface surface = convex_surface(hull.points);
+  if (const double volume = enclosed_volume(surface); !(volume > kFlatShare * diagonal * diagonal * diagonal))
+    reject_body(body, field, fmt::format("has volume {} m^3, must enclose some; leave flat parts out", volume));
+  find_faces(hull, surface, diagonal);
   if (!is_closed(hull))
-    reject_body(
-        body, field,
-        fmt::format("has {} faces that do not close, over a diagonal of {} m: it is flat, or some of its corners "
-                    "nearly coincide; leave such parts out",
-                    hull.faces.size(), diagonal));
+    reject_body(body, field,
+                fmt::format("has {} faces that do not close, over a diagonal of {} m: some of its corners nearly "
+                            "coincide; leave such parts out",
+                            hull.faces.size(), diagonal));
   find_edges(hull);
   // Keep corners only. Points inside faces or edges would add contacts without effect.
   std::set<int> used;

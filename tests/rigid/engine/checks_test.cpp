@@ -62,6 +62,13 @@ TEST_P(EveryEngineRefuses, BodiesThatCannotBe) {
   engine->add(good);
 }
 
+TEST_P(EveryEngineRefuses, NoPartThatIsThinAndTilted) {
+  // 2e-5 of its length: flat on the grid on which an engine may compute hulls
+  RigidBody thin = plate(2, {rectangle(0, 0, 0.2, 0.1)}, 4e-6);
+  for (Vec3& p : std::get<ConvexShape>(thin.shape).parts[0]) p = Eigen::AngleAxisd(0.7, Vec3(1, 2, 3).normalized()) * p;
+  EXPECT_NO_THROW(make()->add(thin));
+}
+
 TEST_P(EveryEngineRefuses, PredictedStatesLawsAndCachesThatDoNotMatch) {
   const auto engine = make();
   engine->add(sphere(1, 0.01, 1.0));
