@@ -79,26 +79,50 @@ void archive_state(A& a, const RunSetup& setup, State& state) {
 
 }  // namespace
 
+namespace {
+constexpr double kLongest = 60.0;  // between two checkpoints, where marks allow it [s of wall time]
+}
+
 template <class A>
 void Run::archive_members(A& a) {
-  archive_all(a, clock_.tick, clock_.windows, dt_, last_push_, next_checkpoint_, simulation_.scratch.times.seconds);
+  archive_all(a, clock_.tick, clock_.windows, dt_, last_push_, next_mark_, next_checkpoint_,
+              simulation_.scratch.times.seconds);
   archive_all(a, recorder_, books_, pieces_, coupler_);
   archive_state(a, setup_, simulation_.state);
 }
 
-void Run::save_checkpoint() {
+// Caches are dropped at fixed windows, the marks, whether a checkpoint is written or not. So the run that writes one,
+// the run that writes none and the run that resumes go on alike, to the bit. Marks grow apart by a fifth: a run that is
+// lost loses a sixth of its windows at most, and what rests for long is seldom disturbed (an engine forgets its contact
+// impulses).
+void Run::pass_mark() {
+  if (clock_.windows < next_mark_) return;
+  next_mark_ = std::max(clock_.windows + 1, clock_.windows + clock_.windows / 5);
+  const std::string engine_caches = drop_caches();
+  const double interval = setup_.checkpoint_interval;
+  const bool due = clock_.time() >= next_checkpoint_ - 1e-6 * setup_.tick || wall_clock() - last_checkpoint_ > kLongest;
+  if (interval == 0.0 || !due) return;
+  next_checkpoint_ = std::max(next_checkpoint_ + interval, clock_.time() + 0.5 * interval);
+  last_checkpoint_ = wall_clock();
+  save_checkpoint(engine_caches);
+}
+
+// Returns the engine's caches, with which it restores itself; nothing where it cannot.
+std::string Run::drop_caches() {
   State& state = simulation_.state;
   Stopwatch w(simulation_.scratch.times[Stage::kIo]);
-  // Caches are cleared: the run that goes on and the run that resumes then start from equal ones.
   for (ShellPart& part : state.shells) part.candidates = {}, part.triangulated.reset();
   if (state.contact) state.contact->forget();
   if (state.fibres) state.fibres->forget();
   state.soft.forget();
   state.rows.clear();
-  const double interval = setup_.checkpoint_interval;
-  next_checkpoint_ = std::max(next_checkpoint_ + interval, clock_.time() + 0.5 * interval);
+  return rigid_->peer().can(link::capability::kSaveRestore) ? rigid_->save() : std::string();
+}
+
+void Run::save_checkpoint(const std::string& engine_caches) {
+  Stopwatch w(simulation_.scratch.times[Stage::kIo]);
   ArchiveWriter a;
-  std::string caches = rigid_->save();
+  std::string caches = engine_caches;
   archive_one(a, caches);
   archive_members(a);
   write_checkpoint(checkpoint_path(options_.out), options_.scene_hash, a.bytes);

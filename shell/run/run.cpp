@@ -38,7 +38,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     start();
     while (clock_.tick < end_tick() && !interrupted) window();
     recorder_.write_frame();
-    if (interrupted && setup_.checkpoint_interval > 0.0) save_checkpoint();
+    if (interrupted && setup_.checkpoint_interval > 0.0) save_checkpoint(drop_caches());
     finish(interrupted ? "interrupted" : "done");
     return interrupted ? Exit::kInterrupted : Exit::kDone;
   } catch (const Error& e) {
@@ -94,7 +94,7 @@ void Run::window() {
   recorder_.write_probes();
   recorder_.progress();
   recorder_.traced(simulation_.state.solving() ? "window" : "window without a shell", begin);
-  if (setup_.checkpoint_interval > 0.0 && clock_.time() >= next_checkpoint_ - 1e-6 * setup_.tick) save_checkpoint();
+  pass_mark();
   if (options_.observe) options_.observe(*this);
 }
 

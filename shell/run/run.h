@@ -31,6 +31,8 @@ struct RunOptions {
   bool quiet = false;
 };
 
+constexpr std::int64_t kFirstMark = 5;  // [windows]
+
 /// A whole run. It owns its parts and loops over the windows.
 class Run {
  public:
@@ -56,7 +58,9 @@ class Run {
   void finish(const char* status);
   void fail(const Error& error);
   std::int64_t end_tick() const { return clock_.ticks.nearest(setup_.end_time); }
-  void save_checkpoint();
+  void pass_mark();
+  std::string drop_caches();
+  void save_checkpoint(const std::string& engine_caches);
   void load_checkpoint();
   template <class A>
   void archive_members(A& a);
@@ -72,10 +76,11 @@ class Run {
   Recorder recorder_;
   std::unique_ptr<link::RigidLink> rigid_;
   const std::atomic<bool>* interrupted_ = nullptr;
-  double dt_ = 0.0;          // substep of the last window [s]
-  double last_push_ = -1.0;  // time of the last contact of a moving body of the scene with the shell [s]
-  double next_checkpoint_;   // [s]
-  double last_look_ = 0.0, window_start_ = 0.0;  // wall clock [s]
+  double dt_ = 0.0;                      // substep of the last window [s]
+  double last_push_ = -1.0;              // time of the last contact of a moving body of the scene with the shell [s]
+  std::int64_t next_mark_ = kFirstMark;  // [windows]
+  double next_checkpoint_;               // [s]
+  double last_look_ = 0.0, window_start_ = 0.0, last_checkpoint_ = wall_clock();  // [s of wall time]
 };
 
 }  // namespace sunder::shell

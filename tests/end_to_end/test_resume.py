@@ -63,6 +63,35 @@ bodies { name: "lower" material: "jelly" box { size_m { x: 0.3 y: 0.02 z: 0.02 }
 joints { name: "early" kind: BALL first: "lower" second: "upper" position { x: 0.295 } breaks { time_s: 0.02 } }
 joints { name: "late" kind: HINGE first: "upper" position {} axis { y: 1 } breaks { time_s: 0.07 } }
 """
+# A ball shatters a free plate. Its pieces touch one another, so the engine has contact impulses to forget.
+PLATE = """name: "plate"
+end_time_s: 8e-4
+window_s: 2e-6
+gravity {}
+materials {
+  name: "disc"
+  density: 2200
+  youngs_modulus: 22.35e9
+  poisson_ratio: 0.25
+  strength: 11.2e6
+  fracture_energy: 20.8
+}
+materials { name: "ball" density: 7700 }
+shells {
+  name: "disc"
+  material: "disc"
+  thickness_m: 0.0025
+  plate { size_x_m: 0.08 size_y_m: 0.08 elements_x: 26 elements_y: 26 }
+}
+bodies {
+  name: "ball"
+  material: "ball"
+  sphere { radius_m: 0.005 }
+  pose { position { z: 0.01225 } }
+  twist { linear { z: -100 } }
+}
+fracture { mode: TIPS seed: 1 }
+"""
 
 
 def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
@@ -113,6 +142,17 @@ class Resume(unittest.TestCase):
                 self.assertEqual(done.returncode, 0, done.stderr)
                 self.assertEqual(state(part), state(whole))
                 self.assertEqual((part / "series.csv").read_text(), (whole / "series.csv").read_text())
+
+    def test_writing_a_checkpoint_changes_nothing(self) -> None:
+        scene = self.here / "plate.textproto"
+        scene.write_text(PLATE)
+        states = set()
+        for interval in ("0", "4e-6", "5e-5"):
+            folder = self.run_to(interval, "3e-4", "--set", f"output.checkpoint_interval_s={interval}", scene=str(scene))
+            states.add(state(folder))
+            self.assertGreater(json.loads((folder / "run.json").read_text())["counts"]["handed_off"], 5)
+            self.assertEqual((folder / "checkpoint" / "state").is_file(), interval != "0")
+        self.assertEqual(len(states), 1)
 
     def test_soft_bodies_go_on_to_the_bit(self) -> None:
         whole = self.run_to("whole", "0.012", scene=SOFT)  # the sheet throws the ball back
