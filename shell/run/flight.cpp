@@ -13,6 +13,18 @@ constexpr int kRigidSubsteps = 4;  // steps of free flight in a window without a
 
 }  // namespace
 
+bool meets_box(const Eigen::AlignedBox3d& box, double pad, const Vec3& position, const Vec3& velocity, double time) {
+  double from = 0.0, to = time;  // times at which the path is in the box
+  for (int d = 0; d < 3; ++d) {
+    const double low = box.min()[d] - pad - position[d], high = box.max()[d] + pad - position[d];
+    const double v = velocity[d];
+    if (v == 0.0 && (low > 0.0 || high < 0.0)) to = -1.0;
+    if (v == 0.0) continue;
+    from = std::max(from, std::min(low / v, high / v)), to = std::min(to, std::max(low / v, high / v));
+  }
+  return from <= to;
+}
+
 std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies) {
   const auto most = static_cast<std::int64_t>(std::llround(setup.settle_window / setup.tick));
   if (setup.shells.empty() || most <= 1) return most;

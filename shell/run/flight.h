@@ -1,10 +1,16 @@
 #pragma once
-// Windows without a shell: their length, and the motion of bodies before the engine solves their contacts.
+// Bodies in flight: what they will meet, and windows without a shell.
 #include <vector>
+
+#include <Eigen/Geometry>
 
 #include "shell/io/build.h"
 
 namespace sunder::shell {
+
+/// Tests whether the straight path from `position` with `velocity` enters the box, grown by `pad` on all sides, within
+/// `time` from now [s]. A start within the grown box counts.
+bool meets_box(const Eigen::AlignedBox3d& box, double pad, const Vec3& position, const Vec3& velocity, double time);
 
 /// Returns the length of the next window without a shell [ticks], at least 1. Two bodies that can meet approach by at
 /// most kSettleTravel times the least shell thickness, so they do not pass through each other unseen.

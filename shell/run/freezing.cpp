@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shell/run/flight.h"
 #include "shell/run/pieces.h"
 #include "shell/run/state_hash.h"
 #include "shell/solver/forces.h"
@@ -21,24 +22,49 @@ bool Pieces::impact_ahead(const ShellPart& part) const {
   for (std::size_t i = 0; i < setup_.bodies.size() && !box.isEmpty(); ++i) {
     const BodyMotion& b = state_.bodies[i].body.motion;
     if (state_.bodies[i].body.is_static) continue;
-    const Vec3 pad = Vec3::Constant(state_.bodies[i].radius() + m.thickness);
-    if (box.squaredExteriorDistance(b.position) <= pad.x() * pad.x()) {  // near: does it move along the shell?
-      const double reach = pad.x() + m.spacing + setup_.quiet_time * b.velocity.norm();
+    const double pad = state_.bodies[i].radius() + m.thickness;
+    if (box.squaredExteriorDistance(b.position) <= pad * pad) {  // near: does it move along the shell?
+      const double reach = pad + m.spacing + setup_.quiet_time * b.velocity.norm();
       for (int k = 0; k < m.control_points() && b.velocity.norm() > 0.0; ++k)
         if (!s.motion.detached[m.tables.slot(k)] &&
             (s.position(m.tables.slot(k)) - b.position).squaredNorm() <= reach * reach)
           return true;
       continue;
     }
-    double from = 0.0, to = setup_.end_time - clock_.time();  // times at which its straight path is in the box
-    for (int d = 0; d < 3; ++d) {
-      const double low = box.min()[d] - pad[d] - b.position[d], high = box.max()[d] + pad[d] - b.position[d];
-      const double v = b.velocity[d];
-      if (v == 0.0 && (low > 0.0 || high < 0.0)) to = -1.0;
-      if (v == 0.0) continue;
-      from = std::max(from, std::min(low / v, high / v)), to = std::min(to, std::max(low / v, high / v));
-    }
-    if (from <= to) return true;
+    if (meets_box(box, pad, b.position, b.velocity, setup_.end_time - clock_.time())) return true;
+  }
+  return false;
+}
+
+bool Pieces::strike_ahead(const std::vector<PartPieces>& now, const Group& g) const {
+  Eigen::AlignedBox3d box;
+  Vec3 momentum = Vec3::Zero();
+  double mass = 0.0, across = 0.0, thickness = 0.0;  // `across`: energy of a crack across the piece [J]
+  for (const auto& [k, i] : g.members) {
+    const ShellModel& m = state_.shells[k].model();
+    const ShellState& s = *state_.shells[k].state;
+    const auto count = [&](int point) {
+      const int slot = m.tables.slot(point);
+      box.extend(s.position(slot));
+      if (s.motion.inverse_mass[slot] > 0.0)
+        mass += s.motion.mass[slot], momentum += s.motion.mass[slot] * s.velocity(slot);
+    };
+    if (now[k].whole)
+      for (int point = 0; point < m.control_points(); ++point) count(point);
+    for (const int point : now[k].pieces[i].control_points) count(point);
+    const double length = std::sqrt(now[k].pieces[i].area);
+    if (m.material.strength > 0.0) across += m.material.fracture_energy * m.thickness * length;
+    thickness = std::max(thickness, m.thickness);
+  }
+  if (across == 0.0 || mass == 0.0) return false;
+  for (std::size_t i = 0; i < setup_.bodies.size(); ++i) {
+    const Proxy& body = state_.bodies[i];
+    if (body.body.is_static) continue;
+    const BodyMotion& b = body.body.motion;
+    const Vec3 approach = b.velocity - momentum / mass;
+    const double pad = body.radius() + thickness, together = mass * body.body.mass / (mass + body.body.mass);
+    if (0.5 * together * approach.squaredNorm() < across) continue;  // it cannot break the piece
+    if (meets_box(box, pad, b.position, approach, setup_.latest_freeze - clock_.time())) return true;
   }
   return false;
 }

@@ -164,7 +164,7 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
     settle = std::max(settle, kSettleWaves * state_.shells[k].model().spacing / state_.shells[k].model().wave_speed());
   if (static_cast<double>(clock_.tick - since->second) * setup_.tick < settle) return false;
   const double lately = clock_.time() + coupler_.window_ticks() * setup_.tick - settle;
-  return std::none_of(g.members.begin(), g.members.end(), [&](const auto& member) {
+  const bool cracks = std::any_of(g.members.begin(), g.members.end(), [&](const auto& member) {
     const ShellPart& part = state_.shells[member.first];
     const std::vector<CrackEdge>& edges = part.state->cracks.graph.edges();
     const auto first = std::partition_point(edges.begin(), edges.end(), [&](auto& e) { return e.time <= lately; });
@@ -172,6 +172,7 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
            has_cracked(part.model(), part.state->cracks.graph, *now[member.first].triangulation,
                        now[member.first].pieces[member.second].number, static_cast<int>(first - edges.begin()));
   });
+  return !cracks && !strike_ahead(now, g);
 }
 
 std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {

@@ -77,6 +77,9 @@ class Pieces {
   /// Hands off one group and returns its body. `totals_now` are the totals of the shells; they are updated.
   RigidBody hand_off_group(std::vector<PartPieces>& now, const Group& group, Totals& totals_now, double dt);
   void check_handoff(const Totals& before, const Totals& after, const RigidBody& body);
+  /// Tests whether a moving body of the scene flies towards the pieces of a group, with energy enough for a crack
+  /// across them.
+  bool strike_ahead(const std::vector<PartPieces>& now, const Group& group) const;
   bool impact_ahead() const;  // a body of the scene flies towards a shell
   bool impact_ahead(const ShellPart& part) const;
 

@@ -69,3 +69,16 @@ TEST(SettleWindow, DoesNotCountWhatCannotPassThrough) {
   none.shells.clear();
   EXPECT_EQ(rigid_window_ticks(none, {ball(Vec3::Zero(), right), ball(near, Vec3::Zero())}), 20);
 }
+
+TEST(MeetsBox, WhereTheStraightPathEntersItInTime) {
+  const Eigen::AlignedBox3d box(Vec3(-1, -1, 0), Vec3(1, 1, 0));
+  const Vec3 down(0, 0, -2);
+  EXPECT_TRUE(meets_box(box, 0.5, Vec3(0, 0, 2.5), down, 1.0 + 1e-12));   // 2 m above the grown box at 2 m/s
+  EXPECT_FALSE(meets_box(box, 0.5, Vec3(0, 0, 2.5), down, 1.0 - 1e-12));  // too late
+  EXPECT_FALSE(meets_box(box, 0.5, Vec3(0, 0, 2.5), -down, 10.0));        // away
+  EXPECT_TRUE(meets_box(box, 0.5, Vec3(1.49, 0, 2.5), down, 2.0));        // past the edge, within the pad
+  EXPECT_FALSE(meets_box(box, 0.5, Vec3(1.51, 0, 2.5), down, 2.0));
+  EXPECT_TRUE(meets_box(box, 0.5, Vec3(0, 0, 0.4), -down, 1.0));  // it is there
+  EXPECT_FALSE(meets_box(box, 0.5, Vec3(0, 0, 2.5), Vec3::Zero(), 1.0));
+  EXPECT_FALSE(meets_box(box, 0.5, Vec3(0, 0, 2.5), down, -1.0));  // no time is left
+}
