@@ -7,6 +7,7 @@
 #include "shell/run/substep.h"
 #include "shell/solver/compression.h"
 #include "shell/solver/contact/hertz.h"
+#include "shell/solver/finite.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/statics/relaxation.h"
 #include "shell/solver/stepping/kick_drift.h"
@@ -236,6 +237,8 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
       }
       if (++state.substeps % kCompressionInterval == 0)
         for (const ShellPart& part : state.shells) check_compression(part.model(), *part.state);
+      if (state.substeps % kFiniteInterval == 0)
+        for (const ShellPart& part : state.shells) check_finite(part.model(), *part.state, clock.time() + (k + 1) * dt);
     } catch (Error& e) {
       e.window = clock.windows;
       throw;
