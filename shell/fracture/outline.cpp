@@ -1,7 +1,10 @@
 #include "shell/fracture/outline.h"
 
 #include <algorithm>
+#include <functional>
 #include <map>
+#include <queue>
+#include <tuple>
 
 #include <CGAL/convex_hull_2.h>
 
@@ -85,20 +88,42 @@ std::vector<std::vector<Vec2>> convex_parts(const Outline& outline, double toler
       r.hull_area += triangle_area(r.hull[0], r.hull[k], r.hull[k + 1]);
     return r;
   };
-  for (bool again = true; again;) {  // the merge that adds least, while it adds little
-    again = false;
-    double best = tolerance;
-    std::pair<int, int> which;
-    for (const auto& [a, b] : pairs) {
-      const int ra = sets.root(a), rb = sets.root(b);
-      if (ra == rb) continue;
-      const Polygon r = joined(polygons[ra], polygons[rb]);
-      if (r.hull_area - r.area < best) best = r.hull_area - r.area, which = {ra, rb}, again = true;
-    }
-    if (!again) break;
-    const int keep = std::min(which.first, which.second), other = std::max(which.first, which.second);
+  // The merge that adds least, while it adds little. Pairs wait in a queue with what they add; a pair is asked again
+  // when one of its polygons has grown.
+  std::vector<int> grown(polygons.size(), 0);
+  std::vector<std::vector<int>> pairs_of(polygons.size());
+  struct Waiting {
+    double added;
+    int pair, first_grown, second_grown;
+    bool operator>(const Waiting& o) const { return std::tie(added, pair) > std::tie(o.added, o.pair); }
+  };
+  std::priority_queue<Waiting, std::vector<Waiting>, std::greater<>> queue;
+  const auto ask = [&](int pair) {
+    const int a = sets.root(pairs[pair].first), b = sets.root(pairs[pair].second);
+    if (a == b) return;
+    const Polygon r = joined(polygons[a], polygons[b]);
+    if (r.hull_area - r.area < tolerance) queue.push({r.hull_area - r.area, pair, grown[a], grown[b]});
+  };
+  for (int k = 0; k < static_cast<int>(pairs.size()); ++k) {
+    pairs_of[pairs[k].first].push_back(k), pairs_of[pairs[k].second].push_back(k);
+    ask(k);
+  }
+  while (!queue.empty()) {
+    const Waiting best = queue.top();
+    queue.pop();
+    const int a = sets.root(pairs[best.pair].first), b = sets.root(pairs[best.pair].second);
+    if (a == b || grown[a] != best.first_grown || grown[b] != best.second_grown) continue;
+    const int keep = std::min(a, b), other = std::max(a, b);
     polygons[keep] = joined(polygons[keep], polygons[other]);
     sets.join(keep, other);
+    grown[keep] = std::max(grown[keep], grown[other]) + 1;
+    std::vector<int>& own = pairs_of[keep];
+    own.insert(own.end(), pairs_of[other].begin(), pairs_of[other].end());
+    pairs_of[other].clear();
+    std::erase_if(own, [&](int k) { return sets.root(pairs[k].first) == sets.root(pairs[k].second); });
+    std::sort(own.begin(), own.end());
+    own.erase(std::unique(own.begin(), own.end()), own.end());
+    for (const int k : own) ask(k);
   }
   std::vector<std::vector<Vec2>> parts;
   for (std::size_t i = 0; i < polygons.size(); ++i)

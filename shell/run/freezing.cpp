@@ -100,6 +100,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
     state_.frozen_potential += potential_energy(m, s, setup_.gravity);
     const Handoff frozen = shell::freeze(m, s, *now[k].triangulation, now[k].pieces, counts_.next_id++);
     const RigidBody& remains = frozen.body;
+    check_parts(remains, clock_.windows);
     if (!std::get<ConvexShape>(remains.shape).parts.empty()) {
       births.push_back(remains);
       frames_.draw_as(remains.id, frozen.drawn);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "coupler/core/disjoint_sets.h"
+#include "coupler/link/messages.h"
 #include "shell/solver/contact/near_tiles.h"
 #include "shell/solver/interlock.h"
 
@@ -30,6 +31,19 @@ bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Triangulat
 }
 
 }  // namespace
+
+void check_parts(const RigidBody& body, std::int64_t window) {
+  const auto& parts = std::get<ConvexShape>(body.shape).parts;
+  std::size_t corners = 0;
+  for (const auto& part : parts) corners = std::max(corners, part.size());
+  if (parts.size() <= link::kMaxParts && corners <= link::kMaxCorners) return;
+  Error e(Exit::kPhysics, "parts",
+          fmt::format("'{}' would be a body of {} convex parts, the largest of {} corners; at most {} and {} can be "
+                      "exchanged: take larger elements",
+                      body.name, parts.size(), corners, link::kMaxParts, link::kMaxCorners));
+  e.window = window;
+  throw e;
+}
 
 Pieces::Pieces(const RunSetup& setup, Simulation& simulation, Coupler& coupler, Books& books, const Clock& clock,
                FrameWriter& frames)
@@ -247,6 +261,7 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
   }
   Handoff h = parts.size() == 1 ? std::move(parts[0]) : joined(parts);
   ++counts_.next_id;
+  check_parts(h.body, clock_.windows);
   const Totals totals_before = std::exchange(totals_now, shell_totals());
   check_handoff(totals_before, totals_now, h.body);
   counts_.geometry_error = std::max(counts_.geometry_error, std::abs(h.body.mass - mass) / mass);

@@ -29,6 +29,9 @@ struct PieceCounts {
   double frozen_at = -1.0;      // [s]; negative while the shell is solved
 };
 
+/// Throws Error (parts) where a new body has more convex parts, or one of them more corners, than a message may carry.
+void check_parts(const RigidBody& body, std::int64_t window);
+
 /// Finds detached pieces, hands them off, and freezes the shells.
 class Pieces {
  public:

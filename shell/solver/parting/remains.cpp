@@ -1,6 +1,9 @@
 #include "shell/solver/parting/remains.h"
 
 #include <algorithm>
+#include <limits>
+
+#include "shell/fracture/outline.h"
 
 namespace sunder::shell {
 namespace {
@@ -48,21 +51,125 @@ PresentShape present_shape(const ShellModel& m, const ShellState& s, const Trian
   return out;
 }
 
-// Makes a prism of each triangle, in world coordinates.
-void add_prisms(const Triangulation& t, const PresentShape& at, double thickness, ConvexShape& shape,
-                DrawnMesh& drawn) {
+// Both faces of the surface where it stands, over a parameter.
+struct Faces {
+  Vec3 low, high, normal;
+};
+Faces faces_at(const ShellModel& m, const ShellState& s, const Vec2& p) {
+  const SurfacePoint q = surface(m, s, p);
+  const Vec3 n = q.u.cross(q.v).normalized();
+  return {q.x - 0.5 * m.thickness * n, q.x + 0.5 * m.thickness * n, n};
+}
+
+bool is_torn(double apart, double at_rest, double thickness) { return apart > kNoSurface * at_rest + thickness; }
+
+using Polygon = std::vector<Vec2>;  // convex, of parameters
+
+// The direction in which the surface over a box bends more, 0 or 1; the longer one where it bends alike or is no
+// number.
+int bent_along(const ShellModel& m, const ShellState& s, const Eigen::AlignedBox2d& box) {
+  double bend[2];
+  for (const int d : {0, 1}) {
+    Vec2 low = box.center(), high = box.center();
+    low[d] = box.min()[d], high[d] = box.max()[d];
+    bend[d] = (faces_at(m, s, high).normal - faces_at(m, s, low).normal).norm();
+  }
+  const int longer = box.sizes().y() > box.sizes().x() ? 1 : 0;
+  return bend[1 - longer] > bend[longer] && box.sizes()[1 - longer] > 0.5 * m.spacing ? 1 - longer : longer;
+}
+
+// Halves of a polygon, by the line across the middle of direction d.
+std::pair<Polygon, Polygon> halves_of(const Polygon& polygon, const Eigen::AlignedBox2d& box, int d) {
+  const double middle = box.center()[d];
+  std::pair<Polygon, Polygon> out;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 &p = polygon[i], &next = polygon[(i + 1) % polygon.size()];
+    if (p[d] <= middle) out.first.push_back(p);
+    if (p[d] >= middle) out.second.push_back(p);
+    if ((p[d] - middle) * (next[d] - middle) < 0.0) {
+      const Vec2 q = p + (middle - p[d]) / (next[d] - p[d]) * (next - p);
+      out.first.push_back(q), out.second.push_back(q);
+    }
+  }
+  return out;
+}
+
+bool holds(const Polygon& polygon, const Vec2& p) {
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 along = polygon[(i + 1) % polygon.size()] - polygon[i], to = p - polygon[i];
+    if (along.x() * to.y() - along.y() * to.x() < 0.0) return false;
+  }
+  return true;
+}
+
+// Tests whether the surface over the polygon is within kBentPiece of a plane, at its corners and on a grid of spacings.
+bool is_flat(const ShellModel& m, const ShellState& s, const Polygon& polygon) {
+  std::vector<Vec2> at = polygon;
+  Eigen::AlignedBox2d box;
+  for (const Vec2& p : polygon) box.extend(p);
+  for (double u = box.min().x() + 0.5 * m.spacing; u < box.max().x(); u += m.spacing)
+    for (double v = box.min().y() + 0.5 * m.spacing; v < box.max().y(); v += m.spacing)
+      if (holds(polygon, {u, v})) at.emplace_back(u, v);
+  std::vector<Faces> faces;
+  Vec3 normal = Vec3::Zero();
+  for (const Vec2& p : at) {
+    faces.push_back(faces_at(m, s, p));
+    if (!faces.back().low.allFinite() || !faces.back().high.allFinite()) return false;
+    normal += faces.back().normal;
+  }
+  normal.normalize();
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const Faces& f : faces) {
+    const double height = normal.dot(0.5 * (f.low + f.high));
+    low = std::min(low, height), high = std::max(high, height);
+  }
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const std::size_t j = (i + 1) % polygon.size();
+    if (is_torn((faces[i].low - faces[j].low).norm(), (polygon[i] - polygon[j]).norm(), m.thickness)) return false;
+  }
+  return high - low <= kBentPiece * m.thickness;
+}
+
+// Adds convex parts of a bent piece, in world coordinates: those of its outline, halved until each is flat. What is no
+// larger than half a spacing is taken as it is, and left out where it is torn.
+void add_bent_parts(const ShellModel& m, const ShellState& s, const Outline& outline, ConvexShape& shape) {
+  std::vector<Polygon> open = convex_parts(outline, kPartTolerance * m.spacing * m.spacing);
+  while (!open.empty()) {
+    const Polygon polygon = std::move(open.back());
+    open.pop_back();
+    Eigen::AlignedBox2d box;
+    for (const Vec2& p : polygon) box.extend(p);
+    const bool small = box.sizes().maxCoeff() <= 0.5 * m.spacing;
+    if (!is_flat(m, s, polygon) && !small) {
+      auto [first, second] = halves_of(polygon, box, bent_along(m, s, box));
+      open.push_back(std::move(first)), open.push_back(std::move(second));
+      continue;
+    }
+    std::vector<Vec3> corners;
+    bool torn = false;
+    for (const Vec2& p : polygon) {
+      const Faces f = faces_at(m, s, p);
+      torn = torn || !f.low.allFinite() || !f.high.allFinite() ||
+             (!corners.empty() &&
+              is_torn((f.low - corners[corners.size() - 2]).norm(), box.diagonal().norm(), m.thickness));
+      corners.push_back(f.low), corners.push_back(f.high);
+    }
+    if (!torn) shape.parts.push_back(std::move(corners));
+  }
+}
+
+// Draws a prism of each triangle, in world coordinates.
+void draw_prisms(const Triangulation& t, const PresentShape& at, double thickness, DrawnMesh& drawn) {
   const auto finite = [&](int v) { return at.low[v].allFinite() && at.high[v].allFinite(); };
   const auto torn = [&](int a, int b) {  // parameters are lengths
-    return (at.low[a] - at.low[b]).norm() > kNoSurface * (t.vertices[a] - t.vertices[b]).norm() + thickness;
+    return is_torn((at.low[a] - at.low[b]).norm(), (t.vertices[a] - t.vertices[b]).norm(), thickness);
   };
   std::vector<int> number(t.vertices.size(), -1);
   for (const int i : at.triangles) {
     const auto& c = t.triangles[i];
     if (!finite(c[0]) || !finite(c[1]) || !finite(c[2]) || torn(c[0], c[1]) || torn(c[1], c[2]) || torn(c[2], c[0]))
       continue;
-    auto& corners = shape.parts.emplace_back();
     for (const int v : c) {
-      corners.push_back(at.low[v]), corners.push_back(at.high[v]);
       if (number[v] >= 0) continue;
       number[v] = static_cast<int>(drawn.points.size());
       drawn.points.push_back(at.low[v]), drawn.points.push_back(at.high[v]);
@@ -97,7 +204,8 @@ Handoff freeze(const ShellModel& m, ShellState& s, const Triangulation& t, const
       out.area += p.area;
       const PresentShape at = present_shape(m, s, t, p.number);
       if (at.bent) {
-        add_prisms(t, at, m.thickness, shape, out.drawn);
+        add_bent_parts(m, s, outline_of(t, p.number), shape);
+        draw_prisms(t, at, m.thickness, out.drawn);
         continue;
       }
       Mat3 rotation;

@@ -1,0 +1,42 @@
+// The limits of a new body are checked where it is made.
+#include <string>
+
+#include <gtest/gtest.h>
+
+#include "coupler/core/error.h"
+#include "coupler/link/messages.h"
+#include "shell/run/pieces.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+RigidBody body_of(std::size_t parts, std::size_t corners) {
+  RigidBody b;
+  b.name = "pane_remains";
+  ConvexShape shape;
+  shape.parts.assign(parts, std::vector<Vec3>(4));
+  if (parts > 0) shape.parts[0].resize(corners);
+  b.shape = shape;
+  return b;
+}
+
+}  // namespace
+
+TEST(CheckParts, RefusesWhatNoMessageMayCarry) {
+  check_parts(body_of(0, 0), 3);  // nothing remains
+  check_parts(body_of(link::kMaxParts, link::kMaxCorners), 3);
+  for (const auto& [parts, corners] : {std::pair{link::kMaxParts + 1, 8}, std::pair{1, link::kMaxCorners + 1}}) {
+    try {
+      check_parts(body_of(parts, corners), 3);
+      ADD_FAILURE() << "not refused";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind, "parts");
+      EXPECT_EQ(e.status, Exit::kPhysics);
+      EXPECT_EQ(e.window, 3);
+      for (const std::string& says : {std::string("pane_remains"), std::to_string(parts), std::to_string(corners)})
+        EXPECT_NE(std::string(e.what()).find(says), std::string::npos) << e.what();
+    }
+  }
+}
