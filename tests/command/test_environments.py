@@ -104,6 +104,23 @@ class Environments(unittest.TestCase):
         self.run_scene(user=NOBODY)
 
 
+    def test_another_user_of_a_finished_checkout(self) -> None:
+        """The checkout is built, belongs to root and is not named by SUNDER_BUILD_DIR."""
+        if os.geteuid() != 0:
+            self.skipTest("needs root, who may make files of root's")
+        checkout = self.here / "checkout"
+        for room in ("coupler", "scenes", "proto"):
+            shutil.copytree(REPOSITORY / room, checkout / room)
+        for program in ("shell/sunder-shell", "rigid/sunder-rigid"):
+            target = checkout / "build" / "release" / program
+            target.parent.mkdir(parents=True)
+            shutil.copy(BUILD / program, target)
+        (checkout / "build" / "lock").touch()
+        del self.environment["SUNDER_BUILD_DIR"]
+        self.environment.pop("HOME", None)
+        self.run_scene(checkout, user=NOBODY)
+
+
 class Socket(unittest.TestCase):
     def test_no_place_is_said_with_what_was_tried(self) -> None:
         with mock.patch.dict(os.environ, {"TMPDIR": "/" + 200 * "x"}), mock.patch("os.access", return_value=False), \

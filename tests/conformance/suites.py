@@ -87,6 +87,8 @@ def run_suites(suite: Path, executables: Executables, case: str | None, chosen: 
     status = DONE
     found: dict[str, dict[str, object]] = {}
     for name in [chosen] if chosen else engines.names(executables):
+        if engines.in_process(name):
+            raise CommandError(f"--rigid {name}: the suite speaks over the wire; leave '{engines.IN_PROCESS}:' out", BAD_INPUT)
         try:
             rigid = engines.resolve(name, executables)
         except CommandError as error:
@@ -94,8 +96,6 @@ def run_suites(suite: Path, executables: Executables, case: str | None, chosen: 
                 raise
             print(f"{name}: left out: {error}\n", flush=True)
             continue
-        if rigid.in_process:
-            raise CommandError(f"--rigid {name}: the suite speaks over the wire; leave '{engines.IN_PROCESS}:' out", BAD_INPUT)
         with tempfile.TemporaryDirectory() as folder:
             numbers = Path(folder) / "rows.json"
             ended = run_program(suite_command(suite, rigid, Path(name).name, case, numbers))
