@@ -20,8 +20,8 @@ namespace {
 using namespace sunder;
 using namespace sunder::link;
 
-const std::set<std::string> kFaults = {"none",   "leaks",   "bouncy",    "stale",    "hovers",  "slippery", "sticky",
-                                       "sieve",  "random",  "forgetful", "unhinged", "rowless", "flipped",  "meddling",
+const std::set<std::string> kFaults = {"none",   "leaks",   "bouncy",    "stale",    "hovers",   "slippery", "sticky",
+                                       "sieve",  "random",  "forgetful", "unhinged", "rowless",  "flipped",  "meddling",
                                        "polite", "lingers", "late",      "twists",   "clinging", "echoes"};
 
 class WrongEngine final : public Engine {
