@@ -276,6 +276,40 @@ class SeveralShells(InAFolder):
         np.testing.assert_array_equal(nodes["window"]["_DAMAGE"].ravel(), [0, 0, 0, 1, 1, 1])
         np.testing.assert_array_equal(nodes["bumper"]["POSITION"][2], [1, 0, -1])  # y up
 
+    def materials(self, scene: str, part_of: dict[int, int]) -> dict[str, tuple[str, str]]:
+        """Material and alpha mode of each node of the exported frame."""
+        frames = list_frames(self.folder)
+        raw = glb_bytes(mesh_of(frames, 0), 0.0, words_of(parse_text(scene), []) if scene else Words(), part_of)
+        content = json.loads(raw[20:20 + struct.unpack_from("<I", raw, 12)[0]])
+        names = [material["name"] for material in content["materials"]]
+        self.assertEqual(len(names), len(set(names)), "each once")
+        used = {node["name"]: content["materials"][content["meshes"][node["mesh"]]["primitives"][0]["material"]]
+                for node in content["nodes"]}
+        return {name: (material["name"], material["alphaMode"]) for name, material in used.items()}
+
+    def test_gltf_has_the_materials_of_the_scene(self) -> None:
+        self.assertEqual(self.materials(self.SCENE, {4: 0, 5: 1}), {
+            "bumper": ("plastic", "OPAQUE"), "window": ("window_glass", "BLEND"), "shards_of_bumper": ("plastic", "OPAQUE"),
+            "shards_of_window": ("window_glass", "BLEND")})
+        self.assertEqual(self.materials(self.SCENE.replace("window_glass", "plastic"), {}), {
+            "bumper": ("plastic", "OPAQUE"), "window": ("plastic", "OPAQUE"), "shards": ("plastic", "OPAQUE")})
+        self.assertEqual(self.materials("", {}), {"shell_0": ("shell_0", "OPAQUE"), "shell_1": ("shell_1", "OPAQUE"),
+                                                  "shards": ("shards", "OPAQUE")})
+
+    def test_a_lone_shell_is_of_its_material_too(self) -> None:
+        write_vtp(self.folder / "frames/shell.vtp", [[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]],
+                  cell_data={"fragment": np.zeros(1), "damage": np.zeros(1), "shell": np.zeros(1)}, floats="f8")
+        write_vtp(self.folder / "frames/bodies.vtp", [[0, 0, -1], [1, 0, -1], [0, 1, -1]], [[0, 1, 2], [0, 2, 1]],
+                  cell_data={"body": np.array([1.0, 5]), "kind": np.array([0.0, 1])}, floats="f8")
+        frame, = list_frames(self.folder)
+        for material, mode in (("plaster", "OPAQUE"), ("clear_acrylic", "BLEND"), ("glass", "BLEND")):
+            scene = f"""materials {{ name: "{material}" density: 500 strength: 1 }}
+                shells {{ name: "wall" material: "{material}" thickness_m: 0.008 }} bodies {{ name: "ball" material: "lead" }}"""
+            self.assertEqual(self.materials(scene, {}), {"wall": (material, mode), "shards": (material, mode),
+                                                         "ball": ("lead", "OPAQUE")})
+            drawn = load_scene(frame, Look(glass=words_of(parse_text(scene), []).glass))
+            self.assertEqual(len(drawn.glass.triangles), 2 if mode == "BLEND" else 0)
+
 
 class Export(OfARun):
     def test_ply_has_what_the_frames_have(self) -> None:
