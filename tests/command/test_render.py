@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import io
 import json
 import re
 import shutil
 import struct
 import subprocess
+import tracemalloc
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -18,11 +20,13 @@ from PIL import Image
 from sunder_tools.command.main import main
 from sunder_tools.errors import CommandError
 from sunder_tools.launch.folder import RunFolder
-from sunder_tools.pictures import render as rendering
+from sunder_tools.pictures import raster, render as rendering, views
+from sunder_tools.pictures.contact_sheet import boxes
 from sunder_tools.pictures.export import glb_bytes, mesh_of
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
 from sunder_tools.pictures.look import Look, origins
-from sunder_tools.pictures.meshes import load_scene
+from sunder_tools.pictures.meshes import Scene, load_scene
+from sunder_tools.pictures.raster import Camera, perspective_camera
 from sunder_tools.pictures.render import parse_view, pick
 from sunder_tools.report.scene_text import Words, parse_text, words_of
 
@@ -121,6 +125,42 @@ class Stills(OfARun):
             for other in pictures[k + 1:]:
                 self.assertGreater((np.abs(one - other).max(axis=2) > 10).mean(), 0.01)
         self.assertEqual([p.name for p in (self.folder / "stills").iterdir()], ["still_000004.png"])
+
+    def scene(self) -> tuple[Scene, Camera]:
+        frame = list_frames(self.folder)[4]
+        scene = load_scene(frame)
+        self.assertTrue(scene.solid.is_floor.any() and len(scene.glass.triangles))
+        low, high = boxes(frame, [scene])[1]
+        return scene, perspective_camera(low, high, np.array([1.0, 0.4, -0.5]), 400, 240)
+
+    def test_bands_do_not_show(self) -> None:
+        scene, camera = self.scene()
+        whole = views.draw_scene(scene, camera, 400, 240)
+        for band in (1 << 20, 400, 999):
+            with mock.patch.object(views, "BAND", band):
+                np.testing.assert_array_equal(views.draw_scene(scene, camera, 400, 240), whole)
+
+    def test_no_array_of_a_whole_picture_is_made_in_between(self) -> None:
+        """A picture takes its colours, and a triangle and a nearness a pixel for solid and glass. Arrays of that size beside
+        them cost more than what is done with them, in pages that the system makes."""
+        scene, camera = self.scene()
+        with mock.patch.object(views, "BAND", 1000), mock.patch.object(raster, "CANDIDATES", 1000), \
+                mock.patch.object(views, "_Shadows", lambda *_: mock.Mock(at=lambda points: np.zeros(len(points)))):
+            views.draw_scene(scene, camera, 400, 240)
+            tracemalloc.start()
+            self.addCleanup(tracemalloc.stop)
+            before = tracemalloc.get_traced_memory()[0]
+            views.draw_scene(scene, camera, 400, 240)
+            used = (tracemalloc.get_traced_memory()[1] - before) / (400 * 240)
+        self.assertLess(used, 3 * 4 + 2 * (8 + 8) + 20)  # [bytes a pixel]; a further array of colours is 24
+
+    def test_without_a_place_for_locks_pictures_are_drawn_one_by_one(self) -> None:
+        refused = OSError(errno.EROFS, "Read-only file system")
+        with mock.patch("multiprocessing.pool.Pool.__init__", side_effect=refused):
+            status, said = self.sunder("render", "--size", SIZE, "--jobs", "2", "--frames", "0,3")
+        self.assertEqual(status, 0, said)
+        self.assertIn("one after another: /dev/shm: Read-only file system", said)
+        self.assertEqual(len(list((self.folder / "stills").iterdir())), 2)
 
     def test_several_processes_draw_the_same(self) -> None:
         for jobs, name in (("1", "a"), ("2", "b")):
