@@ -6,6 +6,7 @@ from sunder_lab.campaign import Settings, member
 from sunder_lab.dents import Dent, dent, dents
 from sunder_lab.experiment import Experiment, Parameter, Plot
 from sunder_lab.impact import Motion, energy_taken, impact, motion, perforated
+from sunder_lab.measures import gives
 from sunder_lab.pieces import Pieces, fragments, pieces, radial_cracks
 from sunder_lab.results import Columns
 from sunder_lab.scene import SCENES, BadSetting, Results, Scene
@@ -15,4 +16,4 @@ from sunder_tools.errors import CommandError as Error
 
 __all__ = ["BadSetting", "Ballistic", "Columns", "Dent", "Error", "Experiment", "Mean", "Motion", "Parameter",
            "Pieces", "Plot", "Results", "SCENES", "Scene", "Settings", "Table", "V50", "dent", "dents",
-           "energy_taken", "fragments", "impact", "member", "motion", "perforated", "pieces", "radial_cracks"]
+           "energy_taken", "fragments", "gives", "impact", "member", "motion", "perforated", "pieces", "radial_cracks"]

@@ -11,6 +11,7 @@
 #include <sched.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
+#include <sys/un.h>
 #include <unistd.h>
 #include <zmq.hpp>
 
@@ -74,7 +75,14 @@ bool is_stopped(pid_t process) {
 }
 
 void check_endpoint(const std::string& endpoint, bool with_keys) {
-  if (endpoint.rfind(kIpc, 0) == 0) return;
+  if (endpoint.rfind(kIpc, 0) == 0) {
+    constexpr std::size_t kMost = sizeof(sockaddr_un::sun_path) - 1;
+    const std::size_t bytes = endpoint.size() - kIpc.size();
+    if (bytes > kMost)
+      bad_endpoint(endpoint,
+                   fmt::format("its path has {} bytes, a socket's at most {}; use a shorter one", bytes, kMost));
+    return;
+  }
   static const std::regex address("tcp://[^/;]+:[0-9]{1,5}"), loopback("tcp://127\\.0\\.0\\.1:[0-9]{1,5}");
   if (!std::regex_match(endpoint, address)) bad_endpoint(endpoint, "use ipc://PATH or tcp://HOST:PORT");
   if (!with_keys && !std::regex_match(endpoint, loopback))

@@ -7,9 +7,10 @@ import os
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, Mapping
 
 from sunder_tools.errors import CommandError
+from sunder_tools.launch import engines
 from sunder_tools.launch.build import ensure_built
 
 from .executors import Executor, Local, Slurm, default_jobs
@@ -20,7 +21,7 @@ from .table import Cell, Table, write_sqlite
 MARK = "sunder-series"  # a file that marks the folder of a series
 MEMBERS = "members"
 
-Measure = Callable[[Results], dict[str, Any]]
+Measure = Callable[[Results], Mapping[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -28,6 +29,9 @@ class Planned:
     """A planned row: its own columns, and the member that gives the others."""
     columns: dict[str, Cell]
     member: Member
+
+
+Look = Callable[[Planned, Results], None]
 
 
 @dataclass
@@ -67,8 +71,9 @@ class Campaign:
         try:
             if self.folder.is_dir() and any(self.folder.iterdir()) and not (self.folder / MARK).is_file():
                 raise CommandError(f"--out {self.folder}: holds other files and no series; give a new or an empty folder")
-            (self.folder / MEMBERS).mkdir(parents=True, exist_ok=True)
-            (self.folder / MARK).touch()
+            self.folder.mkdir(parents=True, exist_ok=True)
+            (self.folder / MARK).touch()  # first: another series that looks in now sees a folder of a series
+            (self.folder / MEMBERS).mkdir(exist_ok=True)
         except OSError as error:
             raise CommandError(f"--out {self.folder}: cannot be written: {error.strerror}") from None
         self._handle = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
@@ -88,25 +93,38 @@ class Campaign:
         """Returns its folder."""
         return (self.folder / MEMBERS / member.identity()).resolve()
 
-    def run(self, planned: list[Planned]) -> None:
-        """Runs members that are not done. A member that has failed earlier is tried once more."""
+    def run(self, planned: list[Planned], look: Look | None = None) -> None:
+        """Runs members that are not done. A member that has failed earlier is tried once more.
+
+        `look` sees the first member that is done, before the others are run where it was done earlier. What it raises
+        ends the runs that are under way.
+        """
         places = {self.place(p.member): p for p in planned}
         remaining = [place for place in places if not is_done(place)]
         self.say(f"{len(places)} runs, {len(places) - len(remaining)} of them done already")
+        done = next((p for p in planned if is_done(self.place(p.member))), None)
+        if done is not None and look is not None:
+            look(done, Results(self.place(done.member) / RUN_FOLDER))
+            look = None
         if not remaining:
             return
-        ensure_built()
+        executables = ensure_built()
+        for engine in dict.fromkeys(places[place].member.engine for place in remaining):
+            engines.check(engine, engines.resolve(engine, executables), executables)
         for place in remaining:
             places[place].member.prepare(place, self.settings.threads, self.settings.keep)
         count = 0
 
         def ended(place: Path) -> None:
-            nonlocal count
+            nonlocal count, look
             count += 1
             found = outcome(place)
             words = ", ".join(f"{k} {v}" for k, v in places[place].columns.items())
             self.say(f"[{count}/{len(remaining)}] {found.get('status', 'unknown')} {words}"
                       + (f": {found['error']}" if found.get("error") else ""))
+            if look is not None and found.get("status") == "done":
+                look(places[place], Results(place / RUN_FOLDER))
+                look = None
 
         self.executor.run(remaining, ended)
 

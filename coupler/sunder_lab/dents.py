@@ -9,8 +9,10 @@ import numpy as np
 from sunder_tools.errors import CommandError
 from sunder_tools.pictures.frames import SHELL
 from sunder_tools.pictures.meshes import reference_points
+from sunder_tools.words import did_you_mean
 
-from .scene import Results
+from .measures import Stated
+from .scene import Results, Scene
 
 
 @dataclass(frozen=True)
@@ -56,10 +58,15 @@ def dents(results: Results) -> dict[str, Dent]:
 
 def dent(shell: str) -> Any:
     """Measures, for experiments, volumes that a shell is pushed in and out by, and its largest displacement."""
+    def refuse(scene: Scene) -> None:
+        names = [one.name for one in scene.message.shells]
+        if shell not in names:
+            raise CommandError(f"no shell '{shell}'; {did_you_mean(shell, names)}")
+
     def measure(results: Results) -> dict[str, float]:
         all_of_them = dents(results)
         if shell not in all_of_them:
             raise CommandError(f"no shell '{shell}' in the last frame; there are: {', '.join(all_of_them)}")
         one = all_of_them[shell]
         return {"dent_in_m3": one.pushed_in, "dent_out_m3": one.pushed_out, "deepest_m": one.deepest}
-    return measure
+    return Stated(("dent_in_m3", "dent_out_m3", "deepest_m"), measure, refuse)

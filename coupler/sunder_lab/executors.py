@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Callable, Protocol
 
-from sunder_tools.errors import CommandError, Interrupted
+from sunder_tools.errors import CommandError
 from sunder_tools.launch.build import build_dir
 from sunder_tools.launch.logged import tail
 from sunder_tools.places import BUILD_DIR_VARIABLE
@@ -34,7 +34,7 @@ class Executor(Protocol):
     """Runs members."""
 
     def run(self, folders: list[Path], ended: Ended) -> None:
-        """Runs prepared members. Calls `ended` with each when it ends, in any order."""
+        """Runs prepared members. Calls `ended` with each when it ends, in any order. What it raises ends the others."""
 
 
 def default_jobs(threads: int) -> int:
@@ -66,7 +66,7 @@ class Local:
                     folder = running.pop(process)
                     _without_word(folder, f"the process ended with status {process.returncode}")
                     ended(folder)
-        except (Interrupted, KeyboardInterrupt):
+        except BaseException:  # Ctrl-C, or `ended` refuses to go on
             for process in running:
                 process.send_signal(signal.SIGINT)  # the run ends after its window
             raise
@@ -118,7 +118,7 @@ class Slurm:
             write_atomically(note, {"job": job})
             try:
                 self._wait(job, part, ended)
-            except (Interrupted, KeyboardInterrupt):
+            except BaseException:  # Ctrl-C, or `ended` refuses to go on
                 _slurm(["scancel", job])
                 note.unlink(missing_ok=True)
                 raise

@@ -5,15 +5,17 @@ import itertools
 import random
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Callable, Mapping, Sequence, Union
+from typing import Any, Callable, Iterator, Mapping, Sequence, Union
 
 from sunder_tools.errors import CommandError
 from sunder_tools.pictures.plots import Line, Panel, write_panels
+from sunder_tools.words import did_you_mean
 
 from .campaign import Campaign, Measure, Planned, Settings
 from .impact import impact
+from .measures import Stated
 from .member import Member
-from .scene import Scene, Value
+from .scene import Results, Scene, Value
 from .table import Cell, Table
 
 SEED_PATH = "fracture.seed"
@@ -53,8 +55,19 @@ class Plot:
     logarithmic: bool = False
     title: str = ""
 
+    def names(self) -> list[str]:
+        """Returns the columns that it draws."""
+        return [self.x, self.y, *([self.by] if self.by else [])]
+
+    def words(self) -> str:
+        """Returns what messages call it."""
+        return f"plot of {self.y} over {self.x}"
+
     def panel(self, table: Table) -> Panel:
-        """Draws the panel. Raises CommandError where a column is missing."""
+        """Draws the panel. Raises CommandError where a column is missing or holds text."""
+        for name in (self.x, self.y):
+            if table[name].dtype == object:
+                raise CommandError(f"column '{name}' holds text; a plot draws numbers, and text may be 'by'")
         lines = []
         for key in dict.fromkeys(table[self.by].tolist()) if self.by else [None]:
             part = table.where(**{self.by: key}) if self.by else table
@@ -63,6 +76,10 @@ class Plot:
             lines.append(Line(f"{self.by} {key:g}" if isinstance(key, (int, float)) else f"{self.by} {key}",
                               [m.key[self.x] for m in means], [m.mean for m in means], [m.half for m in means], dots))
         return Panel(self.title or f"{self.y} over {self.x}", self.x, self.y, lines, self.logarithmic)
+
+
+def _numbers(values: Sequence[Any]) -> bool:
+    return all(isinstance(value.item() if hasattr(value, "item") else value, (bool, int, float)) for value in values)
 
 
 @dataclass
@@ -74,7 +91,8 @@ class Experiment:
     seed and repeat. Without it repeats are the same to the bit, and more than one is refused.
 
     A parameter is a `Parameter`, or a list of values where its name is a path itself. `measure` makes columns of a run's
-    `Results`; several may be given.
+    `Results`; several may be given. A function of one's own states its columns by `@gives("name", ...)`: plots are then
+    checked before the first run, else with the first one that is done.
     """
     name: str
     scene: Scene
@@ -83,7 +101,7 @@ class Experiment:
     repeats: int = 1
     scatter: Mapping[str, float] = field(default_factory=dict)
     measure: Measure | Sequence[Measure] = field(default_factory=impact)
-    plots: Sequence[Plot] = ()
+    plots: Plot | Sequence[Plot] = ()
     engine: str = "bullet"
 
     def plan(self) -> list[Planned]:
@@ -110,6 +128,7 @@ class Experiment:
         if self.repeats < 1 or (self.repeats > 1 and not self.scatter):
             faults.append(f"repeats is {self.repeats}: must be 1, or more with a scatter; the same scene gives the same "
                           "results to the bit")
+        faults += self._faults_of_names(parameters)
         if faults:
             raise CommandError(f"{self.name}: nothing was run\n" + "\n".join(faults))
         rows = []
@@ -117,7 +136,68 @@ class Experiment:
             for seed in self.seeds or (None,):
                 for repeat in range(self.repeats):
                     rows.append(self._planned(parameters, values, seed, repeat))
+        faults = list(dict.fromkeys(fault for row in rows for fault in self._refused(row.member.scene)))
+        if faults:
+            raise CommandError(f"{self.name}: nothing was run\n" + "\n".join(faults))
         return rows
+
+    def _plots(self) -> Sequence[Plot]:
+        return [self.plots] if isinstance(self.plots, Plot) else self.plots
+
+    def _measures(self) -> list[Measure]:
+        return [self.measure] if callable(self.measure) else list(self.measure)
+
+    def _refused(self, scene: Scene) -> Iterator[str]:
+        """What measures find wrong with a planned scene."""
+        for measure in self._measures():
+            if isinstance(measure, Stated):
+                try:
+                    measure.refuse(scene)
+                except CommandError as error:
+                    yield f"measure of {measure.columns[0]}, ...: {error}"
+
+    def _faults_of_names(self, parameters: dict[str, Parameter]) -> list[str]:
+        """Names of columns that are there already, and plots of columns that no run will give."""
+        faults = [f"a measure is {measure!r}: must be a function of a run's results" for measure in self._measures()
+                  if not callable(measure)]
+        stated = [name for measure in self._measures() if isinstance(measure, Stated) for name in measure.columns]
+        taken = {name.casefold(): name for name in OWN}
+        for name in [*(name for name in parameters if name not in OWN), *stated]:
+            other = taken.setdefault(name.casefold(), name)
+            if other == name and [*parameters, *stated, *OWN].count(name) > 1:
+                faults.append(f"column '{name}': there is one of that name already")
+            elif other != name:
+                faults.append(f"column '{name}': differs from '{other}' in case only, which is the same name in results.sqlite")
+        own = [name for name in OWN if name != "repeat" or self.repeats > 1]
+        texts = {"member", "status", "error"} | {name for name, p in parameters.items() if not _numbers(p.values)}
+        for plot in self._plots():
+            for name in plot.names():
+                if name in (plot.x, plot.y) and name in texts:
+                    faults.append(f"{plot.words()}: column '{name}' holds text; a plot draws numbers, and text may be 'by'")
+                elif name not in [*own, *parameters, *stated] and self._all_stated():
+                    faults.append(f"{plot.words()}: no column '{name}'; {did_you_mean(name, [*own, *parameters, *stated])}")
+        return list(dict.fromkeys(faults))
+
+    def _all_stated(self) -> bool:
+        return all(isinstance(measure, Stated) for measure in self._measures())
+
+    def _look(self, planned: Planned, results: Results) -> None:
+        """Raises CommandError where plots name columns that neither the first run that is done has, nor a measure states.
+
+        This is for measures that do not state their columns.
+        """
+        try:
+            found = self._measured(results)
+        except Exception:  # noqa: BLE001: the measure is the user's; the table will say so
+            return
+        stated = [name for measure in self._measures() if isinstance(measure, Stated) for name in measure.columns]
+        known = [*OWN, *planned.columns, *found, *stated]
+        faults = [f"{plot.words()}: no column '{name}'; {did_you_mean(name, known)}"
+                  for plot in self._plots() for name in plot.names() if name not in known]
+        if faults:
+            raise CommandError("\n".join([
+                f"{self.name}: ended with the first run that is done; the same command goes on", *faults,
+                "columns that only some runs have are stated: decorate the measure with @sunder.gives(\"NAME\", ...)"]))
 
     def _planned(self, parameters: dict[str, Parameter], values: tuple[Any, ...], seed: int | None,
                  repeat: int) -> Planned:
@@ -145,7 +225,7 @@ class Experiment:
         planned = self.plan()
         settings = settings if isinstance(settings, Settings) else Settings(settings)
         with Campaign(settings) as campaign:
-            campaign.run(planned)
+            campaign.run(planned, self._look if self.plots and not self._all_stated() else None)
             results, times = campaign.table(planned, self._measured)
             campaign.write(results, times)
             self._draw(Table(row for row in results if row["status"] == "done"), campaign)
@@ -154,19 +234,20 @@ class Experiment:
     def _draw(self, done: Table, campaign: Campaign) -> None:
         """Writes plots.png. A plot of a missing column does not lose results."""
         panels = []
-        for plot in self.plots if len(done) else ():
+        for plot in self._plots() if len(done) else ():
             try:
                 panels.append(plot.panel(done))
             except CommandError as error:
-                campaign.say(f"plot of {plot.y} over {plot.x}: {error}", always=True)
+                campaign.say(f"{plot.words()}: {error}", always=True)
         if panels:
             write_panels(panels, campaign.folder / "plots.png")
 
     def _measured(self, results: Any) -> dict[str, Any]:
         out: dict[str, Any] = {}
-        for measure in [self.measure] if callable(self.measure) else self.measure:
+        for measure in self._measures():
             found = measure(results)
-            taken = [name for name in found if name in out or name in self.parameters or name in OWN]
+            there = {name.casefold() for name in (*out, *self.parameters, *OWN)}
+            taken = [name for name in found if name.casefold() in there]
             if taken:
                 raise ValueError(f"a measure gives a column that there is already: {', '.join(taken)}")
             out.update(found)

@@ -8,14 +8,18 @@ from typing import Any
 import numpy as np
 
 from sunder_tools.errors import CommandError
+from sunder_tools.words import did_you_mean
 
-from .scene import Results
+from .measures import Stated
+from .scene import Results, Scene
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], for a scene without gravity field
 NO_PUSH = 0.01  # share of the largest force below which contact has ended
 AT_REST = 1e-9  # share of the first speed: round-off of the nine digits in probes.csv
 LAST_SHARE = 0.1  # last share of the record, in which a body that went through
 STILL_SLOWED = 0.02  # loses less than this share of its speed, although splinters may still touch it
+ENERGIES = ("lost", "motion", "elastic", "fracture", "plastic", "contact", "damping", "frozen", "handoff", "engine", "other",
+            "missing")  # of energy_taken
 
 
 @dataclass(frozen=True)
@@ -81,23 +85,28 @@ def motion(results: Results, body: str | None = None, mass: float | None = None)
 
     Raises CommandError where the scene has no such body, no probe of it, or does not say its mass.
     """
-    scene = results.scene.message
+    scene, columns = results.scene.message, results.probes
+    name, probe, own_mass = struck(scene, body, mass)
+    gravity = scene.gravity if scene.HasField("gravity") else None
+    return Motion(name, own_mass, np.array([gravity.x, gravity.y, gravity.z] if gravity is not None else STANDARD_GRAVITY),
+                  columns["time"], columns.vector(probe), columns.vector(probe, "_vx _vy _vz"))
+
+
+def struck(scene: Any, body: str | None, mass: float | None) -> tuple[str, str, float]:
+    """Returns the names of the body and its probe in the message of a scene, and the body's mass [kg]. Raises
+    CommandError as `motion` does."""
     probed = {probe.body: probe.name for probe in scene.output.probes if probe.body}
     if body is None:
         if len(probed) != 1:
-            raise CommandError(f"{results.folder}: name the body; there are probes of: {', '.join(probed) or 'none'}")
+            raise CommandError(f"name the body; there are probes of: {', '.join(probed) or 'none'}")
         body, = probed
     found = [b for b in scene.bodies if b.name == body]
     if not found:
-        raise CommandError(f"no body '{body}'; there are: {', '.join(b.name for b in scene.bodies)}")
+        raise CommandError(f"no body '{body}'; {did_you_mean(body, (b.name for b in scene.bodies))}")
     if body not in probed:
         raise CommandError(f"the scene has no probe of '{body}'; add output {{ probes {{ name: \"{body}\" body: "
                            f"\"{body}\" }} }}")
-    columns = results.probes
-    gravity = scene.gravity if scene.HasField("gravity") else None
-    return Motion(body, mass if mass is not None else mass_of(scene, found[0]),
-                  np.array([gravity.x, gravity.y, gravity.z] if gravity is not None else STANDARD_GRAVITY),
-                  columns["time"], columns.vector(probed[body]), columns.vector(probed[body], "_vx _vy _vz"))
+    return body, probed[body], mass if mass is not None else mass_of(scene, found[0])
 
 
 def mass_of(scene: Any, body: Any) -> float:
@@ -139,14 +148,8 @@ def perforated(results: Results, body: str | None = None) -> bool | None:
     which it came, still moving on, and hardly slowed any more. Held up is: stopped or on its way back. Meant for
     a plate that is held at its border; raises CommandError for another shell.
     """
-    scene = results.scene.message
-    if len(scene.shells) != 1 or scene.shells[0].WhichOneof("patch") != "plate" or not scene.shells[0].supports:
-        raise CommandError("perforation is defined for one plate with supports: a free one flies off with what struck it")
+    plate, sphere = perforable(results.scene.message, body)
     one = motion(results, body)
-    struck = next(b for b in scene.bodies if b.name == one.name)
-    if struck.WhichOneof("shape") != "sphere":
-        raise CommandError(f"perforation is defined for spheres; '{one.name}' is none")
-    plate = scene.shells[0]
     centre = plate.plate.pose.position
     beyond = float((one.position[-1] - [centre.x, centre.y, centre.z]) @ one.direction)
     speed = float(np.linalg.norm(one.velocity[0]))
@@ -154,14 +157,28 @@ def perforated(results: Results, body: str | None = None) -> bool | None:
         raise CommandError(f"body '{one.name}' stands still at the start")
     if one.residual_velocity <= AT_REST * speed:
         return False
-    reach = struck.sphere.radius_m + 0.5 * plate.thickness_m
+    reach = sphere.radius_m + 0.5 * plate.thickness_m
     before = int(np.searchsorted(one.time, one.time[-1] - LAST_SHARE * (one.time[-1] - one.time[0])))
     lost = float(one.velocity[min(before, len(one.time) - 2)] @ one.direction) - one.residual_velocity
     return True if beyond > reach and lost < STILL_SLOWED * one.residual_velocity else None
 
 
+def perforable(scene: Any, body: str | None) -> tuple[Any, Any]:
+    """Returns the plate and the sphere in the message of a scene. Raises CommandError as `perforated` does."""
+    if len(scene.shells) != 1 or scene.shells[0].WhichOneof("patch") != "plate" or not scene.shells[0].supports:
+        raise CommandError("perforation is defined for one plate with supports: a free one flies off with what struck it")
+    name, _, _ = struck(scene, body, 1.0)
+    found = next(b for b in scene.bodies if b.name == name)
+    if found.WhichOneof("shape") != "sphere":
+        raise CommandError(f"perforation is defined for spheres; '{name}' is none")
+    return scene.shells[0], found.sphere
+
+
 def impact(body: str | None = None, mass: float | None = None) -> Any:
     """Measures, for experiments, the usual quantities of an impact by `body`, as columns."""
+    def refuse(scene: Scene) -> None:
+        struck(scene.message, body, mass)
+
     def measure(results: Results) -> dict[str, float]:
         one = motion(results, body, mass)
         energy = energy_taken(results, body, mass)
@@ -171,4 +188,5 @@ def impact(body: str | None = None, mass: float | None = None) -> Any:
                 "peak_force_N": float(np.linalg.norm(force, axis=1).max()), "contact_until_s": one.contact_until,
                 **{f"energy_{name}_J": value for name, value in energy.items()},
                 "crack_length_m": float(results.series["cracks"][-1])}
-    return measure
+    return Stated(("residual_velocity_m_per_s", "impulse_N_s", "peak_force_N", "contact_until_s",
+                   *(f"energy_{name}_J" for name in ENERGIES), "crack_length_m"), measure, refuse)

@@ -24,6 +24,7 @@ from sunder_tools.errors import BAD_INPUT, DONE, INTERRUPTED, CommandError, Inte
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.launch.run import Job, read_usage, run_scene
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.replacing import replacing
 from sunder_tools.report.run_json import read_run
 
 from .scene import SCENE_FILE, Scene
@@ -53,9 +54,8 @@ class Member:
 
 def write_atomically(path: Path, value: Any) -> None:
     """Writes JSON atomically."""
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    part.write_text(json.dumps(value, indent=1) + "\n")
-    os.replace(part, path)
+    with replacing(path) as part:
+        part.write_text(json.dumps(value, indent=1) + "\n")
 
 
 def read_json(path: Path) -> dict[str, Any]:

@@ -13,6 +13,7 @@ from sunder_tools.pictures.meshes import reference_points
 from sunder_tools.pictures.vtp import PolyData
 
 from .crossings import radial_crossings
+from .measures import Stated
 from .scene import Results
 
 SPLINTER = 1e-3  # share of the shell's area: smaller shards are not counted as pieces, as in run.json
@@ -78,7 +79,7 @@ def fragments(splinter: float = SPLINTER) -> Any:
         return {"pieces": len(areas), "pieces_off": int((found.off >= splinter * found.whole).sum()),
                 "largest_piece_m2": float(areas.max()), "median_piece_m2": float(np.median(areas)),
                 "mean_piece_m2": found.mean_size(splinter)}
-    return measure
+    return Stated(("pieces", "pieces_off", "largest_piece_m2", "median_piece_m2", "mean_piece_m2"), measure)
 
 
 def radial_cracks(centre: tuple[float, float], radius_m: float) -> Any:
@@ -88,4 +89,4 @@ def radial_cracks(centre: tuple[float, float], radius_m: float) -> Any:
         graph = results.cracks
         ends = np.zeros((0, 2, 2)) if graph is None else grown(graph).ends
         return {"radial_cracks": len(radial_crossings(ends, np.array(centre), radius_m))}
-    return measure
+    return Stated(("radial_cracks",), measure)

@@ -57,8 +57,8 @@ def series_of(file: Path) -> list[Series]:
     found = list({id(value): value for value in found}.values())
     if not found:
         raise CommandError(f"{file}: defines no sunder.Experiment and no sunder.V50")
-    if len({value.name for value in found}) != len(found):
-        raise CommandError(f"{file}: two series of one name; each has a folder of its own")
+    if len({value.name.casefold() for value in found}) != len(found):
+        raise CommandError(f"{file}: two series of one name, or of names that differ in case only; each has a folder of its own")
     for value in found:
         if not value.name or "/" in value.name or value.name.startswith("."):
             raise CommandError(f"{file}: a series cannot be called '{value.name}': it is a folder's name")

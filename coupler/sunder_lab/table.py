@@ -4,7 +4,6 @@ from __future__ import annotations
 import csv
 import io
 import math
-import os
 import re
 import sqlite3
 from dataclasses import dataclass
@@ -14,6 +13,7 @@ from typing import Any, Iterable, Iterator
 import numpy as np
 
 from sunder_tools.errors import CommandError
+from sunder_tools.replacing import replacing
 
 from .statistics import student
 
@@ -54,9 +54,12 @@ class Table:
             return np.array([math.nan if v is None else float(v) for v in values])
         return np.array(values, object)
 
-    def where(self, **wanted: Cell) -> "Table":
-        """Returns the rows with these values."""
-        return Table([row for row in self.rows if all(row.get(k) == v for k, v in wanted.items())])
+    def where(self, /, **wanted: Cell) -> "Table":
+        """Returns the rows with these values, with all columns. NaN, as a column has it, stands for a missing value."""
+        out = Table(())
+        out.columns = self.columns
+        out.rows = [row for row in self.rows if all(row.get(k) == _plain(v) for k, v in wanted.items())]
+        return out
 
     def means(self, of: str, by: Iterable[str]) -> list[Mean]:
         """Computes statistics of column `of` over rows with equal columns `by`, in the order of first appearance.
@@ -81,26 +84,41 @@ class Table:
 
     def write_csv(self, path: Path) -> None:
         """Replaces the file atomically."""
-        part = path.with_name(f".{path.name}.{os.getpid()}")
-        part.write_text(self.csv())
-        os.replace(part, path)
+        with replacing(path) as part:
+            part.write_text(self.csv())
 
 
 def write_sqlite(path: Path, tables: dict[str, Table]) -> None:
-    """Writes a database of these tables and replaces an earlier one atomically."""
-    part = path.with_name(f".{path.name}.{os.getpid()}")
-    part.unlink(missing_ok=True)
-    base = sqlite3.connect(part)
-    try:
-        for name, table in tables.items():
-            columns = ", ".join(f"{_sql_name(c)} {_affinity(table, c)}" for c in table.columns)
-            base.execute(f"create table {_sql_name(name)} ({columns})")
-            base.executemany(f"insert into {_sql_name(name)} values ({', '.join('?' * len(table.columns))})",
-                             [[row[c] for c in table.columns] for row in table])
-        base.commit()
-    finally:
-        base.close()
-    os.replace(part, path)
+    """Writes a database of these tables and replaces an earlier one atomically.
+
+    SQLite takes names that differ in case only for one; the later of two such columns gets a number.
+    """
+    with replacing(path) as part:
+        part.unlink(missing_ok=True)
+        base = sqlite3.connect(part)
+        try:
+            for name, table in tables.items():
+                columns = ", ".join(f"{_sql_name(own)} {_affinity(table, column)}"
+                                    for own, column in zip(distinct(table.columns), table.columns))
+                base.execute(f"create table {_sql_name(name)} ({columns})")
+                base.executemany(f"insert into {_sql_name(name)} values ({', '.join('?' * len(table.columns))})",
+                                 [[row[c] for c in table.columns] for row in table])
+            base.commit()
+        finally:
+            base.close()
+
+
+def distinct(names: Iterable[str]) -> list[str]:
+    """The names, with _2, _3, ... appended where one differs from an earlier one in case only."""
+    taken: set[str] = set()
+    out = []
+    for name in names:
+        own, k = name, 2
+        while own.casefold() in taken:
+            own, k = f"{name}_{k}", k + 1
+        taken.add(own.casefold())
+        out.append(own)
+    return out
 
 
 def _mean(key: dict[str, Cell], values: list[float]) -> Mean:

@@ -13,7 +13,7 @@ from sunder_tools.pictures.plots import Line, Panel, write_panels
 
 from .campaign import Campaign, Planned, Settings
 from .experiment import SEED_PATH, Parameter, To
-from .impact import impact, perforated
+from .impact import impact, perforable, perforated, struck
 from .member import Member, write_atomically
 from .scene import Results, Scene
 from .table import Table
@@ -93,7 +93,15 @@ class V50:
                                "the tolerance be positive")
         if len(set(self.seeds)) != len(self.seeds) or not self.seeds:
             raise CommandError(f"{self.name}: seeds must be there, each once")
-        return [self._planned(seed, speed) for seed in self.seeds for speed in (self.low, self.high)]
+        try:
+            rows = [self._planned(seed, speed) for seed in self.seeds for speed in (self.low, self.high)]
+            for row in rows:
+                struck(row.member.scene.message, self.body, None)
+                if self.through is perforated:
+                    perforable(row.member.scene.message, self.body)
+        except Exception as error:  # noqa: BLE001: a function of the user's may raise anything
+            raise CommandError(f"{self.name}: nothing was run\n{error}") from None
+        return rows
 
     def _planned(self, seed: int, speed: float, doubled: int = 0) -> Planned:
         scene = self.scene.copy()
@@ -103,7 +111,8 @@ class V50:
         return Planned({"seed": seed, "speed_m_per_s": speed, "doubled": doubled}, Member(scene, self.engine))
 
     def _measured(self, results: Results) -> dict[str, object]:
-        return {"perforated": self.through(results), **impact(self.body)(results)}
+        through = perforated(results, self.body) if self.through is perforated else self.through(results)
+        return {"perforated": through, **impact(self.body)(results)}
 
     def run(self, settings: Settings | Path | str) -> Ballistic:
         """Runs until every pane is decided. Writes results.csv, results.sqlite, times.csv, v50.json, plots.png."""

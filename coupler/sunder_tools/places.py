@@ -8,7 +8,14 @@ REPOSITORY = Path(__file__).resolve().parents[2]  # a checkout, or share/sunder 
 BUILD_DIR_VARIABLE = "SUNDER_BUILD_DIR"
 INSTALLED = REPOSITORY / "coupler" / "VERSION"  # written when the project is installed; a checkout has none
 PROGRAMS = REPOSITORY.parents[1] / "libexec" / "sunder"  # of an installation
+LOCK_FILE = "package-lock.json"  # of npm: beside the sources, and copied beside packages that are complete
 CHECKOUT_ONLY = "builds from the sources, which an installation does not have; use 'coupler/sunder' of a checkout"
+
+
+def named_build() -> Path | None:
+    """The build folder that SUNDER_BUILD_DIR names; None where it is not set. No Debian package is installed then."""
+    name = os.environ.get(BUILD_DIR_VARIABLE)
+    return Path(name).absolute() if name else None
 
 
 def work_folder() -> Path:
@@ -16,3 +23,22 @@ def work_folder() -> Path:
     if not INSTALLED.is_file():
         return REPOSITORY / "build"
     return Path(os.environ.get("XDG_CACHE_HOME") or os.path.expanduser("~/.cache")) / "sunder"
+
+
+def npm_folder(name: str, sources: Path) -> Path:
+    """Where the packages of `sources`/package-lock.json are, or are to go: `name` in the work folder.
+
+    SUNDER_BUILD_DIR keeps its own: packages are found in it, beside it or in the work folder, and go into it. `packages.mjs`
+    of rigid/jolt looks in the same places.
+    """
+    named = named_build()
+    places = [work_folder() / name] if named is None else [named / name, named.parent / name, work_folder() / name]
+    return next((place for place in places if has_packages(place, sources)), places[0])
+
+
+def has_packages(folder: Path, sources: Path) -> bool:
+    """True if the packages of `sources`/package-lock.json are in `folder`."""
+    try:
+        return (folder / LOCK_FILE).read_bytes() == (sources / LOCK_FILE).read_bytes()
+    except OSError:
+        return False

@@ -4,6 +4,8 @@ import { Exit, Failure, refuse } from './failure.mjs';
 import { kMaxMessage } from './messages.mjs';
 
 const kConnect_s = 30, kSend_ms = 2000, kLinger_ms = 500;
+/** Longest path of a socket [bytes]: sun_path of <sys/un.h> without its last byte. */
+const kMostPath = 107;
 /** Wait after the end of the connection, so that the other side's last message is still read. */
 const kLastWords_ms = 100;
 
@@ -16,6 +18,10 @@ export class Channel {
     if (!endpoint.startsWith('ipc://') && !/^tcp:\/\/127\.0\.0\.1:[0-9]{1,5}$/.test(endpoint))
       throw new Failure(Exit.badInput, 'bad_input',
         `--endpoint ${endpoint}: use ipc://PATH or tcp://127.0.0.1:PORT; beyond this machine nothing is encrypted yet`);
+    const bytes = Buffer.byteLength(endpoint) - 'ipc://'.length;
+    if (endpoint.startsWith('ipc://') && bytes > kMostPath)
+      throw new Failure(Exit.badInput, 'bad_endpoint',
+        `--endpoint ${endpoint}: its path has ${bytes} bytes, a socket's at most ${kMostPath}; use a shorter one`);
     const channel = new Channel(new zmq.Pair({
       linger: kLinger_ms, maxMessageSize: kMaxMessage, sendTimeout: kSend_ms,
     }));

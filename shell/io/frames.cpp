@@ -334,7 +334,12 @@ VtpMesh soft_mesh(const SoftBodies& soft) {
   return mesh;
 }
 
+// Begins each entry of frames.pvd that is of this time.
+std::string moment(double time) { return fmt::format("<DataSet timestep=\"{:.9g}\" ", time); }
+
 }  // namespace
+
+bool FrameWriter::has_frame_of(double time) const { return index_.find(moment(time)) != std::string::npos; }
 
 FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
   std::error_code error;
@@ -344,10 +349,11 @@ FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
 
 void FrameWriter::write(double time, const std::vector<ShellView>& shells, const SoftBodies& soft,
                         const std::vector<RigidBody>& bodies, BodyId first_shard) {
+  if (const std::size_t same = index_.find(moment(time)); same != std::string::npos) index_.resize(same), --count_;
   const auto put = [&](int part, const char* kind, const VtpMesh& mesh) {
     const std::string name = fmt::format("frames/{}_{:06d}.vtp", kind, count_);
     write_vtp(folder_ + "/" + name, mesh);
-    index_ += fmt::format("<DataSet timestep=\"{:.9g}\" part=\"{}\" file=\"{}\"/>\n", time, part, name);
+    index_ += fmt::format("{}part=\"{}\" file=\"{}\"/>\n", moment(time), part, name);
   };
   if (!shells.empty()) {
     VtpMesh shell, cracks;

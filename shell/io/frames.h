@@ -15,10 +15,11 @@ namespace sunder::shell {
 class FrameWriter {
  public:
   explicit FrameWriter(std::string folder);
-  /// Writes the frame of this time [s]. Without shells it writes bodies only. Body ids from `first_shard` on are
-  /// shards. Throws Error (bad_output).
+  /// Writes the frame of this time [s], which is that of the last frame or later. A frame of the same time is replaced.
+  /// Without shells it writes bodies only. Body ids from `first_shard` on are shards. Throws Error (bad_output).
   void write(double time, const std::vector<ShellView>& shells, const SoftBodies& soft,
              const std::vector<RigidBody>& bodies, BodyId first_shard);
+  bool has_frame_of(double time) const;
   /// Draws the body as this mesh from now on, not as its convex parts.
   void draw_as(BodyId id, DrawnMesh mesh) { drawn_[id] = std::move(mesh); }
   int count() const { return count_; }

@@ -48,7 +48,8 @@ void Recorder::write_frame() {
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
   frames_.write(time, shell_views(), state.soft, bodies, parts_.pieces.counts().first_shard);
   const double interval = state.solving() ? setup.shell_frame_interval : setup.frame_interval;
-  next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);  // a late frame does not delay the next
+  // A late frame does not delay the next one. A frame that is written anew, or for the end of the run, changes nothing.
+  if (frame_is_due()) next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);
   write_atomically(out_ + "/series.csv", series_);
   if (!probes_.empty()) write_atomically(out_ + "/probes.csv", probes_);
   if (time > 0.0) write_summary("running", nullptr);  // a killed run still shows how far it came

@@ -38,6 +38,7 @@ class Recorder {
   /// Writes a frame of the present state, and series.csv, probes.csv and run.json as they stand. Throws Error (io).
   void write_frame();
   bool frame_is_due() const { return parts_.clock.time() >= next_frame_ - 1e-6 * parts_.setup.tick; }
+  bool has_frame_of_now() const { return frames_.has_frame_of(parts_.clock.time()); }
   /// Adds a row of energies and counts to the series.
   void write_series_row();
   /// Adds a row of probes where one is due.

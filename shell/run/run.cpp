@@ -37,7 +37,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
   try {
     start();
     while (clock_.tick < end_tick() && !interrupted) window();
-    recorder_.write_frame();
+    if (!recorder_.has_frame_of_now()) recorder_.write_frame();
     if (interrupted && setup_.checkpoint_interval > 0.0) save_checkpoint(drop_caches());
     finish(interrupted ? "interrupted" : "done");
     return interrupted ? Exit::kInterrupted : Exit::kDone;
@@ -111,6 +111,7 @@ void Run::shell_window() {
   const double start = window_start_ = wall_clock(), update_before = times[Stage::kCrackUpdate];
   const double cracks_before = simulation_.crack_length();
   make_cuts(window);
+  if (simulation_.crack_length() > cracks_before && recorder_.has_frame_of_now()) recorder_.write_frame();
   coupler_.open_window(window);
   const std::int64_t substeps_begin = Trace::now_ns();
   const auto look = [this] {

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import io
 import os
@@ -15,8 +16,10 @@ from unittest import mock
 from sunder_tools.command import build as command
 from sunder_tools.command.main import main
 from sunder_tools.errors import CommandError
-from sunder_tools.launch import build, install, level, logged
+from sunder_tools.launch import build, engines, install, level, logged
 from sunder_tools.places import BUILD_DIR_VARIABLE
+
+from ..validation import programs
 
 
 class Building(unittest.TestCase):
@@ -140,6 +143,52 @@ class Building(unittest.TestCase):
             self.assertEqual(self.commands, [])
         second.join(1800.0)
         self.assertEqual(len(self.commands), 2)
+
+    def finished(self, *programs: str) -> None:
+        for name in programs:
+            (self.folder / name).parent.mkdir(parents=True, exist_ok=True)
+            (self.folder / name).write_text("")
+            (self.folder / name).chmod(0o755)
+
+    def test_a_finished_build_serves_those_who_may_not_write_to_it(self) -> None:
+        (self.root / "shell").mkdir()
+        (self.root / "shell" / "old.cpp").write_text("")
+        self.finished("shell/sunder-shell", "rigid/sunder-rigid")
+        for number in (errno.EACCES, errno.EROFS):
+            with mock.patch.object(build, "only_builder", side_effect=OSError(number, "no", "lock")):
+                self.assertEqual(build.ensure_built().shell, self.folder / "shell" / "sunder-shell")
+                self.assertEqual(self.said.getvalue(), "")
+                for asked in ({"targets": ("sunder-single",)}, {"cad": True}, {"all_targets": True}):
+                    with self.assertRaisesRegex(CommandError, f"cannot build .* set {BUILD_DIR_VARIABLE} to a build folder"):
+                        build.ensure_built(**asked)
+        with mock.patch.object(build, "only_builder", side_effect=OSError(errno.EROFS, "no", "lock")):
+            (self.root / "shell" / "new.cpp").write_text("")
+            os.utime(self.root / "shell" / "new.cpp", (time.time() + 60, time.time() + 60))
+            build.ensure_built()
+            self.assertIn("note: ", self.said.getvalue())
+            self.assertIn("shell/new.cpp is newer than its programs", self.said.getvalue())
+            (self.folder / "shell" / "sunder-shell").unlink()
+            with self.assertRaisesRegex(CommandError, BUILD_DIR_VARIABLE):
+                build.ensure_built()
+        with mock.patch.object(build, "only_builder", side_effect=OSError(errno.ENOSPC, "full", "lock")), \
+                self.assertRaisesRegex(CommandError, "cannot build"):
+            build.ensure_built()
+        self.assertEqual(self.commands, [])
+
+    def test_a_named_build_says_how_what_it_lacks_is_built(self) -> None:
+        os.environ[BUILD_DIR_VARIABLE] = str(self.folder)
+        self.finished("shell/sunder-shell", "rigid/sunder-rigid")
+        executables = build.ensure_built()
+        with self.assertRaisesRegex(CommandError, f"lacks sunder-single.*cmake --build {self.folder} --target sunder-single"):
+            build.ensure_built(targets=("sunder-single",))
+        with mock.patch.object(engines, "check") as check, self.assertRaisesRegex(CommandError, "--target sunder-single"):
+            engines.resolve("inprocess:bullet", executables)
+        check.assert_called_once()  # of a wrong name the user hears first
+        with self.assertRaisesRegex(CommandError, f"cmake --build {self.folder} --target sunder-bench"):
+            programs.program("sunder-bench")
+        self.finished("coupler/single/sunder-single")
+        build.ensure_built(targets=("sunder-single", "sunder-conformance"))
+        self.assertEqual(engines.resolve("inprocess:ode", executables).in_process, "ode")
 
     def test_a_build_folder_without_executables_is_refused(self) -> None:
         os.environ[BUILD_DIR_VARIABLE] = str(self.root)

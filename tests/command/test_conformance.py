@@ -15,6 +15,7 @@ from sunder_tools.launch import engines
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.commands import test as command
 from tests.conformance import suites as conformance
+from tests.validation import measure, programs
 
 from . import REPOSITORY, sunder
 
@@ -94,6 +95,21 @@ class Suites(unittest.TestCase):
         for rigid, says in (("inprocess:alpha", "over the wire"), ("./nothing", "not an executable")):
             self.assertEqual(self.validate({}, "--rigid", rigid), 2)
             self.assertIn(says, self.said.getvalue())
+
+    def test_a_program_of_the_user_is_held_to_all_of_several_cases(self) -> None:
+        mine = self.folder / "beta"
+        mine.write_text("#!/bin/sh\n")
+        mine.chmod(0o755)
+        (self.folder / "beta.txt").write_text("fall.height by 20 mm\n")  # of the engine of that name
+        self.validate({"beta": (GOOD, 0)}, "--rigid", str(mine), "--case", "fall,stack")
+        asked = (self.folder / "log").read_text()
+        self.assertNotIn("--expect", asked)
+        self.assertIn(f"--engine {mine} --engine-arg --engine --engine-arg beta --case fall --case stack", asked)
+
+    def test_a_fresh_checkout_builds_the_suite(self) -> None:
+        with mock.patch.object(programs, "ensure_built") as ensure, mock.patch.object(measure, "ensure_built"):
+            self.validate({"alpha": (GOOD, 0)}, "--rigid", "alpha")
+        ensure.assert_called_once_with(targets=("sunder-conformance",))
 
     def test_what_cannot_be_is_refused(self) -> None:
         self.assertEqual(self.validate({}, "--case", "nonsense"), 2)

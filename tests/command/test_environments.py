@@ -4,6 +4,7 @@ A test that needs root, or a right that a container lacks, is skipped with the r
 """
 from __future__ import annotations
 
+import errno
 import json
 import os
 import shutil
@@ -89,6 +90,22 @@ class Environments(unittest.TestCase):
         self.environment["TMPDIR"] = str(self.here)
         self.run_scene(before=self.mounted("mount --bind /tmp /tmp && mount -o remount,bind,ro /tmp && ! touch /tmp/x 2>&-"))
 
+    def test_a_long_temporary_folder_and_nothing_else(self) -> None:
+        """What is left is the folder where the command is run, whose own path may be long, too."""
+        long = self.here
+        while len(str(long)) < 200:
+            long = long / "a_long_name_of_a_folder"
+        long.mkdir(parents=True)
+        self.environment["TMPDIR"] = str(long)
+        self.environment.pop("XDG_RUNTIME_DIR", None)
+        bound = self.mounted("".join(f"mount --bind {place} {place} && mount -o remount,bind,ro {place} && "
+                                     for place in ("/tmp", "/dev/shm")) + "! touch /tmp/x 2>&- && ! touch /dev/shm/x 2>&-")
+        self.run_scene(before=bound)  # in /var/tmp
+        work = self.here
+        self.here = long
+        self.run_scene(before=(*bound, "sh", "-c", f"mount --bind {work} /mnt && mount --bind /var/tmp /var/tmp && "
+                               f"mount -o remount,bind,ro /var/tmp && cd /mnt{str(long)[len(str(work)):]}/work && exec \"$@\"", "sh"))
+
     def test_the_checkout_is_read_only(self) -> None:
         here = str(REPOSITORY)
         self.run_scene(before=self.mounted(f"mount --bind '{here}' '{here}' && mount -o remount,bind,ro '{here}'"))
@@ -104,11 +121,47 @@ class Environments(unittest.TestCase):
         self.run_scene(user=NOBODY)
 
 
+    def test_another_user_of_a_finished_checkout(self) -> None:
+        """The checkout is built, belongs to root and is not named by SUNDER_BUILD_DIR."""
+        if os.geteuid() != 0:
+            self.skipTest("needs root, who may make files of root's")
+        checkout = self.here / "checkout"
+        for room in ("coupler", "scenes", "proto"):
+            shutil.copytree(REPOSITORY / room, checkout / room)
+        for program in ("shell/sunder-shell", "rigid/sunder-rigid"):
+            target = checkout / "build" / "release" / program
+            target.parent.mkdir(parents=True)
+            shutil.copy(BUILD / program, target)
+        (checkout / "build" / "lock").touch()
+        del self.environment["SUNDER_BUILD_DIR"]
+        self.environment.pop("HOME", None)
+        self.run_scene(checkout, user=NOBODY)
+
+
 class Socket(unittest.TestCase):
     def test_no_place_is_said_with_what_was_tried(self) -> None:
-        with mock.patch.dict(os.environ, {"TMPDIR": "/" + 200 * "x"}), mock.patch("os.access", return_value=False), \
-                self.assertRaisesRegex(CommandError, "too long for a socket's name.*/tmp .may not be written to.*set TMPDIR"):
+        with mock.patch.dict(os.environ, {"TMPDIR": "/" + 200 * "x", "XDG_RUNTIME_DIR": "/nowhere"}), \
+                mock.patch("os.mkdir", side_effect=OSError(errno.EROFS, "Read-only file system")), \
+                self.assertRaisesRegex(CommandError, "too long for a socket's name.*/tmp .Read-only file system.*set TMPDIR"):
             SocketDir()
+
+    def test_the_present_folder_is_the_last_place(self) -> None:
+        real = os.mkdir
+
+        def elsewhere_not(path: str, mode: int = 0o777) -> None:
+            if os.path.isabs(path) and not str(path).startswith(os.getcwd()):
+                raise OSError(errno.EACCES, "Permission denied")
+            real(path, mode)
+
+        before = os.getcwd()
+        self.addCleanup(os.chdir, before)
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            with mock.patch.dict(os.environ, {"TMPDIR": "/" + 200 * "x"}), mock.patch("os.mkdir", elsewhere_not), \
+                    SocketDir() as socket:
+                self.assertEqual(socket.endpoint, f"ipc://{socket.path.name}/link")
+                self.assertTrue((Path(folder) / socket.path.name).is_dir())
+            self.assertEqual(os.listdir(folder), [])
 
 
 if __name__ == "__main__":

@@ -276,7 +276,8 @@ class Refusals(JoltCase):
     def test_arguments(self) -> None:
         for arguments, says in (([], "--endpoint is missing"), (["--fast"], "--fast: unknown option"), (["--engine"], "no value"),
                                 (["--endpoint", "tcp://192.0.2.1:5555"], "use ipc://PATH"),
-                                (["--endpoint", "ipc:///nowhere/at/all"], "bad_endpoint")):
+                                (["--endpoint", "ipc:///nowhere/at/all"], "bad_endpoint"),
+                                (["--endpoint", "ipc:///" + 107 * "x"], "its path has 108 bytes, a socket's at most 107")):
             done = subprocess.run([ENGINE / "sunder-rigid-jolt", *arguments], capture_output=True, text=True, timeout=PATIENCE_S,
                                   check=False)
             self.assertEqual(done.returncode, 2, done.stderr)

@@ -8,6 +8,8 @@ import http.server
 import io
 import json
 import os
+import shutil
+import subprocess
 import tarfile
 import tempfile
 import threading
@@ -16,6 +18,7 @@ from pathlib import Path
 from unittest import mock
 
 from sunder_tools.errors import CommandError
+from sunder_tools import places
 from sunder_tools.launch import node
 
 from . import REPOSITORY
@@ -179,6 +182,55 @@ class Npm(unittest.TestCase):
             self.assertIn("npm is ill", str(caught.exception))
             self.assertIn("failed with status 1", str(caught.exception))
             self.assertEqual(os.listdir(root / "build"), [])
+
+
+class Places(unittest.TestCase):
+    """Packages are found in the named build, beside it or in the work folder, and go into the named build."""
+
+    def test_where_packages_are_and_go(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            root = Path(name)
+            sources, work, build = root / "sources", root / "work", root / "build" / "release"
+            sources.mkdir()
+            (sources / places.LOCK_FILE).write_text("{}")
+            with mock.patch.object(places, "work_folder", lambda: work), mock.patch.dict(os.environ):
+                os.environ.pop(places.BUILD_DIR_VARIABLE, None)
+                self.assertEqual(places.npm_folder("node", sources), work / "node")
+                os.environ[places.BUILD_DIR_VARIABLE] = str(build)
+                self.assertEqual(places.npm_folder("node", sources), build / "node")
+                for place in (work, build.parent, build):  # the later is preferred
+                    (place / "node").mkdir(parents=True)
+                    (place / "node" / places.LOCK_FILE).write_text("of another version")
+                    self.assertNotEqual(places.npm_folder("node", sources), root / "nowhere")
+                    (place / "node" / places.LOCK_FILE).write_text("{}")
+                    self.assertEqual(places.npm_folder("node", sources), place / "node")
+
+    def test_a_named_build_installs_no_node_js(self) -> None:
+        with mock.patch.dict(os.environ, {places.BUILD_DIR_VARIABLE: "/nowhere"}), \
+                mock.patch.object(node, "ensure_installed") as install, mock.patch.object(node, "ensure_packages") as packages:
+            with mock.patch.object(node.shutil, "which", lambda _: None), \
+                    self.assertRaisesRegex(CommandError, "no Node.js, and SUNDER_BUILD_DIR is set.*apt-get install .* nodejs"):
+                node.ensure_node()
+            packages.assert_not_called()
+            with mock.patch.object(node.shutil, "which", lambda _: "/usr/bin/node"):
+                node.ensure_node(folder=Path("/nowhere/node"))
+            install.assert_not_called()
+            self.assertEqual(packages.call_args.args[0], Path("/nowhere/node.log"))
+
+    def test_the_engine_looks_in_the_same_places(self) -> None:
+        program = shutil.which("node")
+        if program is None:
+            self.skipTest("there is no Node.js")
+        with tempfile.TemporaryDirectory() as name:
+            for place in ("build", "build/release"):
+                folder = Path(name) / place / "node"
+                folder.mkdir(parents=True)
+                shutil.copy(REPOSITORY / "rigid" / "jolt" / places.LOCK_FILE, folder)
+                done = subprocess.run([REPOSITORY / "rigid" / "jolt" / "sunder-rigid-jolt", "--check"], capture_output=True, text=True,
+                                      env={**os.environ, places.BUILD_DIR_VARIABLE: f"{name}/build/release"}, check=False)
+                self.assertEqual(done.returncode, 2)
+                self.assertIn(f"node package {folder}/node_modules/", done.stderr)
+                self.assertIn("-m sunder_tools.launch.node", done.stderr)
 
 
 if __name__ == "__main__":

@@ -2,12 +2,14 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import io
 import json
 import re
 import shutil
 import struct
 import subprocess
+import tracemalloc
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -18,11 +20,13 @@ from PIL import Image
 from sunder_tools.command.main import main
 from sunder_tools.errors import CommandError
 from sunder_tools.launch.folder import RunFolder
-from sunder_tools.pictures import render as rendering
+from sunder_tools.pictures import raster, render as rendering, views
+from sunder_tools.pictures.contact_sheet import boxes
 from sunder_tools.pictures.export import glb_bytes, mesh_of
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
 from sunder_tools.pictures.look import Look, origins
-from sunder_tools.pictures.meshes import load_scene
+from sunder_tools.pictures.meshes import Scene, load_scene
+from sunder_tools.pictures.raster import Camera, perspective_camera
 from sunder_tools.pictures.render import parse_view, pick
 from sunder_tools.report.scene_text import Words, parse_text, words_of
 
@@ -121,6 +125,42 @@ class Stills(OfARun):
             for other in pictures[k + 1:]:
                 self.assertGreater((np.abs(one - other).max(axis=2) > 10).mean(), 0.01)
         self.assertEqual([p.name for p in (self.folder / "stills").iterdir()], ["still_000004.png"])
+
+    def scene(self) -> tuple[Scene, Camera]:
+        frame = list_frames(self.folder)[4]
+        scene = load_scene(frame)
+        self.assertTrue(scene.solid.is_floor.any() and len(scene.glass.triangles))
+        low, high = boxes(frame, [scene])[1]
+        return scene, perspective_camera(low, high, np.array([1.0, 0.4, -0.5]), 400, 240)
+
+    def test_bands_do_not_show(self) -> None:
+        scene, camera = self.scene()
+        whole = views.draw_scene(scene, camera, 400, 240)
+        for band in (1 << 20, 400, 999):
+            with mock.patch.object(views, "BAND", band):
+                np.testing.assert_array_equal(views.draw_scene(scene, camera, 400, 240), whole)
+
+    def test_no_array_of_a_whole_picture_is_made_in_between(self) -> None:
+        """A picture takes its colours, and a triangle and a nearness a pixel for solid and glass. Arrays of that size beside
+        them cost more than what is done with them, in pages that the system makes."""
+        scene, camera = self.scene()
+        with mock.patch.object(views, "BAND", 1000), mock.patch.object(raster, "CANDIDATES", 1000), \
+                mock.patch.object(views, "_Shadows", lambda *_: mock.Mock(at=lambda points: np.zeros(len(points)))):
+            views.draw_scene(scene, camera, 400, 240)
+            tracemalloc.start()
+            self.addCleanup(tracemalloc.stop)
+            before = tracemalloc.get_traced_memory()[0]
+            views.draw_scene(scene, camera, 400, 240)
+            used = (tracemalloc.get_traced_memory()[1] - before) / (400 * 240)
+        self.assertLess(used, 3 * 4 + 2 * (8 + 8) + 20)  # [bytes a pixel]; a further array of colours is 24
+
+    def test_without_a_place_for_locks_pictures_are_drawn_one_by_one(self) -> None:
+        refused = OSError(errno.EROFS, "Read-only file system")
+        with mock.patch("multiprocessing.pool.Pool.__init__", side_effect=refused):
+            status, said = self.sunder("render", "--size", SIZE, "--jobs", "2", "--frames", "0,3")
+        self.assertEqual(status, 0, said)
+        self.assertIn("one after another: /dev/shm: Read-only file system", said)
+        self.assertEqual(len(list((self.folder / "stills").iterdir())), 2)
 
     def test_several_processes_draw_the_same(self) -> None:
         for jobs, name in (("1", "a"), ("2", "b")):
@@ -275,6 +315,40 @@ class SeveralShells(InAFolder):
         self.assertEqual(list(nodes), ["bumper", "window", "shards_of_bumper", "shards_of_window"])
         np.testing.assert_array_equal(nodes["window"]["_DAMAGE"].ravel(), [0, 0, 0, 1, 1, 1])
         np.testing.assert_array_equal(nodes["bumper"]["POSITION"][2], [1, 0, -1])  # y up
+
+    def materials(self, scene: str, part_of: dict[int, int]) -> dict[str, tuple[str, str]]:
+        """Material and alpha mode of each node of the exported frame."""
+        frames = list_frames(self.folder)
+        raw = glb_bytes(mesh_of(frames, 0), 0.0, words_of(parse_text(scene), []) if scene else Words(), part_of)
+        content = json.loads(raw[20:20 + struct.unpack_from("<I", raw, 12)[0]])
+        names = [material["name"] for material in content["materials"]]
+        self.assertEqual(len(names), len(set(names)), "each once")
+        used = {node["name"]: content["materials"][content["meshes"][node["mesh"]]["primitives"][0]["material"]]
+                for node in content["nodes"]}
+        return {name: (material["name"], material["alphaMode"]) for name, material in used.items()}
+
+    def test_gltf_has_the_materials_of_the_scene(self) -> None:
+        self.assertEqual(self.materials(self.SCENE, {4: 0, 5: 1}), {
+            "bumper": ("plastic", "OPAQUE"), "window": ("window_glass", "BLEND"), "shards_of_bumper": ("plastic", "OPAQUE"),
+            "shards_of_window": ("window_glass", "BLEND")})
+        self.assertEqual(self.materials(self.SCENE.replace("window_glass", "plastic"), {}), {
+            "bumper": ("plastic", "OPAQUE"), "window": ("plastic", "OPAQUE"), "shards": ("plastic", "OPAQUE")})
+        self.assertEqual(self.materials("", {}), {"shell_0": ("shell_0", "OPAQUE"), "shell_1": ("shell_1", "OPAQUE"),
+                                                  "shards": ("shards", "OPAQUE")})
+
+    def test_a_lone_shell_is_of_its_material_too(self) -> None:
+        write_vtp(self.folder / "frames/shell.vtp", [[0, 0, 0], [1, 0, 0], [1, 1, 0]], [[0, 1, 2]],
+                  cell_data={"fragment": np.zeros(1), "damage": np.zeros(1), "shell": np.zeros(1)}, floats="f8")
+        write_vtp(self.folder / "frames/bodies.vtp", [[0, 0, -1], [1, 0, -1], [0, 1, -1]], [[0, 1, 2], [0, 2, 1]],
+                  cell_data={"body": np.array([1.0, 5]), "kind": np.array([0.0, 1])}, floats="f8")
+        frame, = list_frames(self.folder)
+        for material, mode in (("plaster", "OPAQUE"), ("clear_acrylic", "BLEND"), ("glass", "BLEND")):
+            scene = f"""materials {{ name: "{material}" density: 500 strength: 1 }}
+                shells {{ name: "wall" material: "{material}" thickness_m: 0.008 }} bodies {{ name: "ball" material: "lead" }}"""
+            self.assertEqual(self.materials(scene, {}), {"wall": (material, mode), "shards": (material, mode),
+                                                         "ball": ("lead", "OPAQUE")})
+            drawn = load_scene(frame, Look(glass=words_of(parse_text(scene), []).glass))
+            self.assertEqual(len(drawn.glass.triangles), 2 if mode == "BLEND" else 0)
 
 
 class Export(OfARun):

@@ -1,6 +1,7 @@
 """`sunder run` with fake executables: outcomes, exit statuses, and what is left behind."""
 from __future__ import annotations
 
+import fcntl
 import json
 import os
 import signal
@@ -9,7 +10,10 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
+from sunder_tools import errors
+from sunder_tools.launch import folder
 from sunder_tools.launch.own_time import OwnTime
 from sunder_tools.launch.run import _verdict
 from sunder_tools.launch.watch import Ending
@@ -230,6 +234,52 @@ class RunCommand(unittest.TestCase):
         self.assertEqual(status, 2)
         self.assertIn("not an executable file", err)
 
+    def test_a_program_of_the_user_has_its_own_name(self) -> None:
+        """However it ends: no message calls it by the name of the program that comes with the project."""
+        engine = self.here / "my-engine"
+        engine.write_text((self.here / "build" / "rigid" / "sunder-rigid").read_text())
+        engine.chmod(0o755)
+        for told, words in (("refuse", "(my-engine) refused to start"), ("deaf", "(my-engine) did not end after goodbye")):
+            _, _, err = self.run_to_end("run", str(self.scene), "--rigid", str(engine), FAKE_RIGID=told)
+            self.assertIn(words, err)
+            self.assertNotIn("sunder-rigid", err)
+        for ending in (Ending(shell=3, rigid=5), Ending(shell=3), Ending(rigid=5), Ending(rigid_was_signalled=True),
+                       Ending(shell=3, rigid=2), Ending(shell_was_signalled=True)):
+            message = _verdict(ending, Path("run"), "my-engine")[1]
+            self.assertIn("(my-engine)", message)
+            self.assertNotIn("sunder-rigid", message)
+
+    def test_a_folder_in_which_a_run_has_just_begun(self) -> None:
+        out = self.here / "work" / "out"
+        out.mkdir()
+        (out / "command.json").write_text("{}")  # there is no run.json yet
+        held = os.open(out, os.O_RDONLY)
+        self.addCleanup(os.close, held)
+        fcntl.flock(held, fcntl.LOCK_EX)
+        status, _, err = self.run_to_end("run", str(self.scene), "--out", str(out))
+        self.assertEqual((status, err), (2, f"sunder: {out}: another run is writing there; choose another --out\n"))
+        fcntl.flock(held, fcntl.LOCK_UN)
+        self.assertIn("holds other files and no run.json", self.run_to_end("run", str(self.scene), "--out", str(out))[2])
+
+    def test_a_folder_that_another_run_removes_meanwhile(self) -> None:
+        out = self.here / "out"
+        real, removed = os.open, []
+
+        def vanishing(path: Path, flags: int) -> int:
+            handle = real(path, flags)
+            if not removed:
+                removed.append(path)
+                out.rmdir()
+            return handle
+
+        with mock.patch.object(folder.os, "open", vanishing):
+            taken = folder.open_folder(out, self.scene)
+        self.addCleanup(taken.close)
+        self.assertEqual(removed, [out])
+        self.assertTrue(out.is_dir())
+        with self.assertRaisesRegex(errors.CommandError, "another run is writing there"):
+            folder.open_folder(out, self.scene)
+
     @unittest.skipUnless(Path("/proc/sys").is_dir(), "needs a folder that even root cannot write to")
     def test_unwritable_out(self) -> None:
         status, _, err = self.run_to_end("run", str(self.scene), "--out", "/proc/sys/run")
@@ -262,15 +312,15 @@ class Verdict(unittest.TestCase):
     def test_a_killed_shell_is_the_shells_failure(self) -> None:
         for first in (False, True):  # the rigid process, which noticed, ended before the launcher saw either
             ending = Ending(shell=-signal.SIGKILL, rigid=3, rigid_first=first)
-            status, message = _verdict(ending, Path("run"))
+            status, message = _verdict(ending, Path("run"), "sunder-rigid")
             self.assertEqual(status, 3)
             self.assertIn("(sunder-shell) was killed by SIGKILL", message)
 
     def test_a_killed_rigid_process_is_its_own_failure(self) -> None:
         for shell in (3, -signal.SIGTERM):
-            status, message = _verdict(Ending(shell=shell, rigid=-signal.SIGKILL, rigid_first=True), Path("run"))
+            status, message = _verdict(Ending(shell=shell, rigid=-signal.SIGKILL, rigid_first=True), Path("run"), "my-engine")
             self.assertEqual(status, 3)
-            self.assertIn("(sunder-rigid) was killed by SIGKILL", message)
+            self.assertIn("(my-engine) was killed by SIGKILL", message)
 
 
 class Own(unittest.TestCase):

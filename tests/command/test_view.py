@@ -16,7 +16,9 @@ from unittest import mock
 import numpy as np
 
 from sunder_tools.command.main import main
+from sunder_tools import places
 from sunder_tools.errors import CommandError
+from sunder_tools.launch import node
 from sunder_tools.pictures import view
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
 from sunder_tools.pictures.motion import body_velocity
@@ -139,10 +141,14 @@ class Refused(InAFolder):
         for port in ("-1", "65536", "http"):
             self.assertIn("is not a port", self.refused(str(self.folder), f"--port={port}"))
 
-    def test_without_three_js_nothing_is_fetched_for_a_foreign_build(self) -> None:
+    def test_three_js_goes_into_the_named_build_and_nowhere_else(self) -> None:
         self.synthetic(3)
-        with mock.patch.object(view, "THREE", self.folder / "none"), mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: "x"}):
-            self.assertIn("three.js is missing", self.refused(str(self.folder), "--no-browser"))
+        with mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build"), node.REGISTRY_VARIABLE: "http://127.0.0.1:1"}), \
+                mock.patch.object(places, "work_folder", lambda: self.folder / "none"), \
+                mock.patch.object(node.shutil, "which", lambda _: None), mock.patch.object(node.time, "sleep", lambda _: None):
+            self.assertIn("cannot download http://127.0.0.1:1/three/", self.refused(str(self.folder), "--no-browser"))
+            self.assertFalse((self.folder / "none").exists())
+            self.assertEqual(view.three(), self.folder / "build" / "viewer" / "node_modules" / "three")
 
     def test_a_run_without_frames_can_be_watched(self) -> None:
         (self.folder / "run.json").write_text('{"schema": 1, "status": "running"}')

@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _get_packages() -> None:
     """Packages that only tests need. Where they cannot be had, their tests are skipped."""
     log = REPOSITORY / "build" / "install.log"
-    for what, install in (("the Jolt engine", ensure_node),
+    for what, install in (("the Jolt engine", lambda log: ensure_node()),
                           ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES)),
                           ("the sources", lambda log: ensure_installed(log, LINT_PACKAGES)),
                           ("the viewer", _ensure_viewer)):

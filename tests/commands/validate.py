@@ -17,7 +17,7 @@ def add_parser(subparsers: Subparsers) -> None:
         subparsers, NAME, "compare with exact and published answers",
         "A table of case, computed, reference, error, tolerance, seconds; exit status 1 where a case fails.")
     parser.add_argument("what", metavar="WHAT", help=f"{', '.join(VALIDATIONS[:-1])} or {VALIDATIONS[-1]}")
-    parser.add_argument("--case", metavar="NAME", help="this case only")
+    parser.add_argument("--case", metavar="NAME", help="this case only; with engines also several, NAME,NAME")
     parser.add_argument("--full", action="store_true", help="with extremes: the long rows as well")
     parser.add_argument("--known", action="store_true",
                         help="exit status 0 where nothing fails but what is known to, as far as tests/validation/known allows")

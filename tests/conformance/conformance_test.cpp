@@ -79,6 +79,7 @@ TEST(Conformance, FindsEachFaultByTheRowForIt) {
       {"freeflight", "sieve", "tunnelling_plate", "window_0.5ms", ""},
       {"freeflight", "polite", "rules_turn", "second_hello", ""},
       {"freeflight", "lingers", "rules_end", "bye", ""},
+      {"freeflight", "echoes", "rules_turn", "sequence", "body_twice"},
   };
   for (const auto& c : cases) {
     const std::string name = c.name;

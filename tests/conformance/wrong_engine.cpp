@@ -10,7 +10,9 @@
 
 #include <csignal>
 
+#include "coupler/link/channel.h"
 #include "coupler/link/session.h"
+#include "exchange.pb.h"
 #include "rigid/engine/engine.h"
 
 namespace {
@@ -18,9 +20,9 @@ namespace {
 using namespace sunder;
 using namespace sunder::link;
 
-const std::set<std::string> kFaults = {"none",   "leaks",   "bouncy",    "stale",    "hovers",  "slippery", "sticky",
-                                       "sieve",  "random",  "forgetful", "unhinged", "rowless", "flipped",  "meddling",
-                                       "polite", "lingers", "late",      "twists",   "clinging"};
+const std::set<std::string> kFaults = {"none",   "leaks",   "bouncy",    "stale",    "hovers",   "slippery", "sticky",
+                                       "sieve",  "random",  "forgetful", "unhinged", "rowless",  "flipped",  "meddling",
+                                       "polite", "lingers", "late",      "twists",   "clinging", "echoes"};
 
 class WrongEngine final : public Engine {
  public:
@@ -125,6 +127,22 @@ class WrongEngine final : public Engine {
   long advanced_ = 0;
 };
 
+/// As serve(), but a reply has the request's sequence, also where another one was due.
+void serve_echoing(const std::string& endpoint, Engine& engine) {
+  Channel channel(Channel::Role::kBind, endpoint);
+  Session session(engine);
+  while (!session.over()) {
+    const std::string bytes = channel.receive(30.0);
+    proto::Request request;
+    proto::Reply reply;
+    request.ParseFromString(bytes), reply.ParseFromString(session.answer(bytes));
+    reply.set_sequence(request.sequence());
+    channel.send(reply.SerializeAsString());
+  }
+  channel.wait_for_close();
+  session.rethrow();
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -140,7 +158,7 @@ int main(int argc, char** argv) {
   int status = 0;
   try {
     WrongEngine engine(base, fault);
-    serve(endpoint, engine);
+    fault == "echoes" ? serve_echoing(endpoint, engine) : serve(endpoint, engine);
   } catch (const Error& e) {
     fmt::print(stderr, "wrong-engine: {}\n", e.what());
     status = static_cast<int>(e.status);

@@ -79,5 +79,37 @@ class Reference(unittest.TestCase):
                 self.assertEqual(cells[3], units[ending[1]], line)
 
 
+KIND = re.compile(r"(?:Error|Failure)(?:\s+\w+)?\s*[({]\s*Exit(?:::k|\.)(\w+),\s*[\"'](\w+)[\"']")
+STATUS = re.compile(r"\bk(\w+) = (\d+)")
+
+
+def kinds(text: str) -> set[tuple[str, str]]:
+    """Kinds of Error in a source, with the name of their status in small letters."""
+    return {(kind, status.lower()) for status, kind in KIND.findall(text)}
+
+
+class Kinds(unittest.TestCase):
+    """The table of kinds in rigid/README.md has every Error of the sources, with its status and whose it is."""
+
+    def test_the_table_is_that_of_the_sources(self) -> None:
+        status = {name.lower(): number for name, number in STATUS.findall((TOP / "coupler" / "core" / "error.h").read_text())}
+        found: dict[tuple[str, str], set[str]] = {}
+        for room in ("coupler", "rigid", "shell"):
+            for path in (TOP / room).rglob("*"):
+                if path.suffix in (".cpp", ".h", ".mjs"):
+                    for kind, name in kinds(path.read_text()):
+                        found.setdefault((kind, status[name]), set()).add(room)
+        rows = re.findall(r"^\| `(\w+)` \| (\d+) \| (both|engine|shell) \|", (TOP / "rigid" / "README.md").read_text(), re.MULTILINE)
+        self.assertEqual(sorted((kind, number) for kind, number, _ in rows), sorted(found))
+        for kind, number, by in rows:
+            rooms = found[kind, number]
+            self.assertTrue({"engine": "shell" not in rooms, "shell": "rigid" not in rooms, "both": bool(rooms)}[by], (kind, by, rooms))
+
+    def test_kinds_are_found(self) -> None:
+        self.assertEqual(kinds('throw Error(\n Exit::kPhysics, "one", x); Error e{Exit::kBadInput, "two"}; '
+                               "new Failure(Exit.peerLost, 'three', `x`)"),
+                         {("one", "physics"), ("two", "badinput"), ("three", "peerlost")})
+
+
 if __name__ == "__main__":
     unittest.main()

@@ -7,13 +7,15 @@ import sqlite3
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 
 import sunder
+from sunder_lab.member import write_atomically
 from sunder_lab.table import write_sqlite
 from sunder_lab.v50 import judged, median_interval
-from sunder_tools.pictures.plots import COLOURS, Line, Panel, draw_panel
+from sunder_tools.pictures.plots import COLOURS, Line, Panel, draw_panel, write_panels
 
 from .made_up import FALL, FORCE, sunder_mass, write_dents, write_pieces, write_run
 
@@ -60,7 +62,7 @@ class Motions(InFolder):
 
     def test_what_is_not_there_is_named(self) -> None:
         results = write_run(self.here)
-        for body, words in (("ball", "no body 'ball'; there are: pellet"),):
+        for body, words in (("ball", "no body 'ball'; there are pellet"),):
             with self.assertRaisesRegex(sunder.Error, words):
                 sunder.motion(results, body)
         with self.assertRaisesRegex(sunder.Error, "no column 'depth'; there are: time"):
@@ -135,6 +137,33 @@ class Tables(InFolder):
         self.assertEqual(found[2], (20, 0.1 + 0.2, None, None))
         self.assertEqual([float(r[1]) if r[1] else None for r in rows[1:]], [f[1] for f in found])
         self.assertEqual(rows[4][3], 'a, "b"')
+
+    def test_names_that_differ_in_case_only_do_not_lose_a_table(self) -> None:
+        write_sqlite(self.here / "t.sqlite", {"t": sunder.Table([{"Area": 1, "area": 2, "AREA": 3, "area_2": 4}])})
+        base = sqlite3.connect(self.here / "t.sqlite")
+        self.addCleanup(base.close)
+        found = base.execute("select * from t")
+        self.assertEqual([name for name, *_ in found.description], ["Area", "area_2", "AREA_3", "area_2_2"])
+        self.assertEqual(found.fetchall(), [(1, 2, 3, 4)])
+
+    def test_what_cannot_be_written_leaves_no_file(self) -> None:
+        class Unprintable:
+            def __repr__(self) -> str:
+                raise ValueError("no words")
+        table = sunder.Table([{"x": 1}])
+        table.rows[0]["x"] = Unprintable()
+        for write in (lambda: table.write_csv(self.here / "t.csv"), lambda: write_sqlite(self.here / "t.sqlite", {"t": table}),
+                      lambda: write_atomically(self.here / "t.json", Unprintable())):
+            with self.assertRaises((ValueError, TypeError, sqlite3.Error)):
+                write()
+        with mock.patch("PIL.Image.Image.save", side_effect=OSError), self.assertRaises(OSError):
+            write_panels([Panel("", "", "", [])], self.here / "t.png")
+        self.assertEqual(list(self.here.iterdir()), [])
+
+    def test_a_part_of_a_table_has_its_columns(self) -> None:
+        self.assertEqual(self.TABLE.where(speed=99).columns, self.TABLE.columns)
+        self.assertEqual(len(self.TABLE.where(x=math.nan)), sum(row["x"] is None for row in self.TABLE))
+        self.assertEqual(len(sunder.Table([{"self": 1}]).where(self=1)), 1)
 
     def test_means_with_their_interval(self) -> None:
         first, second = self.TABLE.means("x", ["speed"])

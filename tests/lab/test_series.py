@@ -20,7 +20,7 @@ from . import REPOSITORY, sweeps
 import sunder
 from sunder_lab.sweep import series_of
 
-from .made_up import write_run
+from .made_up import write_dents, write_pieces, write_run
 
 ACRYLIC = sunder.SCENES / "acrylic.textproto"
 
@@ -67,7 +67,8 @@ class Sweeps(unittest.TestCase):
     def test_a_failed_member_is_a_row_and_the_rest_goes_on(self) -> None:
         # 2 mm thick, the plate would hold the pellet from the start on; a measure of one's own may fail, too
         file = sweeps.write_file(self.here / "some.py", [], parameters='{"shells[plate].thickness_m": [2e-3, 1e-3]}')
-        file.write_text(file.read_text().replace("measure=[", "measure=[lambda run: dict(odd=1 / (run.scene['fracture.seed'] - 2)), "))
+        file.write_text(file.read_text().replace("measure=[", "measure=[lambda run: dict(odd=1 / (run.scene['fracture.seed'] - 2)), ")
+                        .replace('"speed", "crack', '"shells[plate].thickness_m", "crack'))
         status, out, err = sweeps.sweep(str(file), "--out", str(self.out), "--jobs", "2")
         self.assertEqual(status, 1, err)
         rows = self.results()
@@ -77,7 +78,6 @@ class Sweeps(unittest.TestCase):
         self.assertIn("ZeroDivisionError", rows[3]["error"])
         self.assertIn("1 of 4 runs done", out)
         self.assertIn("move it away", out)
-        self.assertIn("plot of crack_length_m over speed: no column 'speed'", err)
         self.assertGreater(float(rows[2]["energy_lost_J"]), 0.0)
         # within what the books of the run miss
         self.assertLess(abs(float(rows[2]["energy_missing_J"])), 0.02 * float(rows[2]["energy_lost_J"]))
@@ -220,6 +220,96 @@ class Pretended(sunder.Settings):
             shutil.copy(folder / "scene.textproto", folder / "run")
             (folder / "outcome.json").write_text('{"status": "done"}')
             ended(folder)
+
+
+class OneByOne(Pretended):
+    """As Pretended, a member after the other."""
+
+    def run(self, folders: list[Path], ended: Callable[[Path], None]) -> None:
+        for folder in folders:
+            super().run([folder], ended)
+
+
+class Names(unittest.TestCase):
+    """Names of columns and plots are found before anything runs: nothing is left in the folder of the series."""
+
+    def setUp(self) -> None:
+        self._folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self._folder.cleanup)
+        self.out = Path(self._folder.name) / "out"
+
+    def series(self, **changed: object) -> sunder.Experiment:
+        scene = sunder.Scene.load(ACRYLIC)
+        return sunder.Experiment(**{"name": "one", "scene": scene, "parameters": {  # type: ignore[arg-type]
+            "speed": sunder.Parameter([1, 2], {"bodies[pellet].twist.linear.z": lambda v: -v}),
+            "law": sunder.Parameter(["CUTS", "TIPS"], "fracture.mode")},
+            "measure": [sunder.impact("pellet"), sunder.fragments()], **changed})
+
+    def refused(self, words: str, **changed: object) -> None:
+        with self.assertRaisesRegex(sunder.Error, words) as raised:
+            self.series(**changed).run(Pretended(self.out, quiet=True))
+        self.assertEqual(raised.exception.status, 2)
+        self.assertEqual(list(self.out.glob("members/*/run")), [])
+
+    def test_a_plot_of_no_column_is_told_with_the_nearest_names(self) -> None:
+        for plot, words in ((sunder.Plot("speed", "crack_lenght_m"), "no column 'crack_lenght_m'; did you mean 'crack_length_m'"),
+                            (sunder.Plot("Speed", "pieces"), "no column 'Speed'; did you mean 'speed'"),
+                            (sunder.Plot("speed", "pieces", by="laws"), "no column 'laws'; did you mean 'law'"),
+                            (sunder.Plot("speed", "repeat"), "no column 'repeat'"),
+                            (sunder.Plot("law", "pieces"), "column 'law' holds text; a plot draws numbers"),
+                            (sunder.Plot("speed", "status"), "column 'status' holds text")):
+            with self.subTest(words):
+                self.refused(f"nothing was run\n(?s:.*){words}", plots=[plot])
+        self.assertEqual(len(self.series(plots=sunder.Plot("speed", "pieces", by="law")).plan()), 4)
+
+    def test_a_plot_of_an_own_measure_is_checked_at_once_where_its_columns_are_stated(self) -> None:
+        @sunder.gives("height_m", "width_m")
+        def size(results: object) -> dict[str, float]:
+            del results
+            return {"height_m": 1.0}
+
+        self.refused("no column 'hight_m'; did you mean 'height_m'", measure=size, plots=[sunder.Plot("speed", "hight_m")])
+        done = self.series(measure=size, plots=[sunder.Plot("speed", "width_m")]).run(Pretended(self.out, quiet=True))
+        self.assertEqual([(row["height_m"], row["width_m"]) for row in done], [(1.0, None)] * 4)
+        done = self.series(measure=sunder.gives("other")(lambda _: {"hight": 1})).run(Pretended(self.out, quiet=True))
+        self.assertIn("does not state: hight", done.rows[0]["error"])
+
+    def test_a_plot_of_an_unstated_measure_ends_with_the_first_run(self) -> None:
+        def height(results: object) -> dict[str, float]:
+            del results
+            return {"height_m": 1.0}
+
+        settings = OneByOne(self.out, quiet=True)
+        for runs in (1, 1):  # the second time before anything runs
+            with self.assertRaisesRegex(sunder.Error, "no column 'hight_m'; did you mean 'height_m'(?s:.*)sunder.gives"):
+                self.series(measure=height, plots=[sunder.Plot("speed", "hight_m")]).run(settings)
+            self.assertEqual(len(list(self.out.glob("members/*/run"))), runs)
+        self.assertEqual(len(self.series(measure=height, plots=[sunder.Plot("speed", "height_m")]).run(settings)), 4)
+
+    def test_names_that_differ_in_case_only_are_refused(self) -> None:
+        self.refused("'Pieces': differs from 'pieces' in case only", measure=[sunder.fragments(), sunder.gives("Pieces")(len)])
+        self.refused("'SPEED': differs from 'speed' in case only", measure=sunder.gives("SPEED")(len))
+        self.refused("'pieces': there is one of that name already", measure=[sunder.fragments(), sunder.fragments()])
+        done = self.series(measure=lambda _: {"height": 1, "Status": 2}).run(Pretended(self.out, quiet=True))
+        self.assertIn("there is already: Status", done.rows[0]["error"])
+
+    def test_a_measure_of_no_body_or_shell_is_told(self) -> None:
+        self.refused("no body 'pelet'; did you mean 'pellet'", measure=sunder.impact("pelet"))
+        self.refused("no shell 'plates'; did you mean 'plate'", measure=sunder.dent("plates"))
+        self.refused("must be a function", measure=["pieces"])
+        with self.assertRaisesRegex(sunder.Error, "no body 'pelet'; did you mean 'pellet'"):
+            sunder.V50("limit", coarse(), "bodies[pellet].twist.linear.z", 10, 20, [1], body="pelet").plan()
+
+    def test_an_unknown_engine_is_told(self) -> None:
+        self.refused("bulet(?s:.*)did you mean 'bullet'", engine="bulet")
+
+    def test_every_measure_states_what_it_gives(self) -> None:
+        self.out.mkdir()
+        dents = write_dents(self.out / "dents")
+        whole = write_pieces(self.out / "pieces")
+        for measure, results in ((sunder.impact("pellet"), write_run(self.out / "run")), (sunder.dent("hit"), dents),
+                                 (sunder.fragments(), whole), (sunder.radial_cracks((0, 0), 1e-3), whole)):
+            self.assertEqual(tuple(measure.of(results)), measure.columns)
 
 
 class Ballistics(unittest.TestCase):

@@ -6,7 +6,7 @@ import subprocess
 from pathlib import Path
 
 from sunder_tools.errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
-from sunder_tools.launch.build import build_dir, ensure_built
+from sunder_tools.launch.build import build_dir, by_cmake, ensure_built
 
 
 def program(name: str) -> Path:
@@ -14,7 +14,7 @@ def program(name: str) -> Path:
     ensure_built(targets=(name,))
     path = build_dir() / "tests" / name
     if not os.access(path, os.X_OK):
-        raise CommandError(f"{path} is not an executable; build the target {name}", BAD_INPUT)
+        raise CommandError(f"{path} is not an executable; build it: {by_cmake(build_dir(), [name])}", BAD_INPUT)
     return path
 
 

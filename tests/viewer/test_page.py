@@ -13,7 +13,7 @@ import numpy as np
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.launch.run import launch_once
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
-from sunder_tools.pictures.view import THREE, Server
+from sunder_tools.pictures.view import Server, three
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests import REPOSITORY
 from tests.command.synthetic import SyntheticRun
@@ -34,7 +34,7 @@ class InABrowser(unittest.TestCase):
         program = find_browser()
         if program is None:
             raise unittest.SkipTest("no chromium; as root: apt-get install chromium")
-        if not (THREE / "build" / "three.module.js").is_file():
+        if not (three() / "build" / "three.module.js").is_file():
             raise unittest.SkipTest("no three.js; 'sunder view' or 'sunder test' installs it")
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)

@@ -18,6 +18,8 @@ def trade(options: argparse.Namespace) -> int:
     """
     if not options.scene.is_file():
         raise CommandError(f"{options.scene}: no such scene file")
+    if options.report and not options.report.absolute().parent.is_dir():
+        raise CommandError(f"--json {options.report}: there is no folder {options.report.absolute().parent}")
     scene = Scene.load(options.scene).set(dict(setting.split("=", 1) for setting in options.settings))
     if options.until:
         scene.message.end_time_s = float(options.until)

@@ -17,7 +17,8 @@ exit status:
 
 environment:
   {BUILD_DIR_VARIABLE}  use the executables of this build folder (shell/sunder-shell,
-                    rigid/sunder-rigid); nothing is installed or built then
+                    rigid/sunder-rigid); nothing is built then, and no
+                    Debian package is installed
 """
 
 Subparsers = Any  # argparse._SubParsersAction, which has no public name

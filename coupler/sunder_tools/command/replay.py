@@ -54,9 +54,8 @@ def _replay_shell(job: Job, recording: Path) -> int:
 
 def _replay_rigid(engine: str, recording: Path, keys: Path | None) -> int:
     executables = ensure_built()
-    rigid = engines.resolve(engine, executables)
-    if rigid.in_process:  # what was recorded is a session; the same engine has one of its own
-        rigid = engines.resolve(rigid.in_process, executables)
+    # What was recorded is a session; the same engine has one of its own.
+    rigid = engines.resolve(engines.in_process(engine) or engine, executables)
     if keys and not rigid.endpoint:
         raise CommandError(f"--keys {keys}: is for an engine that waits at an address; leave it out")
     with SocketDir() as socket:

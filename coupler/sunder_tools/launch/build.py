@@ -1,6 +1,7 @@
 """Configures and builds what has changed. One process builds at a time."""
 from __future__ import annotations
 
+import errno
 import fcntl
 import os
 import re
@@ -14,11 +15,14 @@ from typing import Iterator
 
 from ..errors import CommandError
 from ..places import BUILD_DIR_VARIABLE, CHECKOUT_ONLY, INSTALLED, PROGRAMS, REPOSITORY
+from ..words import command_line
 from .install import CAD_PACKAGES, PACKAGES, TEST_PACKAGES, ensure_installed
 from .level import level
 from .logged import run_logged, tail
 
 MEMORY_PER_JOB = 1.5e9  # [bytes]; CGAL's headers take about this much
+NOT_WRITABLE = (errno.EACCES, errno.EPERM, errno.EROFS)
+SOURCE_ROOMS, SOURCE_ENDINGS = ("proto", "coupler", "shell", "rigid"), (".cpp", ".h", ".proto")
 OF_A_RUN = ("sunder-shell", "sunder-rigid")
 UNTESTED = (*OF_A_RUN, "sunder-single")  # all that is built without the packages of tests
 
@@ -40,7 +44,8 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
     """Installs packages and builds as far as needed; quick when nothing is. Raises CommandError.
 
     Always what a run needs; `targets` beside that, or all. The packages of tests are installed for these only.
-    `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on.
+    `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on. A build that is finished serves users
+    who may not write to it.
     """
     testing = all_targets or any(target not in UNTESTED for target in targets)
     if INSTALLED.is_file() and not os.environ.get(BUILD_DIR_VARIABLE):
@@ -56,6 +61,10 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
             if not os.access(path, os.X_OK):
                 raise CommandError(f"{path} is not an executable; {BUILD_DIR_VARIABLE} is {folder}, it must "
                                    "name a build folder, or be unset to build this checkout")
+        missing = _missing(found, targets)
+        if missing:
+            raise CommandError(f"{folder} lacks {', '.join(missing)}, and {BUILD_DIR_VARIABLE} names it: nothing is built then; "
+                               f"run: {by_cmake(folder, missing)}, or unset {BUILD_DIR_VARIABLE}")
         return found
     try:
         folder.parent.mkdir(exist_ok=True)
@@ -64,9 +73,33 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
                              PACKAGES + (TEST_PACKAGES if testing else ()) + (CAD_PACKAGES if cad else ()))
             _build(folder, folder.parent / "build.log", [] if all_targets else [*OF_A_RUN, *targets], testing, cad)
     except OSError as error:
-        raise CommandError(f"cannot build in {folder.parent}: {error.strerror or error}: {error.filename}; "
-                           "mend that, or use a checkout that you may write to") from None
+        if error.errno in NOT_WRITABLE and not all_targets and not cad and not _missing(found, (*OF_A_RUN, *targets)):
+            _say_if_old(found)
+            return found
+        raise CommandError(f"cannot build in {folder.parent}: {error.strerror or error}: {error.filename}; mend that, or set "
+                           f"{BUILD_DIR_VARIABLE} to a build folder whose programs are built") from None
     return found
+
+
+def _missing(found: Executables, targets: tuple[str, ...]) -> list[str]:
+    """Those of the targets that are no executables, of all that is built without the packages of tests."""
+    places = zip(UNTESTED, (found.shell, found.rigid, found.single))
+    return [name for name, path in places if name in targets and not os.access(path, os.X_OK)]
+
+
+def by_cmake(folder: Path, targets: list[str]) -> str:
+    """The command that builds these targets in a configured folder."""
+    return command_line(["cmake", "--build", folder, "--target", *targets])
+
+
+def _say_if_old(found: Executables) -> None:
+    """A note where sources are newer than the programs, which cannot be built anew."""
+    built = min(found.shell.stat().st_mtime, found.rigid.stat().st_mtime)
+    newer = next((path for room in SOURCE_ROOMS for path in (REPOSITORY / room).rglob("*")
+                  if path.suffix in SOURCE_ENDINGS and path.stat().st_mtime > built), None)
+    if newer is not None:
+        print(f"sunder: note: {found.shell.parents[1]} may not be written to, and {newer.relative_to(REPOSITORY)} is newer than "
+              f"its programs; they run as they are. {BUILD_DIR_VARIABLE} may name another build", file=sys.stderr, flush=True)
 
 
 @contextmanager

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
-from ..places import REPOSITORY, work_folder
+from ..places import REPOSITORY
 from ..words import did_you_mean
 from .build import Executables, ensure_built
 from .socket_dir import SocketDir
@@ -28,6 +28,17 @@ class Rigid:
     endpoint: str = ""             # at which one waits already
     in_process: str = ""           # name of an engine of the fracture process's own
 
+    @property
+    def program(self) -> str:
+        """What messages call the rigid side: its program's name, or the address where it waits."""
+        return Path(self.command[0]).name if self.command else self.label
+
+
+def in_process(text: str) -> str:
+    """NAME of inprocess[:NAME], '' of anything else."""
+    name, _, inner = text.partition(":")
+    return (inner or "bullet") if name == IN_PROCESS else ""
+
 
 def resolve(text: str, executables: Executables) -> Rigid:
     """NAME, inprocess[:NAME], the path of a program (with a '/'), or ipc://... or tcp://...
@@ -36,11 +47,12 @@ def resolve(text: str, executables: Executables) -> Rigid:
     """
     if re.match(r"(ipc|tcp)://", text):
         return Rigid(text, endpoint=text)
-    name, _, inner = text.partition(":")
-    if name == IN_PROCESS:
-        if not executables.single.is_file():  # few want it: it is not built before
+    inner = in_process(text)
+    if inner:
+        if not os.access(executables.single, os.X_OK):  # few want it: it is not built before
+            check(text, Rigid(text, in_process=inner), executables)
             ensure_built(targets=("sunder-single",))
-        return Rigid(text, in_process=inner or "bullet")
+        return Rigid(text, in_process=inner)
     if "/" in text:
         if not (os.path.isfile(text) and os.access(text, os.X_OK)):
             raise CommandError(f"--rigid {text}: not an executable file; give an engine's name (see 'sunder engines'), "
@@ -49,7 +61,7 @@ def resolve(text: str, executables: Executables) -> Rigid:
         return Rigid(text, command=(os.path.abspath(text), "--engine", Path(text).stem))
     if text == JOLT and JOLT_PROGRAM.is_file():
         from .node import ensure_node
-        ensure_node(work_folder() / "install.log")
+        ensure_node()
         return Rigid(text, command=(str(JOLT_PROGRAM), "--engine", text))
     return Rigid(text, command=(str(executables.rigid), "--engine", text))
 

@@ -14,6 +14,7 @@ from ..errors import CommandError
 RUN_FILES = ("run.json", "series.csv", "probes.csv", "shards.csv", "frames.pvd", "frames", "contact_sheet.png", "shell.log",
              "rigid.log", "command.json", "usage.json", "session.rec", "trace.json", "checkpoint/state", "film.mp4", "film.gif", "stills", "export")
 MADE = {"frames": "*.vtp*", "stills": "still_*.png", "export": "frame_*"}  # in the folders among them
+TRIES = 20  # to take a folder that others make and remove at the same time
 PROBE_BYTES = 1 << 20  # room that has to be there before anything is launched
 
 
@@ -26,9 +27,14 @@ class RunFolder:
         self._handle = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
         try:
             fcntl.flock(self._handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            if not os.path.samestat(os.fstat(self._handle), os.stat(path)):
+                raise FileNotFoundError(errno.ENOENT, os.strerror(errno.ENOENT), str(path))
         except BlockingIOError:
             os.close(self._handle)
-            raise CommandError(f"{path}: another run is writing there; choose another --out") from None
+            raise CommandError(_busy(path)) from None
+        except OSError:  # another run that came to nothing has just removed the folder
+            os.close(self._handle)
+            raise
 
     def clear(self) -> None:
         """Removes the files of an earlier run."""
@@ -64,6 +70,22 @@ class RunFolder:
         os.close(self._handle)
 
 
+def _busy(path: Path) -> str:
+    return f"{path}: another run is writing there; choose another --out"
+
+
+def _is_locked(path: Path) -> bool:
+    """True if a run holds the folder."""
+    handle = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_SH | fcntl.LOCK_NB)
+        return False
+    except BlockingIOError:
+        return True
+    finally:
+        os.close(handle)
+
+
 def _is_run(path: Path) -> bool:
     """True if the folder's run.json is one that a run wrote."""
     try:
@@ -73,11 +95,16 @@ def _is_run(path: Path) -> bool:
 
 
 def refuse_foreign(path: Path) -> None:
-    """Raises CommandError unless `path` can become a run folder: absent, empty, or an earlier run."""
+    """Raises CommandError unless `path` can become a run folder: absent, empty, or an earlier run.
+
+    A folder in which another run has just begun is told as such.
+    """
     try:
         if path.exists() and not path.is_dir():
             raise CommandError(f"--out {path}: is a file, must be a folder")
         if path.is_dir() and any(path.iterdir()) and not _is_run(path):
+            if _is_locked(path):  # it has not come to its run.json yet
+                raise CommandError(_busy(path))
             raise CommandError(f"--out {path}: holds other files and no run.json of a run; give an empty or a new "
                                "folder, or one of an earlier run (which is then replaced)")
     except OSError as error:
@@ -93,11 +120,9 @@ def open_folder(out: Path | None, scene: Path) -> RunFolder:
     try:
         if out is None:
             path = _new_folder(Path("runs"), scene.stem, created)
+            folder = RunFolder(path, created)
         else:
-            refuse_foreign(out)
-            path = out
-            _make(path, created)
-        folder = RunFolder(path, created)
+            path, folder = out, _take(out, created)
         try:
             if not os.access(path, os.W_OK | os.X_OK):  # before anything of an earlier run is removed
                 raise PermissionError(errno.EACCES, os.strerror(errno.EACCES), str(path))
@@ -117,6 +142,19 @@ def open_folder(out: Path | None, scene: Path) -> RunFolder:
                   else "give --out a folder that you may write to")
         raise CommandError(f"cannot write the run folder: {where}: {error.strerror}; {remedy}") from None
     return folder
+
+
+def _take(path: Path, created: list[Path]) -> RunFolder:
+    """The folder at `path`, made where it is missing."""
+    for attempt in range(TRIES):
+        refuse_foreign(path)
+        _make(path, created)
+        try:
+            return RunFolder(path, created)
+        except FileNotFoundError:  # between the two another run, which came to nothing, has removed it
+            if attempt == TRIES - 1:
+                raise
+    raise AssertionError("unreachable")
 
 
 def reopen_folder(path: Path) -> RunFolder:

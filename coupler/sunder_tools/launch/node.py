@@ -20,35 +20,43 @@ import urllib.request
 from pathlib import Path, PurePosixPath
 
 from ..errors import CommandError
-from ..places import REPOSITORY, work_folder
+from ..places import BUILD_DIR_VARIABLE, LOCK_FILE, REPOSITORY, has_packages, named_build, npm_folder
 from ..words import command_line
 from .install import ensure_installed
 from .logged import run_logged, tail
 
 NODE_PACKAGES = ("nodejs",)  # not Debian's npm: it draws in hundreds of packages
-LOCK_FILE = "package-lock.json"
 REGISTRY_VARIABLE = "npm_config_registry"  # npm's own
 PUBLIC_REGISTRY = "https://registry.npmjs.org"  # npm's own default
 TRIES = 3
 PATIENCE_S = 60.0  # without a byte
 
 
-def ensure_node(log: Path, sources: Path = REPOSITORY / "rigid" / "jolt",
-                folder: Path | None = None) -> None:
-    """Installs Node.js, and the packages of `sources`/package-lock.json in `folder`/node_modules (default: the
-    work folder's node/); quick when all is there.
+def ensure_node(sources: Path = REPOSITORY / "rigid" / "jolt", folder: Path | None = None) -> None:
+    """Installs Node.js, and the packages of `sources`/package-lock.json in `folder`/node_modules (default: where
+    `npm_folder` says); quick when all is there. Raises CommandError.
 
-    What apt and npm say goes to `log`. Raises CommandError.
+    What apt and npm say goes to node.log beside the folder. Where SUNDER_BUILD_DIR is set, Node.js has to be there.
     """
-    ensure_installed(log, NODE_PACKAGES)
-    ensure_packages(log, sources, folder or work_folder() / "node")
+    folder = folder or npm_folder("node", sources)
+    log = folder.parent / "node.log"
+    if named_build() is None:
+        try:
+            log.parent.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise _not_written(folder, error) from None
+        ensure_installed(log, NODE_PACKAGES)
+    elif not shutil.which("node"):
+        raise CommandError(f"there is no Node.js, and {BUILD_DIR_VARIABLE} is set: no Debian package is installed then; "
+                           f"as root run: apt-get install -y --no-install-recommends {' '.join(NODE_PACKAGES)}")
+    ensure_packages(log, sources, folder)
 
 
 def ensure_packages(log: Path, sources: Path, folder: Path, whose: str = "the Jolt engine") -> None:
     """The packages alone. They are all there or, after a failure, as they were before."""
-    wanted = (sources / LOCK_FILE).read_bytes()
-    if _is_there(folder, wanted):
+    if has_packages(folder, sources):
         return
+    wanted = (sources / LOCK_FILE).read_bytes()
     print(f"sunder: getting the packages of {whose}", file=sys.stderr, flush=True)
     start = time.monotonic()
     fresh: Path | None = None
@@ -61,31 +69,28 @@ def ensure_packages(log: Path, sources: Path, folder: Path, whose: str = "the Jo
             _by_hand(json.loads(wanted), fresh)
         (fresh / LOCK_FILE).write_bytes(wanted)
         fresh.chmod(0o755)
-        _put_in_place(fresh, folder, wanted)
+        _put_in_place(fresh, folder, sources)
     except OSError as error:
-        raise CommandError(f"cannot write {folder}: {error.strerror or error}: {error.filename}; mend that, or use a "
-                           "checkout that you may write to") from None
+        raise _not_written(folder, error) from None
     finally:
         if fresh is not None:
             shutil.rmtree(fresh, ignore_errors=True)
     print(f"sunder: got them in {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
 
 
-def _is_there(folder: Path, wanted: bytes) -> bool:
-    try:
-        return (folder / LOCK_FILE).read_bytes() == wanted
-    except OSError:
-        return False
+def _not_written(folder: Path, error: OSError) -> CommandError:
+    return CommandError(f"cannot write {folder}: {error.strerror or error}: {error.filename}; mend that, or name a build "
+                        f"folder that you may write to in {BUILD_DIR_VARIABLE}")
 
 
-def _put_in_place(fresh: Path, folder: Path, wanted: bytes) -> None:
+def _put_in_place(fresh: Path, folder: Path, sources: Path) -> None:
     """Renames the folder, so that other processes see the old packages or the new ones. Two at once do no harm."""
     try:
         if folder.exists():
             os.rename(folder, fresh / "old")
         os.rename(fresh, folder)
     except OSError:
-        if not _is_there(folder, wanted):  # by the other one
+        if not has_packages(folder, sources):  # by the other one
             raise
     shutil.rmtree(folder / "old", ignore_errors=True)
 
@@ -163,11 +168,10 @@ def _unpack(archive: bytes, target: Path, name: str) -> None:
 def main() -> int:
     """Installs the engine's packages for users who do not run the tests."""
     try:
-        work_folder().mkdir(parents=True, exist_ok=True)
-        ensure_node(work_folder() / "node.log")
-    except (CommandError, OSError) as error:
+        ensure_node()
+    except CommandError as error:
         print(f"sunder: {error}", file=sys.stderr)
-        return error.status if isinstance(error, CommandError) else 2
+        return error.status
     return 0
 
 

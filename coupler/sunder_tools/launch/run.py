@@ -98,7 +98,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
         shell += ["--keys", str(job.keys)] if job.keys else []
         with _counted_interrupts() as interrupts:
             ending = _launch(shell, rigid, executables, folder.path, interrupts)
-        status, message = _verdict(ending, folder.path)
+        status, message = _verdict(ending, folder.path, rigid.program)
         # Refused, or interrupted before there was anything: as if the run had not been started.
         keep = keep or folder.has_frames() or (status != BAD_INPUT and status != INTERRUPTED) or (
             status == INTERRUPTED and ending.shell == INTERRUPTED and (folder.path / "run.json").exists())
@@ -121,12 +121,13 @@ def launch_once(executables: Executables, scene: Path, folder: Path, settings: l
                 engine: str = "bullet") -> dict[str, object]:
     """Runs a scene into an existing, empty folder without pictures; returns run.json. Raises CommandError."""
     job = Job(scene, engine, tuple(settings))
+    rigid = engines.resolve(engine, executables)
     with _counted_interrupts() as interrupts:
         ending = _launch([*job.shell_arguments(), "--out", str(folder), "--quiet"],
-                         engines.resolve(engine, executables), executables, folder, interrupts)
+                         rigid, executables, folder, interrupts)
     if ending.interrupted:
         raise Interrupted
-    status, message = _verdict(ending, folder)
+    status, message = _verdict(ending, folder, rigid.program)
     if status != DONE:
         raise CommandError(f"{scene.name}: {message or tail(folder / 'shell.log', 3)}", status)
     return run_json.read_run(folder)
@@ -225,30 +226,33 @@ def _write_usage(folder: Path, processor_s: float, wall_s: float) -> None:
         print(f"sunder: {folder / USAGE_FILE}: {error.strerror}", file=sys.stderr)
 
 
-def _verdict(ending: Ending, folder: Path) -> tuple[int, str]:
-    """Exit status of the run, and a sentence for the user, '' where the shell process has said everything."""
+def _verdict(ending: Ending, folder: Path, program: str) -> tuple[int, str]:
+    """Exit status of the run, and a sentence for the user, '' where the shell process has said everything.
+
+    `program`: the rigid side's, as messages call it.
+    """
     shell, rigid = ending.shell, ending.rigid
     rigid_died = rigid != 0 and not ending.rigid_was_signalled
-    of_rigid = f"the rigid-body process (sunder-rigid) {how_it_ended(rigid)}"
+    of_rigid = f"the rigid-body process ({program}) {how_it_ended(rigid)}"
     if ending.killed_by_user:
         return INTERRUPTED, "killed at the second interruption; there is no last frame and no state hash"
     if ending.interrupted and (shell in (INTERRUPTED, -signal.SIGINT)):
         return INTERRUPTED, "" if shell == INTERRUPTED else "interrupted before the run had begun"
     if rigid_died and rigid == BAD_INPUT and (shell in (PEER_LOST, BAD_INPUT) or ending.shell_was_signalled):
-        return BAD_INPUT, f"{tail(folder / 'rigid.log', 5)}\nthe rigid-body process refused to start".strip()
+        return BAD_INPUT, f"{tail(folder / 'rigid.log', 5)}\nthe rigid-body process ({program}) refused to start".strip()
     if ending.shell_was_signalled:
-        what = of_rigid if rigid_died else "the rigid-body process ended early"
+        what = of_rigid if rigid_died else f"the rigid-body process ({program}) ended early"
         return PEER_LOST, f"{what}, the fracture process did not end by itself and was stopped; see {folder}/rigid.log"
     if shell < 0 and (not (rigid_died and ending.rigid_first) or rigid == PEER_LOST):  # status 3 says that the shell ended first
         return PEER_LOST, f"the fracture process (sunder-shell) {how_it_ended(shell)}; see {folder}/shell.log"
     if (shell == PEER_LOST or shell < 0) and rigid_died:
         return PEER_LOST, f"{of_rigid}; see {folder}/rigid.log"
     if shell == PEER_LOST:
-        return PEER_LOST, f"the fracture process lost the rigid-body process; see {folder}/shell.log and rigid.log"
+        return PEER_LOST, f"the fracture process lost the rigid-body process ({program}); see {folder}/shell.log and rigid.log"
     if shell == DONE and rigid_died:
         return PEER_LOST, f"{of_rigid} after the run was complete; see {folder}/rigid.log"
     if shell == DONE and ending.rigid_was_signalled:
-        return DONE, f"note: the rigid-body process did not end after goodbye and was stopped; see {folder}/rigid.log"
+        return DONE, f"note: the rigid-body process ({program}) did not end after goodbye and was stopped; see {folder}/rigid.log"
     return shell, ""
 
 

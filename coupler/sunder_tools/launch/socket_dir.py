@@ -24,16 +24,14 @@ class SocketDir:
 
     def __init__(self) -> None:
         """Makes the folder. Raises CommandError where no place is suitable."""
-        parent = _parent()
-        _sweep(Path(parent))
-        self.path = Path(tempfile.mkdtemp(prefix=PREFIX, dir=parent))
+        self.path, self._named = _made()
         self._handle = os.open(self.path, os.O_RDONLY | os.O_DIRECTORY)
         fcntl.flock(self._handle, fcntl.LOCK_EX)
 
     @property
     def endpoint(self) -> str:
         """What both processes get as --endpoint."""
-        return f"ipc://{self.path}/link"
+        return f"ipc://{self._named}/link"
 
     def __enter__(self) -> "SocketDir":
         return self
@@ -43,18 +41,24 @@ class SocketDir:
         os.close(self._handle)
 
 
-def _parent() -> str:
-    """The first folder that can be written to and leaves room for the socket's name. Raises CommandError."""
+def _made() -> tuple[Path, str]:
+    """A new folder in the first place that can be written to and leaves room for the socket's name, and its name for both
+    processes. In the present folder, the last place, that is a relative one: it is short, and both processes start here.
+    Raises CommandError."""
     tried = []
-    for folder in (os.environ.get("TMPDIR"), os.environ.get("XDG_RUNTIME_DIR"), "/tmp", "/dev/shm", "/var/tmp"):
-        if not folder or not os.path.isabs(folder):
+    for place in (os.environ.get("TMPDIR"), os.environ.get("XDG_RUNTIME_DIR"), "/tmp", "/dev/shm", "/var/tmp", "."):
+        if not place or not (os.path.isabs(place) or place == "."):
             continue
-        if len(os.fsencode(folder)) + NAME_BYTES > LONGEST_SOCKET_PATH:
-            tried.append(f"{folder} (too long for a socket's name)")
-        elif not os.access(folder, os.W_OK | os.X_OK):
-            tried.append(f"{folder} (may not be written to)")
-        else:
-            return folder
+        if len(os.fsencode(place)) + NAME_BYTES > LONGEST_SOCKET_PATH:
+            tried.append(f"{place} (too long for a socket's name)")
+            continue
+        try:
+            _sweep(Path(place))
+            path = Path(tempfile.mkdtemp(prefix=PREFIX, dir=place)).absolute()
+        except OSError as error:
+            tried.append(f"{place} ({error.strerror})")
+            continue
+        return path, path.name if place == "." else str(path)
     raise CommandError(f"no place for the socket of a run: {', '.join(tried)}; set TMPDIR to a folder of your own with a "
                        f"path of at most {LONGEST_SOCKET_PATH - NAME_BYTES} bytes")
 

@@ -14,7 +14,7 @@ from .lettering import TEXT, draw_text
 from .look import Look
 from .meshes import Scene, load_scene
 from .raster import perspective_camera
-from .views import draw_scene
+from .views import as_bytes, draw_scene
 from .vtp import VtpError
 
 COLUMNS, ROWS = 4, 3
@@ -168,7 +168,7 @@ def _side_panel(frame: Frame, scene: Scene, wide: tuple[np.ndarray, np.ndarray],
 
 def _image(picture: np.ndarray) -> Image.Image:
     """Averages the samples of each pixel."""
-    return Image.fromarray((picture * 255.0 + 0.5).astype(np.uint8)).reduce(SAMPLES)
+    return Image.fromarray(as_bytes(picture)).reduce(SAMPLES)
 
 
 def _caption(image: Image.Image, text: str) -> None:

@@ -4,8 +4,8 @@ Cracks change the triangles from frame to frame, so there is no single mesh that
 
 PLY (binary): x, y, z [m] and vx, vy, vz [m/s] per vertex; fragment, damage, part (number of the shell; -1 for bodies), body
 (its number; -1 for the shell) and kind (0 moving, 1 shard, 2 static, 3 frozen; -1 for the shell) per face. z is up.
-glTF (binary, .glb): a node per shell, the shards, and each body of the scene, y up as the format asks; _VELOCITY, _FRAGMENT
-and _DAMAGE per vertex, for which faces have vertices of their own.
+glTF (binary, .glb): a node per shell, the shards, and each body of the scene, y up as the format asks, with the materials
+of the scene; _VELOCITY, _FRAGMENT and _DAMAGE per vertex, for which faces have vertices of their own.
 """
 from __future__ import annotations
 
@@ -115,8 +115,22 @@ class _Glb:
             accessor |= {"min": values.min(axis=0).tolist(), "max": values.max(axis=0).tolist()}
         return self._add("accessors", accessor)
 
-    def add(self, name: str, mesh: Mesh, which: np.ndarray, colour: tuple[float, ...]) -> None:
-        """Adds the triangles `which` as a node of this name; adds nothing where there are none."""
+    def _material(self, name: str, colour: tuple[float, ...]) -> int:
+        """The number of the material of this name, which is added where it is new."""
+        materials = self.json["materials"]
+        assert isinstance(materials, list)
+        for number, there in enumerate(materials):
+            if there["name"] == name:
+                return number
+        linear = [round(float(c) ** 2.2, 4) for c in colour[:3]]
+        alpha = colour[3] if len(colour) > 3 else 1.0
+        return self._add("materials", {
+            "name": name, "doubleSided": True, "alphaMode": "BLEND" if alpha < 1.0 else "OPAQUE",
+            "pbrMetallicRoughness": {"baseColorFactor": [*linear, alpha], "metallicFactor": 0.0, "roughnessFactor": 0.5}})
+
+    def add(self, name: str, mesh: Mesh, which: np.ndarray, of: str, colour: tuple[float, ...]) -> None:
+        """Adds the triangles `which` as a node of this name and of the material `of`, which has the colour with which it
+        came first; adds nothing where there are none."""
         if not which.any():
             return
         corners = mesh.triangles[which].ravel()
@@ -126,11 +140,7 @@ class _Glb:
             "_VELOCITY": self._accessor((mesh.velocity[corners][:, upright[0]] * upright[1]).astype("<f4"), "VEC3", 34962),
             "_FRAGMENT": self._accessor(np.repeat(mesh.fragment[which], 3).astype("<f4"), "SCALAR", 34962),
             "_DAMAGE": self._accessor(np.repeat(mesh.damage[which], 3).astype("<f4"), "SCALAR", 34962)}
-        linear = [round(float(c) ** 2.2, 4) for c in colour[:3]]
-        alpha = colour[3] if len(colour) > 3 else 1.0
-        material = self._add("materials", {
-            "name": name, "doubleSided": True, "alphaMode": "BLEND" if alpha < 1.0 else "OPAQUE",
-            "pbrMetallicRoughness": {"baseColorFactor": [*linear, alpha], "metallicFactor": 0.0, "roughnessFactor": 0.5}})
+        material = self._material(of, colour)
         indices = self._accessor(np.arange(len(corners), dtype="<u4"), "SCALAR", 34963)
         number = self._add("meshes", {"name": name, "primitives": [
             {"attributes": attributes, "indices": indices, "material": material}]})
@@ -155,25 +165,32 @@ class _Glb:
 
 
 def glb_bytes(mesh: Mesh, time_s: float, words: Words, part_of: dict[int, int]) -> bytes:
-    """Writes a binary glTF 2.0."""
+    """Writes a binary glTF 2.0. Materials have the names that the scene gives them."""
     out = _Glb(time_s)
-    several = mesh.part.max(initial=0) > 0
 
-    def look(part: int) -> tuple[float, ...]:
-        clear = words.glass[part] if part < len(words.glass) else False
-        return (*GLASS, 0.5) if clear or not several else tuple(PARTS[part % len(PARTS)])
+    def look(part: int) -> tuple[str, tuple[float, ...]]:
+        """Material and colour of a shell; of one that the scene does not tell about, a material of its own."""
+        if part >= len(words.materials):
+            return f"shell_{part}", tuple(PARTS[part % len(PARTS)])
+        name = words.materials[part]
+        return name, (*GLASS, 0.5) if words.glass[part] else tuple(PARTS[words.materials.index(name) % len(PARTS)])
 
     for part in np.unique(mesh.part[mesh.part >= 0]):
-        out.add(words.shells[part] if part < len(words.shells) else f"shell_{part}", mesh, mesh.part == part, look(int(part)))
+        out.add(words.shells[part] if part < len(words.shells) else f"shell_{part}", mesh, mesh.part == part, *look(int(part)))
     broken = (mesh.kind == SHARD) | (mesh.kind == FROZEN)
     of = np.array([part_of.get(int(b), -1) for b in mesh.body])
     for part in np.unique(of[broken]):
-        name = "shards" if part < 0 else f"shards_of_{words.shells[part]}"
-        out.add(name, mesh, broken & (of == part), look(int(part)) if part >= 0 else (*GLASS, 0.5))
+        if part < 0 and len({m for m, breaks in zip(words.materials, words.breaks) if breaks}) == 1:
+            out.add("shards", mesh, broken & (of == part), *look(words.breaks.index(True)))  # of whichever shell
+        elif part < 0:
+            out.add("shards", mesh, broken & (of == part), "shards", tuple(PARTS[0]))
+        else:
+            out.add(f"shards_of_{words.shells[part]}", mesh, broken & (of == part), *look(int(part)))
     own = ~broken & (mesh.body >= 0)
     for number in np.unique(mesh.body[own]):
-        name = words.bodies[number - 1] if 0 < number <= len(words.bodies) else f"body_{number}"
-        out.add(name, mesh, own & (mesh.body == number), STEEL)
+        known = 0 < number <= len(words.bodies)
+        name, material = (words.bodies[number - 1], words.body_materials[number - 1]) if known else (f"body_{number}", "")
+        out.add(name, mesh, own & (mesh.body == number), material or "body", STEEL)
     return out.packed()
 
 

@@ -183,13 +183,14 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
     """Reads the files of a frame. `velocity` (n, 3) [m/s] of bodies' points is for colours by speed. Raises
     VtpError, OSError.
 
-    A lone shell is glass, as are its shards. Of several each has a colour, and is opaque unless its material is glass.
+    A shell is seen through where its material is glass, as are its shards. Others are opaque and have a colour each.
+    A lone shell of which the scene is not known is drawn as glass.
     """
     glass, solid, cracks, outlines = [Surface()], [Surface()], [np.zeros((0, 2, 3))], [np.zeros((0, 2, 3))]
     shards = moving = np.zeros((0, 3))
     floor_z: float | None = None
     shell = frame.read(SHELL)
-    several = len(look.glass) > 1
+    several = len(look.glass) > 1 or not all(look.glass)
     if shell is not None and len(shell.triangles):
         part = shell.of_triangles("shell", 0).astype(np.int64)
         several = several or part.max() > 0

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from PIL import Image, ImageDraw
 
+from ..replacing import replacing
 from .lettering import TEXT, draw_text
 
 WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 480, 90, 60, 60
@@ -177,7 +178,8 @@ def write_panels(panels: list[Panel], path: Path) -> None:
     sheet = Image.new("RGB", (WIDTH * columns, HEIGHT * rows), PAPER)
     for i, panel in enumerate(panels):
         sheet.paste(draw_panel(panel), (WIDTH * (i % columns), HEIGHT * (i // columns)))
-    sheet.save(path)
+    with replacing(path) as part:
+        sheet.save(part)
 
 
 def write_plots(curves: list[Curve], path: Path) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 NEAR_M = 0.02  # triangles with a corner nearer to the eye are not drawn
-CANDIDATES = 1_500_000  # (triangle, pixel) pairs that are handled at once; limits the memory
+CANDIDATES = 200_000  # (triangle, pixel) pairs that are handled at once; limits the memory
 INSIDE = 1e-9  # of a barycentric weight: pixels on an edge belong to both triangles
 
 
@@ -31,14 +31,15 @@ class Camera:
 
     def unproject(self, pixels: np.ndarray, nearness: np.ndarray) -> np.ndarray:
         """Returns world positions (n, 3) of pixels with known nearness."""
-        local = np.empty((len(pixels), 3))
-        local[:, :2] = (pixels - self.centre) / self.scale
+        depth = 1.0 / nearness if self.perspective else -nearness
+        right, down = ((pixels[:, k] - self.centre[k]) / self.scale[k] for k in (0, 1))
         if self.perspective:
-            local[:, 2] = 1.0 / nearness
-            local[:, :2] *= local[:, 2:]
-        else:
-            local[:, 2] = -nearness
-        return local @ self.axes + self.eye
+            right *= depth
+            down *= depth
+        world = np.empty((len(pixels), 3))
+        for k in range(3):  # a product of matrices as narrow as these is several times as slow
+            world[:, k] = right * self.axes[0, k] + down * self.axes[1, k] + depth * self.axes[2, k] + self.eye[k]
+        return world
 
     def towards_eye(self, points: np.ndarray) -> np.ndarray:
         """Returns unit vectors (n, 3) from points to the eye."""
@@ -139,18 +140,19 @@ def _rasterise_some(ids: np.ndarray, span: np.ndarray, low: np.ndarray, corner: 
     end = np.floor(np.where(slope < 0.0, zero, np.inf).min(axis=0).clip(-1.0, columns - 1.0))
     count = np.where(never, 0.0, (end - begin + 1.0).clip(0.0, None)).astype(np.int64)
     line, column = _counted(count)
-    column += begin.astype(np.int64)[line]
+    column += np.take(begin.astype(np.int64), line)
     rise = (near[ids, 1:] - near[ids, :1]).T  # (2, m): a face of constant nearness keeps it to the bit
     value = near[ids, 0][rows] + (start[1:] * rise[:, rows]).sum(axis=0)
-    value = value[line] + column * (gx[1:] * rise).sum(axis=0)[rows][line]
-    pixel = ((low[ids, 1].astype(np.int64)[rows] + row) * width + low[ids, 0].astype(np.int64)[rows])[line] + column
-    tri = ids[rows][line]
+    value = np.take(value, line) + column * np.take((gx[1:] * rise).sum(axis=0)[rows], line)
+    pixel = np.take((low[ids, 1].astype(np.int64)[rows] + row) * width + low[ids, 0].astype(np.int64)[rows], line) + column
+    tri = np.take(ids[rows], line)
     # numpy keeps any one of several candidates for a pixel, so this repeats with those that are still nearer.
     while True:
-        nearer = value > depth[pixel]
+        nearer = value > np.take(depth, pixel)
         if not nearer.any():
             return
-        pixel, value, tri = pixel[nearer], value[nearer], tri[nearer]
+        if not nearer.all():
+            pixel, value, tri = pixel[nearer], value[nearer], tri[nearer]
         depth[pixel] = value
         index[pixel] = tri
 

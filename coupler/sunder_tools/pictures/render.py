@@ -28,7 +28,7 @@ from .meshes import load_scene
 from .motion import body_velocity, shell_velocity
 from .raster import perspective_camera
 from .soft import speeds
-from .views import draw_scene
+from .views import as_bytes, draw_scene
 from .vtp import VtpError
 
 STILLS = 6               # without --frames
@@ -210,7 +210,7 @@ def draw_one(stage: _Stage, k: int) -> np.ndarray:
     velocity = body_velocity(stage.frames, k) if shot.look.by == "speed" else None
     scene = load_scene(stage.frames[k], shot.look, velocity)
     camera = perspective_camera(stage.low, stage.high, stage.direction, width, height)
-    image = Image.fromarray((draw_scene(scene, camera, width, height) * 255.0 + 0.5).astype(np.uint8)).reduce(SAMPLES)
+    image = Image.fromarray(as_bytes(draw_scene(scene, camera, width, height))).reduce(SAMPLES)
     if shot.caption:
         draw_text(image, (shot.size[1] // 40, shot.size[1] // 60), time_text(stage.frames[k].time_s),
                   max(shot.size[1] // 32, 8))
@@ -223,7 +223,13 @@ def _drawn(stage: _Stage, numbers: Sequence[int], jobs: int) -> Iterator[Image.I
     if jobs <= 1:
         yield from (Image.fromarray(draw_one(stage, k)) for k in numbers)
         return
-    with multiprocessing.get_context("fork").Pool(jobs, _enter, (stage,)) as pool:
+    try:
+        pool = multiprocessing.get_context("fork").Pool(jobs, _enter, (stage,))
+    except OSError as error:  # its locks are files in /dev/shm, which may not be written to
+        print(f"sunder: note: pictures are drawn one after another: /dev/shm: {error.strerror}", file=sys.stderr, flush=True)
+        yield from _drawn(stage, numbers, 1)
+        return
+    with pool:
         yield from (Image.fromarray(picture) for picture in pool.imap(_draw, numbers))
 
 

@@ -17,32 +17,29 @@ from typing import Any, Callable
 
 from ..errors import DONE, CommandError, Interrupted
 from ..launch.folder import existing_run
-from ..places import BUILD_DIR_VARIABLE, REPOSITORY, work_folder
+from ..places import REPOSITORY, npm_folder
 from .playback import Playback
 from .vtp import VtpError
 
 HOST = "127.0.0.1"
 PAGE = REPOSITORY / "coupler" / "viewer"
-PACKAGES = work_folder() / "viewer"
-THREE = PACKAGES / "node_modules" / "three"
-FILES = {  # all files that are served from disk
-    "/": PAGE / "index.html", "/view.css": PAGE / "view.css",
-    "/three.module.js": THREE / "build" / "three.module.js", "/three.core.js": THREE / "build" / "three.core.js",
-    "/OrbitControls.js": THREE / "examples" / "jsm" / "controls" / "OrbitControls.js",
-} | {f"/{name}.js": PAGE / f"{name}.js" for name in ("view", "frame", "scene", "colours", "plots")}
+FILES = {"/": PAGE / "index.html", "/view.css": PAGE / "view.css",
+         **{f"/{name}.js": PAGE / f"{name}.js" for name in ("view", "frame", "scene", "colours", "plots")}}
+OF_THREE = {"/three.module.js": "build/three.module.js", "/three.core.js": "build/three.core.js",
+            "/OrbitControls.js": "examples/jsm/controls/OrbitControls.js"}  # below three(); no other file is served
 KINDS = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8"}
 
 
 def ensure_page() -> None:
-    """Downloads three.js from npm's registry into viewer/ of the work folder, once. Raises CommandError."""
-    if (THREE / "build" / "three.module.js").is_file() and os.environ.get(BUILD_DIR_VARIABLE):
-        return
-    if os.environ.get(BUILD_DIR_VARIABLE):
-        raise CommandError(f"{THREE}: three.js is missing, and {BUILD_DIR_VARIABLE} is set: nothing is installed then; "
-                           "unset it for once")
+    """Downloads three.js from npm's registry, once, to where `npm_folder` says. Raises CommandError."""
     from ..launch.node import ensure_packages  # it needs no Node.js: these files run in the browser
-    work_folder().mkdir(parents=True, exist_ok=True)
-    ensure_packages(work_folder() / "viewer.log", PAGE, PACKAGES, "the viewer")
+    folder = npm_folder("viewer", PAGE)
+    ensure_packages(folder.parent / "viewer.log", PAGE, folder, "the viewer")
+
+
+def three() -> Path:
+    """The folder of three.js."""
+    return npm_folder("viewer", PAGE) / "node_modules" / "three"
 
 
 def content_policy(page: bytes) -> str:
@@ -66,8 +63,9 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             return
         path = self.path.partition("?")[0]
         try:
-            if path in FILES:
-                self._answer(HTTPStatus.OK, KINDS[FILES[path].suffix], FILES[path].read_bytes())
+            if path in FILES or path in OF_THREE:
+                file = FILES[path] if path in FILES else three() / OF_THREE[path]
+                self._answer(HTTPStatus.OK, KINDS[file.suffix], file.read_bytes())
             elif path == "/state":
                 self._json(self.server.playback.state())
             elif path == "/curves":

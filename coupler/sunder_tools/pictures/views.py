@@ -13,12 +13,15 @@ INK = np.array([0.06, 0.12, 0.16])
 SHADOW_HALF_M = 1.3      # the shadow map reaches this far from its centre
 SHADOW_TEXELS = 800
 GRID_M = 0.1             # spacing of the lines on the floor
+BAND = 1 << 14           # [pixels] that are shaded at once; their arrays fit into the cache of a core
 
 
 def background(width: int, height: int) -> np.ndarray:
     """(height*width, 3) colours 0..1."""
     share = np.linspace(0.0, 1.0, height)[:, None, None]
-    return np.broadcast_to(SKY[0] + share * (SKY[1] - SKY[0]), (height, width, 3)).reshape(-1, 3).copy()
+    picture = np.empty((height, width, 3), np.float32)
+    picture[:] = SKY[0] + share * (SKY[1] - SKY[0])
+    return picture.reshape(-1, 3)
 
 
 class _Shadows:
@@ -44,57 +47,76 @@ class _Shadows:
 
     def at(self, points: np.ndarray) -> np.ndarray:
         """Darkness 0..1 at points of the floor."""
-        cell = np.floor((points[:, :2] - self._low) * self._scale).astype(np.int64)
-        inside = ((cell >= 0) & (cell < SHADOW_TEXELS)).all(axis=1)
-        cell = np.where(inside[:, None], cell, 0)
-        return np.where(inside, self._dark[cell[:, 1] * SHADOW_TEXELS + cell[:, 0]], 0.0)
+        x, y = (np.floor((points[:, k] - self._low[k]) * self._scale) for k in (0, 1))
+        inside = (x >= 0) & (x < SHADOW_TEXELS) & (y >= 0) & (y < SHADOW_TEXELS)
+        cell = np.where(inside, y * SHADOW_TEXELS + x, 0.0).astype(np.int64)
+        return np.where(inside, np.take(self._dark, cell), 0.0)
 
 
-def _shade(surface: Surface, index: np.ndarray, world: np.ndarray, eye: np.ndarray, glass: bool) -> np.ndarray:
-    """Lambert, a highlight and a rim; `eye` are unit vectors towards the eye."""
-    normal = surface.normals()[index]
-    centre = surface.round_centre[index]
-    round_ = ~np.isnan(centre[:, 0])
-    if round_.any():
-        out = world[round_] - centre[round_]
-        normal[round_] = out / np.maximum(np.linalg.norm(out, axis=1, keepdims=True), 1e-12)
-    bent = _bent_normals(surface, index, world)
-    normal = np.where(np.isfinite(bent), bent, normal)
-    facing = _dot(normal, eye)
-    normal = np.where(facing[:, None] < 0.0, -normal, normal)
-    lambert = np.maximum(normal @ LIGHT, 0.0)[:, None]
-    half = eye + LIGHT
-    highlight = np.maximum(_dot(normal, half) / np.sqrt(_dot(half, half)), 0.0)[:, None]
-    rim = (1.0 - np.minimum(np.abs(facing), 1.0))[:, None] ** 3
-    base = surface.colours[index]
-    if glass:
-        return base * (0.66 + 0.40 * lambert) + 0.22 * highlight ** 24 + 0.10 * rim
-    return base * (0.50 + 0.58 * lambert) + 0.45 * highlight ** 40 + 0.12 * rim
+class _Shader:
+    """Shades points of a surface: Lambert, a highlight and a rim. What depends on triangles only is computed once."""
+
+    def __init__(self, surface: Surface, glass: bool) -> None:
+        self._surface, self._glass = surface, glass
+        self.normals = surface.normals()
+        corners = surface.triangles
+        # what a corner lacks of a normal is zero: a triangle without any is flat
+        self._curved = np.abs(surface.smooth).sum(axis=1)[corners].sum(axis=1) > 0.0
+        self._round = ~np.isnan(surface.round_centre[:, 0])
+        # Barycentric weights are affine in the point: one gradient per corner of each triangle, taken from the next corner.
+        a, b, c = (surface.points[corners[:, k]] for k in range(3))
+        face = np.cross(b - a, c - a)
+        square = np.maximum(_dot(face, face), 1e-300)[:, None]
+        self._weights = [(gradient := np.cross(face, q - p) / square, _dot(gradient, p))
+                         for p, q in ((b, c), (c, a), (a, b))]  # opposite each corner
+
+    def colours(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray) -> np.ndarray:
+        """Returns colours (n, 3) at the points `world` (n, 3) of the triangles `index`; `eye` are unit vectors towards the
+        eye."""
+        normal = np.take(self.normals, index, axis=0)
+        self._round_normals(index, world, normal)
+        self._bent_normals(index, world, normal)
+        facing = _dot(normal, eye)
+        normal *= np.where(facing < 0.0, -1.0, 1.0)[:, None]
+        lambert = np.maximum(normal @ LIGHT, 0.0)
+        half = eye + LIGHT
+        highlight = np.maximum(_dot(normal, half) / np.sqrt(_dot(half, half)), 0.0)
+        rim = _cube(1.0 - np.minimum(np.abs(facing), 1.0))
+        base = np.take(self._surface.colours, index, axis=0)
+        if self._glass:
+            base *= (0.66 + 0.40 * lambert)[:, None]
+            base += (0.22 * _cube(highlight) ** 8 + 0.10 * rim)[:, None]
+        else:
+            base *= (0.50 + 0.58 * lambert)[:, None]
+            base += (0.45 * (highlight ** 8) ** 5 + 0.12 * rim)[:, None]
+        return base
+
+    def _round_normals(self, index: np.ndarray, world: np.ndarray, normal: np.ndarray) -> None:
+        """Sets the normals at points of balls."""
+        at = np.flatnonzero(self._round[index])
+        if len(at):
+            out = world[at] - self._surface.round_centre[index[at]]
+            normal[at] = out / np.maximum(np.sqrt(_dot(out, out)), 1e-12)[:, None]
+
+    def _bent_normals(self, index: np.ndarray, world: np.ndarray, normal: np.ndarray) -> None:
+        """Sets the normals at points of curved triangles to those between the corners'."""
+        at = np.flatnonzero(self._curved[index])
+        if len(at) == 0:
+            return
+        triangle, point = index[at], world[at]
+        corners, smooth = self._surface.triangles, self._surface.smooth
+        sum_ = np.zeros((len(at), 3))
+        for k, (gradient, offset) in enumerate(self._weights):
+            weight = np.clip(_dot(np.take(gradient, triangle, axis=0), point) - np.take(offset, triangle), 0.0, 1.0)
+            sum_ += weight[:, None] * np.take(smooth, np.take(corners[:, k], triangle), axis=0)
+        length = np.sqrt(_dot(sum_, sum_))
+        seen = length > 1e-6
+        normal[at[seen]] = sum_[seen] / length[seen, None]
 
 
-def _bent_normals(surface: Surface, index: np.ndarray, world: np.ndarray) -> np.ndarray:
-    """Normals between those of the corners, at points of the triangles; NaN where the surface is flat."""
-    bent = np.full(world.shape, np.nan)
-    corners = surface.triangles
-    # what a corner lacks of a normal is zero: a triangle without any is flat
-    curved = np.abs(surface.smooth).sum(axis=1)[corners].sum(axis=1) > 0.0
-    at = np.flatnonzero(curved[index])
-    if len(at) == 0:
-        return bent
-    # Barycentric weights are affine in the point: one gradient per corner of each triangle, taken from the next corner.
-    a, b, c = (surface.points[corners[:, k]] for k in range(3))
-    face = np.cross(b - a, c - a)
-    square = np.maximum(_dot(face, face), 1e-300)[:, None]
-    triangle, point = index[at], world[at]
-    sum_ = np.zeros((len(at), 3))
-    for k, (p, q) in enumerate(((b, c), (c, a), (a, b))):  # opposite each corner
-        gradient = np.cross(face, q - p) / square
-        weight = np.clip(_dot(gradient[triangle], point) - _dot(gradient, p)[triangle], 0.0, 1.0)
-        sum_ += weight[:, None] * surface.smooth[corners[:, k]][triangle]
-    length = np.sqrt(_dot(sum_, sum_))
-    seen = length > 1e-6
-    bent[at[seen]] = sum_[seen] / length[seen, None]
-    return bent
+def _cube(values: np.ndarray) -> np.ndarray:
+    """Third power; numpy's own is some thirty times as slow."""
+    return values * values * values
 
 
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -104,41 +126,88 @@ def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
 
 def _floor(colours: np.ndarray, points: np.ndarray, pixel_m: np.ndarray, shadows: _Shadows) -> np.ndarray:
     """Grid lines and shadows over the floor's colour; `pixel_m` is a pixel's size there [m]."""
-    off = np.abs(points[:, :2] / GRID_M - np.round(points[:, :2] / GRID_M)) * GRID_M  # [m] from a line
-    line = np.clip(1.2 - off.min(axis=1) / pixel_m, 0.0, 1.0)
-    return colours * (1.0 - 0.09 * line)[:, None] * (1.0 - shadows.at(points))[:, None]
+    x, y = points[:, 0] / GRID_M, points[:, 1] / GRID_M
+    off = np.minimum(np.abs(x - np.rint(x)), np.abs(y - np.rint(y))) * GRID_M  # [m] from a line
+    line = np.clip(1.2 - off / pixel_m, 0.0, 1.0)
+    return colours * ((1.0 - 0.09 * line) * (1.0 - shadows.at(points)))[:, None]
 
 
 def draw_scene(scene: Scene, camera: Camera, width: int, height: int, line_px: int = 2) -> np.ndarray:
-    """The picture, (height, width, 3) colours 0..1. Glass lets a part of what is behind it through."""
+    """The picture, (height, width, 3) colours 0..1. Glass lets a part of what is behind it through.
+
+    Pixels are shaded in bands that stay in the processor's cache. Arrays of a whole picture come fresh from the system each
+    time, and making their pages took as long as the shading.
+    """
     picture = background(width, height)
     pixels, near = camera.project(scene.solid.points)
-    index, depth = rasterise(pixels, near, scene.solid.triangles, width, height)
-    hit = np.flatnonzero(index >= 0)
-    centre_of = np.stack([hit % width + 0.5, hit // width + 0.5], axis=1)
-    if len(hit):
-        world = camera.unproject(centre_of, depth[hit])
-        colours = _shade(scene.solid, index[hit], world, camera.towards_eye(world), glass=False)
-        floor = scene.solid.is_floor[index[hit]]
-        if floor.any() and scene.floor_z is not None:
-            distance = np.linalg.norm(world[floor] - camera.eye, axis=1) if camera.perspective else 1.0
-            colours[floor] = _floor(scene.solid.colours[index[hit]][floor], world[floor],
-                                    distance / camera.scale.min(), _Shadows(scene, scene.floor_z))
-        picture[hit] = colours
+    solid = rasterise(pixels, near, scene.solid.triangles, width, height)
     pixels, near = camera.project(scene.glass.points)
-    index, glass_depth = rasterise(pixels, near, scene.glass.triangles, width, height)
-    hit = np.flatnonzero(glass_depth > depth)
-    if len(hit):
-        world = camera.unproject(np.stack([hit % width + 0.5, hit // width + 0.5], axis=1), glass_depth[hit])
-        eye = camera.towards_eye(world)
-        colours = _shade(scene.glass, index[hit], world, eye, glass=True)
-        slant = 1.0 - np.abs(_dot(scene.glass.normals()[index[hit]], eye))
-        opacity = (scene.glass_opacity + 0.25 * slant ** 2)[:, None]
-        picture[hit] += opacity * (colours - picture[hit])
-    front = np.maximum(depth, glass_depth)
+    glass = rasterise(pixels, near, scene.glass.triangles, width, height)
+    painter = _Painter(scene, camera, width)
+    for begin in range(0, len(picture), BAND):
+        band = slice(begin, begin + BAND)
+        index, depth = solid[0][band], solid[1][band]
+        painter.solid(picture[band], begin, index, depth)
+        painter.glass(picture[band], begin, glass[0][band], glass[1][band], depth)
+    front = np.maximum(solid[1], glass[1], out=glass[1])
     _draw_lines(picture, scene.outlines, camera, front, width, height, line_px, 0.50)
     _draw_lines(picture, scene.cracks, camera, front, width, height, line_px, 0.80)
-    return np.clip(picture, 0.0, 1.0).reshape(height, width, 3)
+    return np.clip(picture, 0.0, 1.0, out=picture).reshape(height, width, 3)
+
+
+def as_bytes(picture: np.ndarray) -> np.ndarray:
+    """Colours 0..1 (height, width, 3) as bytes, row by row for the sake of the cache."""
+    out = np.empty(picture.shape, np.uint8)
+    for row, colours in enumerate(picture):
+        out[row] = colours * 255.0 + 0.5
+    return out
+
+
+class _Painter:
+    """Paints bands of a picture: consecutive pixels, the first of which has the number `begin`."""
+
+    def __init__(self, scene: Scene, camera: Camera, width: int) -> None:
+        self._scene, self._camera, self._width = scene, camera, width
+        self._solid, self._glass = _Shader(scene.solid, glass=False), _Shader(scene.glass, glass=True)
+        self._shadows = None if scene.floor_z is None or not scene.solid.is_floor.any() else _Shadows(scene, scene.floor_z)
+        self._of_floor = (scene.solid.is_floor & (self._shadows is not None)).astype(np.int8)  # per triangle
+
+    def _world(self, pixel: np.ndarray, nearness: np.ndarray) -> np.ndarray:
+        row, column = np.divmod(pixel, self._width)
+        return self._camera.unproject(np.stack([column + 0.5, row + 0.5], axis=1), nearness)
+
+    def solid(self, picture: np.ndarray, begin: int, index: np.ndarray, depth: np.ndarray) -> None:
+        """Paints what is opaque: triangles `index` (-1: none) of nearness `depth`."""
+        if len(self._scene.solid.triangles) == 0:
+            return
+        kind = np.where(index < 0, 0, 1 + np.take(self._of_floor, index))  # 0 nothing, 1 something, 2 the floor
+        at = np.flatnonzero(kind == 1)
+        if len(at):
+            world = self._world(at + begin, depth[at])
+            picture[at] = self._solid.colours(index[at], world, self._camera.towards_eye(world))
+        at = np.flatnonzero(kind == 2)
+        if len(at) and self._shadows is not None:
+            world = self._world(at + begin, np.take(depth, at))
+            away = world - self._camera.eye
+            distance = np.sqrt(_dot(away, away)) if self._camera.perspective else 1.0
+            colours = _floor(np.take(self._scene.solid.colours, np.take(index, at), axis=0), world,
+                             distance / self._camera.scale.min(), self._shadows)
+            if len(at) == len(picture):  # as most often
+                picture[:] = colours
+            else:
+                picture[at] = colours
+
+    def glass(self, picture: np.ndarray, begin: int, index: np.ndarray, depth: np.ndarray, behind: np.ndarray) -> None:
+        """Paints glass over what is behind it, at nearness `behind`."""
+        at = np.flatnonzero(depth > behind)
+        if len(at) == 0:
+            return
+        world = self._world(at + begin, depth[at])
+        eye = self._camera.towards_eye(world)
+        colours = self._glass.colours(index[at], world, eye)
+        slant = 1.0 - np.abs(_dot(np.take(self._glass.normals, index[at], axis=0), eye))
+        opacity = (self._scene.glass_opacity + 0.25 * slant * slant)[:, None]
+        picture[at] += opacity * (colours - picture[at])
 
 
 def _draw_lines(picture: np.ndarray, segments: np.ndarray, camera: Camera, front: np.ndarray, width: int,

@@ -16,6 +16,7 @@ from ..places import REPOSITORY
 from .run_json import read_run
 
 Message = dict[str, list[Any]]  # field: its values in order; a message, a number, a word or a string each
+CLEAR = ("glass", "acrylic", "perspex", "plexiglas", "pmma")  # materials with such a word in their name are seen through
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], proto/scene.proto
 TOKEN = re.compile(r"""\s+|\#[^\n]*|("(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*')|([{}<>\[\]:,;])|([^\s{}<>\[\]:,;#"']+)""")
 PAIRS = {"{": "}", "<": ">"}
@@ -97,10 +98,11 @@ class Words:
     """What the scene calls things; all empty where it was not found."""
     shells: tuple[str, ...] = ()          # by number
     materials: tuple[str, ...] = ()       # of each shell
-    glass: tuple[bool, ...] = ()          # of each shell: its material is called glass
+    glass: tuple[bool, ...] = ()          # of each shell: its material is seen through, by its name
     breaks: tuple[bool, ...] = ()         # of each shell: its material has a strength
     surface_density: tuple[float, ...] = ()  # of each shell [kg/m^2]; NaN where not given
     bodies: tuple[str, ...] = ()          # of the scene, in order
+    body_materials: tuple[str, ...] = ()  # of each body; '' where it names none
     probes: tuple[tuple[str, str], ...] = ()  # (probe, body) where a body moves under a probe
     masses: tuple[tuple[str, float], ...] = ()  # (body, [kg]) of spheres and boxes
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
@@ -144,9 +146,10 @@ def words_of(scene: Message, settings: list[str]) -> Words:
     if any(s.startswith("gravity") for s in settings):
         masses = []  # the impulse of weight would be a wrong one
     return Words(tuple(str(_one(s, "name", default="")) for s in shells), tuple(of),
-                 tuple("glass" in m.lower() for m in of),
+                 tuple(any(word in m.lower() for word in CLEAR) for m in of),
                  tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density),
-                 tuple(str(_one(b, "name", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z))
+                 tuple(str(_one(b, "name", default="")) for b in bodies),
+                 tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z))
 
 
 def _number(value: Any) -> float:

@@ -217,6 +217,12 @@ TEST(Endpoint, BeyondThisMachineNeedsKeys) {
   EXPECT_EQ(thrown([&] { Channel(Channel::Role::kConnect, "tcp://localhost:9", keys); }), "");
 }
 
+TEST(Endpoint, APathThatIsTooLongForASocketIsToldWithItsLength) {
+  for (const auto role : {Channel::Role::kBind, Channel::Role::kConnect})
+    EXPECT_SAYS(thrown([&] { Channel(role, "ipc://" + std::string(108, 'x')); }),
+                "its path has 108 bytes, a socket's at most 107; use a shorter one");
+}
+
 TEST(EncryptedSession, RunsFromHelloToBye) {
   const Folder folder;
   const std::string keys = folder.made("keys");
