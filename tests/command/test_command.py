@@ -15,7 +15,7 @@ from unittest import mock
 
 from sunder_tools import version, words
 from sunder_tools.command import parser
-from sunder_tools.command.main import main, make_parser, subcommands
+from sunder_tools.command.main import OF_SOURCES, main, make_parser, subcommands
 from sunder_tools.errors import CommandError
 
 from . import REPOSITORY, sunder
@@ -140,7 +140,8 @@ class Subcommands(unittest.TestCase):
         self.assertIn("\n    run ", done[0].stdout)
         self.assertNotIn("\n    validate ", done[0].stdout)
         self.assertEqual(done[1].stdout, "sunder 3.2.1\n")
-        self.assertIn("unknown command 'validate'", done[2].stdout)
+        self.assertEqual(set(OF_SOURCES), set(subcommands(["tests.commands"])))
+        self.assertIn("'validate' needs the tests", done[2].stdout)
 
     def test_a_start_needs_neither_numpy_nor_pil(self) -> None:
         code = ("import sys; sys.path.insert(0, 'coupler'); from sunder_tools.command.main import main, subcommands\n"

@@ -15,6 +15,7 @@ from ..version import version
 from ..words import did_you_mean
 from .parser import EPILOG, Parser
 
+OF_SOURCES = ("bench", "fuzz", "hashes", "report", "test", "validate")  # in a checkout; an installation has no tests
 DESCRIPTION = """\
 Tears and shatters thin shells; the pieces fall in a rigid-body engine.
 Installs and builds what is missing by itself.
@@ -52,6 +53,9 @@ def _dispatch(arguments: list[str], packages: Sequence[str]) -> int:
     name, rest = arguments[0], arguments[1:]
     if name.startswith("-"):
         parser.check_options(arguments)
+    elif name not in commands and name in OF_SOURCES:
+        raise CommandError(f"'{name}' needs the tests, which come with the sources; run coupler/sunder {name} in a checkout",
+                           BAD_INPUT)
     elif name not in commands:
         raise CommandError(f"unknown command '{name}'; {did_you_mean(name, commands)} (see 'sunder --help')", BAD_INPUT)
     else:
