@@ -1,10 +1,10 @@
 #pragma once
-// Sums of a row of control points, a pack of elements at a time.
+// Contractions of a row of control points with the basis along u, for a pack of elements.
 #include "shell/mechanics/pack.h"
 #include "shell/mechanics/section.h"
 
 namespace sunder::shell {
-namespace {  // each kernel has its own, as row_element.h says
+namespace {  // each kernel compiles its own copy, see row_element.h
 
 // sum_k basis[k][e..] * net[e + k ..]
 template <int kSupport>

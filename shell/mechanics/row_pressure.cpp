@@ -10,11 +10,11 @@ namespace {
 template <int kSupport, bool kRational>
 void pressed_row(const RowTables& t, const double* weight, double pressure, const double* x, int f, double* out) {
   const int stride = t.stride, lanes = t.lanes;
-  // Shares of control points along u apart, as in row_element.h: [k][x y z][element], zeros around each
+  // forces of the control points along u stand apart, as in row_element.h: [k][x y z][element], zeros around each
   const std::size_t reach = static_cast<std::size_t>(stride) + 2 * kLanes;
   const std::size_t needed = 6 * static_cast<std::size_t>(stride) + 2 * kLanes + 3 * kSupport * reach;
   thread_local std::vector<double> buffer;
-  thread_local int cleared_for = 0;  // as there, too
+  thread_local int cleared_for = 0;  // as in row_element.h
   if (buffer.size() != needed || cleared_for != lanes) buffer.assign(needed, 0.0), cleared_for = lanes;
   double* c = buffer.data();  // [value, first in v][x y z][stride]
   double* parts = c + 6 * stride + 2 * kLanes;
@@ -47,7 +47,7 @@ void pressed_row(const RowTables& t, const double* weight, double pressure, cons
           const Pack inverse = load<Pack>(den + kInvW * lanes + e);
           const Vector<Pack> p = scaled(inverse, contract3<kSupport>(value, lanes, c, stride, e));
           axpy(u, -load<Pack>(den + kWu * lanes + e), p), axpy(v, -load<Pack>(den + kWv * lanes + e), p);
-          share *= inverse * inverse * inverse;  // of both tangents, and of the functions
+          share *= inverse * inverse * inverse;  // for both tangents and for the functions
         }
         const Pack force[3] = {share * (u.y * v.z - u.z * v.y), share * (u.z * v.x - u.x * v.z),
                                share * (u.x * v.y - u.y * v.x)};
@@ -85,20 +85,20 @@ void pressure_forces(const RowTables& t, const std::vector<double>& weight, cons
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int f = 0; f < t.spans_v; ++f) row(t, weight.data(), pressure, positions, f, &scratch.row_force[row_size * f]);
   sum_rows(t, scratch, threads, force);
-  const std::size_t plane = t.plane;
+  const std::size_t component_stride = t.plane;
   for (const GatheredPoint& p : points) {
     if (p.kind == PointKind::kDead || p.in_rows) continue;
     double u[3] = {}, v[3] = {};
     for (const GatheredFunction& n : p.functions)
       for (int d = 0; d < 3; ++d) {
-        const double at = x[d * plane + n.slot];
+        const double at = x[d * component_stride + n.slot];
         u[d] += n.n[1] * at, v[d] += n.n[2] * at;
       }
     const double share = pressure * weight[static_cast<std::size_t>(p.block) * t.lanes + p.lane];
     const double f[3] = {share * (u[1] * v[2] - u[2] * v[1]), share * (u[2] * v[0] - u[0] * v[2]),
                          share * (u[0] * v[1] - u[1] * v[0])};
     for (const GatheredFunction& n : p.functions)
-      for (int d = 0; d < 3; ++d) force[d * plane + n.slot] += n.n[0] * f[d];
+      for (int d = 0; d < 3; ++d) force[d * component_stride + n.slot] += n.n[0] * f[d];
   }
 }
 

@@ -1,14 +1,14 @@
 #pragma once
-// Pressure that follows the surface, as fast as the forces of the layers: row by row where nothing is cracked.
+// Pressure that follows the surface: row by row on the uncut part, point by point at gathered points.
 #include <vector>
 
 #include "shell/mechanics/point_force.h"
 
 namespace sunder::shell {
 
-/// Overwrites `force` [3][plane] with those of a pressure [Pa] along x_u cross x_v, on its present area, at positions
-/// `x` [3][plane]: on what the row kernel sums with the patch's functions, and on the gathered `points` with their own.
-/// `weight` [block][lane]: parameter area of the Gauss points [m^2], 0 in padding. The same for any number of threads.
+/// Overwrites `force` [N] with the forces of a pressure [Pa] along x_u cross x_v on the present area, at positions `x`
+/// [m]. Points of the row kernel use the functions of the patch, gathered `points` their own. `weight` [block][lane] is
+/// the parameter area of the Gauss points [m^2], 0 in padding. The result does not depend on the number of threads.
 void pressure_forces(const RowTables& t, const std::vector<double>& weight, const std::vector<GatheredPoint>& points,
                      double pressure, const std::vector<double>& x, int threads, RowScratch& scratch,
                      std::vector<double>& force);
