@@ -144,9 +144,7 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
     const auto& core = *find_material(scene.message, s.interlayer().material());
     material.interlayer = {s.interlayer().thickness_m(), core.density(), core.youngs_modulus(), core.poisson_ratio()};
   }
-  constexpr StressModel kModels[] = {StressModel::kPlaneStress, StressModel::kPaperProjection, StressModel::kJgt17,
-                                     StressModel::kGhf18};
-  material.stress_model = kModels[s.stress_model()];
+  material.stress_model = StressModel{static_cast<int>(s.stress_model())};
   scene.check(material.yield_stress == 0.0 || s.stress_model() == proto::Shell::PLANE_STRESS, field + ".stress_model",
               "{} cannot go with material '{}', which yields in plane stress; leave it out, or take another material",
               proto::Shell::StressModel_Name(s.stress_model()), s.material());

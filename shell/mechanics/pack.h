@@ -1,6 +1,6 @@
 #pragma once
-// Doubles that are worked on at once. The force kernels are written once for a scalar type T and
-// run with T = Pack in the solver, or Pack4, T = double in tests.
+// Packs of doubles. The formulas of the kernels are templates of the number T: a pack in the solver, double for a
+// single point and in tests.
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -14,7 +14,7 @@ typedef double Pack8 __attribute__((vector_size(64)));
 typedef std::int64_t IntPack4 __attribute__((vector_size(32)));
 typedef std::int64_t IntPack8 __attribute__((vector_size(64)));
 
-/// As wide as the machine's registers; elsewhere eight at once would spill.
+/// As wide as the machine's registers: a wider pack would spill.
 #ifdef __AVX512F__
 using Pack = Pack8;
 using IntPack = IntPack8;
@@ -26,7 +26,7 @@ constexpr int kLanes = sizeof(Pack) / sizeof(double);
 
 template <class T>
 constexpr bool kIsPack = std::is_same_v<T, Pack4> || std::is_same_v<T, Pack8>;
-/// The integers, and masks, that go with a pack.
+/// Integers, and masks, of a pack.
 template <class P>
 using IntOf = std::conditional_t<std::is_same_v<P, Pack4>, IntPack4, IntPack8>;
 
@@ -62,6 +62,21 @@ inline bool any(IntPack8 mask) {
   return any(low | high);
 }
 
+/// One lane of a pack or of a mask; a scalar is its only lane.
+inline double lane_of(double v, int) { return v; }
+inline bool lane_of(bool v, int) { return v; }
+template <class P>
+requires(!std::is_arithmetic_v<P>) inline auto lane_of(const P& v, int lane) { return v[lane]; }
+inline void set_lane(double& v, int, double value) { v = value; }
+inline void set_lane(bool& v, int, bool value) { v = value; }
+template <class I>
+requires(!std::is_arithmetic_v<I> && !kIsPack<I>) inline void set_lane(I& mask, int lane, bool value) {
+  mask[lane] = value ? -1 : 0;
+}
+template <class P>
+requires kIsPack<P>
+inline void set_lane(P& v, int lane, double value) { v[lane] = value; }
+
 inline double square_root(double a) { return std::sqrt(a); }
 template <class P>
 requires kIsPack<P>
@@ -86,7 +101,7 @@ inline void split_exponent(P a, P& mantissa, P& exponent) {
   const I from_half = bits - 0x3fe6a09e667f3bcdLL;      // bits of sqrt(1/2)
   const I biased = (from_half + (1024LL << 52)) >> 52;  // k + 1024, positive for all normal a
   mantissa = std::bit_cast<P>(bits - ((biased - 1024) << 52));
-  // an integer below 2^52 put into the mantissa of 2^52: no packed conversion needed
+  // an integer below 2^52 in the mantissa of 2^52: AVX2 has no packed conversion
   exponent = std::bit_cast<P>(biased | 0x4330000000000000LL) - (4503599627370496.0 + 1024.0);
 }
 
@@ -99,8 +114,8 @@ inline T twice_atanh(const T& z) {
   return z * 2.0 + z * q * s;
 }
 
-/// Natural logarithm of a positive normal number, error below 2e-16 + 1 ulp:
-/// ln m = 2 atanh((m-1)/(m+1)), |argument| < 0.1716.
+/// Natural logarithm of a positive normal number, with an error below 2e-16 + 1 ulp: ln m = 2 atanh((m-1)/(m+1)),
+/// |argument| < 0.1716.
 template <class T>
 inline T logarithm(T a) {
   T m, k;

@@ -8,16 +8,17 @@ namespace sunder::shell {
 
 const double* homogeneous(const RowTables& t, const std::vector<double>& x, RowScratch& scratch) {
   if (!t.rational) return x.data();
-  const std::size_t plane = t.plane;
+  const std::size_t component_stride = t.plane;
   scratch.weighted.resize(x.size());
   for (int d = 0; d < 3; ++d)
-    for (std::size_t i = 0; i < plane; ++i) scratch.weighted[d * plane + i] = x[d * plane + i] * t.weight[i];
+    for (std::size_t i = 0; i < component_stride; ++i)
+      scratch.weighted[d * component_stride + i] = x[d * component_stride + i] * t.weight[i];
   return scratch.weighted.data();
 }
 
 void sum_rows(const RowTables& t, const RowScratch& scratch, int threads, std::vector<double>& force) {
   const std::size_t row_size = 3 * static_cast<std::size_t>(t.support()) * t.stride;
-  // A control row sums its up to degree + 1 element rows, always lowest first.
+  // A control row sums up to degree + 1 element rows, always the lowest first.
 #pragma omp parallel for schedule(static) num_threads(threads)
   for (int j = 0; j < t.rows; ++j)
     for (int d = 0; d < 3; ++d) {
@@ -32,31 +33,26 @@ void sum_rows(const RowTables& t, const RowScratch& scratch, int threads, std::v
     }
 }
 
-double row_forces(const RowTables& t, const std::vector<double>& x, bool energy, SurfaceStress stress, int threads,
-                  RowScratch& scratch, std::vector<double>& force, RowPlasticity* plastic, RowDamage* damage) {
+double row_forces(const RowTables& t, const ForceCall& call, const LayerMemory& memory, RowScratch& scratch,
+                  std::vector<double>& force) {
   const std::size_t row_size = 3 * static_cast<std::size_t>(t.support()) * t.stride;
   scratch.row_force.resize(row_size * t.spans_v);
-  scratch.row_energy.resize(t.spans_v);
-  const double* positions = homogeneous(t, x, scratch);
-  const bool record = stress.values != nullptr;
-  const LayerLaw law = plastic && plastic->states  ? LayerLaw::kYields
-                       : damage && damage->watched ? damage->heals ? LayerLaw::kWeakens : LayerLaw::kIrreversibleDamage
-                                                   : LayerLaw::kElastic;
-  const RowFunction row = (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, law, energy, record);
-  scratch.row_booked.assign(t.spans_v, 0.0);
-#pragma omp parallel for schedule(static) num_threads(threads)
-  for (int f = 0; f < t.spans_v; ++f)
-    scratch.row_energy[f] =
-        row(t, positions, stress, {plastic, damage}, f, &scratch.row_force[row_size * f], scratch.row_booked[f]);
-  sum_rows(t, scratch, threads, force);
+  scratch.row_energy.resize(t.spans_v), scratch.row_booked.resize(t.spans_v);
+  const double* positions = homogeneous(t, call.x, scratch);
+  const bool record = call.stress.values != nullptr;
+  const RowFunction row = (t.degree == 2 ? quadratic_row : cubic_row)(t.rational, memory, call.energy, record);
+#pragma omp parallel for schedule(static) num_threads(call.threads)
+  for (int f = 0; f < t.spans_v; ++f) {
+    const RowSums sums = row(t, positions, call.stress, memory, f, &scratch.row_force[row_size * f]);
+    scratch.row_energy[f] = sums.energy, scratch.row_booked[f] = sums.booked;
+  }
+  sum_rows(t, scratch, call.threads, force);
   double sum = 0.0;
   for (const double e : scratch.row_energy) sum += e;
   double booked = 0.0;
   for (const double b : scratch.row_booked) booked += b;
-  if (law == LayerLaw::kYields) plastic->dissipated += booked;
-  if (law == LayerLaw::kWeakens) damage->healed += booked;
-  if (law == LayerLaw::kIrreversibleDamage) damage->dissipated += booked;
-  return energy ? sum : 0.0;
+  with_layers(memory, [&]<class Law>(Law) { Law::book_rows(memory, booked); });
+  return call.energy ? sum : 0.0;
 }
 
 }  // namespace sunder::shell

@@ -38,8 +38,8 @@ Layers linear_bending(double thickness) {
 
 void prestress(Layers& layers, double thickness, double surface_compression, const Elasticity& elasticity) {
   const double nu = 0.5 * elasticity.lambda / (elasticity.lambda + elasticity.mu);
-  const double biaxial = keeps_thickness(elasticity.model) ? 2.0 * (elasticity.lambda + elasticity.mu)
-                                                           : 2.0 * elasticity.mu * (1.0 + nu) / (1.0 - nu);
+  const double biaxial = elasticity.keeps_thickness() ? 2.0 * (elasticity.lambda + elasticity.mu)
+                                                      : 2.0 * elasticity.mu * (1.0 + nu) / (1.0 - nu);
   const Sym2<double> unit{1.0, 1.0, 0.0};
   layers.growth.clear();
   for (const double z : layers.zeta) {
@@ -61,13 +61,13 @@ namespace {
 
 int round_up(int n, int to) { return (n + to - 1) / to * to; }
 
-// The basis of a span; for a span of no length (never summed) any regular numbers will do.
+// The basis of a span. A span without length is not summed, and gets arbitrary regular numbers.
 Basis basis_at(const KnotVector& knots, int span, double point) {
   if (knots.span_length(span) == 0.0) return {{0.5, 0.5}, {-1.0, 1.0}, {}};
   return knots.basis(span, knots.span_begin(span) + 0.5 * (1.0 + point) * knots.span_length(span));
 }
 
-// The sum of the weighted functions of a span, and its derivatives.
+// Inverse of the sum of the weighted functions of a span, and the derivatives of the sum.
 template <int kSupport>
 void denominators(const Patch& patch, const Basis& bu, const Basis& bv, int span_u, int span_v, double* out) {
   double w[kRationalFields] = {};

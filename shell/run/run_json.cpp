@@ -16,8 +16,6 @@ using Json = nlohmann::ordered_json;
 constexpr double kCountedShare = 1e-3;  // share of the shells' area: smaller shards are splinters and not counted
 
 constexpr const char* kSchemes[] = {"PROXY", "EXPORTED", "ITERATED", "STAGGERED", "LAGGED"};
-constexpr const char* kStressModels[] = {"kirchhoff_love_plane_stress", "kirchhoff_love_paper_projection",
-                                         "kirchhoff_love_jgt17", "kirchhoff_love_ghf18"};
 
 Json error_of(const Error& e) {
   return {{"kind", e.kind},   {"message", e.what()}, {"file", e.file}, {"line", e.line},
@@ -158,7 +156,7 @@ Json stable_step_of(const State& state) {
 class Models {
  public:
   explicit Models(const StageTimes& times) : times_(times), total_(times.total()) {}
-  void add(bool active, const char* name, const char* why, Stage stage) {
+  void add(bool active, const std::string& name, const char* why, Stage stage) {
     if (active) all_.push_back({{"name", name}, {"why", why}, {"share", total_ == 0.0 ? 0.0 : times_[stage] / total_}});
   }
   Json take() { return std::move(all_); }
@@ -176,9 +174,10 @@ Json models_of(const RunParts& run) {
   const bool damage = any([](const ShellSetup& s) { return s.fracture.damages(); });
   const bool heals = !setup.shells.empty() && setup.shells[0].fracture.damage.heals;
   Models models(run.simulation.scratch.times);
-  for (int k = 0; k < 4; ++k)
-    models.add(any([&](const ShellSetup& s) { return static_cast<int>(s.model.tables.elasticity.model) == k; }),
-               kStressModels[k], "the scene has a shell", Stage::kInternalForce);
+  const std::vector<std::string> laws = elastic_law_names();
+  for (int k = 0; k < static_cast<int>(laws.size()); ++k)
+    models.add(any([&](const ShellSetup& s) { return s.model.tables.elasticity.model() == StressModel{k}; }),
+               "kirchhoff_love_" + laws[k], "the scene has a shell", Stage::kInternalForce);
   models.add(any([](const ShellSetup& s) {
                return std::any_of(s.hertz.begin(), s.hertz.end(), [](double k) { return k > 0.0; });
              }),

@@ -8,8 +8,8 @@ namespace sunder::shell {
 
 void check_compression(const ShellModel& m, const ShellState& s) {
   const RowTables& t = m.tables;
-  if (!std::isfinite(t.elasticity.least_log_area)) return;
-  const double least = std::exp(t.elasticity.least_log_area);
+  if (!std::isfinite(t.elasticity.least_log_area())) return;
+  const double least = std::exp(t.elasticity.least_log_area());
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const GaussPoint g = gauss_point(m.patch, t, q, e);

@@ -38,8 +38,8 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   if (!s.cracked.watched.empty())
     rows = {&s.cracked.watched, &s.layers.strength,   &s.cracked.point_of,
             &s.cracked.damage,  s.layers.brittleness, s.layers.heals};
-  double sum = row_forces(s.cracked.tables, s.motion.x, energy, stress, threads, s.scratch.rows, s.motion.force,
-                          &plastic, &rows);
+  const ForceCall call{s.motion.x, energy, stress, threads};
+  double sum = row_forces(s.cracked.tables, call, {&plastic, &rows, nullptr}, s.scratch.rows, s.motion.force);
   s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
   DamageLaw law{&s.cracked.damage, s.layers.brittleness, s.layers.heals};
   const auto faces = [&](int chunk, int chunks, const double* x4, double* force4) {
@@ -47,14 +47,14 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   };
   PointsBeside beside;
   if (!s.cracks.interlocks.empty()) beside = std::ref(faces);  // needs no memory
-  sum += add_point_forces(s.cracked.tables, s.cracked.gathered, s.motion.x, energy, stress, threads, s.scratch.points,
-                          s.motion.force, s.weakens() ? &law : nullptr, s.yields() ? &plastic : nullptr, beside);
+  const LayerMemory memory{&plastic, nullptr, s.weakens() ? &law : nullptr};
+  sum += add_point_forces(s.cracked.tables, s.cracked.gathered, call, memory, s.scratch.points, s.motion.force, beside);
   s.book.plastic += plastic.dissipated;
   s.book.healing -= law.healed, s.book.fracture += law.dissipated;
   if (m.laminated()) {
     s.scratch.interlayer_force.resize(s.motion.force.size());
-    sum +=
-        row_forces(s.cracked.interlayer, s.motion.x, energy, {}, threads, s.scratch.rows, s.scratch.interlayer_force);
+    sum += row_forces(s.cracked.interlayer, {s.motion.x, energy, {}, threads}, {}, s.scratch.rows,
+                      s.scratch.interlayer_force);
     for (std::size_t i = 0; i < s.motion.force.size(); ++i) s.motion.force[i] += s.scratch.interlayer_force[i];
   }
   s.cracks.interlock_energy = interlock_energy(s);

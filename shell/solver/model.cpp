@@ -31,17 +31,14 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   ShellModel m{name, with_parameters_as_lengths(patch), thickness, material};
   const Interlayer& core = material.interlayer;
   m.material.density += (core.density - material.density) * core.thickness / thickness;
-  Elasticity e = elasticity(material.youngs_modulus, material.poisson_ratio);
-  e.model = material.stress_model;
-  e.least_log_area = find_least_log_area(e);
+  const Elasticity e = elasticity(material, material.stress_model);
   Layers rule = material.linear_bending ? linear_bending(thickness)
                 : m.laminated()         ? plies(layers, thickness, core.thickness)
                                         : gauss_layers(layers, thickness);
   if (material.surface_compression > 0.0) prestress(rule, thickness, material.surface_compression, e);
   m.tables = make_row_tables(m.patch, gauss, rule, e, "shell '" + name + "'");
   if (m.laminated()) {
-    Elasticity soft = elasticity(core.youngs_modulus, core.poisson_ratio);
-    soft.model = material.stress_model, soft.least_log_area = find_least_log_area(soft);
+    const Elasticity soft = elasticity({core.youngs_modulus, core.poisson_ratio}, material.stress_model);
     m.interlayer =
         make_row_tables(m.patch, gauss, gauss_layers(kCoreLayers, core.thickness), soft, "shell '" + name + "'");
   }

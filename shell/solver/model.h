@@ -18,15 +18,15 @@ struct Interlayer {
 };
 
 /// Material of a shell.
-struct ShellMaterial {
-  double density = 0.0, youngs_modulus = 0.0, poisson_ratio = 0.0;  // [kg/m^3], [Pa], [-]
-  double strength = 0.0;                                            // [Pa]; 0: the shell does not break
-  double fracture_energy = 0.0;                                     // [J/m^2]
-  double weibull_modulus = 0.0;                                     // 0: no scatter
-  double flaw_spacing = 0.0;                                        // [m]
-  double mass_damping = 0.0;                                        // [1/s]
-  double stiffness_damping = 0.0;                                   // [s]
-  StressModel stress_model = StressModel::kPlaneStress;
+struct ShellMaterial : ElasticConstants {
+  double density = 0.0;            // [kg/m^3]
+  double strength = 0.0;           // [Pa]; 0: the shell does not break
+  double fracture_energy = 0.0;    // [J/m^2]
+  double weibull_modulus = 0.0;    // 0: no scatter
+  double flaw_spacing = 0.0;       // [m]
+  double mass_damping = 0.0;       // [1/s]
+  double stiffness_damping = 0.0;  // [s]
+  StressModel stress_model = model_of<NeoHookean>;
   double yield_stress = 0.0;         // [Pa]; 0: the shell does not yield
   double hardening_modulus = 0.0;    // [Pa]
   bool linear_bending = false;       // Hooke's law, without layers

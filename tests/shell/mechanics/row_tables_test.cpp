@@ -22,7 +22,7 @@ double moment(const Layers& layers, int power) {
 }
 
 RowTables tables(const Patch& p, int gauss) {
-  return make_row_tables(p, gauss, gauss_layers(2, 0.01), elasticity(70e9, 0.22), "shell 'p'");
+  return make_row_tables(p, gauss, gauss_layers(2, 0.01), elasticity({70e9, 0.22}), "shell 'p'");
 }
 
 }  // namespace

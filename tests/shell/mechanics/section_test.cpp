@@ -1,17 +1,15 @@
 #include <gtest/gtest.h>
 
-#include "shell/mechanics/section.h"
+#include "shell/mechanics/layers_elastic.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
 using namespace sunder::shell;
 
 TEST(StressAtRest, IsAParabolaWithoutResultant) {
-  for (const StressModel model :
-       {StressModel::kPlaneStress, StressModel::kPaperProjection, StressModel::kJgt17, StressModel::kGhf18})
+  for (const StressModel model : {model_of<NeoHookean>, model_of<PaperProjection>, model_of<Jgt17>, model_of<Ghf18>})
     for (const int count : {3, 5, 8}) {
-      Elasticity e = elasticity(70e9, model == StressModel::kPlaneStress ? 0.22 : 0.45);
-      e.model = model;
+      const Elasticity e = elasticity({70e9, model == model_of<NeoHookean> ? 0.22 : 0.45}, model);
       Layers layers = gauss_layers(count, 0.004);
       prestress(layers, 0.004, 1e8, e);
       const Forms<double> flat{{0, 0, 1}, {1, 1, 0}, {0, 0, 0}, 1.0};

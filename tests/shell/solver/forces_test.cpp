@@ -13,7 +13,7 @@ using namespace sunder;
 using namespace sunder::shell;
 
 TEST(InternalForce, OfEveryStressModelIsMinusTheGradientOfItsEnergy) {
-  for (const StressModel model : {StressModel::kPaperProjection, StressModel::kJgt17, StressModel::kGhf18}) {
+  for (const StressModel model : {model_of<PaperProjection>, model_of<Jgt17>, model_of<Ghf18>}) {
     ShellMaterial g = glass();
     g.stress_model = model;
     const ShellModel m = make_shell("p", rational_patch(), 0.05, g, 3, 3, {});

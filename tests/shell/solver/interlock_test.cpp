@@ -30,7 +30,7 @@ void crack(const ShellModel& m, ShellState& s, const Vec2& a, const Vec2& b) {
 void forces_of_faces(const ShellModel& m, ShellState& s) {
   std::vector<double> scratch;
   s.motion.force.assign(s.motion.force.size(), 0.0);
-  add_point_forces(m.tables, {}, s.motion.x, false, {}, 1, scratch, s.motion.force, nullptr, nullptr,
+  add_point_forces(m.tables, {}, {s.motion.x}, {}, scratch, s.motion.force,
                    [&](int chunk, int chunks, const double* x4, double* force4) {
                      interlock_forces(m, s, false, chunk, chunks, x4, force4);
                    });

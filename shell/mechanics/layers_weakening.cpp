@@ -1,4 +1,4 @@
-#include "shell/mechanics/point_damage.h"
+#include "shell/mechanics/layers_weakening.h"
 
 #include <utility>
 
@@ -21,7 +21,7 @@ double keep(PointDamage& d, const Loss& now, double area) {
 
 double keep_worst(PointDamage& d, const Loss& now, double area) {
   const double stays = area * now.energy;
-  // the stress takes less work than the full one by what was spared, and stores less by what `stays` grew
+  // less work goes in by the retained energy, and less is stored by the growth of `stays`
   const double dissipated = stays - d.retained - retained_since(d, now, area);
   d.retained = stays, d.forms = now.forms, d.lost = now.lost, d.fresh = false;
   return dissipated;

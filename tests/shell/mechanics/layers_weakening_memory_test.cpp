@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
 
-#include "shell/mechanics/point_damage.h"
+#include "shell/mechanics/layers_weakening.h"
 #include "shell/solver/cracking/damage_cracks.h"
 #include "shell/solver/cracking/damage_lattice.h"
 #include "shell/solver/cracking/insertion.h"

@@ -3,9 +3,8 @@
 
 #include <gtest/gtest.h>
 
-#include "shell/mechanics/damage.h"
+#include "shell/mechanics/layers_weakening.h"
 #include "shell/mechanics/pack.h"
-#include "shell/mechanics/plane_stress.h"
 
 using namespace sunder::shell;
 

@@ -1,0 +1,189 @@
+#include "shell/mechanics/gathered_point.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace sunder::shell {
+namespace {
+
+Forms<double> forms_of(const GatheredPoint& p, const Derivatives<double>& d) {
+  Forms<double> f = surface_forms(d);
+  if (p.kind == PointKind::kLinear) f.b = p.metric.b;  // no bending: the curvature is that of the rest state
+  return f;
+}
+
+}  // namespace
+
+std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride) {
+  std::vector<GatheredFunction> out;
+  patch_functions(patch, p, stride, out);
+  return out;
+}
+
+void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<GatheredFunction>& out) {
+  const ShapeFunctions n = patch.shape_functions(p);
+  out.clear();
+  for (int k = 0; k < n.count(); ++k)
+    out.push_back({n.row(k) * stride + n.column(k), {n.value[k], n.u[k], n.v[k], n.uu[k], n.vv[k], n.uv[k]}});
+}
+
+Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
+  double d[5][3] = {};
+  for (const GatheredFunction& f : p.functions)
+    for (int c = 0; c < 3; ++c)
+      for (int k = 0; k < 5; ++k) d[k][c] += f.n[k + 1] * x[static_cast<std::size_t>(c) * t.plane + f.slot];
+  const auto vector = [&](int k) { return Vector<double>{d[k][0], d[k][1], d[k][2]}; };
+  return {vector(0), vector(1), vector(2), vector(3), vector(4)};
+}
+
+namespace {
+
+// Memory of one point; it stays as it is.
+struct PointMemory {
+  const PointDamage* damage;
+  double brittleness;
+  bool heals;
+  const RowPlasticity* plastic;
+};
+
+template <bool kHeals>
+typename WeakeningLayers<kHeals>::template At<double> weakening_at(const RowTables& t, PointDamage& d,
+                                                                   double brittleness) {
+  typename WeakeningLayers<kHeals>::template At<double> law(t, brittleness);
+  law.points[0] = &d, law.strength = d.strength, law.any_watched = true;
+  return law;
+}
+
+// Calls f(law) with the law in force at a point.
+template <class F>
+double with_weakening_at(const RowTables& t, const PointMemory& memory, F&& f) {
+  PointDamage own = *memory.damage;
+  return memory.heals ? f(weakening_at<true>(t, own, memory.brittleness))
+                      : f(weakening_at<false>(t, own, memory.brittleness));
+}
+template <class F>
+double with_law_at(const RowTables& t, const GatheredPoint& p, const PointMemory& memory, F&& f) {
+  if (memory.plastic) return f(YieldingLayers::At<OnePlace>({t, p.block, p.lane}, *memory.plastic));
+  if (!memory.damage) return f(ElasticLayers::At<OnePlace>{t});
+  return with_weakening_at(t, memory, f);
+}
+
+// Energy of the full material [J], and what weakening removes. Out of line, so that the product is rounded by itself.
+[[gnu::noinline]] double weakened_energy(const RowTables& t, const GatheredPoint& p, const Forms<double>& f,
+                                         const PointMemory& memory, Loss& loss) {
+  return with_weakening_at(t, memory, [&](auto law) {
+    const Resultants<double> r = law.template resultants<true, false>(f, p.metric, true);
+    loss = loss_of(f, law.lost, 0);
+    return p.area * r.energy;
+  });
+}
+
+}  // namespace
+
+std::optional<Derivatives<double>> point_force(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                                               double times, const PointDamage* damage, double brittleness, bool heals,
+                                               const RowPlasticity* plastic) {
+  if (p.kind == PointKind::kDead) return {};
+  const Derivatives<double> d = gather(t, p, x);
+  const Forms<double> f = forms_of(p, d);
+  if (!bears(f, p.metric, t.layers)) return {};
+  Resultants<double> r;
+  with_law_at(t, p, {damage, brittleness, heals, plastic}, [&](auto law) {
+    r = law.template resultants<false, false>(f, p.metric, true);
+    return 0.0;
+  });
+  if (!std::isfinite(r.n.c11 + r.n.c22 + r.m.c11 + r.m.c22)) return {};
+  if (p.kind == PointKind::kLinear) r.m = {0.0, 0.0, 0.0};
+  return section_forces(d, f, r, times * p.area);
+}
+
+double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const PointDamage* damage,
+                    double brittleness, bool heals) {
+  if (p.kind == PointKind::kDead) return 0.0;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!bears(f, p.metric, t.layers)) return 0.0;
+  double energy = 0.0;
+  if (damage) {
+    Loss loss;
+    energy = weakened_energy(t, p, f, {damage, brittleness, heals, nullptr}, loss);
+    energy -= damage->retained + retained_since(*damage, loss, p.area);
+  } else {
+    energy = p.area * ElasticLayers::At<OnePlace>{t}.resultants<true, false>(f, p.metric, true).energy;
+  }
+  return std::isfinite(energy) ? energy : 0.0;
+}
+
+double point_energy(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x,
+                    const RowPlasticity& plastic) {
+  if (p.kind == PointKind::kDead) return 0.0;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!bears(f, p.metric, t.layers)) return 0.0;
+  YieldingLayers::At<OnePlace> law({t, p.block, p.lane}, plastic);
+  const double energy = p.area * law.integrate<true, false, false>(f, p.metric, true).energy;
+  return std::isfinite(energy) ? energy : 0.0;
+}
+
+void settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, double brittleness,
+            PointDamage& d) {
+  if (p.kind == PointKind::kDead) return;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!bears(f, p.metric, t.layers)) return;
+  Loss loss;
+  weakened_energy(t, p, f, {&d, brittleness, false, nullptr}, loss);
+  keep_worst(d, loss, p.area);
+}
+
+namespace {
+
+// Gives all layers of a point the mean state.
+void average_states(const OnePlace& place, std::vector<double>& states) {
+  const Layers& layers = place.t.layers;
+  const int count = static_cast<int>(layers.zeta.size());
+  const double thickness = thickness_of(layers);
+  for (int field = 0; field < 4; ++field) {
+    double mean = 0.0;
+    for (int l = 0; l < count; ++l) mean += layers.weight[l] / thickness * place.load(states, 4 * count, 4 * l + field);
+    for (int l = 0; l < count; ++l) place.store(states, 4 * count, 4 * l + field, true, mean);
+  }
+}
+
+}  // namespace
+
+double settle(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x, const RowPlasticity& plastic) {
+  if (p.kind == PointKind::kDead) return 0.0;
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  const OnePlace place{t, p.block, p.lane};
+  if (!bears(f, p.metric, t.layers)) {
+    place.store(*plastic.forms, kFormFields, 0, true, -1.0);
+    return 0.0;
+  }
+  if (p.kind == PointKind::kLinear) average_states(place, *plastic.states);
+  RowPlasticity advancing = plastic;
+  advancing.advance = true;
+  YieldingLayers::At<OnePlace> law{place, advancing};
+  law.integrate<false, false, true>(f, p.metric, true);
+  double work = 0.0;
+  law.keep<false, false>(f, true, true, p.area, work);
+  return work;
+}
+
+std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
+  if (p.kind == PointKind::kDead) return {};
+  const Forms<double> f = forms_of(p, gather(t, p, x));
+  if (!bears(f, p.metric, t.layers)) return {};
+  const Resultants<double> r = integrate_layers<double, false>(f, p.metric, t.layers, t.elasticity);
+  const double n[3] = {r.n.c11, r.n.c22, r.n.c12}, none[3] = {};
+  const double m[3] = {r.m.c11, r.m.c22, r.m.c12};
+  return linear_stress(n, p.kind == PointKind::kLinear ? none : m, thickness_of(t.layers));
+}
+
+void spread(const RowTables& t, const GatheredPoint& p, const Derivatives<double>& g, int k,
+            std::vector<double>& force) {
+  const auto along = [&](const Vector<double>& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };
+  const double all[5] = {along(g.u), along(g.v), along(g.uu), along(g.vv), along(g.uv)};
+  double* const component = force.data() + static_cast<std::size_t>(k) * t.plane;
+  for (const GatheredFunction& f : p.functions)
+    for (int i = 0; i < 5; ++i) component[f.slot] += f.n[i + 1] * all[i];
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,77 @@
+#pragma once
+// One gathered point: a Gauss point that a crack has touched, with shape functions of its own. Points that damage may
+// weaken are gathered too, but the row kernel sums them.
+#include <array>
+#include <optional>
+#include <vector>
+
+#include "shell/mechanics/layers.h"
+
+namespace sunder::shell {
+
+/// Shape function of one control point at a gathered point.
+struct GatheredFunction {
+  int slot;
+  std::array<double, 6> n;  // value, u, v, uu, vv, uv
+};
+
+enum class PointKind { kQuadratic, kLinear, kDead };  // linear: membrane only; dead: no force
+
+/// A Gauss point and its shape functions.
+struct GatheredPoint {
+  int block = 0, lane = 0;
+  PointKind kind = PointKind::kDead;
+  double area = 0.0;                 // reference area [m^2]
+  ReferenceMetric<double> metric{};  // of these shape functions: the rest state has no strain
+  std::vector<GatheredFunction> functions;
+  bool left = false;  // handed off with a piece
+  // The row kernel sums the point: it is damaged, but no crack has touched it.
+  bool in_rows = false;
+};
+
+/// All functions of the uncut patch at parameter `p`; slots for rows that are `stride` apart.
+std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride);
+void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<GatheredFunction>& out);
+
+/// Force of one point on its derivatives, multiplied by `times`. The memory of the point stays as it is. Empty: the
+/// point exerts no force.
+std::optional<Derivatives<double>> point_force(const RowTables& t, const GatheredPoint& point,
+                                               const std::vector<double>& x, double times,
+                                               const PointDamage* damage = nullptr, double brittleness = 0.0,
+                                               bool heals = true, const RowPlasticity* plastic = nullptr);
+/// Adds direction k of such a force to the control points in `force`.
+void spread(const RowTables& t, const GatheredPoint& point, const Derivatives<double>& of_point, int k,
+            std::vector<double>& force);
+
+/// Elastic energy of one point [J].
+double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                    const PointDamage* damage = nullptr, double brittleness = 0.0, bool heals = true);
+/// The same for layers that yield; the states stay as they are.
+double point_energy(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+                    const RowPlasticity& plastic);
+/// For damage without healing: sets the memory of a point as if it had reached these positions with its present shape
+/// functions.
+void settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x, double brittleness,
+            PointDamage& damage);
+/// The same for layers that yield. Returns the plastic work [J]. A linear point has no curvature, and its layers take
+/// their mean state.
+double settle(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x,
+              const RowPlasticity& plastic);
+
+/// First and second derivatives of the surface at a point.
+Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
+
+/// Stress of both faces of a point without damage [Pa]: 11 22 12 of the lower face, then of the upper.
+std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
+
+/// Stress of both faces [Pa] by resultants n [N/m] and m [N], each 11 22 12, of a section of `thickness` [m].
+inline std::array<double, 6> linear_stress(const double* n, const double* m, double thickness) {
+  std::array<double, 6> faces{};
+  for (int k = 0; k < 3; ++k) {
+    const double mean = n[k] / thickness, bend = 6.0 * m[k] / (thickness * thickness);
+    faces[k] = mean - bend, faces[3 + k] = mean + bend;
+  }
+  return faces;
+}
+
+}  // namespace sunder::shell
