@@ -1,0 +1,330 @@
+// Every elastic law and every law of layers of the lists, in both kernels and by its energy.
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "proto/shell.pb.h"
+#include "shell/mechanics/laws.h"
+#include "shell/mechanics/point_force.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+template <class List>
+struct TypesOf;
+template <template <class...> class List, class... Laws>
+struct TypesOf<List<Laws...>> {
+  using Types = testing::Types<Laws...>;
+};
+
+constexpr double kYoung = 1e9, kPoisson = 0.3, kThickness = 0.02;
+
+// A curved rational patch.
+Patch patch() {
+  Patch p{KnotVector({0, 0, 0, 0.15, 0.3, 0.5, 0.6, 0.8, 1, 1, 1}, 2, "u"),
+          KnotVector({0, 0, 0, 0.4, 1, 1, 1}, 2, "v"),
+          {},
+          {}};
+  for (int j = 0; j < p.rows(); ++j)
+    for (int i = 0; i < p.columns(); ++i) {
+      const double u = p.knots_u.greville(i), v = p.knots_v.greville(j);
+      p.control_points.emplace_back(u, v + 0.1 * u * u, 0.2 * u * u - 0.1 * u * v);
+      p.weights.push_back(1.0 + 0.2 * ((i + j) % 2));
+    }
+  return p;
+}
+
+// The patch twice: all points in rows, and all gathered.
+struct Both {
+  Patch shape = patch();
+  RowTables rows, gathered;
+  std::vector<GatheredPoint> points;
+  std::vector<double> rest;
+
+  explicit Both(StressModel model = model_of<NeoHookean>, int layers = 4)
+      : rows(make_row_tables(shape, 2, gauss_layers(layers, kThickness), elasticity({kYoung, kPoisson}, model), "p")),
+        gathered(rows) {
+    for (int q = 0; q < rows.blocks(); ++q)
+      for (int e = 0; e < rows.spans_u; ++e) {
+        const auto field = [&](int k) { return rows.metric[rows.at(q, kMetricFields, k, e)]; };
+        GatheredPoint g;
+        g.block = q, g.lane = e, g.kind = PointKind::kQuadratic, g.area = field(kArea);
+        g.metric = {{field(kA11), field(kA22), field(kA12)}, {field(kB11), field(kB22), field(kB12)}};
+        g.functions = patch_functions(shape, gauss_point(shape, rows, q, e).parameter, rows.stride);
+        points.push_back(std::move(g));
+        gathered.metric[rows.at(q, kMetricFields, kArea, e)] = 0.0;
+      }
+    rest.assign(3 * static_cast<std::size_t>(rows.plane), 0.0);
+    for (int i = 0; i < rows.rows * rows.columns; ++i)
+      for (int d = 0; d < 3; ++d)
+        rest[d * static_cast<std::size_t>(rows.plane) + rows.slot(i)] = shape.control_points[i][d];
+  }
+
+  // Moved at random by up to `size` [m], times `share`.
+  std::vector<double> moved(double size, double share = 1.0) const {
+    std::mt19937_64 random(5);
+    std::uniform_real_distribution<double> uniform(-size, size);
+    std::vector<double> x = rest;
+    for (int i = 0; i < rows.rows * rows.columns; ++i)
+      for (int d = 0; d < 3; ++d) x[d * static_cast<std::size_t>(rows.plane) + rows.slot(i)] += share * uniform(random);
+    return x;
+  }
+  std::size_t size(int fields) const { return static_cast<std::size_t>(rows.blocks()) * fields * rows.lanes; }
+};
+
+// What a law of layers remembers, for all points of a patch.
+template <class Law>
+struct Memory {
+  explicit Memory(const Both&) {}
+  LayerMemory rows() { return {}; }
+  LayerMemory points() { return {}; }
+  void advance(bool) {}
+  double booked() const { return 0.0; }
+  std::vector<double> state() const { return {}; }
+};
+
+template <>
+struct Memory<YieldingLayers> : Memory<ElasticLayers> {
+  std::vector<double> states, forms;
+  RowPlasticity law;
+  explicit Memory(const Both& b) : Memory<ElasticLayers>(b), states(b.size(16), 0.0), forms(b.size(kFormFields), -1.0) {
+    law.law = {3e6, 1e8, kYoung, kPoisson};
+    law.states = &states, law.forms = &forms;
+  }
+  LayerMemory rows() { return {&law, nullptr, nullptr}; }
+  LayerMemory points() { return rows(); }
+  void advance(bool now) { law.advance = now; }
+  double booked() const { return law.dissipated; }
+  std::vector<double> state() const { return states; }
+};
+
+template <bool kHeals>
+struct Memory<WeakeningLayers<kHeals>> : Memory<ElasticLayers> {
+  std::vector<PointDamage> damage;
+  std::vector<char> watched;
+  std::vector<double> strength;
+  std::vector<int> point_of;
+  RowDamage row_law;
+  DamageLaw point_law;
+  explicit Memory(const Both& b)
+      : Memory<ElasticLayers>(b),
+        damage(b.points.size()),
+        watched(b.size(1), 0),
+        strength(b.size(1), 1e6),
+        point_of(b.size(1), -1) {
+    for (std::size_t i = 0; i < b.points.size(); ++i) {
+      const std::size_t at = b.rows.at(b.points[i].block, 1, 0, b.points[i].lane);
+      damage[i].strength = 1e6, watched[at] = 1, point_of[at] = static_cast<int>(i);
+    }
+    row_law = {&watched, &strength, &point_of, &damage, 0.4, kHeals};
+    point_law = {&damage, 0.4, kHeals};
+  }
+  LayerMemory rows() { return {nullptr, &row_law, nullptr}; }
+  LayerMemory points() { return {nullptr, nullptr, &point_law}; }
+  double booked() const { return row_law.healed + row_law.dissipated + point_law.healed + point_law.dissipated; }
+  std::vector<double> state() const {
+    std::vector<double> all;
+    for (const PointDamage& d : damage) all.insert(all.end(), d.history.begin(), d.history.end());
+    return all;
+  }
+};
+
+struct Answer {
+  std::vector<double> force, faces;
+  double energy = 0.0;
+};
+
+// Forces with the stress of the faces, then the energy.
+template <class Law>
+Answer by_rows(const Both& b, Memory<Law>& m, const std::vector<double>& x) {
+  Answer a;
+  RowScratch scratch;
+  a.force.resize(b.rest.size()), a.faces.assign(b.size(6), 0.0);
+  std::vector<double> unused(b.rest.size());
+  m.advance(true);
+  row_forces(b.rows, {x, false, {&a.faces}}, m.rows(), scratch, a.force);
+  m.advance(false);
+  a.energy = row_forces(b.rows, {x, true}, m.rows(), scratch, unused);
+  return a;
+}
+template <class Law>
+Answer by_points(const Both& b, Memory<Law>& m, const std::vector<double>& x) {
+  Answer a;
+  std::vector<double> scratch;
+  a.force.assign(b.rest.size(), 0.0), a.faces.assign(b.size(6), 0.0);
+  std::vector<double> unused(b.rest.size(), 0.0);
+  m.advance(true);
+  add_point_forces(b.gathered, b.points, {x, false, {&a.faces}}, m.points(), scratch, a.force);
+  m.advance(false);
+  a.energy = add_point_forces(b.gathered, b.points, {x, true}, m.points(), scratch, unused);
+  return a;
+}
+
+double largest_of(const std::vector<double>& v) {
+  double most = 0.0;
+  for (const double x : v) most = std::max(most, std::abs(x));
+  return most;
+}
+void expect_near(const std::vector<double>& a, const std::vector<double>& b, double tolerance) {
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i], b[i], tolerance) << i;
+}
+
+const Sym2<double> kRest{1.1, 0.9, 0.2};
+Sym2<double> stretched(double by) { return {1.1 * by, 0.9 * by + 0.01, 0.2 * by - 0.003}; }
+
+}  // namespace
+
+template <class Law>
+class ElasticLawTest : public testing::Test {};
+TYPED_TEST_SUITE(ElasticLawTest, TypesOf<ElasticLaw>::Types);
+
+TYPED_TEST(ElasticLawTest, StressIsTwiceTheDerivativeOfTheEnergy) {
+  for (const double nu : {0.0, 0.22, 0.45, -0.3})
+    for (const double by : {1.0, 1.01, 1.0199, 1.0201, 1.5, 0.6}) {  // across the switch to logarithms
+      const TypeParam law(ElasticConstants{1.0, nu});
+      const auto energy = [&](const Sym2<double>& c) {
+        return law.template energy<double>(law.template stress<double>(c, kRest), c, kRest);
+      };
+      const Sym2<double> c = stretched(by);
+      const PlaneStress<double> p = law.template stress<double>(c, kRest);
+      const double h = 1e-5;
+      const auto slope = [&](double d11, double d22, double d12) {
+        return (energy({c.c11 + h * d11, c.c22 + h * d22, c.c12 + h * d12}) -
+                energy({c.c11 - h * d11, c.c22 - h * d22, c.c12 - h * d12})) /
+               (2 * h);
+      };
+      // central differences of a unit modulus: round-off / h, and h^2 times a third derivative, which grows as the
+      // stress does; C_12 stands twice in the tensor
+      const double tolerance = 1e-9 * (1.0 + std::abs(p.s.c11) + std::abs(p.s.c22));
+      EXPECT_NEAR(p.s.c11, 2.0 * slope(1, 0, 0), tolerance) << nu << " " << by;
+      EXPECT_NEAR(p.s.c22, 2.0 * slope(0, 1, 0), tolerance) << nu << " " << by;
+      EXPECT_NEAR(p.s.c12, slope(0, 0, 1), tolerance) << nu << " " << by;
+    }
+}
+
+TYPED_TEST(ElasticLawTest, HasNeitherStressNorEnergyAtRest) {
+  const TypeParam law(ElasticConstants{1.0, kPoisson});
+  const PlaneStress<double> p = law.template stress<double>(kRest, kRest);
+  for (const double s : {p.s.c11, p.s.c22, p.s.c12}) EXPECT_NEAR(s, 0.0, 1e-15);  // round-off of a unit modulus
+  EXPECT_NEAR(law.template energy<double>(p, kRest, kRest), 0.0, 1e-15);
+  EXPECT_DOUBLE_EQ(p.stretch2, 1.0);
+}
+
+TYPED_TEST(ElasticLawTest, OfAPackIsThatOfItsLanes) {
+  const TypeParam law(ElasticConstants{1.0, kPoisson});
+  for (const double size : {0.002, 0.3}) {  // all lanes near rest, and some far
+    Sym2<Pack> c{}, a{};
+    for (int i = 0; i < kLanes; ++i) {
+      const Sym2<double> now = stretched(1.0 + size * (i - 1));
+      c.c11[i] = now.c11, c.c22[i] = now.c22, c.c12[i] = now.c12;
+      a.c11[i] = kRest.c11, a.c22[i] = kRest.c22, a.c12[i] = kRest.c12;
+    }
+    const PlaneStress<Pack> p = law.template stress<Pack>(c, a);
+    const Pack energy = law.template energy<Pack>(p, c, a);
+    for (int i = 0; i < kLanes; ++i) {
+      const Sym2<double> now{c.c11[i], c.c22[i], c.c12[i]};
+      const PlaneStress<double> one = law.template stress<double>(now, kRest);
+      // a far lane sends the whole pack through the logarithm: round-off of a unit modulus, divided by the metric
+      EXPECT_NEAR(p.s.c11[i], one.s.c11, 1e-14);
+      EXPECT_NEAR(p.s.c22[i], one.s.c22, 1e-14);
+      EXPECT_NEAR(p.s.c12[i], one.s.c12, 1e-14);
+      EXPECT_NEAR(energy[i], law.template energy<double>(one, now, kRest), 1e-14);
+    }
+  }
+}
+
+TYPED_TEST(ElasticLawTest, IsTheSameInRowsAndGatheredPoints) {
+  const Both b(model_of<TypeParam>);
+  EXPECT_EQ(b.rows.elasticity.model(), model_of<TypeParam>);
+  for (const double size : {1e-3, 0.02}) {
+    Memory<ElasticLayers> none(b);
+    const std::vector<double> x = b.moved(size);
+    const Answer rows = by_rows(b, none, x), points = by_points(b, none, x);
+    EXPECT_GT(rows.energy, 0.0);
+    // Sums have another order. Some energies are differences of terms as large as the modulus: round-off of modulus
+    // times volume, for a patch of 1 m^2.
+    EXPECT_NEAR(rows.energy, points.energy, 1e-12 * rows.energy + 1e-15 * kYoung * kThickness);
+    expect_near(rows.force, points.force, 1e-11 * largest_of(rows.force));
+    expect_near(rows.faces, points.faces, 1e-11 * largest_of(rows.faces));
+  }
+}
+
+TEST(ElasticLaws, StandInTheOrderOfTheSceneLanguage) {
+  const std::vector<std::string> names = elastic_law_names();
+  ASSERT_EQ(kElasticLaws, proto::Shell::StressModel_ARRAYSIZE);
+  for (int k = 0; k < kElasticLaws; ++k) {
+    std::string name = proto::Shell::StressModel_Name(static_cast<proto::Shell::StressModel>(k));
+    std::transform(name.begin(), name.end(), name.begin(), [](unsigned char c) { return std::tolower(c); });
+    EXPECT_EQ(names[k], name);
+  }
+}
+
+template <class Law>
+class LayerLawTest : public testing::Test {};
+TYPED_TEST_SUITE(LayerLawTest, TypesOf<LayerLaws>::Types);
+
+TYPED_TEST(LayerLawTest, IsInForceWhereItsMemoryIs) {
+  const Both b;
+  Memory<TypeParam> m(b);
+  const auto expect = [](const LayerMemory& memory) {
+    with_layers(memory, []<class Law>(Law) { EXPECT_TRUE((std::is_same_v<Law, TypeParam>)); });
+  };
+  expect(m.rows()), expect(m.points());
+}
+
+// Forces, stress, energy, memory and books, as strain grows past the yield stress or the strength, and falls.
+TYPED_TEST(LayerLawTest, IsTheSameInRowsAndGatheredPoints) {
+  const Both b;
+  Memory<TypeParam> in_rows(b), gathered(b);
+  for (int k = 1; k <= 8; ++k) {
+    const std::vector<double> x = b.moved(2e-3, std::sin(M_PI * k / 8.0));
+    const Answer rows = by_rows(b, in_rows, x), points = by_points(b, gathered, x);
+    // near rest: round-off of modulus times thickness times spacing, not of the force itself
+    expect_near(rows.force, points.force, 1e-9 * largest_of(rows.force) + 1e-6);
+    expect_near(rows.faces, points.faces, 1e-9 * largest_of(rows.faces) + 1e-5);
+    EXPECT_NEAR(rows.energy, points.energy, 1e-9 * std::abs(rows.energy) + 1e-9);
+    EXPECT_NEAR(in_rows.booked(), gathered.booked(), 1e-8 * std::abs(gathered.booked()) + 1e-9);
+    expect_near(in_rows.state(), gathered.state(), 1e-6);  // damage is kept in single precision
+  }
+  const std::vector<double> state = in_rows.state();
+  if (!state.empty()) {
+    EXPECT_GT(largest_of(state), 1e-3);  // it has yielded, or weakened
+    EXPECT_NE(in_rows.booked(), 0.0);
+  }
+}
+
+// n = 2 dW / da, m = -dW / db of a section's energy W(a, b) [J/m^2]: E = (a - abar) / 2 - zeta (b - bbar).
+TEST(ElasticLayers, ResultantsAreDerivativesOfTheEnergy) {
+  const ReferenceMetric<double> ref{kRest, {0.4, -0.3, 0.1}};
+  Layers tempered = gauss_layers(4, 0.1);
+  const Elasticity e = elasticity({1.0, kPoisson});
+  prestress(tempered, 0.1, 1e-3, e);
+  for (const Layers& layers : {gauss_layers(3, 0.1), tempered, linear_bending(0.1)}) {
+    Forms<double> f{};
+    f.a = stretched(1.01), f.b = {0.5, -0.2, 0.15};
+    const Resultants<double> r = integrate_layers<double, false>(f, ref, layers, e);
+    const auto slope = [&](Sym2<double> Forms<double>::*form, double Sym2<double>::*part) {
+      const double h = 1e-5;
+      Forms<double> high = f, low = f;
+      high.*form.*part += h, low.*form.*part -= h;
+      return (integrate_layers<double, true>(high, ref, layers, e).energy -
+              integrate_layers<double, true>(low, ref, layers, e).energy) /
+             (2 * h);
+    };
+    using S = Sym2<double>;
+    using F = Forms<double>;
+    // central differences of a unit modulus over 0.1: h^2 plus round-off / h; 12 stands twice in the tensor
+    EXPECT_NEAR(r.n.c11, 2.0 * slope(&F::a, &S::c11), 1e-10);
+    EXPECT_NEAR(r.n.c22, 2.0 * slope(&F::a, &S::c22), 1e-10);
+    EXPECT_NEAR(r.n.c12, slope(&F::a, &S::c12), 1e-10);
+    EXPECT_NEAR(r.m.c11, -slope(&F::b, &S::c11), 1e-11);
+    EXPECT_NEAR(r.m.c22, -slope(&F::b, &S::c22), 1e-11);
+    EXPECT_NEAR(r.m.c12, -0.5 * slope(&F::b, &S::c12), 1e-11);
+  }
+}
