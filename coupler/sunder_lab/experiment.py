@@ -175,8 +175,13 @@ class Experiment:
                 if name in (plot.x, plot.y) and name in texts:
                     faults.append(f"{plot.words()}: column '{name}' holds text; a plot draws numbers, and text may be 'by'")
                 elif name not in [*own, *parameters, *stated] and self._all_stated():
-                    faults.append(f"{plot.words()}: no column '{name}'; {did_you_mean(name, [*own, *parameters, *stated])}")
+                    faults.append(f"{plot.words()}: no column '{name}'; {self._remedy(name, [*own, *parameters, *stated])}")
         return list(dict.fromkeys(faults))
+
+    def _remedy(self, name: str, known: list[str]) -> str:
+        """What to do for a column that is not there."""
+        told = [m.absent[name] for m in self._measures() if isinstance(m, Stated) and name in m.absent]
+        return told[0] if told else did_you_mean(name, known)
 
     def _all_stated(self) -> bool:
         return all(isinstance(measure, Stated) for measure in self._measures())
@@ -192,7 +197,7 @@ class Experiment:
             return
         stated = [name for measure in self._measures() if isinstance(measure, Stated) for name in measure.columns]
         known = [*OWN, *planned.columns, *found, *stated]
-        faults = [f"{plot.words()}: no column '{name}'; {did_you_mean(name, known)}"
+        faults = [f"{plot.words()}: no column '{name}'; {self._remedy(name, known)}"
                   for plot in self._plots() for name in plot.names() if name not in known]
         if faults:
             raise CommandError("\n".join([

@@ -14,7 +14,8 @@ from .measures import Stated
 from .scene import Results, Scene
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], for a scene without gravity field
-NO_PUSH = 0.01  # share of the largest force below which contact has ended
+NO_PUSH = 1e-3  # share of the largest impulse: contact has ended where less is to come
+FEWEST_ROWS = 4  # of the probe, in an interval over which a force is taken
 AT_REST = 1e-9  # share of the first speed: round-off of the nine digits in probes.csv
 LAST_SHARE = 0.1  # last share of the record, in which a body that went through
 STILL_SLOWED = 0.02  # loses less than this share of its speed, although splinters may still touch it
@@ -38,16 +39,16 @@ class Motion:
         fallen = self.gravity * (self.time - self.time[0])[:, None]
         return self.mass * (self.velocity - self.velocity[0] - fallen)
 
-    def force(self, over_s: float | None = None) -> tuple[np.ndarray, np.ndarray]:
-        """Returns middles of intervals (k,) [s], and the mean force in each (k, 3) [N], without gravity.
+    def force(self, over_s: float) -> tuple[np.ndarray, np.ndarray]:
+        """Returns middles of intervals (k,) [s] that follow one another, and the mean force in each (k, 3) [N], without
+        gravity.
 
-        The intervals are those of the probe, or of at least `over_s`. The mean over an interval is exact, being the
-        impulse in it over its length; what happens within is not seen: for the peak of a stiff contact shorten
-        output.probe_interval_s, and window_s, which is the shortest of it.
+        An interval has at least `over_s` [s]. Its mean is exact: the impulse in it over its length. The default contact
+        acts by impulses, so a force over ever shorter intervals has no limit. Keep `over_s` where windows change.
         """
         keep = [0]
         for k in range(1, len(self.time)):
-            if over_s is None or self.time[k] - self.time[keep[-1]] >= over_s * (1.0 - 1e-9):
+            if self.time[k] - self.time[keep[-1]] >= over_s * (1.0 - 1e-9):
                 keep.append(k)
         time, impulse = self.time[keep], self.impulse[keep]
         if len(time) < 2:
@@ -56,10 +57,36 @@ class Motion:
 
     @property
     def contact_until(self) -> float:
-        """Returns the end of the last interval [s] with a force above a hundredth of the largest one. At the end of
-        the run, final values are not final yet."""
-        size = np.linalg.norm(self.force()[1], axis=1)
-        return float(self.time[1 + int(np.flatnonzero(size > NO_PUSH * size.max())[-1])]) if size.max() > 0.0 else 0.0
+        """Returns the time [s] after which less than a thousandth of the largest impulse is to come; 0 without an
+        impulse. At the end of the run, final values are not final yet."""
+        most = np.linalg.norm(self.impulse, axis=1).max()
+        left = np.linalg.norm(self.impulse - self.impulse[-1], axis=1)
+        return float(self.time[1 + int(np.flatnonzero(left > NO_PUSH * most)[-1])]) if most > 0.0 else 0.0
+
+    def largest_mean_force(self, interval_s: float) -> float:
+        """Returns the largest mean force over any interval of this length [N], without gravity.
+
+        It is the largest impulse in such an interval over its length. It converges as windows get shorter, since the
+        interval stays; within it, the force may have been larger. Raises CommandError where rows of the probe are too
+        far apart to tell.
+        """
+        check_interval(interval_s)
+        if interval_s > self.time[-1] - self.time[0]:
+            raise CommandError(f"probe of '{self.name}': interval_s is {interval_s:g}, but its rows cover "
+                               f"{self.time[-1] - self.time[0]:g} s only")
+        # Between rows the impulse is linear, so the largest one in an interval is in one that begins or ends at a row.
+        first = np.unique(np.concatenate([self.time, self.time - interval_s]))
+        first = first[(first >= self.time[0]) & (first <= self.time[-1] - interval_s)]
+        impulse = [np.interp(first + interval_s, self.time, way) - np.interp(first, self.time, way) for way in self.impulse.T]
+        size = np.linalg.norm(impulse, axis=0)
+        at, most = first[size.argmax()], float(size.max())
+        apart, inside = np.diff(self.time), np.linalg.norm(np.diff(self.impulse, axis=0), axis=1)
+        matters = (self.time[:-1] < at + interval_s) & (self.time[1:] > at) & (inside > 0.0) | (inside > most * (1.0 + 1e-9))
+        coarse = apart[matters & (FEWEST_ROWS * apart > interval_s * (1.0 + 1e-9))]
+        if len(coarse):
+            raise CommandError(f"probe of '{self.name}': interval_s is {interval_s:g}, but rows are {coarse.max():g} s apart; "
+                               f"give at least {FEWEST_ROWS * coarse.max():g}, or lower window_s and output.probe_interval_s")
+        return most / interval_s
 
     @property
     def direction(self) -> np.ndarray:
@@ -77,6 +104,12 @@ class Motion:
         """Returns the kinetic energy of translation, without the work of gravity [J]; probes.csv has no spin."""
         fallen = float(self.gravity @ (self.position[-1] - self.position[0]))
         return self.mass * (0.5 * float((self.velocity[0] ** 2).sum() - (self.velocity[-1] ** 2).sum()) + fallen)
+
+
+def check_interval(interval_s: float) -> None:
+    """Raises CommandError where it is no time above zero."""
+    if not interval_s > 0.0 or not math.isfinite(interval_s):
+        raise CommandError(f"interval_s is {interval_s}; give a time above 0 [s] over which the force is taken")
 
 
 def motion(results: Results, body: str | None = None, mass: float | None = None) -> Motion:
@@ -174,19 +207,33 @@ def perforable(scene: Any, body: str | None) -> tuple[Any, Any]:
     return scene.shells[0], found.sphere
 
 
-def impact(body: str | None = None, mass: float | None = None) -> Any:
-    """Measures, for experiments, the usual quantities of an impact by `body`, as columns."""
+def impact(body: str | None = None, mass: float | None = None, interval_s: float | None = None) -> Any:
+    """Measures, for experiments, the usual quantities of an impact by `body`, as columns.
+
+    With `interval_s` also `mean_force_N`, the largest mean force over an interval of this length, and
+    `mean_force_interval_s`, the length: give at least ten windows, and keep it where windows change. There is no peak of
+    the force without an interval: the default contact acts by impulses, so the force over a window grows without limit
+    as windows get shorter.
+    """
+    forces = () if interval_s is None else ("mean_force_N", "mean_force_interval_s")
+
     def refuse(scene: Scene) -> None:
         struck(scene.message, body, mass)
+        if interval_s is not None:
+            check_interval(interval_s)
 
     def measure(results: Results) -> dict[str, float]:
         one = motion(results, body, mass)
         energy = energy_taken(results, body, mass)
-        _, force = one.force()
+        told = () if interval_s is None else (one.largest_mean_force(interval_s), interval_s)
         return {"residual_velocity_m_per_s": one.residual_velocity,
                 "impulse_N_s": float(np.linalg.norm(one.impulse[-1])),
-                "peak_force_N": float(np.linalg.norm(force, axis=1).max()), "contact_until_s": one.contact_until,
+                **dict(zip(forces, told)), "contact_until_s": one.contact_until,
                 **{f"energy_{name}_J": value for name, value in energy.items()},
                 "crack_length_m": float(results.series["cracks"][-1])}
-    return Stated(("residual_velocity_m_per_s", "impulse_N_s", "peak_force_N", "contact_until_s",
-                   *(f"energy_{name}_J" for name in ENERGIES), "crack_length_m"), measure, refuse)
+    gone = {"peak_force_N": "it grew without limit as windows got shorter; take interval_s in sunder.impact, which gives "
+                            "mean_force_N"}
+    if not forces:
+        gone["mean_force_N"] = gone["mean_force_interval_s"] = "sunder.impact gives it with interval_s"
+    return Stated(("residual_velocity_m_per_s", "impulse_N_s", *forces, "contact_until_s",
+                   *(f"energy_{name}_J" for name in ENERGIES), "crack_length_m"), measure, refuse, gone)

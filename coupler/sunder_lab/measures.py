@@ -1,7 +1,7 @@
 """Measures that state their columns, so that the names in a series are checked before its first run."""
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Callable, Mapping
 
 from .results import RunArrays
@@ -18,11 +18,12 @@ class Stated:
     """A measure whose columns are known before a run.
 
     `of` gives their values; a column that it leaves out is empty in that row. `refuse` raises CommandError for a scene
-    that the measure cannot work on.
+    that the measure cannot work on. `absent` says of columns that it does not give how to have them.
     """
     columns: tuple[str, ...]
     of: Callable[[Any], Mapping[str, Any]]
     refuse: Callable[[Scene], None] = _anything
+    absent: Mapping[str, str] = field(default_factory=dict)
 
     def __call__(self, results: RunArrays) -> dict[str, Any]:
         """Returns the values. Raises ValueError where there is a column that was not stated."""

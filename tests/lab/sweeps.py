@@ -17,7 +17,7 @@ scene = sunder.Scene.load(sunder.SCENES / "acrylic.textproto").set({{
     "output.frame_interval_s": 1}})
 experiment = sunder.Experiment(
     name="small", scene=scene, parameters={parameters}, seeds=[1, 2],
-    measure=[sunder.impact("pellet"), sunder.fragments()],
+    measure=[sunder.impact("pellet", interval_s=8e-6), sunder.fragments()],
     plots=[sunder.Plot("speed", "crack_length_m")])
 """
 SPEEDS = 'dict(speed=sunder.Parameter({speeds}, {{"bodies[pellet].twist.linear.z": lambda v: -v}}))'

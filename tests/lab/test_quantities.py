@@ -6,6 +6,7 @@ import math
 import sqlite3
 import tempfile
 import unittest
+from dataclasses import replace
 from pathlib import Path
 from unittest import mock
 
@@ -31,13 +32,30 @@ class Motions(InFolder):
     def test_force_and_impulse_are_those_that_acted(self) -> None:
         one = sunder.motion(write_run(self.here))
         self.assertAlmostEqual(one.mass, sunder_mass(), places=15)
-        for over, count in ((None, 20), (3e-4, 6)):  # the last two rows make no whole interval
+        for over, count in ((1e-9, 20), (3e-4, 6)):  # the last two rows make no whole interval
             time, force = one.force(over)
             self.assertEqual(len(time), count)
             np.testing.assert_allclose(force, np.tile([0.0, 0.0, FORCE], (count, 1)), rtol=1e-9)
         np.testing.assert_allclose(one.impulse[:, 2], FORCE * one.time, rtol=1e-9, atol=1e-15)
         self.assertEqual(one.contact_until, one.time[-1])
         self.assertEqual(sunder.motion(write_run(self.here / "short", until=5)).contact_until, one.time[5])
+
+    def test_largest_mean_force_is_the_impulse_over_its_interval(self) -> None:
+        short = sunder.motion(write_run(self.here, until=8))  # a force for 0.8 ms, rows each 0.1 ms
+        for interval, share in ((4e-4, 1.0), (5.5e-4, 1.0), (8e-4, 1.0), (1.6e-3, 0.5), (2e-3, 0.4)):
+            self.assertAlmostEqual(short.largest_mean_force(interval), share * FORCE, delta=1e-8 * FORCE)
+        for interval, words in ((3e-4, "rows are 0.0001 s apart; give at least 0.0004"), (3e-3, "cover 0.002 s only"),
+                                (0.0, "interval_s is 0.0"), (math.nan, "interval_s is nan")):
+            with self.assertRaisesRegex(sunder.Error, words):
+                short.largest_mean_force(interval)
+        # rows that are far apart elsewhere matter only where their impulse might be larger
+        kept = np.r_[0:9, 20]
+        later = replace(short, time=short.time[kept], position=short.position[kept], velocity=short.velocity[kept])
+        self.assertAlmostEqual(later.largest_mean_force(4e-4), FORCE, delta=1e-8 * FORCE)
+        struck = later.velocity.copy()
+        struck[-1] += [0.0, 0.0, 5e-4 * FORCE / short.mass]
+        with self.assertRaisesRegex(sunder.Error, "rows are 0.0012 s apart; give at least 0.0048"):
+            replace(later, velocity=struck).largest_mean_force(4e-4)
 
     def test_energy_lost_is_the_work_of_the_force(self) -> None:
         one = sunder.motion(write_run(self.here))
@@ -78,6 +96,25 @@ class Motions(InFolder):
         with self.assertRaisesRegex(sunder.Error, "give mass="):
             sunder.motion(results)
         self.assertEqual(sunder.motion(results, mass=2.0).mass, 2.0)
+
+
+class Forces(InFolder):
+    def test_the_mean_force_over_an_interval_does_not_depend_on_the_window(self) -> None:
+        found = []
+        for window in (4e-6, 2e-6, 1e-6):
+            scene = sunder.Scene.load(sunder.SCENES / "acrylic.textproto").set({
+                "shells[plate].plate.elements_x": 24, "shells[plate].plate.elements_y": 24, "window_s": window,
+                "end_time_s": 1.2e-4, "bodies[pellet].twist.linear.z": -20, "output.frame_interval_s": 1})
+            scene.message.ClearField("fracture")
+            for name in ("strength", "fracture_energy", "weibull_modulus", "flaw_spacing_m"):
+                scene.message.materials[0].ClearField(name)
+            one = sunder.motion(scene.run(self.here / f"{window:g}"))
+            found.append((one.largest_mean_force(1.6e-5), float(np.linalg.norm(one.force(window)[1], axis=1).max())))
+        (coarse, first), (middle, second), (fine, third) = found
+        self.assertGreater(fine, 100.0)
+        self.assertLess(abs(middle - fine) + abs(coarse - fine), 5e-3 * fine)  # an impulse falls into one window or the next
+        # the pellet's first impulse falls into one window, so its force over a window has no limit
+        self.assertTrue(second > 1.5 * first and third > 1.5 * second, found)
 
 
 class Fragments(InFolder):

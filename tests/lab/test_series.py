@@ -105,8 +105,9 @@ class Sweeps(unittest.TestCase):
         self.assertIn(f"4 runs, {len(done)} of them done already", err)
         self.assertTrue(set(done.items()) <= set(sweeps.outcomes(self.out).items()), "a member that was done ran again")
         self.assertEqual((self.out / "results.csv").read_bytes(), (self.here / "whole" / "results.csv").read_bytes())
-        force = sunder.motion(sunder.member(self.out, self.results()[0]["member"])).force()[1]
-        self.assertEqual(float(self.results()[0]["peak_force_N"]), float(np.linalg.norm(force, axis=1).max()))
+        force = sunder.motion(sunder.member(self.out, self.results()[0]["member"])).largest_mean_force(8e-6)
+        self.assertEqual(float(self.results()[0]["mean_force_N"]), force)
+        self.assertEqual(float(self.results()[0]["mean_force_interval_s"]), 8e-6)
         self.assertEqual(len({row["energy_fracture_J"] for row in self.results()}), 4)  # seeds and speeds differ, in cracks
         self.assertTrue((self.out / "plots.png").is_file())
         # another speed is two more members of the same folder
@@ -155,7 +156,7 @@ class Sweeps(unittest.TestCase):
                           f"scene = sunder.Scene.load({str(ACRYLIC)!r})\n"
                           "scene['end_time_s'] = 4e-6\n"
                           f"results = scene.run({str(self.out)!r}, threads=1)\n"
-                          "print(sunder.motion(results).force()[1].shape, results.frames[0].read(0).points.shape[1])\n")
+                          "print(sunder.motion(results).force(1e-9)[1].shape, results.frames[0].read(0).points.shape[1])\n")
         done = subprocess.run(["/usr/bin/python3", "-B", str(script)], capture_output=True, text=True, check=False,
                               env={**os.environ, "PYTHONPATH": str(REPOSITORY / "coupler")})
         self.assertEqual((done.stdout, done.stderr), ("(2, 3) 3\n", ""))
@@ -286,6 +287,15 @@ class Names(unittest.TestCase):
             self.assertEqual(len(list(self.out.glob("members/*/run"))), runs)
         self.assertEqual(len(self.series(measure=height, plots=[sunder.Plot("speed", "height_m")]).run(settings)), 4)
 
+    def test_a_force_without_its_interval_is_told(self) -> None:
+        with_it = sunder.impact("pellet", interval_s=1e-5)
+        for measure, name, words in ((sunder.impact("pellet"), "peak_force_N", "take interval_s in sunder.impact"),
+                                     (sunder.impact("pellet"), "mean_force_N", "sunder.impact gives it with interval_s"),
+                                     (with_it, "peak_force_N", "grew without limit"),
+                                     (with_it, "mean_force", "did you mean 'mean_force_N'")):
+            self.refused(f"no column '{name}'; (?s:.*){words}", measure=measure, plots=[sunder.Plot("speed", name)])
+        self.refused("interval_s is -1", measure=sunder.impact("pellet", interval_s=-1.0))
+
     def test_names_that_differ_in_case_only_are_refused(self) -> None:
         self.refused("'Pieces': differs from 'pieces' in case only", measure=[sunder.fragments(), sunder.gives("Pieces")(len)])
         self.refused("'SPEED': differs from 'speed' in case only", measure=sunder.gives("SPEED")(len))
@@ -307,7 +317,8 @@ class Names(unittest.TestCase):
         self.out.mkdir()
         dents = write_dents(self.out / "dents")
         whole = write_pieces(self.out / "pieces")
-        for measure, results in ((sunder.impact("pellet"), write_run(self.out / "run")), (sunder.dent("hit"), dents),
+        for measure, results in ((sunder.impact("pellet"), write_run(self.out / "run")),
+                                 (sunder.impact("pellet", interval_s=5e-4), write_run(self.out / "force")), (sunder.dent("hit"), dents),
                                  (sunder.fragments(), whole), (sunder.radial_cracks((0, 0), 1e-3), whole)):
             self.assertEqual(tuple(measure.of(results)), measure.columns)
 
