@@ -11,9 +11,11 @@ from sunder_lab.pieces import Pieces, fragments, pieces, radial_cracks
 from sunder_lab.results import Columns
 from sunder_lab.scene import SCENES, BadSetting, Results, Scene
 from sunder_lab.table import Mean, Table
+from sunder_lab.tracks import Track, tracks
 from sunder_lab.v50 import V50, Ballistic
 from sunder_tools.errors import CommandError as Error
 
 __all__ = ["BadSetting", "Ballistic", "Columns", "Dent", "Error", "Experiment", "Mean", "Motion", "Parameter",
-           "Pieces", "Plot", "Results", "SCENES", "Scene", "Settings", "Table", "V50", "dent", "dents",
-           "energy_taken", "fragments", "gives", "impact", "member", "motion", "perforated", "pieces", "radial_cracks"]
+           "Pieces", "Plot", "Results", "SCENES", "Scene", "Settings", "Table", "Track", "V50", "dent", "dents",
+           "energy_taken", "fragments", "gives", "impact", "member", "motion", "perforated", "pieces", "radial_cracks",
+           "tracks"]

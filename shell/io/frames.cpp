@@ -99,9 +99,20 @@ bool is_stretched(const VtpMesh& mesh, const VtpArray& displacement, const std::
   return false;
 }
 
-VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
+// Returns the id that most control points of a piece have; of several such, the lowest.
+BodyId id_of(const Piece& piece, const std::vector<BodyId>& ids) {
+  std::map<BodyId, int> count;
+  for (const int i : piece.control_points) ++count[ids[i]];
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  return count.empty() ? 0 : std::max_element(count.begin(), count.end(), fewer)->first;
+}
+
+// `ids` are those of the pieces of control points.
+VtpMesh shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
+  std::vector<BodyId> id;
+  for (const Piece& p : pieces) id.push_back(id_of(p, ids));
   VtpMesh mesh;
   VtpArray velocity{"velocity", 3, {}}, displacement{"displacement", 3, {}};
   VtpArray damage{"damage", 1, {}}, history{"c_his", 1, {}}, fragment{"fragment", 1, {}};
@@ -152,7 +163,7 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s) {
     const int lane = m.patch.knots_u.span_of(centre.x()), f = m.patch.knots_v.span_of(centre.y());
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
     damage.values.push_back(s.layers.c[g]), history.values.push_back(s.layers.c_his[g]),
-        fragment.values.push_back(t.piece[i]);
+        fragment.values.push_back(id[t.piece[i]]);
   }
   mesh.point_data = {velocity, displacement};
   mesh.cell_data = {damage, history, fragment};
@@ -222,34 +233,36 @@ void append(VtpMesh& all, VtpMesh one, int shell) {
 struct BodyMesh {
   VtpMesh mesh;
   VtpArray body{"body", 1, {}}, kind{"kind", 1, {}};
-  void polygon(const std::vector<Vec3>& points, BodyId id, int k) {
+  BodyId id = 0;  // of the body that is drawn, and its kind
+  int kind_now = 0;
+  void cell(std::vector<int> corners) {
+    mesh.polygons.push_back(std::move(corners));
+    body.values.push_back(id), kind.values.push_back(kind_now);
+  }
+  void polygon(const std::vector<Vec3>& points) {
     std::vector<int> p;
     for (const Vec3& x : points) {
       p.push_back(static_cast<int>(mesh.points.size()));
       mesh.points.push_back(x);
     }
-    for (std::size_t i = 1; i + 1 < p.size(); ++i) {
-      mesh.polygons.push_back({p[0], p[i], p[i + 1]});
-      body.values.push_back(id), kind.values.push_back(k);
-    }
+    for (std::size_t i = 1; i + 1 < p.size(); ++i) cell({p[0], p[i], p[i + 1]});
   }
 };
 
-void add_prism(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& corners, int kind) {
+void add_prism(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& corners) {
   const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
   const std::size_t n = corners.size() / 2;
   std::vector<Vec3> low, high;
   for (std::size_t i = 0; i < n; ++i)
     low.insert(low.begin(), world(corners[2 * i])), high.push_back(world(corners[2 * i + 1]));
-  out.polygon(low, b.id, kind), out.polygon(high, b.id, kind);
+  out.polygon(low), out.polygon(high);
   for (std::size_t i = 0; i < n; ++i) {
     const std::size_t j = (i + 1) % n;
-    out.polygon({world(corners[2 * i]), world(corners[2 * j]), world(corners[2 * j + 1]), world(corners[2 * i + 1])},
-                b.id, kind);
+    out.polygon({world(corners[2 * i]), world(corners[2 * j]), world(corners[2 * j + 1]), world(corners[2 * i + 1])});
   }
 }
 
-void add_hull(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& c, int kind) {
+void add_hull(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& c) {
   const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
   for (std::size_t i = 0; i < c.size(); ++i)
     for (std::size_t j = 0; j < c.size(); ++j)
@@ -258,7 +271,7 @@ void add_hull(BodyMesh& out, const RigidBody& b, const std::vector<Vec3>& c, int
         const Vec3 n = (c[j] - c[i]).cross(c[k] - c[i]);
         bool face = n.norm() > 0.0;
         for (std::size_t l = 0; l < c.size() && face; ++l) face = n.dot(c[l] - c[i]) <= 1e-9 * n.norm();
-        if (face) out.polygon({world(c[i]), world(c[j]), world(c[k])}, b.id, kind);
+        if (face) out.polygon({world(c[i]), world(c[j]), world(c[k])});
       }
 }
 
@@ -266,19 +279,15 @@ int kind_of(const RigidBody& b, BodyId first_shard) {
   return b.id >= first_shard ? (b.is_static ? 3 : 1) : (b.is_static ? 2 : 0);
 }
 
-void add_mesh(BodyMesh& out, const RigidBody& b, const DrawnMesh& mesh, int kind) {
+void add_mesh(BodyMesh& out, const RigidBody& b, const DrawnMesh& mesh) {
   const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
   const int first = static_cast<int>(out.mesh.points.size());
   for (const Vec3& p : mesh.points) out.mesh.points.push_back(world(p));
-  for (const auto& c : mesh.triangles) {
-    out.mesh.polygons.push_back({first + c[0], first + c[1], first + c[2]});
-    out.body.values.push_back(b.id), out.kind.values.push_back(kind);
-  }
+  for (const auto& c : mesh.triangles) out.cell({first + c[0], first + c[1], first + c[2]});
 }
 
-void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
+void add_body(BodyMesh& out, const RigidBody& b) {
   const auto world = [&](const Vec3& p) -> Vec3 { return b.motion.position + b.motion.orientation * p; };
-  const int kind = kind_of(b, first_shard);
   if (const auto* s = std::get_if<SphereShape>(&b.shape)) {
     constexpr int kRings = 12, kSectors = 24;
     const auto at = [&](int i, int j) -> Vec3 {
@@ -287,20 +296,19 @@ void add_body(BodyMesh& out, const RigidBody& b, BodyId first_shard) {
                    Vec3(std::sin(polar) * std::cos(around), std::sin(polar) * std::sin(around), std::cos(polar)));
     };
     for (int i = 0; i < kRings; ++i)
-      for (int j = 0; j < kSectors; ++j)
-        out.polygon({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}, b.id, kind);
+      for (int j = 0; j < kSectors; ++j) out.polygon({at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)});
   } else if (const auto* s = std::get_if<BoxShape>(&b.shape)) {
     std::vector<Vec3> corners;
     for (const auto& [x, y] : {std::pair{-1, -1}, std::pair{1, -1}, std::pair{1, 1}, std::pair{-1, 1}})
       for (const int z : {-1, 1}) corners.push_back(s->half_size.cwiseProduct(Vec3(x, y, z)));
-    add_prism(out, b, corners, kind);
+    add_prism(out, b, corners);
   } else if (std::holds_alternative<HalfSpaceShape>(b.shape)) {
-    out.polygon({world({-1, -1, 0}), world({1, -1, 0}), world({1, 1, 0}), world({-1, 1, 0})}, b.id, kind);
+    out.polygon({world({-1, -1, 0}), world({1, -1, 0}), world({1, 1, 0}), world({-1, 1, 0})});
   } else if (const auto* s = std::get_if<ConvexShape>(&b.shape)) {
     if (s->surface)
-      add_mesh(out, b, {s->surface->corners, s->surface->triangles}, kind);
+      add_mesh(out, b, {s->surface->corners, s->surface->triangles});
     else
-      for (const auto& part : s->parts) add_hull(out, b, part, kind);
+      for (const auto& part : s->parts) add_hull(out, b, part);
   }
 }
 
@@ -347,7 +355,8 @@ FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
   if (error) throw Error(Exit::kBadInput, "bad_output", fmt::format("{}/frames: {}", folder_, error.message()));
 }
 
-void FrameWriter::write(double time, const std::vector<ShellView>& shells, const SoftBodies& soft,
+void FrameWriter::write(double time, const std::vector<ShellView>& shells,
+                        const std::vector<std::vector<BodyId>>& pieces, const SoftBodies& soft,
                         const std::vector<RigidBody>& bodies, BodyId first_shard) {
   if (const std::size_t same = index_.find(moment(time)); same != std::string::npos) index_.resize(same), --count_;
   const auto put = [&](int part, const char* kind, const VtpMesh& mesh) {
@@ -358,7 +367,7 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells, const
   if (!shells.empty()) {
     VtpMesh shell, cracks;
     for (std::size_t k = 0; k < shells.size(); ++k) {
-      append(shell, shell_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
+      append(shell, shell_mesh(*shells[k].model, *shells[k].state, pieces[k]), static_cast<int>(k));
       append(cracks, crack_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
     }
     put(0, "shell", shell), put(1, "cracks", cracks);
@@ -366,10 +375,11 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells, const
   BodyMesh out;
   for (const RigidBody& b : bodies) {
     const auto it = drawn_.find(b.id);
+    out.id = it != drawn_.end() ? piece_.at(b.id) : b.id, out.kind_now = kind_of(b, first_shard);
     if (it != drawn_.end())
-      add_mesh(out, b, it->second, kind_of(b, first_shard));
+      add_mesh(out, b, it->second);
     else
-      add_body(out, b, first_shard);
+      add_body(out, b);
   }
   out.mesh.cell_data = {out.body, out.kind};
   put(2, "bodies", out.mesh);

@@ -17,16 +17,17 @@ class FrameWriter {
   explicit FrameWriter(std::string folder);
   /// Writes the frame of this time [s], which is that of the last frame or later. A frame of the same time is replaced.
   /// Without shells it writes bodies only. Body ids from `first_shard` on are shards. Throws Error (bad_output).
-  void write(double time, const std::vector<ShellView>& shells, const SoftBodies& soft,
-             const std::vector<RigidBody>& bodies, BodyId first_shard);
+  /// `pieces` is the id of the piece of each control point of each shell: the cell array `fragment`.
+  void write(double time, const std::vector<ShellView>& shells, const std::vector<std::vector<BodyId>>& pieces,
+             const SoftBodies& soft, const std::vector<RigidBody>& bodies, BodyId first_shard);
   bool has_frame_of(double time) const;
-  /// Draws the body as this mesh from now on, not as its convex parts.
-  void draw_as(BodyId id, DrawnMesh mesh) { drawn_[id] = std::move(mesh); }
+  /// Draws the body from now on as this mesh, not as its convex parts, and with the id of the piece that it was.
+  void draw_as(BodyId id, BodyId piece, DrawnMesh mesh) { drawn_[id] = std::move(mesh), piece_[id] = piece; }
   int count() const { return count_; }
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(count_, index_, drawn_);
+    f(count_, index_, drawn_, piece_);
   }
 
  private:
@@ -34,6 +35,7 @@ class FrameWriter {
   int count_ = 0;
   std::string index_;
   std::map<BodyId, DrawnMesh> drawn_;
+  std::map<BodyId, BodyId> piece_;
 };
 
 }  // namespace sunder::shell

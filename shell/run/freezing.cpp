@@ -103,7 +103,11 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
     check_parts(remains, clock_.windows);
     if (!std::get<ConvexShape>(remains.shape).parts.empty()) {
       births.push_back(remains);
-      frames_.draw_as(remains.id, frozen.drawn);
+      std::vector<std::pair<std::size_t, int>> points;
+      for (const Piece& p : now[k].pieces)
+        for (const int i : p.control_points)
+          if (p.held && !p.gone) points.emplace_back(k, i);
+      frames_.draw_as(remains.id, ids_.take(points), frozen.drawn);
       state_.bodies.emplace_back(remains);
     }
     counts_.rubble_points += s.rubble();

@@ -21,6 +21,9 @@ struct PartPieces {
   std::shared_ptr<const Triangulation> triangulation;
   std::vector<Piece> pieces;  // `held` and `interlocked` are those of the whole group
   std::vector<int> group;     // of each piece: equal numbers, over all shells, belong to one group
+
+  /// Piece of a control point; -1: of none.
+  int owner(int point) const { return whole ? 0 : triangulation->owner[point]; }
 };
 
 /// One shell of a run.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "coupler/core/disjoint_sets.h"
 #include "coupler/link/messages.h"
 #include "shell/solver/contact/near_tiles.h"
 #include "shell/solver/interlock.h"
@@ -30,6 +29,27 @@ bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Triangulat
   return false;
 }
 
+// The pieces of an uncracked shell.
+PartPieces whole_of(const ShellPart& part) {
+  const ShellModel& m = part.model();
+  PartPieces p;
+  p.pieces.resize(1);
+  p.pieces[0].area = domain_of(m).volume();
+  p.pieces[0].held = !m.constraints.anchors.empty();
+  p.pieces[0].gone = part.state->motion.detached[m.tables.slot(0)] != 0;
+  return p;
+}
+
+// Mass at rest [kg] of each control point of each shell.
+std::vector<std::vector<double>> masses_of(const RunSetup& setup) {
+  std::vector<std::vector<double>> all;
+  for (const ShellSetup& shell : setup.shells) {
+    std::vector<double>& mass = all.emplace_back();
+    for (int i = 0; i < shell.model.control_points(); ++i) mass.push_back(shell.model.mass[shell.model.tables.slot(i)]);
+  }
+  return all;
+}
+
 }  // namespace
 
 void check_parts(const RigidBody& body, std::int64_t window) {
@@ -45,6 +65,16 @@ void check_parts(const RigidBody& body, std::int64_t window) {
   throw e;
 }
 
+Error with_name(const Error& e, const std::vector<Proxy>& bodies) {
+  const auto at =
+      std::find_if(bodies.begin(), bodies.end(), [&e](const Proxy& p) { return e.body == std::to_string(p.body.id); });
+  if (at == bodies.end()) return e;
+  Error told(e.status, e.kind, fmt::format("{} (body {} is '{}')", e.what(), e.body, at->body.name));
+  told.file = e.file, told.line = e.line, told.column = e.column, told.field = e.field, told.window = e.window;
+  told.body = at->body.name;
+  return told;
+}
+
 Pieces::Pieces(const RunSetup& setup, Simulation& simulation, Coupler& coupler, Books& books, const Clock& clock,
                FrameWriter& frames)
     : setup_(setup),
@@ -53,7 +83,8 @@ Pieces::Pieces(const RunSetup& setup, Simulation& simulation, Coupler& coupler, 
       coupler_(coupler),
       books_(books),
       clock_(clock),
-      frames_(frames) {
+      frames_(frames),
+      ids_(masses_of(setup), static_cast<BodyId>(setup.bodies.size() + 1)) {
   counts_.next_id = counts_.first_shard = static_cast<BodyId>(setup.bodies.size() + 1);
 }
 
@@ -91,39 +122,24 @@ Pieces::PartBoxes Pieces::boxes_of(const std::vector<PartPieces>& now, const std
 
 std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
   std::vector<PartPieces> out(state_.shells.size());
-  std::vector<int> first;  // number of the first piece of each shell
-  DisjointSets together(0);
   for (std::size_t k = 0; k < state_.shells.size(); ++k) {
     ShellPart& part = state_.shells[k];
     const ShellModel& m = part.model();
     PartPieces& p = out[k];
-    p.whole = part.state->cracks.graph.edges().empty() && !all;
-    if (p.whole) {
-      p.pieces.resize(1);
-      p.pieces[0].area = domain_of(m).volume();
-      p.pieces[0].held = !m.constraints.anchors.empty();
-      p.pieces[0].gone = part.state->motion.detached[m.tables.slot(0)] != 0;
+    if (part.state->cracks.graph.edges().empty() && !all) {
+      p = whole_of(part);
     } else {
+      p.whole = false;
       p.triangulation = leaving.empty() || leaving[k].empty() ? part.counted() : part.drawn(leaving[k]);
       p.pieces = pieces_of(m, *part.state, *p.triangulation);
       part.mark_rubble(p);
     }
-    first.push_back(together.size());
-    for (std::size_t i = 0; i < p.pieces.size(); ++i) together.add();
   }
-  const auto piece_of = [&](int shell, int slot) {
-    const int own =
-        out[shell].whole ? 0 : out[shell].triangulation->owner[state_.shells[shell].model().tables.control_point(slot)];
-    return own < 0 ? -1 : first[shell] + own;
-  };
+  std::vector<int> first;
+  DisjointSets together = sewn(out, first);
   for (std::size_t k = 0; k < state_.shells.size(); ++k)  // an interlayer holds cracked pieces together
     for (std::size_t i = 1; i < out[k].pieces.size() && state_.shells[k].model().laminated(); ++i)
       together.join(first[k] + static_cast<int>(i), first[k]);
-  state_.stitching.each_link([&](int shell, int slot, int other, int other_slot) {
-    const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
-    if (a < 0 || b < 0) return;
-    together.join(a, b);
-  });
   std::vector<char> held(together.size(), 0), interlocked(together.size(), 0);
   for (const bool gather : {true, false})
     for (std::size_t k = 0; k < state_.shells.size(); ++k)
@@ -138,6 +154,46 @@ std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
         out[k].group.push_back(r);
       }
   return out;
+}
+
+DisjointSets Pieces::sewn(const std::vector<PartPieces>& now, std::vector<int>& first) const {
+  DisjointSets together(0);
+  for (const PartPieces& p : now) {
+    first.push_back(together.size());
+    for (std::size_t i = 0; i < p.pieces.size(); ++i) together.add();
+  }
+  const auto piece_of = [&](int shell, int slot) {
+    const int own = now[shell].owner(state_.shells[shell].model().tables.control_point(slot));
+    return own < 0 ? -1 : first[shell] + own;
+  };
+  state_.stitching.each_link([&](int shell, int slot, int other, int other_slot) {
+    const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
+    if (a >= 0 && b >= 0) together.join(a, b);
+  });
+  return together;
+}
+
+void Pieces::give_ids(const std::vector<PartPieces>& now) {
+  std::vector<int> first;
+  DisjointSets together = sewn(now, first);  // an interlayer holds pieces together, but each has an id
+  std::vector<std::vector<int>> piece(now.size());
+  for (std::size_t k = 0; k < now.size(); ++k)
+    for (int i = 0; i < state_.shells[k].model().control_points(); ++i) {
+      const int own = now[k].owner(i);
+      piece[k].push_back(own < 0 || now[k].pieces[own].gone ? -1 : together.root(first[k] + own));
+    }
+  ids_.look(piece);
+}
+
+void Pieces::look() {
+  std::vector<PartPieces> now;
+  for (const ShellPart& part : state_.shells) {
+    PartPieces& p = now.emplace_back(whole_of(part));
+    if (part.state->cracks.graph.edges().empty()) continue;
+    p.whole = false, p.triangulation = part.drawn({});
+    p.pieces = pieces_of(part.model(), *part.state, *p.triangulation);
+  }
+  give_ids(now);
 }
 
 std::map<int, Pieces::Group> Pieces::groups_of(const std::vector<PartPieces>& now) const {
@@ -209,6 +265,7 @@ std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {
   };
   find_leaving();
   if (!leaving.empty()) now = pieces_now(all, boxes_of(now, groups, leaving)), groups = groups_of(now), find_leaving();
+  give_ids(now);
   counts_.fragments = counts_.handed_off;
   for (const auto& [root, g] : groups) counts_.fragments += !now[g.members[0].first].pieces[g.members[0].second].gone;
   if (!leaving.empty()) {
@@ -248,10 +305,12 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
   // forces of points that are independent now
   if (state_.stitching.release(shells, leaves)) simulation_.total_energy(dt);
   std::vector<Handoff> parts;
+  std::vector<std::pair<std::size_t, int>> points;
   double mass = 0.0;
   for (const auto& [k, i] : group.members) {
     const ShellModel& m = *shells[k].model;
     Piece& p = now[k].pieces[i];
+    for (const int i : p.control_points) points.emplace_back(k, i);
     if (p.control_points.empty()) state_.shells[k].add_rubble(*now[k].triangulation, p.number);
     parts.push_back(hand_off(m, *shells[k].state, *now[k].triangulation, p, counts_.next_id, dt));
     mass += m.material.density * m.thickness * parts.back().area;
@@ -260,16 +319,18 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
     p.gone = true;
   }
   Handoff h = parts.size() == 1 ? std::move(parts[0]) : joined(parts);
+  const BodyId id = ids_.take(points);
+  h.body.name = fmt::format("shard_{}", id);
   ++counts_.next_id;
   check_parts(h.body, clock_.windows);
   const Totals totals_before = std::exchange(totals_now, shell_totals());
   check_handoff(totals_before, totals_now, h.body);
   counts_.geometry_error = std::max(counts_.geometry_error, std::abs(h.body.mass - mass) / mass);
   counts_.handed_area += h.area, ++counts_.handed_off;
-  shards_.push_back({h.body.id, clock_.time() + coupler_.window_ticks() * setup_.tick, h.area, h.body.mass,
+  shards_.push_back({id, h.body.id, clock_.time() + coupler_.window_ticks() * setup_.tick, h.area, h.body.mass,
                      h.body.motion.velocity.norm(),
                      static_cast<int>(std::get<ConvexShape>(h.body.shape).parts.size())});
-  frames_.draw_as(h.body.id, std::move(h.drawn));
+  frames_.draw_as(h.body.id, id, std::move(h.drawn));
   state_.bodies.emplace_back(h.body);
   for (ShellPart& other : state_.shells)
     other.coefficients.push_back(simulation_.contact_law(other.model(), h.body)), other.candidates.age = 0;

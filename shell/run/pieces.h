@@ -5,16 +5,19 @@
 #include <string>
 #include <vector>
 
+#include "coupler/core/disjoint_sets.h"
 #include "shell/io/frames.h"
 #include "shell/run/books.h"
 #include "shell/run/coupler.h"
+#include "shell/run/piece_ids.h"
 #include "shell/solver/parting/handoff.h"
 
 namespace sunder::shell {
 
 /// A piece that was handed off: a row of shards.csv.
 struct ShardRecord {
-  BodyId id = 0;
+  BodyId id = 0;                               // of the piece, as it was in the shell
+  BodyId body = 0;                             // of the body
   double birth = 0.0, area = 0.0, mass = 0.0;  // [s], [m^2], [kg]
   double birth_speed = 0.0;                    // [m/s]
   int parts = 0;                               // number of convex parts
@@ -32,6 +35,9 @@ struct PieceCounts {
 /// Throws Error (parts) where a new body has more convex parts, or one of them more corners, than a message may carry.
 void check_parts(const RigidBody& body, std::int64_t window);
 
+/// Returns the error of an engine, which knows a body by its number in the exchange, with the body's name beside it.
+Error with_name(const Error& error, const std::vector<Proxy>& bodies);
+
 /// Finds detached pieces, hands them off, and freezes the shells.
 class Pieces {
  public:
@@ -39,6 +45,9 @@ class Pieces {
   Pieces(const RunSetup& setup, Simulation& simulation, Coupler& coupler, Books& books, const Clock& clock,
          FrameWriter& frames);
 
+  /// Gives ids to the pieces of this moment. hand_off_pieces() and freeze() do so too. Call it at the start, and where
+  /// cuts have been made at a window's start.
+  void look();
   /// Hands off the pieces that are due, or every loose piece where `all`. Returns their bodies. `dt` is the substep
   /// [s]. Throws Error (ledger) where mass or momentum is lost.
   std::vector<RigidBody> hand_off_pieces(bool all, double dt);
@@ -48,6 +57,7 @@ class Pieces {
   /// `why` is kept for run.json; `dt` is the substep [s].
   std::vector<RigidBody> freeze(const std::string& why, double dt);
 
+  const PieceIds& ids() const { return ids_; }
   const PieceCounts& counts() const { return counts_; }
   const std::vector<ShardRecord>& shards() const { return shards_; }
   const std::string& frozen_why() const { return frozen_why_; }
@@ -56,7 +66,7 @@ class Pieces {
 
   template <class A>
   friend void archive(A& a, Pieces& p) {
-    archive_all(a, p.counts_, p.shards_, p.crack_lengths_, p.frozen_why_, p.frozen_hash_);
+    archive_all(a, p.counts_, p.ids_, p.shards_, p.crack_lengths_, p.frozen_why_, p.frozen_hash_);
   }
 
  private:
@@ -71,6 +81,9 @@ class Pieces {
   using PartBoxes = std::vector<std::vector<Eigen::AlignedBox2d>>;
   /// Returns the pieces of all shells. Pieces in the boxes `leaving` are fit to be handed off; others are only counted.
   std::vector<PartPieces> pieces_now(bool all, const PartBoxes& leaving);
+  /// Joins the pieces that seams hold together. The pieces of shell k are numbered from first[k] on.
+  DisjointSets sewn(const std::vector<PartPieces>& now, std::vector<int>& first) const;
+  void give_ids(const std::vector<PartPieces>& now);
   PartBoxes everywhere() const;
   PartBoxes boxes_of(const std::vector<PartPieces>& now, const std::map<int, Group>& groups,
                      const std::vector<int>& roots) const;
@@ -93,6 +106,7 @@ class Pieces {
   Books& books_;
   const Clock& clock_;
   FrameWriter& frames_;
+  PieceIds ids_;
   PieceCounts counts_;
   std::vector<ShardRecord> shards_;
   std::deque<std::pair<double, double>> crack_lengths_;  // time [s], total length [m], over the quiet time

@@ -46,7 +46,8 @@ void Recorder::write_frame() {
   const double time = parts_.clock.time();
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
-  frames_.write(time, shell_views(), state.soft, bodies, parts_.pieces.counts().first_shard);
+  frames_.write(time, shell_views(), parts_.pieces.ids().of_points(), state.soft, bodies,
+                parts_.pieces.counts().first_shard);
   const double interval = state.solving() ? setup.shell_frame_interval : setup.frame_interval;
   // A late frame does not delay the next one. A frame that is written anew, or for the end of the run, changes nothing.
   if (frame_is_due()) next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);
@@ -110,7 +111,7 @@ void Recorder::write_shards() const {
       "[-]\n";
   for (const ShardRecord& r : parts_.pieces.shards())
     for (const Proxy& p : parts_.simulation.state.bodies)
-      if (p.body.id == r.id) {
+      if (p.body.id == r.body) {
         const Vec3& x = p.body.motion.position;
         out += fmt::format("{},{:.9g},{:.15g},{:.15g},{:.6g},{:.6g},{:.9g},{:.9g},{:.9g},{}\n", r.id, r.birth, r.area,
                            r.mass, r.birth_speed, p.body.motion.velocity.norm(), x.x(), x.y(), x.z(), r.parts);

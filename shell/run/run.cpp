@@ -42,8 +42,9 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     finish(interrupted ? "interrupted" : "done");
     return interrupted ? Exit::kInterrupted : Exit::kDone;
   } catch (const Error& e) {
-    fail(e);
-    throw;
+    const Error told = with_name(e, simulation_.state.bodies);
+    fail(told);
+    throw told;
   } catch (const std::exception& e) {  // a bug or a failure of the machine: the peer and run.json are told too
     const Error internal(Exit::kPhysics, "internal", e.what());
     fail(internal);
@@ -72,6 +73,7 @@ void Run::start() {
     if (*interrupted_)
       throw Error(Exit::kInterrupted, "interrupted", "interrupted while the equilibrium was looked for");
   });
+  pieces_.look();
   books_.open(simulation_, simulation_.total_energy(0.0));
   recorder_.begin();
   recorder_.write_summary("running", nullptr);
@@ -111,7 +113,10 @@ void Run::shell_window() {
   const double start = window_start_ = wall_clock(), update_before = times[Stage::kCrackUpdate];
   const double cracks_before = simulation_.crack_length();
   make_cuts(window);
-  if (simulation_.crack_length() > cracks_before && recorder_.has_frame_of_now()) recorder_.write_frame();
+  if (simulation_.crack_length() > cracks_before) {
+    pieces_.look();
+    if (recorder_.has_frame_of_now()) recorder_.write_frame();
+  }
   coupler_.open_window(window);
   const std::int64_t substeps_begin = Trace::now_ns();
   const auto look = [this] {

@@ -137,7 +137,7 @@ Json shards_of(const RunParts& run) {
     big += r.area >= kCountedShare * whole;
     largest = std::max(largest, r.area);
     for (const Proxy& p : run.simulation.state.bodies)
-      if (p.body.id == r.id && p.body.motion.velocity.norm() > fastest)
+      if (p.body.id == r.body && p.body.motion.velocity.norm() > fastest)
         fastest = p.body.motion.velocity.norm(), which = r.id;
   }
   return {{"at_least_0.1_percent", big}, {"largest_m2", largest}, {"fastest_m_per_s", fastest}, {"fastest_id", which}};

@@ -2,8 +2,9 @@
 
 Cracks change the triangles from frame to frame, so there is no single mesh that is animated.
 
-PLY (binary): x, y, z [m] and vx, vy, vz [m/s] per vertex; fragment, damage, part (number of the shell; -1 for bodies), body
-(its number; -1 for the shell) and kind (0 moving, 1 shard, 2 static, 3 frozen; -1 for the shell) per face. z is up.
+PLY (binary): x, y, z [m] and vx, vy, vz [m/s] per vertex; fragment (id of the piece, in the shell and as a shard), damage,
+part (number of the shell; -1 for bodies), body (its number, for a shard that of its piece; -1 for the shell) and
+kind (0 moving, 1 shard, 2 static, 3 frozen; -1 for the shell) per face. z is up.
 glTF (binary, .glb): a node per shell, the shards, and each body of the scene, y up as the format asks, with the materials
 of the scene; _VELOCITY, _FRAGMENT and _DAMAGE per vertex, for which faces have vertices of their own.
 """
@@ -36,7 +37,7 @@ class Mesh:
     points: np.ndarray     # (n, 3) [m]
     velocity: np.ndarray   # (n, 3) [m/s]
     triangles: np.ndarray  # (m, 3)
-    fragment: np.ndarray  # (m,); for a shard the number of its body
+    fragment: np.ndarray  # (m,) id of the piece, in the shell and as a shard; for a body of the scene its number
     damage: np.ndarray  # (m,) 0..1, largest of all layers; 0 for bodies
     part: np.ndarray       # (m,) number of the shell, -1 for bodies
     body: np.ndarray       # (m,) -1 for the shell

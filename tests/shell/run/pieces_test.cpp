@@ -24,6 +24,23 @@ RigidBody body_of(std::size_t parts, std::size_t corners) {
 
 }  // namespace
 
+TEST(WithName, TellsWhichShardAnEngineMeans) {
+  RigidBody shard = body_of(1, 4);
+  shard.id = 7, shard.name = "shard_23";
+  const std::vector<Proxy> bodies{Proxy(shard)};
+  Error e(Exit::kPhysics, "engine_failed", "body 7 has a motion that is not finite");
+  e.window = 5, e.body = "7";
+  const Error told = with_name(e, bodies);
+  EXPECT_EQ(told.body, "shard_23");
+  EXPECT_EQ(told.window, 5);
+  EXPECT_EQ(std::string(told.what()), "body 7 has a motion that is not finite (body 7 is 'shard_23')");
+  for (const char* other : {"", "8", "shard_23"}) {
+    e.body = other;
+    EXPECT_EQ(std::string(with_name(e, bodies).what()), e.what());
+    EXPECT_EQ(with_name(e, bodies).body, other);
+  }
+}
+
 TEST(CheckParts, RefusesWhatNoMessageMayCarry) {
   check_parts(body_of(0, 0), 3);  // nothing remains
   check_parts(body_of(link::kMaxParts, link::kMaxCorners), 3);

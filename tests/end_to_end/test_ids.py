@@ -1,0 +1,150 @@
+"""Ids of pieces, with the real programs: one number follows a shard from the shell to the end, in frames, shards.csv and
+exports."""
+from __future__ import annotations
+
+import csv
+import json
+import os
+import re
+import struct
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import sunder
+from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.pictures.vtp import PolyData
+
+TOP = Path(__file__).resolve().parents[2]
+BUILD = os.environ["SUNDER_BUILD_DIR"]
+GLASS = TOP / "scenes" / "glass.textproto"  # a pane, a ball (1) and a floor (2)
+SETTINGS = ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=1.2e-3",
+            "fracture.latest_freeze_s=1e-3", "bodies[ball].twist.linear.z=-12", "output.checkpoint_interval_s=4e-4",
+            "output.frame_interval_s=5e-5")
+EVERY_WINDOW, ONE_IN_FOUR = "output.shell_frame_interval_s=5e-5", "output.shell_frame_interval_s=2e-4"
+FOLLOWED = 20
+BARE = 0.06  # share of a piece's area that frames leave out: they draw back from cracks, and omit torn triangles
+ONE_WINDOW = 5e-5  # [s]
+
+
+def run(folder: Path, *arguments: str) -> None:
+    done = subprocess.run([TOP / "coupler" / "sunder", *arguments], cwd=folder.parent, capture_output=True, text=True,
+                          env={**os.environ, "SUNDER_BUILD_DIR": BUILD}, check=False)
+    if done.returncode:
+        raise AssertionError(done.stderr)
+
+
+def broken(folder: Path, frames: str, *more: str) -> Path:
+    words = [word for setting in (*SETTINGS, frames) for word in ("--set", setting)]
+    run(folder, "run", str(GLASS), *words, "--quiet", "--no-pictures", "--out", str(folder), *more)
+    return folder
+
+
+def shards(folder: Path) -> dict[int, dict[str, float]]:
+    with (folder / "shards.csv").open() as file:
+        return {int(row["id"]): {name: float(value) for name, value in row.items()} for row in csv.DictReader(file)}
+
+
+def ids_of(mesh: PolyData | None, array: str) -> set[int]:
+    return set() if mesh is None else set(mesh.of_triangles(array, 0).astype(int).tolist())
+
+
+def glb_values(content: bytes, attribute: str) -> list[float]:
+    """Numbers of an attribute with one per vertex, over all meshes."""
+    size = struct.unpack_from("<I", content, 12)[0]
+    told, blob, found = json.loads(content[20:20 + size]), content[28 + size:], []
+    for mesh in told["meshes"]:
+        accessor = told["accessors"][mesh["primitives"][0]["attributes"][attribute]]
+        offset = told["bufferViews"][accessor["bufferView"]]["byteOffset"]
+        found += np.frombuffer(blob, "<f4", accessor["count"], offset).tolist()
+    return found
+
+
+class Ids(unittest.TestCase):
+    folder: Path
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        holder = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(holder.cleanup)
+        cls.folder = broken(Path(holder.name) / "run", EVERY_WINDOW)
+
+    def test_shards_are_followed_by_their_id_over_all_frames(self) -> None:
+        results = sunder.Results(self.folder)
+        rows, frames, tracks = shards(self.folder), results.frames, sunder.tracks(results)
+        for frame in frames:
+            pieces, bodies = ids_of(frame.read(SHELL), "fragment"), ids_of(frame.read(BODIES), "body")
+            self.assertEqual(pieces & bodies, set(), f"{frame.time_s} s: a number for two things")
+            self.assertLessEqual({1, 2}, bodies)  # those of the scene
+        times = [frame.time_s for frame in frames]
+        self.assertGreaterEqual(sum(np.isfinite(tracks[i].area[0]) for i in rows), FOLLOWED)
+        for i, row in rows.items():
+            track = tracks[i]
+            self.assertEqual(track.time, times[-len(track.time):], f"shard {i} is missing in a frame, or twice in one")
+            born = int(np.isnan(track.area).argmax())
+            self.assertAlmostEqual(track.time[born], row["birth [s]"], delta=1e-9)
+            self.assertTrue(np.isnan(track.area[born:]).all(), f"shard {i} is in the shell again")
+            end = np.array([row[f"{axis} [m]"] for axis in "xyz"])
+            np.testing.assert_allclose(track.centre[-1], end, atol=1e-6, err_msg=f"shard {i}")
+            if born == 0:
+                continue  # a splinter
+            # a piece loses area where parts of it break off, and never gains any but what is drawn beside a crack
+            self.assertTrue(all(after <= before * 1.001 for before, after in zip(track.area[:born], track.area[1:born])),
+                            f"shard {i}: {track.area}")
+            self.assertGreater(track.area[born - 1], (1.0 - BARE) * row["area [m^2]"])
+            # it goes on from where it was, as far as it flies in the window
+            self.assertAlmostEqual(track.time[born] - track.time[born - 1], ONE_WINDOW, delta=1e-9)
+            self.assertLess(float(np.linalg.norm(track.centre[born] - track.centre[born - 1])),
+                            1.5 * ONE_WINDOW * row["speed at birth [m/s]"] + 0.05 * np.sqrt(row["area [m^2]"]))
+
+    def test_the_frozen_part_keeps_its_id_too(self) -> None:
+        frames = list_frames(self.folder)
+        first = ids_of(frames[0].read(SHELL), "fragment")
+        bodies = frames[-1].read(BODIES)
+        assert bodies is not None
+        frozen = set(bodies.of_triangles("body", 0)[bodies.of_triangles("kind", 0) == 3].astype(int))
+        self.assertEqual((len(first), first), (1, frozen))  # the largest part of the pane stands at the end
+
+    def test_frames_that_are_written_change_no_id(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            seldom = broken(Path(name) / "seldom", ONE_IN_FOUR)
+            self.assertEqual((seldom / "shards.csv").read_bytes(), (self.folder / "shards.csv").read_bytes())
+            of_time = {round(frame.time_s, 9): frame for frame in list_frames(self.folder)}
+            for frame in list_frames(seldom):
+                self.assertEqual(ids_of(frame.read(SHELL), "fragment"),
+                                 ids_of(of_time[round(frame.time_s, 9)].read(SHELL), "fragment"))
+
+    def test_a_run_that_resumes_gives_the_same_ids(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            part = broken(Path(name) / "part", EVERY_WINDOW, "--until", "7e-4")
+            self.assertTrue((part / "checkpoint" / "state").is_file())
+            run(part, "run", "--resume", str(part), "--until", "1.2e-3", "--quiet", "--no-pictures")
+            self.assertEqual((part / "shards.csv").read_bytes(), (self.folder / "shards.csv").read_bytes())
+            for mine, whole in zip(list_frames(part), list_frames(self.folder), strict=True):
+                self.assertEqual(ids_of(mine.read(SHELL), "fragment"), ids_of(whole.read(SHELL), "fragment"))
+
+    def test_exports_and_run_json_have_the_ids(self) -> None:
+        rows = shards(self.folder)
+        self.assertIn(json.loads((self.folder / "run.json").read_text())["shards"]["fastest_id"], rows)
+        with tempfile.TemporaryDirectory() as name:
+            run(self.folder, "export", str(self.folder), "--frames", "0,last", "--out", name)
+            for file, whole in (("frame_000000.ply", 1), (sorted(p.name for p in Path(name).glob("*.ply"))[-1], 1 + len(rows))):
+                head, body = (Path(name) / file).read_bytes().split(b"end_header\n")
+                vertices, faces = (int(re.search(rf"element {what} (\d+)".encode(), head)[1]) for what in ("vertex", "face"))
+                face = np.frombuffer(body[vertices * 24:], [("n", "u1"), ("v", "<i4", 3), ("fragment", "<i4"), ("damage", "<f4"),
+                                                            ("part", "<i4"), ("body", "<i4"), ("kind", "<i4")], faces)
+                broke = face["fragment"][(face["part"] >= 0) | np.isin(face["kind"], (1, 3))]
+                self.assertEqual(len(set(broke.tolist())), whole)
+                self.assertEqual(set(broke.tolist()) & {1, 2}, set())
+                if whole > 1:
+                    self.assertLessEqual(set(rows), set(broke.tolist()))
+            run(self.folder, "export", str(self.folder), "--format", "gltf", "--frames", "last", "--out", name)
+            self.assertEqual(set(glb_values(next(Path(name).glob("*.glb")).read_bytes(), "_FRAGMENT")),
+                             set(face["fragment"].tolist()))
+
+
+if __name__ == "__main__":
+    unittest.main()
