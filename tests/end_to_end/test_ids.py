@@ -25,6 +25,29 @@ SETTINGS = ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=4
             "fracture.latest_freeze_s=1e-3", "bodies[ball].twist.linear.z=-12", "output.checkpoint_interval_s=4e-4",
             "output.frame_interval_s=5e-5")
 EVERY_WINDOW, ONE_IN_FOUR = "output.shell_frame_interval_s=5e-5", "output.shell_frame_interval_s=2e-4"
+# Two sewn plates; a cut at 0.2 ms takes a strip off the left one. Ids begin at 1, since there are no bodies.
+SEWN = """name: "sewn"
+end_time_s: 6e-4
+window_s: 5e-5
+gravity {}
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 }
+shells {
+  name: "left"
+  material: "glass"
+  thickness_m: 0.004
+  plate { size_x_m: 0.1 size_y_m: 0.1 elements_x: 10 elements_y: 10 pose { position { x: -0.05 } } }
+  cuts { points { u: 0.03 v: 0 } points { u: 0.03 v: 0.1 } time_s: 2e-4 }
+}
+shells {
+  name: "right"
+  material: "glass"
+  thickness_m: 0.004
+  plate { size_x_m: 0.1 size_y_m: 0.1 elements_x: 10 elements_y: 10 pose { position { x: 0.05 } } }
+}
+fracture { mode: CUTS }
+seams {}
+output { frame_interval_s: 1e-4 shell_frame_interval_s: 1e-4 }
+"""
 FOLLOWED = 20
 BARE = 0.06  # share of a piece's area that frames leave out: they draw back from cracks, and omit torn triangles
 ONE_WINDOW = 5e-5  # [s]
@@ -99,6 +122,25 @@ class Ids(unittest.TestCase):
             self.assertAlmostEqual(track.time[born] - track.time[born - 1], ONE_WINDOW, delta=1e-9)
             self.assertLess(float(np.linalg.norm(track.centre[born] - track.centre[born - 1])),
                             1.5 * ONE_WINDOW * row["speed at birth [m/s]"] + 0.05 * np.sqrt(row["area [m^2]"]))
+
+    def test_sewn_plates_are_one_piece_and_the_larger_part_keeps_its_id(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            scene, out = Path(name) / "sewn.textproto", Path(name) / "sewn"
+            scene.write_text(SEWN)
+            run(out, "run", str(scene), "--quiet", "--no-pictures", "--out", str(out))
+            seen = []
+            for frame in list_frames(out):
+                shell = frame.read(SHELL)
+                pairs = set() if shell is None else set(zip(shell.of_triangles("fragment", 0).astype(int).tolist(),
+                                                            shell.of_triangles("shell", 0).astype(int).tolist()))
+                seen.append((round(frame.time_s, 9), pairs, ids_of(frame.read(BODIES), "body")))
+            whole, cut = {(1, 0), (1, 1)}, {(1, 0), (1, 1), (2, 0)}
+            self.assertEqual(seen, [(0.0, whole, set()), (1e-4, whole, set()), (2e-4, cut, set()), (3e-4, cut, set()),
+                                    (4e-4, set(), {1, 2}), (5e-4, set(), {1, 2}), (6e-4, set(), {1, 2})])
+            area = {i: row["area [m^2]"] for i, row in shards(out).items()}
+            self.assertEqual(set(area), {1, 2})
+            self.assertAlmostEqual(area[1], 0.017, places=9)
+            self.assertAlmostEqual(area[2], 0.003, places=9)
 
     def test_the_frozen_part_keeps_its_id_too(self) -> None:
         frames = list_frames(self.folder)

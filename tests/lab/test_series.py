@@ -14,8 +14,6 @@ import unittest
 from pathlib import Path
 from typing import Callable
 
-import numpy as np
-
 from . import REPOSITORY, sweeps
 import sunder
 from sunder_lab.sweep import series_of
