@@ -88,7 +88,7 @@ class House(unittest.TestCase):
         homes = {r"zmq": {"coupler/link/channel.cpp", "coupler/link/keys.cpp"}, r"CGAL/": {"shell/fracture/cdt.h", "shell/fracture/outline.cpp",
                                                             "shell/fracture/medial_axis.cpp", "shell/contact/hull.cpp",
                                                             "coupler/scene/closed_surface.cpp",
-                                                            "coupler/scene/convex_parts.cpp"},
+                                                            "coupler/core/convex_surface.cpp"},
                  r".*\.hxx$": {"shell/io/cad_file.cpp"}}  # OpenCASCADE
         for path in SOURCES:
             for pattern, allowed in homes.items():
