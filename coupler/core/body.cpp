@@ -1,5 +1,7 @@
 #include "coupler/core/body.h"
 
+#include "coupler/core/free_rotation.h"
+
 namespace sunder {
 
 Vec3 RigidBody::apply_inverse_inertia(const Vec3& world) const {
@@ -23,9 +25,7 @@ double RigidBody::kinetic_energy() const {
 
 void RigidBody::drift(double h) {
   motion.position += h * motion.velocity;
-  const Quat start = motion.orientation;
-  motion.orientation = (rotation_from_vector(0.5 * h * angular_velocity()) * start).normalized();
-  motion.orientation = (rotation_from_vector(h * angular_velocity()) * start).normalized();
+  motion.orientation = free_rotation(principal_inertia, motion.angular_momentum, motion.orientation, h);
 }
 
 }  // namespace sunder

@@ -59,8 +59,8 @@ struct RigidBody {
   Vec3 apply_inertia(const Vec3& world) const;
   /// Translation and rotation [J]; zero for a static body.
   double kinetic_energy() const;
-  /// Free flight for h seconds. The position follows the velocity. The orientation follows the midpoint rule with
-  /// constant angular momentum: second order in h, exact for a sphere.
+  /// Free flight for h seconds. The position follows the velocity, and the orientation free_rotation(). The angular
+  /// momentum stays.
   void drift(double h);
 };
 
