@@ -1,6 +1,7 @@
 #include "rigid/engine/bullet_world.h"
 
 #include <algorithm>
+#include <array>
 
 #include "rigid/engine/bullet_shapes.h"
 #include "rigid/engine/checks.h"
@@ -29,8 +30,8 @@ constexpr double kProcessed = 1e6, kLeftOut = 1e7;  // [Bullet lengths]
 
 btDefaultCollisionConstructionInfo pool_sizes() {
   btDefaultCollisionConstructionInfo info;
-  info.m_customCollisionAlgorithmMaxElementSize =
-      std::max(PlaneCreateFunc::algorithm_size(), BoxesCreateFunc::algorithm_size());
+  info.m_customCollisionAlgorithmMaxElementSize = std::max(
+      {PlaneCreateFunc::algorithm_size(), BoxesCreateFunc::algorithm_size(), HullsCreateFunc::algorithm_size()});
   return info;
 }
 
@@ -115,7 +116,6 @@ class BulletWorld::World final : public btDiscreteDynamicsWorld {
 };
 
 BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&configuration_) {
-  configuration_.setConvexConvexMultipointIterations(3, 3);  // one point is too few for two plates
   for (int shape : {SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
     dispatcher_.registerCollisionCreateFunc(shape, STATIC_PLANE_PROXYTYPE, &shape_on_plane_);
     dispatcher_.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, shape, &plane_under_shape_);
@@ -127,6 +127,11 @@ BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&c
     dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
   dispatcher_.registerCollisionCreateFunc(BOX_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, &boxes_);
+  const std::array hulls_and_boxes{BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE};
+  for (const int other : hulls_and_boxes) {
+    dispatcher_.registerCollisionCreateFunc(CONVEX_HULL_SHAPE_PROXYTYPE, other, &hulls_);
+    dispatcher_.registerCollisionCreateFunc(other, CONVEX_HULL_SHAPE_PROXYTYPE, &hulls_);
+  }
   world_body_.setUserIndex(0);  // no body's id
   dispatcher_.setNearCallback(find_all);
   if (use == Use::kLook) {

@@ -116,6 +116,7 @@ class BulletWorld {
   PlaneCreateFunc shape_on_plane_{false}, plane_under_shape_{true};
   BoxesCreateFunc boxes_;
   btGjkEpaPenetrationDepthSolver depth_solver_;
+  HullsCreateFunc hulls_{&depth_solver_};
   btConvexConvexAlgorithm::CreateFunc one_point_{&depth_solver_};
   btCollisionDispatcher dispatcher_;
   btDbvtBroadphase broadphase_;

@@ -57,15 +57,70 @@ void onto_half_space(Suite& s) {  // no shard passes at any speed
   for (const double window_s : {5e-4, 1e-3}) fall(s, half_space(1), 0.0, window_s, 0.0);
 }
 
+RigidBody hull_box(BodyId id, const Vec3& half) {
+  return plate(id, {rectangle(-half.x(), -half.y(), half.x(), half.y())}, 2.0 * half.z());
+}
+
+// A cube of 0.2 m flies at a wall of 0.2 m, frictionless and without a bounce, over up to forty times its size a
+// window. It stops before the wall, or leaves sideways where it hits with an edge: it never gets through, and never
+// comes back faster than it came.
+void shoot(Suite& s, const std::string& what, const RigidBody& cube, const RigidBody& wall, const Vec3& turn) {
+  constexpr double half = 0.1;
+  for (const auto& [speed, window_s] :
+       {std::pair{20.0, 1e-3}, {50.0, 1e-3}, {200.0, 1e-3}, {50.0, 1.0 / 60}, {500.0, 1.0 / 60}}) {
+    const RigidBody shot = moving(at(turned(cube, turn), {-2.0, 0.013, -0.021}), {speed, 0, 0});
+    Play play(s.target, {{{shot, fixed(wall)}, law(0.0, 0.0), {}}, Vec3::Zero(), window_s});
+    double deepest = -1.0, back = 0.0, fastest = 0.0;
+    for (long i = std::lround(4.0 / speed / window_s) + 4; i > 0; --i) {
+      play.window();
+      const BodyMotion& now = play.body(shot.id).motion;
+      const Vec3 sides = now.orientation.conjugate() * Vec3::UnitX();
+      deepest = std::max(deepest, now.position.x() + half * sides.lpNorm<1>() + half);
+      back = std::max(back, -now.velocity.x()), fastest = std::max(fastest, play.kinetic_energy());
+    }
+    play.end();
+    const std::string name = fmt::format("{}_{:g}m_{:.0f}ms", what, speed, 1e3 * window_s);
+    // Where the cube is askew, an edge hits first. In the rest of the window the cube turns into the wall a little, and
+    // then its other side pushes it back.
+    s.report.check(name + "_depth", std::max(0.0, deepest), 0.0, (turn.isZero() ? 0.1 : 0.4) * half,
+                   "of the cube in the wall [m]");
+    s.report.check(name + "_back", back / speed, 0.0, turn.isZero() ? 0.02 : 0.2, "share of the speed");
+    s.report.check(name + "_energy", std::max(0.0, 2.0 * fastest / (shot.mass * speed * speed) - 1.0), 0.0, 1e-6,
+                   "gain");
+  }
+}
+
 }  // namespace
 
 std::vector<Case> tunnelling_cases() {
+  const Vec3 cube(0.1, 0.1, 0.1), wall(0.1, 2.0, 2.0), straight(0, 0, 0), askew(0.3, 0.5, -0.2);
   return {
       {"tunnelling_plate", "300 shards fall onto a 4 mm plate", {kConvexHulls, kBoxes, kContact}, onto_plate},
       {"tunnelling_half_space",
        "300 shards fall onto a half space",
        {kConvexHulls, kHalfSpaces, kContact},
        onto_half_space},
+      {"wall_hull",
+       "a hull is shot at a static box",
+       {kConvexHulls, kBoxes, kContact},
+       [=](Suite& s) {
+         shoot(s, "straight", hull_box(2, cube), box(1, wall), straight);
+         shoot(s, "askew", hull_box(2, cube), box(1, wall), askew);
+       }},
+      {"wall_hulls",
+       "a hull is shot at a static hull",
+       {kConvexHulls, kContact},
+       [=](Suite& s) {
+         shoot(s, "straight", hull_box(2, cube), hull_box(1, wall), straight);
+         shoot(s, "askew", hull_box(2, cube), hull_box(1, wall), askew);
+       }},
+      {"wall_box",
+       "a box is shot at a static box",
+       {kBoxes, kContact},
+       [=](Suite& s) {
+         shoot(s, "straight", box(2, cube), box(1, wall), straight);
+         shoot(s, "askew", box(2, cube), box(1, wall), askew);
+       }},
   };
 }
 
