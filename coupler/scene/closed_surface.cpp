@@ -27,7 +27,8 @@ void check(bool good, fmt::format_string<Args...> format, Args&&... args) {
 std::string place(const Vec3& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z()); }
 
 // Triangles of a polygon that may be concave, by ear clipping in the plane of its mean normal.
-std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, const Polygon& polygon) {
+std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, const Polygon& polygon,
+                                             const std::string& word) {
   std::vector<int> left = polygon.corners;
   Vec3 normal = Vec3::Zero();
   for (std::size_t i = 0; i < left.size(); ++i)
@@ -51,8 +52,8 @@ std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, co
                                        (points[a] - points[c]).squaredNorm()});
       if (clear && area / longest > roundest) best = i, roundest = area / longest;
     }
-    check(best < n, "line {}: the face of {} corners crosses or touches itself; divide it into triangles", polygon.line,
-          polygon.corners.size());
+    check(best < n, "{} {}: the face of {} corners crosses or touches itself; divide it into triangles", word,
+          polygon.line, polygon.corners.size());
     out.push_back({left[(best + n - 1) % n], left[best], left[(best + 1) % n]});
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
   }
@@ -76,7 +77,7 @@ Edges edges_of(const Surface& s) {
   return edges;
 }
 
-void check_edges(const Surface& s, const Edges& edges, const std::vector<int>& lines) {
+void check_edges(const Surface& s, const Edges& edges, const std::vector<int>& lines, const std::string& word) {
   int open = 0;
   const Edges::value_type *first = nullptr, *crowded = nullptr;
   for (const auto& edge : edges) {
@@ -88,16 +89,16 @@ void check_edges(const Surface& s, const Edges& edges, const std::vector<int>& l
   };
   if (first)
     check(false,
-          "is not closed: {} of its edges belong to one face only, the first of them from {}, of the face of line {}; "
+          "is not closed: {} of its edges belong to one face only, the first of them from {}, of the face of {} {}; "
           "close it, or take surface HULL",
-          open, ends(*first), lines[first->second[0].triangle]);
+          open, ends(*first), word, lines[first->second[0].triangle]);
   if (crowded)
-    check(false, "has an edge of {} faces, from {}, the last of them of line {}; an edge belongs to two",
-          crowded->second.size(), ends(*crowded), lines[crowded->second.back().triangle]);
+    check(false, "has an edge of {} faces, from {}, the last of them of {} {}; an edge belongs to two",
+          crowded->second.size(), ends(*crowded), word, lines[crowded->second.back().triangle]);
 }
 
 // Gives the triangles of each component one orientation. Returns the component of each triangle.
-std::vector<int> turn_alike(Surface& s, const Edges& edges, const std::vector<int>& lines) {
+std::vector<int> turn_alike(Surface& s, const Edges& edges, const std::vector<int>& lines, const std::string& word) {
   // Neighbours of each triangle. True: their common edge runs the other way in the neighbour, as it should.
   std::vector<std::vector<std::pair<int, bool>>> beside(s.triangles.size());
   for (const auto& [ends, sides] : edges) {
@@ -118,11 +119,10 @@ std::vector<int> turn_alike(Surface& s, const Edges& edges, const std::vector<in
         if (component[other] < 0) {
           component[other] = count, turned[other] = wanted, next.push(other);
         } else {
-          check(
-              turned[other] == wanted,
-              "has one side only, as a Moebius strip: no orientation of the face of line {} fits its neighbours; mend "
-              "the faces, or take surface HULL",
-              lines[other]);
+          check(turned[other] == wanted,
+                "has one side only, as a Moebius strip: no orientation of the face of {} {} fits its neighbours; mend "
+                "the faces, or take surface HULL",
+                word, lines[other]);
         }
       }
     ++count;
@@ -160,7 +160,7 @@ void check_corners(const Surface& s, const Edges& edges) {
   }
 }
 
-void check_crossings(const Surface& s, const std::vector<int>& lines) {
+void check_crossings(const Surface& s, const std::vector<int>& lines, const std::string& word) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
   namespace processing = CGAL::Polygon_mesh_processing;
@@ -173,7 +173,7 @@ void check_crossings(const Surface& s, const std::vector<int>& lines) {
   processing::self_intersections(mesh, std::back_inserter(pairs), CGAL::parameters::maximum_number(1));
   if (pairs.empty()) return;
   const auto [a, b] = std::minmax(lines[pairs[0].first.idx()], lines[pairs[0].second.idx()]);
-  check(false, "crosses itself: the faces of lines {} and {} meet near {}; mend it, or take surface HULL", a, b,
+  check(false, "crosses itself: the faces of {}s {} and {} meet near {}; mend it, or take surface HULL", word, a, b,
         place(s.corners[s.triangles[pairs[0].first.idx()][0]]));
 }
 
@@ -195,7 +195,7 @@ void turn_outwards(Surface& s, const std::vector<int>& component) {
 
 }  // namespace
 
-Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygon>& polygons) {
+Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygon>& polygons, const std::string& word) {
   Surface s;
   std::vector<int> lines, corner_of;
   std::map<std::array<double, 3>, int> known;  // files with colours or normals repeat points
@@ -212,15 +212,15 @@ Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygo
   for (const Polygon& polygon : polygons) {
     Polygon mine{{}, polygon.line};
     for (const int c : polygon.corners) {
-      check(c >= 0 && c < static_cast<int>(points.size()), "line {}: the face names point {}, and there are {}",
+      check(c >= 0 && c < static_cast<int>(points.size()), "{} {}: the face names point {}, and there are {}", word,
             polygon.line, c, points.size());
       mine.corners.push_back(corner_of[c]);
     }
-    check(mine.corners.size() >= 3 && mine.corners.size() <= kMostCorners, "line {}: a face has {} corners; 3 to {}",
-          polygon.line, mine.corners.size(), kMostCorners);
-    for (const auto& t : triangulated(s.corners, mine)) {
+    check(mine.corners.size() >= 3 && mine.corners.size() <= kMostCorners, "{} {}: a face has {} corners; 3 to {}",
+          word, polygon.line, mine.corners.size(), kMostCorners);
+    for (const auto& t : triangulated(s.corners, mine, word)) {
       const double area = 0.5 * (s.corners[t[1]] - s.corners[t[0]]).cross(s.corners[t[2]] - s.corners[t[0]]).norm();
-      check(area > kNoArea * box.diagonal().squaredNorm(), "line {}: the face at {} has no area; leave it out",
+      check(area > kNoArea * box.diagonal().squaredNorm(), "{} {}: the face at {} has no area; leave it out", word,
             polygon.line, place(s.corners[t[0]]));
       s.triangles.push_back(t), lines.push_back(polygon.line);
     }
@@ -236,10 +236,10 @@ Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygo
     }
   s.corners = std::move(corners);
   const Edges edges = edges_of(s);
-  check_edges(s, edges, lines);
-  const std::vector<int> component = turn_alike(s, edges, lines);
+  check_edges(s, edges, lines, word);
+  const std::vector<int> component = turn_alike(s, edges, lines, word);
   check_corners(s, edges);
-  check_crossings(s, lines);
+  check_crossings(s, lines, word);
   turn_outwards(s, component);
   const double volume = enclosed_volume(s);
   check(volume > kLeastVolume * std::pow(box.diagonal().norm(), 3), "encloses {:.3g} m^3; a body needs a volume",

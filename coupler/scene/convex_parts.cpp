@@ -316,10 +316,8 @@ std::vector<std::vector<Vec3>> convex_parts(const Surface& surface) {
   std::vector<std::vector<Vec3>> out;
   for (const Hull& p : parts) {
     if (p.volume <= kNothing * volume || (p.volume <= kWhole * volume && is_sliver(p))) continue;
-    if (static_cast<int>(p.corners.size()) > kMostHullCorners)
-      refuse(fmt::format("a convex part of it has {} corners, at most {} can be used; simplify it", p.corners.size(),
-                         kMostHullCorners));
-    out.push_back(p.corners);
+    const bool many = static_cast<int>(p.corners.size()) > kMostHullCorners;
+    out.push_back(many ? simplified_hull(convex_surface(p.corners)).corners : p.corners);
   }
   if (static_cast<int>(out.size()) > kMostParts)
     refuse(fmt::format("is made of {} convex parts, at most {} can be used; simplify it, or take surface HULL",

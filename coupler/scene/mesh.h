@@ -1,5 +1,5 @@
 #pragma once
-// Solids from the OFF and OBJ files beside a scene.
+// Solids from the OFF, OBJ, PLY and STL files beside a scene.
 #include <array>
 #include <string>
 #include <vector>
@@ -12,15 +12,17 @@ namespace sunder::scene {
 
 /// A solid with its surface and its division into convex parts, in the file's axes [m].
 struct Solid {
-  Surface surface;                       // a hull has corners only
+  Surface surface;                       // of a hull or of faces
   std::vector<std::vector<Vec3>> parts;  // corners of convex parts; their volumes differ from it by kMostAdded at most
-  bool is_hull = true;
-  double volume = 0.0;  // enclosed by the surface [m^3]
+  bool is_hull = true;                   // the one part has all corners of the surface
+  double volume = 0.0;                   // enclosed by the surface [m^3]
 };
 constexpr int kMostHullCorners = 128;  // of a convex part: the cost of collision grows at least with their square
 constexpr int kMostTriangles = 20000;  // of a surface of kind EXACT
 constexpr int kMostParts = 128;        // of a solid: each is a shape by itself in the engine
 constexpr double kMostAdded = 1e-2;    // share of the volume that merging down to kMostParts may add
+constexpr double kMostLost =
+    5e-2;  // share of its volume that a part may lose where it is simplified to kMostHullCorners
 constexpr double kLeastVolume = 1e-9;  // share of the cube of the diagonal below which a solid counts as flat
 
 /// Reads the solid in the mesh's file. Throws Error (bad_scene) at the place of `field`.
@@ -29,11 +31,13 @@ Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto:
 /// A face of a file.
 struct Polygon {
   std::vector<int> corners;  // indices of the file's points, from 0
-  int line = 0;              // of the file
+  int line = 0;              // of the file, or its number among the faces, from 1
 };
 /// Triangles of a closed surface that does not cross itself. They are counter-clockwise seen from outside, whatever the
 /// file's order. A component inside another one is a hollow. Throws Error (bad_mesh) with place, line and remedy.
-Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygon>& polygons);
+/// `word` says what Polygon::line counts.
+Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygon>& polygons,
+                       const std::string& word = "line");
 
 /// Winding number of the surface about a point that is not on it: 1 inside, 0 outside, to round-off (Van Oosterom and
 /// Strackee 1983).
@@ -46,6 +50,11 @@ struct Hull {
 };
 /// Convex hull of points, without points that round-off leaves on its edges and faces. Flat points give an empty hull.
 Hull hull_of(const std::vector<Vec3>& points);
+
+/// At most so many of the corners of a hull, those that stand out most. Their hull lies inside it. Throws Error
+/// (bad_mesh) where it has lost more than kMostLost of the volume. The ball is the worst body: it loses 4.7 % with
+/// kMostHullCorners.
+Hull simplified_hull(const Surface& hull, int most_corners = kMostHullCorners);
 
 /// Convex parts of the solid inside a closed surface, each by its corners [m]. A binary partition of space cuts it
 /// along the planes of its faces. Then pairs of parts whose hull is their union are merged, and slivers are left out.

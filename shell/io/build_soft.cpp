@@ -28,7 +28,7 @@ std::pair<Shape, double> shape_of(const scene::LoadedScene& scene, const proto::
     return {BoxShape{0.5 * size}, size.prod()};
   }
   const scene::Solid solid = scene::read_mesh(scene, field + ".mesh", m.mesh());
-  return {ConvexShape{solid.parts}, solid.volume};
+  return {ConvexShape{{solid.surface.corners}}, solid.volume};  // a hull: no engine needs its parts
 }
 
 double smallest_extent(const Shape& shape) {

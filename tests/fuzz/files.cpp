@@ -1,4 +1,4 @@
-// Files that a user gives: scenes with settings, PGM images, OFF and OBJ meshes.
+// Files that a user gives: scenes with settings, PGM images, meshes.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -40,12 +40,13 @@ void run_pgm(const std::uint8_t* data, std::size_t size) {
   });
 }
 
-/// First byte: OFF or OBJ, the scale, and whether the surface is meant as it is.
+/// First byte: the format, the scale, and whether the surface is meant as it is.
 void run_mesh(const std::uint8_t* data, std::size_t size) {
   if (size == 0) return;
   constexpr double kMost = std::numeric_limits<double>::max();
   constexpr double kScales[] = {1.0, 1e-3, 1e3, kMost, std::numeric_limits<double>::denorm_min(), 0.0, -1.0};
-  const std::string name = data[0] & 1 ? "mesh.off" : "mesh.obj";
+  constexpr const char* kNames[] = {"mesh.obj", "mesh.off", "mesh.ply", "mesh.stl"};
+  const std::string name = kNames[(data[0] & 1) + 2 * (data[0] >> 7)];
   scene::LoadedScene scene;
   scene.path = file_with(name, data + 1, size - 1);
   proto::Mesh mesh;

@@ -299,7 +299,7 @@ TEST(MeshBody, WeighsAndTurnsAsTheBoxOfTheSameShape) {
   EXPECT_EQ(std::get<sunder::ConvexShape>(mesh.shape).parts[0].size(), 8u);
 }
 
-TEST(MeshBody, IsRefusedWhereItsHullIsFlatOrFarAwayOrHasTooManyCorners) {
+TEST(MeshBody, IsRefusedWhereItsHullIsFlatOrFarAway) {
   const auto refused = [](const std::string& points) {
     std::ofstream(own_file("cube.off")) << points;
     std::ofstream(own_file("mesh_test.textproto"))
@@ -313,12 +313,6 @@ TEST(MeshBody, IsRefusedWhereItsHullIsFlatOrFarAwayOrHasTooManyCorners) {
   };
   EXPECT_NE(refused("OFF\n4 0 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n").find("flat"), std::string::npos);
   EXPECT_NE(refused("OFF\n4 0 0\n0 0 0\n1e300 0 0\n0 1 0\n0 0 1\n").find("m away"), std::string::npos);
-  std::string ball = "OFF\n200 0 0\n";
-  for (int k = 0; k < 200; ++k) {  // points of a sphere: all are corners
-    const double z = -1.0 + (k + 0.5) / 100.0, r = std::sqrt(1.0 - z * z);
-    ball += fmt::format("{} {} {}\n", r * std::cos(2.4 * k), r * std::sin(2.4 * k), z);
-  }
-  EXPECT_NE(refused(ball).find("at most 128"), std::string::npos);
 }
 
 TEST(Setting, ChangesOneFieldByNameAndRefusesUnknownOnes) {
