@@ -40,6 +40,15 @@ KnotVector::KnotVector(std::vector<double> knots, int degree, const std::string&
     : knots_(std::move(knots)), degree_(degree) {
   require(degree == 2 || degree == kHighestDegree, "{}: degree {}; 2 (quadratic) or 3 (cubic)", field, degree);
   const char* ends = degree == 2 ? "three" : "four";
+  require(!knots_.empty(), "{}: no knots", field);
+  const auto at_first = std::count(knots_.begin(), knots_.end(), knots_.front()),
+             at_last = std::count(knots_.begin(), knots_.end(), knots_.back());
+  const bool of_other = at_first == at_last && at_first == (degree == 2 ? 4 : 3) && knots_.front() < knots_.back();
+  require(!of_other,
+          "{}: the first and the last knot stand {} times, as those of degree {} do, and the patch has degree {} in "
+          "both directions; set degree {} where both have it, else raise the lower one to 3 in the program that made "
+          "the surface",
+          field, at_first, at_first - 1, degree, at_first - 1);
   require(knots_.size() >= 2 * static_cast<std::size_t>(degree) + 2,
           "{}: {} knots; an open knot vector of degree {} has at least {}", field, knots_.size(), degree,
           2 * degree + 2);
@@ -49,10 +58,10 @@ KnotVector::KnotVector(std::vector<double> knots, int degree, const std::string&
             field, i, knots_[i], i ? knots_[i - 1] : 0.0);
   }
   const std::size_t last = knots_.size() - 1, p = degree;
-  require(knots_[0] == knots_[p] && knots_[last] == knots_[last - p],
+  require(knots_[0] < knots_[last], "{}: all knots are {}; the domain has no length", field, knots_[0]);
+  require(at_first == at_last && at_first == degree + 1,
           "{}: the first and the last knot must each stand {} times (an open knot vector of degree {})", field, ends,
           degree);
-  require(knots_[0] < knots_[last], "{}: all knots are {}; the domain has no length", field, knots_[0]);
   for (std::size_t i = p - 1; i + p + 1 <= last; ++i)
     require(knots_[i] < knots_[i + 2], "{}[{}] = {} stands three times inside: the patch would {} there; {}", field, i,
             knots_[i], degree == 2 ? "fall apart" : "fold",

@@ -22,6 +22,8 @@ Patch read_cad(const scene::LoadedScene& scene, const std::string& field, const 
 #include <memory>
 #include <sstream>
 
+#include <BRepAdaptor_Curve.hxx>
+#include <BRepTools.hxx>
 #include <BRep_Tool.hxx>
 #include <Geom2d_Curve.hxx>
 #include <GeomConvert.hxx>
@@ -40,6 +42,7 @@ Patch read_cad(const scene::LoadedScene& scene, const std::string& field, const 
 #include <TopoDS.hxx>
 #include <TopoDS_Edge.hxx>
 #include <TopoDS_Face.hxx>
+#include <TopoDS_Wire.hxx>
 #include <XSControl_WorkSession.hxx>
 
 namespace sunder::shell {
@@ -54,7 +57,6 @@ constexpr double kTrimTolerance = 1e-5;    // a border may leave the sides of th
 constexpr double kSmoothTolerance = 1e-9;  // the surface may move by this where a needless knot is removed
 constexpr double kSnapTolerance = 1e-7;    // share of the parameter range: a border this near a knot is moved to it
 constexpr int kSamplesPerEdge = 33;
-constexpr int kMostFacesNamed = 12;
 
 /// Silences OpenCASCADE, which prints to the caller's standard output.
 class Quiet {
@@ -141,12 +143,11 @@ TopoDS_Face choose(const Place& place, const proto::CadFace& cad, const TopoDS_S
                     place.path);
   if (!cad.has_face() && n > 1) {
     std::string all;
-    for (int i = 0; i < std::min(n, kMostFacesNamed); ++i) {
+    for (int i = 0; i < n; ++i) {
       const Vec3 at = mean_corner(TopoDS::Face(faces(i + 1)));
       all += fmt::format("{}{} at ({:.4g}, {:.4g}, {:.4g}) m", i ? ", " : "", i, at.x(), at.y(), at.z());
     }
-    place.scene.fail(place.field, fmt::format("'{}' has {} faces; choose one with `face`: {}{}", place.path, n, all,
-                                              n > kMostFacesNamed ? ", ..." : ""));
+    place.scene.fail(place.field, fmt::format("'{}' has {} faces; choose one with `face`: {}", place.path, n, all));
   }
   place.scene.check(cad.face() < n, place.field + ".face", "is {}, but '{}' has {}, counted from 0", cad.face(),
                     place.path, n == 1 ? "one face" : fmt::format("{} faces", n));
@@ -176,13 +177,36 @@ void snap(const opencascade::handle<Geom_Surface>& surface, Rectangle& r) {
   for (double& value : r.v) value = snapped(value, range_v, v);
 }
 
+// Throws Error where the face has holes, with the place and width of the first one.
+void refuse_holes(const Place& place, const TopoDS_Face& face) {
+  const TopoDS_Wire outer = BRepTools::OuterWire(face);
+  int holes = 0;
+  Eigen::AlignedBox3d box;  // [mm]
+  for (TopExp_Explorer wire(face, TopAbs_WIRE); wire.More(); wire.Next()) {
+    if (wire.Current().IsSame(outer) || holes++ > 0) continue;
+    for (TopExp_Explorer it(wire.Current(), TopAbs_EDGE); it.More(); it.Next()) {
+      const BRepAdaptor_Curve curve(TopoDS::Edge(it.Current()));
+      for (int i = 0; i < kSamplesPerEdge; ++i) {
+        const double share = static_cast<double>(i) / (kSamplesPerEdge - 1);
+        const gp_Pnt p = curve.Value(curve.FirstParameter() + share * (curve.LastParameter() - curve.FirstParameter()));
+        box.extend(Vec3(p.X(), p.Y(), p.Z()));
+      }
+    }
+  }
+  if (holes == 0) return;
+  const Vec3 centre = kMetresPerUnit * box.center();
+  place.check(false,
+              "has {}, the first one at ({:.4g}, {:.4g}, {:.4g}) m, {:.3g} m wide; a patch has none: take them out in "
+              "the CAD program, and give the shell a closed cut for each, `cuts {{ circle {{ center {{ u v }} radius_m "
+              "}} }}` or a closed curve, in metres along u and v from the patch's first corner",
+              holes == 1 ? "a hole" : fmt::format("{} holes", holes), centre.x(), centre.y(), centre.z(),
+              kMetresPerUnit * box.sizes().maxCoeff());
+}
+
 // Returns the parameter rectangle of a face. Throws Error where the face does not fill one.
 Rectangle parameters(const Place& place, const TopoDS_Face& face, const opencascade::handle<Geom_Surface>& surface) {
   Rectangle r;
-  int wires = 0;
-  for (TopExp_Explorer it(face, TopAbs_WIRE); it.More(); it.Next()) ++wires;
-  place.check(wires <= 1,
-              "has holes; a patch has none: take them out in the CAD program, and cut the shell with `cuts`");
+  refuse_holes(place, face);
   std::vector<gp_Pnt2d> border;
   for (TopExp_Explorer it(face, TopAbs_EDGE); it.More(); it.Next()) {
     double from = 0.0, to = 0.0;
@@ -210,15 +234,20 @@ Rectangle parameters(const Place& place, const TopoDS_Face& face, const opencasc
     return Vec3(p.X(), p.Y(), p.Z());
   };
   for (const gp_Pnt2d& p : border) box.extend(at(p.X(), p.Y()));
+  double most = 0.0;
+  Vec3 where = Vec3::Zero();
   for (const gp_Pnt2d& p : border) {
     const Vec3 x = at(p.X(), p.Y());
     const double off = std::min({(x - at(r.u[0], p.Y())).norm(), (x - at(r.u[1], p.Y())).norm(),
                                  (x - at(p.X(), r.v[0])).norm(), (x - at(p.X(), r.v[1])).norm()});
-    place.check(off <= kTrimTolerance * box.diagonal().norm(),
-                "is trimmed: its border leaves the parameter lines at ({:.4g}, {:.4g}, {:.4g}) m; a patch has four "
-                "sides along them: rebuild the surface so in the CAD program",
-                kMetresPerUnit * x.x(), kMetresPerUnit * x.y(), kMetresPerUnit * x.z());
+    if (off > most) most = off, where = kMetresPerUnit * x;
   }
+  const double size = box.diagonal().norm();
+  place.check(most <= kTrimTolerance * size,
+              "is trimmed: its border leaves the parameter lines by up to {:.2g} m, {:.2g} of its size, at ({:.4g}, "
+              "{:.4g}, {:.4g}) m, and {:.0e} of its size is allowed; a patch has four sides along them: rebuild the "
+              "surface so in the CAD program",
+              kMetresPerUnit * most, most / size, where.x(), where.y(), where.z(), kTrimTolerance);
   return r;
 }
 

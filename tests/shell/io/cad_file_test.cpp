@@ -16,6 +16,7 @@
 #include <BRepBuilderAPI_MakePolygon.hxx>
 #include <BRepBuilderAPI_MakeWire.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
+#include <BRep_Builder.hxx>
 #include <Geom_BSplineSurface.hxx>
 #include <Geom_BezierSurface.hxx>
 #include <Geom_CylindricalSurface.hxx>
@@ -26,6 +27,7 @@
 #include <Message_PrinterOStream.hxx>
 #include <STEPControl_Writer.hxx>
 #include <TopoDS.hxx>
+#include <TopoDS_Compound.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Wire.hxx>
 #include <gp_Circ.hxx>
@@ -300,17 +302,52 @@ TEST_F(Cad, CubicFacesAreTakenAsTheyAre) {
     }
 }
 
+// Degree 2 along u with three spans, 3 along v with two: raised to 3 along u, and the points are the file's.
+TEST_F(Cad, FacesOfTwoDegreesAreRaisedToTheHigherOne) {
+  for (const bool rational : {false, true}) {
+    TColgp_Array2OfPnt poles(1, 5, 1, 5);
+    TColStd_Array2OfReal weights(1, 5, 1, 5);
+    for (int i = 1; i <= 5; ++i)
+      for (int j = 1; j <= 5; ++j) {
+        poles(i, j) = gp_Pnt(10.0 * i, 8.0 * j, ((i * 7 + j * 3) % 5) * 1.5);
+        weights(i, j) = rational ? 1.0 + 0.1 * ((i + 2 * j) % 4) : 1.0;
+      }
+    TColStd_Array1OfReal ku(1, 4), kv(1, 3);
+    TColStd_Array1OfInteger mu(1, 4), mv(1, 3);
+    ku(1) = 0, ku(2) = 1, ku(3) = 2, ku(4) = 3, mu(1) = mu(4) = 3, mu(2) = mu(3) = 1;
+    kv(1) = 0, kv(2) = 0.4, kv(3) = 1, mv(1) = mv(3) = 4, mv(2) = 1;
+    const Handle(Geom_BSplineSurface) mixed = new Geom_BSplineSurface(poles, weights, ku, kv, mu, mv, 2, 3);
+    write_step(whole(mixed), file("mixed.stp"));
+    const Patch p = patch("path: 'mixed.stp'");
+    EXPECT_EQ(p.degree(), 3);
+    for (double a = 0.05; a < 1.0; a += 0.1)
+      for (double b = 0.1; b < 1.0; b += 0.2) {
+        const gp_Pnt q = mixed->Value(3.0 * a, b);
+        const auto at = [](const KnotVector& k, double share) { return k.begin() + share * (k.end() - k.begin()); };
+        const Vec3 x = p.evaluate({at(p.knots_u, a), at(p.knots_v, b)}).x;
+        EXPECT_LT((x - 1e-3 * Vec3(q.X(), q.Y(), q.Z())).norm(), 1e-14) << a << " " << b;  // of 0.06 m: round-off
+      }
+  }
+}
+
 TEST_F(Cad, WhatIsNoPatchIsRefused) {
   write_step(whole(sheet(5, {0, 1, 2, 3, 4, 5}, {0, 0, 1, 1, 0, 0}, {0, 1}, {6, 6})), file("quintic.stp"));
   EXPECT_SAYS(refusal("path: 'quintic.stp'"), "face 0 has degree 5 along u and 1 along v; at most 3 can be used");
   write_step(sector(360), file("tube.stp"));
   EXPECT_SAYS(refusal("path: 'tube.stp'"), "closes on itself along u");
   write_step(BRepBuilderAPI_MakeFace(gp_Pln(), circle(10)).Face(), file("disc.stp"));
-  EXPECT_SAYS(refusal("path: 'disc.stp'"), "face 0 is trimmed");
+  // the corners of the square around a circle of 10 mm are 7.07 mm from its sides in x or y, of a size of 28.3 mm
+  EXPECT_SAYS(refusal("path: 'disc.stp'"),
+              "face 0 is trimmed: its border leaves the parameter lines by up to 0.0029 m");
   BRepBuilderAPI_MakeFace holed(BRepBuilderAPI_MakeFace(gp_Pln(), -20, 20, -20, 20).Face());
   holed.Add(TopoDS::Wire(circle(10).Reversed()));
   write_step(holed.Face(), file("holed.stp"));
-  EXPECT_SAYS(refusal("path: 'holed.stp'"), "face 0 has holes");
+  EXPECT_SAYS(refusal("path: 'holed.stp'"), "face 0 has a hole, the first one at (0, 0, 0) m, 0.02 m wide");
+  // what the message advises: the face without its hole, and a closed cut in its place
+  write_step(BRepBuilderAPI_MakeFace(gp_Pln(), -20, 20, -20, 20).Face(), file("whole.stp"));
+  EXPECT_EQ(refusal("path: 'whole.stp' elements_u: 20 elements_v: 20 } cuts { circle { center { u: 0.02 v: 0.02 } "
+                    "radius_m: 0.01 } } velocity { "),
+            "accepted");
   BRepBuilderAPI_MakePolygon corner(gp_Pnt(0, 0, 0), gp_Pnt(10, 0, 0), gp_Pnt(10, 9.9, 0), gp_Pnt(0, 10, 0), true);
   for (const char* name : {"slanted.stp", "slanted.igs"}) {
     const TopoDS_Face face = BRepBuilderAPI_MakeFace(gp_Pln(), corner.Wire()).Face();
@@ -322,6 +359,14 @@ TEST_F(Cad, WhatIsNoPatchIsRefused) {
 TEST_F(Cad, AFaceIsChosenWhereThereAreSeveral) {
   write_step(BRepPrimAPI_MakeBox(10, 20, 30).Shape(), file("a.stp"));
   EXPECT_SAYS(refusal("path: 'a.stp'"), "'a.stp' has 6 faces; choose one with `face`: 0 at (0, 0.01, 0.015) m, 1 at");
+  EXPECT_SAYS(refusal("path: 'a.stp'"), "5 at (");
+  TopoDS_Compound boxes;
+  BRep_Builder build;
+  build.MakeCompound(boxes);
+  for (int k = 0; k < 9; ++k) build.Add(boxes, BRepPrimAPI_MakeBox(gp_Pnt(20.0 * k, 0, 0), 10, 20, 30).Shape());
+  write_step(boxes, file("boxes.stp"));
+  EXPECT_SAYS(refusal("path: 'boxes.stp'"), "has 54 faces");
+  EXPECT_SAYS(refusal("path: 'boxes.stp'"), ", 53 at (0.165, 0.01, 0.03) m");
   EXPECT_SAYS(refusal("path: 'a.stp' face: 6"), "cad.face: is 6, but 'a.stp' has 6 faces, counted from 0");
   write_step(sector(90), file("b.stp"));
   EXPECT_SAYS(refusal("path: 'b.stp' face: 1"), "is 1, but 'b.stp' has one face");
