@@ -10,6 +10,7 @@
 #include "coupler/core/principal_axes.h"
 #include "coupler/scene/mesh.h"
 #include "shell/contact/proxy.h"
+#include "shell/geometry/parameter_place.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
 #include "shell/solver/contact/hertz.h"
@@ -264,10 +265,10 @@ RunSetup build(const scene::LoadedScene& scene) {
     for (int k = 0; k < m.output().probes_size(); ++k) {
       const auto& p = m.output().probes(k);
       if (p.shell() != s.name) continue;
-      const Vec2 at(p.at().u(), p.at().v());
+      const Vec2 at = moved_onto_edges(s.patch, {p.at().u(), p.at().v()});
       scene.check(s.patch.contains(at), fmt::format("output.probes[{}].at", k),
-                  "({}, {}) lies outside the patch, whose parameters run to ({}, {})", at.x(), at.y(),
-                  s.patch.knots_u.end(), s.patch.knots_v.end());
+                  "({:.9g}, {:.9g}) lies outside the patch, whose parameters run {}", at.x(), at.y(),
+                  parameter_range(s.patch));
       r.probes.push_back({p.name(), i, at});
     }
     r.last_change = std::max(r.last_change, s.loads.last_change());

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "shell/geometry/edges.h"
+#include "shell/geometry/parameter_place.h"
 #include "shell/geometry/plane_curves.h"
 #include "shell/solver/cracking/clamp.h"
 
@@ -17,25 +18,26 @@ constexpr double kMostEdges = 2e4;  // edges of a curve
 Vec2 to_vec2(const proto::ParameterPoint& p) { return {p.u(), p.v()}; }
 
 struct Domain {
+  const Patch& patch;
   Vec2 low, high;
   double spacing;
   explicit Domain(const ShellModel& m)
-      : low(m.patch.knots_u.begin(), m.patch.knots_v.begin()),
+      : patch(m.patch),
+        low(m.patch.knots_u.begin(), m.patch.knots_v.begin()),
         high(m.patch.knots_u.end(), m.patch.knots_v.end()),
         spacing(m.spacing) {}
   Vec2 nearest(const Vec2& p) const { return p.cwiseMax(low).cwiseMin(high); }
-  bool contains(const Vec2& p) const { return (nearest(p) - p).norm() <= kSame * spacing; }
 };
 
-// Returns p, moved onto the border where round-off has put it outside. Throws Error where it is further outside.
+// Returns p, moved onto the border where it is by an edge. Throws Error where it is outside.
 Vec2 inside(const scene::LoadedScene& scene, const std::string& field, const Domain& d, const Vec2& p,
             const char* what) {
-  scene.check(
-      d.contains(p), field,
-      "{} ({:.6g}, {:.6g}), {:.3g} m outside the patch, whose parameters, metres on average, run from {:.6g} to "
-      "{:.6g} along u and from {:.6g} to {:.6g} along v; end a cut at the border to run out there",
-      what, p.x(), p.y(), (d.nearest(p) - p).norm(), d.low.x(), d.high.x(), d.low.y(), d.high.y());
-  return d.nearest(p);
+  const Vec2 moved = moved_onto_edges(d.patch, p);
+  scene.check(d.patch.contains(moved), field,
+              "{} ({:.9g}, {:.9g}), {:.3g} m outside the patch, whose parameters, metres on average, run {}; end a cut "
+              "at the border to run out there",
+              what, p.x(), p.y(), (d.nearest(p) - p).norm(), parameter_range(d.patch));
+  return moved;
 }
 
 bool encloses(const std::vector<Vec2>& ring, const Vec2& p) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "coupler/core/error.h"
+#include "shell/geometry/parameter_place.h"
 #include "shell/geometry/quadrature.h"
 #include "shell/mechanics/row_pressure.h"
 #include "shell/solver/supports.h"
@@ -71,10 +72,11 @@ PreparedLoads prepare_loads(const Patch& patch, const RowTables& t, const std::v
     }
     PreparedLoad p{load, {}};
     if (load.kind == Load::Kind::kPoint) {
-      require(patch.contains(load.point),
-              "{}: a load at ({:.6g}, {:.6g}) lies outside the patch, whose parameters run to ({:.6g}, {:.6g})", name,
-              load.point.x(), load.point.y(), patch.knots_u.end(), patch.knots_v.end());
-      p.samples.push_back({patch_functions(patch, load.point, stride)});
+      p.load.point = moved_onto_edges(patch, load.point);
+      require(patch.contains(p.load.point),
+              "{}: a load at ({:.9g}, {:.9g}) lies outside the patch, whose parameters run {}", name, load.point.x(),
+              load.point.y(), parameter_range(patch));
+      p.samples.push_back({patch_functions(patch, p.load.point, stride)});
     } else {
       for (const int edge : {kUMin, kUMax, kVMin, kVMax})
         if (load.edges & edge) edge_samples(patch, edge, stride, p.samples);

@@ -51,7 +51,8 @@ struct PreparedLoads {
   double last_change() const;
 };
 
-/// Prepares the samples of all loads. Throws Error where a point lies outside the patch or an edge load names no edge.
+/// Prepares the samples of all loads. A point by an edge is moved onto it (moved_onto_edges). Throws Error where a
+/// point lies outside the patch or an edge load names no edge.
 PreparedLoads prepare_loads(const Patch& patch, const RowTables& tables, const std::vector<Load>& loads,
                             const std::string& name);
 

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "coupler/core/error.h"
+#include "shell/geometry/parameter_place.h"
 
 namespace sunder::shell {
 namespace {
@@ -31,6 +32,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   Vec3 low = p.control_points[0], high = low;
   for (const Vec3& x : p.control_points) low = low.cwiseMin(x), high = high.cwiseMax(x);
   const double size = (high - low).norm();
+  const double tolerance = edge_tolerance(p);  // of regions: a border of a box that a scene rounds
   std::array<std::vector<char>, 3> held;
   // number of the motion that moves a control point, the last one named; -1: none
   std::array<std::vector<int>, 3> driver;
@@ -74,10 +76,12 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
       const std::size_t before = points.size();
       for (int i = 0; i < count; ++i) {
         const Vec2 g = p.greville(i);
-        if ((g.array() >= box.low.array()).all() && (g.array() <= box.high.array()).all()) points.push_back(i);
+        if ((g.array() >= box.low.array() - tolerance).all() && (g.array() <= box.high.array() + tolerance).all())
+          points.push_back(i);
       }
-      require(points.size() > before, "{}: no control point lies in u {:.4g} to {:.4g}, v {:.4g} to {:.4g}", name,
-              box.low.x(), box.high.x(), box.low.y(), box.high.y());
+      require(points.size() > before,
+              "{}: no control point lies in u {:.9g} to {:.9g}, v {:.9g} to {:.9g}; parameters run {}", name,
+              box.low.x(), box.high.x(), box.low.y(), box.high.y(), parameter_range(p));
     }
     for (const int i : points) c.anchors.push_back(slot(i));
     points.insert(points.end(), slopes.begin(), slopes.end());

@@ -357,3 +357,31 @@ TEST(Thickness, OfAThickShellIsReported) {
 }
 
 }  // namespace
+
+// The last knot of a plate of 1.1 m and 24 elements is below 1.1.
+TEST(Places, ByAnEdgeAreOnItAndOthersAreRefusedWithTheRange) {
+  const auto with = [](const std::string& end, const std::string& load, const std::string& probe,
+                       const std::string& cut, const std::string& region) {
+    std::string text = replaced("size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }\n",
+                                "size_x_m: 1.1 size_y_m: 1.1 elements_x: 24 elements_y: 24 }\n" + load + cut + region);
+    const std::size_t line = text.find("radius_m: 0.02");
+    return text.replace(line, 14, "radius_m: 0.05") + probe + end;
+  };
+  const auto at = [](const std::string& u) { return fmt::format("{{ u: {0} v: {0} }}", u); };
+  const auto load = [&](const std::string& u) { return "loads { point { at " + at(u) + " force { z: 1 } } }\n"; };
+  const auto probe = [&](const std::string& u) {
+    return "output { probes { name: \"a\" shell: \"pane\" at " + at(u) + " } }\n";
+  };
+  const auto cut = [&](const std::string& u) { return "cuts { points { u: 0.3 v: 0.4 } points " + at(u) + " }\n"; };
+  const auto region = [&](const std::string& u) {
+    return "supports { kind: CLAMPED regions { low " + at(u) + " high { u: 2 v: 2 } } }\n";
+  };
+  for (const std::string u : {"1.1", "1.1000005", "1.0999995"})
+    EXPECT_EQ(refusal(with("", load(u), probe(u), cut(u), region(u))).kind, "accepted")
+        << u << ": " << refusal(with("", load(u), probe(u), cut(u), region(u))).what();
+  for (const auto& [text, field] : {std::pair(with("", load("1.10001"), "", "", ""), "shells[0].loads[0]"),
+                                    std::pair(with("", "", probe("1.10001"), "", ""), "output.probes[0].at"),
+                                    std::pair(with("", "", "", cut("1.10001"), ""), "shells[0].cuts[0].points[1]"),
+                                    std::pair(with("", "", "", "", region("1.10001")), "shells[0].supports[0]")})
+    expect_refusal(text, field, {"1.10001", "from 0 to 1.1 along u and from 0 to 1.1 along v"});
+}
