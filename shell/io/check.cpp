@@ -139,8 +139,8 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   }
   const double least = setup.time_step > 0.0 ? setup.time_step * (1.0 - 1e-9) : smallest;
   scene.check(setup.tick >= least, setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
-              "is {} s, shorter than {}, {:.3g} s; make it a multiple of that", setup.tick,
-              setup.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", least);
+              "is {} s, shorter than {}, {:.4g} s; give at least {:.3g} s", setup.tick,
+              setup.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", least, kEnough * least);
   const double taken = setup.time_step > 0.0 ? setup.time_step : setup.safety * allowed;
   const double a_window = std::ceil(setup.window / taken * (1.0 - 1e-12));
   scene.check(a_window <= kMostSubsteps, setup.time_step > 0.0 ? "time_step_s" : "window_s",

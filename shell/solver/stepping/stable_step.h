@@ -9,6 +9,8 @@ namespace sunder::shell {
 constexpr int kStepIterations = 60;     // exact to round-off, also for patches of 200 elements a side
 constexpr int kLocalIterations = 9;     // near a new crack: mostly exact to 5 %
 constexpr int kJoinedIterations = 120;  // for shells that are joined
+/// Multiple of a step that is above the step when rounded to three digits: for messages that name a least value.
+constexpr double kEnough = 1.006;
 
 /// Returns the stable step [s] at the present positions: 2 / sqrt(lambda_max of M^-1 K). It uses the method of Lanczos;
 /// for shells that yield or are damaged, twice as many power iterations. Both approach it from above. The first guess

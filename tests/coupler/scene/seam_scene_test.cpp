@@ -65,7 +65,12 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
   expect_refusal(scene("seams {}", "", 0.502), "seams", {"nearly meet", "0.002 m apart", "seams.tolerance_m"});
   EXPECT_EQ(refusal(scene("", "", 0.502)).kind, "accepted");
   expect_refusal(scene("seams {}", "supports { edges: U_MIN kind: CLAMPED }"), "seams",
-                 {"a support of shell 'wing' holds its seam with shell 'pane'", "give both of them"});
+                 {"a support of shell 'wing' holds its seam with shell 'pane'", "the same edge of both",
+                  "rules { first: \"wing\" second: \"pane\" kind: OPEN }"});
+  EXPECT_EQ(refusal(scene("seams { rules { first: \"wing\" second: \"pane\" kind: OPEN } }",
+                          "supports { edges: U_MIN kind: CLAMPED }"))
+                .kind,
+            "accepted");
 }
 
 // The energy-release zone of a flaw continues over such an edge.

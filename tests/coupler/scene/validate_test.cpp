@@ -385,3 +385,11 @@ TEST(Places, ByAnEdgeAreOnItAndOthersAreRefusedWithTheRange) {
                                     std::pair(with("", "", "", "", region("1.10001")), "shells[0].supports[0]")})
     expect_refusal(text, field, {"1.10001", "from 0 to 1.1 along u and from 0 to 1.1 along v"});
 }
+
+TEST(Window, ThatTheRefusalNamesIsAccepted) {
+  const std::string says = refusal(replaced("window_s: 1e-4", "window_s: 1e-8")).what();
+  const std::size_t found = says.find("give at least ");
+  ASSERT_NE(found, std::string::npos) << says;
+  const std::string named = says.substr(found + 14, says.find(" s", found + 14) - found - 14);
+  EXPECT_EQ(refusal(replaced("window_s: 1e-4", "window_s: " + named)).kind, "accepted") << named;
+}
