@@ -44,10 +44,15 @@ void archive(A& a, FrameWriter& f) {
 }
 
 template <class A>
+void archive(A& a, RelaxationResult& r) {
+  archive_all(a, r.converged, r.residual, r.round_off, r.stable, r.newton, r.load_steps, r.share, r.steps);
+}
+
+template <class A>
 void archive(A& a, ShellPart& part) {
   archive_all(a, part.coefficients, part.detached_since, part.rubble, part.edges_seen, part.next_measure, part.changed,
-              part.initial_step, part.smallest_step, part.hertz_speed, part.hertz_kept, part.hertz_until,
-              part.hertz_windows);
+              part.initial_step, part.smallest_step, part.equilibrium, part.hertz_speed, part.hertz_kept,
+              part.hertz_until, part.hertz_windows);
 }
 
 namespace {

@@ -9,6 +9,7 @@
 #include "shell/io/shell_setup.h"
 #include "shell/solver/contact/rigid_contact.h"
 #include "shell/solver/parting/handoff.h"
+#include "shell/solver/statics/relaxation.h"
 
 namespace sunder::shell {
 
@@ -42,6 +43,7 @@ struct ShellPart {
   std::shared_ptr<const Triangulation> triangulated;  // the last triangulation for counting
   CrackLoops loops;
   double initial_step = 0.0, smallest_step = 0.0;  // stable steps [s]
+  RelaxationResult equilibrium;                    // where the scene asks for it
   double hertz_speed = 0.0;  // largest approach speed of a Hertz contact so far, rounded up to a power of two [m/s]
   double hertz_kept = 0.0;   // step of the last Hertz contact [s], kept for `hertz_windows` after it
   std::int64_t hertz_until = -1, hertz_windows = kHertzKept;

@@ -143,6 +143,28 @@ Json shards_of(const RunParts& run) {
   return {{"at_least_0.1_percent", big}, {"largest_m2", largest}, {"fastest_m_per_s", fastest}, {"fastest_id", which}};
 }
 
+// How each shell that starts in equilibrium came to it.
+Json equilibrium_of(const State& state) {
+  constexpr Json::value_t kNone = Json::value_t::null;
+  Json all = Json::array();
+  for (const ShellPart& part : state.shells) {
+    if (part.setup->equilibrium == 0.0) continue;
+    const RelaxationResult& r = part.equilibrium;
+    const bool known = r.stable != RelaxationResult::Stable::kUnknown;
+    all.push_back({{"shell", part.model().name},
+                   {"found_by", r.converged ? Json(r.found_by()) : Json(kNone)},
+                   {"residual", r.residual},
+                   {"tolerance", part.setup->equilibrium},
+                   {"round_off", r.round_off},
+                   {"stable", known ? Json(r.stable == RelaxationResult::Stable::kYes) : Json(kNone)},
+                   {"share_of_loads", r.share},
+                   {"newton_steps", r.newton},
+                   {"load_steps", r.load_steps},
+                   {"relaxation_steps", r.steps}});
+  }
+  return all;
+}
+
 Json stable_step_of(const State& state) {
   double initial = 0.0, smallest = 0.0;
   for (const ShellPart& part : state.shells) {
@@ -233,6 +255,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   j["stable_step"] = stable_step_of(state);
   if (!state.soft.empty())
     j["soft"] = {{"particles", run.simulation.soft_particles()}, {"stable_step_s", state.soft.stable_step()}};
+  if (Json found = equilibrium_of(state); !found.empty()) j["equilibrium"] = std::move(found);
   j["models"] = models_of(run);
   j["state_hash"] = state_hash(run.pieces.frozen_hash(), state);
   // A user's text may be invalid UTF-8, which must not end the run.

@@ -9,7 +9,6 @@
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/finite.h"
 #include "shell/solver/forces.h"
-#include "shell/solver/statics/relaxation.h"
 #include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 
@@ -22,6 +21,20 @@ int gauss_points(const RunSetup& setup) {
   int points = 0;
   for (const ShellSetup& s : setup.shells) points += s.model.tables.gauss_points();
   return points;
+}
+
+// Says what is left, and what would do.
+std::string no_equilibrium(const std::string& name, const RelaxationResult& r, double tolerance) {
+  std::string out = fmt::format(
+      "no equilibrium of shell '{}' found: {} Newton steps, {} steps of the load and {} of relaxation leave "
+      "{:.3g} of the loads, more than {:.3g}; ",
+      name, r.newton, r.load_steps, r.steps, r.residual, tolerance);
+  if (r.share > 0.0)
+    return out + fmt::format(
+                     "the last equilibrium was found at {0:.3g} of loads, weight and motion of supports: give "
+                     "less than that, or support it more",
+                     r.share);
+  return out + "none was found at 0.002 of the loads either: support it so that it cannot move as a whole";
 }
 
 }  // namespace
@@ -112,10 +125,9 @@ void Simulation::start_shells(const std::function<void()>& look) {
   double stable = std::numeric_limits<double>::infinity();
   for (const ShellPart& part : state.shells) stable = std::min(stable, part.initial_step);
   const double step = setup_.time_step > 0.0 ? setup_.time_step * (1.0 - 1e-9) : stable;
-  require(state.shells.empty() || setup_.tick >= step,
-          "{} is {} s, shorter than {}, {:.3g} s; make it longer than that",
+  require(state.shells.empty() || setup_.tick >= step, "{} is {} s, shorter than {}, {:.4g} s; give at least {:.3g} s",
           setup_.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s", setup_.tick,
-          setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step);
+          setup_.time_step > 0.0 ? "time_step_s" : "the stable step of the shell", step, kEnough * step);
   if (state.stitching.empty()) return;
   state.stitching.move_masses(refs());
   std::vector<char> can_crack;
@@ -134,14 +146,9 @@ void Simulation::find_equilibrium(ShellPart& part, const std::function<void()>& 
   RelaxationRules rules;
   rules.tolerance = part.setup->equilibrium, rules.gravity = setup_.gravity, rules.threads = model.threads;
   rules.look = look;
-  const RelaxationResult r = relax(m, *part.state, rules);
+  const RelaxationResult r = part.equilibrium = relax(m, *part.state, rules);
   check_compression(m, *part.state);
-  if (r.converged) return;
-  throw Error(
-      Exit::kPhysics, "equilibrium",
-      fmt::format("no equilibrium of shell '{}' found: {} Newton steps and {} of relaxation leave {:.3g} of the "
-                  "loads, more than {:.3g}; support it, lower the loads, or raise equilibrium.tolerance",
-                  m.name, r.newton, r.steps, r.residual, part.setup->equilibrium));
+  if (!r.converged) throw Error(Exit::kPhysics, "equilibrium", no_equilibrium(m.name, r, rules.tolerance));
 }
 
 ContactCoefficients Simulation::contact_law(const ShellModel& shell, const RigidBody& body) const {

@@ -8,7 +8,10 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kDifference = 1e-6;  // share of the size that a control point stands for
+// Shares of the size that a control point stands for. One-sided differences are off by about the share, which is more
+// than the stiffness of a thin shell against bending without stretch; central ones by its square.
+constexpr double kDifference = 1e-6;
+constexpr double kCentralDifference = 1e-5;
 
 }  // namespace
 
@@ -34,26 +37,36 @@ FreeDegrees free_degrees(const ShellModel& m, const ShellState& s) {
   return free;
 }
 
-std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDegrees& free,
-                                const std::vector<double>& residual, const std::function<void()>& forces) {
+NewtonStep newton_step(const ShellModel& m, ShellState& s, const FreeDegrees& free, const std::vector<double>& residual,
+                       Differences differences, const std::function<void()>& forces) {
+  const bool central = differences == Differences::kCentral;
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
   const int reach = t.degree;               // control points of one element are at most this far apart
   const int period = 2 * reach + 1;         // control points one period apart move together
   std::vector<double> epsilon(plane, 0.0);  // by the area that a control point stands for
   for (std::size_t i = 0; i < plane; ++i)
-    epsilon[i] = kDifference * std::sqrt(m.mass[i] / (m.material.density * m.thickness));
+    epsilon[i] =
+        (central ? kCentralDifference : kDifference) * std::sqrt(m.mass[i] / (m.material.density * m.thickness));
   forces();
   const std::vector<double> f0 = s.motion.force, x = s.motion.x;
+  std::vector<double> before = f0;  // forces at the other side of a difference
+  const double sides = central ? 2.0 : 1.0;
   std::vector<Eigen::Triplet<double>> entries;
   entries.reserve(static_cast<std::size_t>(free.count) * 3 * period * period);
   for (int colour = 0; colour < period * period; ++colour)
     for (int d = 0; d < 3; ++d) {
       const int first_i = colour % period, first_j = colour / period;
-      for (int j = first_j; j < t.rows; j += period)
-        for (int i = first_i; i < t.columns; i += period)
-          s.motion.x[d * plane + j * t.stride + i] += epsilon[j * t.stride + i];
-      forces();
+      const auto moved = [&](double sign) {
+        for (int j = first_j; j < t.rows; j += period)
+          for (int i = first_i; i < t.columns; i += period) {
+            const std::size_t k = d * plane + j * t.stride + i;
+            s.motion.x[k] = x[k] + sign * epsilon[j * t.stride + i];
+          }
+        forces();
+      };
+      if (central) moved(-1.0), before = s.motion.force;
+      moved(1.0);
       for (int j = first_j; j < t.rows; j += period)
         for (int i = first_i; i < t.columns; i += period) {
           const int column = free.number[d * plane + j * t.stride + i];
@@ -62,7 +75,7 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
             for (int p = std::max(0, i - reach); p <= std::min(t.columns - 1, i + reach); ++p)
               for (int e = 0; e < 3; ++e) {
                 const std::size_t k = e * plane + q * t.stride + p;
-                const double value = -(s.motion.force[k] - f0[k]) / epsilon[j * t.stride + i];
+                const double value = -(s.motion.force[k] - before[k]) / (sides * epsilon[j * t.stride + i]);
                 if (free.number[k] < 0 || value == 0.0) continue;
                 entries.emplace_back(free.number[k], column, value);
               }
@@ -75,6 +88,7 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
   Eigen::VectorXd right = Eigen::VectorXd::Zero(free.count);
   for (std::size_t k = 0; k < residual.size(); ++k)
     if (free.number[k] >= 0) right[free.number[k]] = residual[k];
+  NewtonStep out;
   Eigen::VectorXd step;
   if (m.loads.rotate_with_surface()) {  // the tangent is not symmetric
     Eigen::SparseLU<Eigen::SparseMatrix<double>> factors(tangent);
@@ -86,11 +100,12 @@ std::vector<double> newton_step(const ShellModel& m, ShellState& s, const FreeDe
     Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(mean);
     if (factors.info() != Eigen::Success) return {};
     step = factors.solve(right);
+    out.unstable = (factors.vectorD().array() < 0.0).any();
   }
-  std::vector<double> out(residual.size(), 0.0);
+  if (!step.allFinite()) return {};
+  out.u.assign(residual.size(), 0.0);
   for (std::size_t k = 0; k < residual.size(); ++k)
-    if (free.number[k] >= 0) out[k] = step[free.number[k]];
-  if (!std::all_of(out.begin(), out.end(), [](double v) { return std::isfinite(v); })) return {};
+    if (free.number[k] >= 0) out.u[k] = step[free.number[k]];
   return out;
 }
 

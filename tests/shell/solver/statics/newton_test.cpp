@@ -1,6 +1,7 @@
 // Newton steps of an uncracked shell.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <set>
 #include <vector>
 
@@ -87,7 +88,7 @@ TEST(NewtonStep, FindsALinearAnswerAtOnce) {
     forces();
     const FreeDegrees free = free_degrees(m, s);
     const std::vector<double> residual = s.motion.force;
-    const std::vector<double> step = newton_step(m, s, free, residual, forces);
+    const std::vector<double> step = newton_step(m, s, free, residual, Differences::kOneSided, forces).u;
     ASSERT_EQ(step.size(), residual.size());
     EXPECT_EQ(s.motion.force, residual);  // as it was
     for (std::size_t k = 0; k < step.size(); ++k) {
@@ -103,4 +104,25 @@ TEST(NewtonStep, FindsALinearAnswerAtOnce) {
       EXPECT_LT(norm_of_free(free, s.motion.force), 1e-4 * norm_of_free(free, residual));
     }
   }
+}
+
+// Euler's load of a strip that is clamped at one end: pi^2 E I/(4 L^2), 14.4 kN/m.
+TEST(NewtonStep, TellsWhetherTheShellIsStable) {
+  for (const Differences differences : {Differences::kOneSided, Differences::kCentral})
+    for (const double load : {0.9, 1.1}) {
+      const double euler = std::numbers::pi * std::numbers::pi * 70e9 * 1e-6 / 12.0 / 4.0;
+      const ShellModel m = strip({clamp(kUMin)}, {end_force(Vec3(-load * euler, 0, 0))});
+      ShellState s = make_state(m, Vec3::Zero(), 0);
+      const auto forces = [&] { compute_forces(m, s, false, 0.0, 1); };
+      const FreeDegrees free = free_degrees(m, s);
+      bool unstable = false;
+      for (int k = 0; k < 3; ++k) {  // straight, it is compressed only
+        forces();
+        const NewtonStep step = newton_step(m, s, free, std::vector<double>(s.motion.force), differences, forces);
+        ASSERT_FALSE(step.u.empty());
+        for (std::size_t i = 0; i < step.u.size(); ++i) s.motion.x[i] += step.u[i];
+        unstable = step.unstable;
+      }
+      EXPECT_EQ(unstable, load > 1.0);
+    }
 }
