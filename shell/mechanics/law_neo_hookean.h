@@ -30,7 +30,8 @@ inline T less_its_log(const T& w) {
 /// G = C - Abar,
 ///   psi = mu/2 (h(w) - det G / det Abar) + mu/2 h(s - 1) + lambda/2 ln^2 J,  w = J0^2 - 1,  h(x) = x - ln(1 + x).
 template <class T>
-inline T neo_hookean_energy(const PlaneStress<T>& p, const Sym2<T>& c, const Sym2<T>& a, const Lame& e) {
+[[gnu::always_inline]] inline T neo_hookean_energy(const PlaneStress<T>& p, const Sym2<T>& c, const Sym2<T>& a,
+                                                   const Lame& e) {
   const T inverse_det = 1.0 / determinant(a), log_area = log_area_ratio<T>(p.share, p.area2);
   const T log_j = log_area + 0.5 * logarithm<T>(p.stretch2);
   const T by_volume = 0.5 * e.lambda * log_j * log_j;
@@ -78,7 +79,7 @@ struct NeoHookean {
   }
 
   template <class T>
-  T energy(const PlaneStress<T>& p, const Sym2<T>& c, const Sym2<T>& a) const {
+  [[gnu::always_inline]] inline T energy(const PlaneStress<T>& p, const Sym2<T>& c, const Sym2<T>& a) const {
     return neo_hookean_energy<T>(p, c, a, lame);
   }
 

@@ -18,7 +18,8 @@ inline Pack contract(const double* basis, int lanes, const double* net, int e) {
     return three + load<Pack>(basis + 3 * lanes + e) * load<Pack>(net + e + 3);
 }
 template <int kSupport>
-inline Vector<Pack> contract3(const double* basis, int lanes, const double* net, int stride, int e) {
+[[gnu::always_inline]] inline Vector<Pack> contract3(const double* basis, int lanes, const double* net, int stride,
+                                                     int e) {
   return {contract<kSupport>(basis, lanes, net, e), contract<kSupport>(basis, lanes, net + stride, e),
           contract<kSupport>(basis, lanes, net + 2 * stride, e)};
 }

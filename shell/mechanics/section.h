@@ -59,7 +59,8 @@ inline Sym2<T> at_height(const Sym2<T>& a, const Sym2<T>& b, double z) {
 
 /// Reference metric of a layer.
 template <class T>
-inline Sym2<T> reference_at(const ReferenceMetric<T>& ref, const Layers& layers, std::size_t layer) {
+[[gnu::always_inline]] inline Sym2<T> reference_at(const ReferenceMetric<T>& ref, const Layers& layers,
+                                                   std::size_t layer) {
   Sym2<T> a = at_height(ref.a, ref.b, layers.zeta[layer]);
   if (!layers.growth.empty()) {
     const double g = layers.growth[layer];
@@ -78,7 +79,7 @@ struct FaceStress {
 /// that is bent so sharply that a layer turns inside out. The test is made at the mid-surface and the outer layers.
 constexpr double kCrushed = 0.04;  // of the reference metric's determinant
 template <class T>
-inline auto bears(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
+[[gnu::always_inline]] inline auto bears(const Forms<T>& f, const ReferenceMetric<T>& ref, const Layers& layers) {
   auto good = determinant(f.a) > kCrushed * determinant(ref.a);
   for (const double z : {layers.zeta.front(), layers.zeta.back()}) {
     const Sym2<T> c = at_height(f.a, f.b, z);

@@ -13,9 +13,9 @@ using namespace sunder;
 using namespace sunder::shell;
 
 TEST(InternalForce, OfEveryStressModelIsMinusTheGradientOfItsEnergy) {
-  for (const StressModel model : {model_of<PaperProjection>, model_of<Jgt17>, model_of<Ghf18>}) {
+  for (int k = 0; k < kElasticLaws; ++k) {
     ShellMaterial g = glass();
-    g.stress_model = model;
+    g.stress_model = StressModel{k};
     const ShellModel m = make_shell("p", rational_patch(), 0.05, g, 3, 3, {});
     for (const double size : {1e-3, 0.03}) {  // both branches of the logarithm
       ShellState s = make_state(m, Vec3::Zero(), 0);
