@@ -24,6 +24,7 @@ constexpr const char* kJoints = "joints";
 constexpr const char* kReleaseJoints = "release_joints";
 constexpr const char* kExportRows = "export_rows";
 constexpr const char* kSaveRestore = "save_restore";
+constexpr const char* kMassRatios = "mass_ratios";
 constexpr const char* kDoublePrecision = "double_precision";
 constexpr const char* kDeterministic = "deterministic";
 }  // namespace capability

@@ -72,7 +72,7 @@ EngineInfo OdeEngine::info() const {
   return {"ode",
           ode_version(),
           {kSpheres, kBoxes, kHalfSpaces, kConvexHulls, kCompound, kContact, kFriction, kRestitution, kJoints,
-           kReleaseJoints, kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
+           kReleaseJoints, kMassRatios, kExportRows, kSaveRestore, kDoublePrecision, kDeterministic}};
 }
 
 void OdeEngine::add(const RigidBody& body) {

@@ -12,6 +12,7 @@ namespace {
 using Scheme = CouplingRules::Scheme;
 
 constexpr int kStiffnessEvery = 8;         // windows between two measurements of stiffness
+constexpr int kHeavyEvery = 8;             // windows between two looks for heavy bodies on light ones
 constexpr int kHeldWindows = 64;           // windows for which a body counts as held by the engine, or stays exported
 constexpr std::int64_t kHeldAtFirst = 64;  // windows at the start in which every body counts as held
 // share of an overlap per substep: twenty stacked plates sink by 2 um, and none bounces
@@ -241,6 +242,10 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
     p.linear_impulse = p.angular_impulse = p.shell_linear = p.shell_angular = Vec3::Zero();
     p.impulse_sum = p.moment_sum = 0.0;
   }
+  if (clock_.windows % kHeavyEvery == 0 && !rigid_->peer().can(link::capability::kMassRatios) &&
+      rigid_->peer().can(link::capability::kContact))
+    look_for_heavy(state_.bodies, std::min(setup_.bodies.size(), state_.bodies.size()), setup_.gravity, window,
+                   heavy_pair_);
   clock_.tick += ticks;
   ++clock_.windows;
   release_joints();

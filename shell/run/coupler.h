@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "coupler/link/rigid_link.h"
+#include "shell/run/mass_ratio.h"
 #include "shell/run/simulation.h"
 
 namespace sunder::shell {
@@ -72,6 +73,8 @@ class Coupler {
   double ledger_angular() const { return ledger_angular_; }
   /// Time at which each joint was released [s]; negative while it holds.
   const std::vector<double>& released_at() const { return released_at_; }
+  /// The worst pair of a heavy body on a light one, where the engine does not hold any.
+  const HeavyPair& heavy_pair() const { return heavy_pair_; }
   BirthErrors& birth_errors() { return birth_errors_; }
   const BirthErrors& birth_errors() const { return birth_errors_; }
 
@@ -79,7 +82,7 @@ class Coupler {
   friend void archive(A& a, Coupler& c) {
     archive_all(a, c.window_ticks_, c.shortest_window_, c.held_until_, c.exported_until_, c.ever_exported_, c.released_,
                 c.released_at_, c.exported_windows_, c.passes_, c.most_passes_, c.stiffest_, c.window_residual_,
-                c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_);
+                c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_, c.heavy_pair_);
   }
 
  private:
@@ -113,6 +116,7 @@ class Coupler {
   double stiffest_ = 0.0, window_residual_ = 0.0, residual_sum_ = 0.0, residual_max_ = 0.0;
   double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
   BirthErrors birth_errors_;
+  HeavyPair heavy_pair_;
 };
 
 }  // namespace sunder::shell

@@ -250,7 +250,11 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   j["handoff"] = handoff_of(run);
   j["coupling"] = coupling_of(run);
   if (!run.setup.joints.empty()) j["joints"] = joints_of(run);
-  j["warnings"] = warnings(run.books, run.simulation, run.coupler.residual_sum());
+  std::vector<std::string> told = warnings(run.books, run.simulation, run.coupler.residual_sum());
+  const std::string engine = recorder.peer() ? recorder.peer()->name : "";
+  if (std::string heavy = heavy_warning(state.bodies, run.coupler.heavy_pair(), engine); !heavy.empty())
+    told.push_back(std::move(heavy));
+  j["warnings"] = told;
   j["shards"] = shards_of(run);
   j["stable_step"] = stable_step_of(state);
   if (!state.soft.empty())

@@ -16,6 +16,9 @@ constexpr double kSpeed_m_s = 1e-3;
 // A tenth of a plate's thickness for all twenty: a pile that sinks by a thickness would show.
 constexpr double kStack_m = 3e-4;
 
+// A light body gives way a little under a heavy one. Squeezed out, it lets the upper one down by its whole height.
+constexpr double kSquashed_m = 1e-3;
+
 // Dropped from a small height. A body born in contact may keep an overlap, which would hide an engine with gaps.
 constexpr double kDrop_m = 2e-3;
 
@@ -45,6 +48,27 @@ void stack(Suite& s, const std::function<RigidBody(BodyId)>& make) {
   }
   s.report.check("height", height, 0.0, kStack_m, "worst of twenty plates after 2 s [m]");
   s.report.check("drift", drift, 0.0, kStack_m, "sideways [m]");
+  play.end();
+}
+
+// A cube of 0.2 m and 1 kg under one that is heavier by a ratio, exactly stacked.
+void heavy_on_light(Suite& s, double ratio, double window_s) {
+  const double half = 0.1;
+  RigidBody lower = at(box(2, {half, half, half}), {0, 0, half}),
+            upper = at(box(3, {half, half, half}), {0, 0, 3 * half});
+  for (RigidBody* b : {&lower, &upper}) {
+    const double mass = b == &upper ? ratio : 1.0;
+    b->principal_inertia *= mass / b->mass, b->mass = mass;
+  }
+  const RigidBody ground = at(fixed(box(1, {1, 1, 0.05})), {0, 0, -0.05});
+  Play play(s.target, {{{ground, lower, upper}, law(0.8, 0.0), {}}, gravity(), window_s});
+  play.run(2.0);
+  for (const RigidBody* b : {&lower, &upper}) {
+    const Vec3 moved = play.body(b->id).motion.position - b->motion.position;
+    const std::string name = b == &upper ? "upper" : "lower";
+    s.report.check(name + "_height", std::abs(moved.z()), 0.0, kSquashed_m, "after 2 s [m]");
+    s.report.check(name + "_drift", moved.head<2>().norm(), 0.0, 0.1 * half, "sideways [m]");
+  }
   play.end();
 }
 
@@ -90,6 +114,14 @@ std::vector<Case> resting_cases() {
        [](Suite& s) { stack(s, [](BodyId id) {
                         return box(id, {0.075, 0.075, 0.0015});
                       }); }},
+      {"stack_100_to_1",
+       "a cube on one that is a hundred times lighter, windows of 2 ms",
+       {kBoxes, kContact, kFriction},
+       [](Suite& s) { heavy_on_light(s, 100.0, 2e-3); }},
+      {"stack_1000_to_1",
+       "a thousand times lighter, windows of 10 ms",
+       {kBoxes, kContact, kFriction, kMassRatios},
+       [](Suite& s) { heavy_on_light(s, 1000.0, 1e-2); }},
       {"stack_shards",
        "the same as convex hulls",
        {kConvexHulls, kHalfSpaces, kContact, kFriction},
