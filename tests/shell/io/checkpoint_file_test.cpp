@@ -39,7 +39,8 @@ bool says(const std::string& text, const std::string& what) { return text.find(w
 TEST(CheckpointFile, ComesBackToTheByte) {
   const TemporaryFolder folder;
   const std::string path = checkpoint_path(folder.path);
-  std::string bytes = std::string("\n\0 any \xff bytes", 14) + std::string(3, '\0');
+  std::string bytes("\n\0 any \xff bytes", 14);
+  bytes.append(3, '\0');
   for (const std::string& text : {bytes, std::string(), std::string(100000, 'x')}) {
     write_checkpoint(path, "scene", text);
     EXPECT_EQ(read_checkpoint(path, "scene"), text);
