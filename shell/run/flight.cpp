@@ -25,6 +25,13 @@ bool meets_box(const Eigen::AlignedBox3d& box, double pad, const Vec3& position,
   return from <= to;
 }
 
+bool passes(const Vec3& point, double reach, const Vec3& position, const Vec3& velocity, double time) {
+  const Vec3 to = point - position;
+  const double speed2 = velocity.squaredNorm();
+  const double nearest = speed2 > 0.0 ? std::clamp(to.dot(velocity) / speed2, 0.0, std::max(0.0, time)) : 0.0;
+  return (to - nearest * velocity).squaredNorm() <= reach * reach;
+}
+
 std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies) {
   const auto most = static_cast<std::int64_t>(std::llround(setup.settle_window / setup.tick));
   if (setup.shells.empty() || most <= 1) return most;

@@ -12,6 +12,9 @@ namespace sunder::shell {
 /// `time` from now [s]. A start within the grown box counts.
 bool meets_box(const Eigen::AlignedBox3d& box, double pad, const Vec3& position, const Vec3& velocity, double time);
 
+/// Tests whether the straight path from `position` with `velocity` comes within `reach` of a point within `time` [s].
+bool passes(const Vec3& point, double reach, const Vec3& position, const Vec3& velocity, double time);
+
 /// Returns the length of the next window without a shell [ticks], at least 1. Two bodies that can meet approach by at
 /// most kSettleTravel times the least shell thickness, so they do not pass through each other unseen.
 std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies);

@@ -37,15 +37,17 @@ bool Pieces::impact_ahead(const ShellPart& part) const {
 }
 
 bool Pieces::strike_ahead(const std::vector<PartPieces>& now, const Group& g) const {
+  std::vector<Vec3> points;  // control points of the pieces
   Eigen::AlignedBox3d box;
   Vec3 momentum = Vec3::Zero();
-  double mass = 0.0, across = 0.0, thickness = 0.0;  // `across`: energy of a crack across the piece [J]
+  double mass = 0.0, across = 0.0;  // `across`: energy of a crack across the pieces [J]
+  double apart = 0.0;               // of the surface from its control points, with half a thickness [m]
   for (const auto& [k, i] : g.members) {
     const ShellModel& m = state_.shells[k].model();
     const ShellState& s = *state_.shells[k].state;
     const auto count = [&](int point) {
       const int slot = m.tables.slot(point);
-      box.extend(s.position(slot));
+      points.push_back(s.position(slot)), box.extend(points.back());
       if (s.motion.inverse_mass[slot] > 0.0)
         mass += s.motion.mass[slot], momentum += s.motion.mass[slot] * s.velocity(slot);
     };
@@ -54,17 +56,22 @@ bool Pieces::strike_ahead(const std::vector<PartPieces>& now, const Group& g) co
     for (const int point : now[k].pieces[i].control_points) count(point);
     const double length = std::sqrt(now[k].pieces[i].area);
     if (m.material.strength > 0.0) across += m.material.fracture_energy * m.thickness * length;
-    thickness = std::max(thickness, m.thickness);
+    apart = std::max(apart, m.spacing + 0.5 * m.thickness);
   }
   if (across == 0.0 || mass == 0.0) return false;
+  const double time = setup_.latest_freeze - clock_.time();
   for (std::size_t i = 0; i < setup_.bodies.size(); ++i) {
     const Proxy& body = state_.bodies[i];
     if (body.body.is_static) continue;
     const BodyMotion& b = body.body.motion;
     const Vec3 approach = b.velocity - momentum / mass;
-    const double pad = body.radius() + thickness, together = mass * body.body.mass / (mass + body.body.mass);
+    const double together = mass * body.body.mass / (mass + body.body.mass);
     if (0.5 * together * approach.squaredNorm() < across) continue;  // it cannot break the piece
-    if (meets_box(box, pad, b.position, approach, setup_.latest_freeze - clock_.time())) return true;
+    const double reach = body.radius() + apart;
+    if (!meets_box(box, reach, b.position, approach, time)) continue;
+    if (std::any_of(points.begin(), points.end(),
+                    [&](const Vec3& x) { return passes(x, reach, b.position, approach, time); }))
+      return true;
   }
   return false;
 }

@@ -51,11 +51,15 @@ void Recorder::write_frame() {
   const double interval = state.solving() ? setup.shell_frame_interval : setup.frame_interval;
   // A late frame does not delay the next one. A frame that is written anew, or for the end of the run, changes nothing.
   if (frame_is_due()) next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);
-  write_atomically(out_ + "/series.csv", series_);
-  if (!probes_.empty()) write_atomically(out_ + "/probes.csv", probes_);
+  write_tables();
   if (time > 0.0) write_summary("running", nullptr);  // a killed run still shows how far it came
   parts_.simulation.scratch.times[Stage::kIo] += wall_clock() - start;
   traced("frame", begin);
+}
+
+void Recorder::write_tables() const {
+  write_atomically(out_ + "/series.csv", series_);
+  if (!probes_.empty()) write_atomically(out_ + "/probes.csv", probes_);
 }
 
 void Recorder::write_probes() {

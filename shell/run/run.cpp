@@ -38,6 +38,7 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     start();
     while (clock_.tick < end_tick() && !interrupted) window();
     if (!recorder_.has_frame_of_now()) recorder_.write_frame();
+    recorder_.write_tables();  // the rows of the last window came after its frame
     if (interrupted && setup_.checkpoint_interval > 0.0) save_checkpoint(drop_caches());
     finish(interrupted ? "interrupted" : "done");
     return interrupted ? Exit::kInterrupted : Exit::kDone;

@@ -36,6 +36,7 @@ struct Forgetful final : link::Engine {
                const std::vector<BodyId>& solved) override {
     exact.advance(window_s, handbacks, solved);
   }
+  std::string save() override { return exact.save(); }
   std::vector<link::State> states() const override {
     std::vector<link::State> out = exact.states();
     for (link::State& s : out) {

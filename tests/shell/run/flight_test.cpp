@@ -82,3 +82,13 @@ TEST(MeetsBox, WhereTheStraightPathEntersItInTime) {
   EXPECT_FALSE(meets_box(box, 0.5, Vec3(0, 0, 2.5), Vec3::Zero(), 1.0));
   EXPECT_FALSE(meets_box(box, 0.5, Vec3(0, 0, 2.5), down, -1.0));  // no time is left
 }
+
+TEST(Passes, WhereTheStraightPathComesNearInTime) {
+  const Vec3 down(0, 0, -2), point(0.3, 0, 0);
+  EXPECT_TRUE(passes(point, 0.31, Vec3(0, 0, 2), down, 1.0));
+  EXPECT_FALSE(passes(point, 0.29, Vec3(0, 0, 2), down, 1.0));  // through a hole about the point
+  EXPECT_FALSE(passes(point, 0.31, Vec3(0, 0, 2), down, 0.8));  // too late
+  EXPECT_FALSE(passes(point, 0.31, Vec3(0, 0, 2), -down, 9.0));
+  EXPECT_TRUE(passes(point, 0.31, Vec3(0.2, 0, 0.2), -down, 9.0));  // it is there
+  EXPECT_TRUE(passes(point, 0.31, Vec3(0.2, 0, 0.2), Vec3::Zero(), 9.0));
+}
