@@ -14,7 +14,7 @@ from pathlib import Path
 from . import REPOSITORY
 
 FORMAT_VERSION = "14"  # clang-format of Debian 12: others lay out a few lines in other ways
-# Rooms that clang-tidy reads: half a minute a file elsewhere, with the headers of Eigen's solvers and of CGAL.
+# Rooms that clang-tidy reads, but for files that include CGAL: those, and Eigen's solvers elsewhere, take minutes.
 TIDY = ("coupler/core", "shell/geometry", "shell/grid")
 TIDY_FLAGS = ("-std=c++20", f"-I{REPOSITORY}", "-isystem", "/usr/include/eigen3", "-DFMT_SHARED", "-DSUNDER_VERSION=\"0\"")
 
@@ -42,7 +42,7 @@ class Sources(unittest.TestCase):
                          "mend it with: clang-format -i FILE")
 
     def test_suspicious_cpp(self) -> None:
-        files = self.files(".cpp", rooms=TIDY)
+        files = [path for path in self.files(".cpp", rooms=TIDY) if "<CGAL/" not in Path(path).read_text(encoding="utf-8")]
         self.assertGreater(len(files), 8)
         self.assertEqual(self.run_tool("clang-tidy", "clang-tidy", "--quiet", "--warnings-as-errors=*", *files, "--",
                                        *TIDY_FLAGS), "")
