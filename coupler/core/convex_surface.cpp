@@ -19,6 +19,7 @@ double enclosed_volume(const Surface& s) {
 Surface convex_surface(const std::vector<Vec3>& points) {
   using Point = CGAL::Exact_predicates_inexact_constructions_kernel::Point_3;
   std::vector<Point> in;
+  in.reserve(points.size());
   for (const Vec3& p : points) in.emplace_back(p.x(), p.y(), p.z());
   CGAL::Surface_mesh<Point> mesh;
   CGAL::convex_hull_3(in.begin(), in.end(), mesh);
