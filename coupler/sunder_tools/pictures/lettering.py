@@ -15,6 +15,16 @@ def _font(size: int) -> ImageFont.FreeTypeFont | None:
     return None
 
 
+PLAIN = {"µ": "u", "×": "x", "°": " deg"}  # what is written where a font has no such character
+
+
+def _known(font: ImageFont.ImageFont | ImageFont.FreeTypeFont, text: str) -> str:
+    """The text in characters that PIL's own font has: Latin-1 up to version 10, fewer after that."""
+    text = text.encode("latin-1", "replace").decode("latin-1")
+    missing = bytes(font.getmask("\uffff")) if isinstance(font, ImageFont.FreeTypeFont) else None
+    return "".join(c if missing is None or c.isspace() or bytes(font.getmask(c)) != missing else PLAIN.get(c, "?") for c in text)
+
+
 def draw_text(image: Image.Image, at: tuple[int, int], text: str, size: int) -> None:
     """Draws text with its upper left corner at `at`; without other fonts, in PIL's own small font, enlarged."""
     font = _font(size)
@@ -22,7 +32,7 @@ def draw_text(image: Image.Image, at: tuple[int, int], text: str, size: int) -> 
         ImageDraw.Draw(image).text(at, text, fill=TEXT, font=font)
         return
     plain = ImageFont.load_default()
-    text = text.encode("latin-1", "replace").decode("latin-1")  # the built-in font has only these characters
+    text = _known(plain, text)
     mask = Image.new("L", plain.getbbox(text)[2:])
     ImageDraw.Draw(mask).text((0, 0), text, fill=255, font=plain)
     factor = max(size / 11.0, 1.0)
