@@ -13,7 +13,7 @@ namespace {
 // Masses [kg] of the bodies at the end: a disc that is cut out of a brittle plate at the start, and a ball above it.
 std::vector<double> masses(double speed) {
   const std::string text = fmt::format(
-      "name: \"loose\" end_time_s: 1.8e-4 window_s: 2e-6 gravity {{}}\n"
+      "name: \"loose\" end_time_s: 2.2e-4 window_s: 2e-6 gravity {{}}\n"
       "materials {{ name: \"disc\" density: 2200 youngs_modulus: 22.35e9 poisson_ratio: 0.25 strength: 11.2e6\n"
       "  fracture_energy: 20.8 }}\n"
       "materials {{ name: \"ball\" density: 7700 }}\n"
