@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kTurn = 0.1;        // most turn in a step [rad]
 constexpr double kSmallTurn = 5e-4;  // up to here one symmetric composition is as exact as five [rad]
+constexpr int kMostSteps = 10000;    // some 160 turns at full accuracy
 
 /// The two parts of the energy. Rates are per angular momentum [1/(kg m^2)].
 struct Split {
@@ -58,15 +59,16 @@ Quat free_rotation(const Vec3& inertia, const Vec3& momentum, const Quat& start,
   }
   const double first = 1.0 / (4.0 - std::cbrt(4.0));
   const std::array<double, 5> shares{first, first, 1.0 - 4.0 * first, first, first};
-  for (double left = h; left != 0.0;) {
+  double left = h;
+  for (int done = 0; left != 0.0; ++done) {
     const Vec3 local = (q.conjugate() * momentum).cwiseAbs();
     const double rate = local.norm() * s.mean + local[s.axis] * std::abs(s.about_top) + local[s.rest] * s.about_rest;
     const double steps = std::max(1.0, std::ceil(rate * std::abs(left) / kTurn));
     const double step = left / steps;
-    if (rate * std::abs(left) <= kSmallTurn) {
-      turn_rest(s, momentum, 0.5 * step, q);
-      turn_top(s, momentum, step, q);
-      turn_rest(s, momentum, 0.5 * step, q);
+    if (rate * std::abs(left) <= kSmallTurn || done == kMostSteps) {
+      turn_rest(s, momentum, 0.5 * left, q);
+      turn_top(s, momentum, left, q);
+      turn_rest(s, momentum, 0.5 * left, q);
       return q.normalized();
     }
     turn_rest(s, momentum, 0.5 * shares[0] * step, q);

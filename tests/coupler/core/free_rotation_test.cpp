@@ -23,6 +23,16 @@ double uniform(std::mt19937& random, double low, double high) {
 
 }  // namespace
 
+// Ten thousand steps at most: a spin that no window resolves must not stop the run.
+TEST(FreeRotation, OfAnAbsurdSpinEndsWithARotation) {
+  const Vec3 inertia(0.1, 0.2, 0.25);
+  for (const double spin : {1e6, 1e12, 1e100}) {
+    const Quat q = free_rotation(inertia, spin * Vec3(0.3, 1.0, -0.2), Quat::Identity(), 1e-3);
+    EXPECT_NEAR(q.norm(), 1.0, 1e-12) << spin;
+  }
+  free_rotation(inertia, Vec3(0.0, INFINITY, 0.0), Quat::Identity(), 1e-3);  // what it gives is no number; it ends
+}
+
 // A handle that spins about its middle axis turns over again and again. The times are those of Jacobi's elliptic
 // functions. They are 1.676303 s apart.
 TEST(FreeRotation, TurnsAHandleOverAtTheSameTimesInEveryWindow) {
