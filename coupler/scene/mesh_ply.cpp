@@ -89,6 +89,8 @@ class Ply {
       mesh_.fail(
           "does not start as a PLY file does: the word ply, a format (ascii, binary_little_endian or "
           "binary_big_endian), elements, end_header");
+    for (const Element& e : elements_)
+      if (e.properties.empty()) mesh_.fail(fmt::format("has an element '{}' without a property in its header", e.name));
     if (std::none_of(elements_.begin(), elements_.end(), [](const Element& e) { return e.name == "vertex"; }))
       mesh_.fail("has no element 'vertex' in its header; export a mesh");
   }

@@ -17,6 +17,7 @@ class Corners {
  public:
   explicit Corners(MeshFile& mesh) : mesh_(mesh) {}
   int index(const Vec3& p, const std::string& where) {
+    if (!p.allFinite()) mesh_.add(p, where);  // which refuses it: a map has no order for such numbers
     const auto [found, is_new] =
         known_.emplace(std::array{p.x() + 0.0, p.y() + 0.0, p.z() + 0.0}, static_cast<int>(mesh_.points.size()));
     if (is_new) mesh_.add(p, where);

@@ -150,6 +150,8 @@ TEST(MeshFile, PlyIsReadAsTextAndInBothOrdersOfBytes) {
   expect_refused("bad.ply", replaced_in(text, "element face 10", "element face 9"), {"is not closed", "number 1"});
   expect_refused("bad.ply", replaced_in(text, "property short layer", "property list short int layer"),
                  {"vertex 0: it has a list of -3 numbers"});
+  expect_refused("bad.ply", replaced_in(text, "end_header", "element nothing 99999999999999\nend_header"),
+                 {"has an element 'nothing' without a property"});
 }
 
 TEST(MeshFile, StlIsReadAsTextAndAsBinary) {
@@ -166,6 +168,9 @@ TEST(MeshFile, StlIsReadAsTextAndAsBinary) {
   std::string open = binary.substr(0, binary.size() - 50);
   open[80] = static_cast<char>(open[80] - 1);
   expect_refused("bad.stl", open, {"is not closed", "of the face of number "});
+  std::string no_number = binary;  // a corner of the third triangle, which others have named before
+  no_number.replace(84 + 2 * 50 + 12, 4, bytes(std::nanf("")));
+  expect_refused("bad.stl", no_number, {"triangle 3: (nan, ", "is no point of three numbers"});
 }
 
 TEST(MeshFile, OtherFormatsAreRefusedWithThoseThatAreRead) {
