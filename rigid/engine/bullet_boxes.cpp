@@ -41,6 +41,16 @@ BodyMotion pose_of(const btCollisionObjectWrapper* object) {
 
 btVector3 to_bullet(const Vec3& p) { return btVector3(p.x(), p.y(), p.z()) * kLengthScale; }
 
+btManifoldPoint point_of(const Touch& touch, const btCollisionObjectWrapper* first,
+                         const btCollisionObjectWrapper* second) {
+  const btVector3 on_first = to_bullet(touch.first), on_second = to_bullet(touch.second);
+  btManifoldPoint point(first->getWorldTransform().invXform(on_first), second->getWorldTransform().invXform(on_second),
+                        to_bullet(touch.normal) / kLengthScale, kLengthScale * touch.gap);
+  point.m_positionWorldOnA = on_first;
+  point.m_positionWorldOnB = on_second;
+  return point;
+}
+
 class BoxesAlgorithm final : public btCollisionAlgorithm {
  public:
   BoxesAlgorithm(const btCollisionAlgorithmConstructionInfo& info, const btCollisionObjectWrapper* first,
@@ -63,12 +73,7 @@ class BoxesAlgorithm final : public btCollisionAlgorithm {
     bool taken[MANIFOLD_CACHE_SIZE] = {};
     manifold_->clearManifold();
     for (const Touch& touch : touches_) {
-      const btVector3 on_first = to_bullet(touch.first), on_second = to_bullet(touch.second);
-      btManifoldPoint point(first->getWorldTransform().invXform(on_first),
-                            second->getWorldTransform().invXform(on_second), to_bullet(touch.normal) / kLengthScale,
-                            kLengthScale * touch.gap);
-      point.m_positionWorldOnA = on_first;
-      point.m_positionWorldOnB = on_second;
+      btManifoldPoint point = point_of(touch, first, second);
       int nearest = -1;
       double least = kLengthScale * kSamePlace_m;
       for (int i = 0; i < old_count; ++i) {
@@ -125,12 +130,7 @@ class HullsAlgorithm final : public btConvexConvexAlgorithm {
     touch_hulls(faces_->first_placed, faces_->second_placed, reach / kLengthScale, touches_);
     manifold.clearManifold();
     for (const Touch& touch : touches_) {
-      const btVector3 on_first = to_bullet(touch.first), on_second = to_bullet(touch.second);
-      btManifoldPoint point(first->getWorldTransform().invXform(on_first),
-                            second->getWorldTransform().invXform(on_second), to_bullet(touch.normal) / kLengthScale,
-                            kLengthScale * touch.gap);
-      point.m_positionWorldOnA = on_first;
-      point.m_positionWorldOnB = on_second;
+      btManifoldPoint point = point_of(touch, first, second);
       manifold.addManifoldPoint(point);
     }
   }

@@ -19,9 +19,6 @@ constexpr double kShrinkClamp = 0.45;  // [-]
 constexpr double kMaxCornerLoss_m = 0.7e-3;
 /// Least margin. Below it the hull keeps its corners and has this margin: GJK in double precision works with 1 um.
 constexpr double kLeastMargin_m = 1e-6;
-/// Share of (bounding diagonal)^3 below which a part is flat.
-constexpr double kFlatShare = 1e-12;  // [-]
-
 btVector3 scaled(const Vec3& p) { return btVector3(kLengthScale * p.x(), kLengthScale * p.y(), kLengthScale * p.z()); }
 
 /// Largest distance of a corner from the shrunk and rounded hull [Bullet lengths]. An upper bound: it considers the
@@ -39,28 +36,17 @@ double corner_loss(const btConvexHullComputer& unshrunk, const btConvexHullCompu
 
 std::unique_ptr<btCollisionShape> make_hull(const RigidBody& body, const std::vector<Vec3>& part, std::size_t index) {
   const std::string field = fmt::format("shape.parts[{}]", index);
-  if (part.size() < 4)
-    reject_body(body, field, fmt::format("has {} corners, needs at least 4; leave the part out", part.size()));
+  const double diagonal = check_corners(body, part, field);
+  // Bullet computes hulls on a grid of 1e-4 of their size, on which a thin tilted part is flat.
+  check_not_flat(body, convex_surface(part), diagonal, field);
   std::vector<btVector3> corners;
-  Vec3 low = part.front(), high = part.front();
-  for (const Vec3& p : part) {
-    if (!p.allFinite())
-      reject_body(body, field, fmt::format("has a corner ({}, {}, {}) that is not finite", p.x(), p.y(), p.z()));
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-    corners.push_back(scaled(p));
-  }
+  for (const Vec3& p : part) corners.push_back(scaled(p));
   const int count = static_cast<int>(corners.size());
   const auto compute = [&](btConvexHullComputer& hull, double shrink) {
     return hull.compute(&corners[0].m_floats[0], sizeof(btVector3), count, shrink, kShrinkClamp);
   };
   btConvexHullComputer unshrunk;
   compute(unshrunk, 0.0);
-  const double diagonal = (high - low).norm();
-  // Bullet computes hulls on a grid of 1e-4 of their size, on which a thin tilted part is flat.
-  if (const double volume = enclosed_volume(convex_surface(part));
-      !(volume > kFlatShare * diagonal * diagonal * diagonal))
-    reject_body(body, field, fmt::format("has volume {} m^3, must enclose some; leave flat parts out", volume));
 
   auto shape = std::make_unique<btConvexHullShape>();
   // No initializePolyhedralFeatures: on shrunk hulls contact would begin two margins too late.

@@ -2,10 +2,14 @@
 
 #include <cmath>
 
+#include "coupler/core/convex_surface.h"
+
 namespace sunder::rigid {
 namespace {
 
 constexpr double kUnitTolerance = 1e-6;  // of |q| [-]
+/// Share of (diagonal of the bounds)^3 below which a convex part is flat.
+constexpr double kFlatShare = 1e-12;  // [-]
 
 bool finite(const BodyMotion& m) {
   return m.position.allFinite() && m.orientation.coeffs().allFinite() && m.velocity.allFinite() &&
@@ -41,6 +45,24 @@ void reject_predicted(BodyId id, const std::string& what) {
   Error error(Exit::kBadInput, "bad_handback", fmt::format("handback of body {}: {}", id, what));
   error.body = std::to_string(id);
   throw error;
+}
+
+double check_corners(const RigidBody& body, const std::vector<Vec3>& part, const std::string& field) {
+  if (part.size() < 4)
+    reject_body(body, field, fmt::format("has {} corners, needs at least 4; leave the part out", part.size()));
+  Vec3 low = part.front(), high = part.front();
+  for (const Vec3& p : part) {
+    if (!p.allFinite())
+      reject_body(body, field, fmt::format("has a corner ({}, {}, {}) that is not finite", p.x(), p.y(), p.z()));
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  return (high - low).norm();
+}
+
+void check_not_flat(const RigidBody& body, const Surface& hull, double diagonal, const std::string& field) {
+  if (const double volume = enclosed_volume(hull); !(volume > kFlatShare * diagonal * diagonal * diagonal))
+    reject_body(body, field, fmt::format("has volume {} m^3, must enclose some; leave flat parts out", volume));
 }
 
 void check_body(const RigidBody& body) {

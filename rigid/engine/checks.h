@@ -1,7 +1,9 @@
 #pragma once
 // Checks and rules that all engines share. For adapters.
 #include <algorithm>
+#include <string>
 #include <utility>
+#include <vector>
 
 #include "rigid/engine/engine.h"
 
@@ -18,6 +20,11 @@ inline std::pair<std::uint32_t, std::uint32_t> ordered(std::uint32_t a, std::uin
 
 /// Throws Error (bad_body) with id, name and field of the body. `what`: value and remedy.
 [[noreturn]] void reject_body(const RigidBody& body, const std::string& field, const std::string& what);
+/// Checks that a convex part has four corners at least and that all are finite. Returns the diagonal of its bounds [m].
+/// Throws Error (bad_body).
+double check_corners(const RigidBody& body, const std::vector<Vec3>& part, const std::string& field);
+/// Checks that the hull of a part, of this diagonal [m], encloses a volume. Throws Error (bad_body).
+void check_not_flat(const RigidBody& body, const Surface& hull, double diagonal, const std::string& field);
 /// Throws Error (bad_handback) for the predicted state of a body.
 [[noreturn]] void reject_predicted(BodyId id, const std::string& what);
 /// Checks id, motion, sizes of the shape, mass and inertia. Corners of convex parts are checked elsewhere. Throws Error

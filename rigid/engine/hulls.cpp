@@ -19,8 +19,6 @@ constexpr double kSame = 1e-9;  // [-]
 /// Share of a part's diagonal within which the corners of a face lie in one plane. The division of a mesh leaves 1e-9
 /// of the whole mesh's diagonal, which is more of a small part's.
 constexpr double kOnePlane = 1e-7;  // [-]
-/// Share of (diagonal)^3 below which a part is flat.
-constexpr double kFlatShare = 1e-12;  // [-]
 /// Edges whose directions differ by less (sine of the angle) are parallel.
 constexpr double kParallel = 1e-6;
 /// Limit of corners of a part: contact tries all pairs of edges of two parts.
@@ -158,28 +156,18 @@ bool is_closed(const Hull& hull) {
 }
 
 Hull make_hull(const RigidBody& body, const std::vector<Vec3>& part, const std::string& field) {
-  if (part.size() < 4)
-    reject_body(body, field, fmt::format("has {} corners, needs at least 4; leave the part out", part.size()));
+  const double diagonal = check_corners(body, part, field);
   if (part.size() > kMostCorners)
     reject_body(
         body, field,
         fmt::format("has {} corners, this engine takes {} at most; take a coarser part", part.size(), kMostCorners));
-  Vec3 low = part.front(), high = part.front();
-  for (const Vec3& p : part) {
-    if (!p.allFinite())
-      reject_body(body, field, fmt::format("has a corner ({}, {}, {}) that is not finite", p.x(), p.y(), p.z()));
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  const double diagonal = (high - low).norm();
   Hull hull;
   for (const Vec3& p : part)
     if (std::none_of(hull.points.begin(), hull.points.end(),
                      [&](const Vec3& q) { return (p - q).norm() <= kSame * diagonal; }))
       hull.points.push_back(p);
   const Surface surface = convex_surface(hull.points);
-  if (const double volume = enclosed_volume(surface); !(volume > kFlatShare * diagonal * diagonal * diagonal))
-    reject_body(body, field, fmt::format("has volume {} m^3, must enclose some; leave flat parts out", volume));
+  check_not_flat(body, surface, diagonal, field);
   find_faces(hull, surface, diagonal);
   if (!is_closed(hull))
     reject_body(body, field,

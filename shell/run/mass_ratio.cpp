@@ -70,8 +70,7 @@ std::string heavy_warning(const std::vector<Proxy>& bodies, const HeavyPair& pai
   };
   return fmt::format(
       "'{}' lies on '{}', which is {:.3g} times lighter: in windows as long as these the engine '{}' may let it sink "
-      "in "
-      "or squeeze it out; take --rigid ode, which holds any ratio, or a window_s of {:.2g} s or less",
+      "in or squeeze it out; take --rigid ode, which holds any ratio, or a window_s of {:.2g} s or less",
       name(pair.heavy), name(pair.light), pair.ratio, engine, pair.window);
 }
 

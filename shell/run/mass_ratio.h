@@ -1,6 +1,5 @@
 #pragma once
 // Heavy bodies on light ones, which engines that iterate squeeze out.
-#include <functional>
 #include <string>
 #include <vector>
 

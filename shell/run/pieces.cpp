@@ -310,7 +310,7 @@ RigidBody Pieces::hand_off_group(std::vector<PartPieces>& now, const Group& grou
   for (const auto& [k, i] : group.members) {
     const ShellModel& m = *shells[k].model;
     Piece& p = now[k].pieces[i];
-    for (const int i : p.control_points) points.emplace_back(k, i);
+    for (const int point : p.control_points) points.emplace_back(k, point);
     if (p.control_points.empty()) state_.shells[k].add_rubble(*now[k].triangulation, p.number);
     parts.push_back(hand_off(m, *shells[k].state, *now[k].triangulation, p, counts_.next_id, dt));
     mass += m.material.density * m.thickness * parts.back().area;

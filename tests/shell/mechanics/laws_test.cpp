@@ -9,6 +9,7 @@
 #include "proto/shell.pb.h"
 #include "shell/mechanics/laws.h"
 #include "shell/mechanics/point_force.h"
+#include "tests/shell/fixtures.h"
 
 using namespace sunder;
 using namespace sunder::shell;
@@ -26,17 +27,8 @@ constexpr double kYoung = 1e9, kPoisson = 0.3, kThickness = 0.02;
 
 // A curved rational patch.
 Patch patch() {
-  Patch p{KnotVector({0, 0, 0, 0.15, 0.3, 0.5, 0.6, 0.8, 1, 1, 1}, 2, "u"),
-          KnotVector({0, 0, 0, 0.4, 1, 1, 1}, 2, "v"),
-          {},
-          {}};
-  for (int j = 0; j < p.rows(); ++j)
-    for (int i = 0; i < p.columns(); ++i) {
-      const double u = p.knots_u.greville(i), v = p.knots_v.greville(j);
-      p.control_points.emplace_back(u, v + 0.1 * u * u, 0.2 * u * u - 0.1 * u * v);
-      p.weights.push_back(1.0 + 0.2 * ((i + j) % 2));
-    }
-  return p;
+  return rational_patch(KnotVector({0, 0, 0, 0.15, 0.3, 0.5, 0.6, 0.8, 1, 1, 1}, 2, "u"),
+                        KnotVector({0, 0, 0, 0.4, 1, 1, 1}, 2, "v"));
 }
 
 // The patch twice: all points in rows, and all gathered.
