@@ -130,13 +130,25 @@ bool is_flat(const ShellModel& m, const ShellState& s, const Polygon& polygon) {
   return high - low <= kBentPiece * m.thickness;
 }
 
+double area_of(const Polygon& polygon) {
+  double twice = 0.0;
+  for (std::size_t i = 2; i < polygon.size(); ++i) {
+    const Vec2 a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
+    twice += a.x() * b.y() - a.y() * b.x();
+  }
+  return 0.5 * twice;
+}
+
 // Adds convex parts of a bent piece, in world coordinates: those of its outline, halved until each is flat. What is no
 // larger than half a spacing is taken as it is, and left out where it is torn.
 void add_bent_parts(const ShellModel& m, const ShellState& s, const Outline& outline, ConvexShape& shape) {
   std::vector<Polygon> open = convex_parts(outline, kPartTolerance * m.spacing * m.spacing);
+  double whole = 0.0;
+  for (const Polygon& polygon : open) whole += area_of(polygon);
   while (!open.empty()) {
     const Polygon polygon = std::move(open.back());
     open.pop_back();
+    if (area_of(polygon) <= kLeastPart * whole) continue;  // no engine takes a body's flat parts
     Eigen::AlignedBox2d box;
     for (const Vec2& p : polygon) box.extend(p);
     const bool small = box.sizes().maxCoeff() <= 0.5 * m.spacing;
