@@ -28,7 +28,8 @@ def add_parser(subparsers: Subparsers) -> None:
                         help="a name that 'sunder engines' lists, inprocess[:NAME], the path of a program that serves\n"
                              "one, or the address at which one waits (ipc://..., tcp://...); default: bullet")
     parser.add_argument("--resume", metavar="DIR", type=Path,
-                        help="continue the run in this folder from its last checkpoint; the result is the same to the bit")
+                        help="continue the run in this folder from its last checkpoint; the result is the same to the bit,\n"
+                             "but after Ctrl-C")
     parser.add_argument("--record", action="store_true", help="keep all messages in session.rec, for 'sunder replay'")
     parser.add_argument("--trace", action="store_true",
                         help="trace.json: both processes on one clock, for Perfetto or chrome://tracing")
