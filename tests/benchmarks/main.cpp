@@ -161,6 +161,15 @@ double operations_per_gauss_point(const Sheet& s) {
   return static_cast<double>(own) + static_cast<double>(Counting::operations) / t.gauss;
 }
 
+// Whether a benchmark reported an error. The member has another name from version 1.8 of the library on.
+template <class Run>
+bool failed(const Run& r) {
+  if constexpr (requires { r.error_occurred; })
+    return r.error_occurred;
+  else
+    return static_cast<int>(r.skipped) != 0;
+}
+
 // Least seconds a round over all repetitions.
 class Minima : public benchmark::ConsoleReporter {
  public:
@@ -168,7 +177,7 @@ class Minima : public benchmark::ConsoleReporter {
   bool ReportContext(const Context&) override { return true; }
   void ReportRuns(const std::vector<Run>& runs) override {
     for (const Run& r : runs) {
-      if (r.run_type != Run::RT_Iteration || r.error_occurred) continue;
+      if (r.run_type != Run::RT_Iteration || failed(r)) continue;
       const std::string name = r.run_name.function_name;
       const double s = r.real_accumulated_time / static_cast<double>(r.iterations);
       if (!seconds.count(name) || s < seconds[name]) seconds[name] = s;
