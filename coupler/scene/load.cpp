@@ -11,6 +11,7 @@
 
 #include "coupler/core/hash.h"
 #include "coupler/scene/names.h"
+#include "coupler/scene/presets.h"
 
 namespace sunder::scene {
 namespace pb = google::protobuf;
@@ -232,6 +233,7 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   add_files(scene.message, std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path(), hash);
   scene.hash = hash.hex();
   check_enumerators(scene, scene.message, "");
+  fill_presets(scene.message);
   validate(scene);
   return scene;
 }

@@ -29,6 +29,16 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
     s.check(m.has_fracture_energy(), f + ".fracture_energy", "is missing; a material with a strength needs it [J/m^2]");
   }
   if (m.has_fracture_energy()) positive(s, f + ".fracture_energy", true, m.fracture_energy(), "J/m^2");
+  s.check(!m.has_crack_speed_onset() || (m.crack_speed_onset() >= 0.0 && m.crack_speed_onset() <= 1.0),
+          f + ".crack_speed_onset", "is {}; a share of the Rayleigh speed, 0 to 1", m.crack_speed_onset());
+  not_negative(s, f + ".toughening", m.has_toughening(), m.toughening());
+  s.check(!m.has_toughening() || m.has_crack_speed_onset(), f + ".toughening",
+          "needs a crack_speed_onset, the speed from which on the fracture energy rises");
+  s.check(!m.has_branch_drive() || (m.branch_drive() > 1.0 && m.branch_drive() <= 1e12), f + ".branch_drive",
+          "is {}; a tip runs above 1 and divides above this; at most 1e12, which is never", m.branch_drive());
+  s.check(!m.has_crack_friction() || (m.crack_friction() >= 0.0 && m.crack_friction() <= 10.0), f + ".crack_friction",
+          "is {}; a coefficient from 0 to 10", m.crack_friction());
+  if (m.has_crushing_strength()) positive(s, f + ".crushing_strength", true, m.crushing_strength(), "Pa");
   if (m.has_weibull_modulus()) positive(s, f + ".weibull_modulus", true, m.weibull_modulus(), "-");
   if (m.has_flaw_spacing_m()) positive(s, f + ".flaw_spacing_m", true, m.flaw_spacing_m(), "m");
   if (m.has_yield_stress()) {
@@ -400,7 +410,6 @@ void fracture(const Scene& s) {
   if (r.has_quiet_time_s()) positive(s, "fracture.quiet_time_s", true, r.quiet_time_s(), "s");
   if (r.has_latest_freeze_s()) positive(s, "fracture.latest_freeze_s", true, r.latest_freeze_s(), "s");
   if (r.has_interlock_opening_m()) positive(s, "fracture.interlock_opening_m", true, r.interlock_opening_m(), "metres");
-  if (r.has_interlock_strength()) positive(s, "fracture.interlock_strength", true, r.interlock_strength(), "Pa");
 }
 
 }  // namespace

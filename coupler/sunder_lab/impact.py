@@ -19,7 +19,7 @@ FEWEST_ROWS = 4  # of the probe, in an interval over which a force is taken
 AT_REST = 1e-9  # share of the first speed: round-off of the nine digits in probes.csv
 LAST_SHARE = 0.1  # last share of the record, in which a body that went through
 STILL_SLOWED = 0.02  # loses less than this share of its speed, although splinters may still touch it
-ENERGIES = ("lost", "motion", "elastic", "fracture", "plastic", "contact", "damping", "frozen", "handoff", "engine", "other",
+ENERGIES = ("lost", "motion", "elastic", "fracture", "plastic", "faces", "contact", "damping", "frozen", "handoff", "engine", "other",
             "missing")  # of energy_taken
 
 
@@ -142,9 +142,21 @@ def struck(scene: Any, body: str | None, mass: float | None) -> tuple[str, str, 
     return body, probed[body], mass if mass is not None else mass_of(scene, found[0])
 
 
+def _density(material: Any) -> float:
+    """The density [kg/m^3], its own or its preset's; 0: none."""
+    preset = type(material).Preset.DESCRIPTOR.values_by_number.get(material.preset)
+    filled = preset.GetOptions().Extensions[_preset_values(material)] if preset is not None else material
+    return float(material.density if material.HasField("density") else filled.density)
+
+
+def _preset_values(material: Any) -> Any:
+    """The option of a preset that holds its values."""
+    return material.DESCRIPTOR.file.extensions_by_name["preset_values"]
+
+
 def mass_of(scene: Any, body: Any) -> float:
     """Returns the mass [kg] of a sphere or a box. Raises CommandError for other shapes."""
-    density = next((m.density for m in scene.materials if m.name == body.material), 0.0)
+    density = next((_density(m) for m in scene.materials if m.name == body.material), 0.0)
     shape = body.WhichOneof("shape")
     if density > 0.0 and shape == "sphere":
         return float(density * 4.0 / 3.0 * math.pi * body.sphere.radius_m ** 3)
@@ -159,7 +171,7 @@ def energy_taken(results: Results, body: str | None = None, mass: float | None =
     """Returns the energy that the body lost, and its distribution at the end [J].
 
     `lost` by the body; `motion` of all else (shell, shards, other bodies, and the body's own spin), `elastic` stored,
-    `fracture`, `plastic`, `contact` (inelastic impacts and friction), `damping`, `frozen` and `handoff` (vibration that
+    `fracture`, `plastic`, `faces` (crack faces that slide on each other and crush), `contact` (inelastic impacts and friction), `damping`, `frozen` and `handoff` (vibration that
     frozen panes and rigid shards do not have), `engine` (contacts of the engine), `other` (healing, transfer); and
     `missing`: what all of these leave open, which is the residual of the books and the work of gravity on shell and others.
     """
@@ -167,7 +179,8 @@ def energy_taken(results: Results, body: str | None = None, mass: float | None =
     out = {"lost": one.energy_lost,
            "motion": energy["kinetic"] - 0.5 * one.mass * float((one.velocity[-1] ** 2).sum()),
            "elastic": energy["elastic"], "fracture": energy["dissipated_fracture"],
-           "plastic": energy["dissipated_plastic"], "contact": energy["contact"], "damping": energy["damping"],
+           "plastic": energy["dissipated_plastic"], "faces": energy["face_friction"] + energy["face_crushing"],
+           "contact": energy["contact"], "damping": energy["damping"],
            "frozen": energy["frozen"], "handoff": energy["handoff_lost"], "engine": energy["engine"],
            "other": energy["healing"] + energy["transfer"] - energy["crack_injected"]}
     out["missing"] = out["lost"] + energy["external_work"] - sum(v for k, v in out.items() if k != "lost")

@@ -135,6 +135,12 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   material.density = mat.density(), material.youngs_modulus = mat.youngs_modulus(),
   material.poisson_ratio = mat.poisson_ratio();
   material.strength = mat.strength(), material.fracture_energy = mat.fracture_energy();
+  if (mat.has_crack_speed_onset()) material.crack_speed_onset = mat.crack_speed_onset();
+  material.toughening = mat.toughening();
+  if (mat.has_branch_drive()) material.branch_drive = mat.branch_drive();
+  if (mat.has_crack_friction()) material.crack_friction = mat.crack_friction();
+  material.crushing_strength =
+      mat.has_crushing_strength() ? mat.crushing_strength() : kCrushingOverStrength * mat.strength();
   material.weibull_modulus = mat.weibull_modulus();
   material.flaw_spacing = mat.has_flaw_spacing_m() ? mat.flaw_spacing_m() : kFlawSpacing;
   material.mass_damping = mat.mass_damping_per_s();

@@ -20,7 +20,6 @@ void set_damage(const scene::LoadedScene& scene, ShellSetup& r) {
   scene.check(width >= cell * (1.0 - 1e-9), "fracture.damage_width_m",
               "is {:.3g} m; damage cannot localise in less than a Gauss point's cell, {:.3g} m", width, cell);
   for (const auto& [given, field] : {std::pair{m.fracture().has_tip_radius_m(), "tip_radius_m"},
-                                     std::pair{m.fracture().has_interlock_strength(), "interlock_strength"},
                                      std::pair{m.fracture().has_interlock_opening_m(), "interlock_opening_m"},
                                      std::pair{m.fracture().has_interlock(), "interlock"},
                                      std::pair{m.fracture().has_branch_ratio(), "branch_ratio"}})
@@ -58,7 +57,6 @@ void set_tips(const scene::LoadedScene& scene, ShellSetup& r) {
   scene.check(r.fracture.tips.tip_radius >= s.spacing, "fracture.tip_radius_m",
               "is {} m; a tip looks at the stress over at least one spacing, {:.3g} m", r.fracture.tips.tip_radius,
               s.spacing);
-  if (m.fracture().has_interlock_strength()) r.fracture.tips.faces.shear_strength = m.fracture().interlock_strength();
   if (m.fracture().has_interlock_opening_m()) r.fracture.tips.faces.opening = m.fracture().interlock_opening_m();
   if (m.fracture().has_branch_ratio()) r.fracture.tips.branch_ratio = m.fracture().branch_ratio();
   if (m.fracture().has_interlock()) r.fracture.tips.interlock = m.fracture().interlock();

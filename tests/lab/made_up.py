@@ -32,7 +32,7 @@ def write_run(folder: Path, start: float = -40.0, rows: int = 21, step: float = 
     (folder / "probes.csv").write_text("\n".join(lines) + "\n")
     (folder / "series.csv").write_text("time [s],cracks [m]\n0,0\n0.002,0.25\n")
     energy = dict.fromkeys(("kinetic", "elastic", "dissipated_fracture", "dissipated_plastic", "contact", "damping", "frozen",
-                            "handoff_lost", "engine", "healing", "transfer", "crack_injected", "external_work"), 0.0)
+                            "handoff_lost", "engine", "face_friction", "face_crushing", "healing", "transfer", "crack_injected", "external_work"), 0.0)
     energy.update(kinetic=0.5 * mass * last ** 2 + 0.5, elastic=1.0, dissipated_fracture=2.0, contact=4.0, external_work=0.25)
     (folder / "run.json").write_text(json.dumps({"schema": 1, "status": "done", "energy": energy, "time": {
         "simulated_s": 0.002, "frozen_at_s": None}}))
