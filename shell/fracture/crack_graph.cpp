@@ -20,9 +20,9 @@ int CrackGraph::add_vertex(const Vec2& p) {
   return static_cast<int>(vertices_.size()) - 1;
 }
 
-int CrackGraph::add_edge(int from, int to, int crack, double time, int face) {
+int CrackGraph::add_edge(int from, int to, int crack, double time, int face, double resistance) {
   CrackEdge e;
-  e.from = from, e.to = to, e.crack = crack, e.time = time, e.face = face;
+  e.from = from, e.to = to, e.crack = crack, e.time = time, e.face = face, e.resistance = resistance;
   e.a = vertices_[from], e.b = vertices_[to];
   const double length = (e.b - e.a).norm();
   if (length < kNoLength * lengthening_) return -1;
@@ -54,7 +54,7 @@ void CrackGraph::restore(const std::vector<Vec2>& vertices, const std::vector<Cr
   for (auto& bin : bins_) bin.clear();
   for (const CrackEdge& e : edges) {
     const bool known = e.from >= 0 && e.from < count && e.to >= 0 && e.to < count;
-    if (!known || add_edge(e.from, e.to, e.crack, e.time, e.face) < 0)
+    if (!known || add_edge(e.from, e.to, e.crack, e.time, e.face, e.resistance) < 0)
       throw Error(Exit::kBadInput, "bad_checkpoint", fmt::format("crack edge {} is none", edges_.size()));
   }
   cracks_ = cracks, total_length_ = total_length;  // a sum depends on the edges that were taken back in between

@@ -27,12 +27,13 @@ inline bool segments_meet(const Vec2& a, const Vec2& b, const Vec2& c, const Vec
 }
 
 struct CrackEdge {
-  int from = 0, to = 0;  // vertices
-  Vec2 a, b;             // their parameter points
-  Vec2 long_a, long_b;   // lengthened a little at both ends, so that nothing sees past a vertex
-  int crack = 0;         // edges of one crack share a number
-  double time = 0.0;     // of birth [s]
-  int face = 0;          // tension side that opened it: -1, +1; 0: cut
+  int from = 0, to = 0;     // vertices
+  Vec2 a, b;                // their parameter points
+  Vec2 long_a, long_b;      // lengthened a little at both ends, so that nothing sees past a vertex
+  int crack = 0;            // edges of one crack share a number
+  double time = 0.0;        // of birth [s]
+  int face = 0;             // tension side that opened it: -1, +1; 0: cut
+  double resistance = 1.0;  // what its area takes, over the fracture energy of the material
 };
 
 class CrackGraph {
@@ -42,7 +43,7 @@ class CrackGraph {
 
   int add_vertex(const Vec2& p);
   /// Returns the number of the edge, or -1 where it would have no length.
-  int add_edge(int from, int to, int crack, double time, int face);
+  int add_edge(int from, int to, int crack, double time, int face, double resistance = 1.0);
   int new_crack() { return cracks_++; }
   int next_crack() const { return cracks_; }
   /// Takes back the last edge, which was on trial, or the last vertex, which no edge has.

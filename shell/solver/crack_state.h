@@ -28,26 +28,32 @@ struct Tip {
   bool seam_decided = false;  // dead, and its propagation over a seam has been decided
 };
 
+/// One of the two points at which a pair of faces touches: at the lower and the upper face of the sheet.
+struct FacePoint {
+  Vec3 rest = Vec3::Zero();  // gap at zero force: across, along, normal [m]; moves as the faces crush and slide
+  Vec3 bore = Vec3::Zero();  // traction over the stiffness at the start of the last substep [m]
+  double was_open = 0.0;     // opening at the start of the last substep [m]
+  double depth = 0.0;        // depth of closing, where above the least depth [m]
+};
+
 /// Contact of the two faces of a fresh crack edge, at its middle (solver/interlock.h).
 struct Interlock {
   int edge = 0;
   double area = 0.0;         // [m^2]
   double stiffness = 1e300;  // [Pa/m]; never increases
   std::vector<GatheredFunction> plus, minus;
-  // Caches, computed again after a checkpoint: control points visible from each side, control points that its functions
-  // use, and whether the functions reproduce only linear fields.
+  // Caches, computed again after a checkpoint: control points visible from each side, and those that its functions use.
   std::array<Visibility, 2> visibility{}, uses{};
-  std::array<bool, 2> planes{};
-  bool looked = false;       // the caches are valid
-  Vec3 rest = Vec3::Zero();  // gap at zero force: across, along, normal [m]
-  double rest_area = 1.0;    // area of the tangents' parallelogram at the start of contact
+  bool looked = false;                // the caches are valid
+  std::array<FacePoint, 2> points{};  // at the lower and the upper face
+  Vec3 origin = Vec3::Zero();         // gap at the middle of the sheet as the faces were born [m]
+  double rest_area = 1.0;             // area of the tangents' parallelogram at the start of contact
   bool holds = true;
-  // Results of the last force evaluation: opening [m], shear traction of springs with full stiffness [Pa], energy [J],
-  // and whether the faces still fit.
-  double opening = 0.0, shear = 0.0, energy = 0.0;
+  // Results of the last force evaluation: least opening, how far the faces have slid along the edge and along the
+  // normal [m], energy [J], and whether the faces still fit.
+  double opening = 0.0, along = 0.0, height = 0.0, energy = 0.0;
   bool sound = true;
-  double was_open = 0.0;  // opening at the start of the last substep [m]
-  double depth = 0.0;     // depth of closing, where above the least depth [m]
+  double rubbed = 0.0, crushed = 0.0;  // lost to friction and to crushing, not yet booked [J]
 };
 
 /// Cracks of a shell: graph, tips, faces in contact, and the force discontinuity that they have caused.
@@ -63,12 +69,13 @@ struct Cracks {
   // new cracks.
   std::vector<double> force_discontinuity;
   double released = 0.0;  // stored energy released by them, booked as fracture [J]
+  double taken = 0.0;     // stored energy that edges which ran by themselves have released so far [J]
 
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(graph, tips, interlocks, interlock_of, cut_done, last_crack_time, interlock_energy, force_discontinuity,
-      released);
+    f(graph, tips, interlocks, interlock_of, cut_done, last_crack_time, interlock_energy, force_discontinuity, released,
+      taken);
   }
 };
 

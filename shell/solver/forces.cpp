@@ -58,6 +58,7 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
     for (std::size_t i = 0; i < s.motion.force.size(); ++i) s.motion.force[i] += s.scratch.interlayer_force[i];
   }
   s.cracks.interlock_energy = interlock_energy(s);
+  if (stress_share > 0.0) book_faces(s);
   if (!m.loads.empty()) {
     load_forces(m.loads, s.cracked.tables, s.cracked.gathered, s.motion.time, s.motion.x, threads, s.scratch.rows,
                 s.motion.external);

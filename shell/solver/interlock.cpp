@@ -2,18 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace sunder::shell {
 namespace {
 
-// The gap from the minus to the plus side in the frame of the deformed surface.
+// The gap from the minus to the plus side at the middle of the sheet, in the frame of the deformed surface.
 struct Gap {
-  Vec3 g;                      // plus - minus
   Vec3 tu, tv;                 // mean tangents of the two sides
   Vec3 across, along, normal;  // orthonormal; across points from the minus to the plus side
-  Vec3 side[2];                // normals of the plus and the minus side
   double c, d;                 // lengths of tu x tv and of the edge's tangent
-  Vec3 components() const { return {g.dot(across), g.dot(along), g.dot(normal)}; }
+  // of the plus and the minus side
+  Vec3 at[2], side_tu[2], side_tv[2], side[2];  // position, tangents, unit normal
+  double side_c[2];                             // length of the cross product of the tangents
+
+  Vec3 at_height(double z) const { return at[0] - at[1] + z * (side[0] - side[1]); }
+  Vec3 in_frame(const Vec3& g) const { return {g.dot(across), g.dot(along), g.dot(normal)}; }
 };
 
 Vec2 direction(const ShellState& s, const Interlock& lock) {
@@ -25,16 +29,16 @@ Vec2 direction(const ShellState& s, const Interlock& lock) {
 template <class At>
 Gap gap_of(const ShellState& s, const Interlock& lock, At&& position) {
   Gap r;
-  r.g = r.tu = r.tv = Vec3::Zero();
+  r.tu = r.tv = Vec3::Zero();
   for (int side = 0; side < 2; ++side) {
-    Vec3 at = Vec3::Zero(), tu = Vec3::Zero(), tv = Vec3::Zero();
+    r.at[side] = r.side_tu[side] = r.side_tv[side] = Vec3::Zero();
     for (const auto& f : side == 0 ? lock.plus : lock.minus) {
       const Vec3 x = position(f.slot);
-      at += f.n[0] * x, tu += f.n[1] * x, tv += f.n[2] * x;
+      r.at[side] += f.n[0] * x, r.side_tu[side] += f.n[1] * x, r.side_tv[side] += f.n[2] * x;
     }
-    r.g += side == 0 ? at : Vec3(-at);
-    r.tu += 0.5 * tu, r.tv += 0.5 * tv;
-    r.side[side] = tu.cross(tv).normalized();
+    r.tu += 0.5 * r.side_tu[side], r.tv += 0.5 * r.side_tv[side];
+    const Vec3 c = r.side_tu[side].cross(r.side_tv[side]);
+    r.side_c[side] = c.norm(), r.side[side] = c / r.side_c[side];
   }
   const Vec2 p = direction(s, lock);
   const Vec3 c = r.tu.cross(r.tv), d = p.x() * r.tu + p.y() * r.tv;
@@ -53,17 +57,24 @@ bool sound(const Interlock& lock, const Gap& gap) {
 }
 
 double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // of one element [Pa/m]
+// Height of a point of contact over the middle of the sheet [m].
+double height(const ShellModel& m, int face) { return (face == 0 ? -0.5 : 0.5) * m.thickness; }
 
-// The springs of an edge, over k A: what they bear across, along and normal [m], and hold [m^2]. Across they bear
-// pressure only, and are soft over the depth of closing.
+// Extension of a point of contact: across, along, normal [m].
+Vec3 extension(const ShellModel& m, const Gap& gap, const Interlock& lock, int face) {
+  return gap.in_frame(gap.at_height(height(m, face))) - lock.points[face].rest;
+}
+
+// The springs of a point of contact, over k A / 2: what they bear across, along and normal [m], and hold [m^2]. Across
+// they bear pressure only, and are soft over the depth of closing.
 struct Springs {
   Vec3 bear;
   double hold;
 };
 
-Springs springs_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
-  Springs r{gap.components() - lock.rest, 0.0};
-  const double approach = std::max(-r.bear[0], 0.0), depth = std::max(closing_depth(m), lock.depth);
+Springs springs_of(const Vec3& extension, double depth) {
+  Springs r{extension, 0.0};
+  const double approach = std::max(-r.bear[0], 0.0);
   if (approach < depth) {
     r.bear[0] = -0.5 * approach * approach / depth;
     r.hold = approach * approach * approach / (6.0 * depth);
@@ -74,13 +85,50 @@ Springs springs_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
   r.hold += 0.5 * (r.bear[1] * r.bear[1] + r.bear[2] * r.bear[2]);
   return r;
 }
+double depth_of(const ShellModel& m, const FacePoint& point) { return std::max(closing_depth(m), point.depth); }
+Springs springs_at(const ShellModel& m, const Gap& gap, const Interlock& lock, int face) {
+  return springs_of(extension(m, gap, lock, face), depth_of(m, lock.points[face]));
+}
 
-// Stiffness of faces one of which is a plane through the few control points between close cracks [Pa/m]: reduced where
-// these have so little mass at fastening that the step would not be stable.
-double stiffness_beside_plane(const ShellModel& m, const ShellState& s, const Interlock& lock) {
+// A point of contact gives way where it bears more than its laws allow: it crushes, then slides. The work of a force
+// over a substep is that of the mean of its two ends, so crushing and friction take that mean times the way that they
+// give.
+void give_way(const ShellModel& m, const Gap& gap, Interlock& lock, int face) {
+  FacePoint& point = lock.points[face];
+  const double k = 0.5 * lock.stiffness * lock.area, depth = depth_of(m, point);
+  Vec3 e = extension(m, gap, lock, face);
+  Springs now = springs_of(e, depth);
+  const double most = m.material.crushing_strength / lock.stiffness;  // [m]
+  if (-now.bear[0] > most) {
+    const double approach = most >= 0.5 * depth ? most + 0.5 * depth : std::sqrt(2.0 * depth * most);
+    const double gives = -e[0] - approach;
+    point.rest[0] -= gives;
+    e[0] = -approach, now = springs_of(e, depth);
+    lock.crushed += 0.5 * k * (-point.bore[0] - now.bear[0]) * gives;
+  }
+  const double shear = std::hypot(e[1], e[2]), bears = m.material.crack_friction * -now.bear[0];
+  if (shear > bears) {
+    const double stays = bears / shear;
+    for (int c = 1; c < 3; ++c) {
+      const double slides = (1.0 - stays) * e[c];
+      point.rest[c] += slides, e[c] *= stays;
+      lock.rubbed += 0.5 * k * (point.bore[c] + e[c]) * slides;
+    }
+  }
+  point.bore = {now.bear[0], e[1], e[2]};
+}
+
+// Stiffness of a pair of faces [Pa/m]: that of one element, reduced where so little mass moves with a point of contact
+// that the step would not be stable. A point above the middle of the sheet also moves as the normal turns.
+double stable_stiffness(const ShellModel& m, const ShellState& s, const Interlock& lock) {
+  const Vec2 p = direction(s, lock);
+  const double z = height(m, 1);
   double mobility = 0.0;  // of the gap [1/kg]
   for (const auto* side : {&lock.plus, &lock.minus})
-    for (const GatheredFunction& f : *side) mobility += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
+    for (const GatheredFunction& f : *side) {
+      const double across = f.n[2] * p.x() - f.n[1] * p.y();  // slope of the function across the edge
+      mobility += (f.n[0] * f.n[0] + z * z * across * across) * s.motion.inverse_mass[f.slot];
+    }
   const double most = kMostMobility / (m.material.density * m.spacing * lock.area);
   return stiffness(m) * (mobility > most ? most / mobility : 1.0);
 }
@@ -105,52 +153,49 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
     if (lock.looked && visibility.sees_the_same(before)) continue;
     const MlsPoint mls = face_point(grid, visibility);
     if (mls.basis == MlsBasis::kNone) return false;
-    lock.planes[side] = mls.basis == MlsBasis::kLinear;
     sides[side]->clear();
     for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
     lock.uses[side] = visibility;
     note_uses(m, *sides[side], lock.uses[side]);
   }
   lock.looked = true;
-  const bool plane = lock.planes[0] || lock.planes[1];
-  lock.stiffness = std::min(lock.stiffness, plane ? stiffness_beside_plane(m, s, lock) : stiffness(m));
+  lock.stiffness = std::min(lock.stiffness, stable_stiffness(m, s, lock));
   return true;
 }
 
-// Forces of the springs on both sides: on their values, and on their derivatives along u and v [N, N m].
-struct Push {
-  Vec3 value, u, v;
-};
-
-Push push_of(const ShellState& s, const Interlock& lock, const Gap& gap, const Springs& springs, double times) {
+// Adds the forces of the springs of one point of contact, times `times`. `add`: adds to the force on a slot.
+template <class Add>
+void push(const ShellModel& m, const ShellState& s, const Interlock& lock, const Gap& gap, int face,
+          const Springs& springs, double times, Add&& add) {
   const Vec3& e = springs.bear;
-  const double k = times * lock.stiffness * lock.area;
+  if (e.isZero(0.0)) return;
+  const double z = height(m, face), k = 0.5 * times * lock.stiffness * lock.area;
+  const Vec3 g = gap.at_height(z);
   // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
   // g . d across = d normal . (along x g) + d along . (g x normal)
   const Vec3 on_gap = k * (e[0] * gap.across + e[1] * gap.along + e[2] * gap.normal);
-  const Vec3 on_normal = k * (e[2] * gap.g + e[0] * gap.along.cross(gap.g));
-  const Vec3 on_along = k * (e[1] * gap.g + e[0] * gap.g.cross(gap.normal));
+  const Vec3 on_normal = k * (e[2] * g + e[0] * gap.along.cross(g));
+  const Vec3 on_along = k * (e[1] * g + e[0] * g.cross(gap.normal));
   const Vec3 a = (on_normal - gap.normal * gap.normal.dot(on_normal)) / gap.c;
   const Vec3 b = (on_along - gap.along * gap.along.dot(on_along)) / gap.d;
   const Vec2 p = direction(s, lock);
-  return {on_gap, 0.5 * (gap.tv.cross(a) + p.x() * b), 0.5 * (a.cross(gap.tu) + p.y() * b)};
-}
-
-// `add`: adds to the force on a slot.
-template <class Add>
-void spread(const Interlock& lock, const Push& push, Add&& add) {
-  for (int side = 0; side < 2; ++side)
+  const Vec3 u = 0.5 * (gap.tv.cross(a) + p.x() * b), v = 0.5 * (a.cross(gap.tu) + p.y() * b);
+  for (int side = 0; side < 2; ++side) {
+    const double sign = side == 0 ? 1.0 : -1.0;
+    // the side's own normal: d n = (1 - n n) (d tu x tv + tu x d tv) / |tu x tv|
+    const Vec3& n = gap.side[side];
+    const Vec3 c = sign * z * (on_gap - n * n.dot(on_gap)) / gap.side_c[side];
+    const Vec3 on_u = u + gap.side_tv[side].cross(c), on_v = v + c.cross(gap.side_tu[side]);
     for (const auto& f : side == 0 ? lock.plus : lock.minus)
-      add(f.slot, Vec3(-((side == 0 ? f.n[0] : -f.n[0]) * push.value + f.n[1] * push.u + f.n[2] * push.v)));
+      add(f.slot, Vec3(-(sign * f.n[0] * on_gap + f.n[1] * on_u + f.n[2] * on_v)));
+  }
 }
 
-void add_force(const ShellState& s, const Interlock& lock, const Gap& gap, const Springs& springs, double times,
-               std::vector<double>& force) {
-  if (springs.bear.isZero(0.0)) return;
-  const std::size_t plane = force.size() / 3;
-  spread(lock, push_of(s, lock, gap, springs, times), [&](int slot, const Vec3& on) {
-    for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
-  });
+// Energy of both points of contact [J].
+double energy_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
+  double held = 0.0;
+  for (int face = 0; face < 2; ++face) held += springs_at(m, gap, lock, face).hold;
+  return 0.5 * lock.stiffness * lock.area * held;
 }
 
 }  // namespace
@@ -163,8 +208,13 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   if (!attach(m, s, lock)) return false;
   const Gap gap = gap_of(s, lock);
   lock.rest_area = gap.c;
-  lock.rest = gap.components();  // one-sided shape functions do not meet to round-off
-  return lock.rest.allFinite();
+  lock.origin = gap.in_frame(gap.at_height(0.0));
+  bool finite = lock.origin.allFinite();
+  for (int face = 0; face < 2; ++face) {  // one-sided shape functions do not meet to round-off
+    lock.points[face].rest = gap.in_frame(gap.at_height(height(m, face)));
+    finite = finite && lock.points[face].rest.allFinite();
+  }
+  return finite;
 }
 
 bool loses_visibility(const ShellModel& m, const ShellState& s, Interlock& lock, int first) {
@@ -184,22 +234,31 @@ bool loses_visibility(const ShellModel& m, const ShellState& s, Interlock& lock,
 
 Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   Refastened r;
-  const auto bear = [&](const Gap& gap, const Springs& springs, double times) {
-    if (!springs.bear.isZero(0.0))
-      spread(lock, push_of(s, lock, gap, springs, times), [&](int slot, const Vec3& on) {
+  const auto bear = [&](const Gap& gap, double times) {
+    for (int face = 0; face < 2; ++face)
+      push(m, s, lock, gap, face, springs_at(m, gap, lock, face), times, [&](int slot, const Vec3& on) {
         r.force_change.push_back({slot, on});
       });
   };
-  const Gap gap = gap_of(s, lock);
-  const Vec3 before = gap.components() - lock.rest;
-  const Springs springs = springs_of(m, gap, lock);
-  const double held = lock.area * springs.hold, stiff = lock.stiffness;
-  bear(gap, springs, 1.0);
+  const Gap before = gap_of(s, lock);
+  const double held = energy_of(m, before, lock);
+  bear(before, 1.0);
   lock.holds = attach(m, s, lock);
-  if (lock.holds) lock.rest = gap_of(s, lock).components() - before;
-  lock.holds = lock.holds && lock.rest.allFinite();
-  if (lock.holds) bear(gap_of(s, lock), springs, -1.0);
-  r.released = held * (stiff - (lock.holds ? lock.stiffness : 0.0));
+  if (lock.holds) {
+    const Gap after = gap_of(s, lock);
+    const auto moved = [&](double z) {
+      return Vec3(after.in_frame(after.at_height(z)) - before.in_frame(before.at_height(z)));
+    };
+    lock.origin += moved(0.0), lock.holds = lock.origin.allFinite();
+    for (int face = 0; face < 2; ++face) {
+      lock.points[face].rest += moved(height(m, face));
+      lock.holds = lock.holds && lock.points[face].rest.allFinite();
+    }
+    if (lock.holds) bear(after, -1.0);
+    r.released = held - (lock.holds ? energy_of(m, after, lock) : 0.0);
+  } else {
+    r.released = held;
+  }
   return r;
 }
 
@@ -212,17 +271,25 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
     Interlock& lock = s.cracks.interlocks[i];
     if (!lock.holds) continue;
     const Gap gap = gap_of(s, lock, position);
-    lock.opening = gap.components()[0] - lock.rest[0];
-    if (advance) {
-      if (lock.opening > 0.0) lock.depth = kClosingTravels * std::abs(lock.opening - lock.was_open);
-      lock.was_open = lock.opening;
-    }
-    const Springs springs = springs_of(m, gap, lock);
-    // at full stiffness: a softer spring slips no further
-    lock.shear = stiffness(m) * std::hypot(springs.bear[1], springs.bear[2]);
     lock.sound = sound(lock, gap);
-    lock.energy = lock.stiffness * lock.area * springs.hold;
-    if (!springs.bear.isZero(0.0)) spread(lock, push_of(s, lock, gap, springs, 1.0), add);
+    const Vec3 offset = gap.in_frame(gap.at_height(0.0)) - lock.origin;
+    lock.along = std::abs(offset[1]), lock.height = std::abs(offset[2]);
+    double opening = 1e300, held = 0.0;
+    for (int face = 0; face < 2; ++face) {
+      FacePoint& point = lock.points[face];
+      const double open = extension(m, gap, lock, face)[0];
+      opening = std::min(opening, open);
+      if (advance) {
+        if (open > 0.0) point.depth = kClosingTravels * std::abs(open - point.was_open);
+        point.was_open = open;
+        give_way(m, gap, lock, face);
+      }
+      const Springs springs = springs_at(m, gap, lock, face);
+      held += springs.hold;
+      push(m, s, lock, gap, face, springs, 1.0, add);
+    }
+    lock.opening = opening;
+    lock.energy = 0.5 * lock.stiffness * lock.area * held;
   }
 }
 
@@ -233,15 +300,29 @@ double interlock_energy(const ShellState& s) {
   return energy;
 }
 
+void book_faces(ShellState& s) {
+  for (Interlock& lock : s.cracks.interlocks) {
+    s.book.face_friction += std::exchange(lock.rubbed, 0.0);
+    s.book.face_crushing += std::exchange(lock.crushed, 0.0);
+  }
+}
+
 void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& law, bool all) {
   for (Interlock& lock : s.cracks.interlocks) {
     if (!lock.holds) continue;
-    if (!all && lock.sound && lock.opening <= law.opening && lock.shear <= law.shear_strength) continue;
+    const double length = lock.area / m.thickness;
+    if (!all && lock.sound && lock.opening <= law.opening && lock.height <= m.thickness && lock.along <= length)
+      continue;
     lock.holds = false;
     const Gap gap = gap_of(s, lock);
-    const Springs springs = springs_of(m, gap, lock);
-    s.release(lock.stiffness * lock.area * springs.hold);
-    add_force(s, lock, gap, springs, 1.0, s.discontinuity());
+    const double held = energy_of(m, gap, lock);
+    s.cracks.released += held, s.book.face_friction += held;
+    std::vector<double>& force = s.discontinuity();
+    const std::size_t plane = force.size() / 3;
+    for (int face = 0; face < 2; ++face)
+      push(m, s, lock, gap, face, springs_at(m, gap, lock, face), 1.0, [&](int slot, const Vec3& on) {
+        for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
+      });
     s.motion.last_force.clear();
   }
 }

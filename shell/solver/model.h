@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "shell/fracture/constants.h"
 #include "shell/geometry/patch.h"
 #include "shell/mechanics/fibre.h"
 #include "shell/mechanics/row_tables.h"
@@ -19,13 +20,19 @@ struct Interlayer {
 
 /// Material of a shell.
 struct ShellMaterial : ElasticConstants {
-  double density = 0.0;            // [kg/m^3]
-  double strength = 0.0;           // [Pa]; 0: the shell does not break
-  double fracture_energy = 0.0;    // [J/m^2]
-  double weibull_modulus = 0.0;    // 0: no scatter
-  double flaw_spacing = 0.0;       // [m]
-  double mass_damping = 0.0;       // [1/s]
-  double stiffness_damping = 0.0;  // [s]
+  double density = 0.0;          // [kg/m^3]
+  double strength = 0.0;         // [Pa]; 0: the shell does not break
+  double fracture_energy = 0.0;  // [J/m^2]
+  // How fracture energy and division depend on the speed of a tip (cracking/tip_speed.h): from `crack_speed_onset` on,
+  // of the Rayleigh speed, the fracture energy grows by `toughening` of itself for each unit of speed; a tip divides
+  // where the energy release is `branch_drive` fracture energies.
+  double crack_speed_onset = 1.0, toughening = 0.0, branch_drive = kBranchDrive;
+  double crack_friction = kCrackFriction;  // coefficient between crack faces
+  double crushing_strength = 0.0;          // pressure at which crack faces crush [Pa]
+  double weibull_modulus = 0.0;            // 0: no scatter
+  double flaw_spacing = 0.0;               // [m]
+  double mass_damping = 0.0;               // [1/s]
+  double stiffness_damping = 0.0;          // [s]
   StressModel stress_model = model_of<NeoHookean>;
   double yield_stress = 0.0;         // [Pa]; 0: the shell does not yield
   double hardening_modulus = 0.0;    // [Pa]

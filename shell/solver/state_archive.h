@@ -18,9 +18,14 @@ void archive(A& a, GatheredPoint& p) {
 }
 
 template <class A>
+void archive(A& a, FacePoint& p) {
+  archive_all(a, p.rest, p.bore, p.was_open, p.depth);
+}
+
+template <class A>
 void archive(A& a, Interlock& i) {
-  archive_all(a, i.edge, i.area, i.stiffness, i.plus, i.minus, i.rest, i.rest_area, i.holds, i.opening, i.shear,
-              i.sound, i.was_open, i.depth);
+  archive_all(a, i.edge, i.area, i.stiffness, i.plus, i.minus, i.points[0], i.points[1], i.origin, i.rest_area, i.holds,
+              i.opening, i.along, i.height, i.sound, i.rubbed, i.crushed);
 }
 
 /// Edges are added again in their order, which reproduces the bins.
@@ -33,7 +38,7 @@ void archive(A& a, CrackGraph& g) {
   std::size_t count = archive_detail::length(a, edges.size(), sizeof(int));
   archive_all(a, vertices, cracks, length);
   if constexpr (A::kReading) edges.resize(count);
-  for (CrackEdge& e : edges) archive_all(a, e.from, e.to, e.crack, e.time, e.face);
+  for (CrackEdge& e : edges) archive_all(a, e.from, e.to, e.crack, e.time, e.face, e.resistance);
   if constexpr (A::kReading) g.restore(vertices, edges, cracks, length);
 }
 

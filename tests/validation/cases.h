@@ -44,6 +44,7 @@ std::vector<Case> transfer_cases();
 std::vector<Case> crack_cases();
 std::vector<Case> tip_cases();
 std::vector<Case> bar_cases();
+std::vector<Case> face_cases();
 std::vector<Case> sensitivity_cases();
 std::vector<Case> contact_cases();
 std::vector<Case> fibre_cases();

@@ -76,7 +76,7 @@ int main(int argc, char** argv) {
                                                            {"contact", long_contact_cases()}};
   for (const auto& more : {dynamic_cases(), transfer_cases()})
     all["shells"].insert(all["shells"].end(), more.begin(), more.end());
-  for (const auto& more : {tip_cases(), bar_cases(), sensitivity_cases()})
+  for (const auto& more : {tip_cases(), bar_cases(), face_cases(), sensitivity_cases()})
     all["cracks"].insert(all["cracks"].end(), more.begin(), more.end());
   for (Case& more : fibre_cases()) all["contact"].push_back(std::move(more));
   std::vector<Case> cases;

@@ -131,7 +131,6 @@ constexpr Studied kStudied[] = {
     {&CalibratedConstants::most_turn, "most_turn", struck_pane},
     {&CalibratedConstants::branch_angle, "branch_angle", struck_pane},
     {&CalibratedConstants::flaw_spacing, "flaw_spacing", struck_pane},
-    {&CalibratedConstants::interlock_opening, "interlock_opening", struck_pane},
     {&CalibratedConstants::cracked_step, "cracked_step", struck_pane},
     {&CalibratedConstants::spent_beside, "spent_beside", torn_sheet},
     {&CalibratedConstants::shortest_line, "shortest_line", torn_sheet},

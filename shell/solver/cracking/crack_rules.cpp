@@ -18,13 +18,13 @@ CrackRules make_crack_rules(const ShellModel& m, double tip_radius, const Calibr
   r.tip_bending_strength = bending_mean(m.material.poisson_ratio) * toughness;
   r.process_length = e * g / (m.material.strength * m.material.strength);
   r.branch_angle = calibrated.branch_angle;
-  r.branch_spacing = kBranchRun * l, r.branch_clearance = kClearance * l;
+  r.branch_ratio = std::sqrt(m.material.branch_drive), r.branch_clearance = kClearance * l;
   r.tip_clearance = std::max({kClearance * l, m.thickness, r.process_length});
   r.parallel_clearance = std::max(kClearance * l, kParallelThickness * m.thickness);
   r.join = kJoinReach * l;
   r.turn = calibrated.most_turn;
   r.to_diagonal = calibrated.to_diagonal;
-  r.faces = {calibrated.interlock_opening * m.thickness, kInterlockStrength * m.material.strength};
+  r.faces = {kInterlockOpening * m.thickness};
   return r;
 }
 

@@ -17,9 +17,8 @@ struct CrackRules {
   double tip_strength = 0.0;           // mean stress ahead at which a tip runs, stretched [Pa]
   double tip_bending_strength = 0.0;   // the same on the surface, bent [Pa]
   double process_length = 0.0;         // E G_f / strength^2: no crack starts so near a tip [m]
-  double branch_ratio = kBranchDrive;  // drive above which a tip divides [-]
+  double branch_ratio = 1.0;           // drive above which a tip divides [-]
   double branch_angle = kBranchAngle;  // of each arm [rad]
-  double branch_spacing = 0.0;         // run between two divisions [m]
   double branch_clearance = 0.0;       // no division so near another tip [m]
   double tip_clearance = 0.0;          // no new crack so near ahead of a tip [m]
   double parallel_clearance = 0.0;     // no new crack so near a nearly parallel crack [m]
@@ -27,8 +26,7 @@ struct CrackRules {
   double turn = kMostTurn;             // largest change of direction per edge [rad]
   double to_diagonal = kToDiagonal;    // turn by the lattice that is taken off [rad]
   double alike = kAlike;               // principal stresses nearer than this leave the direction to chance [-]
-  int nucleations_per_step = kStartsPerLook;
-  InterlockLaw faces;  // of fresh cracks
+  InterlockLaw faces;                  // of fresh cracks
   bool interlock = true;
   int threads = 1;  // that evaluate what an edge would do; results are the same for any number
 };

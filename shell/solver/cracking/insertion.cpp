@@ -393,6 +393,7 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
     s.book.injected += after - before;
   else
     s.release(before - after);
+  if (must_release) s.cracks.taken += before - after;
   if (first / kForget != end / kForget) s.caches.trials.clear();  // points that cracks have passed are not tried again
   s.cracks.last_crack_time = time;
   s.motion.last_force.clear();  // the next force differs by the crack, not by motion
@@ -414,7 +415,8 @@ int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>
   int added = 0;
   bool whole = true;
   for (const NewEdge& e : edges) {
-    const int index = s.cracks.graph.add_edge(e.from, s.cracks.graph.add_vertex(e.to), e.crack, time, e.face);
+    const int index =
+        s.cracks.graph.add_edge(e.from, s.cracks.graph.add_vertex(e.to), e.crack, time, e.face, e.resistance);
     whole = whole && index >= 0, added += index >= 0;
   }
   if (whole && take_in(m, s, first, time, interlock, true, threads)) return first;

@@ -14,6 +14,7 @@ struct NewEdge {
   int from;
   Vec2 to;
   int crack, face;
+  double resistance = 1.0;  // what its area takes, over the fracture energy of the material
 };
 
 /// Adds edges as one event, if together they add no energy: a crack cannot put in energy that the shell does not have.

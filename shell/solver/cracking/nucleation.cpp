@@ -307,14 +307,13 @@ double stored_in_zone(const ShellModel& m, const ShellState& s, EnergyReleaseZon
 }
 
 int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double time, std::uint64_t& random) {
-  int inserted = 0, nucleated = 0, known = 0;
+  int inserted = 0, known = 0;
   std::vector<int> running;
   const int each = m.tables.gauss * m.tables.gauss;
   thread_local std::vector<char>
       refused;  // [v][u] elements that lack their zone; the most overstressed flaw is asked first
   refused.assign(static_cast<std::size_t>(m.tables.blocks() / each) * m.tables.spans_u, 0);
   for (const Overstressed& o : overstressed_points(m, s)) {
-    if (nucleated >= r.nucleations_per_step) break;
     // one that lacks its zone answers for the others of the element
     char& spoken = refused[static_cast<std::size_t>(o.block / each) * m.tables.spans_u + o.lane];
     if (spoken != 0) continue;
@@ -324,7 +323,6 @@ int nucleate(const ShellModel& m, ShellState& s, const CrackRules& r, double tim
     const int edges = nucleate_at(m, s, r, running, o, time, random, now);
     spoken = now ? 1 : 0;
     inserted += edges;
-    nucleated += edges > 0;
   }
   return inserted;
 }

@@ -8,6 +8,7 @@
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/nucleation.h"
 #include "shell/solver/cracking/tip_drive.h"
+#include "shell/solver/cracking/tip_speed.h"
 
 namespace sunder::shell {
 namespace {
@@ -87,9 +88,10 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
   return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }
 
-// Each tip runs one edge along its direction, all of them or none. Returns the number of edges inserted.
+// Each tip runs one edge along its direction, all of them or none. `resistance`: what their area takes, over the
+// fracture energy. Returns the number of edges inserted.
 int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<std::pair<Tip*, Vec2>>& tips,
-            double time) {
+            double resistance, double time) {
   std::vector<Way> ways;
   int first = -1;
   double length = r.advance;
@@ -99,7 +101,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     std::vector<NewEdge> edges;
     for (const auto& [tip, d] : tips) {
       ways.push_back(way_ahead(m, s, r, *tip, d, length));
-      edges.push_back({tip->vertex, ways.back().to, tip->crack, tip->face});
+      edges.push_back({tip->vertex, ways.back().to, tip->crack, tip->face, resistance});
     }
     first = extend_cracks(m, s, edges, time, r.interlock, r.threads);
     if (first >= 0) break;
@@ -174,24 +176,25 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     const Drive now = as_before(tip.p) ? drives[i] : drive_at(m, s, r, start_of(tip), s.caches.surroundings.of_tip[i]);
     if (now.ratio <= 1.0) continue;
     tip.face = now.face;
-    // Freund: the energy release falls to zero at the Rayleigh speed; at this speed it equals the resistance
-    const double speed = r.rayleigh * (1.0 - 1.0 / (now.ratio * now.ratio));
+    const double speed = r.rayleigh * tip_speed(m.material, now.ratio * now.ratio);
     tip.pending += speed * dt;
     tip.weight += speed, tip.turn += speed * now.turn, tip.ratio += speed * now.ratio;
     if (tip.pending >= r.advance) {
       tip.pending -= r.advance;
       const Vec2 d = turned(tip.direction, tip.turn / tip.weight);
+      const double drive = tip.ratio / tip.weight;
+      const double resistance = toughened(m.material, tip_speed(m.material, drive * drive));
       int edges = 0;
-      if (tip.ratio / tip.weight > r.branch_ratio &&
-          tip.since_branch > std::max(r.branch_spacing, kWholeCrack * tip.flaw) &&
+      if (drive > r.branch_ratio && tip.grown >= kWholeCrack * tip.flaw &&
           !clamped_border(m, tip.p, d, kOntoClamp * r.advance) && room_to_branch(s, r, s.cracks.tips[i], m.spacing)) {
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.graph.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
         one.since_branch = twin.since_branch = 0.0;
-        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, time);
+        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, resistance,
+                        time);
         if (edges > 0) s.cracks.graph.new_crack(), tip = one, s.cracks.tips.push_back(twin);
       }
-      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, time);
+      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, resistance, time);
       if (edges == 0) tip.pending = kRefusedPending * r.advance;
       inserted += edges;
     }

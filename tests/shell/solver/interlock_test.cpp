@@ -27,12 +27,13 @@ void crack(const ShellModel& m, ShellState& s, const Vec2& a, const Vec2& b) {
   }
 }
 
-void forces_of_faces(const ShellModel& m, ShellState& s) {
+// `advance`: a substep begins, so faces slide and crush.
+void forces_of_faces(const ShellModel& m, ShellState& s, bool advance = false) {
   std::vector<double> scratch;
   s.motion.force.assign(s.motion.force.size(), 0.0);
   add_point_forces(m.tables, {}, {s.motion.x}, {}, scratch, s.motion.force,
                    [&](int chunk, int chunks, const double* x4, double* force4) {
-                     interlock_forces(m, s, false, chunk, chunks, x4, force4);
+                     interlock_forces(m, s, advance, chunk, chunks, x4, force4);
                    });
 }
 
@@ -50,13 +51,37 @@ ShellModel bent() {
 
 // Faces that close softly all through what disturb(1e-3) presses together.
 void soften(ShellState& s) {
-  for (Interlock& lock : s.cracks.interlocks) lock.depth = 5e-3;
+  for (Interlock& lock : s.cracks.interlocks)
+    for (FacePoint& point : lock.points) point.depth = 5e-3;
 }
 
-ShellModel sheet() {
+ShellModel sheet(double crushing = 1e12) {
   ShellMaterial material = glass();
-  material.strength = 100e6;
+  material.strength = 100e6, material.crushing_strength = crushing;
   return make_shell("p", plate(0.1, 0.08, 20, 16, Vec3::Zero(), Quat::Identity()), 0.004, material, 2, 2, {});
+}
+
+// Force on everything right of x = 0.05 [N].
+Vec3 on_the_right(const ShellModel& m, const ShellState& s) {
+  Vec3 sum = Vec3::Zero();
+  const std::size_t plane = m.tables.plane;
+  for (int i = 0; i < m.control_points(); ++i)
+    if (m.parameter[i].x() > 0.05)
+      for (int d = 0; d < 3; ++d) sum[d] += s.motion.force[d * plane + m.tables.slot(i)];
+  return sum;
+}
+
+double face_area(const ShellState& s) {
+  double area = 0.0;
+  for (const Interlock& lock : s.cracks.interlocks) area += lock.area;
+  return area;
+}
+
+// Stiffness of all faces together [N/m].
+double face_stiffness(const ShellState& s) {
+  double sum = 0.0;
+  for (const Interlock& lock : s.cracks.interlocks) sum += lock.stiffness * lock.area;
+  return sum;
 }
 
 // Moves everything right of x = 0.05, where the sheet is cut in two.
@@ -120,7 +145,7 @@ TEST(Interlock, BalancesForceAndTorque) {
 
 TEST(Interlock, BearsPressureAndShearButNoTension) {
   const ShellModel m = sheet();
-  const double k = m.material.youngs_modulus / m.spacing, gap = 1e-6, soft = closing_depth(m);
+  const double gap = 1e-6, soft = closing_depth(m);
   ASSERT_GT(soft, 0.0);
   ASSERT_LT(soft, 0.5 * gap);
   // the work of a force that grows by k s / soft over the first `soft` of an approach s, by k afterwards
@@ -135,9 +160,11 @@ TEST(Interlock, BearsPressureAndShearButNoTension) {
                {{0, 0, gap}, 0.5 * gap * gap}};
   for (const auto& c : cases) {
     ShellState s = halves(m);
-    double area = 0.0;  // of the whole cut, 4 mm x 80 mm and the overhang of 4 mm
-    for (const Interlock& lock : s.cracks.interlocks) area += lock.area;
+    const double area = face_area(s);  // of the whole cut, 4 mm x 80 mm and the overhang of 4 mm
     EXPECT_NEAR(area, 0.004 * 0.08, 0.004 * m.spacing);
+    const double k = face_stiffness(s) / area;
+    EXPECT_LE(k, m.material.youngs_modulus / m.spacing);
+    EXPECT_GT(k, 0.9 * m.material.youngs_modulus / m.spacing);  // less at the borders, where less mass moves
     part(m, s, c.by);
     compute_forces(m, s, true, 0.0, 1);
     EXPECT_NEAR(s.cracks.interlock_energy, c.energy * k * area, 1e-6 * k * area * (c.energy + soft * soft));
@@ -168,40 +195,140 @@ TEST(Interlock, BeatingFacesMakeNoEnergy) {
       for (const Interlock& lock : s.cracks.interlocks) now += lock.opening < 0.0;
       changes += now != closed, closed = now;
       if (n % 20 != 19 || (n >= kPart && n < kSteps - kPart)) continue;
-      (n < kPart ? first : last) += compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt);
+      (n < kPart ? first : last) += compute_forces(m, s, true, 0.0, 1) + kinetic_energy(m, s, dt) + s.book.lost();
     }
     EXPECT_GT(changes, 2000);
-    EXPECT_NEAR(last, first, 0.03 * first);  // without a depth of closing 10 % and 175 % more
+    EXPECT_NEAR(last, first, 0.04 * first);  // without a depth of closing 10 % and 175 % more
   }
 }
 
-TEST(Interlock, LetsGoWhenOpenedOrShearedTooFarAndBooksWhatItHeld) {
+TEST(Interlock, SlidesByCoulombsLawAndBooksForceTimesWay) {
   const ShellModel m = sheet();
-  const InterlockLaw law{1e-4, 1e6};
+  for (const Vec3& way : {Vec3(0, 1, 0), Vec3(0, 0, -1), Vec3(0, 0.6, 0.8)}) {
+    ShellState s = halves(m);
+    part(m, s, {-2e-6, 0, 0});
+    forces_of_faces(m, s, true);
+    const double pressed = on_the_right(m, s).x(), bears = m.material.crack_friction * pressed;
+    ASSERT_GT(pressed, 0.0);
+    const double k = face_stiffness(s);
+    double last = 0.0, work = 0.0;  // of what moves the right half [J]
+    constexpr int kSteps = 400;
+    constexpr double kStep = 2e-8;  // [m]
+    for (int n = 0; n < kSteps; ++n) {
+      part(m, s, kStep * way);
+      forces_of_faces(m, s, true);
+      const Vec3 force = on_the_right(m, s);
+      const double shear = -force.dot(way);
+      EXPECT_NEAR(force.x(), pressed, 1e-6 * pressed);
+      EXPECT_NEAR(shear, std::min(k * kStep * (n + 1), bears), 1e-3 * bears) << n;  // elastic, then Coulomb
+      work += 0.5 * (last + shear) * kStep, last = shear;
+    }
+    EXPECT_NEAR(last, bears, 1e-4 * bears);
+    const double slides = kSteps * kStep - bears / k;
+    book_faces(s);
+    EXPECT_NEAR(s.book.face_friction, bears * slides, 1e-3 * bears * slides);
+    EXPECT_NEAR(s.book.face_friction, work - 0.5 * bears * bears / k, 1e-3 * work);
+    EXPECT_EQ(s.book.face_crushing, 0.0);
+  }
+}
+
+TEST(Interlock, CrushesUnderItsPressureAndDoesNotComeBack) {
+  const double strength = 2e6;
+  const ShellModel m = sheet(strength);
+  ShellState s = halves(m);
+  const double k = face_stiffness(s), most = strength * face_area(s);
+  double last = 0.0, work = 0.0;
+  constexpr double kStep = 2e-8;
+  const auto press = [&](double by) {
+    part(m, s, {-by, 0, 0});
+    forces_of_faces(m, s, true);
+    const double now = on_the_right(m, s).x();
+    work += 0.5 * (last + now) * by, last = now;
+  };
+  const int steps = static_cast<int>(3.0 * most / k / kStep);
+  for (int n = 0; n < steps; ++n) {
+    press(kStep);
+    EXPECT_LE(last, most * (1.0 + 1e-9));
+  }
+  EXPECT_NEAR(last, most, 1e-6 * most);
+  const double held = interlock_energy(s);
+  book_faces(s);
+  EXPECT_NEAR(s.book.face_crushing, work - held, 1e-3 * work);
+  EXPECT_GT(s.book.face_crushing, 0.4 * work);
+  for (int n = 0; n < 9 * steps / 10; ++n) press(-kStep);  // apart again before it is back where it began
+  EXPECT_NEAR(last, 0.0, 1e-9 * most);
+}
+
+// Two rigid halves that turn about their outer edges touch at the upper face alone, as far as they overlap there.
+TEST(Interlock, BearsAtOneFaceAsAHingeDoes) {
+  const ShellModel m = sheet();
+  for (const double sign : {-1.0, 1.0}) {
+    ShellState s = halves(m);
+    const double turn = sign * 1e-3, length = 0.05;
+    const std::size_t plane = m.tables.plane;
+    for (int i = 0; i < m.control_points(); ++i) {
+      const bool right = m.parameter[i].x() > 0.05;
+      const double x = right ? 0.1 - m.parameter[i].x() : m.parameter[i].x();
+      const int slot = m.tables.slot(i);
+      s.motion.x[slot] = right ? 0.1 - x * std::cos(turn) : x * std::cos(turn);
+      s.motion.x[2 * plane + slot] = -x * std::sin(turn);  // the middle moves down for a positive turn
+    }
+    forces_of_faces(m, s);
+    // each corner at height z moves towards the other half by z sin(turn) - length (1 - cos(turn))
+    const double overlap = 2.0 * (0.5 * m.thickness * std::sin(std::abs(turn)) - length * (1.0 - std::cos(turn)));
+    ASSERT_GT(overlap, 0.0);
+    const double soft = closing_depth(m);
+    const double thrust = 0.5 * face_stiffness(s) * (overlap - 0.5 * soft);
+    EXPECT_NEAR(on_the_right(m, s).x(), thrust, 1e-4 * thrust);
+    // about the outer edge of the right half the thrust acts at the face that is pressed
+    double moment = 0.0;
+    for (int i = 0; i < m.control_points(); ++i) {
+      if (m.parameter[i].x() <= 0.05) continue;
+      const int slot = m.tables.slot(i);
+      moment += s.motion.x[2 * plane + slot] * s.motion.force[slot] -
+                (s.motion.x[slot] - 0.1) * s.motion.force[2 * plane + slot];
+    }
+    const double arm = -length * std::sin(turn) + sign * 0.5 * m.thickness * std::cos(turn);
+    EXPECT_NEAR(moment, thrust * arm, 1e-3 * std::abs(thrust * arm));
+  }
+}
+
+TEST(Interlock, LetsGoWhenOpenedOrSlidPastItsThickness) {
+  const ShellModel m = sheet();
+  const InterlockLaw law{1e-4};
   const auto holding = [](const ShellState& s) {
     int n = 0;
     for (const Interlock& lock : s.cracks.interlocks) n += lock.holds;
     return n;
   };
+  const auto moved = [&](const Vec3& by) {
+    ShellState s = halves(m);
+    part(m, s, by);
+    forces_of_faces(m, s, true);
+    release_interlocks(m, s, law, false);
+    return holding(s);
+  };
+  const int all = moved({0, 0, 0});
+  ASSERT_GT(all, 0);
+  EXPECT_EQ(moved({0.9e-4, 0, 0}), all);
+  EXPECT_EQ(moved({1.1e-4, 0, 0}), 0);
+  EXPECT_EQ(moved({-1e-6, 0, 0.9 * m.thickness}), all);
+  EXPECT_EQ(moved({-1e-6, 0, 1.1 * m.thickness}), 0);
+  EXPECT_EQ(moved({-1e-6, 0.9 * m.spacing, 0}), all);
+  EXPECT_EQ(moved({-1e-6, 1.1 * m.spacing, 0}), 0);
+}
+
+TEST(Interlock, BooksWhatItHeldWhenItIsLetGo) {
+  const ShellModel m = sheet();
   ShellState s = halves(m);
-  const int all = holding(s);
-  const double booked = s.book.fracture;
-  part(m, s, {0.9e-4, 0, 0});
-  compute_forces(m, s, true, 0.0, 1);
-  release_interlocks(m, s, law, false);
-  EXPECT_EQ(holding(s), all);
-  part(m, s, {0.2e-4, 0, 0});
-  compute_forces(m, s, true, 0.0, 1);
-  release_interlocks(m, s, law, false);
-  EXPECT_EQ(holding(s), 0);
-  EXPECT_NEAR(s.book.fracture, booked, 1e-20);  // open faces hold nothing but round-off [J]
-  s = halves(m);
-  part(m, s, {0, 0, 1.1e6 * m.spacing / m.material.youngs_modulus});
-  compute_forces(m, s, true, 0.0, 1);
-  const double held = s.cracks.interlock_energy;
-  release_interlocks(m, s, law, false);
-  EXPECT_EQ(holding(s), 0);
-  EXPECT_NEAR(s.book.fracture - booked, held, 1e-12 * held);
+  part(m, s, {-1e-6, 0, 0});
+  forces_of_faces(m, s, true);
+  const double held = interlock_energy(s), fracture = s.book.fracture;
+  ASSERT_GT(held, 0.0);
+  release_interlocks(m, s, {}, true);
+  EXPECT_NEAR(s.book.face_friction, held, 1e-12 * held);
+  EXPECT_EQ(s.book.fracture, fracture);
+  EXPECT_EQ(interlock_energy(s), 0.0);
 }
 
 TEST(Interlock, KeepsItsEnergyWhenAnotherCrackCutsItsVisibility) {
@@ -245,7 +372,7 @@ TEST(Interlock, FacesBetweenCracksThatAreCloseBear) {
   EXPECT_LT(b.torque.norm(), 1e-11 * b.scale);
 }
 
-// Where little mass hangs on such faces their springs are as soft as the step stands.
+// Where little mass hangs on faces their springs are as soft as the step stands.
 TEST(Interlock, FacesBetweenCracksAreNoStifferThanTheirMassStands) {
   const ShellModel m = sheet();
   ShellState s = make_state(m, Vec3::Zero(), 0);
@@ -274,8 +401,7 @@ TEST(Interlock, FacesThatRememberTheirVisibilityGoOnAsThoseThatLookAnew) {
   crack(m, s, {0.05, -0.002}, {0.05, 0.082});
   disturb(s, m, 1e-5);
   ShellState anew = s;
-  for (Interlock& lock : anew.cracks.interlocks)
-    lock.looked = false, lock.visibility = lock.uses = {}, lock.planes = {};
+  for (Interlock& lock : anew.cracks.interlocks) lock.looked = false, lock.visibility = lock.uses = {};
   const std::vector<Interlock> before = s.cracks.interlocks;
   for (ShellState* state : {&s, &anew}) {  // ends beside the first, and later crosses it
     crack(m, *state, {0.03, 0.041}, {0.0495, 0.0415});
@@ -287,7 +413,7 @@ TEST(Interlock, FacesThatRememberTheirVisibilityGoOnAsThoseThatLookAnew) {
     const Interlock &a = s.cracks.interlocks[i], &b = anew.cracks.interlocks[i];
     EXPECT_EQ(a.holds, b.holds);
     EXPECT_EQ(a.stiffness, b.stiffness);
-    EXPECT_EQ(a.rest, b.rest);
+    for (int face = 0; face < 2; ++face) EXPECT_EQ(a.points[face].rest, b.points[face].rest);
     for (const auto side : {&Interlock::plus, &Interlock::minus}) {
       const auto same = [](const std::vector<GatheredFunction>& p, const std::vector<GatheredFunction>& q) {
         return std::equal(p.begin(), p.end(), q.begin(), q.end(),
