@@ -10,9 +10,11 @@ namespace {
 
 constexpr double kLargestGain = 0.02;    // share of the largest energy: gain without a source, or energy missing
 constexpr double kLargestReturn = 0.05;  // share of the largest energy; larger, since released overlaps return a little
-constexpr double kUncertain = 0.1, kFrozen = 0.1;  // shares of the largest energy
-constexpr double kAdded = 0.01;                    // share of the fracture energy
-constexpr double kNoted = 1e-3;                    // share of the largest energy below which an amount is not reported
+constexpr double kUncertain = 0.1, kFrozen = 0.1;      // shares of the largest energy
+constexpr double kAdded = 0.01;                        // share of the fracture energy
+constexpr double kLeastTaken = 0.7, kMostTaken = 1.5;  // share of the resistance of cracks
+constexpr double kMostRubble = 0.01;                   // share of the Gauss points
+constexpr double kNoted = 1e-3;  // share of the largest energy below which an amount is not reported
 
 // Returns the length [m] of the part of ab inside the patch. Cracks that leave the shell end a little beyond its
 // border.
@@ -37,9 +39,26 @@ double crack_resistance(const ShellModel& m, const ShellState& s) {
     const Vec2 middle = 0.5 * (e.a + e.b);
     const int block = m.patch.knots_v.span_of(middle.y()) * m.tables.gauss * m.tables.gauss;
     const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(middle.x()));
-    sum += factor * factor * length_within(m.patch, e.a, e.b);
+    sum += factor * factor * e.resistance * length_within(m.patch, e.a, e.b);
   }
   return m.material.fracture_energy * (m.thickness - m.material.interlayer.thickness) * sum;
+}
+
+CrackSurface& CrackSurface::operator+=(const CrackSurface& o) {
+  resistance += o.resistance, taken += o.taken, total += o.total, subgrid += o.subgrid, dust_mass += o.dust_mass;
+  if (o.subgrid > 0.0) dust_size = std::max(dust_size, o.dust_size);
+  return *this;
+}
+
+CrackSurface crack_surface(const ShellModel& m, const ShellState& s) {
+  CrackSurface r;
+  const double energy = m.material.fracture_energy, strength = m.material.strength;
+  if (!(energy > 0.0 && strength > 0.0)) return r;
+  r.resistance = crack_resistance(m, s), r.taken = s.cracks.taken;
+  r.total = r.taken / energy, r.subgrid = std::max(0.0, r.taken - r.resistance) / energy;
+  r.dust_size = 6.0 * m.material.youngs_modulus * energy / (strength * strength);
+  r.dust_mass = m.material.density * r.subgrid * r.dust_size / 3.0;  // cubes of that size share 3 size^2 each
+  return r;
 }
 
 std::vector<std::string> audit_warnings(const Audit& audit) {
@@ -63,6 +82,16 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
         "cracks have added {:.1f} % of the energy that fracture took, at places and in moments where they "
         "should only take: refine{}",
         100.0 * b.injected / std::max(b.fracture, b.injected), audit.keeps_damage ? ", or let damage heal" : ""));
+  if (const double cost = audit.surface.resistance > 0.0 ? audit.surface.taken / audit.surface.resistance : 1.0;
+      !(cost >= kLeastTaken && cost <= kMostTaken) && share(audit.surface.taken) > kNoted)
+    out.push_back(fmt::format(
+        "cracks took {:.2g} times the fracture energy of their area: {}", cost,
+        cost > 1.0 ? "what the grid cannot hold is booked as dust (cracks.subgrid_surface_m2); trust that surface and "
+                     "large pieces, not the number of small ones, or refine"
+                   : "more of them started at once than the energy there allows; refine"));
+  if (audit.rubble > kMostRubble)
+    out.push_back(
+        fmt::format("{:.1f} % of the Gauss points are rubble, which bears nothing: refine", 100.0 * audit.rubble));
   if (share(-b.handoff) > kLargestGain)
     out.push_back(fmt::format("pieces that left as rigid bodies took {:.1f} % more energy with them than they had{}",
                               100.0 * share(-b.handoff), audit.grid_transfer ? ": the grid glues what is cut" : ""));

@@ -7,6 +7,20 @@
 
 namespace sunder::shell {
 
+/// The surface that cracks which ran by themselves have made. A grid holds cracks no nearer than a few spacings; what
+/// they release beyond their resistance is surface that it cannot hold, which in a brittle solid is dust.
+struct CrackSurface {
+  double resistance = 0.0;  // crack_resistance [J]
+  double taken = 0.0;       // energy that they have released [J]
+  double total = 0.0;       // that over the fracture energy: area of crack, resolved and not [m^2]
+  double subgrid = 0.0;     // what is beyond the resistance, over the fracture energy [m^2]
+  double dust_mass = 0.0;   // of grains with that surface [kg]
+  double dust_size = 0.0;   // of those grains, 6 E G_f / strength^2: the width of a band, bent to the strength, that
+                            // stores the fracture energy of its cracks; the largest of all shells with dust [m]
+
+  CrackSurface& operator+=(const CrackSurface& o);
+};
+
 /// The energy books of a run [J], from which warnings are made at its end.
 struct Audit {
   EnergyBook book;
@@ -17,12 +31,18 @@ struct Audit {
   double frozen = 0.0;    // kinetic energy of the shell when it was frozen
   bool grid_transfer = false;  // velocities pass through a background grid
   bool keeps_damage = false;   // damage does not heal
+  CrackSurface surface{};
+  double rubble = 0.0;  // Gauss points that bear nothing [share of all]
 };
 
 /// Returns the energy [J] that cracks should take by the material's fracture energy and their area. Only cracks that
-/// ran by themselves count: prescribed cuts, cracks from damage and the first spacing beyond a seam do not. The
-/// fracture energy is scaled by the square of the local strength factor. Only lengths within the patch count.
+/// ran by themselves count, each edge at the speed at which it ran (cracking/tip_speed.h): prescribed cuts, cracks from
+/// damage and the first spacing beyond a seam do not. The fracture energy is scaled by the square of the local strength
+/// factor. Only lengths within the patch count.
 double crack_resistance(const ShellModel& model, const ShellState& state);
+
+/// Of one shell.
+CrackSurface crack_surface(const ShellModel& model, const ShellState& state);
 
 /// Returns warnings about the energies of a run, one sentence each; empty where there are none.
 std::vector<std::string> audit_warnings(const Audit& audit);

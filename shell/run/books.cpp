@@ -25,11 +25,11 @@ double Books::crack_length(Simulation& simulation) const {
   return simulation.state.solving() ? simulation.crack_length() : frozen_length;
 }
 
-double Books::crack_resistance(Simulation& simulation) const {
-  if (!simulation.state.solving()) return frozen_resistance;
-  double all = 0.0;
+CrackSurface Books::crack_surface(Simulation& simulation) const {
+  if (!simulation.state.solving()) return frozen_surface;
+  CrackSurface all;
   for (const ShellPart& part : simulation.state.shells)
-    if (part.state) all += shell::crack_resistance(part.model(), *part.state);
+    if (part.state) all += shell::crack_surface(part.model(), *part.state);
   return all;
 }
 
@@ -73,7 +73,7 @@ void unstable(double energy, std::int64_t window) {
   throw e;
 }
 
-std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual) {
+std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual, double rubble) {
   const std::vector<ShellSetup>& shells = simulation.model.setup.shells;
   const bool keeps =
       std::any_of(shells.begin(), shells.end(), [](const ShellSetup& s) { return !s.fracture.damage.heals; });
@@ -81,7 +81,7 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
                                 [](const ShellSetup& s) { return s.transfer.kind != Transfer::kDirect; });
   std::vector<std::string> out =
       audit_warnings({books.sum(simulation), books.scale, books.residual, books.contact_returned, coupling_residual,
-                      books.frozen_kinetic, grid, keeps});
+                      books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
   return out;

@@ -3,27 +3,28 @@
 #include <string>
 #include <vector>
 
+#include "shell/run/audit.h"
 #include "shell/run/simulation.h"
 
 namespace sunder::shell {
 
 /// Energies of a run [J]. All members are plain numbers, so a checkpoint stores them as bytes.
 struct Books {
-  EnergyBook frozen{};             // books of the shells, taken when they are frozen
-  double scale = 0.0;              // largest kinetic plus elastic energy so far
-  double reference = 0.0;          // total energy at the start
-  double residual = 0.0;           // energy that the books miss, as a share of `scale` [-]
-  double contact_taken = 0.0;      // largest value of the contact book so far
-  double contact_returned = 0.0;   // largest fall below it; contact can only take energy
-  double frozen_kinetic = 0.0;     // kinetic energy of the shells when they were frozen
-  double frozen_length = 0.0;      // length of their cracks then [m]
-  double frozen_resistance = 0.0;  // resistance of their cracks then
+  EnergyBook frozen{};            // books of the shells, taken when they are frozen
+  double scale = 0.0;             // largest kinetic plus elastic energy so far
+  double reference = 0.0;         // total energy at the start
+  double residual = 0.0;          // energy that the books miss, as a share of `scale` [-]
+  double contact_taken = 0.0;     // largest value of the contact book so far
+  double contact_returned = 0.0;  // largest fall below it; contact can only take energy
+  double frozen_kinetic = 0.0;    // kinetic energy of the shells when they were frozen
+  double frozen_length = 0.0;     // length of their cracks then [m]
+  CrackSurface frozen_surface{};  // surface of their cracks then
 
   /// Sum of the books of all shells and soft bodies, frozen or not.
   EnergyBook sum(Simulation& simulation) const;
   double crack_length(Simulation& simulation) const;  // [m]
-  /// Energy [J] that cracks which ran by themselves should take, by fracture energy and area.
-  double crack_resistance(Simulation& simulation) const;
+  /// Surface that cracks which ran by themselves have made, of all shells.
+  CrackSurface crack_surface(Simulation& simulation) const;
   /// Starts the books. `energy` is the total energy of shells and bodies [J].
   void open(Simulation& simulation, double energy);
   /// Updates the books after a window. `energy` is the present energy plus all booked energy [J].
@@ -36,7 +37,7 @@ struct Books {
 [[noreturn]] void unstable(double energy, std::int64_t window);
 
 /// Returns warnings about the run, one sentence each. `coupling_residual` is the sum of the windows' energy residuals
-/// [J].
-std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual);
+/// [J], `rubble` the share of Gauss points that bear nothing.
+std::vector<std::string> warnings(const Books& books, Simulation& simulation, double coupling_residual, double rubble);
 
 }  // namespace sunder::shell

@@ -98,7 +98,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
   std::vector<RigidBody> births = hand_off_pieces(true, dt);
   const double before = simulation_.total_energy(dt);
   books_.frozen_kinetic = 0.0, books_.frozen_length = books_.crack_length(simulation_),
-  books_.frozen_resistance = books_.crack_resistance(simulation_);
+  books_.frozen_surface = books_.crack_surface(simulation_);
   const std::vector<PartPieces> now = pieces_now(true, everywhere());
   for (std::size_t k = 0; k < state_.shells.size(); ++k) {
     const ShellModel& m = state_.shells[k].model();

@@ -27,7 +27,7 @@ void Recorder::begin() {
   series_ =
       "time [s],kinetic [J],elastic [J],fracture [J],injected [J],contact [J],damping [J],handoff [J],frozen [J],"
       "engine [J],residual [-],cracks [m],fragments [-],handed_off [-],plastic [J],healing [J],transfer [J],"
-      "external [J]\n";
+      "external [J],face_friction [J],face_crushing [J]\n";
   if (!parts_.setup.probes.empty()) probes_ = probe_header(parts_.setup.probes);
 }
 
@@ -80,10 +80,11 @@ void Recorder::write_series_row() {
   const PieceCounts& pieces = parts_.pieces.counts();
   series_ += fmt::format(
       "{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.9g},{:.3g},{:.9g},{},{},{:.9g},{:.9g},{:.9g},{"
-      ":.9g}\n",
+      ":.9g},{:.9g},{:.9g}\n",
       parts_.clock.time(), state.kinetic, state.elastic, b.fracture, b.injected, b.contact, b.damping, b.handoff,
       b.frozen, state.engine_loss, parts_.books.residual, parts_.books.crack_length(parts_.simulation),
-      pieces.fragments, pieces.handed_off, b.plastic, b.healing, b.transfer, b.external);
+      pieces.fragments, pieces.handed_off, b.plastic, b.healing, b.transfer, b.external, b.face_friction,
+      b.face_crushing);
 }
 
 void Recorder::progress() {

@@ -67,6 +67,8 @@ Json energy_of(const RunParts& run) {
           {"healing", b.healing},
           {"external_work", b.external},
           {"contact", b.contact},
+          {"face_friction", b.face_friction},
+          {"face_crushing", b.face_crushing},
           {"damping", b.damping},
           {"transfer", b.transfer},
           {"handoff_lost", b.handoff},
@@ -77,9 +79,11 @@ Json energy_of(const RunParts& run) {
 }
 
 Json cracks_of(const RunParts& run) {
-  const double resistance = run.books.crack_resistance(run.simulation);
-  Json out = {{"length_m", run.books.crack_length(run.simulation)}, {"resistance", resistance}};
-  out["taken_relative"] = resistance > 0.0 ? Json(run.books.sum(run.simulation).fracture / resistance) : Json();
+  const CrackSurface s = run.books.crack_surface(run.simulation);
+  Json out = {{"length_m", run.books.crack_length(run.simulation)}, {"resistance", s.resistance}};
+  out["taken_relative"] = s.resistance > 0.0 ? Json(run.books.sum(run.simulation).fracture / s.resistance) : Json();
+  out["surface_total_m2"] = s.total, out["subgrid_surface_m2"] = s.subgrid;
+  out["dust_kg"] = s.dust_mass, out["dust_size_m"] = s.subgrid > 0.0 ? Json(s.dust_size) : Json();
   return out;
 }
 
@@ -250,7 +254,9 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   j["handoff"] = handoff_of(run);
   j["coupling"] = coupling_of(run);
   if (!run.setup.joints.empty()) j["joints"] = joints_of(run);
-  std::vector<std::string> told = warnings(run.books, run.simulation, run.coupler.residual_sum());
+  const double gauss = j["counts"]["gauss_points"].get<double>();
+  const double rubble = gauss > 0.0 ? j["counts"]["rubble_points"].get<double>() / gauss : 0.0;
+  std::vector<std::string> told = warnings(run.books, run.simulation, run.coupler.residual_sum(), rubble);
   const std::string engine = recorder.peer() ? recorder.peer()->name : "";
   if (std::string heavy = heavy_warning(state.bodies, run.coupler.heavy_pair(), engine); !heavy.empty())
     told.push_back(std::move(heavy));

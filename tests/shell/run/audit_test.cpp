@@ -80,6 +80,39 @@ TEST(Audit, WhatAWindowOrAFreezeLeavesOpenIsNamedWithItsRemedy) {
   EXPECT_NE(said(a).find("latest_freeze_s"), std::string::npos);
 }
 
+TEST(Audit, SaysWhereCracksTookMoreOrLessThanTheirAreaAsks) {
+  Audit a = sound();
+  a.surface.resistance = 10.0, a.surface.taken = 14.0;
+  EXPECT_TRUE(audit_warnings(a).empty());
+  a.surface.taken = 16.0;
+  EXPECT_NE(said(a).find("1.6 times the fracture energy"), std::string::npos);
+  EXPECT_NE(said(a).find("dust"), std::string::npos);
+  a.surface.taken = 6.0;
+  EXPECT_NE(said(a).find("0.6 times the fracture energy"), std::string::npos);
+  a = sound(), a.rubble = 0.02;
+  EXPECT_NE(said(a).find("2.0 % of the Gauss points"), std::string::npos);
+}
+
+TEST(Audit, WhatCracksTakeBeyondTheirAreaIsDust) {
+  ShellMaterial g = glass();
+  g.fracture_energy = 10.0, g.strength = 50e6;
+  const ShellModel m = make_shell("p", plate(0.2, 0.2, 20, 20, Vec3::Zero(), Quat::Identity()), 0.004, g, 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  extend_cracks(m, s, {{s.cracks.graph.add_vertex({0.1, 0.055}), {0.108, 0.055}, s.cracks.graph.new_crack(), 1, 3.0}},
+                0.0, false);
+  const double area = 0.004 * 0.008;
+  EXPECT_NEAR(crack_resistance(m, s), 3.0 * 10.0 * area, 1e-15);  // at the speed at which it ran
+  s.cracks.taken = 5.0 * 10.0 * area;
+  const CrackSurface surface = crack_surface(m, s);
+  EXPECT_NEAR(surface.total, 5.0 * area, 1e-15);
+  EXPECT_NEAR(surface.subgrid, 2.0 * area, 1e-15);
+  EXPECT_NEAR(surface.dust_size, 6.0 * g.youngs_modulus * 10.0 / (50e6 * 50e6), 1e-15);
+  EXPECT_NEAR(surface.dust_mass, g.density * surface.subgrid * surface.dust_size / 3.0, 1e-15);
+  EXPECT_GT(surface.dust_mass, 0.0);
+  s.cracks.taken = 2.0 * 10.0 * area;
+  EXPECT_EQ(crack_surface(m, s).subgrid, 0.0);
+}
+
 TEST(Audit, CracksShouldTakeTheirFractureEnergyWhereTheyRanAndCutsNothing) {
   ShellMaterial g = glass();
   g.fracture_energy = 10.0;

@@ -14,8 +14,8 @@ using namespace sunder::shell;
 TEST(EnergyBook, LosesWhatEachEntryTakesAndGainsWorkAndInjection) {
   EnergyBook b;
   b.fracture = 1, b.injected = 2, b.contact = 4, b.handoff = 8, b.external = 16, b.healing = 32, b.plastic = 64;
-  b.damping = 128, b.transfer = 256, b.frozen = 512;
-  EXPECT_EQ(b.lost(), 1 + 4 + 8 + 32 + 64 + 128 + 256 + 512 - 2 - 16);
+  b.damping = 128, b.transfer = 256, b.frozen = 512, b.face_friction = 1024, b.face_crushing = 2048;
+  EXPECT_EQ(b.lost(), 1024 + 2048 + 1 + 4 + 8 + 32 + 64 + 128 + 256 + 512 - 2 - 16);
   EnergyBook twice = b;
   twice += b;
   EXPECT_EQ(twice.lost(), 2.0 * b.lost());
