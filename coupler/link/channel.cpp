@@ -4,7 +4,7 @@
 #include <chrono>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
+#include <optional>
 #include <regex>
 #include <set>
 
@@ -16,25 +16,33 @@
 #include <zmq.hpp>
 
 #include "coupler/core/error.h"
+#include "coupler/core/own_time.h"
 #include "coupler/link/keys.h"
 #include "coupler/link/messages.h"
+#include "coupler/link/peer.h"
 
 namespace sunder::link {
 namespace {
 
 // A connection within this machine closes when its process ends, and never earlier: silence on it means nothing. Over a
-// network, a heartbeat goes out every kHeartbeatMs. The connection is given up where the other machine acknowledges
-// none for kCutOffMs, so a cut cable is noticed within 2 s. The kernel acknowledges, even where the process is stopped.
-constexpr int kHeartbeatMs = 500, kCutOffMs = 1500, kNeverMs = 1 << 30;
-constexpr int kPollMs = 100, kLingerMs = 500;
-constexpr int kStayMs = 100;  // longest wait for the other side to close after the last reply
-constexpr double kConnectSeconds = 30.0, kSendSeconds = 2.0;
+// network, a heartbeat goes out every kHeartbeatMs, and the kernel of the other machine acknowledges it, even where the
+// process is stopped. The connection is given up where none is acknowledged for kCutOffSeconds of looks.
+constexpr int kHeartbeatMs = 500, kNeverMs = 1 << 30;
+constexpr double kCutOffSeconds = 60.0;
+constexpr int kPollMs = 100;
+// The last message has this long to leave. A machine that is ten times slower may not run the thread that sends it for
+// a second.
+constexpr int kLingerMs = 30000;
+constexpr int kStayMs = 100;  // longest wait for the other side to close after the last message
+constexpr double kSendSeconds = 60.0;
 constexpr double kSilentSeconds = 1.0;  // silence after which a stopped process is looked for
 // Largest share of a limit that the time between two reads of the clock may use up. After this process was stopped, or
 // the machine slept, hours may lie between two reads, and the other side could do nothing in them.
 constexpr double kOneLook = 0.1;
-// A connection may close during its handshake because a server is replaced. After this many times it is refused.
+// A connection may close during its handshake because whatever waits at the address does not reach the rigid process
+// yet: a tunnel, a relay, a server that is replaced. Only after so many times and seconds is it a refusal.
 constexpr int kMostClosed = 3;
+constexpr double kClosedSeconds = 10.0;
 const std::string kIpc = "ipc://", kZap = "inproc://zeromq.zap.01";
 
 // Repeats a call that a signal interrupts: any call of ZeroMQ can be. The signal itself is handled elsewhere.
@@ -51,23 +59,6 @@ auto retried_after_signals(Call call) {
 
 bool receive_now(zmq::socket_t& socket, zmq::message_t& message) {
   return retried_after_signals([&] { return socket.recv(message, zmq::recv_flags::dontwait).has_value(); });
-}
-
-/// The process that holds the other end of a socket of this machine; 0 where the system does not say.
-pid_t process_behind(int descriptor) {
-  ucred who{};
-  socklen_t size = sizeof who;
-  return getsockopt(descriptor, SOL_SOCKET, SO_PEERCRED, &who, &size) == 0 ? who.pid : 0;
-}
-
-/// Whether a process is stopped, as by Ctrl-Z, a debugger or a batch system.
-bool is_stopped(pid_t process) {
-  std::ifstream file(fmt::format("/proc/{}/stat", process));
-  std::string line;
-  std::getline(file, line);
-  const std::size_t name_end = line.rfind(')');
-  return name_end != std::string::npos && name_end + 2 < line.size() &&
-         (line[name_end + 2] == 'T' || line[name_end + 2] == 't');
 }
 
 [[noreturn]] void bad_endpoint(const std::string& endpoint, const std::string& why) {
@@ -101,6 +92,7 @@ struct Channel::Sockets {
   zmq::socket_t data{context, zmq::socket_type::pair};
   zmq::socket_t monitor{context, zmq::socket_type::pair};
   bool was_connected = false, lost = false;
+  bool cut_off = false;  // lost because the other machine acknowledges nothing
 
   Role role;
   std::string peer, endpoint;
@@ -114,8 +106,9 @@ struct Channel::Sockets {
   int turned_away = 0;    // number of failed handshakes
   std::string last_away;  // reason of the last one that gave a reason
 
-  int closed_on_us = 0;
-  std::string refusal;  // why the binding side does not admit this process; empty: it may
+  int closed_on_us = 0;          // handshakes that the other side left without a reason
+  double closing_seconds = 0.0;  // since the first of them [s]
+  std::string refusal;           // why the binding side does not admit this process; empty: it may
 
   void open_authenticator(const std::string& admitted);
   void answer_authenticator();
@@ -123,9 +116,17 @@ struct Channel::Sockets {
 
   /// Throws Error where the events read so far say that the other side is gone or refuses this process.
   void fail_if_lost() const;
+  /// File descriptor of the connection with the other side; -1: none.
+  int descriptor() const { return ours >= 0 ? ours : open.empty() ? -1 : *open.begin(); }
+  /// The process of the other side; 0 where the system does not say, or it is this process.
+  pid_t process() const {
+    const pid_t found = was_connected && descriptor() >= 0 ? process_behind(descriptor()) : 0;
+    return found == getpid() ? 0 : found;
+  }
   /// Says once on stderr that the other process is stopped, where it is.
   void tell_if_stopped();
   bool told_stopped = false;
+  bool has_told = false;  // a message without a reply went out
   /// True where the other side is gone and a message of it is still to be read. Events are read first, because messages
   /// sent before the end have arrived by then.
   bool has_unread_words() {
@@ -134,6 +135,7 @@ struct Channel::Sockets {
   }
   void read_events();
   void handshake_failed(std::uint16_t kind, int value);
+  std::string closed_at_first_word() const;
   void note_sender(zmq::message_t& message);
   /// Takes a message that has arrived; false where there is none.
   bool take(zmq::message_t& message);
@@ -207,12 +209,18 @@ void Channel::Sockets::handshake_failed(std::uint16_t kind, int value) {
     refusal = with_keys ? "it has no keys: start it with --keys DIR" : "it wants keys: give --keys DIR";
   else if (kind == ZMQ_EVENT_HANDSHAKE_FAILED_PROTOCOL)
     refusal = "what it answers is not for us: it is no rigid process, or has other keys";
-  else if (++closed_on_us >= kMostClosed)  // a server with other keys closes without a reason
-    refusal = with_keys
-                  ? "it closes the connection at our first word: our rigid.pub is not of its rigid.key, or it has "
-                    "no --keys"
-                  : "it closes the connection at our first word: it wants keys: give --keys DIR, or it is no "
-                    "rigid process";
+  else if (++closed_on_us >= kMostClosed && closing_seconds >= kClosedSeconds)
+    refusal = closed_at_first_word();
+}
+
+// A server with other keys closes without a reason, and so does a relay that does not reach its server.
+std::string Channel::Sockets::closed_at_first_word() const {
+  const std::string times = fmt::format("it closed {} connections at our first word, without a reason", closed_on_us);
+  if (endpoint.rfind(kIpc, 0) == 0 && !with_keys)
+    return times + ": what waits there is no rigid process, or a relay that does not reach it";
+  return times + (with_keys ? ": our rigid.pub is not of its rigid.key, or it has no --keys, or it does not reach the "
+                              "rigid process"
+                            : ": it wants keys (give --keys DIR), is no rigid process, or does not reach it");
 }
 
 // The first message shows which connection is the other side's.
@@ -248,12 +256,10 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
   s_->role = role, s_->endpoint = endpoint, s_->with_keys = !keys.empty();
   s_->peer = role == Role::kConnect ? "the rigid process" : "the shell process";
   auto& d = s_->data;
-  d.set(zmq::sockopt::linger, kLingerMs);
   d.set(zmq::sockopt::maxmsgsize, static_cast<std::int64_t>(kMaxMessage));
   if (endpoint.rfind(kIpc, 0) != 0) {
     d.set(zmq::sockopt::heartbeat_ivl, kHeartbeatMs);
     d.set(zmq::sockopt::heartbeat_timeout, kNeverMs);
-    d.set(zmq::sockopt::tcp_maxrt, kCutOffMs);
   }
   d.set(zmq::sockopt::sndtimeo, kPollMs);
   if (endpoint.find('[') != std::string::npos) d.set(zmq::sockopt::ipv6, true);
@@ -286,6 +292,9 @@ Channel::Channel(Role role, const std::string& endpoint, const std::string& keys
 }
 
 Channel::~Channel() {
+  if (s_->has_told && s_->role == Role::kConnect) wait_for_close();  // it reads what it was told, and closes
+  s_->read_events();
+  s_->data.set(zmq::sockopt::linger, s_->lost || !s_->was_connected ? 0 : kLingerMs);
   zmq_socket_monitor(s_->data.handle(), nullptr, 0);
   struct stat there {};  // the file of another process that is bound there now stays
   if (!s_->file.empty() && stat(s_->file.c_str(), &there) == 0 && there.st_dev == s_->made.st_dev &&
@@ -298,20 +307,22 @@ void Channel::Sockets::fail_if_lost() const {
     throw Error(
         Exit::kPeerLost, "not_admitted",
         fmt::format("{} at {}: {}; both sides need the folder of one 'sunder keys DIR'", peer, endpoint, refusal));
+  if (cut_off)
+    throw Error(Exit::kPeerLost, "peer_lost",
+                fmt::format("{} is out of reach: its machine has acknowledged nothing for {} s; is the network cut, or "
+                            "that machine off?",
+                            peer, kCutOffSeconds));
   if (lost)
-    throw Error(
-        Exit::kPeerLost, "peer_lost",
-        fmt::format("{} is gone: its connection closed, or its machine answered nothing for {} ms, without a goodbye",
-                    peer, kCutOffMs));
+    throw Error(Exit::kPeerLost, "peer_lost", fmt::format("{} is gone: its connection closed without a goodbye", peer));
 }
 
 void Channel::Sockets::tell_if_stopped() {
-  if (told_stopped || !was_connected || open.empty()) return;
-  const pid_t process = process_behind(ours >= 0 ? ours : *open.begin());
-  if (process <= 0 || !is_stopped(process)) return;
+  if (told_stopped) return;
+  const pid_t there = process();
+  if (there <= 0 || !is_stopped(there)) return;
   told_stopped = true;
   fmt::print(stderr, "sunder: {} is stopped, and this process waits for it. To continue it: kill -CONT {}\n", peer,
-             process);
+             there);
 }
 
 int Channel::turned_away() const { return s_->turned_away; }
@@ -325,18 +336,21 @@ void Channel::send(const std::string& bytes) {
     throw Error(Exit::kPeerLost, "message_size",
                 fmt::format("a message of {} bytes for {}; {} at most: take fewer or simpler bodies", bytes.size(),
                             s_->peer, kMaxMessage));
-  const double start = now_();
+  double looked = now_(), refused = 0.0;  // [s]
   while (!retried_after_signals([&] { return s_->data.send(zmq::buffer(bytes), zmq::send_flags::none); })) {
     if (s_->has_unread_words()) return;  // the other side is gone; the next receive reads its last message
     s_->fail_if_lost();
-    if (now_() - start > kSendSeconds)
-      throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
+    const double now = now_();
+    refused += std::min(now - looked, kOneLook * kSendSeconds);
+    looked = now;
+    if (refused > kSendSeconds) throw Error(Exit::kPeerLost, "peer_lost", s_->peer + " takes no messages any more");
   }
 }
 
 void Channel::tell(const std::string& request) {
   s_->read_events();
   s_->fail_if_lost();  // ZeroMQ would keep the message and delay the end of this process
+  s_->has_told = true;
   send(request);
 }
 
@@ -358,6 +372,9 @@ void Channel::wait_for_close() {
 
 std::string Channel::receive(double connect_s, double deadline_s, const char* what) {
   double looked = now_(), silent = 0.0, unconnected = 0.0, unanswered = 0.0;  // [s]
+  std::optional<OwnTime> had;  // by the other process while it owes an answer
+  double had_before = 0.0;
+  Silence silence;
   zmq::message_t message;
   s_->answer_authenticator(), s_->read_events();  // also where a message is there already: queues would fill up
   if (s_->take_soon(message)) return message.to_string();
@@ -375,11 +392,26 @@ std::string Channel::receive(double connect_s, double deadline_s, const char* wh
     check_peer();
     const double now = now_(), since = now - looked;
     looked = now;
-    unconnected += std::min(since, kOneLook * connect_s), unanswered += std::min(since, kOneLook * deadline_s);
+    unconnected += std::min(since, kOneLook * connect_s);
+    if (s_->closed_on_us > 0) s_->closing_seconds += std::min(since, kOneLook * kClosedSeconds);
+    // A process of this machine owes its answer by its own time: a busy machine gives it little.
+    if (!had)
+      if (const pid_t there = deadline_s > 0.0 ? s_->process() : 0; there > 0) had.emplace(there);
+    if (had) {
+      const double has = had->look();
+      unanswered += has - had_before, had_before = has;
+    } else
+      unanswered += std::min(since, kOneLook * deadline_s);
     silent += since;
     if (silent > kSilentSeconds) s_->tell_if_stopped(), silent = 0.0;
+    if (s_->was_connected) silence.look(s_->descriptor(), since);
+    if (silence.seconds() >= kCutOffSeconds) {
+      s_->cut_off = s_->lost = true;
+      s_->fail_if_lost();
+    }
     if (!s_->was_connected && unconnected >= connect_s) {
-      const std::string late = fmt::format("{} did not connect within {} s", s_->peer, connect_s);
+      const std::string late = fmt::format("{} did not connect within {} s{}", s_->peer, connect_s,
+                                           s_->closed_on_us > 0 ? "; " + s_->closed_at_first_word() : "");
       if (s_->turned_away == 0) throw Error(Exit::kPeerLost, "peer_lost", late);
       throw Error(Exit::kPeerLost, "not_admitted",
                   fmt::format("{}; {} attempts came to nothing: {}; both sides need the folder of one "

@@ -11,7 +11,7 @@ namespace sunder::link {
 namespace {
 
 // Deadlines of the handshake [s]. A window has none: the channel notices a process that is gone.
-constexpr double kHelloSeconds = 30.0, kLoadSeconds = 120.0, kByeSeconds = 30.0, kNone = 0.0;
+constexpr double kHelloSeconds = 120.0, kLoadSeconds = 120.0, kByeSeconds = 120.0, kNone = 0.0;
 // Deadline of requests that move no body [s].
 constexpr double kLookSeconds = 120.0;
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // plausible times of the other side's clock

@@ -10,8 +10,6 @@
 namespace sunder::link {
 namespace {
 
-constexpr double kConnectSeconds = 30.0;
-
 std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
       .count();
@@ -134,7 +132,7 @@ void serve(const std::string& endpoint, Engine& engine, const std::string& keys)
   Channel channel(Channel::Role::kBind, endpoint, keys);
   Session session(engine);
   while (!session.over()) {
-    const std::string reply = session.answer(channel.receive(kConnectSeconds));
+    const std::string reply = session.answer(channel.receive(Channel::kConnectSeconds));
     if (!session.abandoned()) channel.send(reply);
   }
   channel.wait_for_close();

@@ -3,7 +3,8 @@
 import { Exit, Failure, refuse } from './failure.mjs';
 import { kMaxMessage } from './messages.mjs';
 
-const kConnect_s = 30, kSend_ms = 2000, kLinger_ms = 500;
+// Limits that a machine ten times slower than usual does not reach; an end is noticed without them.
+const kConnect_s = 120, kSend_ms = 60000, kLinger_ms = 30000;
 /** Longest path of a socket [bytes]: sun_path of <sys/un.h> without its last byte. */
 const kMostPath = 107;
 /** Wait after the end of the connection, so that the other side's last message is still read. */
@@ -37,10 +38,13 @@ export class Channel {
 
   constructor(socket) {
     this.socket = socket;
+    this.isLost = false;
     this.gone = new Promise((_, reject) => {
-      const unconnected = setTimeout(
-        () => reject(lost(`the shell process did not connect within ${kConnect_s} s`)), 1000 * kConnect_s);
-      this.giveUp = () => clearTimeout(unconnected);
+      let waited_s = 0; // counted, because a timer runs out while this process is stopped
+      const unconnected = setInterval(() => {
+        if (++waited_s >= kConnect_s) reject(lost(`the shell process did not connect within ${kConnect_s} s`));
+      }, 1000);
+      this.giveUp = () => clearInterval(unconnected);
       let connected = false;
       socket.events.on('handshake', () => {
         connected = true;
@@ -48,6 +52,7 @@ export class Channel {
       });
       socket.events.on('disconnect', () => {
         if (!connected) return;
+        this.isLost = true;
         setTimeout(() => reject(lost('the shell process is gone: its connection closed without a goodbye')), kLastWords_ms);
       });
     });
@@ -72,6 +77,7 @@ export class Channel {
 
   close() {
     this.giveUp();
+    if (this.isLost) this.socket.linger = 0; // nobody is there to take the last message
     this.socket.close();
   }
 }

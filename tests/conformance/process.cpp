@@ -11,7 +11,7 @@
 #include <unistd.h>
 
 #include "coupler/core/error.h"
-#include "tests/own_time.h"
+#include "coupler/core/own_time.h"
 
 namespace sunder::conformance {
 namespace {

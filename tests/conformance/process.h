@@ -29,7 +29,7 @@ class EngineProcess {
   const std::string& endpoint() const { return endpoint_; }
   bool ours() const { return pid_ > 0; }
   /// Exit status of the process, or 256 + the signal that ended it. Nothing where it still runs after `seconds` of its
-  /// own time (tests/own_time.h), or was not started here.
+  /// own time (coupler/core/own_time.h), or was not started here.
   std::optional<int> wait(double seconds);
   /// Last line of its output.
   std::string last_words() const;

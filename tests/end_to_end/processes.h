@@ -17,7 +17,7 @@
 #include <google/protobuf/util/json_util.h>
 #include <gtest/gtest.h>
 
-#include "tests/own_time.h"
+#include "coupler/core/own_time.h"
 #include "tests/temporary_folder.h"
 
 namespace sunder::test {

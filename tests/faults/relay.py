@@ -43,7 +43,7 @@ class Relay:
         self._listener.listen(8)
         self._listener.setblocking(False)
         self._shell_path = shell_path
-        self._selector.register(self._listener, selectors.EVENT_READ, None)
+        self._listens = False
         self.sides = {name: Side(name) for name in BOTH}
         self.stands_still = False  # as a relay that is stopped: connections stay open, nothing comes
         self.helpings = 0  # that a slow reader took
@@ -61,6 +61,11 @@ class Relay:
         """Waits for whatever happens next, at most so long, and does it."""
         if any(side.waiting for side in self.sides.values()):
             seconds = min(seconds, PACE_S)
+        if not self._listens:
+            seconds = min(seconds, PACE_S)
+            if self._rigid_path.exists():  # before, a connection could only be closed again
+                self._selector.register(self._listener, selectors.EVENT_READ, None)
+                self._listens = True
         for key, _ in self._selector.select(seconds):
             if key.fileobj is self._listener:
                 self._accept()

@@ -7,14 +7,14 @@ from pathlib import Path
 
 MOST_OF_A_LOOK_S = 0.1  # most that counts between two looks: this process may have been stopped or starved itself
 _TICK_S = 1.0 / os.sysconf("SC_CLK_TCK")
-_WAITING = "RD"  # states of a thread that has a processor, or waits for one or for a disk
+_WAITING = "RDTt"  # states of a thread that has a processor, waits for one or for a disk, or is stopped
 
 
 class OwnTime:
     """Seconds of their own that processes have had since the first look.
 
     Processor time counts, and so does the time in which all threads sleep. The time in which a thread waits for a
-    processor or a disk does not count: then the machine is late, not the process.
+    processor or a disk, or is stopped, does not count: then the machine is late, not the process.
     """
 
     def __init__(self, *pids: int) -> None:

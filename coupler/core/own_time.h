@@ -1,6 +1,6 @@
 #pragma once
-// Time of a process's own: coupler/sunder_tools/launch/own_time.py in C++, for tests that judge how soon a process
-// ends.
+// Time of a process's own, which other work on the machine cannot use up: coupler/sunder_tools/launch/own_time.py in
+// C++.
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
@@ -13,7 +13,7 @@
 namespace sunder {
 
 /// Seconds of its own that a process has had since the first look. Processor time counts, and so does the time in which
-/// all threads sleep. The time in which a thread waits for a processor or a disk does not count.
+/// all threads sleep. The time in which a thread waits for a processor or a disk, or is stopped, does not count.
 class OwnTime {
  public:
   explicit OwnTime(pid_t process) : process_(process), looked_(now()) { read(used_); }
@@ -29,7 +29,7 @@ class OwnTime {
   }
 
  private:
-  static constexpr double kMostOfALook = 0.1;  // [s]; the test itself may have been starved
+  static constexpr double kMostOfALook = 0.1;  // [s]; this process itself may have been starved
 
   static double now() {
     timespec t;
@@ -51,7 +51,7 @@ class OwnTime {
       fields >> state;
       for (int k = 0; k < 10; ++k) fields >> skipped;
       if (!(fields >> user >> system)) continue;  // the thread has ended meanwhile
-      asleep = asleep && state != "R" && state != "D";
+      asleep = asleep && state != "R" && state != "D" && state != "T" && state != "t";
       used += (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
     }
     return asleep;

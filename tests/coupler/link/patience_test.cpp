@@ -1,0 +1,176 @@
+// What a busy machine makes of a session: connections that close early, a peer that is stopped, a reply that leaves
+// late.
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <functional>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/socket.h>
+#include <sys/un.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "coupler/core/error.h"
+#include "coupler/link/channel.h"
+#include "coupler/link/peer.h"
+#include "tests/temporary_folder.h"
+
+using namespace sunder;
+using namespace sunder::link;
+
+namespace {
+
+constexpr double kStoppedSeconds = 2.5;
+constexpr std::size_t kLongReply = 64u << 20;  // bytes; far more than a socket holds
+
+// Accepts connections and closes them at once, as a relay does whose server is not there yet.
+class Closing {
+ public:
+  explicit Closing(const std::string& path) : socket_(socket(AF_UNIX, SOCK_STREAM, 0)) {
+    sockaddr_un at{};
+    at.sun_family = AF_UNIX;
+    path.copy(at.sun_path, sizeof at.sun_path - 1);
+    EXPECT_EQ(bind(socket_, reinterpret_cast<sockaddr*>(&at), sizeof at), 0);
+    EXPECT_EQ(listen(socket_, 8), 0);
+  }
+  ~Closing() { close(socket_); }
+  void close_one() const { close(accept(socket_, nullptr, nullptr)); }
+  void end() const { shutdown(socket_, SHUT_RDWR); }
+
+ private:
+  int socket_;
+};
+
+double fast_seconds() {
+  return 100.0 * std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
+}
+
+// A process that does `work`; it must be started before this process has threads.
+class Child {
+ public:
+  explicit Child(const std::function<bool()>& work) : pid_(fork()) {
+    if (pid_ == 0) {
+      bool done = false;
+      try {
+        done = work();
+      } catch (const Error&) {
+      }
+      _exit(done ? 0 : 1);
+    }
+  }
+  ~Child() {
+    if (pid_ > 0) kill(pid_, SIGKILL), waitpid(pid_, nullptr, 0);
+  }
+  // Waits until the child has stopped itself, and lets it go on `seconds` later.
+  void continue_after(double seconds) const {
+    int status = 0;
+    EXPECT_EQ(waitpid(pid_, &status, WUNTRACED), pid_);
+    EXPECT_TRUE(WIFSTOPPED(status));
+    std::this_thread::sleep_for(std::chrono::duration<double>(seconds));
+    kill(pid_, SIGCONT);
+  }
+  void wait_until_it_is_stopped() const {
+    while (!is_stopped(pid_)) usleep(1000);
+  }
+  bool done() {
+    int status = 0;
+    EXPECT_EQ(waitpid(pid_, &status, 0), pid_);
+    pid_ = 0;
+    return WIFEXITED(status) && WEXITSTATUS(status) == 0;
+  }
+
+ private:
+  pid_t pid_;
+};
+
+}  // namespace
+
+TEST(Connection, ThatClosesAtTheFirstWordIsMadeAgainUntilTheServerIsThere) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path + "/socket";
+  std::thread server([&] {
+    {
+      const Closing relay(path);
+      for (int k = 0; k < 6; ++k) relay.close_one();
+      unlink(path.c_str());
+    }
+    Channel channel(Channel::Role::kBind, "ipc://" + path);
+    channel.send(channel.receive(30.0));
+    channel.wait_for_close();
+  });
+  std::string answer;
+  EXPECT_NO_THROW({
+    Channel channel(Channel::Role::kConnect, "ipc://" + path);
+    answer = channel.ask("word", 0.0, "Hello");
+  });
+  EXPECT_EQ(answer, "word");
+  server.join();
+}
+
+TEST(Connection, ThatAlwaysClosesIsRefusedWithWhatWasSeen) {
+  const TemporaryFolder folder;
+  const std::string path = folder.path + "/socket";
+  const Closing relay(path);
+  std::atomic<bool> over{false};
+  std::thread closes([&] {
+    while (!over) relay.close_one();
+  });
+  try {
+    Channel(Channel::Role::kConnect, "ipc://" + path, "", fast_seconds).ask("word", 0.0, "Hello");
+    ADD_FAILURE() << "something answered";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind, "not_admitted");
+    EXPECT_NE(std::string(e.what()).find("connections at our first word, without a reason"), std::string::npos)
+        << e.what();
+    EXPECT_EQ(std::string(e.what()).find("--keys"), std::string::npos) << "no sign of keys: " << e.what();
+  }
+  over = true, relay.end();
+  closes.join();
+}
+
+// The clock here runs a hundred times too fast, so a deadline of time would pass while the peer is stopped.
+TEST(Deadline, DoesNotCountTheTimeInWhichThePeerIsStopped) {
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  Child peer([&] {
+    Channel channel(Channel::Role::kBind, endpoint);
+    const std::string word = channel.receive(30.0);
+    raise(SIGSTOP);
+    channel.send(word);
+    channel.wait_for_close();
+    return true;
+  });
+  std::thread wakes([&] { peer.continue_after(kStoppedSeconds); });
+  std::string answer;
+  EXPECT_NO_THROW({
+    Channel channel(Channel::Role::kConnect, endpoint, "", fast_seconds);
+    answer = channel.ask("word", 120.0, "Hello");
+  });
+  EXPECT_EQ(answer, "word");
+  wakes.join();
+  EXPECT_TRUE(peer.done());
+}
+
+TEST(LastReply, LeavesThoughThePeerTakesItLate) {
+  const TemporaryFolder folder;
+  const std::string endpoint = "ipc://" + folder.path + "/socket";
+  Child peer([&] {
+    Channel channel(Channel::Role::kConnect, endpoint);
+    channel.send("word");
+    usleep(500000);  // the connection stands, the word is on its way
+    raise(SIGSTOP);
+    return channel.receive(30.0).size() == kLongReply;
+  });
+  std::thread wakes([&] { peer.continue_after(kStoppedSeconds); });
+  {
+    Channel channel(Channel::Role::kBind, endpoint);
+    channel.receive(30.0);
+    peer.wait_until_it_is_stopped();
+    channel.send(std::string(kLongReply, 'x'));
+    channel.wait_for_close();
+  }
+  wakes.join();
+  EXPECT_TRUE(peer.done());
+}
