@@ -1,12 +1,15 @@
 """`sunder run` with fake executables: outcomes, exit statuses, and what is left behind."""
 from __future__ import annotations
 
+import contextlib
 import fcntl
+import io
 import json
 import os
 import signal
 import subprocess
 import tempfile
+import threading
 import time
 import unittest
 from pathlib import Path
@@ -16,11 +19,20 @@ from sunder_tools import errors
 from sunder_tools.launch import folder
 from sunder_tools.launch.own_time import OwnTime
 from sunder_tools.launch.run import _verdict
-from sunder_tools.launch.watch import Ending
+from sunder_tools.launch.watch import Ending, watch
 
 from . import REPOSITORY
 from .fakes import write_executables
 
+# The main thread has ended, another one lives on: as a killed process is while a thread of it waits for a processor.
+DIES_SLOWLY = """
+import ctypes, os, signal, threading, time
+def last():
+    time.sleep(4.0)
+    os.kill(os.getpid(), signal.SIGKILL)
+threading.Thread(target=last).start()
+ctypes.CDLL(None).pthread_exit(None)  # the lock of the interpreter is released around it
+"""
 STUCK_S = 1800.0  # after which a process hangs, whatever else the machine does
 
 
@@ -116,8 +128,10 @@ class RunCommand(unittest.TestCase):
         for victim, other in (("rigid", "shell"), ("shell", "rigid")):
             with self.subTest(victim=victim):
                 out = self.here / victim
-                process = self.start("run", str(self.scene), "--out", str(out), FAKE_FRAMES="400")
+                process = self.start("run", str(self.scene), "--out", str(out), "--quiet", FAKE_FRAMES="400")
                 self.wait_for_frames(out)
+                (out / "checkpoint").mkdir()
+                (out / "checkpoint" / "state").touch()
                 os.kill(self.pid(victim), signal.SIGKILL)
                 self.wait_for_end(self.pid(other), 2.0, process)
                 _, err = process.communicate(timeout=STUCK_S)
@@ -126,7 +140,9 @@ class RunCommand(unittest.TestCase):
                 self.assertIn(f"{victim}.log", err)
                 run = json.loads((out / "run.json").read_text())
                 self.assertEqual(run["status"], "failed")
+                self.assertIn(f"sunder run --resume {out}", err)
                 if victim == "shell":
+                    self.assertIn(f"sunder run --resume {out}", run["error"]["message"])
                     self.assertEqual(run["error"]["kind"], "peer_lost")
                     self.assertEqual(run["engine"]["name"], "fake", "what was there is kept")
                 self.assertTrue((out / "contact_sheet.png").exists())
@@ -321,6 +337,35 @@ class Verdict(unittest.TestCase):
             status, message = _verdict(Ending(shell=shell, rigid=-signal.SIGKILL, rigid_first=True), Path("run"), "my-engine")
             self.assertEqual(status, 3)
             self.assertIn("(my-engine) was killed by SIGKILL", message)
+
+
+    def test_a_shell_that_dies_slowly_is_the_first_to_die(self) -> None:
+        """Its connections are closed and the rigid process has ended, but other threads keep it from being reaped."""
+        dying = subprocess.Popen(["/usr/bin/python3", "-c", DIES_SLOWLY])
+        self.addCleanup(dying.kill)
+        while Path(f"/proc/{dying.pid}/stat").read_text().rpartition(")")[2].split()[0] != "Z":
+            time.sleep(0.01)
+        rigid = subprocess.Popen(["/bin/sh", "-c", "exit 1"])  # an engine of one's own, with a status of its own
+        ending = watch(dying, rigid, [])
+        self.assertEqual((ending.shell, ending.rigid), (-signal.SIGKILL, 1))
+        status, message = _verdict(ending, Path("run"), "my-engine")
+        self.assertEqual(status, 3)
+        self.assertIn("(sunder-shell) was killed by SIGKILL", message)
+        self.assertNotIn("my-engine", message)
+
+
+    def test_a_process_that_is_stopped_is_not_ended(self) -> None:
+        shell = subprocess.Popen(["/bin/sh", "-c", "kill -STOP $$; exit 3"])
+        self.addCleanup(shell.kill)
+        while not Path(f"/proc/{shell.pid}/stat").read_text().rpartition(")")[2].split()[0] in "Tt":
+            time.sleep(0.01)
+        rigid = subprocess.Popen(["/bin/sh", "-c", "kill -KILL $$"])
+        threading.Timer(3.5, shell.send_signal, [signal.SIGCONT]).start()  # it would have been ended after 2.5 s
+        said = io.StringIO()
+        with contextlib.redirect_stderr(said):
+            ending = watch(shell, rigid, [])
+        self.assertEqual((ending.shell, ending.rigid, ending.shell_was_signalled), (3, -signal.SIGKILL, False))
+        self.assertIn(f"kill -CONT {shell.pid}", said.getvalue())
 
 
 class Own(unittest.TestCase):

@@ -104,12 +104,15 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
             status == INTERRUPTED and ending.shell == INTERRUPTED and (folder.path / "run.json").exists())
         if message:
             print(f"sunder: {message}", file=sys.stderr, flush=True)
+        going_on = ""
+        if status != DONE and (folder.path / "checkpoint" / "state").is_file():
+            going_on = ("the run can go on from its last checkpoint: "
+                        f"{command_line(['sunder', 'run', '--resume', folder.path])}")
         if keep and not (resume and status == BAD_INPUT):
-            _settle_run_json(folder.path, status, message, ending)
+            _settle_run_json(folder.path, status, message, ending, going_on)
             _finish(folder, quiet, draw)
-        if status != DONE and (folder.path / "checkpoint" / "state").is_file() and not quiet:
-            print(f"sunder: the run can go on from its last checkpoint: "
-                  f"{command_line(['sunder', 'run', '--resume', folder.path])}", file=sys.stderr)
+        if going_on:
+            print(f"sunder: {going_on}", file=sys.stderr)
         return status
     finally:
         if not keep and not folder.has_frames():
@@ -256,8 +259,9 @@ def _verdict(ending: Ending, folder: Path, program: str) -> tuple[int, str]:
     return shell, ""
 
 
-def _settle_run_json(folder: Path, status: int, message: str, ending: Ending) -> None:
-    """Completes run.json where the shell process could not say how the run ended."""
+def _settle_run_json(folder: Path, status: int, message: str, ending: Ending, going_on: str) -> None:
+    """Completes run.json where the shell process could not say how the run ended. Where a process was lost, its message
+    also says `going_on`."""
     written = run_json.read_run(folder).get("status")
     shell_was_cut = ending.shell < 0 or ending.shell_was_signalled or ending.killed_by_user
     try:
@@ -273,6 +277,8 @@ def _settle_run_json(folder: Path, status: int, message: str, ending: Ending) ->
             else:
                 run_json.mark(folder, "failed", kind, message or f"sunder-shell ended with status {ending.shell} "
                             "without finishing run.json; see shell.log")
+        if status == PEER_LOST and going_on:
+            run_json.extend_message(folder, going_on)
     except OSError as error:
         print(f"sunder: cannot update {folder}/run.json: {error.strerror}", file=sys.stderr)
 

@@ -27,6 +27,18 @@ def mark(folder: Path, status: str, kind: str, message: str) -> None:
     run["status"] = status
     if kind:
         run["error"] = {"kind": kind, "message": message}
+    _replace(folder, run)
+
+
+def extend_message(folder: Path, more: str) -> None:
+    """Adds a sentence to the message of the error, where there is one. Raises OSError as `mark` does."""
+    run = read_run(folder)
+    if run.get("error", {}).get("message"):
+        run["error"]["message"] += f"; {more}"
+        _replace(folder, run)
+
+
+def _replace(folder: Path, run: dict[str, Any]) -> None:
     target = folder / "run.json"
     temporary = folder / f".run.json.{os.getpid()}"
     try:
