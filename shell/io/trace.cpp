@@ -3,6 +3,8 @@
 #include <chrono>
 #include <limits>
 
+#include <nlohmann/json.hpp>
+
 #include "shell/io/vtp.h"
 
 namespace sunder::shell {
@@ -15,6 +17,12 @@ std::string event(const std::string& name, int process, std::int64_t begin, std:
       ",\n{{\"name\": \"{}\", \"ph\": \"X\", \"pid\": {}, \"tid\": 1, \"ts\": {:.3f}, \"dur\": {:.3f}{}}}", name,
       process, 1e-3 * static_cast<double>(begin), 1e-3 * static_cast<double>(end - begin),
       window >= 0 ? fmt::format(", \"args\": {{\"window\": {}}}", window) : "");
+}
+
+// What the trace calls a process. A program of the user's may have any name.
+std::string called(int process, const std::string& name) {
+  const nlohmann::json event = {{"name", "process_name"}, {"ph", "M"}, {"pid", process}, {"args", {{"name", name}}}};
+  return event.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
 // Keeps only plain characters: names come from the other process.
@@ -38,7 +46,7 @@ void Trace::add(const char* name, std::int64_t begin_ns, std::int64_t end_ns, st
 
 void Trace::heard(const link::TimedReply& reply) { replies_.push_back(reply); }
 
-void Trace::write(const std::string& path) const {
+void Trace::write(const std::string& path, const std::string& shell, const std::string& rigid) const {
   // The offset puts the engine's work into the middle of the exchange. Its error is at most half of the time that the
   // exchange took beyond that work.
   std::int64_t offset = 0, least = std::numeric_limits<std::int64_t>::max();
@@ -52,11 +60,8 @@ void Trace::write(const std::string& path) const {
   std::int64_t start = std::numeric_limits<std::int64_t>::max();
   for (const Event& e : events_) start = std::min(start, e.begin);
   for (const link::TimedReply& r : replies_) start = std::min(start, r.sent_ns);
-  std::string out = fmt::format(
-      "{{\"displayTimeUnit\": \"ms\", \"traceEvents\": [\n"
-      "{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": \"sunder-shell\"}}}},\n"
-      "{{\"name\": \"process_name\", \"ph\": \"M\", \"pid\": {}, \"args\": {{\"name\": \"sunder-rigid\"}}}}",
-      kShell, kRigid);
+  std::string out = "{\"displayTimeUnit\": \"ms\", \"traceEvents\": [\n" + called(kShell, shell);
+  if (!replies_.empty()) out += ",\n" + called(kRigid, rigid);
   for (const Event& e : events_) out += event(e.name, kShell, e.begin - start, e.end - start, e.window);
   for (const link::TimedReply& r : replies_) {
     out += event(r.request, kShell, r.sent_ns - start, r.received_ns - start, -1);

@@ -15,8 +15,9 @@ class Trace {
   void add(const char* name, std::int64_t begin_ns, std::int64_t end_ns, std::int64_t window = -1);
   /// Adds the spans that the engine reported with a reply.
   void heard(const link::TimedReply& reply);
-  /// Writes the file. The engine's clock is aligned by the fastest exchange. Throws Error (io).
-  void write(const std::string& path) const;
+  /// Writes the file. `shell` and `rigid`: what it calls the two processes. The engine's clock is aligned by the
+  /// fastest exchange. Throws Error (io).
+  void write(const std::string& path, const std::string& shell, const std::string& rigid) const;
 
   static std::int64_t now_ns();
 

@@ -52,6 +52,8 @@ int run(const Program& program, int argc, char** argv) {
   app.add_option("--record", options.record, "Keeps all messages in this file")->take_last();
   app.add_option("--replay", options.replay, "Takes the rigid side's answers from this recording")->take_last();
   app.add_option("--trace", options.trace, "Writes a trace of both processes to this file")->take_last();
+  app.add_option("--rigid-program", options.rigid_program, "What the trace calls the rigid side's program")
+      ->take_last();
   app.add_option("--keys", options.keys, "Folder of keys: the session is encrypted")->take_last();
   app.add_flag("--resume", options.resume, "Goes on from the checkpoint in the run folder");
   app.add_flag("--check", check, "Checks the scene, says what it will cost, and ends");
@@ -74,7 +76,7 @@ int run(const Program& program, int argc, char** argv) {
   require(!options.out.empty(), "--out is missing; see {} --help", program.name);
   require(!where.empty() || !options.replay.empty(), "{} is missing; see {} --help", program.rigid_option,
           program.name);
-  options.scene_hash = scene.hash;
+  options.scene_hash = scene.hash, options.program = program.name;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   options.connect = [&](const RunOptions& o) { return program.connect(where, o); };

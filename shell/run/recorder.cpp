@@ -134,8 +134,8 @@ void Recorder::traced(const char* name, std::int64_t begin_ns) {
   if (tracing()) trace_.add(name, begin_ns, Trace::now_ns(), parts_.clock.windows);
 }
 
-void Recorder::write_trace() const {
-  if (tracing()) trace_.write(trace_file_);
+void Recorder::write_trace(const std::string& shell, const std::string& rigid) const {
+  if (tracing()) trace_.write(trace_file_, shell, rigid);
 }
 
 }  // namespace sunder::shell

@@ -53,7 +53,8 @@ class Recorder {
   void traced(const char* name, std::int64_t begin_ns);
   void heard(const link::TimedReply& reply) { trace_.heard(reply); }
   bool tracing() const { return !trace_file_.empty(); }
-  void write_trace() const;
+  /// Writes the trace, where there is one. `shell` and `rigid`: what it calls the two processes.
+  void write_trace(const std::string& shell, const std::string& rigid) const;
   GrowthTime& growth() { return growth_; }
   const GrowthTime& growth() const { return growth_; }
   const std::string& scene_hash() const { return scene_hash_; }

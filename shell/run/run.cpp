@@ -200,7 +200,10 @@ void Run::check_peer_and_progress() {
 
 void Run::finish(const char* status) {
   rigid_->bye();
-  recorder_.write_trace();
+  const link::EngineInfo& engine = rigid_->peer();
+  const std::string who = fmt::format("{} {}", engine.name, engine.version);
+  recorder_.write_trace(options_.program,
+                        options_.rigid_program.empty() ? who : fmt::format("{} ({})", options_.rigid_program, who));
   recorder_.write_summary(status, nullptr);
 }
 

@@ -16,9 +16,10 @@ class Run;
 /// Options of a run, from the command line or from a program that embeds it.
 struct RunOptions {
   std::string out, scene_hash;
-  std::string record, replay, trace;  // files; empty: none
-  std::string keys;                   // folder of the keys of an encrypted session; empty: none
-  bool resume = false;                // continue from the checkpoint in `out`
+  std::string record, replay, trace;   // files; empty: none
+  std::string keys;                    // folder of the keys of an encrypted session; empty: none
+  std::string program, rigid_program;  // names of this program and of the rigid side's, for the trace; empty: not known
+  bool resume = false;                 // continue from the checkpoint in `out`
   /// Connects to the rigid side. Called once, at the start.
   std::function<std::unique_ptr<link::RigidLink>(const RunOptions&)> connect;
   std::function<void(const link::TimedReply&)> heard;  // set by the run when it is traced

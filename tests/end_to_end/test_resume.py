@@ -100,6 +100,11 @@ def sunder(*arguments: str) -> subprocess.CompletedProcess[str]:
                           text=True, timeout=1800, check=False)
 
 
+def process_names(events: list[dict[str, object]]) -> list[object]:
+    """What a trace calls its processes."""
+    return [event["args"]["name"] for event in events if event["name"] == "process_name"]
+
+
 def state(folder: Path) -> str:
     return str(json.loads((folder / "run.json").read_text())["state_hash"])
 
@@ -243,6 +248,16 @@ class Resume(unittest.TestCase):
         checkpoint.unlink()
         self.assertIn("holds no checkpoint", sunder("run", "--resume", str(part)).stderr)
 
+    def test_a_trace_names_the_programs_that_ran(self) -> None:
+        mine = self.here / "my \"engine\".sh"
+        mine.write_text(f"#!/bin/sh\nshift 2\nexec {BUILD}/rigid/sunder-rigid --engine freeflight \"$@\"\n")
+        mine.chmod(0o755)
+        for name, engine, says in (("mine", str(mine), ["sunder-shell", "my \"engine\".sh (freeflight "]),
+                                   ("alone", "inprocess:bullet", ["sunder-single"])):
+            folder = self.run_to(name, "1e-3", "--trace", "--rigid", engine)
+            names = process_names(json.loads((folder / "trace.json").read_text())["traceEvents"])
+            self.assertEqual([told[:len(says[k])] for k, told in enumerate(names)], says)
+
     def test_a_recording_plays_to_either_side(self) -> None:
         folder = self.run_to("recorded", "0.003", "--record", "--trace")
         for side in ("shell", "rigid"):
@@ -251,6 +266,8 @@ class Resume(unittest.TestCase):
         events = json.loads((folder / "trace.json").read_text())["traceEvents"]
         self.assertEqual({event["pid"] for event in events}, {1, 2})
         self.assertTrue(all(event["dur"] >= 0 for event in events if event["ph"] == "X"))
+        bullet = json.loads((folder / "run.json").read_text())["engine"]["version"]
+        self.assertEqual(process_names(events), ["sunder-shell", f"sunder-rigid (bullet {bullet})"])
         changed = json.loads((folder / "command.json").read_text())
         changed["settings"].append("gravity.z=-9.8")
         (folder / "command.json").write_text(json.dumps(changed))

@@ -95,6 +95,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
         shell += ["--resume"] if resume else []
         shell += ["--record", str(folder.path / RECORD_FILE)] if job.record else []
         shell += ["--trace", str(folder.path / TRACE_FILE)] if job.trace else []
+        shell += ["--rigid-program", rigid.program] if job.trace and rigid.command else []
         shell += ["--keys", str(job.keys)] if job.keys else []
         with _counted_interrupts() as interrupts:
             ending = _launch(shell, rigid, executables, folder.path, interrupts)
