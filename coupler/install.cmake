@@ -18,7 +18,7 @@ foreach(level ${SUNDER_LEVELS})
     ${CMAKE_BINARY_DIR}/${level}/coupler/single/sunder-single DESTINATION libexec/sunder/${level})
 endforeach()
 
-install(DIRECTORY coupler/sunder_tools coupler/sunder_lab coupler/experiments coupler/viewer DESTINATION ${share}/coupler
+install(DIRECTORY coupler/sunder_tools coupler/sunder_lab coupler/sunder_engine coupler/experiments coupler/viewer DESTINATION ${share}/coupler
   PATTERN __pycache__ EXCLUDE)
 install(PROGRAMS coupler/sunder DESTINATION ${share}/coupler)
 install(FILES coupler/sunder.py coupler/README.md DESTINATION ${share}/coupler)
@@ -36,7 +36,7 @@ function(install_link target where)
     file(CREATE_LINK ${target} \"\$ENV{DESTDIR}\${CMAKE_INSTALL_PREFIX}/${where}\" SYMBOLIC)")
 endfunction()
 string(REGEX REPLACE "[^/]+" ".." up ${SUNDER_PYTHON_DIR})
-foreach(module sunder.py sunder_lab sunder_tools)
+foreach(module sunder.py sunder_lab sunder_engine sunder_tools)
   install_link(${up}/${share}/coupler/${module} ${SUNDER_PYTHON_DIR}/${module})
 endforeach()
 install_link(../${share}/coupler/sunder bin/sunder)
@@ -49,7 +49,7 @@ set(CPACK_STRIP_FILES TRUE)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-# protoc: sunder_lab reads scenes by the schema itself.
+# protoc: sunder_lab and sunder_engine make their messages from the schemas.
 set(CPACK_DEBIAN_PACKAGE_DEPENDS "python3, python3-numpy, python3-pil, python3-protobuf, protobuf-compiler")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "ffmpeg, nodejs, fonts-dejavu-core")
 include(CPack)

@@ -54,8 +54,9 @@ MAY_PYTHON = {
     "sunder_tools.command": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch", "sunder_tools.pictures",
                              "sunder_lab", "sunder_lab.trade"},
     "sunder": {"sunder_tools", "sunder_lab"},
+    "sunder_engine": set(),  # may be copied alone
 }
-PRODUCT = ["sunder_tools", "sunder_lab", "sunder"]
+PRODUCT = ["sunder_tools", "sunder_lab", "sunder", "sunder_engine"]
 
 
 def includes(path: Path) -> list[str]:

@@ -29,7 +29,7 @@ from sunder_tools.errors import CommandError  # noqa: E402
 SECONDS = 600  # for a block, on a machine that is busy
 COPIED = ("scenes", "coupler/experiments")  # what commands may write beside
 LINKED = ("proto", "rigid", "shell", "tests")
-MODULES = ("sunder", "sunder.py", "sunder_tools", "sunder_lab", "viewer", "VERSION")
+MODULES = ("sunder", "sunder.py", "sunder_tools", "sunder_lab", "sunder_engine", "viewer", "VERSION")
 
 
 def folder_of_a_reader(folder: Path) -> None:

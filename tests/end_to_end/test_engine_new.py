@@ -1,0 +1,199 @@
+"""What `sunder engine new` writes: held to the suite, to a run of the exact engine, and its base class to its checks."""
+from __future__ import annotations
+
+import json
+import os
+import socket
+import subprocess
+import sys
+import tempfile
+import threading
+import unittest
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+SUNDER = str(TOP / "coupler" / "sunder")
+sys.path.insert(0, str(TOP / "coupler"))
+from sunder_engine import BAD_INPUT, ENGINE_FAILED, PEER_LOST, Engine  # noqa: E402
+from sunder_engine.messages import exchange  # noqa: E402
+from sunder_engine.session import Session  # noqa: E402
+from sunder_engine.wire import GREETING, READY, Lost, Wire  # noqa: E402
+
+QUICK = ("rules_turn", "rules_window", "rules_end", "free_flight_sphere", "births", "deterministic")
+WITH_CACHES = ("save_restore", "again", "solved_box", "rules_turn")
+CACHES = '''
+    def rows(self, window_s, motions, bodies):
+        return []
+
+    def save(self):
+        return b""
+
+    def restore(self, caches, motions):
+        for motion in motions:
+            self.move(self.moving[motion.id], motion)
+'''
+
+
+def sunder(*arguments: object, where: Path) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([SUNDER, *map(str, arguments)], cwd=where, capture_output=True, text=True, timeout=1800, check=False)
+
+
+class Written(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.here = Path(temporary.name)
+        done = sunder("engine", "new", "my_engine", where=self.here)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        self.assertIn("--rigid ./my_engine", done.stdout)
+
+    def passes(self, engine: str, cases: tuple[str, ...]) -> None:
+        done = sunder("validate", "engines", "--rigid", engine, "--case", ",".join(cases), "--json", "rows.json",
+                      where=self.here)
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        (found,) = json.loads((self.here / "rows.json").read_text())["engines"].values()
+        verdicts = {(row["name"].partition(".")[0], row["verdict"]) for row in found["cases"]}
+        self.assertEqual(verdicts, {(case, "pass") for case in cases}, "none fails and none is skipped")
+
+    def test_it_passes_the_suite(self) -> None:
+        self.passes("./my_engine", QUICK)
+
+    def test_it_takes_on_capabilities(self) -> None:
+        text = (self.here / "my_engine").read_text()
+        for old, new in (('"deterministic",', '"export_rows", "save_restore", "deterministic",'),
+                         ("\n    def states", CACHES + "\n    def states")):
+            self.assertIn(old, text)
+            text = text.replace(old, new)
+        (self.here / "more").write_text(text)
+        (self.here / "more").chmod(0o755)
+        self.passes("./more", WITH_CACHES)
+
+    def test_a_run_ends_as_with_the_exact_engine(self) -> None:
+        hashes = []
+        for engine in ("./my_engine", "freeflight"):
+            out = self.here / Path(engine).name
+            out = out.with_suffix(".run")
+            done = sunder("run", TOP / "scenes" / "cut_pane.textproto", "--rigid", engine, "--until", "2e-3", "--out", out, "--quiet",
+                          "--no-pictures", where=self.here)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            hashes.append(json.loads((out / "run.json").read_text())["state_hash"])
+        self.assertEqual(*hashes)
+
+    def test_no_file_is_replaced_and_names_are_checked(self) -> None:
+        before = (self.here / "my_engine").read_text()
+        for arguments, says in ((["new", "my_engine"], "is there already"), (["new", "My-Engine"], "is no name of an engine"),
+                                (["nwe", "x"], "did you mean"), (["new", "x", "--language", "cobol"], "none of python"),
+                                (["new", "/proc/x"], "cannot write")):
+            done = sunder("engine", *arguments, where=self.here)
+            self.assertEqual(done.returncode, 2, done.stderr)
+            self.assertIn(says, done.stderr)
+        self.assertEqual((self.here / "my_engine").read_text(), before)
+
+
+class Balls(Engine):
+    """Only spheres; `wrong` is what it makes of its states."""
+    name, capabilities = "balls", ("spheres",)
+
+    def __init__(self) -> None:
+        self.held: list[object] = []
+        self.wrong = lambda states: states
+
+    def add(self, body: object) -> None:
+        self.held.append(self.state_of(body))
+
+    def advance(self, window_s: float, predicted: object, solved: object) -> None:
+        pass
+
+    def states(self) -> list[object]:
+        return self.wrong(self.held)
+
+
+class Checks(unittest.TestCase):
+    """What the session refuses beside the rules of the suite."""
+
+    def setUp(self) -> None:
+        self.engine = Balls()
+        self.session = Session(self.engine)
+        self.sent = 0
+        self.ask(hello={"protocol_min": 2, "protocol_max": 2})
+
+    def ask(self, **content: object) -> object:
+        self.sent += 1
+        reply = self.session.answer(exchange().Request(sequence=self.sent, **content).SerializeToString())
+        return None if reply is None else exchange().Reply.FromString(reply)
+
+    def body(self, number: int = 1, **changed: object) -> dict[str, object]:
+        return {"id": number, "mass": 1.0, "principal_inertia": {"x": 1.0, "y": 1.0, "z": 1.0},
+                "orientation": {"w": 1.0}, "sphere_radius_m": 0.1, **changed}
+
+    def refused(self, kind: str, status: int, **content: object) -> None:
+        reply = self.ask(**content)
+        self.assertEqual((reply.error.kind, self.session.status), (kind, status), reply)
+
+    def test_a_shape_that_is_not_declared(self) -> None:
+        self.refused("bad_body", BAD_INPUT, load={"bodies": [self.body(sphere_radius_m=None, half_space=True)]})
+
+    def test_bodies_that_cannot_be(self) -> None:
+        for changed in ({"mass": 0.0}, {"principal_inertia": {"x": 1.0}}, {"sphere_radius_m": float("nan")}, {"id": 0}):
+            self.setUp()
+            self.refused("bad_message", PEER_LOST, load={"bodies": [self.body(**changed)]})
+
+    def test_states_that_the_engine_may_not_give(self) -> None:
+        def off(states: list[object]) -> list[object]:
+            states[0].position.x = float("inf")
+            return states
+
+        for wrong in (lambda states: states[::-1], lambda states: states[:1], off):
+            self.setUp()
+            self.engine.wrong = wrong
+            self.refused("engine_failed", ENGINE_FAILED, load={"bodies": [self.body(1), self.body(2)]})
+
+    def test_an_error_in_the_engine_is_told(self) -> None:
+        self.engine.wrong = lambda states: 1 / 0
+        self.refused("internal", ENGINE_FAILED, load={"bodies": [self.body()]})
+
+    def test_a_failure_of_the_shell_has_no_reply(self) -> None:
+        self.assertIsNone(self.ask(error={"kind": "unstable", "message": "it grows"}))
+        self.assertEqual(self.session.status, PEER_LOST)
+        self.assertIn("it grows", self.session.failure)
+
+    def test_spans_where_hello_asks_for_them(self) -> None:
+        self.session, self.sent = Session(self.engine), 0
+        self.ask(hello={"protocol_min": 2, "protocol_max": 2, "trace": True})
+        (span,) = self.ask(load={"bodies": [self.body()]}).spans
+        self.assertEqual(span.name, "load")
+        self.assertLessEqual(span.begin_ns, span.end_ns)
+
+
+class OnTheWire(unittest.TestCase):
+    def test_a_stranger_leaves_and_a_heartbeat_is_answered(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "link")
+            wire = Wire(f"ipc://{path}")
+            heard: list[bytes] = []
+            server = threading.Thread(target=lambda: heard.append(wire.receive()))
+            server.start()
+            with socket.socket(socket.AF_UNIX) as stranger:
+                stranger.connect(path)
+                stranger.sendall(b"GET / HTTP/1.1\r\n" + bytes(64))
+            with socket.socket(socket.AF_UNIX) as peer:
+                peer.connect(path)
+                peer.sendall(GREETING + bytes([4, len(READY)]) + READY + b"\x04\x0b\x04PING\x00\x00ctxt" + b"\x00\x05hello")
+                server.join(60.0)
+                self.assertEqual(heard, [b"hello"])
+                came = b""
+                while len(came) < len(GREETING) + 2 + len(READY) + 11:
+                    came += peer.recv(1000)
+                self.assertEqual(came[len(GREETING) + 2 + len(READY):], b"\x04\x09\x04PONGctxt")
+            with self.assertRaisesRegex(Lost, "without a goodbye"):
+                wire.receive()
+            wire.close()
+            self.assertEqual(os.listdir(folder), [])
+
+    def test_an_address_that_others_can_reach_is_refused(self) -> None:
+        with self.assertRaisesRegex(ValueError, "use ipc://PATH"):
+            Wire("tcp://0.0.0.0:5555")
+
+
+if __name__ == "__main__":
+    unittest.main()
