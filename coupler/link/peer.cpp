@@ -33,7 +33,10 @@ void Silence::look(int descriptor, double since_s) {
   socklen_t size = sizeof info;
   const bool is_due = getsockopt(descriptor, IPPROTO_TCP, TCP_INFO, &info, &size) == 0 &&
                       (info.tcpi_unacked > 0 || info.tcpi_probes > 0);
-  if (!is_due || info.tcpi_last_ack_recv <= 1e3 * since_s)
+  // Without an acknowledgement this time grows from look to look, by the system's clock.
+  const bool has_come = info.tcpi_last_ack_recv < last_ack_ms_;
+  last_ack_ms_ = info.tcpi_last_ack_recv;
+  if (!is_due || has_come)
     seconds_ = 0.0;
   else
     seconds_ += std::min(since_s, kMostOfALook);

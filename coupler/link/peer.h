@@ -1,5 +1,7 @@
 #pragma once
 // What the system knows about the other end of a connection.
+#include <cstdint>
+
 #include <sys/types.h>
 
 namespace sunder::link {
@@ -22,6 +24,7 @@ class Silence {
  private:
   static constexpr double kMostOfALook = 1.0;  // [s]
   double seconds_ = 0.0;
+  std::uint32_t last_ack_ms_ = 0;  // before the last look
 };
 
 }  // namespace sunder::link

@@ -5,6 +5,8 @@ import json
 import os
 import re
 import subprocess
+import tempfile
+import time
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,12 +14,14 @@ from ..errors import BAD_INPUT, PEER_LOST, CommandError, how_it_ended
 from ..places import REPOSITORY
 from ..words import did_you_mean
 from .build import Executables, ensure_built
+from .own_time import OwnTime
 from .socket_dir import SocketDir
 
 IN_PROCESS = "inprocess"
 JOLT = "jolt"
 JOLT_PROGRAM = REPOSITORY / "rigid" / "jolt" / "sunder-rigid-jolt"
-HELLO_TIMEOUT_S = 30.0
+PERIOD_S = 0.02     # between two looks
+LAST_WORDS_S = 2.0  # for either side to end after the other
 
 
 @dataclass(frozen=True)
@@ -89,32 +93,44 @@ def names(executables: Executables) -> list[str]:
 
 
 def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> dict[str, object]:
-    """Launches or contacts an engine; returns its name, version and capabilities. Raises CommandError."""
-    with SocketDir() as socket:
+    """Launches or contacts an engine; returns its name, version and capabilities. Raises CommandError.
+
+    An engine that ends is not waited for. How long one that lives may take is the shell process's matter: it counts the
+    engine's own time.
+    """
+    with SocketDir() as socket, tempfile.TemporaryFile("w+", errors="replace") as said:
         endpoint = rigid.endpoint or socket.endpoint
         process = None
         if rigid.command:
             process = subprocess.Popen([*rigid.command, "--endpoint", endpoint, "--die-with-parent"],
-                                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                                       text=True, errors="replace")
+                                       stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=said)
+        asking = subprocess.Popen([str(executables.shell), "hello", "--endpoint", endpoint,
+                                   *(["--keys", str(keys)] if keys else [])],
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace")
+        left: OwnTime | None = None  # of the asking process, once the engine has ended
         try:
-            asked = subprocess.run([str(executables.shell), "hello", "--endpoint", endpoint,
-                                    *(["--keys", str(keys)] if keys else [])],
-                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, errors="replace",
-                                   timeout=HELLO_TIMEOUT_S, check=False)
-        except subprocess.TimeoutExpired:
-            raise CommandError(f"{rigid.label}: no answer within {HELLO_TIMEOUT_S:.0f} s") from None
+            while asking.poll() is None:
+                if left is None and process is not None and process.poll() is not None:
+                    left = OwnTime(asking.pid)
+                if left is not None and left.look() > LAST_WORDS_S:
+                    asking.kill()
+                time.sleep(PERIOD_S)
         finally:
-            words = ""
+            if asking.poll() is None:
+                asking.kill()
+            answered, refused = asking.communicate()
             if process is not None:
                 try:
-                    words = process.communicate(timeout=2.0)[1]
+                    process.wait(LAST_WORDS_S)
                 except subprocess.TimeoutExpired:
                     process.kill()
-                    process.communicate()
-    if asked.returncode != 0:
-        raise CommandError(f"{rigid.label}: {words.strip() or asked.stderr.strip() or how_it_ended(asked.returncode)}")
-    answer: dict[str, object] = json.loads(asked.stdout)
+                    process.wait()
+        said.seek(0)
+        words = said.read().strip()
+    if asking.returncode != 0:
+        ended = f"it {how_it_ended(process.returncode)} without an answer" if process is not None else ""
+        raise CommandError(f"{rigid.label}: {words or refused.strip() or ended or how_it_ended(asking.returncode)}")
+    answer: dict[str, object] = json.loads(answered)
     return answer
 
 

@@ -15,6 +15,7 @@
 #include "coupler/link/remote.h"
 #include "coupler/link/session.h"
 #include "rigid/engine/free_flight.h"
+#include "tests/free_endpoint.h"
 #include "tests/temporary_folder.h"
 
 using namespace sunder;
@@ -54,18 +55,6 @@ std::string thrown(Call call) {
     return e.kind + ": " + e.what();
   }
   return "";
-}
-
-// Address of a port that was free a moment ago.
-std::string free_endpoint() {
-  const int fd = socket(AF_INET, SOCK_STREAM, 0);
-  sockaddr_in at{};
-  at.sin_family = AF_INET, at.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-  socklen_t size = sizeof at;
-  EXPECT_EQ(bind(fd, reinterpret_cast<sockaddr*>(&at), size), 0);
-  EXPECT_EQ(getsockname(fd, reinterpret_cast<sockaddr*>(&at), &size), 0);
-  close(fd);
-  return fmt::format("tcp://127.0.0.1:{}", ntohs(at.sin_port));
 }
 
 // A rigid process in a thread. The test's clock decides when its time to connect ends: once it runs, it is that much

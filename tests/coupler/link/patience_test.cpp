@@ -15,6 +15,7 @@
 #include "coupler/core/error.h"
 #include "coupler/link/channel.h"
 #include "coupler/link/peer.h"
+#include "tests/free_endpoint.h"
 #include "tests/temporary_folder.h"
 
 using namespace sunder;
@@ -149,6 +150,30 @@ TEST(Deadline, DoesNotCountTheTimeInWhichThePeerIsStopped) {
     answer = channel.ask("word", 120.0, "Hello");
   });
   EXPECT_EQ(answer, "word");
+  wakes.join();
+  EXPECT_TRUE(peer.done());
+}
+
+// Its kernel takes no more bytes for longer than a machine that is cut off is waited for, by a clock that is too fast.
+TEST(Network, APeerThatIsStoppedWithAFullBufferIsNotCutOff) {
+  const std::string endpoint = free_endpoint();
+  Child peer([&] {
+    Channel channel(Channel::Role::kBind, endpoint);
+    channel.receive(30.0);
+    raise(SIGSTOP);
+    channel.send(std::to_string(channel.receive(30.0).size()));
+    channel.wait_for_close();
+    return true;
+  });
+  std::thread wakes([&] { peer.continue_after(4.0 * kStoppedSeconds); });
+  std::string answer;
+  EXPECT_NO_THROW({
+    Channel channel(Channel::Role::kConnect, endpoint, "", fast_seconds);
+    channel.send("word");
+    peer.wait_until_it_is_stopped();
+    answer = channel.ask(std::string(kLongReply, 'x'), 0.0, "Window");
+  });
+  EXPECT_EQ(answer, std::to_string(kLongReply));
   wakes.join();
   EXPECT_TRUE(peer.done());
 }

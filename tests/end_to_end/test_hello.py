@@ -1,0 +1,46 @@
+"""Asking an engine who it is: one that ends is not waited for, one that starts slowly is."""
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import time
+import unittest
+from pathlib import Path
+
+TOP = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
+sys.path.insert(0, str(TOP / "coupler"))
+from sunder_tools.errors import CommandError  # noqa: E402
+from sunder_tools.launch import engines  # noqa: E402
+from sunder_tools.launch.build import ensure_built  # noqa: E402
+
+SOON_S = 20.0  # a session that nobody binds is waited for far longer
+
+
+class Hello(unittest.TestCase):
+    def engine(self, text: str) -> engines.Rigid:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        program = Path(folder.name) / "mine"
+        program.write_text(f"#!/bin/sh\n{text}\n")
+        program.chmod(0o755)
+        return engines.resolve(str(program), ensure_built())
+
+    def test_an_engine_that_ends_is_not_waited_for(self) -> None:
+        for text, says in (("echo 'the licence has expired' >&2; exit 7", "the licence has expired"),
+                           ("exit 7", "it ended with status 7 without an answer"),
+                           ("kill -KILL $$", "it was killed by SIGKILL without an answer")):
+            start = time.monotonic()
+            with self.assertRaises(CommandError) as refused:
+                engines.hello(self.engine(text), ensure_built())
+            self.assertIn(says, str(refused.exception))
+            self.assertLess(time.monotonic() - start, SOON_S)
+
+    def test_an_engine_that_says_much_and_starts_slowly_is_waited_for(self) -> None:
+        slow = f"head -c 300000 /dev/zero >&2; sleep 3; exec {BUILD}/rigid/sunder-rigid \"$@\" --engine freeflight"
+        self.assertEqual(engines.hello(self.engine(slow), ensure_built())["name"], "freeflight")
+
+
+if __name__ == "__main__":
+    unittest.main()
