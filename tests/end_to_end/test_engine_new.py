@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import socket
 import subprocess
 import sys
@@ -12,6 +13,7 @@ import unittest
 from pathlib import Path
 
 TOP = Path(__file__).resolve().parents[2]
+BUILD = Path(os.environ["SUNDER_BUILD_DIR"])
 SUNDER = str(TOP / "coupler" / "sunder")
 sys.path.insert(0, str(TOP / "coupler"))
 from sunder_engine import BAD_INPUT, ENGINE_FAILED, PEER_LOST, Engine  # noqa: E402
@@ -38,6 +40,15 @@ def sunder(*arguments: object, where: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run([SUNDER, *map(str, arguments)], cwd=where, capture_output=True, text=True, timeout=1800, check=False)
 
 
+def passes(case: unittest.TestCase, engine: str, cases: tuple[str, ...], where: Path) -> None:
+    """Fails where a case of the suite fails or is skipped."""
+    done = sunder("validate", "engines", "--rigid", engine, "--case", ",".join(cases), "--json", "rows.json", where=where)
+    case.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+    (found,) = json.loads((where / "rows.json").read_text())["engines"].values()
+    verdicts = {(row["name"].partition(".")[0], row["verdict"]) for row in found["cases"]}
+    case.assertEqual(verdicts, {(name, "pass") for name in cases})
+
+
 class Written(unittest.TestCase):
     def setUp(self) -> None:
         temporary = tempfile.TemporaryDirectory()
@@ -47,16 +58,8 @@ class Written(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         self.assertIn("--rigid ./my_engine", done.stdout)
 
-    def passes(self, engine: str, cases: tuple[str, ...]) -> None:
-        done = sunder("validate", "engines", "--rigid", engine, "--case", ",".join(cases), "--json", "rows.json",
-                      where=self.here)
-        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
-        (found,) = json.loads((self.here / "rows.json").read_text())["engines"].values()
-        verdicts = {(row["name"].partition(".")[0], row["verdict"]) for row in found["cases"]}
-        self.assertEqual(verdicts, {(case, "pass") for case in cases}, "none fails and none is skipped")
-
     def test_it_passes_the_suite(self) -> None:
-        self.passes("./my_engine", QUICK)
+        passes(self, "./my_engine", QUICK, self.here)
 
     def test_it_takes_on_capabilities(self) -> None:
         text = (self.here / "my_engine").read_text()
@@ -66,7 +69,7 @@ class Written(unittest.TestCase):
             text = text.replace(old, new)
         (self.here / "more").write_text(text)
         (self.here / "more").chmod(0o755)
-        self.passes("./more", WITH_CACHES)
+        passes(self, "./more", WITH_CACHES, self.here)
 
     def test_a_run_ends_as_with_the_exact_engine(self) -> None:
         hashes = []
@@ -88,6 +91,24 @@ class Written(unittest.TestCase):
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(says, done.stderr)
         self.assertEqual((self.here / "my_engine").read_text(), before)
+
+
+class Cpp(unittest.TestCase):
+    def test_it_passes_the_suite(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:  # tests/CMakeLists.txt had it written and built
+            passes(self, str(BUILD / "tests" / "written_engine" / "written_engine"), QUICK, Path(folder))
+
+    def test_the_steps_that_it_names_lead_to_its_program(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            here = Path(name)
+            done = sunder("engine", "new", "deep/mine", "--language", "cpp", where=here)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            configure, build, validate, _ = [shlex.split(line) for line in done.stdout.splitlines()[1:]]
+            self.assertIn(f"-DSUNDER_ENGINES={(here / 'deep' / 'mine').resolve()}", configure)
+            self.assertEqual((configure[0], build[:2], validate[-1]), ("cmake", ["cmake", "--build"], "deep/mine/mine"))
+            again = sunder("engine", "new", "deep/mine", "--language", "cpp", where=here)
+            self.assertEqual(again.returncode, 2)
+            self.assertIn("is there already", again.stderr)
 
 
 class Balls(Engine):
