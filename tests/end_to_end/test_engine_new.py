@@ -111,6 +111,17 @@ class Cpp(unittest.TestCase):
             self.assertIn("is there already", again.stderr)
 
 
+class Node(unittest.TestCase):
+    def test_it_passes_the_suite(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            here = Path(name)
+            done = sunder("engine", "new", "my_engine", "--language", "node", where=here)
+            if "Node.js" in done.stderr or "npm" in done.stderr:
+                self.skipTest(f"no packages of Node.js here: {done.stderr}")  # they come from a registry
+            self.assertIn("--rigid ./my_engine.mjs", done.stdout)
+            passes(self, "./my_engine.mjs", QUICK, here)
+
+
 class Balls(Engine):
     """Only spheres; `wrong` is what it makes of its states."""
     name, capabilities = "balls", ("spheres",)

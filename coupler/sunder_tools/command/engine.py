@@ -2,26 +2,28 @@
 from __future__ import annotations
 
 import argparse
+import json
 import re
 from pathlib import Path
 
 from ..errors import BAD_INPUT, DONE, CommandError
 from ..launch.build import build_dir
+from ..launch.node import ensure_node
 from ..places import CHECKOUT_ONLY, INSTALLED, REPOSITORY
 from ..words import command_line
 from . import engine_texts
 from .parser import Subparsers, add_choice, add_command, one_of
 
 NAME = "engine"
-LANGUAGES = ("python", "cpp")
+LANGUAGES = ("python", "cpp", "node")
 
 
 def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder engine`."""
     parser = add_command(subparsers, NAME, "write a rigid-body engine to start from",
                          "'engine new' writes a whole engine without contacts, on a base class that has the session, its\n"
-                         "checks and the connection: a program NAME in Python, a folder NAME in C++. Refuses to replace\n"
-                         "a file.",
+                         "checks and the connection: a program NAME in Python, NAME.mjs under Node.js, a folder NAME in\n"
+                         "C++. Refuses to replace a file.",
                          "sunder engine new my_engine && sunder run SCENE --rigid ./my_engine")
     parser.add_argument("action", metavar="new", type=one_of("new"), help="what to do: new")
     parser.add_argument("name", metavar="NAME", type=Path, help="name of the engine, with a folder before it if you like")
@@ -38,6 +40,11 @@ def run(arguments: argparse.Namespace) -> int:
         _write({target: engine_texts.PYTHON}, name)
         target.chmod(0o755)
         program, steps = target, []
+    elif arguments.language == "node":
+        ensure_node()
+        program, steps = target.with_name(f"{name}.mjs"), []
+        _write({program: engine_texts.NODE}, name)
+        program.chmod(0o755)
     else:
         if INSTALLED.is_file():
             raise CommandError(f"engine new --language cpp: {CHECKOUT_ONLY}; --language python needs none", BAD_INPUT)
@@ -49,7 +56,7 @@ def run(arguments: argparse.Namespace) -> int:
     called = str(program) if "/" in str(program) else f"./{program}"
     steps += [["sunder", "validate", "engines", "--rigid", called], ["sunder", "run", "SCENE", "--rigid", called]]
     print(f"{target} is written. Build it and try it with:" if arguments.language == "cpp" else
-          f"{target} is written. Try it with:")
+          f"{program} is written. Try it with:")
     for step in steps:
         print(f"  {command_line(step)}")
     return DONE
@@ -57,7 +64,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _write(texts: dict[Path, str], name: str) -> None:
     """Writes all files or none. Raises CommandError where one is there already or cannot be written."""
-    words = {"@name@": name, "@modules@": repr(str(REPOSITORY / "coupler")),
+    words = {"@name@": name, "@main@": json.dumps((REPOSITORY / "rigid" / "jolt" / "engine_main.mjs").as_uri()),
+             "@modules@": repr(str(REPOSITORY / "coupler")),
              "@type@": "".join(part.capitalize() for part in name.split("_"))}
     for path in texts:
         if path.exists() or path.is_symlink():

@@ -95,3 +95,44 @@ add_executable(@name@ @name@.cpp)
 target_link_libraries(@name@ PRIVATE sunder_link)
 set_target_properties(@name@ PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_CURRENT_SOURCE_DIR})
 '''
+NODE = '''\
+#!/usr/bin/env node
+// @name@: a rigid-body engine for Sunder. It has no contacts yet: each body goes on as the shell process predicts.
+import { engineMain, Exit, Failure } from @main@;
+
+class @type@ {
+  // Words of rigid/README.md. Declare one once its cases of the suite pass: 'contact', 'friction', ...
+  info = {
+    name: '@name@',
+    version: '0.1',
+    capabilities: ['spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'deterministic', 'double_precision'],
+  };
+  moving = new Map(); // by id, each body that is not static: its mass, position, orientation [w, x, y, z], velocity and
+  //                     angular_momentum (world axes, about the centre of mass)
+
+  // A body has id, mass, principal_inertia, is_static, contact_group, motion and shape: { sphere: radius }, { box: half
+  // size }, { half_space: true } or { parts: corners of each convex part }.
+  add({ id, mass, is_static: isStatic, motion }) {
+    if (mass > 1e9) // refuse what your engine cannot hold
+      throw new Failure(Exit.badInput, 'bad_body', `body ${id}: ${mass} kg is too heavy`);
+    if (!isStatic) this.moving.set(id, { id, mass, ...motion });
+  }
+
+  setContactLaws(laws) {} // { first_group, second_group, friction, restitution } each
+
+  advance(window_s, predicted, solved) {
+    for (const motion of predicted) {
+      // An engine with contacts solves them here. Start each body with the average velocity that leads from
+      // this.moving.get(motion.id) to motion in window_s. Then add the change of velocity that the contacts made to
+      // motion.velocity, and window_s times that change to motion.position (rigid/README.md, "A window").
+      Object.assign(this.moving.get(motion.id), motion);
+    }
+  }
+
+  states() {
+    return [...this.moving.values()].sort((a, b) => a.id - b.id);
+  }
+}
+
+await engineMain('@name@', () => new @type@());
+'''
