@@ -65,13 +65,13 @@ class Session:
             return None
         if self._traces:
             reply.spans.add(name=reply.WhichOneof("kind"), begin_ns=begin, end_ns=time.monotonic_ns())
-        return reply.SerializeToString()
+        return bytes(reply.SerializeToString())
 
     def _end(self, kind: str, message: str, status: int) -> bytes:
         self.status, self.failure = status, f"{kind}: {message}"
         reply = exchange().Reply(sequence=self._sequence)
         reply.error.kind, reply.error.message = kind, message
-        return reply.SerializeToString()
+        return bytes(reply.SerializeToString())
 
     def _reply(self, data: bytes) -> Any:
         try:

@@ -33,16 +33,17 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Writes the engine and says how to try it; returns the exit status. Raises CommandError."""
     target, name = arguments.name, arguments.name.name
+    steps: list[list[object]] = []
     if not re.fullmatch(r"[a-z][a-z0-9_]*", name):
         raise CommandError(f"engine new: '{name}' is no name of an engine: it has small letters, digits and '_' and starts "
                            "with a letter", BAD_INPUT)
     if arguments.language == "python":
         _write({target: engine_texts.PYTHON}, name)
         target.chmod(0o755)
-        program, steps = target, []
+        program = target
     elif arguments.language == "node":
         ensure_node()
-        program, steps = target.with_name(f"{name}.mjs"), []
+        program = target.with_name(f"{name}.mjs")
         _write({program: engine_texts.NODE}, name)
         program.chmod(0o755)
     else:
