@@ -155,7 +155,7 @@ class SyntheticRun:
                   cell_data={"body": np.concatenate(body), "kind": np.concatenate(kind)})
 
     def _plate(self, mine: np.ndarray, points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Triangles made THICKNESS_M thick, with walls."""
+        """Triangles made THICKNESS_M thick, with walls; pairs of points, inside before outside, as the shell process has."""
         used, flat = np.unique(mine, return_inverse=True)
         flat = flat.reshape(-1, 3)
         base = points[used]
@@ -163,9 +163,10 @@ class SyntheticRun:
         pairs = np.concatenate([flat[:, [0, 1]], flat[:, [1, 2]], flat[:, [2, 0]]])
         _, first, count = np.unique(np.sort(pairs, axis=1), axis=0, return_index=True, return_counts=True)
         a, b = pairs[first[count == 1]].T
-        n = len(used)
-        walls = np.concatenate([np.stack([a, b, b + n], -1), np.stack([a, b + n, a + n], -1)])
-        return np.concatenate([base - up, base + up]), np.concatenate([flat[:, ::-1], flat + n, walls])
+        a, b = 2 * a, 2 * b
+        walls = np.concatenate([np.stack([a, b, b + 1], -1), np.stack([a, b + 1, a + 1], -1)])
+        return (np.stack([base - up, base + up], axis=1).reshape(-1, 3),
+                np.concatenate([2 * flat[:, ::-1], 2 * flat + 1, walls]))
 
     def _shard(self, cell: int, mine: np.ndarray, time_s: float) -> tuple[np.ndarray, np.ndarray]:
         points, triangles = self._plate(mine, self.points)

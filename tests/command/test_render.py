@@ -5,7 +5,6 @@ import contextlib
 import errno
 import io
 import json
-import re
 import shutil
 import struct
 import subprocess
@@ -22,78 +21,20 @@ from sunder_tools.errors import CommandError
 from sunder_tools.launch.folder import RunFolder
 from sunder_tools.pictures import raster, render as rendering, views
 from sunder_tools.pictures.contact_sheet import boxes
-from sunder_tools.pictures.export import glb_bytes, mesh_of
-from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
+from sunder_tools.pictures.export import glb_bytes
+from sunder_tools.pictures.frames import list_frames
 from sunder_tools.pictures.look import Look, origins
+from sunder_tools.pictures.mesh import mesh_of
 from sunder_tools.pictures.meshes import Scene, load_scene
 from sunder_tools.pictures.raster import Camera, perspective_camera
 from sunder_tools.pictures.render import parse_view, pick
 from sunder_tools.report.scene_text import Words, parse_text, words_of
 
+from .mesh_files import read_glb
 from .synthetic import write_vtp
 from .test_view import InAFolder
 
 SIZE = "160x96"
-
-
-def read_ply(raw: bytes) -> dict[str, np.ndarray]:
-    """An independent reader: header by words, then records by struct."""
-    head, _, body = raw.partition(b"end_header\n")
-    lines = [line.split() for line in head.decode("ascii").splitlines()]
-    assert lines[0] == ["ply"] and lines[1] == ["format", "binary_little_endian", "1.0"]
-    sizes, out, at = {"float": "f", "int": "i", "uchar": "B"}, {}, 0
-    elements: list[tuple[str, int, list[list[str]]]] = []
-    for line in lines[2:]:
-        if line[0] == "element":
-            elements.append((line[1], int(line[2]), []))
-        elif line[0] == "property":
-            elements[-1][2].append(line[1:])
-    for name, count, properties in elements:
-        for _ in range(count):
-            for words in properties:
-                if words[0] == "list":
-                    n, = struct.unpack_from("<" + sizes[words[1]], body, at)
-                    at += struct.calcsize(sizes[words[1]])
-                    value = struct.unpack_from(f"<{n}{sizes[words[2]]}", body, at)
-                    at += struct.calcsize(f"<{n}{sizes[words[2]]}")
-                else:
-                    value, = struct.unpack_from("<" + sizes[words[0]], body, at)
-                    at += struct.calcsize(sizes[words[0]])
-                out.setdefault(f"{name}.{words[-1]}", []).append(value)
-    assert at == len(body), "bytes are left"
-    return {key: np.array(values) for key, values in out.items()}
-
-
-def read_glb(raw: bytes) -> dict[str, dict[str, np.ndarray]]:
-    """An independent reader: {node: {attribute: values}}."""
-    magic, version, length = struct.unpack_from("<4sII", raw)
-    assert (magic, version, length) == (b"glTF", 2, len(raw))
-    size, kind = struct.unpack_from("<I4s", raw, 12)
-    assert kind == b"JSON" and size % 4 == 0
-    content = json.loads(raw[20:20 + size])
-    blob = raw[28 + size:]
-    assert struct.unpack_from("<I4s", raw, 20 + size) == (len(blob), b"BIN\0")
-    assert content["buffers"] == [{"byteLength": len(blob)}]
-
-    def values(number: int) -> np.ndarray:
-        accessor = content["accessors"][number]
-        view = content["bufferViews"][accessor["bufferView"]]
-        width = {"SCALAR": 1, "VEC3": 3}[accessor["type"]]
-        array = np.frombuffer(blob, {5126: "<f4", 5125: "<u4"}[accessor["componentType"]], accessor["count"] * width,
-                              view["byteOffset"])
-        assert array.nbytes == view["byteLength"] and view["byteOffset"] % 4 == 0
-        array = array.reshape(-1, width)
-        if "min" in accessor:
-            np.testing.assert_allclose(array.min(axis=0), accessor["min"], rtol=1e-6)
-            np.testing.assert_allclose(array.max(axis=0), accessor["max"], rtol=1e-6)
-        return array
-
-    found = {}
-    for number in content["scenes"][content["scene"]]["nodes"]:
-        node = content["nodes"][number]
-        primitive, = content["meshes"][node["mesh"]]["primitives"]
-        found[node["name"]] = {n: values(k) for n, k in primitive["attributes"].items()} | {"index": values(primitive["indices"])}
-    return found
 
 
 class OfARun(InAFolder):
@@ -349,62 +290,6 @@ class SeveralShells(InAFolder):
                                                          "ball": ("lead", "OPAQUE")})
             drawn = load_scene(frame, Look(glass=words_of(parse_text(scene), []).glass))
             self.assertEqual(len(drawn.glass.triangles), 2 if mode == "BLEND" else 0)
-
-
-class Export(OfARun):
-    def test_ply_has_what_the_frames_have(self) -> None:
-        status, said = self.sunder("export")
-        self.assertEqual(status, 0, said)
-        frames = list_frames(self.folder)
-        folder = self.folder / "export"
-        self.assertEqual(len(list(folder.glob("*.ply"))), 9)
-        times = (folder / "frame_times.csv").read_text().splitlines()
-        self.assertEqual([float(row.split(",")[1]) for row in times[1:]], [f.time_s for f in frames])
-        for k in (0, 4, 8):
-            ply = read_ply((folder / f"frame_{k:06d}.ply").read_bytes())
-            shell, bodies = frames[k].read(SHELL), frames[k].read(BODIES)
-            n, m = (len(shell.points), len(shell.triangles)) if shell is not None else (0, 0)
-            points = np.stack([ply[f"vertex.{a}"] for a in "xyz"], axis=1)
-            np.testing.assert_allclose(points[n:], bodies.points, atol=1e-7)  # single precision
-            np.testing.assert_array_equal(ply["face.vertex_indices"][m:] - n, bodies.triangles)
-            np.testing.assert_array_equal(ply["face.kind"][m:], bodies.of_triangles("kind", 0))
-            np.testing.assert_array_equal(ply["face.part"][m:], -1)
-            if shell is not None:
-                np.testing.assert_allclose(points[:n], shell.points, atol=1e-7)
-                np.testing.assert_array_equal(ply["face.vertex_indices"][:m], shell.triangles)
-                np.testing.assert_array_equal(ply["face.fragment"][:m], shell.of_triangles("fragment", 0))
-                np.testing.assert_allclose(ply["face.damage"][:m], shell.of_triangles("damage", 0), rtol=1e-6)
-        ball = read_ply((folder / "frame_000002.ply").read_bytes())
-        mine = np.unique(ball["face.vertex_indices"][(ball["face.body"] == 0) & (ball["face.kind"] == 0)])
-        np.testing.assert_allclose(ball["vertex.vz"][mine], -20.0, rtol=1e-5)
-
-    def test_gltf_has_what_the_frames_have(self) -> None:
-        status, said = self.sunder("export", "--format", "gltf", "--frames", "4,last")
-        self.assertEqual(status, 0, said)
-        frames = list_frames(self.folder)
-        for k in (4, 8):
-            nodes = read_glb((self.folder / "export" / f"frame_{k:06d}.glb").read_bytes())
-            mesh = mesh_of(frames, k)
-            corners = np.concatenate([node["POSITION"][node["index"].ravel()] for node in nodes.values()])
-            wanted = mesh.points[mesh.triangles].reshape(-1, 3)[:, [0, 2, 1]] * [1, 1, -1]
-            self.assertEqual(corners.shape, wanted.shape)
-            self.assertEqual("shards" in nodes, k > 3)
-            order = [np.lexsort(a.round(5).T) for a in (corners, wanted)]
-            np.testing.assert_allclose(corners[order[0]], wanted[order[1]], atol=2e-5)
-
-    def test_nothing_but_air(self) -> None:
-        write_vtp(self.folder / "frames/shell_000000.vtp", [])
-        write_vtp(self.folder / "frames/bodies_000000.vtp", [])
-        for kind in ("ply", "gltf"):
-            self.assertEqual(self.sunder("export", "--format", kind, "--frames", "0")[0], 0)
-        ply = (self.folder / "export" / "frame_000000.ply").read_bytes()
-        self.assertTrue(re.search(rb"element face 0\n", ply) and ply.endswith(b"end_header\n"))
-
-    def test_where_it_cannot_write_it_says_so(self) -> None:
-        (self.folder / "taken").write_text("a file")
-        status, said = self.sunder("export", "--out", str(self.folder / "taken"))
-        self.assertEqual(status, 2)
-        self.assertRegex(said, "cannot write .*taken")
 
 
 if __name__ == "__main__":

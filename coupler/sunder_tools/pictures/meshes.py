@@ -10,6 +10,7 @@ from .look import Look, parts_of_bodies
 from .motion import shell_velocity
 from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
 from .soft import balls, colours as soft_colours, speeds
+from .thick import vertex_normals
 from .vtp import PolyData
 
 WELD_M = 1e-6  # nearer points are one when lines are searched
@@ -142,15 +143,6 @@ def _surface(points: np.ndarray, triangles: np.ndarray, colours: np.ndarray, thr
                    np.full(len(triangles), throws), np.full_like(points, np.nan))
 
 
-def _smooth_normals(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
-    """Returns a unit normal per point, from its triangles weighted by area. Both sides of a crack have their own
-    points."""
-    corner = points[triangles]
-    normal = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    sums = np.stack([np.bincount(triangles.ravel(), np.repeat(normal[:, axis], 3), len(points)) for axis in range(3)], 1)
-    return sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-300)
-
-
 def _shell_colours(shell: PolyData, look: Look, part: np.ndarray, several: bool) -> np.ndarray:
     fragment = shell.of_triangles("fragment", 0)
     ids, inverse, counts = np.unique(fragment, return_inverse=True, return_counts=True)
@@ -195,7 +187,7 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         part = shell.of_triangles("shell", 0).astype(np.int64)
         several = several or part.max() > 0
         colours = _shell_colours(shell, look, part, several)
-        smooth = _smooth_normals(shell.points, shell.triangles)
+        smooth = vertex_normals(shell.points, shell.triangles)
         clear = is_glass(part, look.glass) if several else np.ones(len(part), bool)
         for where, surfaces in ((clear, glass), (~clear, solid)):
             if where.any():

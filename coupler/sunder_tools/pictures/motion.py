@@ -24,12 +24,12 @@ def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
     if here is None:
         return np.zeros((0, 3))
     velocity = np.zeros_like(here.points)
-    missing = _by_body(here)
+    missing = by_body(here)
     for other in (k - 1, k + 1):
         if not missing or not 0 <= other < len(frames):
             continue
         there = frames[other].read(BODIES)
-        for body, points in _by_body(there).items() if there is not None else ():
+        for body, points in by_body(there).items() if there is not None else ():
             mine = missing.get(body)
             if mine is not None and len(mine) == len(points):  # rigid: the same corners in the same order
                 assert there is not None
@@ -38,7 +38,7 @@ def body_velocity(frames: list[Frame], k: int) -> np.ndarray:
     return velocity
 
 
-def _by_body(mesh: PolyData) -> dict[int, np.ndarray]:
+def by_body(mesh: PolyData) -> dict[int, np.ndarray]:
     """Returns the points of each body, in ascending order of bodies."""
     body = mesh.of_triangles("body", 0).astype(np.int64)
     owner = np.full(len(mesh.points), -1, np.int64)

@@ -101,6 +101,7 @@ class Words:
     glass: tuple[bool, ...] = ()          # of each shell: its material is seen through, by its name
     breaks: tuple[bool, ...] = ()         # of each shell: its material has a strength
     surface_density: tuple[float, ...] = ()  # of each shell [kg/m^2]; NaN where not given
+    thickness: tuple[float, ...] = ()     # of each shell [m]; NaN where not known
     bodies: tuple[str, ...] = ()          # of the scene, in order
     body_materials: tuple[str, ...] = ()  # of each body; '' where it names none
     probes: tuple[tuple[str, str], ...] = ()  # (probe, body) where a body moves under a probe
@@ -135,7 +136,8 @@ def words_of(scene: Message, settings: list[str]) -> Words:
     materials = {_one(m, "name"): m for m in scene.get("materials", [])}
     shells = [s for s in scene.get("shells", []) if isinstance(s, dict)]
     of = [str(_one(s, "material", default="")) for s in shells]
-    density = [_number(_one(materials.get(m), "density")) * _number(_one(s, "thickness_m")) for m, s in zip(of, shells)]
+    thickness = _thickness(shells, settings)
+    density = [_number(_one(materials.get(m), "density")) * t for m, t in zip(of, thickness)]
     bodies = [b for b in scene.get("bodies", []) if isinstance(b, dict)]
     known = not any(re.match(r"(materials|bodies\[[^\]]*\]\.(material|sphere|box|mesh))", s) for s in settings)
     masses = [(str(_one(b, "name")), mass) for b in bodies if known and (mass := _mass(b, materials)) is not None]
@@ -147,13 +149,33 @@ def words_of(scene: Message, settings: list[str]) -> Words:
         masses = []  # the impulse of weight would be a wrong one
     return Words(tuple(str(_one(s, "name", default="")) for s in shells), tuple(of),
                  tuple(any(word in m.lower() for word in CLEAR) for m in of),
-                 tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density),
+                 tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density), tuple(thickness),
                  tuple(str(_one(b, "name", default="")) for b in bodies),
                  tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z))
 
 
 def _number(value: Any) -> float:
     return value if isinstance(value, float) else math.nan
+
+
+def _thickness(shells: list[Message], settings: list[str]) -> list[float]:
+    """Of each shell [m], as settings left it."""
+    found = [_number(_one(s, "thickness_m")) for s in shells]
+    names = [str(_one(s, "name", default="")) for s in shells]
+    for setting in settings:
+        path, _, value = setting.partition("=")
+        told = re.fullmatch(r"shells\[([^\]]*)\]\.thickness_m", path.strip())
+        if told is None:
+            if re.match(r"shells(\[[^\]]*\])?\s*(\.thickness_m)?$", path.strip()):
+                found = [math.nan] * len(found)  # a whole shell was replaced
+            continue
+        at = names.index(told[1]) if told[1] in names else int(told[1]) if told[1].isdigit() else -1
+        if 0 <= at < len(found):
+            try:
+                found[at] = float(value)
+            except ValueError:
+                found[at] = math.nan
+    return found
 
 
 def _mass(body: Message, materials: dict[Any, Any]) -> float | None:

@@ -1,0 +1,85 @@
+"""A binary glTF 2.0 under construction: accessors, materials with slots, meshes, nodes, an animation."""
+from __future__ import annotations
+
+import json
+import struct
+from typing import Any
+
+import numpy as np
+
+from .thick import OTHER, SIDE_NAMES
+
+VERTICES, INDICES = 34962, 34963  # targets of buffer views
+Y_UP = ([0, 2, 1], np.array([1.0, 1.0, -1.0]))  # x, y, z to x, z, -y: the format has y up
+
+
+def upright(points: np.ndarray) -> np.ndarray:
+    """Turns vectors (..., 3) with z up into single-precision ones with y up."""
+    return (points[..., Y_UP[0]] * Y_UP[1]).astype("<f4")
+
+
+def slot_name(material: str, side: int) -> str:
+    """The name of a material's slot: of the sides of a sheet each has its own."""
+    return material if side == OTHER else f"{material}_{SIDE_NAMES[side]}"
+
+
+class Glb:
+    """Collects entries of a glTF; `packed` gives the file."""
+
+    def __init__(self, generator: str, extras: dict[str, Any]) -> None:
+        self._blob = bytearray()
+        self._materials: dict[str, int] = {}
+        self.json: dict[str, Any] = {
+            "asset": {"version": "2.0", "generator": generator}, "scene": 0, "scenes": [{"nodes": []}], "nodes": [],
+            "meshes": [], "materials": [], "animations": [], "accessors": [], "bufferViews": [], "extras": extras}
+
+    def add(self, name: str, value: object) -> int:
+        """Appends to a list and returns the number of the entry."""
+        self.json[name].append(value)
+        return len(self.json[name]) - 1
+
+    def accessor(self, values: np.ndarray, kind: str, target: int | None = None, limits: bool = False) -> int:
+        """Adds an array of f4 or u4. `limits` are required for positions and for times of keyframes."""
+        view: dict[str, int] = {"buffer": 0, "byteOffset": len(self._blob), "byteLength": values.nbytes}
+        if target is not None:
+            view["target"] = target
+        self._blob += values.tobytes()
+        self._blob += bytes(-len(self._blob) % 4)
+        accessor: dict[str, Any] = {"bufferView": self.add("bufferViews", view),
+                                    "componentType": 5126 if values.dtype.kind == "f" else 5125, "count": len(values),
+                                    "type": kind}
+        if limits:
+            accessor |= {"min": np.atleast_1d(values.min(axis=0)).tolist(), "max": np.atleast_1d(values.max(axis=0)).tolist()}
+        return self.add("accessors", accessor)
+
+    def material(self, name: str, colour: tuple[float, ...]) -> int:
+        """Returns the number of the material of this name, which gets the colour where it is new."""
+        if name not in self._materials:
+            linear = [round(float(c) ** 2.2, 4) for c in colour[:3]]
+            alpha = colour[3] if len(colour) > 3 else 1.0
+            self._materials[name] = self.add("materials", {
+                "name": name, "doubleSided": True, "alphaMode": "BLEND" if alpha < 1.0 else "OPAQUE",
+                "pbrMetallicRoughness": {"baseColorFactor": [*linear, alpha], "metallicFactor": 0.0, "roughnessFactor": 0.5}})
+        return self._materials[name]
+
+    def node(self, name: str, **content: Any) -> int:
+        """Adds a node that is in no list of children yet."""
+        return self.add("nodes", {"name": name, **content})
+
+    def show(self, node: int) -> None:
+        """Puts a node at the top of the scene."""
+        self.json["scenes"][0]["nodes"].append(node)
+
+    def packed(self) -> bytes:
+        # The format allows no empty lists, and no scene without nodes.
+        content = {k: v for k, v in self.json.items() if v != []}
+        if not self.json["nodes"]:
+            content["scenes"] = [{}]
+        else:
+            content["buffers"] = [{"byteLength": len(self._blob)}]
+        text = json.dumps(content, separators=(",", ":")).encode()
+        text += b" " * (-len(text) % 4)
+        chunks = struct.pack("<I4s", len(text), b"JSON") + text
+        if self._blob:
+            chunks += struct.pack("<I4s", len(self._blob), b"BIN\0") + bytes(self._blob)
+        return struct.pack("<4sII", b"glTF", 2, 12 + len(chunks)) + chunks

@@ -1,0 +1,96 @@
+"""All triangles of a frame in one mesh, as exports take them: shells with their thickness, shards, bodies."""
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from .frames import BODIES, FROZEN, SHARD, SHELL, Frame
+from .motion import body_velocity, by_body, shell_velocity
+from .soft import with_soft
+from .thick import OTHER, sheet_points, sheet_topology, sides_of_sheet_body
+from .vtp import PolyData
+
+
+@dataclass
+class Mesh:
+    """All triangles of a frame, those of shells first."""
+    points: np.ndarray     # (n, 3) [m]
+    velocity: np.ndarray   # (n, 3) [m/s]
+    triangles: np.ndarray  # (m, 3)
+    fragment: np.ndarray  # (m,) id of the piece, in the shell and as a shard; for a body of the scene its number
+    damage: np.ndarray  # (m,) 0..1, largest of all layers; 0 for bodies
+    part: np.ndarray       # (m,) number of the shell, -1 for bodies
+    body: np.ndarray       # (m,) -1 for the shell
+    kind: np.ndarray       # (m,) as in frames.py, -1 for the shell
+    side: np.ndarray       # (m,) as in thick.py
+
+
+def part_of_points(shell: PolyData) -> np.ndarray:
+    """Returns the number of the shell of each point (n,); points of one shell only."""
+    part = np.zeros(len(shell.points), np.int64)
+    part[shell.triangles.ravel()] = np.repeat(shell.of_triangles("shell", 0).astype(np.int64), 3)
+    return part
+
+
+def thickness_of_points(shell: PolyData, thickness: tuple[float, ...]) -> np.ndarray | None:
+    """Returns the thickness [m] at each point (n,), None where that of a shell is not known."""
+    part = part_of_points(shell)
+    if part.max(initial=0) >= len(thickness):
+        return None
+    found = np.array(thickness)[part]
+    return found if np.isfinite(found).all() else None
+
+
+def mesh_of(frames: list[Frame], k: int, thickness: tuple[float, ...] = ()) -> Mesh:
+    """Reads frame k. `thickness` [m] of each shell makes their faces; without it they are middle surfaces. Raises
+    VtpError, OSError."""
+    shell = frames[k].read(SHELL)
+    rigid = frames[k].read(BODIES)
+    bodies, moves = with_soft(frames[k], rigid, body_velocity(frames, k))
+    points, velocity, triangles = [np.zeros((0, 3))], [np.zeros((0, 3))], [np.zeros((0, 3), int)]
+    names = ("fragment", "damage", "part", "body", "kind", "side")
+    columns: dict[str, list[np.ndarray]] = {name: [np.zeros(0)] for name in names}
+    if shell is not None:
+        moving, own = shell_velocity(shell), np.arange(len(shell.triangles))
+        place, faces, side = shell.points, shell.triangles, np.full(len(own), OTHER)
+        thick = thickness_of_points(shell, thickness)
+        if thick is not None:
+            place, moving = sheet_points(place, faces, thick), np.repeat(moving, 2, axis=0)
+            faces, side, own = sheet_topology(faces)
+        points.append(place)
+        velocity.append(moving)
+        triangles.append(faces)
+        damage = shell.of_triangles("damage", 0.0)
+        none = np.full(len(own), -1)
+        for name, values in zip(names, (shell.of_triangles("fragment", 0)[own],
+                                        (damage.max(axis=1) if damage.ndim == 2 else damage)[own],
+                                        shell.of_triangles("shell", 0)[own], none, none, side)):
+            columns[name].append(values)
+    if bodies is not None:
+        triangles.append(bodies.triangles + sum(map(len, points)))
+        points.append(bodies.points)
+        velocity.append(moves)
+        body, kind = bodies.of_triangles("body", 0), bodies.of_triangles("kind", 0)
+        none = np.full(len(body), -1)
+        for name, values in zip(names, (body, 0.0 * body, none, body, kind, _sides(rigid, len(body)))):
+            columns[name].append(values)
+    joined = {name: np.concatenate(values) for name, values in columns.items()}
+    return Mesh(np.concatenate(points), np.concatenate(velocity), np.concatenate(triangles), joined["fragment"].astype(int),
+                joined["damage"], *(joined[name].astype(int) for name in ("part", "body", "kind", "side")))
+
+
+def _sides(bodies: PolyData | None, count: int) -> np.ndarray:
+    """Returns the sides (count,) of the triangles of rigid bodies, OTHER for those after them."""
+    side = np.full(count, OTHER)
+    if bodies is None:
+        return side
+    body = bodies.of_triangles("body", 0).astype(np.int64)
+    broken = np.isin(bodies.of_triangles("kind", 0), (SHARD, FROZEN))
+    number = np.zeros(len(bodies.points), np.int64)
+    for one, mine in by_body(bodies).items():
+        which = np.flatnonzero((body == one) & broken)
+        if len(which):
+            number[mine] = np.arange(len(mine))
+            side[which] = sides_of_sheet_body(bodies.points[mine], number[bodies.triangles[which]])
+    return side
