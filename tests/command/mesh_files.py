@@ -77,3 +77,92 @@ def read_glb(raw: bytes) -> dict[str, dict[str, np.ndarray]]:
             first += len(arrays["POSITION"])
         found[node["name"]] = {n: np.concatenate([p[n] for p in parts]) for n in parts[0]}
     return found
+
+
+class Animated:
+    """An animated glTF, evaluated as its specification says: nodes by name, at any time of the film."""
+
+    def __init__(self, raw: bytes) -> None:
+        self.json, self._blob = glb_parts(raw)
+        self.names = [node["name"] for node in self.json["nodes"]]
+        assert len(self.names) == len(set(self.names)), "a name twice"
+        self.parent = {child: k for k, node in enumerate(self.json["nodes"]) for child in node.get("children", [])}
+        self._channels: dict[tuple[int, str], tuple[np.ndarray, np.ndarray, str]] = {}
+        for animation in self.json.get("animations", []):
+            for channel in animation["channels"]:
+                sampler = animation["samplers"][channel["sampler"]]
+                times = self.values(sampler["input"]).ravel()
+                assert (np.diff(times) > 0).all()
+                key = channel["target"]["node"], channel["target"]["path"]
+                assert key not in self._channels
+                self._channels[key] = times, self.values(sampler["output"]).reshape(len(times), -1), sampler["interpolation"]
+
+    def values(self, number: int) -> np.ndarray:
+        accessor = self.json["accessors"][number]
+        view = self.json["bufferViews"][accessor["bufferView"]]
+        width = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}[accessor["type"]]
+        kind = {5126: "<f4", 5125: "<u4"}[accessor["componentType"]]
+        return np.frombuffer(self._blob, kind, accessor["count"] * width, view["byteOffset"]).reshape(-1, width)
+
+    @property
+    def times(self) -> np.ndarray:
+        """All times of keyframes."""
+        return np.unique(np.concatenate([times for times, _, _ in self._channels.values()]))
+
+    def _at(self, node: int, path: str, time: float, default: list[float]) -> np.ndarray:
+        """The value of a channel, or of the node where it has none."""
+        if (node, path) not in self._channels:
+            return np.array(self.json["nodes"][node].get(path, default), float)
+        times, values, how = self._channels[node, path]
+        values = values.astype(float)
+        k = int(np.searchsorted(times, time, side="right")) - 1
+        if k < 0 or k == len(times) - 1:
+            return values[max(k, 0)]
+        share = (time - times[k]) / (times[k + 1] - times[k]) if how == "LINEAR" else 0.0
+        a, b = values[k], values[k + 1]
+        if path != "rotation":
+            return a + share * (b - a)
+        cosine = a @ b
+        angle = np.arccos(min(abs(cosine), 1.0))
+        if angle < 1e-4:
+            return (a + share * (np.sign(cosine) * b - a)) / np.linalg.norm(a + share * (np.sign(cosine) * b - a))
+        return (np.sin((1 - share) * angle) * a + np.sign(cosine) * np.sin(share * angle) * b) / np.sin(angle)
+
+    def matrix(self, node: int, time: float) -> np.ndarray:
+        """Takes points of a node to the world, (3, 4)."""
+        x, y, z, w = self._at(node, "rotation", time, [0, 0, 0, 1])
+        turn = np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                         [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                         [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+        mine = np.column_stack([turn * self._at(node, "scale", time, [1, 1, 1]), self._at(node, "translation", time, [0, 0, 0])])
+        if node not in self.parent:
+            return mine
+        up = self.matrix(self.parent[node], time)
+        return np.column_stack([up[:, :3] @ mine[:, :3], up[:, :3] @ mine[:, 3] + up[:, 3]])
+
+    def centre(self, name: str, time: float) -> np.ndarray:
+        """Where a node is [m], with z up again."""
+        x, y, z = self.matrix(self.names.index(name), time)[:, 3]
+        return np.array([x, -z, y])
+
+    def seen(self, name: str, time: float) -> dict[str, np.ndarray]:
+        """Corners (m, 3, 3) of the triangles of a node and its children by material, with z up; those of scale 0 are left
+        out."""
+        found: dict[str, list[np.ndarray]] = {}
+        node = self.names.index(name)
+        for one in [node, *self.json["nodes"][node].get("children", [])]:
+            if "mesh" not in self.json["nodes"][one]:
+                continue
+            matrix = self.matrix(one, time)
+            if not np.abs(matrix[:, :3]).max() > 0.0:
+                continue
+            weights = self._at(one, "weights", time, [])
+            for primitive in self.json["meshes"][self.json["nodes"][one]["mesh"]]["primitives"]:
+                points = self.values(primitive["attributes"]["POSITION"]).astype(float)
+                for weight, target in zip(weights, primitive.get("targets", [])):
+                    points = points + weight * self.values(target["POSITION"])
+                points = points @ matrix[:, :3].T + matrix[:, 3]
+                points = points[:, [0, 2, 1]] * [1, -1, 1]
+                material = self.json["materials"][primitive["material"]]["name"]
+                found.setdefault(material, []).append(points[self.values(primitive["indices"]).reshape(-1, 3)])
+        return {material: np.concatenate(parts) for material, parts in found.items()}

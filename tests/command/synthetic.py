@@ -96,7 +96,7 @@ class SyntheticRun:
         """Frame k and frames.pvd up to it."""
         time_s, third = self.time_s(k), self.count // 3
         broken = self.radius < 0.4 * min(1.0, k / third)  # cells show where the crack has been
-        fragment = np.where(broken, self.cell + 1, 0)
+        fragment = np.where(broken, self.cell + 2, 0)  # the number of the body that it will be
         parts = []
         standing = self.held[self.cell] | (k <= third)
         sag = 0.004 * np.exp(-np.linalg.norm(self.points[:, :2], axis=1) / 0.08) * min(k, third) / third

@@ -17,6 +17,7 @@ import numpy as np
 import sunder
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
 from sunder_tools.pictures.vtp import PolyData
+from tests.command.mesh_files import Animated
 
 TOP = Path(__file__).resolve().parents[2]
 BUILD = os.environ["SUNDER_BUILD_DIR"]
@@ -50,6 +51,7 @@ output { frame_interval_s: 1e-4 shell_frame_interval_s: 1e-4 }
 """
 FOLLOWED = 20
 BARE = 0.06  # share of a piece's area that frames leave out: they draw back from cracks, and omit torn triangles
+PANE, RELATIVE = 0.5, 1e-6  # [m] side of the pane; error of a place, of single precision
 ONE_WINDOW = 5e-5  # [s]
 
 
@@ -122,6 +124,25 @@ class Ids(unittest.TestCase):
             self.assertAlmostEqual(track.time[born] - track.time[born - 1], ONE_WINDOW, delta=1e-9)
             self.assertLess(float(np.linalg.norm(track.centre[born] - track.centre[born - 1])),
                             1.5 * ONE_WINDOW * row["speed at birth [m/s]"] + 0.05 * np.sqrt(row["area [m^2]"]))
+
+    def test_shards_are_followed_by_name_in_the_animated_file(self) -> None:
+        rows, tracks = shards(self.folder), sunder.tracks(sunder.Results(self.folder))
+        with tempfile.TemporaryDirectory() as name:
+            run(self.folder, "export", str(self.folder), "--gltf", f"{name}/run.glb")
+            film = Animated((Path(name) / "run.glb").read_bytes())
+        speed, times = film.json["extras"]["speed"], film.times
+        self.assertGreaterEqual(len(rows), FOLLOWED)
+        for i, row in rows.items():
+            node, track = f"pane_piece_{i}", tracks[i]
+            for time, centre in zip(track.time, track.centre):  # over all keyframes, in the shell and after it
+                at = float(times[np.abs(times - time / speed).argmin()])
+                self.assertAlmostEqual(at * speed, time, delta=1e-9)
+                np.testing.assert_allclose(film.centre(node, at), centre, atol=RELATIVE * PANE, err_msg=f"shard {i}, {time} s")
+            end = np.array([row[f"{axis} [m]"] for axis in "xyz"])
+            np.testing.assert_allclose(film.centre(node, float(times[-1])), end, atol=RELATIVE * PANE, err_msg=f"shard {i}")
+            self.assertTrue(film.seen(node, float(times[-1])))
+            if track.time[0] > 0.0:
+                self.assertEqual(film.seen(node, 0.999 * track.time[0] / speed), {}, f"shard {i} is seen before it exists")
 
     def test_sewn_plates_are_one_piece_and_the_larger_part_keeps_its_id(self) -> None:
         with tempfile.TemporaryDirectory() as name:

@@ -1,10 +1,11 @@
-"""`sunder export`: a run as a sequence of meshes."""
+"""`sunder export`: a run as a sequence of meshes, or as one animated file."""
 from __future__ import annotations
 
 import argparse
 from pathlib import Path
 
-from .parser import Subparsers, add_choice, add_command, add_run_folder
+from ..errors import BAD_INPUT, CommandError
+from .parser import Subparsers, add_choice, add_command, add_run_folder, number_above_zero, positive
 
 NAME = "export"
 
@@ -12,18 +13,31 @@ NAME = "export"
 def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder export`."""
     parser = add_command(
-        subparsers, NAME, "a sequence of meshes for Blender and Houdini",
+        subparsers, NAME, "meshes for Blender and Houdini, one a frame or one animated file",
         "Writes one file per frame to DIR/export, and frame_times.csv. PLY has velocity per vertex, and fragment, damage,\n"
         "part, body, kind and side per face; the other format is binary glTF. Shells have their thickness: faces outside,\n"
-        "inside and at the edge, also along cracks.")
+        "inside and at the edge, also along cracks. With --gltf it writes one animated file instead: a node with keyframes for\n"
+        "each piece (pane_piece_17) and body, from first frame to last.", "sunder export runs/glass --gltf glass.glb")
     add_run_folder(parser)
     add_choice(parser, "--format", ("ply", "gltf"), "default: ply", "ply")
     parser.add_argument("--frames", metavar="LIST", help="numbers such as 0,5,10-20,last (default: all)")
+    parser.add_argument("--gltf", metavar="FILE", type=Path, help="one animated file, .glb")
+    parser.add_argument("--fps", metavar="N", type=positive, help="pictures a second of the film (default: 24)")
+    parser.add_argument("--speed", metavar="F", type=number_above_zero,
+                        help="how fast time runs in the film, e.g. 0.1 (default: the\nrun's frames, one a picture)")
     parser.add_argument("--middle", action="store_true", help="middle surfaces of shells, without thickness")
     parser.add_argument("--out", metavar="DIR", type=Path, help="another folder")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Writes the files; returns the exit status. Raises CommandError."""
+    if arguments.fps is not None and arguments.speed is None and arguments.gltf is None:
+        raise CommandError("--fps: a file a frame has no rate; give --speed too, or --gltf FILE", BAD_INPUT)
+    if arguments.gltf is not None:
+        if arguments.out is not None:
+            raise CommandError("--gltf: names the file itself; leave --out out", BAD_INPUT)
+        from ..pictures.one_file import export_one
+        return export_one(arguments.folder, arguments.gltf, arguments.frames, arguments.fps, arguments.speed, arguments.middle)
     from ..pictures.export import export
-    return export(arguments.folder, arguments.format, arguments.out, arguments.frames, arguments.middle)
+    return export(arguments.folder, arguments.format, arguments.out, arguments.frames, arguments.fps, arguments.speed,
+                  arguments.middle)

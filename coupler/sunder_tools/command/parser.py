@@ -116,6 +116,17 @@ def positive(text: str) -> float:
     return value
 
 
+def number_above_zero(text: str) -> float:
+    """A finite number above zero."""
+    try:
+        value = float(text)
+    except ValueError:
+        value = 0.0
+    if not 0.0 < value < float("inf"):
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number above 0")
+    return value
+
+
 def add_scene(parser: argparse.ArgumentParser, **options: Any) -> None:
     """Adds the argument SCENE."""
     parser.add_argument("scene", metavar="SCENE", type=Path, help="scene file (.textproto)", **options)

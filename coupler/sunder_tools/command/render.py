@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from ..errors import BAD_INPUT, CommandError
-from .parser import Subparsers, add_choice, add_command, add_run_folder, count, positive
+from .parser import Subparsers, add_choice, add_command, add_run_folder, count, number_above_zero, positive
 
 NAME = "render"
 
@@ -32,8 +32,10 @@ def add_parser(subparsers: Subparsers) -> None:
     add_choice(parser, "--colour", ("part", "damage", "fragment", "speed"),
                "quantity that colours the shell (default: part)", "part")
     parser.add_argument("--no-caption", action="store_true", help="no time in the corner")
-    parser.add_argument("--rate", metavar="FPS", type=positive,
-                        help="frames a second of the film (default: it lasts six\nseconds, within 4 to 30)")
+    parser.add_argument("--rate", "--fps", metavar="FPS", type=positive,
+                        help="pictures a second of the film (default: it lasts six\nseconds, within 4 to 30; with --speed 24)")
+    parser.add_argument("--speed", metavar="F", type=number_above_zero,
+                        help="how fast time runs in the film, e.g. 0.1; pictures between\nframes are made (default: a picture a frame)")
     parser.add_argument("--jobs", metavar="N", type=count, default=os.cpu_count() or 1,
                         help="processes (default: as many as processors)")
 
@@ -44,10 +46,12 @@ def run(arguments: argparse.Namespace) -> int:
     from ..pictures.render import Shot, render
     if arguments.sheet and (arguments.film or arguments.frames or arguments.out):
         raise CommandError("--sheet goes with none of --film, --frames and --out", BAD_INPUT)
+    if arguments.speed is not None and not arguments.film:
+        raise CommandError("--speed: goes with --film only", BAD_INPUT)
     shot = Shot(arguments.size, arguments.view, arguments.zoom, arguments.close, not arguments.no_caption,
                 Look(arguments.colour))
     return render(arguments.folder, arguments.out, arguments.film, arguments.sheet, arguments.frames, shot,
-                  arguments.rate, arguments.jobs)
+                  arguments.rate, arguments.jobs, arguments.speed)
 
 
 def _size(text: str) -> tuple[int, int]:

@@ -18,6 +18,7 @@ import numpy as np
 
 from ..errors import DONE
 from ..report.scene_text import Words, scene_words
+from .between import film_frames
 from .frames import FROZEN, SHARD
 from .glb import INDICES, VERTICES, Glb, slot_name, upright
 from .look import origins
@@ -112,13 +113,17 @@ def glb_bytes(mesh: Mesh, time_s: float, words: Words, part_of: dict[int, int]) 
     return out.packed()
 
 
-def export(folder: Path, kind: str, out: Path | None, spec: str | None, middle: bool = False) -> int:
+def export(folder: Path, kind: str, out: Path | None, spec: str | None, fps: float | None = None,
+           speed: float | None = None, middle: bool = False) -> int:
     """Writes the meshes and prints their folder; returns the exit status. Raises CommandError.
 
-    `middle`: shells have no thickness.
+    With `speed` there is a file for each picture of a film, numbered from 0. `middle`: shells have no thickness.
     """
     frames = frames_of(folder, "export")
     numbers = pick(spec or "all", len(frames))
+    if speed is not None:
+        frames, _, _ = film_frames([frames[k] for k in numbers], fps, speed)
+        numbers = list(range(len(frames)))
     target = out if out is not None else folder / "export"
     words = scene_words(folder)
     part_of = origins(folder, words)

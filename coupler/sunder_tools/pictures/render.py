@@ -20,6 +20,7 @@ from ..errors import DONE, CommandError
 from ..launch.folder import existing_run
 from ..launch.install import FILM_PACKAGES, ensure_installed
 from ..places import BUILD_DIR_VARIABLE, work_folder
+from .between import FPS, film_frames
 from .contact_sheet import SAMPLES, boxes, time_text, towards_what_is_hit, write_contact_sheet
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .lettering import draw_text
@@ -101,8 +102,11 @@ def frames_of(folder: Path, command: str) -> list[Frame]:
 
 
 def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | None, shot: Shot, rate: float | None,
-           jobs: int) -> int:
-    """Writes pictures and prints their paths; returns the exit status. Raises CommandError."""
+           jobs: int, speed: float | None = None) -> int:
+    """Writes pictures and prints their paths; returns the exit status. Raises CommandError.
+
+    With `speed` a film has pictures between frames, so that time runs evenly.
+    """
     frames = frames_of(folder, "render")
     if sheet:
         with telling(folder / "contact_sheet.png"):
@@ -115,6 +119,9 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
     else:
         chosen = choose_frames(frames, STILLS)
         numbers = [k for k, frame in enumerate(frames) if frame in chosen]
+    if film and speed is not None:
+        frames, _, _ = film_frames([frames[k] for k in numbers], rate, speed)
+        numbers, rate = list(range(len(frames))), rate or FPS
     if film:
         target = _film_file(out if out is not None else folder / "film.mp4", given=out is not None, size=shot.size)
     else:

@@ -1,0 +1,231 @@
+"""Frames between those of a run: resampled in time, for films and exports with --speed.
+
+A frame between keeps the triangles of the one before it. Its bodies go straight on and turn evenly. Points of shells go
+straight to where the next frame has them.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from ..errors import BAD_INPUT, CommandError
+from .frames import BODIES, SHELL, SOFT, Frame
+from .mesh import part_of_points
+from .meshes import reference_points
+from .motion import by_body, shell_velocity
+from .rigid import centre_of, fit, share_of_turn
+from .vtp import PolyData
+
+FPS = 24.0
+MOST_FRAMES = 100_000  # more than an hour of film
+SAME_PLACE = 1e-9      # [-] of a shell's size: points at rest that are nearer are one
+KEPT = 2                # intervals that keep what they have read
+PASSES = 12            # in which corrections spread to points that the next frame does not have
+RIGID = 1e-6           # [-] of a body's size: what a fit may leave of a rigid body
+
+
+def _keys(shell: PolyData, size: float) -> np.ndarray:
+    """Returns a value per point (n,), equal for the same point of the same shell at rest."""
+    cell = np.column_stack([np.round(reference_points(shell) / (SAME_PLACE * size)).astype(np.int64), part_of_points(shell)])
+    return np.ascontiguousarray(cell).view([("", np.int64)] * 4).ravel()
+
+
+def ends(shell: PolyData, after: PolyData | None, bodies: PolyData | None, seconds: float) -> np.ndarray:
+    """Returns where the points (n, 3) of a shell are `seconds` later [m].
+
+    It is where the next frame has the same point at rest. Cracks that have grown move and double points: those go on
+    with their velocity, and with the correction that neighbours needed. A piece that is a body by then ends at its centre.
+    """
+    forward = shell.points + seconds * shell_velocity(shell)
+    known = np.zeros(len(forward), bool)
+    correction = np.zeros_like(forward)
+    if after is not None and len(after.points):
+        size = float(np.ptp(reference_points(shell), axis=0).max()) or 1.0
+        mine, theirs = _keys(shell, size), _keys(after, size)
+        values, first = np.unique(theirs, return_index=True)
+        at = np.minimum(np.searchsorted(values, mine), len(values) - 1)
+        known = values[at] == mine
+        correction[known] = after.points[first[at[known]]] - forward[known]
+    _spread(shell.triangles, known, correction)
+    if bodies is not None:
+        _end_at_bodies(shell, forward, known, correction, bodies)
+    return forward + correction
+
+
+def _spread(triangles: np.ndarray, known: np.ndarray, correction: np.ndarray) -> None:
+    """Gives points that are not known the mean correction of their neighbours, outwards from the known ones."""
+    pairs = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    pairs = np.concatenate([pairs, pairs[:, ::-1]])
+    settled = known.copy()
+    for _ in range(PASSES):
+        here = pairs[~settled[pairs[:, 0]] & settled[pairs[:, 1]]]
+        if not len(here):
+            return
+        count = np.bincount(here[:, 0], minlength=len(known))
+        fresh = count > 0
+        for axis in range(3):
+            sums = np.bincount(here[:, 0], correction[here[:, 1], axis], len(known))
+            correction[fresh, axis] = sums[fresh] / count[fresh]
+        settled |= fresh
+
+
+def _end_at_bodies(shell: PolyData, forward: np.ndarray, known: np.ndarray, correction: np.ndarray, bodies: PolyData) -> None:
+    """Corrects pieces of which the next frame has a body and no point."""
+    piece, rest = shell.of_triangles("fragment", 0).astype(np.int64), reference_points(shell)
+    body, points = bodies.of_triangles("body", 0).astype(np.int64), by_body(bodies)
+    number = np.zeros(len(bodies.points), np.int64)
+    for one in set(np.unique(piece).tolist()) & set(points):
+        mine = shell.triangles[piece == one]
+        used = np.unique(mine)
+        if known[used].any():
+            continue
+        number[points[one]] = np.arange(len(points[one]))
+        centre = centre_of(bodies.points[points[one]], number[bodies.triangles[body == one]])
+        correction[used] = centre - centre_of_sheet(forward, mine, rest)
+
+
+def centre_of_sheet(points: np.ndarray, triangles: np.ndarray, rest: np.ndarray) -> np.ndarray:
+    """Returns the centre [m] of the area at rest, and so of the mass; `rest` (n, 3) [m] are the points at rest."""
+    corner, flat = points[triangles], rest[triangles]
+    area = np.linalg.norm(np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]), axis=1)
+    if not area.sum() > 0.0:
+        return corner.mean(axis=(0, 1))
+    return (area[:, None] * corner.mean(axis=1)).sum(axis=0) / area.sum()
+
+
+@dataclass(frozen=True, eq=False)
+class Interval:
+    """Two frames that follow one another. The last ones that were asked keep what they have read."""
+    before: Frame
+    after: Frame
+
+    def _remember(self) -> None:
+        if self in _recent:
+            return
+        _recent.append(self)
+        if len(_recent) > KEPT:
+            forgotten = _recent.pop(0)
+            for name in ("_shell", "_soft", "_bodies"):
+                vars(forgotten).pop(name, None)
+
+    @cached_property
+    def _shell(self) -> tuple[PolyData, np.ndarray] | None:
+        shell = self.before.read(SHELL)
+        if shell is None:
+            return None
+        return shell, ends(shell, self.after.read(SHELL), self.after.read(BODIES), self.after.time_s - self.before.time_s)
+
+    @cached_property
+    def _soft(self) -> tuple[PolyData, PolyData] | None:
+        pair = self.before.read(SOFT), self.after.read(SOFT)
+        if pair[0] is None or pair[1] is None or len(pair[0].points) != len(pair[1].points):
+            return None
+        return pair[0], pair[1]
+
+    @cached_property
+    def _bodies(self) -> tuple[PolyData, list[tuple[np.ndarray, np.ndarray, np.ndarray]]] | None:
+        """Bodies, and of each that moves its points, its rotation and its way."""
+        bodies, after = self.before.read(BODIES), self.after.read(BODIES)
+        if bodies is None:
+            return None
+        then, moves = by_body(after) if after is not None else {}, []
+        for one, mine in by_body(bodies).items():
+            theirs = then.get(one)
+            if after is None or theirs is None or len(theirs) != len(mine):
+                continue
+            here, there = bodies.points[mine], after.points[theirs]
+            turn, left = fit(here, there)
+            if left <= RIGID * np.ptp(here, axis=0).max():
+                moves.append((mine, turn, there.mean(axis=0) - here.mean(axis=0)))
+        return bodies, moves
+
+    def shell_at(self, share: float) -> PolyData | None:
+        """Returns the shells after this share of the interval. Raises VtpError, OSError."""
+        self._remember()
+        if self._shell is None:
+            return None
+        shell, end = self._shell
+        way = share * (end - shell.points)
+        data = dict(shell.point_data)
+        if "displacement" in data and data["displacement"].ndim == 2:
+            data["displacement"] = data["displacement"] + way
+        return replace(shell, points=shell.points + way, point_data=data)
+
+    def bodies_at(self, share: float) -> PolyData | None:
+        """Returns the bodies after this share of the interval. Raises VtpError, OSError."""
+        self._remember()
+        if self._bodies is None:
+            return None
+        bodies, moves = self._bodies
+        points = bodies.points.copy()
+        for mine, turn, way in moves:
+            middle = points[mine].mean(axis=0)
+            points[mine] = (points[mine] - middle) @ share_of_turn(turn, share).T + middle + share * way
+        return replace(bodies, points=points)
+
+    def soft_at(self, share: float) -> PolyData | None:
+        """Returns the particles after this share of the interval. Raises VtpError, OSError."""
+        self._remember()
+        if self._soft is None:
+            return self.before.read(SOFT)
+        before, after = self._soft
+        return replace(before, points=(1.0 - share) * before.points + share * after.points)
+
+
+_recent: list[Interval] = []
+
+
+@dataclass(frozen=True)
+class Between(Frame):
+    """A time between two frames of a run."""
+    interval: Interval
+    share: float
+
+    def read(self, part: int) -> PolyData | None:
+        """As a frame of the run does it."""
+        made = {SHELL: self.interval.shell_at, BODIES: self.interval.bodies_at, SOFT: self.interval.soft_at}.get(part)
+        return made(self.share) if made is not None else super().read(part)
+
+
+def resampled(frames: list[Frame], fps: float, speed: float) -> list[Frame]:
+    """Returns a frame for each picture of a film with `fps` pictures a second, in which time runs `speed` times as fast.
+    Raises ValueError where that would be more than MOST_FRAMES."""
+    step = speed / fps
+    whole = (frames[-1].time_s - frames[0].time_s) / step
+    if whole >= MOST_FRAMES:
+        raise ValueError(f"{whole:.0f} frames; at most {MOST_FRAMES}")
+    out: list[Frame] = []
+    k = 0
+    intervals = [Interval(a, b) for a, b in zip(frames, frames[1:])]
+    for j in range(int(whole + 1e-9) + 1):
+        time_s = min(frames[0].time_s + j * step, frames[-1].time_s)
+        while k + 1 < len(frames) and frames[k + 1].time_s <= time_s * (1 + 1e-12):
+            k += 1
+        if k + 1 == len(frames):
+            out.append(frames[k])
+            break
+        share = (time_s - frames[k].time_s) / (frames[k + 1].time_s - frames[k].time_s)
+        out.append(frames[k] if share < 1e-9 else Between(time_s, frames[k].files, intervals[k], share))
+    return out
+
+
+def film_frames(frames: list[Frame], fps: float | None, speed: float | None,
+                to_the_end: bool = False) -> tuple[list[Frame], np.ndarray, float]:
+    """Returns frames, their times in a film [s] that begins at 0, and how fast time runs in it. Raises CommandError.
+
+    Without `speed` the frames are those of the run, and follow one another at `fps` on average. `to_the_end`: the last
+    frame of the run is there too where no picture is of its time.
+    """
+    rate, first, length = fps or FPS, frames[0].time_s, frames[-1].time_s - frames[0].time_s
+    if speed is None:
+        speed = rate * length / (len(frames) - 1) if len(frames) > 1 and length > 0.0 else 1.0
+    else:
+        try:
+            last = frames[-1]
+            frames = resampled(frames, rate, speed)
+            frames += [last] if to_the_end and frames[-1].time_s < last.time_s else []
+        except ValueError as error:
+            raise CommandError(f"--speed {speed:g} with --fps {rate:g} gives {error}; take a higher --speed", BAD_INPUT) from None
+    return frames, (np.array([frame.time_s for frame in frames]) - first) / speed, speed

@@ -1,0 +1,33 @@
+"""`sunder export --gltf FILE`: a whole run in one animated file."""
+from __future__ import annotations
+
+from pathlib import Path
+
+from ..errors import BAD_INPUT, DONE, CommandError
+from ..report.scene_text import scene_words
+from .animated import animated_glb
+from .between import FPS, film_frames
+from .look import origins
+from .render import frames_of, pick, put_in_place, telling
+from .story import story_of
+
+ENDINGS = {".glb": "glTF"}
+
+
+def export_one(folder: Path, target: Path, spec: str | None, fps: float | None, speed: float | None, middle: bool) -> int:
+    """Writes the file and prints its path; returns the exit status. Raises CommandError."""
+    if target.suffix not in ENDINGS:
+        raise CommandError(f"{target}: a file of a whole run ends in {' or '.join(ENDINGS)}", BAD_INPUT)
+    frames = frames_of(folder, "export")
+    if spec is not None:
+        frames = [frames[k] for k in pick(spec, len(frames))]
+    frames, times, speed = film_frames(frames, fps, speed, to_the_end=True)
+    words = scene_words(folder)
+    with telling(target):
+        target.parent.mkdir(parents=True, exist_ok=True)
+        things = story_of(frames, words, origins(folder, words), middle)
+        extras = {"fps": fps or FPS, "speed": speed, "first_time_s": frames[0].time_s, "last_time_s": frames[-1].time_s}
+        content = animated_glb(things, times, extras)
+        put_in_place(target, lambda path: path.write_bytes(content))
+    print(target)
+    return DONE

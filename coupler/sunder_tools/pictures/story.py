@@ -1,0 +1,310 @@
+"""A run as things that move: each piece, body and soft body with its places over time, and the shapes that it has.
+
+A piece has one name from the frame that shows it first, through hand-off, to the last. While it is in a shell it bends:
+its shape has positions of all frames in which its triangles stay the same. Where a crack grows the shape ends, and
+another one begins with the next frame. Up to that frame the old one goes on, to where the new one begins.
+"""
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Iterator
+
+import numpy as np
+
+from ..report.scene_text import Words
+from .between import RIGID, centre_of_sheet, ends
+from .export import STEEL, material_of_shards, name_and_material_of_body
+from .faces import Slot, faces, over_faces, slots_of
+from .frames import BODIES, FROZEN, SHARD, SHELL, SOFT, Frame
+from .glb import slot_name
+from .mesh import part_of_points, thickness_of_points
+from .meshes import reference_points, weld
+from .motion import by_body
+from .rigid import centre_of, fit, quaternion, turn_of
+from .soft import RUBBER, balls
+from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_sheet_body, vertex_normals
+from .vtp import PolyData
+
+MOST_STEPS = 60  # positions of one shape: weights of morph targets grow with the square
+
+
+@dataclass
+class Shape:
+    """A mesh that is seen in the frames first..last, [m] from its thing's centre, and turned with it.
+
+    `points` has an entry for each of these frames, or one where the shape is rigid. Where another shape follows, one more
+    tells where the next frame finds it.
+    """
+    slots: list[Slot]
+    first: int
+    last: int
+    points: list[np.ndarray]   # (n, 3) each
+    normals: list[np.ndarray]  # (n, 3) each
+    rest: np.ndarray           # (n, 3) [m] in the world, NaN where there is none
+    damage: np.ndarray         # (n,) in the first frame
+    state: tuple[object, ...] = ()  # what decides whether the next frame has the same triangles
+
+    @property
+    def rigid(self) -> bool:
+        """Tells whether one entry serves all frames."""
+        return len(self.points) == 1
+
+
+@dataclass
+class Thing:
+    """What has a name. Places are known at the frames of `keys`; `centre` (3,) [m], `turn` quaternions (x, y, z, w)."""
+    name: str
+    group: str = ""  # the shell that it belongs to
+    keys: list[int] = field(default_factory=list)
+    centre: list[np.ndarray] = field(default_factory=list)
+    turn: list[np.ndarray] = field(default_factory=list)
+    shapes: list[Shape] = field(default_factory=list)
+
+    def place(self, k: int, centre: np.ndarray, turn: np.ndarray | None = None) -> None:
+        """Sets the place at frame k; one that is known already is replaced."""
+        q = np.array([0.0, 0.0, 0.0, 1.0]) if turn is None else quaternion(turn)
+        if self.keys and self.keys[-1] == k:
+            self.keys.pop(), self.centre.pop(), self.turn.pop()
+        if self.turn and self.turn[-1] @ q < 0.0:
+            q = -q  # the shorter way round
+        self.keys.append(k)
+        self.centre.append(centre)
+        self.turn.append(q)
+
+
+@dataclass
+class _Rigid:
+    """The body as its present shape has it."""
+    points: np.ndarray
+    triangles: np.ndarray
+    centre: np.ndarray
+    mean: np.ndarray
+    base: np.ndarray  # rotation (3, 3) of the thing with which the shape began
+
+
+Key = tuple[str, int]  # "piece", "body" or "soft", and the number
+
+
+class _Sheets:
+    """The shells of a frame, piece by piece."""
+
+    def __init__(self, frame: Frame, thickness: tuple[float, ...]) -> None:
+        self.time_s, self.shell = frame.time_s, frame.read(SHELL)
+        self.pieces: dict[Key, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}  # points, triangles from these, their numbers
+        shell = self.shell
+        if shell is None or not len(shell.triangles):
+            return
+        self.rest, self.part = reference_points(shell), part_of_points(shell)
+        self._size = float(np.ptp(self.rest, axis=0).max()) or 1.0
+        thick = thickness_of_points(shell, thickness)
+        self._half = None if thick is None else 0.5 * thick
+        damage = shell.of_triangles("damage", 0.0)
+        self._damage = damage.max(axis=1) if damage.ndim == 2 else damage
+        piece = shell.of_triangles("fragment", 0).astype(np.int64)
+        order = np.argsort(piece, kind="stable")
+        ids, starts = np.unique(piece[order], return_index=True)
+        for one, mine in zip(ids, np.split(order, starts[1:])):
+            used, local = np.unique(shell.triangles[mine], return_inverse=True)
+            self.pieces["piece", int(one)] = used, local.reshape(-1, 3), mine
+
+    def half(self, used: np.ndarray) -> np.ndarray:
+        """Returns half of the thickness [m] at points; empty where it is not known."""
+        return np.zeros(0) if self._half is None else self._half[used]
+
+    def state(self, key: Key) -> tuple[object, ...]:
+        """Equal for two frames where a piece has the same triangles of the same points at rest; () where it is not."""
+        if key not in self.pieces:
+            return ()
+        used, triangles, _ = self.pieces[key]
+        return triangles.tobytes(), np.round(self.rest[used] / (1e-7 * self._size)).astype(np.int64).tobytes()
+
+    def damage(self, key: Key) -> np.ndarray:
+        """Returns the largest damage (n,) of the triangles at each point of a piece."""
+        used, triangles, mine = self.pieces[key]
+        values = np.zeros(len(used))
+        np.maximum.at(values, triangles.ravel(), np.repeat(self._damage[mine], 3))
+        return values
+
+
+class Story:
+    """Reads frames one after another into `things`, in the order in which they are seen first."""
+
+    def __init__(self, words: Words, part_of: dict[int, int], middle: bool = False) -> None:
+        self._words, self._part_of = words, part_of
+        self._thickness = () if middle else words.thickness
+        self._things: dict[Key, Thing] = {}
+        self._open: dict[Key, Shape] = {}
+        self._rigid: dict[Key, _Rigid] = {}
+        self._before: _Sheets | None = None
+
+    @property
+    def things(self) -> list[Thing]:
+        """All that was seen."""
+        return list(self._things.values())
+
+    def read(self, k: int, frame: Frame) -> None:
+        """Adds frame k. Raises VtpError, OSError."""
+        now, bodies, soft = _Sheets(frame, self._thickness), frame.read(BODIES), frame.read(SOFT)
+        moving = list(_bodies(bodies))
+        self._end_shapes(k, now, bodies, moving)
+        for key in now.pieces:
+            self._bend(k, key, now)
+        for key, points, triangles, kind in moving:
+            self._move(k, key, points, triangles, kind)
+        seen = {*now.pieces, *(key for key, *_ in moving)}
+        if soft is not None and len(soft.points):
+            seen |= self._soften(k, soft)
+        for key in [key for key in self._open if key not in seen]:
+            del self._open[key]
+        self._before = now
+
+    def _end_shapes(self, k: int, now: _Sheets, bodies: PolyData | None, moving: list[_Moving]) -> None:
+        """Ends the shapes of pieces that have other triangles now. They go on to where this frame finds their points."""
+        before = self._before
+        if before is None or before.shell is None:
+            return
+        ending = [key for key in before.pieces if key in self._open and (
+            self._open[key].state != now.state(key) or len(self._open[key].points) > MOST_STEPS)]
+        if not ending:
+            return
+        arriving = ends(before.shell, now.shell, bodies, now.time_s - before.time_s)
+        centres = {key: centre_of(points, triangles) for key, points, triangles, _ in moving if key in ending}
+        for key in ending:
+            used, triangles, _ = before.pieces[key]
+            if key in now.pieces:
+                assert now.shell is not None
+                here, faces_now, _ = now.pieces[key]
+                centres[key] = centre_of_sheet(now.shell.points[here], faces_now, now.rest[here])
+            there, shape = arriving[used], self._open.pop(key)
+            centre = centres.get(key, centre_of_sheet(there, triangles, before.rest[used]))
+            points, normals = faces(there, triangles, before.part[used], before.half(used))
+            shape.points.append(points - centre)
+            shape.normals.append(normals)
+            self._things[key].place(k, centre)
+
+    def _thing(self, key: Key, part: int) -> Thing:
+        """Returns the thing of this key, named when it is seen first."""
+        if key not in self._things:
+            shells = self._words.shells
+            if key[0] == "piece":
+                part = part if part >= 0 else self._part_of.get(key[1], -1)
+                group = shells[part] if 0 <= part < len(shells) else f"shell_{part}" if part >= 0 else ""
+                self._things[key] = Thing(f"{group}_piece_{key[1]}" if group else f"piece_{key[1]}", group)
+            elif key[0] == "soft":
+                self._things[key] = Thing(f"soft_{key[1]}")
+            else:
+                self._things[key] = Thing(name_and_material_of_body(key[1], self._words)[0])
+        return self._things[key]
+
+    def _bend(self, k: int, key: Key, now: _Sheets) -> None:
+        """Adds a frame of a piece in a shell."""
+        assert now.shell is not None
+        used, triangles, _ = now.pieces[key]
+        part, half, at = now.part[used], now.half(used), now.shell.points[used]
+        centre = centre_of_sheet(at, triangles, now.rest[used])
+        points, normals = faces(at, triangles, part, half)
+        thing = self._thing(key, int(part.min()))
+        thing.place(k, centre)
+        shape = self._open.get(key)
+        if shape is not None:
+            shape.points.append(points - centre)
+            shape.normals.append(normals)
+            shape.last = k
+            return
+        rest, _ = faces(now.rest[used], triangles, part, half)
+        damage = over_faces(now.damage(key), triangles, part, len(half) > 0)
+        shape = Shape(slots_of(triangles, part, len(half) > 0, self._words), k, k, [points - centre], [normals], rest, damage,
+                      now.state(key))
+        thing.shapes.append(shape)
+        self._open[key] = shape
+
+    def _move(self, k: int, key: Key, points: np.ndarray, triangles: np.ndarray, kind: int) -> None:
+        """Adds a frame of a body."""
+        thing = self._thing(key, -1)
+        shape, rigid = self._open.get(key), self._rigid.get(key)
+        if shape is not None and rigid is not None and len(points) == len(rigid.points) and np.array_equal(
+                triangles, rigid.triangles):
+            turn, left = fit(rigid.points, points)
+            if left <= RIGID * np.ptp(points, axis=0).max():
+                thing.place(k, points.mean(axis=0) + turn @ (rigid.centre - rigid.mean), turn @ rigid.base)
+                shape.last = k
+                return
+        centre = centre_of(points, triangles)
+        base = turn_of(thing.turn[-1]) if thing.turn else np.eye(3)
+        self._rigid[key] = _Rigid(points, triangles, centre, points.mean(axis=0), base)
+        thing.place(k, centre, base)
+        broken = kind in (SHARD, FROZEN)
+        side = sides_of_sheet_body(points, triangles) if broken else np.full(len(triangles), OTHER)
+        if broken:
+            part = self._part_of.get(key[1], self._words.shells.index(thing.group) if thing.group in self._words.shells else -1)
+            material, colour = material_of_shards(part, self._words)
+        else:
+            material, colour = name_and_material_of_body(key[1], self._words)[1], tuple(STEEL)
+        normals = corner_normals(points, triangles, weld(points))
+        slots, order, first = [], [], 0
+        for one in (OUTSIDE, INSIDE, EDGE, OTHER):
+            mine = np.flatnonzero(side == one)
+            if len(mine):
+                slots.append(Slot(slot_name(material, one), colour, first, 3 * len(mine), np.arange(3 * len(mine)).reshape(-1, 3)))
+                order.append(mine)
+                first += 3 * len(mine)
+        which = np.concatenate(order)
+        corners = (points[triangles[which]].reshape(-1, 3) - centre) @ base
+        shape = Shape(slots, k, k, [corners], [normals[which].reshape(-1, 3) @ base], np.full((len(corners), 3), np.nan),
+                      np.zeros(len(corners)))
+        thing.shapes.append(shape)
+        self._open[key] = shape
+
+    def _soften(self, k: int, soft: PolyData) -> set[Key]:
+        """Adds a frame of all soft bodies, and returns which they are."""
+        seen: set[Key] = set()
+        points, triangles, particle, _ = balls(soft)
+        body = soft.point_data["soft_body"][particle].astype(int)
+        for one in np.unique(body):
+            key, mine = ("soft", int(one)), triangles[body == one]
+            thing = self._thing(key, -1)
+            used, local = np.unique(mine, return_inverse=True)
+            local, at = local.reshape(-1, 3), points[used]
+            centre = at.mean(axis=0)
+            thing.place(k, centre)
+            shape, normals = self._open.get(key), vertex_normals(at, local)
+            state = (particle[body == one].tobytes(),)
+            if shape is not None and shape.state == state and len(shape.points) <= MOST_STEPS:
+                shape.points.append(at - centre)
+                shape.normals.append(normals)
+                shape.last = k
+            else:
+                name = f"soft_{one}"
+                shape = Shape([Slot(name, tuple(RUBBER[one % len(RUBBER)]), 0, len(at), local)], k, k, [at - centre], [normals],
+                              np.full((len(at), 3), np.nan), np.zeros(len(at)), state)
+                thing.shapes.append(shape)
+                self._open[key] = shape
+            seen.add(key)
+        return seen
+
+
+_Moving = tuple[Key, np.ndarray, np.ndarray, int]
+
+
+def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
+    """Yields the key, points, triangles (from these points) and kind of each body."""
+    if bodies is None or not len(bodies.triangles):
+        return
+    body, kind = bodies.of_triangles("body", 0).astype(np.int64), bodies.of_triangles("kind", 0).astype(int)
+    order = np.argsort(body, kind="stable")
+    values, starts = np.unique(body[order], return_index=True)
+    number = np.zeros(len(bodies.points), np.int64)
+    points = by_body(bodies)
+    for one, which in zip(values, np.split(order, starts[1:])):
+        mine, sort = points[int(one)], int(kind[which[0]])
+        number[mine] = np.arange(len(mine))
+        yield (("piece" if sort in (SHARD, FROZEN) else "body", int(one)), bodies.points[mine], number[bodies.triangles[which]],
+               sort)
+
+
+def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False) -> list[Thing]:
+    """Returns all things of these frames. Raises VtpError, OSError."""
+    story = Story(words, part_of, middle)
+    for k, frame in enumerate(frames):
+        story.read(k, frame)
+    return story.things

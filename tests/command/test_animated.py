@@ -1,0 +1,217 @@
+"""One animated file of a run: every frame is in it, names follow pieces through hand-off, nothing pops."""
+from __future__ import annotations
+
+import unittest
+
+import numpy as np
+from PIL import Image
+
+from sunder_tools.errors import CommandError
+from sunder_tools.pictures.animated import animated_glb
+from sunder_tools.pictures.between import ends, film_frames
+from sunder_tools.pictures.frames import BODIES, SHELL, Frame, list_frames
+from sunder_tools.pictures.mesh import mesh_of
+from sunder_tools.pictures.rigid import centre_of, fit, quaternion, share_of_turn, turn_of
+from sunder_tools.pictures.story import story_of
+from sunder_tools.report.scene_text import Words, parse_text, words_of
+
+from .mesh_files import Animated
+from .synthetic import BALL_RADIUS_M, HEIGHT_M, ball, write_vtp
+from .test_render import OfARun
+from .test_view import InAFolder
+
+SINGLE = 1e-6  # [m] of scenes of a metre: single precision, a few times over
+SCENE = """materials { name: "glass" density: 2500 strength: 1 }
+shells { name: "pane" material: "glass" thickness_m: 0.01 }"""
+
+
+def sorted_triangles(corners: np.ndarray) -> np.ndarray:
+    """Triangles (m, 3, 3) in an order that does not depend on how they are listed."""
+    flat = corners.reshape(len(corners), 9).round(4)
+    return corners[np.lexsort(flat.T)]
+
+
+class WholeRuns(OfARun):
+    def whole(self, *arguments: str) -> Animated:
+        target = self.folder / "run.glb"
+        status, said = self.sunder("export", "--gltf", str(target), *arguments)
+        self.assertEqual(status, 0, said)
+        return Animated(target.read_bytes())
+
+    def test_every_frame_is_in_it(self) -> None:
+        film, frames = self.whole(), list_frames(self.folder)
+        tops = [name for name in film.names if "_shape_" not in name]
+        extras = film.json["extras"]
+        self.assertAlmostEqual(extras["speed"] * film.times[-1], frames[-1].time_s, places=6)
+        for k, frame in enumerate(frames):
+            time = frame.time_s / extras["speed"]
+            time = float(film.times[np.abs(film.times - time).argmin()])
+            shown = np.concatenate([c for name in tops for c in film.seen(name, time).values()])
+            mesh = mesh_of(frames, k)
+            wanted = mesh.points[mesh.triangles]
+            self.assertEqual(shown.shape, wanted.shape, f"frame {k}")
+            np.testing.assert_allclose(np.sort(shown.mean(axis=1), axis=0), np.sort(wanted.mean(axis=1), axis=0), atol=4 * SINGLE)
+            np.testing.assert_allclose(sorted_triangles(shown).mean(axis=1), sorted_triangles(wanted).mean(axis=1), atol=0.05)
+
+    def test_resampled_times_are_those_of_a_film(self) -> None:
+        frames = list_frames(self.folder)
+        film = self.whole("--fps", "30", "--speed", "0.5")
+        steps = film.times * 30.0
+        self.assertTrue(np.allclose(steps[:-1], np.round(steps[:-1]), atol=1e-4))
+        self.assertAlmostEqual(float(film.times[-1]), 2.0 * frames[-1].time_s, places=5)  # the end is there too
+        self.assertEqual(len(film.times), int(frames[-1].time_s * 60) + 2)
+        fall = frames[3].time_s, frames[4].time_s
+        middle = 0.5 * (fall[0] + fall[1])
+        between, _, _ = film_frames(frames[3:5], 1.0, middle - fall[0])
+        bodies = between[1].read(BODIES)
+        assert bodies is not None
+        here = [centre_of(f.read(BODIES).points[:len(ball(1.0)[0])], ball(1.0)[1]) for f in (frames[3], between[1], frames[4])]
+        np.testing.assert_allclose(here[1], 0.5 * (here[0] + here[2]), atol=1e-9)
+        self.assertAlmostEqual(here[0][2], HEIGHT_M + BALL_RADIUS_M + 0.003 - 20 * fall[0], places=9)
+
+    def test_a_film_has_a_picture_a_step(self) -> None:
+        status, said = self.sunder("render", "--film", "--speed", "2", "--fps", "8", "--size", "64x48", "--jobs", "1", "--out",
+                                   str(self.folder / "film.gif"))
+        self.assertEqual(status, 0, said)
+        frames = list_frames(self.folder)
+        with Image.open(self.folder / "film.gif") as film:
+            self.assertEqual(film.n_frames, int((frames[-1].time_s - frames[0].time_s) / 2 * 8 + 1e-9) + 1)
+
+    def test_a_sequence_can_be_resampled(self) -> None:
+        status, said = self.sunder("export", "--speed", "1", "--fps", "10", "--frames", "5-last")
+        self.assertEqual(status, 0, said)
+        times = [float(row.split(",")[1]) for row in (self.folder / "export" / "frame_times.csv").read_text().splitlines()[1:]]
+        np.testing.assert_allclose(np.diff(times), 0.1, atol=1e-12)
+        self.assertEqual(len(list((self.folder / "export").glob("*.ply"))), len(times))
+
+    def test_what_is_refused(self) -> None:
+        for arguments, words in ((("--gltf", "run.gltf"), "ends in .glb"), (("--fps", "24"), "give --speed too"),
+                                 (("--speed", "0"), "not a number above 0"), (("--speed", "1e-12"), "take a higher --speed"),
+                                 (("--gltf", "a.glb", "--out", "x"), "leave --out out")):
+            status, said = self.sunder("export", *arguments)
+            self.assertEqual(status, 2)
+            self.assertRegex(said, words)
+        status, said = self.sunder("render", "--speed", "0.1")
+        self.assertEqual(status, 2)
+        self.assertRegex(said, "--film only")
+
+
+class HandOff(InAFolder):
+    """A plate of two squares turns and flies; the right one parts from it at frame 2 and is a body from frame 3 on."""
+    SPIN, SPEED, STEP, THICK = 30.0, np.array([1.0, 0.5, -2.0]), 1e-3, 0.01
+
+    def setUp(self) -> None:
+        super().setUp()
+        (self.folder / "frames").mkdir()
+        self.words = words_of(parse_text(SCENE), [])
+        entries = []
+        for k in range(6):
+            self.write(k)
+            entries += [f'<DataSet timestep="{k * self.STEP!r}" part="{p}" file="frames/{n}_{k}.vtp"/>' for p, n in ((0, "shell"),
+                                                                                                                  (2, "bodies"))]
+        (self.folder / "frames.pvd").write_text(f"<VTKFile><Collection>{''.join(entries)}</Collection></VTKFile>")
+        self.frames = list_frames(self.folder)
+        self.film = Animated(animated_glb(story_of(self.frames, self.words, {}), np.arange(6.0), {}))
+
+    def placed(self, points: np.ndarray, time: float) -> tuple[np.ndarray, np.ndarray]:
+        """Points of the rest shape, and their velocities: about the right square's centre, which flies straight on."""
+        angle = self.SPIN * time
+        turn = np.array([[np.cos(angle), -np.sin(angle), 0], [np.sin(angle), np.cos(angle), 0], [0, 0, 1.0]])
+        middle = np.array([1.5, 0.5, 0.0])
+        arm = (points - middle) @ turn.T
+        return arm + middle + self.SPEED * time, self.SPEED + self.SPIN * np.stack([-arm[:, 1], arm[:, 0], 0 * arm[:, 0]], 1)
+
+    def write(self, k: int) -> None:
+        time, gap = k * self.STEP, 0.002 if k >= 2 else 0.0
+        left = np.array([[0, 0, 0], [1 - gap, 0, 0], [1 - gap, 1, 0], [0, 1, 0.0]])
+        right = np.array([[1 + gap, 0, 0], [2, 0, 0], [2, 1, 0], [1 + gap, 1, 0.0]])
+        square = np.array([[0, 1, 2], [0, 2, 3]])
+        rest, triangles, piece = left, square, [1, 1]
+        if k < 2:
+            rest, triangles, piece = np.concatenate([left, right[[1, 2]]]), np.concatenate([square, [[1, 4, 5], [1, 5, 2]]]), [1] * 4
+        elif k == 2:
+            rest, triangles, piece = np.concatenate([left, right]), np.concatenate([square, square + 4]), [1, 1, 2, 2]
+        now, velocity = self.placed(rest, time)
+        write_vtp(self.folder / f"frames/shell_{k}.vtp", now, triangles, floats="f8",
+                  point_data={"velocity": velocity, "displacement": now - rest},
+                  cell_data={"fragment": np.array(piece, float), "damage": np.zeros(len(piece)), "shell": np.zeros(len(piece))})
+        points, faces = np.zeros((0, 3)), np.zeros((0, 3), int)
+        if k >= 3:
+            up = np.array([0, 0, 0.5 * self.THICK])
+            points = np.stack([right - up, right + up], axis=1).reshape(-1, 3)
+            faces = np.concatenate([2 * square + 1, 2 * square[:, ::-1], *(
+                [[2 * a, 2 * b, 2 * b + 1], [2 * a, 2 * b + 1, 2 * a + 1]] for a, b in ((0, 1), (1, 2), (2, 3), (3, 0)))])
+            points, _ = self.placed(points, time)
+        write_vtp(self.folder / f"frames/bodies_{k}.vtp", points, faces, floats="f8",
+                  cell_data={"body": np.full(len(faces), 2.0), "kind": np.ones(len(faces))})
+
+    def test_a_piece_has_one_node_from_crack_to_flight(self) -> None:
+        self.assertEqual(sorted(n for n in self.film.names if "_shape_" not in n), ["pane", "pane_piece_1", "pane_piece_2"])
+        self.assertEqual(self.film.seen("pane_piece_2", 1.99), {})
+        for k in range(2, 6):
+            seen = self.film.seen("pane_piece_2", float(k))
+            self.assertEqual(set(seen), {"glass_outside", "glass_inside", "glass_edge"})
+            area = 0.5 * np.linalg.norm(np.cross(*(seen["glass_outside"][:, j] - seen["glass_outside"][:, 0] for j in (1, 2))), axis=1)
+            self.assertAlmostEqual(float(area.sum()), 0.998, places=5)
+            wanted, _ = self.placed(np.array([[1.501, 0.5, 0.0]]), k * self.STEP)
+            np.testing.assert_allclose(self.film.centre("pane_piece_2", float(k)), wanted[0], atol=SINGLE)
+
+    def test_nothing_pops(self) -> None:
+        """Just before each frame the surface is where it is in the frame, but for what turning bends in a step."""
+        bent = 0.5 * (self.SPIN * self.STEP) ** 2  # of a square's half diagonal, below 1 m
+        for k in range(1, 6):
+            before, after = (np.concatenate([c.reshape(-1, 3) for name in ("pane_piece_1", "pane_piece_2")
+                                             for c in self.film.seen(name, time).values()]) for time in (k - 1e-5, float(k)))
+            apart = np.linalg.norm(before[:, None] - after[None], axis=2)
+            self.assertLess(float(max(apart.min(axis=0).max(), apart.min(axis=1).max())), 2.0 * bent + 2 * 0.002 + 1e-4, f"frame {k}")
+            if k == 3:  # the piece leaves: its centre goes on without a step
+                np.testing.assert_allclose(self.film.centre("pane_piece_2", 3 - 1e-5), self.film.centre("pane_piece_2", 3.0),
+                                           atol=1e-4 * self.STEP * 10 + SINGLE)
+
+    def test_what_bends_has_morph_targets(self) -> None:
+        """Frames 0 and 1 have the same triangles: half way the points are half way."""
+        shape = self.film.json["meshes"][self.film.json["nodes"][self.film.names.index("pane_piece_1_shape_0")]["mesh"]]
+        self.assertEqual(len(shape["primitives"][0]["targets"]), 2)  # frame 1, and where frame 2 finds it
+        one, two, half = (self.film.seen("pane_piece_1", t)["glass_outside"] for t in (0.0, 1.0, 0.5))
+        np.testing.assert_allclose(half, 0.5 * (one + two), atol=SINGLE)
+        wanted, _ = self.placed(np.array([[0, 0, 0.005], [1, 0, 0.005], [1, 1, 0.005]]), self.STEP)
+        np.testing.assert_allclose(two[0], wanted, atol=SINGLE)
+
+    def test_points_of_a_shell_go_to_where_the_next_frame_has_them(self) -> None:
+        for k in range(5):
+            shell, after = self.frames[k].read(SHELL), self.frames[k + 1].read(SHELL)
+            assert shell is not None
+            found = ends(shell, after, self.frames[k + 1].read(BODIES), self.STEP)
+            rest = shell.points - shell.point_data["displacement"]
+            wanted, _ = self.placed(rest, (k + 1) * self.STEP)
+            exact = np.ones(len(rest), bool) if k in (0, 3, 4) else np.abs(rest[:, 0]) < 1e-9  # others are on the crack, or leave
+            np.testing.assert_allclose(found[exact], wanted[exact], atol=1e-12)
+            np.testing.assert_allclose(found, wanted, atol=(self.SPIN * self.STEP) ** 2 + 0.001)
+
+
+class Rotations(unittest.TestCase):
+    def test_quaternions_and_shares_of_a_turn(self) -> None:
+        random = np.random.default_rng(3)
+        points = random.normal(size=(12, 3))
+        for _ in range(50):
+            axis, angle = random.normal(size=3), random.uniform(0, 3.1)
+            axis /= np.linalg.norm(axis)
+            turn = turn_of(np.append(np.sin(angle / 2) * axis, np.cos(angle / 2)))
+            found, left = fit(points, points @ turn.T + 2.0)
+            np.testing.assert_allclose(found, turn, atol=1e-12)
+            self.assertLess(left, 1e-12)
+            self.assertAlmostEqual(abs(quaternion(turn) @ np.append(np.sin(angle / 2) * axis, np.cos(angle / 2))), 1.0, places=12)
+            third = share_of_turn(turn, 1.0 / 3.0)
+            np.testing.assert_allclose(third @ third @ third, turn, atol=1e-12)
+        self.assertGreater(fit(points, points * [1, 1, -1])[1], 0.1)  # a mirror image is no rotation
+
+    def test_a_time_between_frames_that_would_take_too_many_is_refused(self) -> None:
+        frames = [Frame(0.0, {}), Frame(1.0, {})]
+        with self.assertRaisesRegex(CommandError, "at most 100000"):
+            film_frames(frames, 24.0, 1e-6)
+        self.assertEqual(len(film_frames(frames, 24.0, 1.0)[0]), 25)
+        self.assertEqual(story_of(frames, Words(), {}), [])
+
+
+if __name__ == "__main__":
+    unittest.main()
