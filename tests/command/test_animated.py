@@ -13,12 +13,14 @@ from sunder_tools.pictures.frames import BODIES, SHELL, Frame, list_frames
 from sunder_tools.pictures.mesh import mesh_of
 from sunder_tools.pictures.rigid import centre_of, fit, quaternion, share_of_turn, turn_of
 from sunder_tools.pictures.story import story_of
+from sunder_tools.pictures.usda import identifier, usda_text
 from sunder_tools.report.scene_text import Words, parse_text, words_of
 
 from .mesh_files import Animated
 from .synthetic import BALL_RADIUS_M, HEIGHT_M, ball, write_vtp
 from .test_render import OfARun
 from .test_view import InAFolder
+from .usda_file import Usda
 
 SINGLE = 1e-6  # [m] of scenes of a metre: single precision, a few times over
 SCENE = """materials { name: "glass" density: 2500 strength: 1 }
@@ -53,6 +55,24 @@ class WholeRuns(OfARun):
             np.testing.assert_allclose(np.sort(shown.mean(axis=1), axis=0), np.sort(wanted.mean(axis=1), axis=0), atol=4 * SINGLE)
             np.testing.assert_allclose(sorted_triangles(shown).mean(axis=1), sorted_triangles(wanted).mean(axis=1), atol=0.05)
 
+    def test_usd_has_every_frame_too(self) -> None:
+        status, said = self.sunder("export", "--usd", str(self.folder / "run.usda"), "--speed", "1", "--fps", "4")
+        self.assertEqual(status, 0, said)
+        stage, frames = Usda((self.folder / "run.usda").read_text()), list_frames(self.folder)
+        tops = [path for path, prim in stage.prims.items() if prim.kind == "Xform" and "xformOp:translate" in prim.types]
+        film, times, _ = film_frames(frames, 4.0, 1.0, to_the_end=True)
+        self.assertAlmostEqual(stage.meta["endTimeCode"], times[-1] * 4.0, places=6)
+        for k in (0, 1, len(film) - 1):
+            shown = np.concatenate([c for path in tops for c in stage.seen(path, float(f"{4 * times[k]:.9g}")).values()])
+            mesh = mesh_of(film, k)
+            np.testing.assert_allclose(np.sort(shown.mean(axis=1), axis=0), np.sort(mesh.points[mesh.triangles].mean(axis=1), axis=0),
+                                       atol=4 * SINGLE)
+
+    def test_names_that_usd_does_not_allow(self) -> None:
+        taken: set[str] = set()
+        self.assertEqual([identifier(n, taken) for n in ("pane", "2nd pane", "Glas\u00e4", "pane", "")],
+                         ["pane", "_2nd_pane", "Glas_", "pane_2", "_"])
+
     def test_resampled_times_are_those_of_a_film(self) -> None:
         frames = list_frames(self.folder)
         film = self.whole("--fps", "30", "--speed", "0.5")
@@ -85,7 +105,7 @@ class WholeRuns(OfARun):
         self.assertEqual(len(list((self.folder / "export").glob("*.ply"))), len(times))
 
     def test_what_is_refused(self) -> None:
-        for arguments, words in ((("--gltf", "run.gltf"), "ends in .glb"), (("--fps", "24"), "give --speed too"),
+        for arguments, words in ((("--gltf", "run.gltf"), "end it in .glb"), (("--usd", "run.usd"), "end it in .usda"), (("--fps", "24"), "give --speed too"),
                                  (("--speed", "0"), "not a number above 0"), (("--speed", "1e-12"), "take a higher --speed"),
                                  (("--gltf", "a.glb", "--out", "x"), "leave --out out")):
             status, said = self.sunder("export", *arguments)
@@ -187,6 +207,25 @@ class HandOff(InAFolder):
             exact = np.ones(len(rest), bool) if k in (0, 3, 4) else np.abs(rest[:, 0]) < 1e-9  # others are on the crack, or leave
             np.testing.assert_allclose(found[exact], wanted[exact], atol=1e-12)
             np.testing.assert_allclose(found, wanted, atol=(self.SPIN * self.STEP) ** 2 + 0.001)
+
+    def test_usd_tells_the_same(self) -> None:
+        stage = Usda(usda_text(story_of(self.frames, self.words, {}), np.arange(6.0) / 24.0, 24.0, 0.5))
+        self.assertEqual({k: stage.meta[k] for k in ("upAxis", "metersPerUnit", "endTimeCode", "timeCodesPerSecond", "defaultPrim")},
+                         {"upAxis": "Z", "metersPerUnit": 1, "endTimeCode": 5, "timeCodesPerSecond": 24, "defaultPrim": "run"})
+        for name in ("pane_piece_1", "pane_piece_2"):
+            self.assertEqual(stage.prims[f"/run/pane/{name}"].kind, "Xform")
+            for time in (0.0, 0.5, 1.0, 1.5, 1.99, 2.0, 2.5, 3.0, 3.5, 5.0):
+                usd, gltf = stage.seen(f"/run/pane/{name}", time), self.film.seen(name, time)
+                self.assertEqual(set(usd), set(gltf), f"{name} at {time}")
+                for material, corners in usd.items():
+                    np.testing.assert_allclose(corners, gltf[material], atol=2e-4 if time % 1 else SINGLE)  # slerp or straight
+                if usd:
+                    np.testing.assert_allclose(stage.at(f"/run/pane/{name}", "xformOp:translate", time),
+                                               self.film.centre(name, time), atol=SINGLE)
+        mesh = stage.prims["/run/pane/pane_piece_1/shape_0"]
+        self.assertEqual((mesh.types["points"], mesh.meta["normals.interpolation"]), ("point3f[]", "vertex"))
+        self.assertEqual({float(t) for t in mesh.values["points"]}, {0, 1, 2})
+        np.testing.assert_allclose(np.array(mesh.values["primvars:rest"])[:, 2].max(), 0.5 * self.THICK, atol=1e-9)
 
 
 class Rotations(unittest.TestCase):

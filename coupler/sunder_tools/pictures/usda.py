@@ -1,0 +1,198 @@
+"""One animated USD file of a run, as text (.usda), z up, in metres.
+
+An Xform for each piece and body with timeSamples of its place, under that of its shell. Its shapes are Meshes with visibility
+over time, points over time where they bend, and a GeomSubset for each material. Written here since Debian has no library of
+USD, and three's USDZExporter knows neither points nor visibility over time, nor subsets.
+"""
+from __future__ import annotations
+
+import re
+from typing import Iterable, Sequence
+
+import numpy as np
+
+from .story import Shape, Thing
+
+TAB = "    "
+
+
+def identifier(name: str, taken: set[str]) -> str:
+    """Returns the name as USD allows it, and as none of `taken`, to which it is added."""
+    plain = re.sub(r"\W", "_", name, flags=re.ASCII)
+    plain = plain if re.match(r"[A-Za-z_]", plain) else f"_{plain}"
+    found, number = plain, 1
+    while found in taken:
+        number += 1
+        found = f"{plain}_{number}"
+    taken.add(found)
+    return found
+
+
+def _number(value: float) -> str:
+    """A number without a needless '.0' or '-0'."""
+    return "0" if value == 0.0 else f"{value:.9g}"
+
+
+def _tuples(values: np.ndarray) -> str:
+    """An array of vectors, in single precision."""
+    return "[" + ", ".join([f"({x:.8g}, {y:.8g}, {z:.8g})" for x, y, z in values.tolist()]) + "]"
+
+
+def _list(values: Iterable[object]) -> str:
+    return "[" + ", ".join(map(str, values)) + "]"
+
+
+class _Text:
+    """Lines with indentation."""
+
+    def __init__(self) -> None:
+        self.lines: list[str] = []
+        self._depth = 0
+
+    def add(self, line: str) -> None:
+        """Adds a line."""
+        self.lines.append(TAB * self._depth + line)
+
+    def open(self, kind: str, name: str, *meta: str) -> None:
+        """Begins a prim."""
+        self.add(f'def {kind} "{name}"' + (" (" if meta else ""))
+        for line in meta:
+            self.add(TAB + line)
+        if meta:
+            self.add(")")
+        self.add("{")
+        self._depth += 1
+
+    def close(self) -> None:
+        """Ends a prim."""
+        self._depth -= 1
+        self.add("}")
+
+    def samples(self, declared: str, codes: Sequence[float], values: Sequence[str]) -> None:
+        """Adds an attribute over time; one value is no animation."""
+        if len(values) == 1:
+            self.add(f"{declared} = {values[0]}")
+            return
+        self.add(f"{declared}.timeSamples = {{")
+        for code, value in zip(codes, values):
+            self.add(f"{TAB}{_number(code)}: {value},")
+        self.add("}")
+
+
+def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float) -> str:
+    """Writes a stage. `times` (n,) [s] of the film are those of all frames; a time code is a picture."""
+    codes = times * fps
+    out = _Text()
+    out.lines += ["#usda 1.0", "(", TAB + 'defaultPrim = "run"',
+                  TAB + f'doc = "sunder export; time runs {_number(speed)} times as fast as in the run"', TAB + "metersPerUnit = 1",
+                  TAB + 'upAxis = "Z"', TAB + "startTimeCode = 0", TAB + f"endTimeCode = {_number(codes[-1])}",
+                  TAB + f"framesPerSecond = {_number(fps)}", TAB + f"timeCodesPerSecond = {_number(fps)}", ")", ""]
+    out.open("Xform", "run")
+    materials = _materials(out, things)
+    taken = {"materials"}
+    groups = list(dict.fromkeys(thing.group for thing in things))
+    for group in groups:
+        inside = taken if not group else set()
+        if group:
+            out.open("Xform", identifier(group, taken))
+        for thing in things:
+            if thing.group == group:
+                _thing(out, identifier(thing.name, inside), thing, codes, materials)
+        if group:
+            out.close()
+    out.close()
+    return "\n".join(out.lines) + "\n"
+
+
+def _materials(out: _Text, things: list[Thing]) -> dict[str, str]:
+    """Writes all materials; returns their paths."""
+    colours = {slot.material: slot.colour for thing in reversed(things) for shape in thing.shapes for slot in shape.slots}
+    taken: set[str] = set()
+    paths = {}
+    out.open("Scope", "materials")
+    for name in sorted(colours):
+        own, colour = identifier(name, taken), colours[name]
+        paths[name] = f"/run/materials/{own}"
+        out.open("Material", own)
+        out.add(f"token outputs:surface.connect = <{paths[name]}/preview.outputs:surface>")
+        out.open("Shader", "preview")
+        out.add('uniform token info:id = "UsdPreviewSurface"')
+        out.add(f"color3f inputs:diffuseColor = ({', '.join(_number(c) for c in _linear(colour))})")
+        out.add(f"float inputs:opacity = {_number(colour[3] if len(colour) > 3 else 1.0)}")
+        out.add("float inputs:roughness = 0.5")
+        out.add("token outputs:surface")
+        out.close()
+        out.close()
+    out.close()
+    return paths
+
+
+def _linear(colour: tuple[float, ...]) -> list[float]:
+    return [round(float(c) ** 2.2, 4) for c in colour[:3]]
+
+
+def _thing(out: _Text, name: str, thing: Thing, codes: np.ndarray, materials: dict[str, str]) -> None:
+    out.open("Xform", name)
+    at = codes[thing.keys].tolist()
+    centres = [f"({', '.join(_number(x) for x in centre)})" for centre in thing.centre]
+    turns = [f"({', '.join(_number(x) for x in (q[3], *q[:3]))})" for q in thing.turn]  # w first
+    out.samples("double3 xformOp:translate", at, _constant(centres))
+    ops = ['"xformOp:translate"']
+    if len(set(turns)) > 1:
+        out.samples("quatd xformOp:orient", at, turns)
+        ops.append('"xformOp:orient"')
+    out.add(f"uniform token[] xformOpOrder = {_list(ops)}")
+    for number, shape in enumerate(thing.shapes):
+        _mesh(out, f"shape_{number}", shape, codes, materials)
+    out.close()
+
+
+def _constant(values: list[str]) -> list[str]:
+    """One value where all are the same."""
+    return values[:1] if len(set(values)) == 1 else values
+
+
+def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dict[str, str]) -> None:
+    at = codes[shape.first:shape.first + len(shape.points)].tolist()
+    corners = np.concatenate([slot.first + slot.triangles for slot in shape.slots])
+    out.open("Mesh", name, 'prepend apiSchemas = ["MaterialBindingAPI"]')
+    out.add("uniform bool doubleSided = 1")
+    out.add('uniform token subdivisionScheme = "none"')
+    out.add(f"int[] faceVertexCounts = {_list([3] * len(corners))}")
+    out.add(f"int[] faceVertexIndices = {_list(corners.ravel().tolist())}")
+    out.samples("float3[] extent", at, [_tuples(np.stack([p.min(axis=0), p.max(axis=0)])) for p in shape.points])
+    out.samples("point3f[] points", at, [_tuples(p) for p in shape.points])
+    out.add('normal3f[] normals (interpolation = "vertex")')
+    out.samples("normal3f[] normals", at, [_tuples(n) for n in shape.normals])
+    colours = np.concatenate([np.tile(_linear(slot.colour), (len(slot.triangles), 1)) for slot in shape.slots])
+    if (colours == colours[0]).all():
+        out.add(f'color3f[] primvars:displayColor = {_tuples(colours[:1])} (interpolation = "constant")')
+    else:
+        out.add(f'color3f[] primvars:displayColor = {_tuples(colours)} (interpolation = "uniform")')
+    if any(len(slot.colour) > 3 for slot in shape.slots):
+        opacity = [slot.colour[3] if len(slot.colour) > 3 else 1.0 for slot in shape.slots for _ in slot.triangles]
+        out.add(f'float[] primvars:displayOpacity = {_list(_number(o) for o in opacity)} (interpolation = "uniform")')
+    if np.isfinite(shape.rest).all():
+        out.add(f'point3f[] primvars:rest = {_tuples(shape.rest)} (interpolation = "vertex")')
+        out.add(f'float[] primvars:damage = {_list(_number(d) for d in shape.damage.tolist())} (interpolation = "vertex")')
+    seen = [(0.0, '"invisible"')] if shape.first > 0 else []
+    seen.append((float(codes[shape.first]), '"inherited"'))
+    if shape.last + 1 < len(codes):
+        seen.append((float(codes[shape.last + 1]), '"invisible"'))
+    if len(seen) > 1:
+        out.samples("token visibility", [code for code, _ in seen], [value for _, value in seen])
+    out.add('uniform token subsetFamily:materialBind:familyType = "partition"')
+    faces: dict[str, list[int]] = {}
+    count = 0
+    for slot in shape.slots:
+        faces.setdefault(slot.material, []).extend(range(count, count + len(slot.triangles)))
+        count += len(slot.triangles)
+    taken: set[str] = set()
+    for material, which in faces.items():
+        out.open("GeomSubset", identifier(material, taken), 'prepend apiSchemas = ["MaterialBindingAPI"]')
+        out.add('uniform token elementType = "face"')
+        out.add('uniform token familyName = "materialBind"')
+        out.add(f"int[] indices = {_list(which)}")
+        out.add(f"rel material:binding = <{materials[material]}>")
+        out.close()
+    out.close()
