@@ -12,6 +12,7 @@ from typing import Any, Callable, Mapping
 from sunder_tools.errors import CommandError
 from sunder_tools.launch import engines
 from sunder_tools.launch.build import ensure_built
+from sunder_tools.pictures.plots import Panel, write_panels
 
 from .executors import Executor, Local, Slurm, default_jobs
 from .member import KEEP, RUN_FOLDER, Member, is_done, outcome
@@ -160,6 +161,15 @@ class Campaign:
         results.write_csv(self.folder / "results.csv")
         times.write_csv(self.folder / "times.csv")
         write_sqlite(self.folder / "results.sqlite", {"results": results, "times": times})
+
+    def draw(self, panels: list[Panel], name: str) -> None:
+        """Writes plots into the folder; says why where that cannot be, since results are there all the same."""
+        (self.folder / name).unlink(missing_ok=True)
+        try:
+            if panels:
+                write_panels(panels, self.folder / name)
+        except (CommandError, OSError) as error:
+            self.say(f"{name} is not drawn: {error}", always=True)
 
     def say(self, words: str, always: bool = False) -> None:
         """Prints progress on stderr."""

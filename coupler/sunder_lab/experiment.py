@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any, Callable, Iterator, Mapping, Sequence, Union
 
 from sunder_tools.errors import CommandError
-from sunder_tools.pictures.plots import Line, Panel, write_panels
+from sunder_tools.pictures.plots import Line, Panel
+from sunder_tools.pictures.units import valued, words_and_unit
 from sunder_tools.words import did_you_mean
 
 from .campaign import Campaign, Measure, Planned, Settings
@@ -73,9 +74,9 @@ class Plot:
             part = table.where(**{self.by: key}) if self.by else table
             means = [m for m in part.means(self.y, [self.x]) if m.count]
             dots = [(x, y) for x, y in zip(part[self.x], part[self.y])] if any(m.count > 1 for m in means) else []
-            lines.append(Line(f"{self.by} {key:g}" if isinstance(key, (int, float)) else f"{self.by} {key}",
+            lines.append(Line(valued(self.by, key) if self.by else "",
                               [m.key[self.x] for m in means], [m.mean for m in means], [m.half for m in means], dots))
-        return Panel(self.title or f"{self.y} over {self.x}", self.x, self.y, lines, self.logarithmic)
+        return Panel(self.title or f"{words_and_unit(self.y)[0]} over {words_and_unit(self.x)[0]}", self.x, self.y, lines, self.logarithmic)
 
 
 def _numbers(values: Sequence[Any]) -> bool:
@@ -244,8 +245,7 @@ class Experiment:
                 panels.append(plot.panel(done))
             except CommandError as error:
                 campaign.say(f"{plot.words()}: {error}", always=True)
-        if panels:
-            write_panels(panels, campaign.folder / "plots.png")
+        campaign.draw(panels, "plots.png")
 
     def _measured(self, results: Any) -> dict[str, Any]:
         out: dict[str, Any] = {}

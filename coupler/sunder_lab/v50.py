@@ -9,7 +9,7 @@ from typing import Callable, Sequence
 import numpy as np
 
 from sunder_tools.errors import CommandError
-from sunder_tools.pictures.plots import Line, Panel, write_panels
+from sunder_tools.pictures.plots import Line, Panel
 
 from .campaign import Campaign, Planned, Settings
 from .experiment import SEED_PATH, Parameter, To
@@ -163,13 +163,13 @@ class V50:
         n = len(found.limits)
         first = at_once / n
         steps = [(v, (k + at_once + d) / n) for k, v in enumerate(share) for d in (0, 1)]
-        write_panels([
+        campaign.draw([
             Panel(f"{self.name}: share of panes perforated", "speed [m/s]", "share",
                   [Line("share", [self.low, *(v for v, _ in steps), self.high],
                         [first, *(s for _, s in steps), (len(share) + at_once) / n])]),
             Panel("residual velocity", "speed [m/s]", "residual [m/s]", [
                 Line("", [], [], dots=list(zip(done["speed_m_per_s"], done["residual_velocity_m_per_s"])))])],
-            campaign.folder / "plots.png")
+            "plots.png")
 
 
 def _finite(value: float) -> float | None:

@@ -139,13 +139,14 @@ class Testing(unittest.TestCase):
             self.assertEqual(sunder(["test", "-R", "vtp"]), 0)
             self.assertEqual(run.call_count, 1)
             self.assertIn("no network\nsunder: so the tests of the Jolt engine are skipped", said.getvalue())
-            for what in ("Slurm", "the viewer"):
+            for what in ("Slurm", "plots", "the viewer"):
                 self.assertIn(f"no rights\nsunder: so the tests of {what} are skipped", said.getvalue())
             self.assertEqual([call.args[1] for call in install.call_args_list],
-                             [command.SLURM_PACKAGES, command.LINT_PACKAGES, command.BROWSER_PACKAGES])
+                             [command.SLURM_PACKAGES, command.LINT_PACKAGES, command.PLOT_PACKAGES,
+                              command.BROWSER_PACKAGES])
             os.environ[BUILD_DIR_VARIABLE] = str(REPOSITORY)
             self.assertEqual(sunder(["test"]), 0)
-            self.assertEqual((ensure.call_count, install.call_count), (1, 3))  # no more: nothing is installed then
+            self.assertEqual((ensure.call_count, install.call_count), (1, 4))  # no more: nothing is installed then
 
 
 class KnownFailures(unittest.TestCase):

@@ -10,12 +10,9 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
-import numpy as np
-from PIL import Image
-
 from sunder_tools import errors
 from sunder_tools.launch import build
-from sunder_tools.pictures import plots
+from sunder_tools.pictures.plots import there
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.validation import experiments
 
@@ -56,10 +53,11 @@ class Measuring(unittest.TestCase):
         for status in (0, 1):
             self.validator(status)
             table, plots = self.folder / "table.json", self.folder / "plots.png"
-            self.assertEqual(sunder(["validate", "shells", "--case", "roof", "--json", str(table),
-                                           "--plots", str(plots)]), status)
+            drawn = ["--plots", str(plots)] if there() else []
+            self.assertEqual(sunder(["validate", "shells", "--case", "roof", "--json", str(table), *drawn]), status)
             self.assertEqual(json.loads(table.read_text()), {"cases": NUMBERS["cases"]})
-            self.assertTrue(plots.read_bytes().startswith(b"\x89PNG"))
+            if drawn:
+                self.assertTrue(plots.read_bytes().startswith(b"\x89PNG"))
             self.assertIn("--case roof", (self.folder / "arguments").read_text())
 
     def test_what_cannot_be_validated_or_written_is_refused(self) -> None:
@@ -68,7 +66,7 @@ class Measuring(unittest.TestCase):
         self.assertIn("there are shells, seams, cracks", self.said.getvalue())
         self.assertEqual(sunder(["validate", "shells", "--json", str(self.folder / "no" / "table.json")]), 2)
         self.assertEqual(sunder(["validate", "shells", "--plots", str(self.folder / "plots.cheese")]), 2)
-        self.assertIn("'.cheese' is no image's ending", self.said.getvalue())
+        self.assertIn("'.cheese' is none of .png, .svg, .pdf", self.said.getvalue())
         self.assertEqual(sunder(["validate", "shells", "--case", ""]), 2)
         self.assertFalse((self.folder / "arguments").exists())  # all this before anything is run
         self.assertEqual(sunder(["bench", "--json", str(self.folder / "no" / "bench.json")]), 2)
@@ -107,10 +105,11 @@ class Measuring(unittest.TestCase):
                            experiments.Experiment("gone", "none", broken))}
         table, plots = self.folder / "table.json", self.folder / "plots.png"
         with mock.patch.dict(experiments.EXPERIMENTS, runs):
-            self.assertEqual(sunder(["validate", "shells", "--case", "bounce", "--json", str(table), "--plots",
-                                           str(plots)]), 0)  # the other program is not even needed
+            drawn = ["--plots", str(plots)] if there() else []
+            self.assertEqual(sunder(["validate", "shells", "--case", "bounce", "--json", str(table), *drawn]), 0)  # the other
+            # program is not even needed
             self.assertEqual([row["name"] for row in json.loads(table.read_text())["cases"]], ["bounce_1"])
-            self.assertTrue(plots.is_file())
+            self.assertEqual(plots.is_file(), there())
             self.validator(0)
             self.assertEqual(sunder(["validate", "shells", "--json", str(table)]), 1)
             rows = json.loads(table.read_text())["cases"]
@@ -121,25 +120,6 @@ class Measuring(unittest.TestCase):
     def test_zeners_equation_has_the_published_answers(self) -> None:
         for inelasticity, known in ((0.1, 0.8433), (0.5, 0.4369), (1.0, 0.1841)):
             self.assertAlmostEqual(experiments.zener(inelasticity, 1e-3), known, delta=5e-5)
-
-
-class Plots(unittest.TestCase):
-    def test_curves_of_one_panel_share_its_axes_which_begin_at_zero_where_asked(self) -> None:
-        axes = {"x_label": "spacing", "y_label": "speed", "logarithmic": False}
-        low, high = ({"name": name, "x": [1.0, 2.0], "y": [y, y + 1.0], **axes} for name, y in (("low", 8.0), ("high", 9.0)))
-        with tempfile.TemporaryDirectory() as folder:
-            path = Path(folder) / "plots.png"
-            plots.write_plots([plots.Curve(**low, panel="both"), plots.Curve(**high, panel="both"), plots.Curve(**low)], path)
-            with Image.open(path) as sheet:
-                self.assertEqual(sheet.size, (2 * plots.WIDTH, plots.HEIGHT))
-        line = plots.Line("low", low["x"], low["y"], [0.5, 0.5])
-
-        def lowest(from_zero: bool) -> int:  # row of pixels of the lowest point or end of a bar
-            image = np.asarray(plots.draw_panel(plots.Panel("p", "x", "y", [line], from_zero=from_zero)))
-            return int(np.nonzero((image == plots.COLOURS[0]).all(axis=2))[0].max())
-
-        self.assertGreater(lowest(False), plots.HEIGHT - plots.BELOW - 5)
-        self.assertLess(lowest(True), plots.HEIGHT // 2)
 
 
 if __name__ == "__main__":

@@ -10,7 +10,7 @@ from pathlib import Path
 from sunder_tools.command.parser import Subparsers, add_command
 from sunder_tools.errors import CHECK_FAILED, DONE, CommandError
 from sunder_tools.launch.build import build_dir, ensure_built
-from sunder_tools.launch.install import BROWSER_PACKAGES, LINT_PACKAGES, SLURM_PACKAGES, ensure_installed
+from sunder_tools.launch.install import BROWSER_PACKAGES, LINT_PACKAGES, PLOT_PACKAGES, SLURM_PACKAGES, ensure_installed
 from sunder_tools.launch.node import ensure_node
 from sunder_tools.places import BUILD_DIR_VARIABLE, REPOSITORY
 
@@ -49,6 +49,7 @@ def _get_packages() -> None:
     for what, install in (("the Jolt engine", lambda log: ensure_node()),
                           ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES)),
                           ("the sources", lambda log: ensure_installed(log, LINT_PACKAGES)),
+                          ("plots", lambda log: ensure_installed(log, PLOT_PACKAGES)),
                           ("the viewer", _ensure_viewer)):
         try:
             install(log)

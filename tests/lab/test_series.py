@@ -17,6 +17,7 @@ from typing import Callable
 from . import REPOSITORY, sweeps
 import sunder
 from sunder_lab.sweep import series_of
+from sunder_tools.pictures.plots import there
 
 from .made_up import write_dents, write_pieces, write_run
 
@@ -107,7 +108,8 @@ class Sweeps(unittest.TestCase):
         self.assertEqual(float(self.results()[0]["mean_force_N"]), force)
         self.assertEqual(float(self.results()[0]["mean_force_interval_s"]), 8e-6)
         self.assertEqual(len({row["energy_fracture_J"] for row in self.results()}), 4)  # seeds and speeds differ, in cracks
-        self.assertTrue((self.out / "plots.png").is_file())
+        self.assertEqual((self.out / "plots.png").is_file(), there())
+        self.assertEqual("plots.png is not drawn: there is no matplotlib" in err, not there(), err)
         # another speed is two more members of the same folder
         status, _, err = sweeps.sweep(str(sweeps.write_file(file, [60, 80, 5])), "--out", str(self.out))
         self.assertIn("6 runs, 4 of them done already", err)

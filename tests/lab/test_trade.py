@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import Sequence
 
 import numpy as np
-from PIL import Image
 
 from . import REPOSITORY
 import sunder
@@ -21,6 +20,7 @@ from sunder_lab.trade.knobs import Change, Setting, changes_of, elements, finer
 from sunder_lab.trade.plan import Budget, reference_level, rounds
 from sunder_lab.trade.quantities import in_short, observed, prepared, shaken
 from sunder_lab.trade.trade import Trade
+from sunder_tools.pictures.plots import there
 
 SUNDER = str(REPOSITORY / "coupler" / "sunder")
 ROOT_2 = math.sqrt(2.0)
@@ -320,8 +320,7 @@ class Whole(unittest.TestCase):
         self.assertIn("not asked for", found["not_applicable"]["degree"])
         self.assertTrue(found["front"])
         self.assertIn(f"front (*)        {'; '.join(found['front'])}", out)
-        with Image.open(self.out / "trade.png") as plot:
-            self.assertGreater(len(plot.getcolors(1 << 16) or []), 20)
+        self.assertEqual((self.out / "trade.png").is_file(), there())
         # again: nothing is run but what was refused, and the same comes out
         before = {p: p.stat().st_mtime_ns for p in self.out.glob("members/*/run/usage.json")}
         table = (self.out / "trade.csv").read_bytes()

@@ -87,7 +87,7 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
         from sunder_tools.pictures.plots import Curve, write_plots
         try:
             write_plots([Curve(**curve) for curve in curves], plots)
-        except (OSError, ValueError) as error:  # PIL: an unknown file extension is a ValueError
+        except OSError as error:
             raise CommandError(f"cannot write {plots}: {error}", BAD_INPUT) from None
         print(f"plots            {plots}")
     return status
@@ -143,10 +143,14 @@ def _can_write(path: Path) -> None:
 
 
 def _can_plot(path: Path) -> None:
-    from PIL import Image
-    if Image.registered_extensions().get(path.suffix.lower()) not in Image.SAVE:
-        raise CommandError(f"--plots: cannot write {path}: '{path.suffix}' is no image's ending; end it in .png", BAD_INPUT)
+    from sunder_tools.pictures.plots import ENDINGS, need_matplotlib
+    if path.suffix not in ENDINGS:
+        raise CommandError(f"--plots: cannot write {path}: '{path.suffix}' is none of {', '.join(ENDINGS)}", BAD_INPUT)
     _can_write(path)
+    try:
+        need_matplotlib()
+    except CommandError as error:
+        raise CommandError(f"--plots: {error}", BAD_INPUT) from None
 
 
 def _make_folder(path: Path) -> None:

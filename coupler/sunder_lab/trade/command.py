@@ -30,5 +30,6 @@ def trade(options: argparse.Namespace) -> int:
     report.write(found, out, options.report)
     print(report.tell(found))
     for what, name in (("table", "trade.csv"), ("plot", "trade.png"), ("all of it", "trade.json"), ("runs", "results.csv")):
-        print(f"{what:<16} {out / name}")
+        if (out / name).is_file():
+            print(f"{what:<16} {out / name}")
     return DONE

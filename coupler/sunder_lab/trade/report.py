@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -20,13 +21,18 @@ OWN = Setting().label
 
 
 def write(found: Outcome, folder: Path, json_file: Path | None) -> None:
-    """trade.csv, trade.json and trade.png into the folder of the trade; the JSON also where the user wants it.
+    """trade.csv, trade.json and, where matplotlib is there, trade.png into the folder of the trade; the JSON also where the
+    user wants it.
 
     Raises CommandError where that cannot be written.
     """
     table(found).write_csv(folder / "trade.csv")
     write_atomically(folder / "trade.json", as_json(found))
-    write_panels([panel(found)], folder / "trade.png")
+    (folder / "trade.png").unlink(missing_ok=True)
+    try:
+        write_panels([panel(found)], folder / "trade.png")
+    except (CommandError, OSError) as error:
+        print(f"sunder: trade.png is not drawn: {error}", file=sys.stderr, flush=True)
     if json_file is not None:
         try:
             write_atomically(json_file, as_json(found))

@@ -1,22 +1,28 @@
-"""Line plots, with PIL only."""
+"""Line plots by matplotlib, which is installed with the first one."""
 from __future__ import annotations
 
+import importlib
+import importlib.util
 import math
+import os
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
-from PIL import Image, ImageDraw
-
+from ..errors import CommandError
+from ..launch.install import PLOT_PACKAGES, ensure_installed
+from ..places import BUILD_DIR_VARIABLE, work_folder
 from ..replacing import replacing
-from .lettering import TEXT, draw_text
+from .units import label, scale, words_and_unit
 
-WIDTH, HEIGHT, LEFT, BELOW, ABOVE = 760, 480, 90, 60, 60
-LEGEND, ROW = 190, 18  # width of the legend, and height of a line's name
-SMALL = 12  # size of labels beside points
-STEPS = 40  # points along a line that labels keep away from
-GRID, PAPER = (222, 224, 226), (250, 250, 249)
-# Distinguishable with colour vision deficiencies (Okabe and Ito 2008).
-COLOURS = ((0, 114, 178), (213, 94, 0), (0, 158, 115), (204, 121, 167), (86, 180, 233), (230, 159, 0))
+SIZE_INCH, DOTS_PER_INCH = (7.6, 4.8), 100
+ENDINGS = (".png", ".svg", ".pdf")
+INK, GRID, PAPER = "#262e36", "#dee0e2", "#fafaf9"
+# Distinguishable with colour vision deficiencies (Okabe and Ito 2008); markers tell lines apart without colours.
+COLOURS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00")
+MARKERS = "osD^vP"
+BESIDE = 5.0   # [points] between error bars at the same place, so that none hides another
+NAME_SIZE = 9  # [points] of names beside lines and of labels
 
 
 @dataclass(frozen=True)
@@ -49,7 +55,7 @@ class Line:
 
 @dataclass(frozen=True)
 class Panel:
-    """Lines over one pair of axes, with a legend where there are several."""
+    """Lines over one pair of axes. Labels are 'words [unit]' or names of columns, such as 'impulse_N_s'."""
     name: str
     x_label: str
     y_label: str
@@ -58,134 +64,205 @@ class Panel:
     from_zero: bool = False  # shows small differences as small
 
 
-def _ticks(low: float, high: float, logarithmic: bool) -> list[float]:
-    if logarithmic:
-        first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-        for bases in ((1,), (1, 2, 5), range(1, 10)):  # the fewest that give three
-            ticks = [base * 10.0**e for e in range(first, last + 1) for base in bases]
-            if sum(low <= t <= high for t in ticks) >= 3:
-                break
-    else:
-        step = 10.0 ** math.floor(math.log10(max(high - low, 1e-300) / 2.0))
-        ticks = [step * k for k in range(math.floor(low / step), math.ceil(high / step) + 1)]
-    return [t for t in ticks if low <= t * (1 + 1e-9) and t <= high * (1 + 1e-9)]
+def there() -> bool:
+    """Tells whether matplotlib can be imported."""
+    return importlib.util.find_spec("matplotlib") is not None
 
 
-def _good(values: tuple[float | None, ...], logarithmic: bool) -> bool:
-    return all(v is not None and math.isfinite(v) and (not logarithmic or v > 0.0) for v in values)
+def need_matplotlib() -> None:
+    """Installs matplotlib where it is missing. Raises CommandError that says what to install."""
+    if there():
+        return
+    remedy = f"as root run: apt-get install -y --no-install-recommends {' '.join(PLOT_PACKAGES)}"
+    if os.environ.get(BUILD_DIR_VARIABLE):
+        raise CommandError(f"there is no matplotlib, and {BUILD_DIR_VARIABLE} is set: nothing is installed then; {remedy}")
+    try:
+        work_folder().mkdir(parents=True, exist_ok=True)
+        ensure_installed(work_folder() / "install.log", PLOT_PACKAGES)
+    except OSError as error:
+        raise CommandError(f"there is no matplotlib, and {work_folder()} cannot be written to ({error.strerror}); {remedy}") from None
+    importlib.invalidate_caches()
+    if not there():
+        raise CommandError(f"{' '.join(PLOT_PACKAGES)} is installed, but not for this Python; run coupler/sunder, which takes "
+                           "/usr/bin/python3, or install matplotlib here")
 
 
-def draw_panel(panel: Panel) -> Image.Image:
-    """Draws one pair of axes; with fewer than two points, only its name."""
-    image = Image.new("RGB", (WIDTH, HEIGHT), PAPER)
-    draw = ImageDraw.Draw(image)
-    log = panel.logarithmic
-    above = max(ABOVE, 12 + ROW * len(panel.lines)) if len(panel.lines) > 1 else ABOVE  # names stand above the axes
-    points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots] if _good(p, log)]
-    draw_text(image, (10, 8), panel.name, 18)
-    if len(set(points)) < 2:
-        return image
-    bars = [(x, y + sign * h) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half) for sign in (-1, 1)]
-    points += [p for p in bars if _good(p, log)]
-
-    def scale(value: float) -> float:
-        return math.log10(value) if log else float(value)
-
-    spans = []
-    for axis in (0, 1):
-        values = [p[axis] for p in points]
-        low, high = min(values), max(values)
-        if panel.from_zero and not log:
-            low, high = min(low, 0.0), max(high, 0.0)
-        if log:
-            low, high = low / 1.3, high * 1.3
-        elif low == high:
-            low, high = low - 1.0, high + 1.0
-        spans.append((low, high))
-
-    def place(x: float, y: float) -> tuple[float, float]:
-        (x0, x1), (y0, y1) = spans
-        return (LEFT + (scale(x) - scale(x0)) / (scale(x1) - scale(x0)) * (WIDTH - LEFT - 30),
-                HEIGHT - BELOW - (scale(y) - scale(y0)) / (scale(y1) - scale(y0)) * (HEIGHT - BELOW - above))
-
-    for x in _ticks(*spans[0], log):
-        at = place(x, spans[1][0])
-        draw.line([at, place(x, spans[1][1])], fill=GRID)
-        draw_text(image, (round(at[0]) - 12, HEIGHT - BELOW + 6), f"{x:g}", 14)
-    for y in _ticks(*spans[1], log):
-        at = place(spans[0][0], y)
-        draw.line([at, place(spans[0][1], y)], fill=GRID)
-        draw_text(image, (10, round(at[1]) - 8), f"{y:.3g}", 14)
-    draw_text(image, (WIDTH // 2, HEIGHT - 28), panel.x_label, 15)
-    draw_text(image, (10, 34), panel.y_label, 15)
-    for k, line in enumerate(panel.lines):
-        colour = COLOURS[k % len(COLOURS)]
-        pale = tuple((c + 2 * p) // 3 for c, p in zip(colour, PAPER))
-        for x, y in (place(*p) for p in line.dots if _good(p, log)):
-            draw.ellipse([x - 3, y - 3, x + 3, y + 3], fill=pale)
-        for x, y, h in zip(line.x, line.y, line.half):
-            if _good((x, y, h), False) and _good((x, y - h), log):
-                (x0, low), (_, high) = place(x, y - h), place(x, y + h)
-                draw.line([(x0, low), (x0, high)], fill=colour, width=2)
-                for end in (low, high):
-                    draw.line([(x0 - 5, end), (x0 + 5, end)], fill=colour, width=2)
-        places = [place(*p) for p in zip(line.x, line.y) if _good(p, log)]
-        draw.line(places, fill=colour, width=3)
-        for x, y in places:
-            draw.ellipse([x - 4, y - 4, x + 4, y + 4], fill=colour, outline=TEXT)
-        if len(panel.lines) > 1:
-            y = 6 + ROW * k
-            draw.rectangle([WIDTH - LEGEND, y + 6, WIDTH - LEGEND + 14, y + 11], fill=colour)
-            draw_text(image, (WIDTH - LEGEND + 20, y), line.name, 14)
-    labels = [(place(x, y), label) for line in panel.lines for x, y, label in zip(line.x, line.y, line.labels)
-              if _good((x, y), log)]
-    if labels:
-        _write_labels(image, labels, [place(*p) for p in points], [
-            [place(*p) for p in zip(line.x, line.y) if _good(p, log)] for line in panel.lines])
-    return image
-
-
-Place = tuple[float, float]
-
-
-def _write_labels(image: Image.Image, labels: list[tuple[Place, str]], points: list[Place], lines: list[list[Place]]) -> None:
-    """Places each text near its point where there is room, away from points and lines, with a thin line to the point
-    [pixels]."""
-    along = [(a[0] + (b[0] - a[0]) * k / STEPS, a[1] + (b[1] - a[1]) * k / STEPS)
-             for line in lines for a, b in zip(line, line[1:]) for k in range(STEPS)]
-    taken = [(x - 4, y - 4, x + 4, y + 4) for x, y in points + along]
-    draw = ImageDraw.Draw(image)
-    for (x, y), text in labels:
-        width = SMALL * 0.56 * len(text)  # approximately; the font is not known here
-        spots = [(min(max(LEFT, x + dx), WIDTH - 8 - width), y + dy) for far in range(8, HEIGHT, SMALL + 3)
-                 for dy in (-far - SMALL, far) for dx in (8, -8 - width)]
-        spots = [s for s in spots if ABOVE <= s[1] <= HEIGHT - BELOW - SMALL] or [(LEFT, y)]
-        boxes = [(a, b, a + width, b + SMALL) for a, b in spots]
-        box = next((b for b in boxes if not any(_meet(b, t) for t in taken)), boxes[0])
-        taken.append(box)
-        draw.line([(x, y), (min(max(x, box[0]), box[2]), box[3] if box[3] < y else box[1])], fill=TEXT)
-        draw_text(image, (round(box[0]), round(box[1])), text, SMALL)
-
-
-def _meet(a: tuple[float, float, float, float], b: tuple[float, float, float, float]) -> bool:
-    return a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3]
+def draw(panels: list[Panel]) -> Any:
+    """Returns a matplotlib Figure with a panel beside another, two in a row. Raises CommandError."""
+    need_matplotlib()
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+    from matplotlib.figure import Figure
+    columns = min(2, len(panels)) or 1
+    rows = -(-len(panels) // columns) or 1
+    figure = Figure(figsize=(SIZE_INCH[0] * columns, SIZE_INCH[1] * rows), dpi=DOTS_PER_INCH, facecolor=PAPER,
+                    layout="constrained")
+    FigureCanvasAgg(figure)
+    axes = [figure.add_subplot(rows, columns, k + 1) for k in range(len(panels))]
+    texts = [_draw_panel(one, panel) for one, panel in zip(axes, panels)]
+    figure.canvas.draw()  # names and labels are placed by what stands where
+    for one, text in zip(axes, texts):
+        _name_lines(figure, one, text.names)
+    figure.canvas.draw()
+    for one, text in zip(axes, texts):
+        _write_labels(figure, one, text.labels)
+    return figure
 
 
 def write_panels(panels: list[Panel], path: Path) -> None:
-    """Draws all panels on one sheet, two in a row. Raises OSError."""
-    columns = min(2, len(panels))
-    rows = -(-len(panels) // columns)
-    sheet = Image.new("RGB", (WIDTH * columns, HEIGHT * rows), PAPER)
-    for i, panel in enumerate(panels):
-        sheet.paste(draw_panel(panel), (WIDTH * (i % columns), HEIGHT * (i // columns)))
+    """Draws all panels on one sheet. Raises CommandError where there is no matplotlib, OSError."""
+    figure = draw(panels)
     with replacing(path) as part:
-        sheet.save(part)
+        figure.savefig(part, facecolor=PAPER, **({"metadata": {"Software": None}} if path.suffix == ".png" else {}))
 
 
 def write_plots(curves: list[Curve], path: Path) -> None:
-    """Draws a panel for each curve, or for curves that share one. Raises OSError."""
+    """Draws a panel for each curve, or for curves that share one. Raises CommandError, OSError."""
     panels: dict[str, list[Curve]] = {}
     for c in curves:
         panels.setdefault(c.panel or c.name, []).append(c)
     write_panels([Panel(name, of[0].x_label, of[0].y_label, [Line(c.name, c.x, c.y, c.half) for c in of],
                         of[0].logarithmic, any(c.from_zero for c in of)) for name, of in panels.items()], path)
+
+
+def _good(x: float | None, y: float | None, logarithmic: bool) -> bool:
+    return all(v is not None and math.isfinite(v) and (not logarithmic or v > 0.0) for v in (x, y))
+
+
+@dataclass
+class _Texts:
+    """Texts with the places where they belong, in the units of the axes."""
+    names: list[tuple[float, float, str, str]] = field(default_factory=list)  # of lines, each with its colour
+    labels: list[tuple[float, float, str]] = field(default_factory=list)      # of points
+
+
+def _draw_panel(axes: Any, panel: Panel) -> _Texts:
+    """Draws everything but texts beside lines and points, which it returns."""
+    from matplotlib.transforms import ScaledTranslation
+    log = panel.logarithmic
+    axes.set_facecolor(PAPER)
+    axes.set_title(panel.name, loc="left", color=INK, fontsize=12)
+    points = [p for line in panel.lines for p in [*zip(line.x, line.y), *line.dots] if _good(*p, log)]
+    if not points:
+        axes.set_axis_off()
+        return _Texts()
+    ends = [(x, y + sign * h) for line in panel.lines for x, y, h in zip(line.x, line.y, line.half) for sign in (-1, 1)]
+    everything = points + [p for p in ends if _good(*p, log)]
+    factors = []
+    for axis, name in ((0, panel.x_label), (1, panel.y_label)):
+        words, unit = words_and_unit(name)
+        factor, unit = (1.0, unit) if log else scale(unit, [p[axis] for p in everything])
+        (axes.set_ylabel if axis else axes.set_xlabel)(label(words, unit), color=INK)
+        factors.append(factor)
+    if log:
+        axes.set_xscale("log")
+        axes.set_yscale("log")
+    _set_limits(axes, [(x * factors[0], y * factors[1]) for x, y in everything], panel)
+    barred = [line for line in panel.lines if any(math.isfinite(h) for h in line.half)]
+    for k, line in enumerate(panel.lines):
+        style = {"color": COLOURS[k % len(COLOURS)], "marker": MARKERS[k % len(MARKERS)]}
+        where = axes.transData
+        if line in barred:
+            beside = (barred.index(line) - 0.5 * (len(barred) - 1)) * BESIDE / 72.0
+            where = where + ScaledTranslation(beside, 0.0, axes.figure.dpi_scale_trans)
+        dots = [(x * factors[0], y * factors[1]) for x, y in line.dots if _good(x, y, log)]
+        if dots:
+            axes.plot(*zip(*dots), linestyle="", alpha=0.35, markersize=5, markeredgewidth=0, transform=where, **style,
+                      label=line.name if line.name and not line.x else "_")
+        kept = [(x * factors[0], y * factors[1], h * factors[1]) for x, y, h in
+                zip(line.x, line.y, [*line.half, *[math.nan] * (len(line.x) - len(line.half))]) if _good(x, y, log)]
+        if not kept:
+            continue
+        x, y, half = (list(column) for column in zip(*kept))
+        axes.plot(x, y, linewidth=1.8, markersize=5, transform=where, **style)
+        bars = [(a, b, min(h, 0.999999 * b) if log else h, h) for a, b, h in kept if math.isfinite(h)]
+        if bars:
+            at, middle, down, up = zip(*bars)
+            axes.errorbar(at, middle, [down, up], fmt="none", ecolor=style["color"], elinewidth=1.2, capsize=3, transform=where)
+    axes.grid(color=GRID, linewidth=0.8)
+    axes.set_axisbelow(True)
+    for side in ("top", "right"):
+        axes.spines[side].set_visible(False)
+    axes.tick_params(colors=INK)
+    if not log:
+        axes.ticklabel_format(useOffset=False)
+        if all(float(x).is_integer() for x, _ in points) and factors[0] == 1.0:  # seeds, numbers of things
+            axes.xaxis.get_major_locator().set_params(integer=True)
+    if axes.get_legend_handles_labels()[1]:
+        axes.legend(frameon=False, fontsize=NAME_SIZE, labelcolor=INK)
+    named = [(k, line) for k, line in enumerate(panel.lines) if line.name and len(panel.lines) > 1 and line.x]
+    return _Texts([(line.x[-1] * factors[0], line.y[-1] * factors[1], line.name, COLOURS[k % len(COLOURS)])
+                   for k, line in named if _good(line.x[-1], line.y[-1], log)],
+                  [(x * factors[0], y * factors[1], text) for line in panel.lines
+                   for x, y, text in zip(line.x, line.y, line.labels) if _good(x, y, log)])
+
+
+def _set_limits(axes: Any, points: list[tuple[float, float]], panel: Panel) -> None:
+    for axis, put in ((0, axes.set_xlim), (1, axes.set_ylim)):
+        low, high = min(p[axis] for p in points), max(p[axis] for p in points)
+        if panel.logarithmic:
+            put(low / 1.3, high * 1.3)
+            continue
+        if panel.from_zero:
+            low, high = min(low, 0.0), max(high, 0.0)
+        margin = 0.06 * (high - low) or 0.5 * abs(high) or 1.0
+        put(low if panel.from_zero and low == 0.0 else low - margin, high + margin)
+
+
+def _name_lines(figure: Any, axes: Any, names: list[tuple[float, float, str, str]]) -> None:
+    """Writes the name of each line at its right end, in its colour, none over another."""
+    apart = 1.25 * NAME_SIZE * figure.dpi / 72.0  # [pixels]
+    ends = sorted((axes.transData.transform((x, y))[1], x, name, colour) for x, y, name, colour in names)
+    heights = [end[0] for end in ends]
+    for _ in range(200):  # pushes neighbours apart until none is too near
+        moved = False
+        for k in range(len(heights) - 1):
+            lack = apart - (heights[k + 1] - heights[k])
+            if lack > 1e-6:
+                heights[k] -= 0.5 * lack
+                heights[k + 1] += 0.5 * lack
+                moved = True
+        if not moved:
+            break
+    for height, (_, _, name, colour) in zip(heights, ends):
+        share = axes.transAxes.inverted().transform((0.0, height))[1]
+        axes.annotate(name, (1.0, share), xycoords="axes fraction", xytext=(6, 0), textcoords="offset points", va="center",
+                      color=colour, fontsize=NAME_SIZE, annotation_clip=False)
+
+
+def _write_labels(figure: Any, axes: Any, labels: list[tuple[float, float, str]]) -> None:
+    """Places each text near its point where there is room, away from points, lines and texts."""
+    renderer = figure.canvas.get_renderer()
+    taken: list[tuple[float, float, float, float]] = []
+    for line in axes.lines:
+        path = line.get_transform().transform(line.get_xydata())
+        taken += [(x - 3, y - 3, x + 3, y + 3) for x, y in path]
+        if line.get_linestyle() not in ("None", ""):
+            taken += [(a[0] + s * (b[0] - a[0]) - 1, a[1] + s * (b[1] - a[1]) - 1, a[0] + s * (b[0] - a[0]) + 1,
+                       a[1] + s * (b[1] - a[1]) + 1) for a, b in zip(path, path[1:]) for s in [k / 40 for k in range(41)]]
+    frame = axes.get_window_extent(renderer)
+    for x, y, text in labels:
+        note = axes.annotate(text, (x, y), xytext=(0, 0), textcoords="offset points", fontsize=NAME_SIZE, color=INK,
+                             arrowprops={"arrowstyle": "-", "color": INK, "linewidth": 0.6, "shrinkA": 0, "shrinkB": 3})
+        best = None
+        for far in range(8, 160, 10):
+            for dx, dy, across, up in ((6, far, "left", "bottom"), (6, -far, "left", "top"), (-6, far, "right", "bottom"),
+                                       (-6, -far, "right", "top")):
+                note.set_position((dx, dy))
+                note.set_ha(across)
+                note.set_va(up)
+                at = _box_of_text(note, renderer)
+                inside = at[0] >= frame.x0 and at[2] <= frame.x1 and at[1] >= frame.y0 and at[3] <= frame.y1
+                if inside and not any(at[0] < t[2] and t[0] < at[2] and at[1] < t[3] and t[1] < at[3] for t in taken):
+                    best = at
+                    break
+            if best is not None:
+                break
+        taken.append(best if best is not None else _box_of_text(note, renderer))
+
+
+def _box_of_text(note: Any, renderer: Any) -> tuple[float, float, float, float]:
+    """Returns where the text alone is [pixels], without its line."""
+    from matplotlib.text import Text
+    note.update_positions(renderer)
+    box = Text.get_window_extent(note, renderer)
+    return box.x0, box.y0, box.x1, box.y1

@@ -1,0 +1,129 @@
+"""Plots: labels with units that suit, lines told apart, nothing over anything; and what is said without matplotlib."""
+from __future__ import annotations
+
+import importlib.util
+import math
+import os
+import tempfile
+import unittest
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+from sunder_tools.errors import CommandError
+from sunder_tools.pictures import plots
+from sunder_tools.pictures.plots import COLOURS, Curve, Line, Panel, draw, there, write_panels, write_plots
+from sunder_tools.pictures.units import label, scale, valued, words_and_unit
+from sunder_tools.places import BUILD_DIR_VARIABLE
+
+WITHOUT = "matplotlib is not installed; apt-get install python3-matplotlib"
+
+
+class Units(unittest.TestCase):
+    def test_names_of_columns_and_labels(self) -> None:
+        for name, wanted in (("crack_length_m", ("crack length", "m")), ("residual_velocity_m_per_s", ("residual velocity", "m/s")),
+                             ("impulse_N_s", ("impulse", "N s")), ("energy_fracture_J", ("energy fracture", "J")),
+                             ("time [s]", ("time", "s")), ("opening [um]", ("opening", "µm")), ("k H^2 / M", ("k H² / M", "")),
+                             ("convex parts [-]", ("convex parts", "")), ("seed", ("seed", "")), ("pieces_s", ("pieces", "s"))):
+            self.assertEqual(words_and_unit(name), wanted)
+
+    def test_units_suit_the_largest_value(self) -> None:
+        for unit, largest, factor, wanted in (
+                ("m", 0.613, 1e3, "mm"), ("m", 2.0, 1.0, "m"), ("m", 4e-6, 1e6, "µm"), ("s", 1.4e-4, 1e6, "µs"), ("s", 3600.0, 1.0, "s"),
+                ("Pa", 7e10, 1e-9, "GPa"), ("N s", 6e-4, 1e6, "µN s"), ("kg", 0.012, 1e3, "g"), ("m²", 2e-4, 1e6, "mm²"),
+                ("m/s", 0.02, 1e3, "mm/s"), ("m/s", 40.0, 1.0, "m/s"), ("", 1e9, 1.0, ""), ("m", 0.0, 1.0, "m"), ("m", 1e-3, 1e3, "mm"),
+                ("m", 999.9, 1.0, "m"), ("furlong", 1e-9, 1.0, "furlong")):
+            found = scale(unit, [0.0, -largest, math.nan])
+            self.assertEqual(found[1], wanted, (unit, largest))
+            self.assertAlmostEqual(found[0] / factor, 1.0, places=12)
+        self.assertEqual(label("time", ""), "time")
+        self.assertEqual([valued(*pair) for pair in (("thickness_m", 0.004), ("thick", 3), ("law", "brittle"), ("on", True))],
+                         ["thickness 4 mm", "thick 3", "law brittle", "on True"])
+
+
+class Without(unittest.TestCase):
+    def test_it_is_said_what_to_install(self) -> None:
+        with mock.patch.object(plots, "there", return_value=False), mock.patch.object(plots, "ensure_installed") as install, \
+                mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: "/somewhere"}):
+            with self.assertRaisesRegex(CommandError, "there is no matplotlib, and SUNDER_BUILD_DIR is set: nothing is installed "
+                                                      "then; as root run: apt-get install -y .*python3-matplotlib"):
+                write_panels([], Path("never.png"))
+            install.assert_not_called()
+            del os.environ[BUILD_DIR_VARIABLE]
+            with self.assertRaisesRegex(CommandError, "not for this Python"):  # installed, and still not there
+                write_panels([], Path("never.png"))
+            self.assertEqual(install.call_args.args[1], ("python3-matplotlib",))
+
+    def test_it_is_looked_for_without_importing_it(self) -> None:
+        self.assertEqual(there(), importlib.util.find_spec("matplotlib") is not None)
+
+
+@unittest.skipUnless(there(), WITHOUT)
+class Plots(unittest.TestCase):
+    LINES = [Line(f"line {k}", [10.0, 20.0, 30.0], [0.2 + 0.001 * k, 0.3, 0.4 + 0.001 * k], [0.05] * 3) for k in range(3)]
+
+    def axes(self, panel: Panel) -> Any:
+        return draw([panel]).axes[0]
+
+    def test_axes_have_units_that_suit(self) -> None:
+        axes = self.axes(Panel("p", "speed_m_per_s", "crack_length_m", self.LINES))
+        self.assertEqual((axes.get_xlabel(), axes.get_ylabel()), ("speed [m/s]", "crack length [mm]"))
+        low, high = axes.get_ylim()
+        self.assertTrue(125 < low < 150 and 452 < high < 475, (low, high))  # bars of 150 to 452 mm, and a margin
+        for tick in axes.get_yticklabels():
+            self.assertRegex(tick.get_text().replace("\N{MINUS SIGN}", "-"), r"^-?\d+(\.\d+)?$")
+        self.assertEqual(axes.yaxis.get_offset_text().get_text(), "")
+
+    def test_bars_and_names_do_not_hide_one_another(self) -> None:
+        figure = draw([Panel("p", "x", "y", self.LINES)])
+        axes = figure.axes[0]
+        middles = []
+        for bars in axes.containers:
+            caps = bars.lines[1][0]
+            middles.append(caps.get_transform().transform(caps.get_xydata())[0][0])
+        middles.sort()
+        self.assertEqual(len(middles), 3)
+        self.assertGreater(min(b - a for a, b in zip(middles, middles[1:])), 4.0)  # pixels
+        names = [text for text in axes.texts if text.get_text().startswith("line")]
+        self.assertEqual([text.get_color() for text in sorted(names, key=lambda t: t.get_text())], list(COLOURS[:3]))
+        renderer = figure.canvas.get_renderer()
+        boxes = [text.get_window_extent(renderer) for text in names]
+        for k, one in enumerate(boxes):
+            self.assertGreaterEqual(one.x0, axes.get_window_extent(renderer).x1)  # beside the axes, and on the sheet
+            self.assertLessEqual(one.x1, figure.bbox.x1)
+            self.assertFalse(any(one.overlaps(other) for other in boxes[k + 1:]))
+        self.assertIsNone(axes.get_legend())
+
+    def test_labels_of_points_are_apart_and_on_the_sheet(self) -> None:
+        line = Line("front", [1.0, 1.05, 1.1, 10.0], [1.0, 0.98, 0.97, 0.1], labels=["first", "second", "third", "last"])
+        figure = draw([Panel("p", "cost [s]", "error", [line, Line("others", [], [], dots=[(2.0, 0.5)])], True)])
+        renderer, axes = figure.canvas.get_renderer(), figure.axes[0]
+        boxes = [plots._box_of_text(text, renderer) for text in axes.texts if text.get_text() in line.labels]
+        self.assertEqual(len(boxes), 4)
+        for k, a in enumerate(boxes):
+            self.assertFalse(any(a[0] < b[2] and b[0] < a[2] and a[1] < b[3] and b[1] < a[3] for b in boxes[k + 1:]))
+        self.assertEqual([text.get_text() for text in axes.get_legend().get_texts()], ["others"])
+        self.assertEqual((axes.get_xscale(), axes.get_xlabel()), ("log", "cost [s]"))
+
+    def test_only_what_can_be_drawn_is(self) -> None:
+        axes = self.axes(Panel("p", "x", "y", [Line("a", [0.0, 1.0, 2.0], [1.0, math.nan, 2.0])], True))
+        self.assertEqual([list(line.get_xdata()) for line in axes.lines], [[2.0]])
+        self.assertFalse(self.axes(Panel("empty", "x", "y", [Line("", [math.nan], [1.0])])).axison)
+        self.assertEqual(self.axes(Panel("p", "x", "y", [Line("", [1.0, 2.0], [8.0, 9.0])], from_zero=True)).get_ylim()[0], 0.0)
+
+    def test_curves_of_one_panel_share_its_axes(self) -> None:
+        axes = {"x_label": "spacing", "y_label": "speed", "logarithmic": False}
+        low, high = ({"name": name, "x": [1.0, 2.0], "y": [y, y + 1.0], **axes} for name, y in (("low", 8.0), ("high", 9.0)))
+        with tempfile.TemporaryDirectory() as folder:
+            for ending, start in ((".png", b"\x89PNG"), (".svg", b"<?xml"), (".pdf", b"%PDF")):
+                path = Path(folder) / f"plots{ending}"
+                write_plots([Curve(**low, panel="both"), Curve(**high, panel="both"), Curve(**low)], path)
+                self.assertTrue(path.read_bytes().startswith(start))
+            again = Path(folder) / "again.png"
+            write_plots([Curve(**low, panel="both"), Curve(**high, panel="both"), Curve(**low)], again)
+            self.assertEqual(again.read_bytes(), (Path(folder) / "plots.png").read_bytes())
+            self.assertEqual(len(list(Path(folder).iterdir())), 4)
+
+
+if __name__ == "__main__":
+    unittest.main()
