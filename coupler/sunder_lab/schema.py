@@ -30,6 +30,8 @@ def scene_class() -> Any:
     for file in descriptor_pb2.FileDescriptorSet.FromString(done.stdout).file:
         pool.Add(file)
     descriptor = pool.FindMessageTypeByName("sunder.proto.Scene")
+    if hasattr(message_factory, "GetMessageClass"):  # from protobuf 4.22 on
+        return message_factory.GetMessageClass(descriptor)
     return message_factory.MessageFactory(pool).GetPrototype(descriptor)
 
 

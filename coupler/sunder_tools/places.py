@@ -4,7 +4,21 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-REPOSITORY = Path(__file__).resolve().parents[2]  # a checkout, or share/sunder of an installation
+
+
+def _repository(here: Path = Path(__file__).resolve().parent) -> Path:
+    """A checkout, or share/sunder of an installation. `pip install` keeps the place of the checkout in CHECKOUT."""
+    told = here / "CHECKOUT"
+    if not told.is_file():
+        return here.parents[1]
+    checkout = Path(told.read_text(encoding="utf-8").strip())
+    if not (checkout / "proto" / "scene.proto").is_file():
+        raise ImportError(f"sunder was installed from the checkout {checkout}, which is not there; install it again: "
+                          "pip install CHECKOUT/coupler")
+    return checkout
+
+
+REPOSITORY = _repository()
 BUILD_DIR_VARIABLE = "SUNDER_BUILD_DIR"
 INSTALLED = REPOSITORY / "coupler" / "VERSION"  # written when the project is installed; a checkout has none
 PROGRAMS = REPOSITORY.parents[1] / "libexec" / "sunder"  # of an installation

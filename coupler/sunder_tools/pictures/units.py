@@ -7,7 +7,7 @@ from typing import Iterable
 
 # endings of columns, the longest first where one ends another
 ENDINGS = {"m_per_s2": "m/s²", "m_per_s": "m/s", "rad_per_s": "rad/s", "kg_m2": "kg m²", "J_per_m2": "J/m²", "N_per_m": "N/m",
-           "N_m": "N m", "N_s": "N s", "m2": "m²", "m3": "m³", "Pa": "Pa", "Hz": "Hz", "kg": "kg", "rad": "rad", "m": "m",
+           "N_m": "N m", "N_s": "N s", "m2": "m²", "m3": "m³", "Pa": "Pa", "Hz": "Hz", "kg": "kg", "rad": "rad", "deg": "°", "m": "m",
            "s": "s", "N": "N", "J": "J", "W": "W"}
 PREFIXED = ("m", "s", "N", "J", "Pa", "Hz", "W", "N s", "N m", "J/m²", "N/m")  # take a prefix of the first unit
 PREFIXES = {-12: "p", -9: "n", -6: "µ", -3: "m", 0: "", 3: "k", 6: "M", 9: "G"}
