@@ -18,7 +18,8 @@ foreach(level ${SUNDER_LEVELS})
     ${CMAKE_BINARY_DIR}/${level}/coupler/single/sunder-single DESTINATION libexec/sunder/${level})
 endforeach()
 
-install(DIRECTORY coupler/sunder_tools coupler/sunder_lab coupler/sunder_engine coupler/experiments coupler/viewer DESTINATION ${share}/coupler
+install(DIRECTORY coupler/sunder_tools coupler/sunder_lab coupler/sunder_engine coupler/experiments coupler/viewer coupler/blender
+  DESTINATION ${share}/coupler
   PATTERN __pycache__ EXCLUDE)
 install(PROGRAMS coupler/sunder DESTINATION ${share}/coupler)
 install(FILES coupler/sunder.py coupler/README.md DESTINATION ${share}/coupler)

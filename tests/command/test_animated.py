@@ -116,7 +116,7 @@ class WholeRuns(OfARun):
         self.assertRegex(said, "--film only")
 
 
-class HandOff(InAFolder):
+class Parting(InAFolder):
     """A plate of two squares turns and flies; the right one parts from it at frame 2 and is a body from frame 3 on."""
     SPIN, SPEED, STEP, THICK = 30.0, np.array([1.0, 0.5, -2.0]), 1e-3, 0.01
 
@@ -165,6 +165,8 @@ class HandOff(InAFolder):
         write_vtp(self.folder / f"frames/bodies_{k}.vtp", points, faces, floats="f8",
                   cell_data={"body": np.full(len(faces), 2.0), "kind": np.ones(len(faces))})
 
+
+class HandOff(Parting):
     def test_a_piece_has_one_node_from_crack_to_flight(self) -> None:
         self.assertEqual(sorted(n for n in self.film.names if "_shape_" not in n), ["pane", "pane_piece_1", "pane_piece_2"])
         self.assertEqual(self.film.seen("pane_piece_2", 1.99), {})

@@ -20,17 +20,16 @@ from ..errors import DONE
 from ..report.scene_text import Words, scene_words
 from .between import film_frames
 from .frames import FROZEN, SHARD
-from .glb import INDICES, VERTICES, Glb, slot_name, upright
+from .glb import INDICES, VERTICES, Glb, upright
 from .look import origins
+from .materials import STEEL, material_of_shards, material_of_shell, name_and_material_of_body, slot_name
 from .mesh import Mesh, mesh_of
 from .meshes import weld
-from .palette import GLASS, PARTS
 from .render import put_in_place, frames_of, pick, telling
 from .thick import corner_normals
 
 FORMATS = ("ply", "gltf")
 TIMES = "frame_times.csv"
-STEEL = (0.58, 0.60, 0.63)
 
 
 def ply_bytes(mesh: Mesh, time_s: float) -> bytes:
@@ -48,29 +47,6 @@ def ply_bytes(mesh: Mesh, time_s: float) -> bytes:
              "property list uchar int vertex_indices", "property int fragment", "property float damage", "property int part",
              "property int body", "property int kind", "property int side", "end_header"]
     return ("\n".join(lines) + "\n").encode("ascii") + vertex.tobytes() + face.tobytes()
-
-
-def material_of_shell(part: int, words: Words) -> tuple[str, tuple[float, ...]]:
-    """Name and colour of a shell's material; of a shell that the scene does not tell about, a material of its own."""
-    if part >= len(words.materials):
-        return f"shell_{part}", tuple(PARTS[part % len(PARTS)])
-    name = words.materials[part]
-    return name, (*GLASS, 0.5) if words.glass[part] else tuple(PARTS[words.materials.index(name) % len(PARTS)])
-
-
-def material_of_shards(part: int, words: Words) -> tuple[str, tuple[float, ...]]:
-    """The same for shards of a shell; -1 where that is not known: it may be the only material that breaks."""
-    if part >= 0:
-        return material_of_shell(part, words)
-    if len({m for m, breaks in zip(words.materials, words.breaks) if breaks}) == 1:
-        return material_of_shell(words.breaks.index(True), words)
-    return "shards", tuple(PARTS[0])
-
-
-def name_and_material_of_body(number: int, words: Words) -> tuple[str, str]:
-    """Names of a body of the scene, by its number."""
-    known = 0 < number <= len(words.bodies)
-    return (words.bodies[number - 1], words.body_materials[number - 1] or "body") if known else (f"body_{number}", "body")
 
 
 def _add(out: Glb, name: str, mesh: Mesh, normals: np.ndarray, which: np.ndarray, of: str, colour: tuple[float, ...]) -> None:

@@ -7,8 +7,7 @@ from typing import Iterator
 import numpy as np
 
 from ..report.scene_text import Words
-from .export import material_of_shell
-from .glb import slot_name
+from .materials import material_of_shell, slot_name
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, border, vertex_normals
 
 Colour = tuple[float, ...]

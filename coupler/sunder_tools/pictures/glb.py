@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from .thick import OTHER, SIDE_NAMES
-
 VERTICES, INDICES = 34962, 34963  # targets of buffer views
 Y_UP = ([0, 2, 1], np.array([1.0, 1.0, -1.0]))  # x, y, z to x, z, -y: the format has y up
 
@@ -16,11 +14,6 @@ Y_UP = ([0, 2, 1], np.array([1.0, 1.0, -1.0]))  # x, y, z to x, z, -y: the forma
 def upright(points: np.ndarray) -> np.ndarray:
     """Turns vectors (..., 3) with z up into single-precision ones with y up."""
     return (points[..., Y_UP[0]] * Y_UP[1]).astype("<f4")
-
-
-def slot_name(material: str, side: int) -> str:
-    """The name of a material's slot: of the sides of a sheet each has its own."""
-    return material if side == OTHER else f"{material}_{SIDE_NAMES[side]}"
 
 
 class Glb:

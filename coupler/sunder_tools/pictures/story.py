@@ -13,10 +13,9 @@ import numpy as np
 
 from ..report.scene_text import Words
 from .between import RIGID, centre_of_sheet, ends
-from .export import STEEL, material_of_shards, name_and_material_of_body
 from .faces import Slot, faces, over_faces, slots_of
 from .frames import BODIES, FROZEN, SHARD, SHELL, SOFT, Frame
-from .glb import slot_name
+from .materials import STEEL, material_of_shards, name_and_material_of_body, slot_name
 from .mesh import part_of_points, thickness_of_points
 from .meshes import reference_points, weld
 from .motion import by_body

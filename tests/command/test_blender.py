@@ -1,0 +1,121 @@
+"""The Blender add-on, headless in Debian's Blender; skipped where there is none."""
+from __future__ import annotations
+
+import json
+import re
+import shutil
+import subprocess
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from sunder_tools.pictures.animated import animated_glb
+from sunder_tools.pictures.story import story_of
+
+from . import REPOSITORY
+from .synthetic import write_vtp
+from .test_animated import SCENE, Parting
+
+ADDON = REPOSITORY / "coupler" / "blender"
+# What Blender has made, as numbers: {frame: {object: centre, or corners of its visible meshes}}.
+SCRIPT = """
+import json, sys
+sys.dont_write_bytecode = True
+sys.path.insert(0, {addon!r})
+import bpy
+import sunder_run
+sunder_run.register()
+for thing in list(bpy.data.objects):
+    bpy.data.objects.remove(thing)
+assert bpy.ops.import_scene.sunder_run(directory={folder!r}) == {{"FINISHED"}}
+scene, told = bpy.context.scene, {{}}
+for frame in range(scene.frame_start, scene.frame_end + 1):
+    scene.frame_set(frame)
+    depsgraph, told[frame] = bpy.context.evaluated_depsgraph_get(), {{}}
+    for thing in bpy.data.objects:
+        if thing.type == "EMPTY":
+            told[frame][thing.name] = {{"centre": list(thing.matrix_world.translation), "seen": {{}}}}
+    for thing in bpy.data.objects:
+        if thing.type != "MESH" or thing.hide_render or thing.parent is None:
+            continue
+        mesh = thing.evaluated_get(depsgraph).to_mesh()
+        at = [list(thing.matrix_world @ v.co) for v in mesh.vertices]
+        seen = told[frame][thing.parent.name]["seen"]
+        for polygon in mesh.polygons:
+            seen.setdefault(mesh.materials[polygon.material_index].name, []).append([at[v] for v in polygon.vertices])
+cracks = bpy.data.objects["pane_cracks"].data
+one = bpy.data.objects["pane_piece_1_shape_0"]
+rest = one.data.attributes["rest_position"].data
+glass = bpy.data.materials["glass_outside"].node_tree.nodes["Principled BSDF"].inputs
+words = [w for w in ("Transmission", "Transmission Weight") if w in glass]
+before = len(bpy.data.objects)
+bpy.ops.import_scene.gltf(filepath={gltf!r})  # numpy's fault is mended: Blender's own importer works too
+told["more"] = {{
+    "fps": scene.render.fps, "keys": [k.name for k in one.data.shape_keys.key_blocks], "gltf": len(bpy.data.objects) - before,
+    "collections": sorted(c.name for c in bpy.data.collections if c.name in ("pane", {name!r})),
+    "rest": [min(v.vector[2] for v in rest), max(v.vector[2] for v in rest)],
+    "damage": [v.value for v in one.data.attributes["damage"].data][:1],
+    "born": [v.value for v in cracks.attributes["born"].data], "transmission": glass[words[0]].default_value}}
+told["refused"] = ""
+try:
+    bpy.ops.import_scene.sunder_run(directory={addon!r})
+except RuntimeError as error:
+    told["refused"] = str(error)
+open({out!r}, "w").write(json.dumps(told))
+"""
+
+
+@unittest.skipUnless(shutil.which("blender"), "Blender is not installed; apt-get install --no-install-recommends blender")
+class Blender(Parting):
+    def setUp(self) -> None:
+        super().setUp()
+        (self.folder / "scene.textproto").write_text(SCENE)
+        (self.folder / "command.json").write_text(json.dumps({"scene": str(self.folder / "scene.textproto"), "settings": []}))
+        write_vtp(self.folder / "frames/cracks.vtp", [[1, 0, 0], [1, 1, 0]], segments=[[0, 1]], floats="f8", cell_data={
+            "crack": np.zeros(1), "time": np.array([1.5 * self.STEP]), "shell": np.zeros(1)})
+        listed = (self.folder / "frames.pvd").read_text()
+        (self.folder / "frames.pvd").write_text(listed.replace("</Collection>", (
+            f'<DataSet timestep="{5 * self.STEP!r}" part="1" file="frames/cracks.vtp"/></Collection>')))
+        self.gltf = self.folder / "run.glb"
+        self.gltf.write_bytes(animated_glb(story_of(self.frames, self.words, {}), np.arange(6.0) / 24.0, {}))
+
+    def test_a_run_folder_is_imported(self) -> None:
+        script, out = self.folder / "script.py", self.folder / "told.json"
+        script.write_text(SCRIPT.format(addon=str(ADDON), folder=str(self.folder), gltf=str(self.gltf), out=str(out),
+                                        name=self.folder.name))
+        done = subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "3", "--python", str(script)],
+                              cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-2000:])
+        told = json.loads(out.read_text())
+        more, refused = told.pop("more"), told.pop("refused")
+        self.assertEqual(sorted(map(int, told)), list(range(6)))
+        for frame, things in told.items():
+            self.assertEqual(set(things), {"pane_piece_1", "pane_piece_2"})
+            for name, thing in things.items():
+                wanted = self.film.seen(name, float(frame))
+                self.assertEqual(set(thing["seen"]), set(wanted), f"{name} in frame {frame}")
+                for material, corners in wanted.items():
+                    np.testing.assert_allclose(thing["seen"][material], corners, atol=2e-6)
+                if wanted:
+                    np.testing.assert_allclose(thing["centre"], self.film.centre(name, float(frame)), atol=2e-6)
+        self.assertEqual((more["fps"], more["keys"]), (24, ["Basis", "step_1", "step_2"]))
+        self.assertEqual(more["collections"], sorted(["pane", self.folder.name]))
+        np.testing.assert_allclose(more["rest"], [-0.5 * self.THICK, 0.5 * self.THICK], atol=1e-9)
+        np.testing.assert_allclose(more["born"], [1.5], atol=1e-6)
+        self.assertEqual((more["transmission"], more["damage"]), (1.0, [0.0]))
+        self.assertGreater(more["gltf"], 3)
+        self.assertRegex(refused, "frames.pvd")
+
+
+class Source(unittest.TestCase):
+    def test_it_is_an_add_on(self) -> None:
+        """What Blender reads without running the file."""
+        text = Path(ADDON / "sunder_run.py").read_text()
+        self.assertTrue(re.search(r"^bl_info = \{", text, re.MULTILINE))
+        for needed in ("def register() -> None", "def unregister() -> None"):
+            self.assertIn(needed, text)
+
+
+if __name__ == "__main__":
+    unittest.main()
