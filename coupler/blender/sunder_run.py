@@ -50,7 +50,7 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
     from sunder_tools.pictures.story import story_of
     from sunder_tools.report.scene_text import scene_words
     run = Path(folder)
-    frames, times, _ = film_frames(list_frames(run), fps, speed or None, to_the_end=True)
+    frames, times = film_frames(list_frames(run), fps, speed or None, to_the_end=True)
     words = scene_words(run)
     things = story_of(frames, words, origins(run, words), middle)
     scene = bpy.context.scene

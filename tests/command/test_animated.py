@@ -44,10 +44,10 @@ class WholeRuns(OfARun):
         film, frames = self.whole(), list_frames(self.folder)
         tops = [name for name in film.names if "_shape_" not in name]
         extras = film.json["extras"]
-        self.assertAlmostEqual(extras["speed"] * film.times[-1], frames[-1].time_s, places=6)
-        for k, frame in enumerate(frames):
-            time = frame.time_s / extras["speed"]
-            time = float(film.times[np.abs(film.times - time).argmin()])
+        self.assertEqual(extras, {"fps": 24.0, "speed": None, "times_s": [frame.time_s for frame in frames]})
+        for k in range(len(frames)):
+            time = float(film.times[k])
+            self.assertAlmostEqual(time, k / 24.0, places=6)
             shown = np.concatenate([c for name in tops for c in film.seen(name, time).values()])
             mesh = mesh_of(frames, k)
             wanted = mesh.points[mesh.triangles]
@@ -60,7 +60,7 @@ class WholeRuns(OfARun):
         self.assertEqual(status, 0, said)
         stage, frames = Usda((self.folder / "run.usda").read_text()), list_frames(self.folder)
         tops = [path for path, prim in stage.prims.items() if prim.kind == "Xform" and "xformOp:translate" in prim.types]
-        film, times, _ = film_frames(frames, 4.0, 1.0, to_the_end=True)
+        film, times = film_frames(frames, 4.0, 1.0, to_the_end=True)
         self.assertAlmostEqual(stage.meta["endTimeCode"], times[-1] * 4.0, places=6)
         for k in (0, 1, len(film) - 1):
             shown = np.concatenate([c for path in tops for c in stage.seen(path, float(f"{4 * times[k]:.9g}")).values()])
@@ -82,7 +82,7 @@ class WholeRuns(OfARun):
         self.assertEqual(len(film.times), int(frames[-1].time_s * 60) + 2)
         fall = frames[3].time_s, frames[4].time_s
         middle = 0.5 * (fall[0] + fall[1])
-        between, _, _ = film_frames(frames[3:5], 1.0, middle - fall[0])
+        between, _ = film_frames(frames[3:5], 1.0, middle - fall[0])
         bodies = between[1].read(BODIES)
         assert bodies is not None
         here = [centre_of(f.read(BODIES).points[:len(ball(1.0)[0])], ball(1.0)[1]) for f in (frames[3], between[1], frames[4])]

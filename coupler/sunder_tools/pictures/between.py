@@ -212,20 +212,19 @@ def resampled(frames: list[Frame], fps: float, speed: float) -> list[Frame]:
 
 
 def film_frames(frames: list[Frame], fps: float | None, speed: float | None,
-                to_the_end: bool = False) -> tuple[list[Frame], np.ndarray, float]:
-    """Returns frames, their times in a film [s] that begins at 0, and how fast time runs in it. Raises CommandError.
+                to_the_end: bool = False) -> tuple[list[Frame], np.ndarray]:
+    """Returns frames, and their times in a film [s] that begins at 0. Raises CommandError.
 
-    Without `speed` the frames are those of the run, and follow one another at `fps` on average. `to_the_end`: the last
+    Without `speed` the frames are those of the run, each a picture, whatever time lies between them. `to_the_end`: the last
     frame of the run is there too where no picture is of its time.
     """
-    rate, first, length = fps or FPS, frames[0].time_s, frames[-1].time_s - frames[0].time_s
+    rate = fps or FPS
     if speed is None:
-        speed = rate * length / (len(frames) - 1) if len(frames) > 1 and length > 0.0 else 1.0
-    else:
-        try:
-            last = frames[-1]
-            frames = resampled(frames, rate, speed)
-            frames += [last] if to_the_end and frames[-1].time_s < last.time_s else []
-        except ValueError as error:
-            raise CommandError(f"--speed {speed:g} with --fps {rate:g} gives {error}; take a higher --speed", BAD_INPUT) from None
-    return frames, (np.array([frame.time_s for frame in frames]) - first) / speed, speed
+        return frames, np.arange(len(frames)) / rate
+    first, last = frames[0].time_s, frames[-1]
+    try:
+        frames = resampled(frames, rate, speed)
+    except ValueError as error:
+        raise CommandError(f"--speed {speed:g} with --fps {rate:g} gives {error}; take a higher --speed", BAD_INPUT) from None
+    frames += [last] if to_the_end and frames[-1].time_s < last.time_s else []
+    return frames, (np.array([frame.time_s for frame in frames]) - first) / speed

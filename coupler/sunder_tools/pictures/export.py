@@ -98,7 +98,7 @@ def export(folder: Path, kind: str, out: Path | None, spec: str | None, fps: flo
     frames = frames_of(folder, "export")
     numbers = pick(spec or "all", len(frames))
     if speed is not None:
-        frames, _, _ = film_frames([frames[k] for k in numbers], fps, speed)
+        frames, _ = film_frames([frames[k] for k in numbers], fps, speed)
         numbers = list(range(len(frames)))
     target = out if out is not None else folder / "export"
     words = scene_words(folder)

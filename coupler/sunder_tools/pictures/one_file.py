@@ -23,7 +23,7 @@ def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: flo
     frames = frames_of(folder, "export")
     if spec is not None:
         frames = [frames[k] for k in pick(spec, len(frames))]
-    frames, times, speed = film_frames(frames, fps, speed, to_the_end=True)
+    frames, times = film_frames(frames, fps, speed, to_the_end=True)
     words = scene_words(folder)
     with telling(target):
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -33,7 +33,7 @@ def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: flo
             put_in_place(target, lambda path: path.write_text(text, encoding="ascii"))
             print(target)
             return DONE
-        extras = {"fps": fps or FPS, "speed": speed, "first_time_s": frames[0].time_s, "last_time_s": frames[-1].time_s}
+        extras = {"fps": fps or FPS, "speed": speed, "times_s": [frame.time_s for frame in frames]}
         content = animated_glb(things, times, extras)
         put_in_place(target, lambda path: path.write_bytes(content))
     print(target)

@@ -120,7 +120,7 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
         chosen = choose_frames(frames, STILLS)
         numbers = [k for k, frame in enumerate(frames) if frame in chosen]
     if film and speed is not None:
-        frames, _, _ = film_frames([frames[k] for k in numbers], rate, speed)
+        frames, _ = film_frames([frames[k] for k in numbers], rate, speed)
         numbers, rate = list(range(len(frames))), rate or FPS
     if film:
         target = _film_file(out if out is not None else folder / "film.mp4", given=out is not None, size=shot.size)

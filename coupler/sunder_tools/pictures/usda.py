@@ -79,12 +79,13 @@ class _Text:
         self.add("}")
 
 
-def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float) -> str:
+def usda_text(things: list[Thing], times: np.ndarray, fps: float, speed: float | None) -> str:
     """Writes a stage. `times` (n,) [s] of the film are those of all frames; a time code is a picture."""
     codes = times * fps
     out = _Text()
+    told = "a picture is a frame of the run" if speed is None else f"time runs {_number(speed)} times as fast as in the run"
     out.lines += ["#usda 1.0", "(", TAB + 'defaultPrim = "run"',
-                  TAB + f'doc = "sunder export; time runs {_number(speed)} times as fast as in the run"', TAB + "metersPerUnit = 1",
+                  TAB + f'doc = "sunder export; {told}"', TAB + "metersPerUnit = 1",
                   TAB + 'upAxis = "Z"', TAB + "startTimeCode = 0", TAB + f"endTimeCode = {_number(codes[-1])}",
                   TAB + f"framesPerSecond = {_number(fps)}", TAB + f"timeCodesPerSecond = {_number(fps)}", ")", ""]
     out.open("Xform", "run")
