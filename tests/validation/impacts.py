@@ -30,6 +30,7 @@ SIDE = 0.06       # [m] of the plate of scenes/acrylic.textproto
 ROUND = 0.03      # [m] of that of scenes/round_pane.textproto
 ELEMENTS = 80
 SEEDS = 8
+TURNS = (0, 15, 30, 45)  # [degrees]
 COUNTED_AT = 4e-3  # [m]: radial cracks are counted four thicknesses from the impact
 LEAST_CHANCE = 0.01
 FEWEST_RADIALS = 3.0  # mean in a round pane; of fewer, neither number nor directions mean much
@@ -85,7 +86,7 @@ def round_pane(table: Table, executables: Executables) -> None:
     names = ("harmonic", "harmonic_in_the_room", "length", "radials")
     groups: dict[str, list[list[complex]]] = {name: [] for name in names}
     seconds, rows, residuals = 0.0, [], []
-    for degrees in (0, 15, 30, 45):
+    for degrees in TURNS:
         half = 0.5 * math.radians(degrees)
         found: dict[str, list[complex]] = {name: [] for name in groups}
         rows.append([])
@@ -123,7 +124,7 @@ def round_pane(table: Table, executables: Executables) -> None:
     table.lines.append(f"round_pane: mean harmonic of all {len(every)} runs {every.mean():.3f}; of one run some "
                        f"{np.abs(every).mean():.2f}, as few arms have")
     if table.pictures is not None:
-        draw_cracks(table.pictures / "round_pane.png", rows, (ROUND, ROUND))
+        draw_cracks(table.pictures / "round_pane.png", rows, (ROUND, ROUND), names=[f"turned by {d}°" for d in TURNS])
 
 
 def impact_speed(table: Table, executables: Executables) -> None:
@@ -170,7 +171,7 @@ def impact_speed(table: Table, executables: Executables) -> None:
     table.curves.append({"name": "square root", "x": [float(s) for s in SPEEDS],
                          "y": [4.0 * 2.0 ** 0.5 * (s * s / (22.0 * 57.0)) ** 0.25 for s in SPEEDS], **axes})
     if table.pictures is not None:
-        draw_cracks(table.pictures / "impact_speed.png", rows, (SIDE, SIDE))
+        draw_cracks(table.pictures / "impact_speed.png", rows, (SIDE, SIDE), names=[f"{speed} m/s" for speed in SPEEDS])
 
 
 def _add_convergence(table: Table, name: str, of: list[list[float]], part: float, seconds: float) -> list[float]:
