@@ -17,6 +17,7 @@ from . import REPOSITORY
 from .synthetic import write_vtp
 from .test_animated import SCENE, Parting
 
+READ = ("pictures.between", "pictures.frames", "pictures.look", "pictures.story", "report.scene_text")
 ADDON = REPOSITORY / "coupler" / "blender"
 # What Blender has made, as numbers: {frame: {object: centre, or corners of its visible meshes}}.
 SCRIPT = """
@@ -115,6 +116,15 @@ class Source(unittest.TestCase):
         self.assertTrue(re.search(r"^bl_info = \{", text, re.MULTILINE))
         for needed in ("def register() -> None", "def unregister() -> None"):
             self.assertIn(needed, text)
+
+    def test_its_reader_needs_numpy_only(self) -> None:
+        """Blender's own Python has no PIL, protobuf or matplotlib."""
+        script = ("import sys; sys.path.insert(0, 'coupler'); sys.modules.update(dict.fromkeys(('PIL', 'google', 'matplotlib')));"
+                  + ";".join(f"import sunder_tools.{m}" for m in READ))
+        done = subprocess.run(["/usr/bin/python3", "-B", "-c", script], cwd=REPOSITORY, capture_output=True, text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        text = Path(ADDON / "sunder_run.py").read_text()
+        self.assertEqual(set(re.findall(r"from sunder_tools\.(\S+) import", text)), set(READ))
 
 
 if __name__ == "__main__":
