@@ -1,9 +1,13 @@
 """Reading frames and drawing them."""
 from __future__ import annotations
 
+import contextlib
+import io
+import os
 import tempfile
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from PIL import Image
@@ -12,8 +16,9 @@ from sunder_tools.pictures.contact_sheet import SHEET, time_text, write_contact_
 from sunder_tools.pictures.crack_lines import Graph
 from sunder_tools.pictures.frames import choose_frames, list_frames
 from sunder_tools.pictures.raster import orthographic_camera, perspective_camera, rasterise
-from sunder_tools.pictures.vtp import VtpError, read_vtp
 from sunder_tools.pictures.plots import there
+from sunder_tools.pictures.vtp import VtpError, read_vtp
+from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.validation.crack_pictures import _length_of_bar, draw_cracks, figure_of
 
 from .synthetic import SyntheticRun, write_vtp
@@ -46,6 +51,15 @@ class CrackLines(InAFolder):
         with Image.open(self.folder / "lines.png") as image:
             self.assertGreater(image.width, 160)
         self.assertEqual([_length_of_bar(x) for x in (1.0, 0.03, 0.019, 0.07)], [1.0, 0.02, 0.01, 0.05])
+
+
+    def test_without_matplotlib_it_is_said_and_all_else_goes_on(self) -> None:
+        said = io.StringIO()
+        with mock.patch("sunder_tools.pictures.plots.there", return_value=False), contextlib.redirect_stderr(said), \
+                mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder)}):
+            draw_cracks(self.folder / "lines.png", [[None]], (2.0, 1.0))
+        self.assertIn("lines.png is not drawn: there is no matplotlib", said.getvalue())
+        self.assertEqual(list(self.folder.iterdir()), [])
 
 
 class VtpReader(InAFolder):

@@ -1,12 +1,14 @@
 """Pictures of crack lines, in the parameters of their shell."""
 from __future__ import annotations
 
+import sys
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from sunder_tools.errors import CommandError
 from sunder_tools.pictures.crack_lines import Graph, grown
 from sunder_tools.pictures.plots import DOTS_PER_INCH, INK, NAME_SIZE, need_matplotlib
 from sunder_tools.pictures.units import scale
@@ -19,8 +21,14 @@ BAR = (1.0, 2.0, 5.0)  # lengths of a scale bar, times a power of ten
 
 def draw_cracks(path: Path, rows: Sequence[Sequence[Graph | None]], extent: tuple[float, float], size: int = 200,
                 names: Sequence[str] = ()) -> None:
-    """Writes the picture that `figure_of` makes. Raises CommandError where there is no matplotlib, OSError."""
-    figure_of(rows, extent, size, names).savefig(path, metadata={"Software": None})
+    """Writes the picture that `figure_of` makes; says so where there is no matplotlib, since results count more. Raises
+    OSError."""
+    try:
+        figure = figure_of(rows, extent, size, names)
+    except CommandError as error:
+        print(f"sunder: {path.name} is not drawn: {error}", file=sys.stderr, flush=True)
+        return
+    figure.savefig(path, metadata={"Software": None})
     print(f"picture          {path}", flush=True)
 
 

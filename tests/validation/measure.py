@@ -51,8 +51,6 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
         return _engines(case, report, rigid)
     if pictures is not None:
         _make_folder(pictures)
-        if what == "cracks":
-            _need_matplotlib("--pictures")
     started = time.time()
     gaps = read_known(KNOWN / f"{what}.txt")
     runs = EXPERIMENTS.get(what, ())
@@ -145,19 +143,14 @@ def _can_write(path: Path) -> None:
 
 
 def _can_plot(path: Path) -> None:
-    from sunder_tools.pictures.plots import ENDINGS
+    from sunder_tools.pictures.plots import ENDINGS, need_matplotlib
     if path.suffix not in ENDINGS:
         raise CommandError(f"--plots: cannot write {path}: '{path.suffix}' is none of {', '.join(ENDINGS)}", BAD_INPUT)
     _can_write(path)
-    _need_matplotlib("--plots")
-
-
-def _need_matplotlib(option: str) -> None:
-    from sunder_tools.pictures.plots import need_matplotlib
     try:
         need_matplotlib()
     except CommandError as error:
-        raise CommandError(f"{option}: {error}", BAD_INPUT) from None
+        raise CommandError(f"--plots: {error}", BAD_INPUT) from None
 
 
 def _make_folder(path: Path) -> None:
