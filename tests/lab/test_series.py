@@ -169,9 +169,12 @@ def _read(path: Path) -> bytes:
         return b""
 
 
+FIRST_LOOK = REPOSITORY / "coupler" / "experiments" / "first_look.py"  # one run, cell by cell: tests/command/test_python.py
+
+
 class Shipped(unittest.TestCase):
     def test_every_experiment_can_be_planned_and_has_its_picture(self) -> None:
-        files = sorted((REPOSITORY / "coupler" / "experiments").glob("*.py"))
+        files = sorted(set((REPOSITORY / "coupler" / "experiments").glob("*.py")) - {FIRST_LOOK})
         self.assertEqual(len(files), 4)
         for file in files:
             for series in series_of(file):
