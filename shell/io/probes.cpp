@@ -11,19 +11,27 @@ Vec3 displacement(const ShellModel& m, const ShellState& s, const Vec2& at) {
   return u;
 }
 
+Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity, const Constraints::Part& part) {
+  Vec3 sum = Vec3::Zero();
+  for (int d = 0; d < 3; ++d)
+    for (const int slot : part.slots[d])
+      // A dependent control point at a seam has no mass; its force counts at those it depends on.
+      if (!s.motion.detached[slot] && s.motion.mass[slot] > 0.0)
+        sum[d] -= s.motion.force[d * m.tables.plane + slot] + s.motion.mass[slot] * gravity[d];
+  return sum;
+}
+
 Vec3 reaction(const ShellModel& m, const ShellState& s, const Vec3& gravity) {
   Vec3 sum = Vec3::Zero();
-  const std::size_t plane = m.tables.plane;
-  const auto add = [&](int d, int slot) {
-    // A dependent control point at a seam has no mass; its force counts at those it depends on.
-    if (!s.motion.detached[slot] && s.motion.mass[slot] > 0.0)
-      sum[d] -= s.motion.force[d * plane + slot] + s.motion.mass[slot] * gravity[d];
-  };
-  for (int d = 0; d < 3; ++d) {
-    for (const int slot : m.constraints.held[d]) add(d, slot);
-    for (const auto& driven : m.constraints.driven)
-      for (const int slot : driven.slots[d]) add(d, slot);
-  }
+  for (const Constraints::Part& part : m.constraints.parts) sum += reaction(m, s, gravity, part);
+  return sum;
+}
+
+Vec3 support_impulse(const ShellState& s, const Constraints::Part& part) {
+  Vec3 sum = Vec3::Zero();
+  const std::size_t plane = s.motion.support_impulse.size() / 3;
+  for (int d = 0; d < 3 && plane > 0; ++d)
+    for (const int slot : part.slots[d]) sum[d] += s.motion.support_impulse[d * plane + slot];
   return sum;
 }
 
@@ -50,18 +58,25 @@ std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s)
   return {rest, now};
 }
 
-std::string probe_header(const std::vector<Probe>& probes) {
+std::string probe_header(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models) {
   std::string out = "time [s]";
   for (const Probe& p : probes) {
     out += fmt::format(",{0}_x [m],{0}_y [m],{0}_z [m]", p.name);
     if (p.body >= 0) out += fmt::format(",{0}_vx [m/s],{0}_vy [m/s],{0}_vz [m/s]", p.name);
   }
-  return out + ",reaction_x [N],reaction_y [N],reaction_z [N]\n";
+  out += ",reaction_x [N],reaction_y [N],reaction_z [N]";
+  for (const ShellModel* m : models)
+    for (const Constraints::Part& part : m->constraints.parts) {
+      const std::string name = m->name + "_" + part.name;
+      out += fmt::format(",{0}_x [N],{0}_y [N],{0}_z [N]", name);
+      out += fmt::format(",{0}_impulse_x [N s],{0}_impulse_y [N s],{0}_impulse_z [N s]", name);
+    }
+  return out + "\n";
 }
 
-std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellView>& shells,
-                      const std::vector<BodyMotion>& bodies, const std::vector<BodyMotion>& soft, double time,
-                      const Vec3& gravity) {
+std::string probe_row(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models,
+                      const std::vector<ShellView>& shells, const std::vector<BodyMotion>& bodies,
+                      const std::vector<BodyMotion>& soft, double time, const Vec3& gravity) {
   std::string out = fmt::format("{:.9g}", time);
   const auto three = [&](const Vec3& v) { out += fmt::format(",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z()); };
   for (const Probe& p : probes) {
@@ -80,6 +95,15 @@ std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellV
     three(sum);
   else
     out += ",,,";
+  for (std::size_t k = 0; k < models.size(); ++k)
+    for (const Constraints::Part& part : models[k]->constraints.parts) {
+      if (shells.empty()) {
+        out += ",,,,,,";
+        continue;
+      }
+      three(reaction(*models[k], *shells[k].state, gravity, part));
+      three(support_impulse(*shells[k].state, part));
+    }
   return out + "\n";
 }
 

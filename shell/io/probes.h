@@ -17,27 +17,31 @@ struct Probe {
   bool soft = false;       // the body is soft
 };
 
-/// Returns the first line of probes.csv: time, displacement of each point, motion of each body, reaction of all
-/// supports.
-std::string probe_header(const std::vector<Probe>& probes);
 /// Model and present state of a shell.
 struct ShellView {
   const ShellModel* model;
   const ShellState* state;
 };
 
-/// Returns a row of probes.csv. `shells` are all shells of the scene, or empty: then their columns stay empty. The
+/// Returns the first line of probes.csv: time, displacement of each point, motion of each body, reaction of all
+/// supports, reaction and impulse of each part of a support. `models` are all shells of the scene.
+std::string probe_header(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models);
+/// Returns a row of probes.csv. `shells` are all shells of the scene, or empty: then their columns stay empty. A
 /// reaction [N] is the force of supports on the shell at the state's forces: minus the sum over held or driven control
-/// points, along each axis.
-std::string probe_row(const std::vector<Probe>& probes, const std::vector<ShellView>& shells,
-                      const std::vector<BodyMotion>& bodies, const std::vector<BodyMotion>& soft, double time,
-                      const Vec3& gravity);
+/// points, along each axis. An impulse [N s] is what the part has given to the shell since the last row.
+std::string probe_row(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models,
+                      const std::vector<ShellView>& shells, const std::vector<BodyMotion>& bodies,
+                      const std::vector<BodyMotion>& soft, double time, const Vec3& gravity);
 
 /// Displacement [m] of a material point, with the functions of the uncut patch.
 Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);
 /// Area of the mid-surface [m^2] at rest and now, over Gauss points that bear stress and are not handed off.
 std::pair<double, double> surface_area(const ShellModel& model, const ShellState& state);
+/// Force of one part of a support on the shell [N].
+Vec3 reaction(const ShellModel& model, const ShellState& state, const Vec3& gravity, const Constraints::Part& part);
 /// Force of all supports on the shell [N].
 Vec3 reaction(const ShellModel& model, const ShellState& state, const Vec3& gravity);
+/// Impulse that one part of a support has given to the shell since state.motion.support_impulse was zero [N s].
+Vec3 support_impulse(const ShellState& state, const Constraints::Part& part);
 
 }  // namespace sunder::shell

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kProgressInterval = 0.5;  // [s]
 
+void set_zero(std::vector<double>& values) { std::fill(values.begin(), values.end(), 0.0); }
+
 }  // namespace
 
 Recorder::Recorder(RunParts parts, FrameWriter& frames, std::string out, std::string scene_hash, std::string trace,
@@ -28,7 +30,7 @@ void Recorder::begin() {
       "time [s],kinetic [J],elastic [J],fracture [J],injected [J],contact [J],damping [J],handoff [J],frozen [J],"
       "engine [J],residual [-],cracks [m],fragments [-],handed_off [-],plastic [J],healing [J],transfer [J],"
       "external [J],face_friction [J],face_crushing [J]\n";
-  if (!parts_.setup.probes.empty()) probes_ = probe_header(parts_.setup.probes);
+  if (!parts_.setup.probes.empty()) probes_ = probe_header(parts_.setup.probes, parts_.setup.models());
 }
 
 std::vector<ShellView> Recorder::shell_views() const {
@@ -70,7 +72,10 @@ void Recorder::write_probes() {
   if (!parts_.simulation.state.solving() && !bodies) return;
   std::vector<BodyMotion> motions;
   for (const Proxy& p : parts_.simulation.state.bodies) motions.push_back(p.body.motion);
-  probes_ += probe_row(setup.probes, shell_views(), motions, parts_.simulation.soft_motions(), time, setup.gravity);
+  probes_ += probe_row(setup.probes, setup.models(), shell_views(), motions, parts_.simulation.soft_motions(), time,
+                       setup.gravity);
+  for (ShellPart& part : parts_.simulation.state.shells)
+    if (part.state) set_zero(part.state->motion.support_impulse);
   next_probe_ = std::max(next_probe_ + setup.probe_interval, time + 0.5 * setup.probe_interval);
 }
 

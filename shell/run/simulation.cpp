@@ -95,6 +95,7 @@ void Simulation::start_shells(const std::function<void()>& look) {
     s.cracks.cut_done.assign(setup.fracture.cuts.size(), 0);
     s.layers.brittleness = setup.fracture.damage.brittleness, s.layers.heals = setup.fracture.damage.heals;
     if (setup.transfer.kind != Transfer::kDirect) s.motion.before = s.motion.v;
+    if (!setup_.probes.empty() && !m.constraints.parts.empty()) s.motion.support_impulse.assign(s.motion.v.size(), 0.0);
     if (setup.equilibrium > 0.0) {
       find_equilibrium(part, look);
       s.book = {};  // plastic work on the way to equilibrium does not belong to the run

@@ -215,7 +215,10 @@ void SoftContact::push(const Press& p, const Vec3& j, const std::vector<SoftRef>
     return;
   }
   ShellState& s = *shells[p.against->owner].state;
-  for (const auto& [slot, value] : p.against->functions) s.add_velocity(slot, -value * s.motion.inverse_mass[slot] * j);
+  for (const auto& [slot, value] : p.against->functions) {
+    s.add_velocity(slot, -value * s.motion.inverse_mass[slot] * j);
+    s.pass_to_supports(slot, -value * j);
+  }
 }
 
 int SoftContact::act(const std::vector<SoftRef>& soft, const std::vector<ShellRef>& shells, double dt, double elapsed,

@@ -24,11 +24,14 @@ struct Motion {
   // For velocities that pass through the background grid; otherwise empty. Velocities before kick and contact,
   // velocities after them, velocities that move positions [m/s], and APIC's affine matrix [9][component stride] [1/s].
   std::vector<double> before, kicked, moving, affine;
+  // Impulse of supports on control points since it was last set to zero [N s]; empty: it is not measured.
+  std::vector<double> support_impulse;
 
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
-    f(x, v, force, time, external, last_force, mass, inverse_mass, detached, before, kicked, moving, affine);
+    f(x, v, force, time, external, last_force, mass, inverse_mass, detached, before, kicked, moving, affine,
+      support_impulse);
   }
 };
 
@@ -115,6 +118,13 @@ struct ShellState {
   Vec3 at(const std::vector<double>& a, int slot) const {
     const std::size_t plane = a.size() / 3;
     return {a[slot], a[plane + slot], a[2 * plane + slot]};
+  }
+  /// Books an impulse [N s] on a control point that is held along all axes: its supports bear it.
+  void pass_to_supports(int slot, const Vec3& impulse) {
+    std::vector<double>& sum = motion.support_impulse;
+    if (sum.empty() || motion.inverse_mass[slot] > 0.0) return;
+    const std::size_t plane = sum.size() / 3;
+    sum[slot] -= impulse.x(), sum[plane + slot] -= impulse.y(), sum[2 * plane + slot] -= impulse.z();
   }
   void add_velocity(int slot, const Vec3& dv) {
     const std::size_t plane = motion.v.size() / 3;

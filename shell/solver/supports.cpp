@@ -10,7 +10,14 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kInPlane = 1e-9;  // share of the patch's size
+constexpr double kInPlane = 1e-9;                                            // share of the patch's size
+constexpr const char* kEdgeNames[4] = {"u_min", "u_max", "v_min", "v_max"};  // in the order of kEdges
+constexpr const char* kCornerNames[4] = {"u_min_v_min", "u_max_v_min", "u_min_v_max", "u_max_v_max"};
+
+// A control point, and the number of the part that names it.
+struct Named {
+  int point, part;
+};
 
 }  // namespace
 
@@ -34,11 +41,13 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
   const double size = (high - low).norm();
   const double tolerance = edge_tolerance(p);  // of regions: a border of a box that a scene rounds
   std::array<std::vector<char>, 3> held;
+  std::array<std::vector<int>, 3> holder, mover;  // part that holds or drives a control point; -1: none
   // number of the motion that moves a control point, the last one named; -1: none
   std::array<std::vector<int>, 3> driver;
   std::array<std::vector<int>, 3> root;
   for (int d = 0; d < 3; ++d) {
     held[d].assign(count, 0);
+    holder[d].assign(count, -1), mover[d].assign(count, -1);
     driver[d].assign(count, -1);
     root[d].resize(count);
     std::iota(root[d].begin(), root[d].end(), 0);
@@ -48,10 +57,21 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
     return i;
   };
   Constraints c;
-  for (const Support& s : supports) {
-    std::vector<int> points, slopes;
-    for (const int edge : kEdges) {
+  const auto hold = [&](int d, const Named& n) {
+    held[d][n.point] = 1;
+    if (holder[d][n.point] < 0) holder[d][n.point] = n.part;
+  };
+  for (std::size_t number = 0; number < supports.size(); ++number) {
+    const Support& s = supports[number];
+    const auto new_part = [&](const std::string& name) {
+      c.parts.push_back({"support_" + std::to_string(number) + "_" + name, {}});
+      return static_cast<int>(c.parts.size()) - 1;
+    };
+    std::vector<Named> points, slopes;
+    for (std::size_t e = 0; e < std::size(kEdges); ++e) {
+      const int edge = kEdges[e];
       if (!(s.edges & edge)) continue;
+      const int part = new_part(kEdgeNames[e]);
       const std::vector<int> first = edge_row(p, edge, 0), second = edge_row(p, edge, 1);
       if (s.symmetry >= 0) {
         for (const int i : first)
@@ -59,40 +79,45 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
                   "{}: a symmetry edge must lie in a plane across {}; it runs from {:.6g} to {:.6g} m", name,
                   "xyz"[s.symmetry], p.control_points[first[0]][s.symmetry], p.control_points[i][s.symmetry]);
         for (std::size_t k = 0; k < first.size(); ++k) {
-          held[s.symmetry][first[k]] = 1;
+          hold(s.symmetry, {first[k], part});
           c.anchors.push_back(slot(first[k]));
           for (int d = 0; d < 3; ++d)
             if (d != s.symmetry) root[d][find(d, second[k])] = find(d, first[k]);
         }
         continue;
       }
-      points.insert(points.end(), first.begin(), first.end());
-      if (s.clamped) slopes.insert(slopes.end(), second.begin(), second.end());
+      for (const int i : first) points.push_back({i, part});
+      for (const int i : second)
+        if (s.clamped) slopes.push_back({i, part});
     }
     const int corner[4] = {0, columns - 1, (rows - 1) * columns, count - 1};
     for (int k = 0; k < 4; ++k)
-      if (s.corners & (1 << k)) points.push_back(corner[k]);
-    for (const ParameterBox& box : s.regions) {
+      if (s.corners & (1 << k)) points.push_back({corner[k], new_part(std::string("corner_") + kCornerNames[k])});
+    for (std::size_t r = 0; r < s.regions.size(); ++r) {
+      const ParameterBox& box = s.regions[r];
+      const int part = new_part("region_" + std::to_string(r));
       const std::size_t before = points.size();
       for (int i = 0; i < count; ++i) {
         const Vec2 g = p.greville(i);
         if ((g.array() >= box.low.array() - tolerance).all() && (g.array() <= box.high.array() + tolerance).all())
-          points.push_back(i);
+          points.push_back({i, part});
       }
       require(points.size() > before,
               "{}: no control point lies in u {:.9g} to {:.9g}, v {:.9g} to {:.9g}; parameters run {}", name,
               box.low.x(), box.high.x(), box.low.y(), box.high.y(), parameter_range(p));
     }
-    for (const int i : points) c.anchors.push_back(slot(i));
+    for (const Named& n : points) c.anchors.push_back(slot(n.point));
     points.insert(points.end(), slopes.begin(), slopes.end());
     if (s.motion.empty()) {
-      for (const int i : points)
-        for (int d = 0; d < 3; ++d) held[d][i] |= s.axes[d];
+      for (const Named& n : points)
+        for (int d = 0; d < 3; ++d)
+          if (s.axes[d]) hold(d, n);
       continue;
     }
-    for (const int i : points)
+    for (const Named& n : points)
       for (int d = 0; d < 3; ++d)
-        if (s.axes[d]) driver[d][i] = static_cast<int>(c.driven.size());
+        if (s.axes[d] && driver[d][n.point] != static_cast<int>(c.driven.size()))
+          driver[d][n.point] = static_cast<int>(c.driven.size()), mover[d][n.point] = n.part;
     c.driven.push_back({{}, s.motion});
   }
   for (int d = 0; d < 3; ++d) {
@@ -100,10 +125,12 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
     for (int i = 0; i < count; ++i) groups[find(d, i)].push_back(i);
     for (const auto& [first, members] : groups) {  // one held member holds the group; one driven member drives it
       bool any = false;
-      int by = -1;
+      int by = -1, part_held = -1, part_moved = -1;
       std::vector<int> slots;
       for (const int i : members) {
         any = any || held[d][i];
+        if (part_held < 0) part_held = holder[d][i];
+        if (part_moved < 0) part_moved = mover[d][i];
         if (driver[d][i] >= 0) {
           require(by < 0 || by == driver[d][i], "{}: control points of a symmetry edge move in two ways at once", name);
           by = driver[d][i];
@@ -111,9 +138,11 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
         slots.push_back(slot(i));
       }
       std::vector<int>* list = any ? &c.held[d] : by >= 0 ? &c.driven[by].slots[d] : nullptr;
-      if (list)
+      if (list) {
         list->insert(list->end(), slots.begin(), slots.end());
-      else if (slots.size() > 1)
+        std::vector<int>& own = c.parts[any ? part_held : part_moved].slots[d];
+        own.insert(own.end(), slots.begin(), slots.end());
+      } else if (slots.size() > 1)
         c.tied[d].push_back(slots);
       c.partial = c.partial || (!any && (by >= 0 || slots.size() > 1));
     }

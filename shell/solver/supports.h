@@ -1,6 +1,7 @@
 #pragma once
 // Supports of a shell: control points that do not move along some axes, move as prescribed, or move together.
 #include <array>
+#include <string>
 #include <vector>
 
 #include "shell/geometry/edges.h"
@@ -39,6 +40,13 @@ struct Constraints {
     Vec3 displacement(double time) const;
   };
   std::vector<Driven> driven;
+  /// What one edge, one corner or one region of a support holds or drives. A slot that several hold along an axis is in
+  /// the first of them, in the order of supports, edges, corners and regions.
+  struct Part {
+    std::string name;  // for example support_0_u_min, support_1_corner_u_min_v_max, support_2_region_0
+    std::array<std::vector<int>, 3> slots;
+  };
+  std::vector<Part> parts;
   // slots that hold a piece; the second row of a clamped edge, which holds only the slope, is left out
   std::vector<int> anchors;
   bool partial = false;  // true where some control point is held along some axes only, tied or driven

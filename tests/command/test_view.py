@@ -191,6 +191,17 @@ class Curves(InAFolder):
         self.assertEqual([(p["unit"], p["curves"][0]["name"]) for p in plots], [("N s", "supports x"), ("m/s", "p x")])
         self.assertAlmostEqual(plots[1]["curves"][0]["y"][-1], 3.0)
 
+    def test_impulse_of_supports_is_what_the_solver_has_summed(self) -> None:
+        time = np.linspace(0.0, 1.0, 5)
+        probes = {"time [s]": time, "reaction_x [N]": 0.0 * time + 4.0,
+                  "p_support_0_u_min_x [N]": 0.0 * time + 3.0, "p_support_0_u_max_x [N]": 0.0 * time + 1.0,
+                  "p_support_0_u_min_impulse_x [N s]": np.array([0.0, 1.0, 2.0, 0.0, 0.5]),
+                  "p_support_0_u_max_impulse_x [N s]": np.array([0.0, 0.0, 0.0, 0.0, -1.5])}
+        plot = impulses(probes, Words())[0]
+        curves = {c["name"]: c["y"] for c in plot["curves"]}
+        self.assertEqual(curves["p_support_0_u_min x"], [0.0, 1.0, 3.0, 3.0, 3.5])
+        self.assertEqual(curves["supports x"], [0.0, 1.0, 3.0, 3.0, 2.0])
+
     def test_bodies_move_as_they_do_between_frames(self) -> None:
         run = self.synthetic(9)
         frames = list_frames(self.folder)

@@ -101,7 +101,8 @@ def _plot(title: str, unit: str, columns: dict[str, np.ndarray], names: list[str
 def impulses(probes: dict[str, np.ndarray], words: Words) -> list[dict[str, Any]]:
     """Returns the impulse on each probed body since the start, from all contacts: m (v - v0 - g t) [N s].
 
-    Where its mass is not known, the same per mass [m/s]. Also the impulse that supports gave: their reaction in time.
+    Where its mass is not known, the same per mass [m/s]. Also the impulse that each part of a support gave, and all of
+    them; where there are no such columns, the reaction in time.
     """
     out: dict[str, list[Any]] = {"N s": [], "m/s": []}
     time = probes.get("time [s]", np.zeros(0))
@@ -118,8 +119,16 @@ def impulses(probes: dict[str, np.ndarray], words: Words) -> list[dict[str, Any]
             held[f"{probe} {a}"] = scale * change[:, axis]
             out[unit].append(f"{probe} {a}")
     for a in "xyz":
+        end = f"_impulse_{a} [N s]"
+        parts = {n.removesuffix(end): np.cumsum(values) for n, values in probes.items() if n.endswith(end)}
+        for part, impulse in parts.items():
+            held[f"{part} {a}"] = impulse
+            out["N s"].append(f"{part} {a}")
         force = probes.get(f"reaction_{a} [N]")
-        if force is not None and len(force) > 1:
+        if parts:
+            held[f"supports {a}"] = np.sum(list(parts.values()), axis=0)
+            out["N s"].append(f"supports {a}")
+        elif force is not None and len(force) > 1:
             steps = 0.5 * (force[1:] + force[:-1]) * np.diff(time)
             held[f"supports {a}"] = np.concatenate([[0.0], np.cumsum(steps)])
             out["N s"].append(f"supports {a}")

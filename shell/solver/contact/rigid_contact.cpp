@@ -42,6 +42,7 @@ void apply_impulse(ShellState& s, Proxy& body, const std::vector<GatheredFunctio
                    const Vec3& j) {
   for (const auto& f : functions) {
     s.add_velocity(f.slot, (f.n[0] * s.motion.inverse_mass[f.slot]) * j);
+    s.pass_to_supports(f.slot, f.n[0] * j);
     body.shell_linear += f.n[0] * j;
     const Vec3 arm = s.position(f.slot) - body.body.motion.position;
     body.shell_angular += arm.cross(f.n[0] * j);

@@ -176,6 +176,7 @@ void Stitching::enforce_crease_constraints(const std::vector<ShellRef>& shells, 
       for (const Term& t : b.terms) {
         ShellState& s = *shells[t.shell].state;
         s.add_velocity(t.slot, t.weight * s.motion.inverse_mass[t.slot] * j * line);
+        s.pass_to_supports(t.slot, t.weight * j * line);
       }
     }
   }
@@ -204,8 +205,9 @@ void Stitching::move_impulses(const std::vector<ShellRef>& shells) {
     for (const IndependentPoint& m : t.on) {
       ShellState& s = *shells[m.shell].state;
       const double mobility = s.motion.inverse_mass[m.slot];
-      if (mobility == 0.0) continue;
       const Vec3 j = m.weight * impulse;
+      s.pass_to_supports(m.slot, j);
+      if (mobility == 0.0) continue;
       // The part that is linear in the velocity without impulses is booked.
       own.book.contact -= j.dot(s.velocity(m.slot) - m.before) + 0.5 * mobility * j.squaredNorm();
       s.add_velocity(m.slot, mobility * j);

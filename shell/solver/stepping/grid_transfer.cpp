@@ -5,6 +5,19 @@
 #include "shell/solver/stepping/kick_drift.h"
 
 namespace sunder::shell {
+namespace {
+
+// Books the momentum of held control points as given (`sign` 1) or taken (-1) by their supports.
+void book_held(const ShellModel& m, ShellState& s, double sign) {
+  std::vector<double>& sum = s.motion.support_impulse;
+  if (sum.empty()) return;
+  const std::size_t plane = m.tables.plane;
+  for (std::size_t i = 0; i < plane; ++i)
+    for (int d = 0; d < 3 && m.held[i] && s.motion.inverse_mass[i] == 0.0; ++d)
+      sum[d * plane + i] += sign * s.motion.mass[i] * s.motion.v[d * plane + i];
+}
+
+}  // namespace
 
 void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules, double dt, int threads) {
   if (rules.kind == Transfer::kDirect) return;
@@ -16,16 +29,21 @@ void through_grid(const ShellModel& m, ShellState& s, const TransferRules& rules
     for (std::size_t i = 0; i < plane; ++i)
       for (int d = 0; d < 3 && s.motion.inverse_mass[i] == 0.0 && s.motion.mass[i] > 0.0; ++d)
         s.motion.v[d * plane + i] = dt * s.motion.force[d * plane + i] / s.motion.mass[i];
+  book_held(m, s, 1.0);
   transfer(rules.kind, rules.spacing, plane, s.motion.mass, s.motion.x, s.motion.before, threads, s.scratch.transfer,
            s.motion.v, s.motion.moving, s.motion.affine);
+  book_held(m, s, -1.0);
   for (std::size_t i = 0; i < plane; ++i) {
     if (s.motion.inverse_mass[i] > 0.0) continue;
     for (int d = 0; d < 3; ++d) s.motion.v[d * plane + i] = s.motion.moving[d * plane + i] = 0.0;
     for (int e = 0; e < 9; ++e) s.motion.affine[e * plane + i] = 0.0;
   }
+  std::vector<double> impulse;  // velocities that only move positions have no momentum
+  impulse.swap(s.motion.support_impulse);
   std::swap(s.motion.v, s.motion.moving);
   constrain(m, s, dt);
   std::swap(s.motion.v, s.motion.moving);
+  impulse.swap(s.motion.support_impulse);
   constrain(m, s, dt);
   const auto lost = [&](int d, std::size_t slot) {
     const std::size_t k = d * plane + slot;

@@ -46,6 +46,24 @@ void book_moving_work(ShellState& s, double dt) {
 
 namespace {
 
+// Books what supports bear in a kick: forces and weight of control points that are held along all axes. Those that are
+// held along some axes are kicked, and constrain() takes their velocity back.
+void book_support_impulse(const ShellModel& m, ShellState& s, const Vec3& gravity, double dt) {
+  std::vector<double>& sum = s.motion.support_impulse;
+  if (sum.empty()) return;
+  const std::size_t plane = m.tables.plane;
+  const double beta = s.motion.last_force.size() == s.motion.force.size() ? m.material.stiffness_damping : 0.0;
+  for (std::size_t i = 0; i < plane; ++i) {
+    // A dependent control point at a seam has no mass; its force counts at those it depends on.
+    if (!m.held[i] || s.motion.inverse_mass[i] > 0.0 || !(s.motion.mass[i] > 0.0)) continue;
+    for (int d = 0; d < 3; ++d) {
+      const std::size_t k = d * plane + i;
+      sum[k] -= dt * (s.motion.force[k] + s.motion.mass[i] * gravity[d]);
+      if (beta > 0.0) sum[k] -= beta * (s.motion.force[k] - s.motion.last_force[k]);
+    }
+  }
+}
+
 // Takes the force discontinuity out of the state. Supports act on it as on forces: it is zero at held and driven
 // control points, and shared by mass in tied groups.
 std::vector<double> free_discontinuity(const ShellModel& m, ShellState& s, double dt) {
@@ -79,12 +97,13 @@ void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
   if (std::all_of(shells.begin(), shells.end(),
                   [](const ShellRef& r) { return r.state->cracks.force_discontinuity.empty(); }))
     return;
-  std::vector<std::vector<double>> discontinuities;
+  std::vector<std::vector<double>> discontinuities, whole;  // free parts; with what supports bear
   // The energy m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still.
   double moving = 0.0, square = 0.0, still = 0.0, released_energy = 0.0;
   for (const ShellRef& r : shells) {
     ShellState& s = *r.state;
     released_energy += std::exchange(s.cracks.released, 0.0);
+    whole.push_back(s.motion.support_impulse.empty() ? std::vector<double>{} : s.cracks.force_discontinuity);
     const std::vector<double>& discontinuity = discontinuities.emplace_back(free_discontinuity(*r.model, *r.state, dt));
     for (std::size_t k = 0; k < discontinuity.size(); ++k) {
       if (discontinuity[k] == 0.0) continue;
@@ -104,6 +123,8 @@ void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
     for (std::size_t k = 0; k < discontinuities[i].size(); ++k)
       s.motion.v[k] +=
           share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.plane] * discontinuities[i][k];
+    for (std::size_t k = 0; k < whole[i].size(); ++k)
+      s.motion.support_impulse[k] -= share * 0.5 * dt * (whole[i][k] - discontinuities[i][k]);
   }
   const double gained = (share - 1.0) * moving + share * (share * square + still);
   EnergyBook& book = shells.front().state->book;
@@ -118,6 +139,7 @@ void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, 
   book_external_work(m, s, last, -1.0);
   book_moving_work(s, last);
   if (!s.motion.before.empty()) s.motion.before = s.motion.v;
+  book_support_impulse(m, s, gravity, dt);
   const double alpha = m.material.mass_damping, beta = m.material.stiffness_damping;
   if (alpha > 0.0 || beta > 0.0) {
     const bool viscous = beta > 0.0 && s.motion.last_force.size() == s.motion.force.size();
@@ -146,8 +168,11 @@ void constrain(const ShellModel& m, ShellState& s, double dt) {
   const Constraints& c = m.constraints;
   if (!c.partial) return;
   const std::size_t plane = m.tables.plane;
+  std::vector<double>& borne = s.motion.support_impulse;
   for (int d = 0; d < 3; ++d) {
     double* v = &s.motion.v[d * plane];
+    if (!borne.empty())
+      for (const int slot : c.held[d]) borne[d * plane + slot] -= s.motion.mass[slot] * v[slot];
     for (const int slot : c.held[d]) v[slot] = 0.0;
     for (const auto& group : c.tied[d]) {
       double mass = 0.0, momentum = 0.0;
@@ -159,7 +184,11 @@ void constrain(const ShellModel& m, ShellState& s, double dt) {
     for (const auto& driven : c.driven) {
       const double u = driven.displacement(s.motion.time + dt)[d];
       for (const int slot : driven.slots[d])
-        if (!s.motion.detached[slot]) v[slot] = (m.rest[d * plane + slot] + u - s.motion.x[d * plane + slot]) / dt;
+        if (!s.motion.detached[slot]) {
+          const double before = v[slot];
+          v[slot] = (m.rest[d * plane + slot] + u - s.motion.x[d * plane + slot]) / dt;
+          if (!borne.empty()) borne[d * plane + slot] += s.motion.mass[slot] * (v[slot] - before);
+        }
     }
   }
 }

@@ -32,6 +32,35 @@ TEST(Supports, HoldTheAxesThatTheyName) {
   EXPECT_THROW(strip({skew}, {}), Error);
 }
 
+TEST(Supports, AControlPointCountsWithTheFirstPartThatHoldsIt) {
+  Support both, corner, box, push;
+  both.edges = kUMin | kVMax, both.clamped = false, both.axes = {true, false, true};
+  corner.corners = kUMinVMax | kUMaxVMin, corner.clamped = false;
+  box.regions = {{Vec2(0.45, 0.0), Vec2(0.55, 0.2)}};
+  push.edges = kUMin | kUMax, push.clamped = false, push.motion = {{0.0, Vec3::Zero()}};
+  const ShellModel m = strip({both, corner, box, push}, {});
+  const Constraints& c = m.constraints;
+  std::vector<std::string> names;
+  for (const Constraints::Part& part : c.parts) names.push_back(part.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"support_0_u_min", "support_0_v_max", "support_1_corner_u_max_v_min",
+                                             "support_1_corner_u_min_v_max", "support_2_region_0", "support_3_u_min",
+                                             "support_3_u_max"}));
+  const auto rows = static_cast<std::size_t>(m.tables.rows), columns = static_cast<std::size_t>(m.tables.columns);
+  EXPECT_EQ(c.parts[0].slots[0].size(), rows);
+  EXPECT_EQ(c.parts[1].slots[0].size(), columns - 1);  // their common corner is u_min's
+  EXPECT_EQ(c.parts[3].slots[0].size(), 0u);           // both edges have it along x and z
+  EXPECT_EQ(c.parts[3].slots[1].size(), 1u);
+  EXPECT_EQ(c.parts[5].slots[0].size(), 0u);        // held wins over driven
+  EXPECT_EQ(c.parts[5].slots[1].size(), rows - 1);  // the corner is held along y
+  EXPECT_EQ(c.parts[6].slots[2].size(), rows - 2);  // one end is v_max's, one the corner's
+  for (int d = 0; d < 3; ++d) {                     // each slot that is held or driven is in one part
+    std::multiset<int> in_parts, in_all(c.held[d].begin(), c.held[d].end());
+    for (const Constraints::Part& part : c.parts) in_parts.insert(part.slots[d].begin(), part.slots[d].end());
+    for (const Constraints::Driven& driven : c.driven) in_all.insert(driven.slots[d].begin(), driven.slots[d].end());
+    EXPECT_EQ(in_parts, in_all);
+  }
+}
+
 TEST(Supports, AHalfWithSymmetryBendsAsTheWhole) {
   Support hinge, hinges, middle;
   hinge.edges = kUMin, hinge.clamped = false;
