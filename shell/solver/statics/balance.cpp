@@ -83,6 +83,7 @@ void Balance::go_to(double share) {
     share_ = 1.0;
     compute();
     unbalanced_ = s_.motion.force;
+    if (m_.loads.rotate_with_surface()) external_ = s_.motion.external;
     s_.motion.x = x;
   }
   share_ = share;
@@ -103,6 +104,8 @@ void Balance::compute() {
   for (std::size_t i = 0; i < weight_.size(); ++i) s_.motion.force[i] += weight_[i];
   if (share_ == 1.0) return;
   for (std::size_t i = 0; i < weight_.size(); ++i) s_.motion.force[i] -= (1.0 - share_) * unbalanced_[i];
+  for (std::size_t i = 0; i < external_.size(); ++i)
+    s_.motion.force[i] -= (1.0 - share_) * (s_.motion.external[i] - external_[i]);
 }
 
 void Balance::gather(std::vector<double>& f) const {
@@ -119,14 +122,15 @@ double Balance::scale() const {
   double outside = 0.0;
   for (std::size_t i = 0; i < weight_.size(); ++i)
     outside += std::pow(weight_[i] + (s_.motion.external.empty() ? 0.0 : s_.motion.external[i]), 2);
-  return std::max(std::sqrt(outside), norm_of(s_.motion.force, inverse, false));
+  const double given = std::sqrt(outside), held = norm_of(s_.motion.force, inverse, false);
+  return std::isnan(held) ? held : std::max(given, held);
 }
 
 double Balance::residual(std::vector<double>& summed) const {
   summed = s_.motion.force;
   gather(summed);
   const double all = scale();
-  return all > 0.0 ? norm_of(summed, inverse, true) / all : 0.0;
+  return all == 0.0 ? 0.0 : norm_of(summed, inverse, true) / all;
 }
 
 double Balance::round_off() {

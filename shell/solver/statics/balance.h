@@ -8,7 +8,8 @@ namespace sunder::shell {
 
 /// Unbalanced forces of a shell at a share of the way to its loads. At share 0 the shell is in balance where the search
 /// began: what is unbalanced there is taken off, and supports that move are at their old place. At share 1 all loads
-/// act, and supports are at their place at state.motion.time. Vectors are [3][component stride].
+/// act, and supports are at their place at state.motion.time. Loads that turn with the surface have the share of what
+/// they gain by turning. Vectors are [3][component stride].
 class Balance {
  public:
   /// `model` and `state` must outlive it. The search begins at the present positions. `gravity` in m/s^2.
@@ -19,7 +20,8 @@ class Balance {
   /// Computes state.motion.force [N], with weights, at the present positions.
   void compute();
   /// Returns the norm of unbalanced forces, divided by that of loads and weights, or of reactions where these are
-  /// larger. Call compute() before. `summed` gets the forces [N]; every member of a tied group holds its sum.
+  /// larger; not a number where forces are not. Call compute() before. `summed` gets the forces [N]; every member of a
+  /// tied group holds its sum.
   double residual(std::vector<double>& summed) const;
   /// Returns the residual that round-off leaves: the change of forces, as residual() measures them, when each
   /// coordinate changes by a unit in its last place. Call compute() before.
@@ -44,6 +46,7 @@ class Balance {
   double share_ = 1.0;
   std::vector<double> weight_, start_;
   std::vector<double> unbalanced_;  // at the start [N]; empty: not needed yet
+  std::vector<double> external_;    // loads at the start [N]; empty: they do not turn with the surface
 };
 
 }  // namespace sunder::shell

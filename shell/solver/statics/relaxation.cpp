@@ -45,6 +45,7 @@ class Search {
   }
 
   RelaxationResult run() {
+    last_ = s_.motion.x;
     balance_.go_to(1.0);
     std::fill(s_.motion.v.begin(), s_.motion.v.end(), 0.0);
     const bool whole = s_.cracked.gathered.empty() && s_.cracks.interlocks.empty() && rules_.most_newton > 0;
@@ -56,7 +57,10 @@ class Search {
       }
     }
     relax(whole);
-    if (r_.converged) r_.share = 1.0;
+    if (r_.converged)
+      r_.share = 1.0;
+    else
+      s_.motion.x = last_;
     return r_;
   }
 
@@ -130,7 +134,7 @@ class Search {
       const bool found = newton(kNewtonOfStep, to == 1.0 ? rules_.tolerance : std::max(kOfStep, rules_.tolerance),
                                 Differences::kCentral);
       if (found) {
-        r_.share = to, ++r_.load_steps;
+        r_.share = to, ++r_.load_steps, last_ = s_.motion.x;
         if (r_.newton - before <= kQuick) step *= 2.0;
         continue;
       }
@@ -222,6 +226,7 @@ class Search {
   std::size_t size_;
   double furthest_ = 0.0;  // the shell's size, to limit steps [m]
   FreeDegrees free_;
+  std::vector<double> last_;  // positions in the last equilibrium; before it, those at the start
   std::vector<double> mode_;
   RelaxationResult r_;
 };

@@ -44,6 +44,7 @@ struct RelaxationResult {
 /// 3. Dynamic relaxation with kinetic damping (Cundall 1976) under all loads, from the last equilibrium: fictitious
 ///    masses give every control point a similar time step, and all velocities are set to zero after each peak of
 ///    kinetic energy. It ends by Newton steps where they converge. A shell that moves away as a whole ends it.
+/// Where none is found the shell is left in the last equilibrium, at result.share of the way; at 0 where it was.
 RelaxationResult relax(const ShellModel& model, ShellState& state, const RelaxationRules& rules);
 
 }  // namespace sunder::shell

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/io/probes.h"
+#include "shell/solver/forces.h"
 #include "shell/solver/statics/relaxation.h"
 #include "tests/shell/fixtures.h"
 
@@ -93,4 +94,32 @@ TEST(Equilibrium, OfAShellThatNothingHoldsIsNotFoundAndEnds) {
   EXPECT_STREQ(r.found_by(), "");
   EXPECT_EQ(r.share, 0.0);
   EXPECT_LT(r.steps, 100000);
+}
+
+// A rubber membrane holds no more than some pressure: beyond it grows without bound.
+TEST(Equilibrium, AFailedSearchLeavesTheLastEquilibrium) {
+  ShellMaterial rubber;
+  rubber.density = 1000.0, rubber.youngs_modulus = 1e6, rubber.poisson_ratio = 0.45;
+  Support frame;
+  frame.edges = kUMin | kUMax | kVMin | kVMax, frame.clamped = false;
+  Load load;
+  load.kind = Load::Kind::kPressure, load.size = 1e5;
+  const ShellModel m = make_shell("membrane", plate(1.0, 1.0, 4, 4, Vec3::Zero(), Quat::Identity()), 0.01, rubber, 2, 2,
+                                  {frame}, {load});
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const RelaxationResult r = relax(m, s, {});
+  ASSERT_FALSE(r.converged);
+  ASSERT_GT(r.share, 0.0);
+  ASSERT_LT(r.share, 1.0);
+  load.size *= r.share;
+  const ShellModel shared = make_shell("membrane", m.patch, 0.01, rubber, 2, 2, {frame}, {load});
+  compute_forces(shared, s, false, 0.0, 1);
+  double left = 0.0, borne = 0.0;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    (m.held[slot] ? borne : left) += s.at(s.motion.force, slot).squaredNorm();
+  }
+  EXPECT_LT(std::sqrt(left), 1e-3 * std::sqrt(borne));  // a step of the loads ends at 1e-4
+  EXPECT_GT(displacement(m, s, {0.5, 0.5}).z(), 0.2);
+  for (const double v : s.motion.v) EXPECT_EQ(v, 0.0);
 }
