@@ -58,6 +58,8 @@ void validate_soft(const LoadedScene& scene);
 void validate_fibres(const LoadedScene& scene);
 /// Its part about output and probes.
 void validate_output(const LoadedScene& scene);
+/// Its part about scenes in which nothing moves, and about load steps.
+void validate_statics(const LoadedScene& scene);
 
 /// Bounds of a factor of the strength [-], and of the product of all factors at a point. A factor of a thousand is
 /// unbreakable in practice.
@@ -65,6 +67,9 @@ constexpr double kLeastFactor = 1e-6, kMostFactor = 1e6;
 
 /// Degree of a shell's patch of any kind; 2 where the scene gives none.
 int patch_degree(const proto::Shell& shell);
+
+/// True where nothing moves: shells, no bodies, no time. A run then finds equilibria only.
+bool is_static(const proto::Scene& scene);
 
 inline Vec3 to_vec(const proto::Vec3& v) { return {v.x(), v.y(), v.z()}; }
 inline Quat to_quat(const proto::Pose& p) {

@@ -425,18 +425,21 @@ int patch_degree(const proto::Shell& s) {
 
 void validate(const LoadedScene& s) {
   const proto::Scene& m = s.message;
-  positive(s, "end_time_s", m.has_end_time_s(), m.end_time_s(), "s");
-  positive(s, "window_s", m.has_window_s(), m.window_s(), "s");
+  validate_statics(s);
+  if (!is_static(m)) {
+    positive(s, "end_time_s", m.has_end_time_s(), m.end_time_s(), "s");
+    positive(s, "window_s", m.has_window_s(), m.window_s(), "s");
+    s.check(m.end_time_s() >= m.window_s(), "end_time_s", "is {} s, less than one window of {} s", m.end_time_s(),
+            m.window_s());
+    s.check(m.end_time_s() / m.window_s() < 1e9, "window_s", "is {}: {:.3g} windows until end_time_s; at most 1e9",
+            m.window_s(), m.end_time_s() / m.window_s());
+  }
   if (m.has_settle_window_s()) {
     positive(s, "settle_window_s", true, m.settle_window_s(), "s");
     const double ratio = m.settle_window_s() / m.window_s();
     s.check(ratio >= 1.0 - 1e-9 && ratio < 1e6 && std::abs(ratio - std::round(ratio)) < 1e-6 * ratio, "settle_window_s",
             "is {} times window_s; must be a whole multiple", ratio);
   }
-  s.check(m.end_time_s() >= m.window_s(), "end_time_s", "is {} s, less than one window of {} s", m.end_time_s(),
-          m.window_s());
-  s.check(m.end_time_s() / m.window_s() < 1e9, "window_s", "is {}: {:.3g} windows until end_time_s; at most 1e9",
-          m.window_s(), m.end_time_s() / m.window_s());
   if (m.has_time_step_s()) {
     positive(s, "time_step_s", true, m.time_step_s(), "s");
     s.check(!m.has_time_step_safety(), "time_step_s", "and time_step_safety are both given; leave one of them out");

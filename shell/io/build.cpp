@@ -240,6 +240,10 @@ RunSetup build(const scene::LoadedScene& scene) {
   RunSetup r;
   r.name = m.name();
   r.end_time = m.end_time_s(), r.window = m.window_s();
+  if (scene::is_static(m)) {  // the number of a step takes the place of time
+    r.steps = std::max(1, m.shells(0).equilibrium().load_factors_size());
+    r.end_time = r.steps, r.window = 1.0;
+  }
   r.coupling = make_coupling(m);
   r.tick = r.window / r.coupling.ticks;
   r.settle_window = m.has_settle_window_s() ? m.settle_window_s() : m.window_s();
@@ -247,11 +251,13 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.time_step = m.time_step_s();
   r.gravity = m.has_gravity() ? scene::to_vec(m.gravity()) : Vec3(0.0, 0.0, -9.81);
   r.frame_interval = m.output().has_frame_interval_s() ? m.output().frame_interval_s() : r.end_time / 60.0;
+  if (r.steps > 0) r.frame_interval = r.window;
   r.shell_frame_interval =
       m.output().has_shell_frame_interval_s() ? m.output().shell_frame_interval_s() : r.frame_interval;
   r.probe_interval = m.output().has_probe_interval_s() ? m.output().probe_interval_s() : r.window;
   r.checkpoint_interval =
       m.output().has_checkpoint_interval_s() ? m.output().checkpoint_interval_s() : r.end_time / 10.0;
+  if (r.steps > 0) r.checkpoint_interval = 0.0;
   r.quiet_time = m.fracture().has_quiet_time_s() ? m.fracture().quiet_time_s() : kQuietTime;
   r.quiet_growth = m.fracture().has_quiet_growth() ? m.fracture().quiet_growth() : kQuietGrowth;
   r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;

@@ -181,6 +181,15 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   std::vector<Load> loads;
   for (const auto& support : s.supports()) supports.push_back(make_support(support));
   for (const auto& load : s.loads()) loads.push_back(make_load(load));
+  const auto& factors = s.equilibrium().load_factors();
+  for (Load& load : loads)
+    for (int k = 0; k < factors.size(); ++k) load.in_time.emplace_back(k + 1.0, factors[k]);
+  for (Support& support : supports)
+    if (!support.motion.empty() && !factors.empty()) {
+      const Vec3 whole = support.motion.front().second;
+      support.motion.clear();
+      for (int k = 0; k < factors.size(); ++k) support.motion.emplace_back(k + 1.0, factors[k] * whole);
+    }
   for (int i = 0; i < s.supports_size() && !s.has_equilibrium(); ++i) {
     if (supports[i].motion.empty()) continue;
     const Vec3 start = Constraints::Driven{{}, supports[i].motion}.displacement(0.0);

@@ -137,6 +137,12 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
     memory += megabytes(*states[k]);
     layer_points += models[k]->tables.gauss_points() * static_cast<int>(models[k]->tables.layers.zeta.size());
   }
+  if (setup.steps > 0) {
+    out += fmt::format("equilibria     {}\nmemory         about {:.0f} MB\n", setup.steps, memory);
+    if (const std::string thick = too_thick(setup.shells, setup.stitches.seams); !thick.empty())
+      out += "warning        " + thick + "\n";
+    return out;
+  }
   const double least = setup.time_step > 0.0 ? setup.time_step * (1.0 - 1e-9) : smallest;
   scene.check(setup.tick >= least, setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
               "is {} s, shorter than {}, {:.4g} s; give at least {:.3g} s", setup.tick,

@@ -76,7 +76,7 @@ std::string probe_header(const std::vector<Probe>& probes, const std::vector<con
 
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models,
                       const std::vector<ShellView>& shells, const std::vector<BodyMotion>& bodies,
-                      const std::vector<BodyMotion>& soft, double time, const Vec3& gravity) {
+                      const std::vector<BodyMotion>& soft, double time) {
   std::string out = fmt::format("{:.9g}", time);
   const auto three = [&](const Vec3& v) { out += fmt::format(",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z()); };
   for (const Probe& p : probes) {
@@ -90,7 +90,7 @@ std::string probe_row(const std::vector<Probe>& probes, const std::vector<const 
     }
   }
   Vec3 sum = Vec3::Zero();
-  for (const ShellView& s : shells) sum += reaction(*s.model, *s.state, gravity);
+  for (const ShellView& s : shells) sum += reaction(*s.model, *s.state, s.gravity);
   if (!shells.empty())
     three(sum);
   else
@@ -101,7 +101,7 @@ std::string probe_row(const std::vector<Probe>& probes, const std::vector<const 
         out += ",,,,,,";
         continue;
       }
-      three(reaction(*models[k], *shells[k].state, gravity, part));
+      three(reaction(*models[k], *shells[k].state, shells[k].gravity, part));
       three(support_impulse(*shells[k].state, part));
     }
   return out + "\n";

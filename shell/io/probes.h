@@ -17,10 +17,11 @@ struct Probe {
   bool soft = false;       // the body is soft
 };
 
-/// Model and present state of a shell.
+/// Model and present state of a shell, and gravity on it [m/s^2].
 struct ShellView {
   const ShellModel* model;
   const ShellState* state;
+  Vec3 gravity = Vec3::Zero();
 };
 
 /// Returns the first line of probes.csv: time, displacement of each point, motion of each body, reaction of all
@@ -31,7 +32,7 @@ std::string probe_header(const std::vector<Probe>& probes, const std::vector<con
 /// points, along each axis. An impulse [N s] is what the part has given to the shell since the last row.
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models,
                       const std::vector<ShellView>& shells, const std::vector<BodyMotion>& bodies,
-                      const std::vector<BodyMotion>& soft, double time, const Vec3& gravity);
+                      const std::vector<BodyMotion>& soft, double time);
 
 /// Displacement [m] of a material point, with the functions of the uncut patch.
 Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);

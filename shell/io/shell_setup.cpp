@@ -133,6 +133,7 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
     r.fracture.cuts.push_back(make_cut(scene, shell.cuts(k), r.model, fmt::format("{}.cuts[{}]", field, k)));
   if (shell.has_equilibrium())
     r.equilibrium = shell.equilibrium().has_tolerance() ? shell.equilibrium().tolerance() : 1e-6;
+  r.load_factors.assign(shell.equilibrium().load_factors().begin(), shell.equilibrium().load_factors().end());
   set_transfer(scene, r);
   if (shell.has_fibres()) set_fibres(scene, shell, field + ".fibres", r);
   const bool breaks = r.model.material.strength > 0.0;

@@ -19,6 +19,8 @@ struct ShellSetup {
   ShellModel model;
   Vec3 velocity = Vec3::Zero();  // initial [m/s]
   double equilibrium = 0.0;      // tolerance of the initial equilibrium; 0: starts as given
+  /// Factors of loads, gravity and motions of supports. Loads and supports have the k-th at time k + 1 [s]. Empty: 1.
+  std::vector<double> load_factors{};
   FractureRules fracture{};
   double cracked_step = kCrackedStep;  // share of the free stable step that it starts with where it can crack
   TransferRules transfer{};

@@ -69,6 +69,12 @@ int run(const Program& program, int argc, char** argv) {
   RunSetup setup = build(scene);
   require(options.until <= 0.0 || options.until >= setup.window, "--until {}: less than one window of {} s",
           options.until, setup.window);
+  for (int i = 0; i < scene.message.shells_size() && setup.steps > 0; ++i)
+    scene.check(scene.message.shells(i).has_equilibrium(), "end_time_s",
+                "is missing; give a positive number [s] and window_s, or equilibrium {{}} in shell '{}'",
+                scene.message.shells(i).name());
+  require(options.until <= 0.0 || setup.steps == 0, "--until {}: nothing moves in this scene; leave it out",
+          options.until);
   if (check) {
     fmt::print("{}", check_report(scene, setup));
     return 0;

@@ -36,16 +36,17 @@ void Recorder::begin() {
 std::vector<ShellView> Recorder::shell_views() const {
   std::vector<ShellView> shells;
   for (const ShellPart& part : parts_.simulation.state.shells)
-    if (part.state) shells.push_back({&part.model(), part.state.get()});
+    if (part.state) shells.push_back({&part.model(), part.state.get(), parts_.simulation.gravity_on(part)});
   return shells;
 }
 
-void Recorder::write_frame() {
+void Recorder::write_frame() { write_frame(parts_.clock.time()); }
+
+void Recorder::write_frame(double time) {
   const double start = wall_clock();
   const std::int64_t begin = Trace::now_ns();
   const RunSetup& setup = parts_.setup;
   const State& state = parts_.simulation.state;
-  const double time = parts_.clock.time();
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
   frames_.write(time, shell_views(), parts_.pieces.ids().of_points(), state.soft, bodies,
@@ -72,8 +73,7 @@ void Recorder::write_probes() {
   if (!parts_.simulation.state.solving() && !bodies) return;
   std::vector<BodyMotion> motions;
   for (const Proxy& p : parts_.simulation.state.bodies) motions.push_back(p.body.motion);
-  probes_ += probe_row(setup.probes, setup.models(), shell_views(), motions, parts_.simulation.soft_motions(), time,
-                       setup.gravity);
+  probes_ += probe_row(setup.probes, setup.models(), shell_views(), motions, parts_.simulation.soft_motions(), time);
   for (ShellPart& part : parts_.simulation.state.shells)
     if (part.state) set_zero(part.state->motion.support_impulse);
   next_probe_ = std::max(next_probe_ + setup.probe_interval, time + 0.5 * setup.probe_interval);
@@ -98,6 +98,11 @@ void Recorder::progress() {
   if (t - last_progress_ < kProgressInterval) return;
   last_progress_ = t;
   const RunSetup& setup = parts_.setup;
+  if (setup.steps > 0) {
+    fmt::print(stderr, "{} of {} equilibria{}", parts_.clock.tick, setup.steps, isatty(2) ? "   \r" : "\n");
+    std::fflush(stderr);
+    return;
+  }
   const State& state = parts_.simulation.state;
   const PieceCounts& pieces = parts_.pieces.counts();
   const double wall = t - wall_start_, done = parts_.clock.time();

@@ -37,6 +37,8 @@ class Recorder {
   void engine(const link::EngineInfo& peer) { peer_ = &peer; }
   /// Writes a frame of the present state, and series.csv, probes.csv and run.json as they stand. Throws Error (io).
   void write_frame();
+  /// The same for a state of another time [s].
+  void write_frame(double time);
   /// Writes series.csv and probes.csv as they stand.
   void write_tables() const;
   bool frame_is_due() const { return parts_.clock.time() >= next_frame_ - 1e-6 * parts_.setup.tick; }

@@ -69,17 +69,52 @@ void Run::start() {
     return;
   }
   coupler_.load();
-  simulation_.start_shells([this] {
+  recorder_.begin();
+  const auto look = [this] {
     check_peer_and_progress();
     if (*interrupted_)
       throw Error(Exit::kInterrupted, "interrupted", "interrupted while the equilibrium was looked for");
-  });
+  };
+  if (setup_.steps > 0) return find_all_equilibria(look);
+  try {
+    simulation_.start_shells(look);
+  } catch (const Error& e) {
+    if (e.kind == "equilibrium") keep_last_equilibrium(0.0);
+    throw;
+  }
   pieces_.look();
   books_.open(simulation_, simulation_.total_energy(0.0));
-  recorder_.begin();
   recorder_.write_summary("running", nullptr);
   recorder_.write_probes();
   recorder_.write_frame();
+}
+
+void Run::find_all_equilibria(const std::function<void()>& look) {
+  simulation_.make_states();
+  for (int step = 0; step < setup_.steps; ++step) {
+    try {
+      simulation_.find_equilibria(step, look);
+    } catch (const Error& e) {
+      double share = 1.0;  // of the way to this step, for the shell that has failed
+      for (const ShellPart& part : simulation_.state.shells)
+        if (!part.equilibrium.converged) share = std::min(share, part.equilibrium.share);
+      if (e.kind == "equilibrium" && (step > 0 || share > 0.0)) keep_last_equilibrium(step + share);
+      throw;
+    }
+    clock_.tick = ++clock_.windows;
+    pieces_.look();
+    const double energy = simulation_.total_energy(0.0);
+    if (step == 0) books_.open(simulation_, energy);
+    recorder_.write_series_row();
+    recorder_.write_probes();
+    recorder_.write_frame();
+  }
+}
+
+void Run::keep_last_equilibrium(double time) {
+  simulation_.make_states();  // of shells whose turn would have come
+  pieces_.look();
+  recorder_.write_frame(time);
 }
 
 void Run::window() {

@@ -50,6 +50,8 @@ class Run {
 
  private:
   void start();
+  void find_all_equilibria(const std::function<void()>& look);
+  void keep_last_equilibrium(double time);
   void window();
   void shell_window();
   void rigid_window();

@@ -151,9 +151,7 @@ Json shards_of(const RunParts& run) {
 Json equilibrium_of(const State& state) {
   constexpr Json::value_t kNone = Json::value_t::null;
   Json all = Json::array();
-  for (const ShellPart& part : state.shells) {
-    if (part.setup->equilibrium == 0.0) continue;
-    const RelaxationResult& r = part.equilibrium;
+  const auto add = [&](const ShellPart& part, const RelaxationResult& r) {
     const bool known = r.stable != RelaxationResult::Stable::kUnknown;
     all.push_back({{"shell", part.model().name},
                    {"found_by", r.converged ? Json(r.found_by()) : Json(kNone)},
@@ -165,6 +163,15 @@ Json equilibrium_of(const State& state) {
                    {"newton_steps", r.newton},
                    {"load_steps", r.load_steps},
                    {"relaxation_steps", r.steps}});
+  };
+  for (const ShellPart& part : state.shells) {
+    if (part.setup->equilibrium == 0.0) continue;
+    if (part.steps.empty()) add(part, part.equilibrium);
+    for (std::size_t k = 0; k < part.steps.size(); ++k) {
+      add(part, part.steps[k]);
+      all.back()["step"] = k + 1;
+      all.back()["load_factor"] = part.setup->load_factors.empty() ? 1.0 : part.setup->load_factors[k];
+    }
   }
   return all;
 }

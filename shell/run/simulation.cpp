@@ -24,16 +24,18 @@ int gauss_points(const RunSetup& setup) {
 }
 
 // Says what is left, and what would do.
-std::string no_equilibrium(const std::string& name, const RelaxationResult& r, double tolerance) {
-  std::string out = fmt::format(
-      "no equilibrium of shell '{}' found: {} Newton steps, {} steps of the load and {} of relaxation leave "
-      "{:.3g} of the loads, more than {:.3g}; ",
-      name, r.newton, r.load_steps, r.steps, r.residual, tolerance);
+std::string no_equilibrium(const std::string& name, const RelaxationResult& r, double tolerance, int step) {
+  const std::string out = fmt::format(
+      "no equilibrium of shell '{}' found{}: {} Newton steps, {} steps of the load and {} of relaxation {}; ", name,
+      step > 0 ? fmt::format(" at load step {}", step) : "", r.newton, r.load_steps, r.steps,
+      std::isfinite(r.residual) ? fmt::format("leave {:.3g} of the loads, more than {:.3g}", r.residual, tolerance)
+                                : "move it without bound");
   if (r.share > 0.0)
     return out + fmt::format(
-                     "the last equilibrium was found at {0:.3g} of loads, weight and motion of supports: give "
-                     "less than that, or support it more",
-                     r.share);
+                     "the last equilibrium was found at {0:.3g} of {1}: give less than that, or support it more; it is "
+                     "the last frame",
+                     r.share, step > 1 ? "the way from the step before" : "loads, weight and motion of supports");
+  if (step > 1) return out + "none was found at 0.002 of the way from the step before: end load_factors there";
   return out + "none was found at 0.002 of the loads either: support it so that it cannot move as a whole";
 }
 
@@ -86,16 +88,43 @@ void Simulation::prepare() {
   state.soft = SoftBodies(setup_.soft, models.size(), setup_.laws);
 }
 
+void Simulation::make_state_of(ShellPart& part) const {
+  const ShellModel& m = part.model();
+  const ShellSetup& setup = *part.setup;
+  part.state = std::make_unique<ShellState>(make_state(m, setup.velocity, setup_.seed));
+  ShellState& s = *part.state;
+  s.cracks.cut_done.assign(setup.fracture.cuts.size(), 0);
+  s.layers.brittleness = setup.fracture.damage.brittleness, s.layers.heals = setup.fracture.damage.heals;
+  if (setup.transfer.kind != Transfer::kDirect) s.motion.before = s.motion.v;
+  if (!setup_.probes.empty() && !m.constraints.parts.empty()) s.motion.support_impulse.assign(s.motion.v.size(), 0.0);
+}
+
+void Simulation::make_states() {
+  for (ShellPart& part : state.shells)
+    if (!part.state) make_state_of(part);
+}
+
+void Simulation::find_equilibria(int step, const std::function<void()>& look) {
+  for (ShellPart& part : state.shells) {
+    if (part.setup->equilibrium == 0.0) continue;
+    if (!part.setup->load_factors.empty()) part.state->motion.time = step + 1.0;
+    find_equilibrium(part, look);
+  }
+}
+
+Vec3 Simulation::gravity_on(const ShellPart& part) const {
+  const std::vector<double>& factors = part.setup->load_factors;
+  const int step = part.state ? static_cast<int>(std::lround(part.state->motion.time)) - 1 : 0;
+  if (setup_.steps == 0 || factors.empty()) return setup_.gravity;
+  return factors[std::clamp(step, 0, setup_.steps - 1)] * setup_.gravity;
+}
+
 void Simulation::start_shells(const std::function<void()>& look) {
   for (ShellPart& part : state.shells) {
+    make_state_of(part);
     const ShellModel& m = part.model();
     const ShellSetup& setup = *part.setup;
-    part.state = std::make_unique<ShellState>(make_state(m, setup.velocity, setup_.seed));
     ShellState& s = *part.state;
-    s.cracks.cut_done.assign(setup.fracture.cuts.size(), 0);
-    s.layers.brittleness = setup.fracture.damage.brittleness, s.layers.heals = setup.fracture.damage.heals;
-    if (setup.transfer.kind != Transfer::kDirect) s.motion.before = s.motion.v;
-    if (!setup_.probes.empty() && !m.constraints.parts.empty()) s.motion.support_impulse.assign(s.motion.v.size(), 0.0);
     if (setup.equilibrium > 0.0) {
       find_equilibrium(part, look);
       s.book = {};  // plastic work on the way to equilibrium does not belong to the run
@@ -145,11 +174,14 @@ void Simulation::find_equilibrium(ShellPart& part, const std::function<void()>& 
   Stopwatch w(scratch.times[Stage::kEquilibrium]);
   const ShellModel& m = part.model();
   RelaxationRules rules;
-  rules.tolerance = part.setup->equilibrium, rules.gravity = setup_.gravity, rules.threads = model.threads;
+  rules.tolerance = part.setup->equilibrium, rules.gravity = gravity_on(part), rules.threads = model.threads;
   rules.look = look;
   const RelaxationResult r = part.equilibrium = relax(m, *part.state, rules);
+  if (setup_.steps > 0) part.steps.push_back(r);
   check_compression(m, *part.state);
-  if (!r.converged) throw Error(Exit::kPhysics, "equilibrium", no_equilibrium(m.name, r, rules.tolerance));
+  if (!r.converged)
+    throw Error(Exit::kPhysics, "equilibrium",
+                no_equilibrium(m.name, r, rules.tolerance, static_cast<int>(part.steps.size())));
 }
 
 ContactCoefficients Simulation::contact_law(const ShellModel& shell, const RigidBody& body) const {

@@ -99,6 +99,14 @@ class Simulation {
 
   /// Makes empty shells, seams, contact and soft bodies. Call it before start_shells() or before loading a checkpoint.
   void prepare();
+  /// Makes the states of shells that have none, at time zero, at rest in their reference shape or with their initial
+  /// velocity.
+  void make_states();
+  /// Moves all shells that ask for it to equilibrium, at load step `step` where nothing moves. Throws Error
+  /// (equilibrium), and leaves the shell that fails in the last equilibrium that was found on the way.
+  void find_equilibria(int step, const std::function<void()>& look);
+  /// Gravity [m/s^2] on a shell at the present load step.
+  Vec3 gravity_on(const ShellPart& part) const;
   /// Makes the states of all shells at time zero, in equilibrium where the scene asks for it. Throws Error where the
   /// scene's steps are too long or an equilibrium is not found. `look` is called now and then; it may throw.
   void start_shells(const std::function<void()>& look);
@@ -132,6 +140,7 @@ class Simulation {
   Scratch scratch;
 
  private:
+  void make_state_of(ShellPart& part) const;
   void find_equilibrium(ShellPart& part, const std::function<void()>& look);
   double soft_substeps(double needed) const;
   void share_kick(double share);

@@ -12,9 +12,9 @@ from unittest import mock
 import numpy as np
 from PIL import Image
 
-from sunder_tools.pictures.contact_sheet import SHEET, time_text, write_contact_sheet
+from sunder_tools.pictures.contact_sheet import SHEET, moment_text, time_text, write_contact_sheet
 from sunder_tools.pictures.crack_lines import Graph
-from sunder_tools.pictures.frames import choose_frames, list_frames
+from sunder_tools.pictures.frames import Frame, choose_frames, list_frames
 from sunder_tools.pictures.raster import orthographic_camera, perspective_camera, rasterise
 from sunder_tools.pictures.plots import there
 from sunder_tools.pictures.vtp import VtpError, read_vtp
@@ -174,6 +174,8 @@ class ContactSheet(InAFolder):
     def test_times_read_well(self) -> None:
         self.assertEqual([time_text(t) for t in (0.0, 3.5e-4, 9.999e-4, 4.2e-3, 0.25, 1.25)],
                          ["0", "350 µs", "1 ms", "4.2 ms", "250 ms", "1.25 s"])
+        self.assertEqual([moment_text(Frame(t, {}, step)) for t, step in ((2.0, False), (2.0, True), (1.125, True))],
+                         ["2 s", "load step 2", "load step 1.125"])
 
 
 if __name__ == "__main__":

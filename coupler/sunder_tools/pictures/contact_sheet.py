@@ -45,7 +45,7 @@ def write_contact_sheet(folder: Path) -> Path:
         low, high = close if _within(scene.shards, *close) else wide
         size = (PANEL[0] * SAMPLES, PANEL[1] * SAMPLES)
         view = _image(draw_scene(scene, perspective_camera(low, high, direction, *size), *size))
-        _caption(view, time_text(frame.time_s))
+        _caption(view, moment_text(frame))
         row, column = divmod(k, COLUMNS)
         sheet.paste(view, (GAP + column * (PANEL[0] + GAP), HEAD + row * (PANEL[1] + GAP)))
     top = HEAD + ROWS * (PANEL[1] + GAP)
@@ -61,6 +61,11 @@ def write_contact_sheet(folder: Path) -> Path:
     finally:
         temporary.unlink(missing_ok=True)
     return target
+
+
+def moment_text(frame: Frame) -> str:
+    """The frame's time or, where nothing moves, 'load step 2'."""
+    return f"load step {frame.time_s:.4g}" if frame.step else time_text(frame.time_s)
 
 
 def time_text(time_s: float) -> str:
@@ -145,7 +150,7 @@ def _side_panel(frame: Frame, scene: Scene, wide: tuple[np.ndarray, np.ndarray],
     height = PATTERN - (detail + GAP if detail else 0)
     picture, camera = side_view(scene, low, high, width * SAMPLES, height * SAMPLES, stretch=False)
     view = _image(picture)
-    _caption(view, f"side view at {time_text(frame.time_s)}")
+    _caption(view, f"side view at {moment_text(frame)}")
     _scale_bar(view, float(camera.scale[0]) / SAMPLES)
     panel.paste(view, (0, 0))
     if scene.floor_z is not None:

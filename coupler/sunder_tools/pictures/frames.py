@@ -7,6 +7,7 @@ from xml.etree import ElementTree
 
 import numpy as np
 
+from ..report.run_json import load_steps, read_run
 from .vtp import PolyData, VtpError, read_vtp
 
 SHELL, CRACKS, BODIES, SOFT = 0, 1, 2, 3       # `part` in frames.pvd
@@ -16,9 +17,10 @@ MEASURED_FRAMES = 240  # largest number of frames that are read to choose the pa
 
 @dataclass(frozen=True)
 class Frame:
-    """One time; a part without a file (a frozen shell) reads as None."""
+    """One time; a part without a file (a frozen shell) reads as None. `step`: the time is the number of a load step."""
     time_s: float
     files: dict[int, Path]
+    step: bool = False
 
     def read(self, part: int) -> PolyData | None:
         """Reads the part's mesh, or returns None where this frame has none. Raises VtpError, OSError."""
@@ -42,7 +44,8 @@ def list_frames(folder: Path) -> list[Frame]:
         path = folder / name
         if path.exists():  # the last frame of a killed run may be listed but missing
             by_time.setdefault(time_s, {})[part] = path
-    return [Frame(time_s, files) for time_s, files in sorted(by_time.items())]
+    steps = load_steps(read_run(folder)) > 0
+    return [Frame(time_s, files, steps) for time_s, files in sorted(by_time.items())]
 
 
 def choose_frames(frames: list[Frame], panels: int) -> list[Frame]:

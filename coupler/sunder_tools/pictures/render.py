@@ -21,7 +21,7 @@ from ..launch.folder import existing_run
 from ..launch.install import FILM_PACKAGES, ensure_installed
 from ..places import BUILD_DIR_VARIABLE, work_folder
 from .between import FPS, film_frames
-from .contact_sheet import SAMPLES, boxes, time_text, towards_what_is_hit, write_contact_sheet
+from .contact_sheet import SAMPLES, boxes, moment_text, towards_what_is_hit, write_contact_sheet
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .lettering import draw_text
 from .look import Look
@@ -219,7 +219,7 @@ def draw_one(stage: _Stage, k: int) -> np.ndarray:
     camera = perspective_camera(stage.low, stage.high, stage.direction, width, height)
     image = Image.fromarray(as_bytes(draw_scene(scene, camera, width, height))).reduce(SAMPLES)
     if shot.caption:
-        draw_text(image, (shot.size[1] // 40, shot.size[1] // 60), time_text(stage.frames[k].time_s),
+        draw_text(image, (shot.size[1] // 40, shot.size[1] // 60), moment_text(stage.frames[k]),
                   max(shot.size[1] // 32, 8))
     return np.asarray(image)
 

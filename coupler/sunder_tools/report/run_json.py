@@ -18,6 +18,13 @@ def read_run(folder: Path) -> dict[str, Any]:
     return run if isinstance(run, dict) else {}
 
 
+def load_steps(run: dict[str, Any]) -> int:
+    """The number of load steps that were tried, 0 where things move: a time is then the number of a step."""
+    told = run.get("equilibrium")
+    steps = [e.get("step") for e in told if isinstance(e, dict)] if isinstance(told, list) else []
+    return max((s for s in steps if isinstance(s, int)), default=0)
+
+
 def mark(folder: Path, status: str, kind: str, message: str) -> None:
     """Sets status and error of run.json, keeps all else, replaces the file atomically.
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from ..words import command_line
 from .models import in_words
-from .run_json import read_run
+from .run_json import load_steps, read_run
 
 
 def _number(value: Any, form: str) -> str:
@@ -27,8 +27,12 @@ def summary(folder: Path, sheet: Path | None) -> str:
     status = str(run.get("status", "unknown"))
     message = get("error", "message")
     lines = [f"status           {status}" + (f": {message}" if message else "")]
-    lines.append(f"simulated        {_number(get('time', 'simulated_s'), '.6g')} s in "
-                 f"{_number(get('time', 'wall_s'), '.1f')} s")
+    steps = load_steps(run)
+    if steps:
+        lines.append(f"load steps       {steps} in {_number(get('time', 'wall_s'), '.1f')} s")
+    else:
+        lines.append(f"simulated        {_number(get('time', 'simulated_s'), '.6g')} s in "
+                     f"{_number(get('time', 'wall_s'), '.1f')} s")
     lines.append(f"fragments        {_number(get('counts', 'fragments'), 'd')}, handed to the engine "
                  f"{_number(get('counts', 'handed_off'), 'd')}")
     if isinstance(get("cracks", "taken_relative"), (int, float)):

@@ -1,0 +1,106 @@
+"""Load steps, with the real programs: files, and the last frame of a search that fails."""
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from sunder_tools.pictures.frames import SHELL, Frame, list_frames
+
+TOP = Path(__file__).resolve().parents[2]
+BUILD = os.environ["SUNDER_BUILD_DIR"]
+# A strip that bends under its weight, and a rubber membrane that a pressure may burst.
+STRIP = """name: "strip"
+materials { name: "steel" density: 7800 youngs_modulus: 210e9 poisson_ratio: 0.3 }
+shells {
+  name: "strip"
+  material: "steel"
+  thickness_m: 0.002
+  plate { size_x_m: 0.5 size_y_m: 0.05 elements_x: 16 elements_y: 2 }
+  supports { edges: U_MIN kind: CLAMPED }
+  equilibrium { load_factors: [0.5, 1, 2] }
+}
+output { probes { name: "tip" shell: "strip" at { u: 0.5 v: 0.025 } } }
+"""
+MEMBRANE = """name: "membrane"
+gravity {}
+materials { name: "rubber" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.45 }
+shells {
+  name: "membrane"
+  material: "rubber"
+  thickness_m: 0.01
+  plate { size_x_m: 1 size_y_m: 1 elements_x: 4 elements_y: 4 }
+  supports { edges: ALL kind: SIMPLY_SUPPORTED }
+  loads { pressure: 1e5 }
+  equilibrium { load_factors: [0.01, 1] }
+}
+"""
+
+
+def height(frame: Frame) -> float:
+    """The largest displacement along z in a frame [m]."""
+    shell = frame.read(SHELL)
+    assert shell is not None
+    return float(np.abs(shell.points[:, 2]).max())
+
+
+class Statics(unittest.TestCase):
+    def setUp(self) -> None:
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+
+    def sunder(self, text: str, command: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+        """Runs a command with a scene; the results are in self.folder / 'out'."""
+        scene = self.folder / "scene.textproto"
+        scene.write_text(text)
+        return subprocess.run([TOP / "coupler" / "sunder", command, scene, "--out", self.folder / "out", *arguments],
+                              capture_output=True, text=True, env={**os.environ, "SUNDER_BUILD_DIR": BUILD}, check=False)
+
+    def rows(self, name: str) -> list[list[str]]:
+        with (self.folder / "out" / name).open(newline="") as source:
+            return list(csv.reader(source))
+
+    def test_each_load_step_has_a_frame_and_a_row(self) -> None:
+        done = self.sunder(STRIP, "run", "--no-pictures", "--quiet")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        frames = list_frames(self.folder / "out")
+        self.assertEqual([frame.time_s for frame in frames], [1, 2, 3])
+        self.assertEqual([row[0] for row in self.rows("series.csv")], ["time [s]", "1", "2", "3"])
+        probes = self.rows("probes.csv")
+        heights = [abs(float(row[probes[0].index("tip_z [m]")])) for row in probes[1:]]
+        np.testing.assert_allclose([height(frame) for frame in frames], heights, rtol=1e-3)  # bends across its width too
+        weight = 7800 * 0.5 * 0.05 * 0.002 * 9.81
+        forces = [float(row[probes[0].index("strip_support_0_u_min_z [N]")]) for row in probes[1:]]
+        np.testing.assert_allclose(forces, [0.5 * weight, weight, 2 * weight], rtol=1e-5)
+        told = json.loads((self.folder / "out" / "run.json").read_text())["equilibrium"]
+        self.assertEqual([(e["step"], e["load_factor"], e["found_by"] is not None) for e in told],
+                         [(1, 0.5, True), (2, 1.0, True), (3, 2.0, True)])
+
+    def test_the_last_equilibrium_of_a_failed_search_is_the_last_frame(self) -> None:
+        done = self.sunder(MEMBRANE, "run", "--no-pictures", "--quiet")
+        self.assertEqual(done.returncode, 4, done.stderr)
+        self.assertIn("it is the last frame", done.stderr)
+        first, last = list_frames(self.folder / "out")
+        share = json.loads((self.folder / "out" / "run.json").read_text())["equilibrium"][-1]["share_of_loads"]
+        self.assertEqual(first.time_s, 1.0)
+        self.assertAlmostEqual(last.time_s, 1.0 + share, places=6)
+        self.assertGreater(height(last), height(first))
+
+    def test_a_start_that_is_not_found_has_a_frame_too(self) -> None:
+        text = MEMBRANE.replace("load_factors: [0.01, 1]", "").replace("gravity {}", "gravity {}\nend_time_s: 1\nwindow_s: 0.1")
+        done = self.sunder(text, "run", "--no-pictures", "--quiet")
+        self.assertEqual(done.returncode, 4, done.stderr)
+        frame, = list_frames(self.folder / "out")
+        self.assertEqual(frame.time_s, 0.0)
+        self.assertGreater(height(frame), 0.05)
+
+
+if __name__ == "__main__":
+    unittest.main()
