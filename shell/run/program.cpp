@@ -10,10 +10,12 @@
 #include "coupler/core/command_line.h"
 #include "coupler/scene/load.h"
 #include "shell/io/check.h"
+#include "shell/run/modes_run.h"
 
 namespace sunder::shell {
 namespace {
 
+constexpr int kMostModes = 1000;
 constexpr int kMostThreads = 64;              // default at most
 constexpr double kMostUsefulThreads = 256.0;  // largest number that is used
 
@@ -37,6 +39,8 @@ int run(const Program& program, int argc, char** argv) {
   options.threads = std::min(omp_get_num_procs(), kMostThreads);
   double threads = options.threads;
   bool check = false, die_with_parent = false;
+  ModesOptions modes;
+  modes.count = 0;
   CLI::App app("Runs a scene: the fracture solver, which asks the rigid side once a window.", program.name);
   app.add_option("--scene", scene_path, "The scene, a .textproto file")->required()->take_last();
   app.add_option("--out", options.out, "The run folder")->take_last();
@@ -57,6 +61,12 @@ int run(const Program& program, int argc, char** argv) {
   app.add_option("--keys", options.keys, "Folder of keys: the session is encrypted")->take_last();
   app.add_flag("--resume", options.resume, "Goes on from the checkpoint in the run folder");
   app.add_flag("--check", check, "Checks the scene, says what it will cost, and ends");
+  app.add_option("--modes", modes.count, "Finds this many modes of vibration, writes them to --out, and ends")
+      ->check(CLI::Range(1, kMostModes))
+      ->take_last();
+  app.add_option("--amplitude", modes.amplitude, "Of the modes that are drawn, over the size of the shells")
+      ->check(CLI::Range(1e-6, 1.0))
+      ->take_last();
   app.add_flag("--quiet", options.quiet, "No progress");
   app.add_flag("--die-with-parent", die_with_parent, "Ends when the process that started this one does");
   app.footer(
@@ -69,6 +79,15 @@ int run(const Program& program, int argc, char** argv) {
   RunSetup setup = build(scene);
   require(options.until <= 0.0 || options.until >= setup.window, "--until {}: less than one window of {} s",
           options.until, setup.window);
+  if (modes.count > 0) {
+    require(!options.out.empty(), "--out is missing; see {} --help", program.name);
+    modes.out = options.out, modes.scene_hash = scene.hash, modes.threads = options.threads;
+    std::signal(SIGINT, on_signal);
+    write_modes(std::move(setup), modes, [] {
+      if (interrupted) throw Error(Exit::kInterrupted, "interrupted", "interrupted");
+    });
+    return 0;
+  }
   for (int i = 0; i < scene.message.shells_size() && setup.steps > 0; ++i)
     scene.check(scene.message.shells(i).has_equilibrium(), "end_time_s",
                 "is missing; give a positive number [s] and window_s, or equilibrium {{}} in shell '{}'",

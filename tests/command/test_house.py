@@ -90,6 +90,7 @@ class House(unittest.TestCase):
                                                             "shell/fracture/medial_axis.cpp", "shell/contact/hull.cpp",
                                                             "coupler/scene/closed_surface.cpp",
                                                             "coupler/core/convex_surface.cpp"},
+                 r"Spectra/": {"shell/solver/statics/modes.cpp"},
                  r".*\.hxx$": {"shell/io/cad_file.cpp"}}  # OpenCASCADE
         for path in SOURCES:
             for pattern, allowed in homes.items():

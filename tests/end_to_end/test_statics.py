@@ -1,4 +1,4 @@
-"""Load steps, with the real programs: files, and the last frame of a search that fails."""
+"""Load steps and modes, with the real programs: files, and the last frame of a search that fails."""
 from __future__ import annotations
 
 import csv
@@ -100,6 +100,33 @@ class Statics(unittest.TestCase):
         frame, = list_frames(self.folder / "out")
         self.assertEqual(frame.time_s, 0.0)
         self.assertGreater(height(frame), 0.05)
+
+    def test_modes_have_a_table_frames_and_a_picture(self) -> None:
+        done = self.sunder(STRIP, "modes", "--count", "3")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        out = self.folder / "out"
+        told = json.loads((out / "modes.json").read_text())
+        self.assertEqual([mode["mode"] for mode in told["modes"]], [1, 2, 3])
+        for mode in told["modes"]:
+            self.assertIn(f"{mode['frequency_Hz']:.6g}", done.stdout)
+            frames = list_frames(out / Path(mode["frames"]).parent)
+            self.assertEqual(len(frames), 24)
+            self.assertAlmostEqual(frames[12].time_s, 0.5 / mode["frequency_Hz"], places=6)
+        self.assertEqual([frame.time_s for frame in list_frames(out)], [1, 2, 3])
+        rest, drawn = (frame.read(SHELL) for frame in (list_frames(out / "mode_01")[0], list_frames(out)[0]))
+        assert rest is not None and drawn is not None
+        moved = np.linalg.norm(drawn.points - rest.points, axis=1).max()
+        # control points have the amplitude; at the free end of the strip the surface has it too
+        self.assertAlmostEqual(moved / told["drawn_amplitude_m"], 1.0, places=3)
+        self.assertTrue((out / "modes.png").is_file())
+        self.assertEqual(self.sunder(STRIP, "modes", "--count", "2").returncode, 0)
+        self.assertFalse((out / "mode_03").exists(), "earlier modes are replaced")
+
+    def test_modes_in_a_foreign_folder_are_refused(self) -> None:
+        (self.folder / "out").mkdir()
+        (self.folder / "out" / "mine").touch()
+        done = self.sunder(STRIP, "modes")
+        self.assertEqual((done.returncode, "holds other files" in done.stderr), (2, True), done.stderr)
 
 
 if __name__ == "__main__":

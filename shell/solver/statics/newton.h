@@ -3,21 +3,9 @@
 #include <functional>
 #include <vector>
 
-#include "shell/solver/state.h"
+#include "shell/solver/statics/tangent.h"
 
 namespace sunder::shell {
-
-/// Numbers of the free displacements, [3][component stride]: -1 where a support holds or drives it; tied slots share
-/// one number.
-struct FreeDegrees {
-  std::vector<int> number;
-  int count = 0;
-};
-/// Numbers the free displacements of a shell.
-FreeDegrees free_degrees(const ShellModel& model, const ShellState& state);
-
-/// How the tangent stiffness is found. Central differences cost twice as much. Thin shells that bend far need them.
-enum class Differences { kOneSided, kCentral };
 
 struct NewtonStep {
   std::vector<double> u;  // [3][component stride] [m]; empty: K cannot be factorised

@@ -1,0 +1,149 @@
+#include "shell/run/modes_run.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <nlohmann/json.hpp>
+
+#include "coupler/core/version.h"
+
+#include "shell/io/frames.h"
+#include "shell/io/vtp.h"
+#include "shell/run/simulation.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/statics/modes.h"
+
+namespace sunder::shell {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr int kPhases = 24;          // frames of one period
+constexpr double kFollowing = 1e-6;  // asymmetry of the stiffness that is told
+
+/// A mode of one of the shells.
+struct Found {
+  int shell;
+  Mode mode;
+};
+
+double size_of(const State& state) {
+  Eigen::AlignedBox3d box;
+  for (const ShellPart& part : state.shells) box.extend(part.box());
+  return box.diagonal().norm();
+}
+
+/// Writes frames of shells that vibrate about their present positions.
+class Drawing {
+ public:
+  explicit Drawing(State& state) : state_(state) {
+    for (const ShellPart& part : state.shells) {
+      views_.push_back({&part.model(), part.state.get()});
+      ids_.emplace_back(part.model().control_points(), static_cast<BodyId>(views_.size()));
+    }
+  }
+  /// `phase` [rad] of a mode with `amplitude` [m] at `time` [s].
+  void draw(FrameWriter& frames, double time, const Found& found, double amplitude, double phase) {
+    Motion& motion = state_.shells[found.shell].state->motion;
+    const std::vector<double> x = motion.x, v = motion.v;
+    const double omega = 2.0 * std::numbers::pi * found.mode.frequency;
+    for (std::size_t k = 0; k < x.size(); ++k) {
+      motion.x[k] += amplitude * std::sin(phase) * found.mode.shape[k];
+      motion.v[k] = amplitude * omega * std::cos(phase) * found.mode.shape[k];
+    }
+    frames.write(time, views_, ids_, state_.soft, {}, 0);
+    motion.x = x, motion.v = v;
+  }
+
+ private:
+  State& state_;
+  std::vector<ShellView> views_;
+  std::vector<std::vector<BodyId>> ids_;
+};
+
+void draw_all(State& state, const std::vector<Found>& found, double amplitude, const std::string& out) {
+  Drawing drawing(state);
+  FrameWriter all(out);
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    drawing.draw(all, static_cast<double>(k + 1), found[k], amplitude, 0.5 * std::numbers::pi);
+    FrameWriter own(fmt::format("{}/mode_{:02d}", out, k + 1));
+    const double period = found[k].mode.frequency > 0.0 ? 1.0 / found[k].mode.frequency : 1.0;
+    for (int i = 0; i < kPhases; ++i) {
+      const double part = static_cast<double>(i) / kPhases;
+      drawing.draw(own, part * period, found[k], amplitude, 2.0 * std::numbers::pi * part);
+    }
+  }
+}
+
+}  // namespace
+
+void write_modes(RunSetup setup, const ModesOptions& options, const std::function<void()>& look) {
+  require(setup.stitches.seams.empty(),
+          "modes are of single shells, and shells '{}' and '{}' are joined; leave seams out, or make them OPEN",
+          setup.stitches.seams.empty() ? "" : setup.shells[setup.stitches.seams[0].first].model.name,
+          setup.stitches.seams.empty() ? "" : setup.shells[setup.stitches.seams[0].second].model.name);
+  require(!setup.shells.empty(), "the scene has no shell");
+  Simulation simulation(setup, options.threads);
+  simulation.prepare();
+  simulation.make_states();
+  for (int step = 0; step < std::max(1, setup.steps); ++step) simulation.find_equilibria(step, look);
+  State& state = simulation.state;
+  std::vector<Found> found;
+  Json shells = Json::array();
+  std::string notes;
+  for (std::size_t k = 0; k < state.shells.size(); ++k) {
+    const ShellModel& m = state.shells[k].model();
+    ShellState& s = *state.shells[k].state;
+    ModeSet set = vibration_modes(m, s, options.count, [&] {
+      look();
+      compute_forces(m, s, false, 0.0, simulation.model.threads);
+    });
+    for (Mode& mode : set.modes) found.push_back({static_cast<int>(k), std::move(mode)});
+    shells.push_back({{"shell", m.name},
+                      {"free_displacements", set.degrees},
+                      {"rigid_motions", set.rigid},
+                      {"unstable_modes", set.unstable},
+                      {"equilibrium", setup.shells[k].equilibrium > 0.0},
+                      {"asymmetry", set.asymmetry}});
+    if (set.rigid > 0) notes += fmt::format("shell '{}' has {} rigid motions, left out\n", m.name, set.rigid);
+    if (set.unstable > 0)
+      notes += fmt::format("shell '{}' is not stable: {} modes grow by themselves\n", m.name, set.unstable);
+    if (set.asymmetry > kFollowing && m.loads.rotate_with_surface())
+      notes += fmt::format(
+          "loads that turn with shell '{}' make its stiffness unsymmetric by {:.2g}: the symmetric part "
+          "is taken\n",
+          m.name, set.asymmetry);
+  }
+  std::stable_sort(found.begin(), found.end(),
+                   [](const Found& a, const Found& b) { return a.mode.eigenvalue < b.mode.eigenvalue; });
+  found.resize(std::min<std::size_t>(found.size(), options.count));
+  const double amplitude = options.amplitude * size_of(state);
+  Json modes = Json::array();
+  fmt::print("mode  frequency Hz  in a run Hz   period s  shell\n");
+  for (std::size_t k = 0; k < found.size(); ++k) {
+    const Mode& mode = found[k].mode;
+    const std::string& name = setup.shells[found[k].shell].model.name;
+    const bool stable = mode.eigenvalue > 0.0;
+    modes.push_back({{"mode", k + 1},
+                     {"shell", name},
+                     {"frequency_Hz", stable ? Json(mode.frequency) : Json(Json::value_t::null)},
+                     {"frequency_in_run_Hz", stable ? Json(mode.in_run) : Json(Json::value_t::null)},
+                     {"eigenvalue_per_s2", mode.eigenvalue},
+                     {"frames", fmt::format("mode_{:02d}/frames.pvd", k + 1)}});
+    if (stable)
+      fmt::print("{:4d}  {:12.6g}  {:11.6g}  {:9.4g}  {}\n", k + 1, mode.frequency, mode.in_run, 1.0 / mode.frequency,
+                 name);
+    else
+      fmt::print("{:4d}  {:>12}  {:>11}  {:>9}  {}, grows by exp({:.4g} t / s)\n", k + 1, "unstable", "-", "-", name,
+                 std::sqrt(-mode.eigenvalue));
+  }
+  fmt::print("{}", notes);
+  draw_all(state, found, amplitude, options.out);
+  const Json all = {{"name", setup.name},          {"scene_hash", options.scene_hash},
+                    {"version", version()},        {"drawn_amplitude_m", amplitude},
+                    {"shells", std::move(shells)}, {"modes", std::move(modes)}};
+  write_atomically(options.out + "/modes.json", all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+}
+
+}  // namespace sunder::shell
