@@ -1,6 +1,8 @@
 """Text in pictures, with any available font."""
 from __future__ import annotations
 
+import math
+
 from PIL import Image, ImageDraw, ImageFont
 
 TEXT = (38, 46, 54)
@@ -33,8 +35,10 @@ def draw_text(image: Image.Image, at: tuple[int, int], text: str, size: int) -> 
         return
     plain = ImageFont.load_default()
     text = _known(plain, text)
-    mask = Image.new("L", plain.getbbox(text)[2:])
+    _, _, wide, high = plain.getbbox(text)
+    mask = Image.new("L", (math.ceil(wide), math.ceil(high)))
     ImageDraw.Draw(mask).text((0, 0), text, fill=255, font=plain)
     factor = max(size / 11.0, 1.0)
-    mask = mask.resize((max(1, round(mask.width * factor)), max(1, round(mask.height * factor))), Image.BICUBIC)
+    mask = mask.resize((max(1, round(mask.width * factor)), max(1, round(mask.height * factor))),
+                       Image.Resampling.BICUBIC)
     image.paste(Image.new("RGB", mask.size, TEXT), at, mask)

@@ -11,7 +11,7 @@ import tempfile
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Callable, Iterator, Sequence
+from typing import Any, Callable, Iterator, Sequence
 
 import numpy as np
 from PIL import Image
@@ -271,10 +271,10 @@ def _write_film(target: Path, pictures: Iterator[Image.Image], size: tuple[int, 
     else:
         first = next(pictures)
         milliseconds = max(round(1000 * seconds_each), 20)  # browsers slow down faster films
-        options = {"format": "GIF", "optimize": False} if target.suffix == ".gif" else {"format": "PNG"}
+        options: dict[str, Any] = {"optimize": False} if target.suffix == ".gif" else {}
         rest = list(pictures)  # PNG needs them twice
-        put_in_place(target, lambda path: first.save(path, save_all=True, append_images=rest, duration=milliseconds,
-                                                     loop=0, **options))
+        put_in_place(target, lambda path: first.save(path, target.suffix[1:].upper(), save_all=True, append_images=rest,
+                                                     duration=milliseconds, loop=0, **options))
 
 
 def _encode(path: Path, pictures: Iterator[Image.Image], size: tuple[int, int], seconds_each: float) -> None:
