@@ -161,6 +161,14 @@ void check_corners(const Surface& s, const Edges& edges) {
 }
 
 void check_crossings(const Surface& s, const std::vector<int>& lines, const std::string& word) {
+  std::map<std::array<int, 3>, int> line_of;  // versions of CGAL differ in whether equal faces cross
+  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+    std::array<int, 3> corners = s.triangles[t];
+    std::sort(corners.begin(), corners.end());
+    const auto [first, fresh] = line_of.emplace(corners, lines[t]);
+    check(fresh, "has the same face in {}s {} and {}: nothing lies between them; a body needs a volume", word,
+          first->second, lines[t]);
+  }
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
   namespace processing = CGAL::Polygon_mesh_processing;

@@ -176,7 +176,7 @@ TEST(SolidMesh, IsRefusedWithTheLineOfAWrongFace) {
   expect_refusal(scene_with("bad.obj", arch::obj(arch::mesh()) + "f 1 2 99\n"), "bodies[0].mesh.path",
                  {"line 28: '99' is none of the 16 points"});
   expect_refusal(scene_with("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 1 1 0\nf 1 2 3\nf 3 2 1\n"), "bodies[0].mesh.path",
-                 {"crosses itself: the faces of lines 5 and 6"});
+                 {"has the same face in lines 5 and 6"});
   expect_refusal(scene_with("bad.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1e-9\nf 1 2 3\nf 1 2 4\nf 2 3 4\nf 1 3 4\n"),
                  "bodies[0].mesh.path", {"encloses 1.67e-10 m^3"});
   expect_refusal(scene_with("bad.off", good, "surface: 7"), "bodies[0].mesh.surface", {"is 7; HULL or EXACT"});
