@@ -145,13 +145,16 @@ def struck(scene: Any, body: str | None, mass: float | None) -> tuple[str, str, 
 def _density(material: Any) -> float:
     """The density [kg/m^3], its own or its preset's; 0: none."""
     preset = type(material).Preset.DESCRIPTOR.values_by_number.get(material.preset)
-    filled = preset.GetOptions().Extensions[_preset_values(material)] if preset is not None else material
-    return float(material.density if material.HasField("density") else filled.density)
-
-
-def _preset_values(material: Any) -> Any:
-    """The option of a preset that holds its values."""
-    return material.DESCRIPTOR.file.extensions_by_name["preset_values"]
+    filled = type(material)()
+    if preset is not None:
+        # The schema has a pool of its own, which keeps the one option of a preset as bytes: tag, length, material.
+        option = preset.GetOptions().SerializeToString()
+        for _ in range(2):
+            if option:
+                option = option[next(k for k, byte in enumerate(option) if byte < 128) + 1:]
+        filled.ParseFromString(option)
+    filled.MergeFrom(material)
+    return float(filled.density)
 
 
 def mass_of(scene: Any, body: Any) -> float:

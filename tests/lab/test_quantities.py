@@ -13,6 +13,7 @@ from unittest import mock
 import numpy as np
 
 import sunder
+from sunder_lab.impact import mass_of
 from sunder_lab.member import write_atomically
 from sunder_lab.table import write_sqlite
 from sunder_lab.v50 import judged, median_interval
@@ -26,6 +27,17 @@ class InFolder(unittest.TestCase):
         self._folder = tempfile.TemporaryDirectory()
         self.addCleanup(self._folder.cleanup)
         self.here = Path(self._folder.name)
+
+
+class Masses(unittest.TestCase):
+    def test_a_body_of_a_preset_has_its_density(self) -> None:
+        scene = sunder.Scene.load(Path(__file__).resolve().parents[2] / "scenes" / "struck_glass.textproto")
+        ball = scene.message.bodies[0]
+        ball.material = "glass"
+        volume = 4.0 / 3.0 * math.pi * ball.sphere.radius_m ** 3
+        self.assertAlmostEqual(mass_of(scene.message, ball), 2500.0 * volume, places=12)
+        scene["materials[glass].density"] = 2400.0  # its own
+        self.assertAlmostEqual(mass_of(scene.message, ball), 2400.0 * volume, places=12)
 
 
 class Motions(InFolder):

@@ -21,11 +21,8 @@ settle_window_s: 1e-3  # the same once cracking has ended and only rigid pieces 
 
 materials {{
   name: "glass"
-  density: 2500          # [kg/m^3]
-  youngs_modulus: 70e9   # [Pa]
-  poisson_ratio: 0.22
-  strength: 60e6         # [Pa]; without it nothing breaks
-  fracture_energy: 8     # [J/m^2]
+  preset: SODA_LIME_GLASS  # density, stiffness, fracture_energy and how cracks run; a field of your own replaces its
+  strength: 60e6           # [Pa]; without it nothing breaks
 }}
 materials {{ name: "steel" density: 7800 }}
 

@@ -177,7 +177,7 @@ class Interval:
 _recent: list[Interval] = []
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, kw_only=True)
 class Between(Frame):
     """A time between two frames of a run."""
     interval: Interval
@@ -207,7 +207,8 @@ def resampled(frames: list[Frame], fps: float, speed: float) -> list[Frame]:
             out.append(frames[k])
             break
         share = (time_s - frames[k].time_s) / (frames[k + 1].time_s - frames[k].time_s)
-        out.append(frames[k] if share < 1e-9 else Between(time_s, frames[k].files, intervals[k], share))
+        out.append(frames[k] if share < 1e-9 else Between(time_s, frames[k].files, frames[k].step,
+                                                                  interval=intervals[k], share=share))
     return out
 
 
