@@ -24,7 +24,9 @@ TOP = Path(__file__).resolve().parents[2]
 BUILD = os.environ["SUNDER_BUILD_DIR"]
 GLASS = TOP / "scenes" / "glass.textproto"  # a pane, a ball (1) and a floor (2)
 SETTINGS = ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=1.2e-3",
-            "fracture.latest_freeze_s=1e-3", "bodies[ball].twist.linear.z=-12", "output.checkpoint_interval_s=4e-4",
+            "fracture.latest_freeze_s=1e-3", "bodies[ball].twist.linear.z=-12",
+            "materials[glass].toughening=0", "materials[glass].branch_drive=2",  # many shards
+            "output.checkpoint_interval_s=4e-4",
             "output.frame_interval_s=5e-5")
 EVERY_WINDOW, ONE_IN_FOUR = "output.shell_frame_interval_s=5e-5", "output.shell_frame_interval_s=2e-4"
 # Two sewn plates; a cut at 0.2 ms takes a strip off the left one. Ids begin at 1, since there are no bodies.
@@ -134,8 +136,10 @@ class Ids(unittest.TestCase):
             self.assertTrue(all(after <= before * 1.001 for before, after in zip(track.area[:born], track.area[1:born])),
                             f"shard {i}: {track.area}")
             self.assertGreater(track.area[born - 1], (1.0 - BARE) * row["area [m^2]"])
-            # it goes on from where it was, as far as it flies in the window
             self.assertAlmostEqual(track.time[born] - track.time[born - 1], ONE_WINDOW, delta=1e-9)
+            if track.area[born - 1] > (1.0 + BARE) * row["area [m^2]"]:
+                continue  # a part broke off in the same window, which moves its centre
+            # it goes on from where it was, as far as it flies in the window
             self.assertLess(float(np.linalg.norm(track.centre[born] - track.centre[born - 1])),
                             1.5 * ONE_WINDOW * row["speed at birth [m/s]"] + 0.05 * np.sqrt(row["area [m^2]"]))
 

@@ -273,7 +273,7 @@ def _write_film(target: Path, pictures: Iterator[Image.Image], size: tuple[int, 
         milliseconds = max(round(1000 * seconds_each), 20)  # browsers slow down faster films
         options: dict[str, Any] = {"optimize": False} if target.suffix == ".gif" else {}
         rest = list(pictures)  # PNG needs them twice
-        put_in_place(target, lambda path: first.save(path, target.suffix[1:].upper(), save_all=True, append_images=rest,
+        put_in_place(target, lambda path: first.save(path, format=target.suffix[1:].upper(), save_all=True, append_images=rest,
                                                      duration=milliseconds, loop=0, **options))
 
 

@@ -186,7 +186,7 @@ class Story:
         if key not in self._things:
             shells = self._words.shells
             if key[0] == "piece":
-                part = part if part >= 0 else self._part_of.get(key[1], -1)
+                part = part if part >= 0 else self._part_of.get(key[1], 0 if len(shells) == 1 else -1)
                 group = shells[part] if 0 <= part < len(shells) else f"shell_{part}" if part >= 0 else ""
                 self._things[key] = Thing(f"{group}_piece_{key[1]}" if group else f"piece_{key[1]}", group)
             elif key[0] == "soft":
