@@ -11,7 +11,7 @@ namespace sunder::scene {
 /// A number that must be given and be above 0; `unit` is for the message.
 inline void positive(const LoadedScene& s, const std::string& field, bool has, double value, const char* unit) {
   s.check(has, field, "is missing; give a positive number [{}]", unit);
-  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive [{}]", value, unit);
+  s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive and finite [{}]", value, unit);
 }
 
 /// A number that must be 0 or more where it is given.

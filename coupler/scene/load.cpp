@@ -226,14 +226,14 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   require(parser.ParseFromString(content, &scene.message), "{}: is no scene", path);
   scene.settings = settings;
   for (const std::string& setting : settings) apply_setting(scene.message, setting);
+  check_enumerators(scene, scene.message, "");
+  fill_presets(scene.message);  // their values belong to the hash
   std::string canonical;
   pb::TextFormat::PrintToString(scene.message, &canonical);
   Sha256 hash;
   hash.add(canonical);
   add_files(scene.message, std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path(), hash);
   scene.hash = hash.hex();
-  check_enumerators(scene, scene.message, "");
-  fill_presets(scene.message);
   validate(scene);
   return scene;
 }

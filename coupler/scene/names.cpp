@@ -26,6 +26,10 @@ std::string one_of(const google::protobuf::EnumDescriptor& type) {
 std::string unknown_field(const std::string& name, const google::protobuf::Descriptor& type) {
   std::vector<std::string> names;
   for (int i = 0; i < type.field_count(); ++i) names.push_back(type.field(i)->name());
+  if (name == "interlock_strength")  // as scenes of version 0.1 have it
+    return "'interlock_strength' is no field any more: crack faces slide by the material's crack_friction and crush at "
+           "its "
+           "crushing_strength; leave it out";
   const bool near = !nearest_names(name, names).empty();
   return fmt::format("'{}' is no field of {}; {}: {}", name, type.name(),
                      near ? did_you_mean(name, names) + " It has" : "it has", fmt::join(names, ", "));

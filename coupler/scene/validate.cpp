@@ -32,13 +32,23 @@ void material(const Scene& s, const std::string& f, const proto::Material& m) {
   s.check(!m.has_crack_speed_onset() || (m.crack_speed_onset() >= 0.0 && m.crack_speed_onset() <= 1.0),
           f + ".crack_speed_onset", "is {}; a share of the Rayleigh speed, 0 to 1", m.crack_speed_onset());
   not_negative(s, f + ".toughening", m.has_toughening(), m.toughening());
+  s.check(m.toughening() <= 1e6, f + ".toughening", "is {}; at most 1e6", m.toughening());
   s.check(!m.has_toughening() || m.has_crack_speed_onset(), f + ".toughening",
           "needs a crack_speed_onset, the speed from which on the fracture energy rises");
+  s.check(
+      !(m.toughening() > 0.0) || m.has_branch_drive(), f + ".toughening",
+      "needs a branch_drive: two arms of a fast crack take more than two fracture energies; give the drive at which "
+      "the material divides, or a preset");
   s.check(!m.has_branch_drive() || (m.branch_drive() > 1.0 && m.branch_drive() <= 1e12), f + ".branch_drive",
-          "is {}; a tip runs above 1 and divides above this; at most 1e12, which is never", m.branch_drive());
+          "is {}; give more than 1, where a tip runs, and at most 1e12, where it never divides", m.branch_drive());
   s.check(!m.has_crack_friction() || (m.crack_friction() >= 0.0 && m.crack_friction() <= 10.0), f + ".crack_friction",
           "is {}; a coefficient from 0 to 10", m.crack_friction());
   if (m.has_crushing_strength()) positive(s, f + ".crushing_strength", true, m.crushing_strength(), "Pa");
+  s.check(
+      !m.has_crushing_strength() || m.crushing_strength() >= m.strength(), f + ".crushing_strength",
+      "is {}, below the strength of {} Pa: faces would crush before the sheet cracks; brittle materials bear some ten "
+      "times as much pressure",
+      m.crushing_strength(), m.strength());
   if (m.has_weibull_modulus()) positive(s, f + ".weibull_modulus", true, m.weibull_modulus(), "-");
   if (m.has_flaw_spacing_m()) positive(s, f + ".flaw_spacing_m", true, m.flaw_spacing_m(), "m");
   if (m.has_yield_stress()) {
@@ -395,7 +405,7 @@ void fracture(const Scene& s) {
   const auto& r = s.message.fracture();
   if (r.has_tip_radius_m()) positive(s, "fracture.tip_radius_m", true, r.tip_radius_m(), "m");
   s.check(!r.has_branch_ratio() || (r.branch_ratio() > 1.0 && r.branch_ratio() <= 1e6), "fracture.branch_ratio",
-          "is {}; a tip runs above 1 and branches above this; at most 1e6, which is never", r.branch_ratio());
+          "is {}; give more than 1, where a tip runs, and at most 1e6, where it never branches", r.branch_ratio());
   if (r.has_damage_width_m()) {
     positive(s, "fracture.damage_width_m", true, r.damage_width_m(), "metres");
     s.check(r.mode() == proto::Fracture::DAMAGE, "fracture.damage_width_m", "is for mode DAMAGE; leave it out");

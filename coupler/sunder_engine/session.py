@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import math
 import time
+import traceback
 from typing import Any, Iterable, Iterator, Sequence
 
 from .engine import BAD_INPUT, ENGINE_FAILED, MOTION, PEER_LOST, Engine, Refused
@@ -60,6 +61,7 @@ class Session:
         except Refused as error:
             return self._end(error.kind, str(error), error.status)
         except Exception as error:  # noqa: BLE001: one in the engine; the other side is told too
+            traceback.print_exc()  # for its author, in rigid.log
             return self._end("internal", f"{type(error).__name__}: {error}", ENGINE_FAILED)
         if reply is None:
             return None

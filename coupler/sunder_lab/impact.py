@@ -12,6 +12,7 @@ from sunder_tools.words import did_you_mean
 
 from .measures import Stated
 from .scene import Results, Scene
+from .schema import with_preset
 
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], for a scene without gravity field
 NO_PUSH = 1e-3  # share of the largest impulse: contact has ended where less is to come
@@ -142,24 +143,9 @@ def struck(scene: Any, body: str | None, mass: float | None) -> tuple[str, str, 
     return body, probed[body], mass if mass is not None else mass_of(scene, found[0])
 
 
-def _density(material: Any) -> float:
-    """The density [kg/m^3], its own or its preset's; 0: none."""
-    preset = type(material).Preset.DESCRIPTOR.values_by_number.get(material.preset)
-    filled = type(material)()
-    if preset is not None:
-        # The schema has a pool of its own, which keeps the one option of a preset as bytes: tag, length, material.
-        option = preset.GetOptions().SerializeToString()
-        for _ in range(2):
-            if option:
-                option = option[next(k for k, byte in enumerate(option) if byte < 128) + 1:]
-        filled.ParseFromString(option)
-    filled.MergeFrom(material)
-    return float(filled.density)
-
-
 def mass_of(scene: Any, body: Any) -> float:
     """Returns the mass [kg] of a sphere or a box. Raises CommandError for other shapes."""
-    density = next((_density(m) for m in scene.materials if m.name == body.material), 0.0)
+    density = next((with_preset(m).density for m in scene.materials if m.name == body.material), 0.0)
     shape = body.WhichOneof("shape")
     if density > 0.0 and shape == "sphere":
         return float(density * 4.0 / 3.0 * math.pi * body.sphere.radius_m ** 3)

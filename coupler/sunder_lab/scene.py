@@ -21,7 +21,7 @@ from sunder_tools.report.run_json import read_run
 from sunder_tools.report.scene_text import parse_text
 
 from .results import RunArrays
-from .schema import assets_of, relative_asset, scene_class
+from .schema import assets_of, relative_asset, scene_class, with_preset
 
 SCENES = REPOSITORY / "scenes"  # scenes of the project
 SCENE_FILE = "scene.textproto"
@@ -75,8 +75,11 @@ class Scene:
         return at
 
     def __getitem__(self, path: str) -> Value:
-        """Returns the value of a single field, or the schema's default where it is absent. Raises BadSetting."""
+        """Returns the value of a single field, where it is absent that of the material's preset or the schema's default.
+        Raises BadSetting."""
         at, field = self._field(path)
+        if at.DESCRIPTOR.name == "Material":
+            at = with_preset(at)
         value: Value = getattr(at, field.name)
         return field.enum_type.values_by_number[value].name if field.enum_type else value
 

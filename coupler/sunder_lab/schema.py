@@ -55,3 +55,18 @@ def relative_asset(name: str, where: Path) -> Path:
     if not path.is_relative_to(folder) or not path.is_file():
         raise CommandError(f"{where}: the scene names the file '{name}', which is not there or not below that folder")
     return path
+
+
+def with_preset(material: Any) -> Any:
+    """Returns a material with the values that its preset fills in."""
+    filled = type(material)()
+    preset = type(material).Preset.DESCRIPTOR.values_by_number.get(material.preset)
+    if preset is not None:
+        # The schema has a pool of its own, which keeps the one option of a preset as bytes: tag, length, material.
+        option = preset.GetOptions().SerializeToString()
+        for _ in range(2):
+            if option:
+                option = option[next(k for k, byte in enumerate(option) if byte < 128) + 1:]
+        filled.ParseFromString(option)
+    filled.MergeFrom(material)
+    return filled

@@ -15,6 +15,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kResolvedMirror = 5.0;  // spacings that the length until a division needs
+
 constexpr int kTrials = 20;  // timed substeps
 
 /// Returns the stable step [s] of a shell alone. Throws Error where it has none, or where bodies are too fast for it.
@@ -76,6 +78,12 @@ std::string fracture_lines(const ShellSetup& shell) {
         width * h / (1.0 + h), (1.0 + h) / h, q.fracture_energy);
     return out;
   }
+  const double edge =
+      1.985 * q.strength;  // stress intensity of a through crack at an edge, over the root of its length
+  const double mirror = q.branch_drive * q.youngs_modulus * q.fracture_energy / (edge * edge);
+  out += fmt::format("division       at the strength a crack divides once it is {:.3g} m long, {:.2g} spacings{}\n",
+                     mirror, mirror / m.spacing,
+                     mirror < kResolvedMirror * m.spacing ? ": where it does, the grid decides" : "");
   const double resolved = width / std::sqrt(3.0);
   out += m.spacing < resolved
              ? fmt::format("fracture       the spacing resolves the fracture energy (needs below {:.3g} m)\n", resolved)

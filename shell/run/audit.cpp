@@ -55,8 +55,9 @@ CrackSurface crack_surface(const ShellModel& m, const ShellState& s) {
   const double energy = m.material.fracture_energy, strength = m.material.strength;
   if (!(energy > 0.0 && strength > 0.0)) return r;
   r.resistance = crack_resistance(m, s), r.taken = s.cracks.taken;
-  r.total = r.taken / energy, r.subgrid = std::max(0.0, r.taken - r.resistance) / energy;
-  r.dust_size = 6.0 * m.material.youngs_modulus * energy / (strength * strength);
+  if (m.material.yield_stress > 0.0) return r;
+  r.total = std::max(r.taken, r.resistance) / energy, r.subgrid = std::max(0.0, r.taken - r.resistance) / energy;
+  r.dust_size = std::min(m.thickness, 6.0 * m.material.youngs_modulus * energy / (strength * strength));
   r.dust_mass = m.material.density * r.subgrid * r.dust_size / 3.0;  // cubes of that size share 3 size^2 each
   return r;
 }
@@ -83,7 +84,8 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
         "should only take: refine{}",
         100.0 * b.injected / std::max(b.fracture, b.injected), audit.keeps_damage ? ", or let damage heal" : ""));
   if (const double cost = audit.surface.resistance > 0.0 ? audit.surface.taken / audit.surface.resistance : 1.0;
-      !(cost >= kLeastTaken && cost <= kMostTaken) && share(audit.surface.taken) > kNoted)
+      !(cost >= kLeastTaken && cost <= kMostTaken) &&
+      share(std::max(audit.surface.taken, audit.surface.resistance)) > kNoted)
     out.push_back(fmt::format(
         "cracks took {:.2g} times the fracture energy of their area: {}", cost,
         cost > 1.0 ? "what the grid cannot hold is booked as dust (cracks.subgrid_surface_m2); trust that surface and "

@@ -12,11 +12,12 @@ namespace sunder::shell {
 struct CrackSurface {
   double resistance = 0.0;  // crack_resistance [J]
   double taken = 0.0;       // energy that they have released [J]
-  double total = 0.0;       // that over the fracture energy: area of crack, resolved and not [m^2]
+  double total = 0.0;       // the larger of the two over the fracture energy: all surface, resolved or not [m^2]
   double subgrid = 0.0;     // what is beyond the resistance, over the fracture energy [m^2]
   double dust_mass = 0.0;   // of grains with that surface [kg]
-  double dust_size = 0.0;   // of those grains, 6 E G_f / strength^2: the width of a band, bent to the strength, that
-                            // stores the fracture energy of its cracks; the largest of all shells with dust [m]
+  double dust_size =
+      0.0;  // of those grains, 6 E G_f / strength^2, at most the thickness: the width of a band, bent to the strength,
+            // that stores the fracture energy of its cracks; the largest of all shells with dust [m]
 
   CrackSurface& operator+=(const CrackSurface& o);
 };
@@ -41,7 +42,7 @@ struct Audit {
 /// factor. Only lengths within the patch count.
 double crack_resistance(const ShellModel& model, const ShellState& state);
 
-/// Of one shell.
+/// Of one shell; none of one that yields, whose surplus goes elsewhere.
 CrackSurface crack_surface(const ShellModel& model, const ShellState& state);
 
 /// Returns warnings about the energies of a run, one sentence each; empty where there are none.

@@ -81,7 +81,7 @@ Json energy_of(const RunParts& run) {
 Json cracks_of(const RunParts& run) {
   const CrackSurface s = run.books.crack_surface(run.simulation);
   Json out = {{"length_m", run.books.crack_length(run.simulation)}, {"resistance", s.resistance}};
-  out["taken_relative"] = s.resistance > 0.0 ? Json(run.books.sum(run.simulation).fracture / s.resistance) : Json();
+  out["taken_relative"] = s.resistance > 0.0 ? Json(s.taken / s.resistance) : Json();
   out["surface_total_m2"] = s.total, out["subgrid_surface_m2"] = s.subgrid;
   out["dust_kg"] = s.dust_mass, out["dust_size_m"] = s.subgrid > 0.0 ? Json(s.dust_size) : Json();
   return out;

@@ -47,7 +47,8 @@ struct Interlock {
   bool looked = false;                // the caches are valid
   std::array<FacePoint, 2> points{};  // at the lower and the upper face
   Vec3 origin = Vec3::Zero();         // gap at the middle of the sheet as the faces were born [m]
-  double rest_area = 1.0;             // area of the tangents' parallelogram at the start of contact
+  // Area of the tangents' parallelogram of each side at the start of contact.
+  std::array<double, 2> rest_area{1.0, 1.0};
   bool holds = true;
   // Results of the last force evaluation: least opening, how far the faces have slid along the edge and along the
   // normal [m], energy [J], and whether the faces still fit.
@@ -68,14 +69,15 @@ struct Cracks {
   // [3][component stride]: internal force before the cracks of this moment minus the force after them [N]; empty: no
   // new cracks.
   std::vector<double> force_discontinuity;
-  double released = 0.0;  // stored energy released by them, booked as fracture [J]
-  double taken = 0.0;     // stored energy that edges which ran by themselves have released so far [J]
+  double released = 0.0;           // stored energy released by them and by faces that let go, booked already [J]
+  double released_by_faces = 0.0;  // the part of it that is booked as friction of faces [J]
+  double taken = 0.0;              // stored energy that edges which ran by themselves have released so far [J]
 
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     f(graph, tips, interlocks, interlock_of, cut_done, last_crack_time, interlock_energy, force_discontinuity, released,
-      taken);
+      released_by_faces, taken);
   }
 };
 

@@ -7,6 +7,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kNoFrame = 1e-3;  // of its area at rest: a side that is smaller has no normal, and bears nothing
+
 // The gap from the minus to the plus side at the middle of the sheet, in the frame of the deformed surface.
 struct Gap {
   Vec3 tu, tv;                 // mean tangents of the two sides
@@ -53,7 +55,11 @@ Gap gap_of(const ShellState& s, const Interlock& lock) {
 // Faces that have turned against one another, or whose surroundings are crushed, bear no more.
 bool sound(const Interlock& lock, const Gap& gap) {
   const double cosine = gap.side[0].dot(gap.side[1]);
-  return cosine > kFacesCosine && gap.c > kFacesLeastArea * lock.rest_area && gap.c < kFacesMostArea * lock.rest_area;
+  bool fits = cosine > kFacesCosine;
+  for (int side = 0; side < 2; ++side)
+    fits = fits && gap.side_c[side] > kFacesLeastArea * lock.rest_area[side] &&
+           gap.side_c[side] < kFacesMostArea * lock.rest_area[side];
+  return fits;
 }
 
 double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spacing; }  // of one element [Pa/m]
@@ -121,13 +127,12 @@ void give_way(const ShellModel& m, const Gap& gap, Interlock& lock, int face) {
 // Stiffness of a pair of faces [Pa/m]: that of one element, reduced where so little mass moves with a point of contact
 // that the step would not be stable. A point above the middle of the sheet also moves as the normal turns.
 double stable_stiffness(const ShellModel& m, const ShellState& s, const Interlock& lock) {
-  const Vec2 p = direction(s, lock);
   const double z = height(m, 1);
   double mobility = 0.0;  // of the gap [1/kg]
   for (const auto* side : {&lock.plus, &lock.minus})
     for (const GatheredFunction& f : *side) {
-      const double across = f.n[2] * p.x() - f.n[1] * p.y();  // slope of the function across the edge
-      mobility += (f.n[0] * f.n[0] + z * z * across * across) * s.motion.inverse_mass[f.slot];
+      const double slope = f.n[1] * f.n[1] + f.n[2] * f.n[2];
+      mobility += (f.n[0] * f.n[0] + z * z * slope) * s.motion.inverse_mass[f.slot];
     }
   const double most = kMostMobility / (m.material.density * m.spacing * lock.area);
   return stiffness(m) * (mobility > most ? most / mobility : 1.0);
@@ -207,7 +212,7 @@ double closing_depth(const ShellModel& m) {
 bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   if (!attach(m, s, lock)) return false;
   const Gap gap = gap_of(s, lock);
-  lock.rest_area = gap.c;
+  lock.rest_area = {gap.side_c[0], gap.side_c[1]};
   lock.origin = gap.in_frame(gap.at_height(0.0));
   bool finite = lock.origin.allFinite();
   for (int face = 0; face < 2; ++face) {  // one-sided shape functions do not meet to round-off
@@ -272,6 +277,8 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
     if (!lock.holds) continue;
     const Gap gap = gap_of(s, lock, position);
     lock.sound = sound(lock, gap);
+    lock.energy = 0.0;
+    if (!(std::min(gap.side_c[0] / lock.rest_area[0], gap.side_c[1] / lock.rest_area[1]) > kNoFrame)) continue;
     const Vec3 offset = gap.in_frame(gap.at_height(0.0)) - lock.origin;
     lock.along = std::abs(offset[1]), lock.height = std::abs(offset[2]);
     double opening = 1e300, held = 0.0;
@@ -281,8 +288,8 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
       opening = std::min(opening, open);
       if (advance) {
         if (open > 0.0) point.depth = kClosingTravels * std::abs(open - point.was_open);
-        point.was_open = open;
         give_way(m, gap, lock, face);
+        point.was_open = extension(m, gap, lock, face)[0];
       }
       const Springs springs = springs_at(m, gap, lock, face);
       held += springs.hold;
@@ -316,7 +323,7 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     lock.holds = false;
     const Gap gap = gap_of(s, lock);
     const double held = energy_of(m, gap, lock);
-    s.cracks.released += held, s.book.face_friction += held;
+    s.release_by_faces(held);
     std::vector<double>& force = s.discontinuity();
     const std::size_t plane = force.size() / 3;
     for (int face = 0; face < 2; ++face)

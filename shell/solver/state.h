@@ -111,6 +111,10 @@ struct ShellState {
   }
   /// Books energy [J] that new cracks release. The next kick uses it together with their force discontinuity.
   void release(double energy) { cracks.released += energy, book.fracture += energy; }
+  /// Books energy [J] that faces in contact held and no longer hold.
+  void release_by_faces(double energy) {
+    cracks.released += energy, cracks.released_by_faces += energy, book.face_friction += energy;
+  }
   bool yields() const { return !layers.plastic.empty(); }
   bool weakens() const { return layers.brittleness > 0.0; }  // by damage
   Vec3 position(int slot) const { return at(motion.x, slot); }

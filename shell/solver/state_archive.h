@@ -24,8 +24,8 @@ void archive(A& a, FacePoint& p) {
 
 template <class A>
 void archive(A& a, Interlock& i) {
-  archive_all(a, i.edge, i.area, i.stiffness, i.plus, i.minus, i.points[0], i.points[1], i.origin, i.rest_area, i.holds,
-              i.opening, i.along, i.height, i.sound, i.rubbed, i.crushed);
+  archive_all(a, i.edge, i.area, i.stiffness, i.plus, i.minus, i.points[0], i.points[1], i.origin, i.rest_area[0],
+              i.rest_area[1], i.holds, i.opening, i.along, i.height, i.sound, i.rubbed, i.crushed);
 }
 
 /// Edges are added again in their order, which reproduces the bins.

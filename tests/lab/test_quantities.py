@@ -36,7 +36,9 @@ class Masses(unittest.TestCase):
         ball.material = "glass"
         volume = 4.0 / 3.0 * math.pi * ball.sphere.radius_m ** 3
         self.assertAlmostEqual(mass_of(scene.message, ball), 2500.0 * volume, places=12)
+        self.assertEqual(scene["materials[glass].youngs_modulus"], 70e9)
         scene["materials[glass].density"] = 2400.0  # its own
+        self.assertEqual(scene["materials[glass].density"], 2400.0)
         self.assertAlmostEqual(mass_of(scene.message, ball), 2400.0 * volume, places=12)
 
 

@@ -119,7 +119,7 @@ def branching(table: Table, executables: Executables) -> None:
             table.add(f"branching_{elements}_us", later * 1e6, 35.0, 0.2858, seconds)  # 25 to 45
             add_books(table, f"branching_{elements}", run)
             x.append(100.0 / elements), y.append(later * 1e6)
-    table.add("branching_over_grids", max(y) / min(y), 1.0, 0.15, 0.0)
+    table.add("branching_over_grids", float(np.max(y) / np.min(y)), 1.0, 0.15, 0.0)
     _draw(table, "branching", graphs, (0.1, 0.04))
     table.curves.append({"name": "crack divides", "x_label": "spacing [mm]", "y_label": "time [us]", "x": x, "y": y,
                          "logarithmic": False})
@@ -138,6 +138,8 @@ def kalthoff(table: Table, executables: Executables) -> None:
         away = np.linalg.norm(points - notch, axis=1)
         far, end = points[np.argmin(np.abs(away - RUN))] - notch, points[np.argmax(away)] - notch
         table.add(f"kalthoff_{elements}_degrees", math.degrees(math.atan2(end[1], end[0])), 70.0, 5.0 / 70.0, seconds)
+        first = math.degrees(math.atan2(far[1], far[0]))
+        table.add(f"kalthoff_{elements}_first_degrees", first, 70.0, 5.0 / 70.0, 0.0)
         add_books(table, f"kalthoff_{elements}", run)
         table.lines.append(f"kalthoff, {100.0 / elements:.2g} mm: starts at {graph.born.min() * 1e6:.1f} us, "
                            f"{away.max() * 1e3:.0f} mm away at the end; the first {RUN * 1e3:.0f} mm run at "

@@ -53,7 +53,7 @@ void hinge(Report& r, int threads) {
     ShellState& s = rig.state();
     cut(m, s);
     const std::size_t plane = m.tables.plane;
-    std::vector<int> left;  // slots of the left edge
+    std::vector<int> left;  // slots of the left edge; both edges are held
     for (int i = 0; i < m.control_points(); ++i) {
       const double x = m.parameter[i].x();
       if (x > 1e-9 && x < kLength - 1e-9) continue;

@@ -256,7 +256,7 @@ def _in_place(folder: Path, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     largest. The first array has pieces that reach further than `spacing` [m] from the plate's border; the second has
     the others, strips at the border. A crack along a clamp leaves no strips."""
     mesh = list_frames(folder)[-1].read(SHELL)
-    if mesh is None:
+    if mesh is None or len(mesh.triangles) == 0:
         return np.zeros(0), np.zeros(0)
     points = reference_points(mesh)[:, :2]
     corner = points[mesh.triangles]
@@ -318,7 +318,7 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
         sizes[elements] = [areas * 1e6 for _, areas, _ in runs if len(areas)]  # [mm^2]
         inside[elements] = [areas * 1e6 for _, _, areas in runs if len(areas)]
         left.append(float(np.mean([len(every) - len(areas) for _, every, areas in runs])))
-        every = np.sort(np.concatenate(sizes[elements]))
+        every = np.sort(np.concatenate([*sizes[elements], np.zeros(0)]))
         table.curves.append({"name": f"{spacing:.2f} mm", "panel": f"{name}: share that is no larger",
                              "x_label": "area [mm^2]", "y_label": "share", "x": every.tolist(),
                              "y": (np.arange(1, len(every) + 1) / len(every)).tolist(), "logarithmic": False,
@@ -352,6 +352,9 @@ def _pieces_of(table: Table, executables: Executables, what: Shattering) -> None
 
 def _sizes(table: Table, name: str, key: str, sizes: dict[int, list[np.ndarray]], grids: tuple[int, ...]) -> None:
     """Tells how far apart the sizes of pieces are from grid to grid, `sizes` [mm^2] of every run."""
+    if not all(sizes[elements] for elements in grids):
+        table.lines.append(f"{name}: {key.replace('_', ' ')}: no pieces on one of the grids")
+        return
     apart = [distance(np.concatenate(sizes[a]), np.concatenate(sizes[b])) for a, b in zip(grids, grids[1:])]
     chance = chance_of_distance(sizes[grids[1]], sizes[grids[2]])
     medians = ", ".join(f"{np.median(np.concatenate(sizes[elements])):.2f}" for elements in grids)

@@ -46,11 +46,22 @@ def mirror(table: Table, executables: Executables) -> None:
             spacings = length * elements / WIDTH
             name = f"mirror_{kind}_{stress / 1e6:.0f}_{elements}"
             constant = stress * same_energy * math.sqrt(length) / 1e6
-            table.lines.append(f"{name}: divides {1e3 * length:.2f} mm from the edge ({spacings:.1f} spacings) at {when * 1e6:.1f} us")
-            if not spacings < RESOLVED:  # NaN counts as a failure
+            if math.isfinite(when):  # what the one crack took until then
+                short = [*_settings(kind, stress, elements), f"end_time_s={0.95 * when:.9g}"]
+                with kept_run(executables, "mirror.textproto", short) as (folder, more):
+                    taken, seconds = read_run(folder)["cracks"]["taken_relative"], seconds + more
+            else:
+                taken = run["cracks"]["taken_relative"]
+            table.lines.append(f"{name}: divides {1e3 * length:.2f} mm from the edge ({spacings:.1f} spacings) at "
+                               f"{when * 1e6:.1f} us")
+            if spacings >= RESOLVED:
                 table.add(f"{name}_constant", constant, CONSTANT, WITHIN, seconds)
             table.add(f"{name}_speed", mean, 0.5 * sum(SPEED), (SPEED[1] - SPEED[0]) / sum(SPEED), 0.0)
-            table.add(f"{name}_taken", run["cracks"]["taken_relative"], 1.0, TAKEN, 0.0)
+            table.add(f"{name}_taken", math.nan if taken is None else taken, 1.0, TAKEN, 0.0)
             add_books(table, name, run)
+    constants = [row for row in table.rows if row["name"].startswith("mirror_") and row["name"].endswith("_constant")]
+    table.add("mirror_constants", len(constants), 5.0, 0.0, 0.0)  # two stresses and three grids, less the unresolved one
+    table.lines.append("mirror: bent, the faces press on one another at the closed side, as a hinge does; such a crack takes "
+                       "less than the stress ahead of it says, and does not divide at this stress")
     if table.pictures is not None:
         draw_cracks(table.pictures / "mirror.png", rows, (2.0 * WIDTH, WIDTH))

@@ -153,7 +153,7 @@ class telling:  # noqa: N801: reads as a word in `with telling(target)`
             raise CommandError(f"a frame cannot be read: {error}") from None
         if isinstance(error, OSError):
             raise CommandError(f"cannot write {self._target}: {error.strerror or error}"
-                               f"{f': {error.filename}' if error.filename else ''}; free some space there, or give --out "
+                               f"{f': {error.filename}' if error.filename else ''}; free some space there, or name "
                                "a place that you may write to") from None
 
 

@@ -37,7 +37,7 @@ def summary(folder: Path, sheet: Path | None) -> str:
                  f"{_number(get('counts', 'handed_off'), 'd')}")
     if isinstance(get("cracks", "taken_relative"), (int, float)):
         lines.append(f"cracks           {_number(get('cracks', 'length_m'), '.3g')} m, took "
-                     f"{_number(get('cracks', 'taken_relative'), '.2f')} of G_f times their area")
+                     f"{_number(get('cracks', 'taken_relative'), '.2f')} of the fracture energy of their area")
     lines.append(f"ledger           linear {_number(get('ledger', 'linear_max'), '.1e')}, angular "
                  f"{_number(get('ledger', 'angular_max'), '.1e')} (relative to the impulses exchanged)")
     lines.append(f"energy residual  {_number(get('energy', 'residual_relative'), '.2%')}")

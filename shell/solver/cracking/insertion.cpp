@@ -350,7 +350,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
   for (const Refastened& r : again) {
     for (const auto& [slot, force] : r.force_change)
       for (int d = 0; d < 3; ++d) s.discontinuity()[d * m.tables.plane + slot] += force[d];
-    s.release(r.released);
+    s.release_by_faces(r.released);
   }
   for (std::size_t i = 0; i < fresh.size(); ++i) {
     if (!keyed[i]) continue;

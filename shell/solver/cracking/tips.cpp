@@ -183,18 +183,18 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
       tip.pending -= r.advance;
       const Vec2 d = turned(tip.direction, tip.turn / tip.weight);
       const double drive = tip.ratio / tip.weight;
-      const double resistance = toughened(m.material, tip_speed(m.material, drive * drive));
+      const auto resistance = [&](double g) { return toughened(m.material, tip_speed(m.material, g)); };
       int edges = 0;
       if (drive > r.branch_ratio && tip.grown >= kWholeCrack * tip.flaw &&
           !clamped_border(m, tip.p, d, kOntoClamp * r.advance) && room_to_branch(s, r, s.cracks.tips[i], m.spacing)) {
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.graph.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
         one.since_branch = twin.since_branch = 0.0;
-        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}}, resistance,
-                        time);
+        edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}},
+                        resistance(0.5 * drive * drive), time);  // each arm has half
         if (edges > 0) s.cracks.graph.new_crack(), tip = one, s.cracks.tips.push_back(twin);
       }
-      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, resistance, time);
+      if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, resistance(drive * drive), time);
       if (edges == 0) tip.pending = kRefusedPending * r.advance;
       inserted += edges;
     }

@@ -11,6 +11,8 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kUnloadedStrain = 1e-7;  // whose force is the scale of a residual where there is no load
+
 // Returns row sums of the stiffness, bounded by norms of the shape functions' derivatives [N/m]. As masses they give
 // every control point a similar step, however small or distorted its elements are.
 std::vector<double> fictitious_masses(const ShellModel& m, const ShellState& s) {
@@ -123,7 +125,11 @@ double Balance::scale() const {
   for (std::size_t i = 0; i < weight_.size(); ++i)
     outside += std::pow(weight_[i] + (s_.motion.external.empty() ? 0.0 : s_.motion.external[i]), 2);
   const double given = std::sqrt(outside), held = norm_of(s_.motion.force, inverse, false);
-  return std::isnan(held) ? held : std::max(given, held);
+  // Without a load nothing but the stiffness tells which force is small.
+  const double least = given > 0.0 ? 0.0
+                                   : kUnloadedStrain * m_.material.youngs_modulus * m_.thickness * m_.spacing *
+                                         std::sqrt(static_cast<double>(m_.control_points()));
+  return std::isnan(held) ? held : std::max({given, held, least});
 }
 
 double Balance::residual(std::vector<double>& summed) const {

@@ -99,10 +99,11 @@ void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
     return;
   std::vector<std::vector<double>> discontinuities, whole;  // free parts; with what supports bear
   // The energy m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still.
-  double moving = 0.0, square = 0.0, still = 0.0, released_energy = 0.0;
+  double moving = 0.0, square = 0.0, still = 0.0, released_energy = 0.0, by_faces = 0.0;
   for (const ShellRef& r : shells) {
     ShellState& s = *r.state;
     released_energy += std::exchange(s.cracks.released, 0.0);
+    by_faces += std::exchange(s.cracks.released_by_faces, 0.0);
     whole.push_back(s.motion.support_impulse.empty() ? std::vector<double>{} : s.cracks.force_discontinuity);
     const std::vector<double>& discontinuity = discontinuities.emplace_back(free_discontinuity(*r.model, *r.state, dt));
     for (std::size_t k = 0; k < discontinuity.size(); ++k) {
@@ -129,7 +130,9 @@ void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
   const double gained = (share - 1.0) * moving + share * (share * square + still);
   EnergyBook& book = shells.front().state->book;
   const double added = std::max(0.0, gained - released_energy);
-  book.injected += added, book.fracture += added - gained;
+  // a gain is charged to what released it, in the shares of their energies
+  const double of_faces = gained > 0.0 && released_energy > 0.0 ? (gained - added) * by_faces / released_energy : 0.0;
+  book.injected += added, book.fracture += added - gained + of_faces, book.face_friction -= of_faces;
 }
 
 void kick(const ShellModel& m, ShellState& s, const Vec3& gravity, double step, double last) {

@@ -52,6 +52,13 @@ TEST(StateArchive, AStateThatIsReadContinuesToTheBit) {
   EXPECT_EQ(other.cracks.graph.edges().size(), s.cracks.graph.edges().size());
   EXPECT_EQ(other.cracks.tips[0].pending, 1e-4);
   EXPECT_EQ(other.book.lost(), s.book.lost());
+  for (std::size_t k = 0; k < s.cracks.interlocks.size(); ++k)
+    for (int face = 0; face < 2; ++face) {
+      const FacePoint &a = s.cracks.interlocks[k].points[face], &b = other.cracks.interlocks[k].points[face];
+      EXPECT_EQ(a.rest, b.rest);
+      EXPECT_EQ(a.bore, b.bore);
+      EXPECT_EQ(a.depth, b.depth);
+    }
   EXPECT_EQ(other.cracked.kind_of, s.cracked.kind_of);  // not saved: it follows from the points
   for (ShellState* t : {&s, &other})
     for (int k = 0; k < 20; ++k) {

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/solver/cracking/polyline.h"
+#include "shell/solver/cracking/tip_speed.h"
 #include "shell/solver/cracking/tips.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/surroundings.h"
@@ -16,28 +17,40 @@
 using namespace sunder;
 using namespace sunder::shell;
 
+namespace {
+
+// A sheet with a cut whose tip has the field of a crack that opens with four times the energy that it takes. Nothing
+// else cracks.
+ShellState opened(const ShellModel& m) {
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  insert_polyline(m, s, {{0.1, -0.01}, {0.1, 0.08}}, 0.0);
+  const double e = m.material.youngs_modulus, nu = m.material.poisson_ratio, kappa = (3.0 - nu) / (1.0 + nu);
+  const double k1 = 2.0 * std::sqrt(e * m.material.fracture_energy), shear = 0.5 * e / (1.0 + nu);
+  for (int k = 0; k < m.control_points(); ++k) {
+    const Vec2 d = m.parameter[k] - Vec2(0.1, 0.08);
+    const double angle = std::atan2(-d.x(), d.y()), sine = std::sin(0.5 * angle), cosine = std::cos(0.5 * angle);
+    const double u = 0.5 * k1 / shear * std::sqrt(d.norm() / (2.0 * std::numbers::pi));
+    s.motion.x[m.tables.slot(k)] -= u * sine * (kappa + 1.0 - 2.0 * cosine * cosine);
+    s.motion.x[m.tables.plane + m.tables.slot(k)] += u * cosine * (kappa - 1.0 + 2.0 * sine * sine);
+  }
+  compute_forces(m, s, false, 1.0, 1);
+  start_at_ends(m, s, 0, static_cast<int>(s.cracks.graph.edges().size()));
+  EXPECT_EQ(s.cracks.tips.size(), 1u);
+  s.cracks.tips[0].first_turn = 0.0;
+  std::fill(s.layers.strength.begin(), s.layers.strength.end(), 1e12);
+  return s;
+}
+
+}  // namespace
+
 // In the field of a crack that opens with four times the energy that it takes; one divides at twice.
 TEST(Tips, DivideOnlyAfterTheLengthOfAWholeCrack) {
   const auto tips_after_an_edge = [](double flaw, double grown) {
     const ShellModel m = brittle_sheet();
-    ShellState s = make_state(m, Vec3::Zero(), 1);
-    insert_polyline(m, s, {{0.1, -0.01}, {0.1, 0.08}}, 0.0);
-    const double e = m.material.youngs_modulus, nu = m.material.poisson_ratio, kappa = (3.0 - nu) / (1.0 + nu);
-    const double k1 = 2.0 * std::sqrt(e * m.material.fracture_energy), shear = 0.5 * e / (1.0 + nu);
-    for (int k = 0; k < m.control_points(); ++k) {
-      const Vec2 d = m.parameter[k] - Vec2(0.1, 0.08);
-      const double angle = std::atan2(-d.x(), d.y()), sine = std::sin(0.5 * angle), cosine = std::cos(0.5 * angle);
-      const double u = 0.5 * k1 / shear * std::sqrt(d.norm() / (2.0 * std::numbers::pi));
-      s.motion.x[m.tables.slot(k)] -= u * sine * (kappa + 1.0 - 2.0 * cosine * cosine);
-      s.motion.x[m.tables.plane + m.tables.slot(k)] += u * cosine * (kappa - 1.0 + 2.0 * sine * sine);
-    }
-    compute_forces(m, s, false, 1.0, 1);
-    start_at_ends(m, s, 0, static_cast<int>(s.cracks.graph.edges().size()));
-    EXPECT_EQ(s.cracks.tips.size(), 1u);
-    s.cracks.tips[0].flaw = flaw, s.cracks.tips[0].grown = grown, s.cracks.tips[0].first_turn = 0.0;
+    ShellState s = opened(m);
+    s.cracks.tips[0].flaw = flaw, s.cracks.tips[0].grown = grown;
     const CrackRules r = make_crack_rules(m, 0.0);
     std::uint64_t random = 1;
-    std::fill(s.layers.strength.begin(), s.layers.strength.end(), 1e12);  // nothing else cracks
     for (int looks = 0; looks < 100 && s.cracks.tips[0].grown == grown; ++looks)
       grow_cracks(m, s, r, 0.0, 0.3 * r.advance / r.rayleigh, random);
     EXPECT_GT(s.cracks.tips[0].grown, grown);
@@ -46,4 +59,26 @@ TEST(Tips, DivideOnlyAfterTheLengthOfAWholeCrack) {
   EXPECT_EQ(tips_after_an_edge(0.0, 0.0), 2u);    // the end of a cut, at once
   EXPECT_EQ(tips_after_an_edge(0.04, 0.09), 2u);  // a crack of 8
   EXPECT_EQ(tips_after_an_edge(0.05, 0.09), 1u);  // of 10
+}
+
+// Its edges keep what their area takes at the speed of the tip; each arm of a division has half of the drive.
+TEST(Tips, KeepTheFractureEnergyAtTheirSpeed) {
+  for (const bool divides : {false, true}) {
+    ShellModel m = brittle_sheet();
+    m.material.crack_speed_onset = 0.1, m.material.toughening = 10.0;
+    m.material.branch_drive = divides ? 2.0 : 1e12;
+    ShellState s = opened(m);
+    CrackRules r = make_crack_rules(m, 0.0);
+    std::uint64_t random = 1;
+    const auto cut = s.cracks.graph.edges().size();
+    for (int looks = 0; looks < 100 && s.cracks.graph.edges().size() == cut; ++looks)
+      grow_cracks(m, s, r, 0.0, 0.3 * r.advance / r.rayleigh, random);
+    ASSERT_EQ(s.cracks.graph.edges().size(), cut + (divides ? 2 : 1));
+    const double takes = s.cracks.graph.edges()[cut].resistance;
+    EXPECT_EQ(s.cracks.graph.edges().back().resistance, takes);
+    // the field has four times the fracture energy, as the mean ahead of the tip sees it
+    const double g = divides ? 2.0 : 4.0, exact = toughened(m.material, tip_speed(m.material, g));
+    EXPECT_NEAR(takes, exact, 0.15 * exact) << divides;
+    EXPECT_GT(takes, 1.5);
+  }
 }

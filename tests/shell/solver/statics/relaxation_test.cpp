@@ -68,6 +68,20 @@ TEST(Equilibrium, OfASmallLoadIsFoundDownToRoundOff) {
   EXPECT_NEAR(displacement(m, s, {1.0, 0.1}).z(), exact, 0.01 * exact);  // 20 elements
 }
 
+// As after a load that has been taken off again: no force is left that a residual could be a share of.
+TEST(Equilibrium, WithoutALoadIsRest) {
+  Load none;
+  none.kind = Load::Kind::kEdgeForce, none.edges = kUMax, none.force = Vec3::Zero();
+  const ShellModel m = thin_strip(0.01, {clamp_at_the_root()}, none);
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  for (int i = 0; i < m.control_points(); ++i)
+    if (!m.held[m.tables.slot(i)]) s.motion.x[2 * m.tables.plane + m.tables.slot(i)] += 1e-3 * m.parameter[i].x();
+  const RelaxationResult r = relax(m, s, {});
+  ASSERT_TRUE(r.converged) << r.residual;
+  EXPECT_EQ(r.stable, RelaxationResult::Stable::kYes);
+  EXPECT_NEAR(displacement(m, s, {1.0, 0.1}).z(), 0.0, 1e-6);
+}
+
 // Elastica at P L^2/(E I) = 10: its end rises to 0.8106 of its length (Mattiasson 1981). The strip is so thin that
 // one-sided differences give no useful tangent, and that all loads at once lead astray.
 TEST(Equilibrium, OfAThinStripThatBendsFarIsFound) {
