@@ -197,6 +197,9 @@ constexpr double kFacesLeastArea = 0.5;
 /// [of the area at rest]: the same where it is larger.
 /// numerical: stretched surroundings
 constexpr double kFacesMostArea = 2.0;
+/// [of the area at rest]: a side that is smaller has no normal, and bears nothing until it releases.
+/// numerical: above round-off
+constexpr double kNoFrame = 1e-3;
 /// [h strength / E]: least depth over which faces grow stiff.
 /// numerical: a kink in the stiffness makes energy
 constexpr double kClosingDepth = 0.05;

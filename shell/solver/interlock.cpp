@@ -7,8 +7,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kNoFrame = 1e-3;  // of its area at rest: a side that is smaller has no normal, and bears nothing
-
 // The gap from the minus to the plus side at the middle of the sheet, in the frame of the deformed surface.
 struct Gap {
   Vec3 tu, tv;                 // mean tangents of the two sides

@@ -40,7 +40,7 @@ class Models(unittest.TestCase):
 
     def test_the_summary_says_what_cracks_took_where_any_ran(self) -> None:
         self.assertNotIn("cracks ", summary(self.here, None))
-        for taken, said in ((1.25, ["cracks           0.0745 m, took 1.25 of G_f times their area"]), (None, [])):
+        for taken, said in ((1.25, ["cracks           0.0745 m, took 1.25 of the fracture energy of their area"]), (None, [])):
             run = {**RUN, "cracks": {"length_m": 0.0745, "resistance": 0.026, "taken_relative": taken}}
             (self.here / "run.json").write_text(json.dumps(run))
             lines = summary(self.here, None).splitlines()

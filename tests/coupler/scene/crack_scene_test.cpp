@@ -44,7 +44,7 @@ TEST(Cut, ThatWouldNeverBeMadeIsRefused) {
 
 TEST(BranchRatio, BelowThatOfARunningTipIsRefused) {
   expect_refusal(scene("", kStrong, "fracture { branch_ratio: 0.5 }\n"), "fracture.branch_ratio",
-                 {"is 0.5", "above 1"});
+                 {"is 0.5", "more than 1"});
 }
 
 TEST(Cut, ThatLeavesTheDomainIsRefusedWithHowFar) {
