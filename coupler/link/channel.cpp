@@ -220,7 +220,7 @@ std::string Channel::Sockets::closed_at_first_word() const {
     return times + ": what waits there is no rigid process, or a relay that does not reach it";
   return times + (with_keys ? ": our rigid.pub is not of its rigid.key, or it has no --keys, or it does not reach the "
                               "rigid process"
-                            : ": it wants keys (give --keys DIR), is no rigid process, or does not reach it");
+                            : ": it wants keys: give --keys DIR; or it is no rigid process, or does not reach it");
 }
 
 // The first message shows which connection is the other side's.

@@ -208,7 +208,7 @@ constexpr double kClosingDepth = 0.05;
 constexpr double kMostClosing = 1e-3;
 /// [travels in a substep]: depth over which faces that close grow stiff.
 /// numerical: energy error of a kink
-constexpr double kClosingTravels = 8.0;
+constexpr double kClosingTravels = 12.0;
 /// [1/(rho h A)]: mobility of a gap from which on its stiffness is reduced.
 /// numerical: stable step
 constexpr double kMostMobility = 4.0;

@@ -15,9 +15,9 @@ struct CrackSurface {
   double total = 0.0;       // the larger of the two over the fracture energy: all surface, resolved or not [m^2]
   double subgrid = 0.0;     // what is beyond the resistance, over the fracture energy [m^2]
   double dust_mass = 0.0;   // of grains with that surface [kg]
-  double dust_size =
-      0.0;  // of those grains, 6 E G_f / strength^2, at most the thickness: the width of a band, bent to the strength,
-            // that stores the fracture energy of its cracks; the largest of all shells with dust [m]
+  // Of those grains, 6 E G_f / strength^2, at most the thickness: the width of a band, bent to the strength, that
+  // stores the fracture energy of its cracks; the largest of all shells with dust [m].
+  double dust_size = 0.0;
 
   CrackSurface& operator+=(const CrackSurface& o);
 };

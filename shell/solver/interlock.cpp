@@ -64,10 +64,8 @@ double stiffness(const ShellModel& m) { return m.material.youngs_modulus / m.spa
 // Height of a point of contact over the middle of the sheet [m].
 double height(const ShellModel& m, int face) { return (face == 0 ? -0.5 : 0.5) * m.thickness; }
 
-// Extension of a point of contact: across, along, normal [m].
-Vec3 extension(const ShellModel& m, const Gap& gap, const Interlock& lock, int face) {
-  return gap.in_frame(gap.at_height(height(m, face))) - lock.points[face].rest;
-}
+// Gap at a point of contact: across, along, normal [m].
+Vec3 gap_at(const ShellModel& m, const Gap& gap, int face) { return gap.in_frame(gap.at_height(height(m, face))); }
 
 // The springs of a point of contact, over k A / 2: what they bear across, along and normal [m], and hold [m^2]. Across
 // they bear pressure only, and are soft over the depth of closing.
@@ -90,17 +88,17 @@ Springs springs_of(const Vec3& extension, double depth) {
   return r;
 }
 double depth_of(const ShellModel& m, const FacePoint& point) { return std::max(closing_depth(m), point.depth); }
-Springs springs_at(const ShellModel& m, const Gap& gap, const Interlock& lock, int face) {
-  return springs_of(extension(m, gap, lock, face), depth_of(m, lock.points[face]));
+Springs springs_at(const ShellModel& m, const Vec3& at, const FacePoint& point) {
+  return springs_of(at - point.rest, depth_of(m, point));
 }
 
 // A point of contact gives way where it bears more than its laws allow: it crushes, then slides. The work of a force
 // over a substep is that of the mean of its two ends, so crushing and friction take that mean times the way that they
 // give.
-void give_way(const ShellModel& m, const Gap& gap, Interlock& lock, int face) {
+void give_way(const ShellModel& m, const Vec3& at, Interlock& lock, int face) {
   FacePoint& point = lock.points[face];
   const double k = 0.5 * lock.stiffness * lock.area, depth = depth_of(m, point);
-  Vec3 e = extension(m, gap, lock, face);
+  Vec3 e = at - point.rest;
   Springs now = springs_of(e, depth);
   const double most = m.material.crushing_strength / lock.stiffness;  // [m]
   if (-now.bear[0] > most) {
@@ -197,7 +195,7 @@ void push(const ShellModel& m, const ShellState& s, const Interlock& lock, const
 // Energy of both points of contact [J].
 double energy_of(const ShellModel& m, const Gap& gap, const Interlock& lock) {
   double held = 0.0;
-  for (int face = 0; face < 2; ++face) held += springs_at(m, gap, lock, face).hold;
+  for (int face = 0; face < 2; ++face) held += springs_at(m, gap_at(m, gap, face), lock.points[face]).hold;
   return 0.5 * lock.stiffness * lock.area * held;
 }
 
@@ -214,7 +212,7 @@ bool fasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   lock.origin = gap.in_frame(gap.at_height(0.0));
   bool finite = lock.origin.allFinite();
   for (int face = 0; face < 2; ++face) {  // one-sided shape functions do not meet to round-off
-    lock.points[face].rest = gap.in_frame(gap.at_height(height(m, face)));
+    lock.points[face].rest = gap_at(m, gap, face);
     finite = finite && lock.points[face].rest.allFinite();
   }
   return finite;
@@ -239,9 +237,10 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   Refastened r;
   const auto bear = [&](const Gap& gap, double times) {
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap, lock, face), times, [&](int slot, const Vec3& on) {
-        r.force_change.push_back({slot, on});
-      });
+      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), times,
+           [&](int slot, const Vec3& on) {
+             r.force_change.push_back({slot, on});
+           });
   };
   const Gap before = gap_of(s, lock);
   const double held = energy_of(m, before, lock);
@@ -282,14 +281,15 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
     double opening = 1e300, held = 0.0;
     for (int face = 0; face < 2; ++face) {
       FacePoint& point = lock.points[face];
-      const double open = extension(m, gap, lock, face)[0];
+      const Vec3 at = gap_at(m, gap, face);
+      const double open = at[0] - point.rest[0];
       opening = std::min(opening, open);
       if (advance) {
         if (open > 0.0) point.depth = kClosingTravels * std::abs(open - point.was_open);
-        give_way(m, gap, lock, face);
-        point.was_open = extension(m, gap, lock, face)[0];
+        give_way(m, at, lock, face);
+        point.was_open = at[0] - point.rest[0];
       }
-      const Springs springs = springs_at(m, gap, lock, face);
+      const Springs springs = springs_at(m, at, point);
       held += springs.hold;
       push(m, s, lock, gap, face, springs, 1.0, add);
     }
@@ -325,9 +325,10 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     std::vector<double>& force = s.discontinuity();
     const std::size_t plane = force.size() / 3;
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap, lock, face), 1.0, [&](int slot, const Vec3& on) {
-        for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
-      });
+      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), 1.0,
+           [&](int slot, const Vec3& on) {
+             for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
+           });
     s.motion.last_force.clear();
   }
 }

@@ -122,6 +122,7 @@ class Ids(unittest.TestCase):
             self.assertLessEqual({1, 2}, bodies)  # those of the scene
         times = [frame.time_s for frame in frames]
         self.assertGreaterEqual(sum(np.isfinite(tracks[i].area[0]) for i in rows), FOLLOWED)
+        went_on = 0
         for i, row in rows.items():
             track = tracks[i]
             self.assertEqual(track.time, times[-len(track.time):], f"shard {i} is missing in a frame, or twice in one")
@@ -142,6 +143,8 @@ class Ids(unittest.TestCase):
             # it goes on from where it was, as far as it flies in the window
             self.assertLess(float(np.linalg.norm(track.centre[born] - track.centre[born - 1])),
                             1.5 * ONE_WINDOW * row["speed at birth [m/s]"] + 0.05 * np.sqrt(row["area [m^2]"]))
+            went_on += 1
+        self.assertGreaterEqual(went_on, FOLLOWED)
 
     def test_shards_are_followed_by_name_in_the_animated_file(self) -> None:
         rows, tracks = shards(self.folder), sunder.tracks(sunder.Results(self.folder))

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..errors import PEER_LOST, CommandError, how_it_ended
 from ..launch.build import ensure_built
 from ..launch.modes_folder import open_modes_folder
-from .parser import Subparsers, add_command, add_scene, add_settings, count, need_scene, threads
+from .parser import Subparsers, add_command, add_scene, add_settings, count, need_scene, number_within, threads
 
 NAME = "modes"
 MOST = 1000  # modes, as the program takes them
@@ -62,10 +62,4 @@ def _modes(text: str) -> int:
 
 
 def _share(text: str) -> float:
-    try:
-        value = float(text)
-    except ValueError:
-        value = 0.0
-    if not 1e-6 <= value <= 1.0:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number of 1e-6 to 1")
-    return value
+    return number_within(text, 1e-6, 1.0)

@@ -105,15 +105,20 @@ def count(text: str) -> int:
     return int(threads(text))
 
 
-def positive(text: str) -> float:
-    """A number of 0.001 to 1000."""
+def number_within(text: str, least: float, most: float) -> float:
+    """A number of `least` to `most`, both above 0."""
     try:
         value = float(text)
     except ValueError:
         value = 0.0
-    if not 1e-3 <= value <= 1e3:
-        raise argparse.ArgumentTypeError(f"'{text}' is not a number of 0.001 to 1000")
+    if not least <= value <= most:
+        raise argparse.ArgumentTypeError(f"'{text}' is not a number of {least:g} to {most:g}")
     return value
+
+
+def positive(text: str) -> float:
+    """A number of 0.001 to 1000."""
+    return number_within(text, 1e-3, 1e3)
 
 
 def number_above_zero(text: str) -> float:

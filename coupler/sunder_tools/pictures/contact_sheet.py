@@ -1,12 +1,12 @@
 """contact_sheet.png: the whole run on one picture, with numpy and PIL only."""
 from __future__ import annotations
 
-import os
 from pathlib import Path
 
 import numpy as np
 from PIL import Image, ImageDraw
 
+from ..replacing import replacing
 from ..report.run_json import read_run
 from .flat import crack_pattern, side_view
 from .frames import SHELL, Frame, choose_frames, list_frames
@@ -54,12 +54,9 @@ def write_contact_sheet(folder: Path) -> Path:
     sheet.paste(_side_panel(chosen[-1], scenes[-1], wide, side_width), (PATTERN + 2 * GAP, top))
     draw_text(sheet, (GAP + 4, 10), _title(folder), 22)
 
-    target, temporary = folder / "contact_sheet.png", folder / f".contact_sheet.{os.getpid()}.png"
-    try:
-        sheet.save(temporary)
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)
+    target = folder / "contact_sheet.png"
+    with replacing(target) as part:
+        sheet.save(part)
     return target
 
 

@@ -2,13 +2,13 @@
 from __future__ import annotations
 
 import json
-import os
 from pathlib import Path
 
 import numpy as np
 from PIL import Image
 
 from ..launch.modes_folder import SHEET, TABLE
+from ..replacing import replacing
 from .frames import list_frames
 from .lettering import draw_text
 from .look import Look
@@ -47,12 +47,9 @@ def write_modes_sheet(folder: Path) -> Path:
         row, column = divmod(k, columns)
         sheet.paste(view, (GAP + column * (PANEL[0] + GAP), head + GAP + row * (PANEL[1] + GAP)))
     draw_text(sheet, (GAP + 4, 10), f"{told['name']}     drawn with {told['drawn_amplitude_m'] * 1e3:.3g} mm", 20)
-    target, temporary = folder / SHEET, folder / f".modes.{os.getpid()}.png"
-    try:
-        sheet.save(temporary)
-        os.replace(temporary, target)
-    finally:
-        temporary.unlink(missing_ok=True)
+    target = folder / SHEET
+    with replacing(target) as part:
+        sheet.save(part)
     return target
 
 

@@ -20,6 +20,7 @@ from ..errors import DONE, CommandError
 from ..launch.folder import existing_run
 from ..launch.install import FILM_PACKAGES, ensure_installed
 from ..places import BUILD_DIR_VARIABLE, work_folder
+from ..replacing import replacing
 from .between import FPS, film_frames
 from .contact_sheet import SAMPLES, boxes, moment_text, towards_what_is_hit, write_contact_sheet
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
@@ -159,12 +160,8 @@ class telling:  # noqa: N801: reads as a word in `with telling(target)`
 
 def put_in_place(target: Path, write: Callable[[Path], object]) -> None:
     """Runs `write(path)` so that the file is complete or absent."""
-    part = target.with_name(f".{os.getpid()}.{target.name}")
-    try:
+    with replacing(target) as part:
         write(part)
-        os.replace(part, target)
-    finally:
-        part.unlink(missing_ok=True)
 
 
 def _set_stage(folder: Path, frames: list[Frame], numbers: Sequence[int], shot: Shot) -> _Stage:

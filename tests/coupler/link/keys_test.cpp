@@ -251,7 +251,7 @@ TEST(EncryptedSession, RefusesOtherKeys) {
       {"a wrong server key", keys, misled, "our rigid.pub is not of its rigid.key", "expects another rigid.pub"},
       {"keys of another pair of machines", keys, others, "our rigid.pub is not of its rigid.key",
        "expects another rigid.pub"},
-      {"a client without keys", keys, "", "it wants keys", "came to nothing"},
+      {"a client without keys", keys, "", "it wants keys: give --keys", "came to nothing"},
       {"a server without keys", "", keys, "--keys", "came to nothing"},
   };
   for (const auto& c : cases) {

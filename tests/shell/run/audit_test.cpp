@@ -84,8 +84,10 @@ TEST(Audit, SaysWhereCracksTookMoreOrLessThanTheirAreaAsks) {
   Audit a = sound();
   a.surface.resistance = 10.0, a.surface.taken = 14.0;
   EXPECT_TRUE(audit_warnings(a).empty());
-  a.surface.taken = 16.0;
+  a.surface.taken = 16.0;  // of a sheet that yields: no dust
   EXPECT_NE(said(a).find("1.6 times the fracture energy"), std::string::npos);
+  EXPECT_EQ(said(a).find("dust"), std::string::npos);
+  a.surface.subgrid = 0.1;
   EXPECT_NE(said(a).find("dust"), std::string::npos);
   a.surface.taken = 6.0;
   EXPECT_NE(said(a).find("0.6 times the fracture energy"), std::string::npos);
