@@ -24,6 +24,7 @@ struct Tip {
   double first_turn = 0.0;    // largest turn of its first edge [rad]
   // Sums over the growth of `pending`, weighted by speed: weight, turn [rad], drive.
   double weight = 0.0, turn = 0.0, ratio = 0.0;
+  double owed = 0.0;  // what its edges have cost beyond what they released, so far [J]
   bool alive = true;
   bool seam_decided = false;  // dead, and its propagation over a seam has been decided
 };
@@ -71,13 +72,14 @@ struct Cracks {
   std::vector<double> force_discontinuity;
   double released = 0.0;           // stored energy released by them and by faces that let go, booked already [J]
   double released_by_faces = 0.0;  // the part of it that is booked as friction of faces [J]
-  double taken = 0.0;              // stored energy that edges which ran by themselves have released so far [J]
+  double surplus = 0.0;            // the part of it that tips released beyond what they owe: it stays motion [J]
+  double taken = 0.0;              // energy that edges which ran by themselves have taken so far [J]
 
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     f(graph, tips, interlocks, interlock_of, cut_done, last_crack_time, interlock_energy, force_discontinuity, released,
-      released_by_faces, taken);
+      released_by_faces, surplus, taken);
   }
 };
 

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "shell/mechanics/principal.h"
 #include "shell/solver/cracking/clamp.h"
+#include "shell/solver/cracking/crack_cost.h"
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/nucleation.h"
 #include "shell/solver/cracking/tip_drive.h"
@@ -88,6 +90,20 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
   return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }
 
+// Settles what the edges of the tips, from `first` on, have released [J] against what they cost. An edge is inserted
+// before its faces have moved, so it releases what the elements around it store, more or less than its cost. A tip that
+// released less owes the rest to its next edges. What is over is energy of the motion that opens the crack, which
+// the next kick gives back (apply_force_discontinuity). The first edge of a new crack keeps it: that is dust.
+void settle(const ShellModel& m, ShellState& s, const std::vector<std::pair<Tip*, Vec2>>& tips, int first,
+            double released) {
+  double over = released;
+  for (std::size_t k = 0; k < tips.size(); ++k)
+    over -= edge_cost(m, s.cracks.graph.edges()[first + k]) + std::exchange(tips[k].first->owed, 0.0);
+  for (const auto& [tip, direction] : tips) tip->owed = std::max(0.0, -over) / static_cast<double>(tips.size());
+  const Tip& tip = *tips.front().first;
+  if (tip.grown > 0.0 || tip.flaw == 0.0) s.cracks.surplus += std::max(0.0, over);
+}
+
 // Each tip runs one edge along its direction, all of them or none. `resistance`: what their area takes, over the
 // fracture energy. Returns the number of edges inserted.
 int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::vector<std::pair<Tip*, Vec2>>& tips,
@@ -95,6 +111,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
   std::vector<Way> ways;
   int first = -1;
   double length = r.advance;
+  const double taken = s.cracks.taken;
   for (const double longer : kEdgesTried) {
     length = longer * r.advance;
     ways.clear();
@@ -107,6 +124,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     if (first >= 0) break;
   }
   if (first < 0) return 0;
+  settle(m, s, tips, first, s.cracks.taken - taken);
   for (std::size_t k = 0; k < tips.size(); ++k) {
     Tip& tip = *tips[k].first;
     const Vec2 b = ways[k].to, step = b - tip.p;
@@ -189,7 +207,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
           !clamped_border(m, tip.p, d, kOntoClamp * r.advance) && room_to_branch(s, r, s.cracks.tips[i], m.spacing)) {
         Tip one = tip, twin = tip;
         twin.crack = s.cracks.graph.next_crack(), twin.sibling = one.crack, one.sibling = twin.crack;
-        one.since_branch = twin.since_branch = 0.0;
+        one.since_branch = twin.since_branch = twin.owed = 0.0;
         edges = advance(m, s, r, {{&one, turned(d, r.branch_angle)}, {&twin, turned(d, -r.branch_angle)}},
                         resistance(0.5 * drive * drive), time);  // each arm has half
         if (edges > 0) s.cracks.graph.new_crack(), tip = one, s.cracks.tips.push_back(twin);

@@ -93,42 +93,73 @@ std::vector<double> free_discontinuity(const ShellModel& m, ShellState& s, doubl
 
 }  // namespace
 
+namespace {
+
+// A force discontinuity as a change of velocities, and the share of it that is applied to the half kick before. It
+// changes the energy m v- . v+ / 2 by (share - 1) moving + share^2 square + share still.
+struct KickChange {
+  double moving = 0.0, square = 0.0, still = 0.0, share = 1.0;  // [J], [J], [J], [-]
+
+  double gain() const { return (share - 1.0) * moving + share * (share * square + still); }
+  // The largest share without a gain, or the one with the least gain.
+  void without_gain() {
+    if (!(square + still > 0.0)) return;
+    const double middle = -0.5 * (moving + still) / square;
+    share = std::clamp(middle + std::sqrt(std::max(0.0, middle * middle + moving / square)), 0.0, 1.0);
+  }
+  // The share, mostly negative, with which the energy rises by `surplus` [J] as faces move apart, at least `least`.
+  void with_gain(double surplus, double least) {
+    if (!(square > 0.0)) return;
+    const double middle = -0.5 * (moving + still) / square;
+    share = middle - std::sqrt(std::max(0.0, middle * middle + (moving + surplus) / square));
+    share = std::max(share, least);
+  }
+};
+
+}  // namespace
+
 void apply_force_discontinuity(const std::vector<ShellRef>& shells, double dt) {
   if (std::all_of(shells.begin(), shells.end(),
                   [](const ShellRef& r) { return r.state->cracks.force_discontinuity.empty(); }))
     return;
   std::vector<std::vector<double>> discontinuities, whole;  // free parts; with what supports bear
-  // The energy m v- . v+ / 2 changes by (share - 1) moving + share^2 square + share still.
-  double moving = 0.0, square = 0.0, still = 0.0, released_energy = 0.0, by_faces = 0.0;
+  KickChange change;
+  double released_energy = 0.0, by_faces = 0.0, surplus = 0.0, passage = 0.0;
   for (const ShellRef& r : shells) {
     ShellState& s = *r.state;
     released_energy += std::exchange(s.cracks.released, 0.0);
     by_faces += std::exchange(s.cracks.released_by_faces, 0.0);
+    if (s.cracks.surplus > 0.0) surplus += s.cracks.surplus, passage = std::max(passage, r.model->response_time());
     whole.push_back(s.motion.support_impulse.empty() ? std::vector<double>{} : s.cracks.force_discontinuity);
     const std::vector<double>& discontinuity = discontinuities.emplace_back(free_discontinuity(*r.model, *r.state, dt));
     for (std::size_t k = 0; k < discontinuity.size(); ++k) {
       if (discontinuity[k] == 0.0) continue;
       const std::size_t slot = k % r.model->tables.plane;
       const double mass = s.motion.mass[slot], dv = 0.5 * dt * s.motion.inverse_mass[slot] * discontinuity[k];
-      moving += mass * dv * s.motion.v[k], square += 0.5 * mass * dv * dv;
-      still += 0.5 * mass * dv * dt * s.motion.inverse_mass[slot] * s.motion.force[k];
+      change.moving += mass * dv * s.motion.v[k], change.square += 0.5 * mass * dv * dv;
+      change.still += 0.5 * mass * dv * dt * s.motion.inverse_mass[slot] * s.motion.force[k];
     }
   }
-  double share = 1.0;
-  if (square + still > 0.0) {  // the largest share without a gain, or the one with the least gain
-    const double middle = -0.5 * (moving + still) / square;
-    share = std::clamp(middle + std::sqrt(std::max(0.0, middle * middle + moving / square)), 0.0, 1.0);
-  }
+  if (surplus > 0.0)
+    change.with_gain(surplus, -passage / (0.5 * dt));
+  else
+    change.without_gain();
   for (std::size_t i = 0; i < shells.size(); ++i) {
     ShellState& s = *shells[i].state;
     for (std::size_t k = 0; k < discontinuities[i].size(); ++k)
       s.motion.v[k] +=
-          share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.plane] * discontinuities[i][k];
+          change.share * 0.5 * dt * s.motion.inverse_mass[k % shells[i].model->tables.plane] * discontinuities[i][k];
     for (std::size_t k = 0; k < whole[i].size(); ++k)
-      s.motion.support_impulse[k] -= share * 0.5 * dt * (whole[i][k] - discontinuities[i][k]);
+      s.motion.support_impulse[k] -= change.share * 0.5 * dt * (whole[i][k] - discontinuities[i][k]);
   }
-  const double gained = (share - 1.0) * moving + share * (share * square + still);
+  const double returned = std::clamp(change.gain(), 0.0, surplus), gained = change.gain() - returned;
+  for (const ShellRef& r : shells) {
+    Cracks& c = r.state->cracks;
+    const double share = surplus > 0.0 ? std::exchange(c.surplus, 0.0) / surplus : 0.0;
+    c.taken -= share * returned, r.state->book.fracture -= share * returned;
+  }
   EnergyBook& book = shells.front().state->book;
+  released_energy -= returned;
   const double added = std::max(0.0, gained - released_energy);
   // a gain is charged to what released it, in the shares of their energies
   const double of_faces = gained > 0.0 && released_energy > 0.0 ? (gained - added) * by_faces / released_energy : 0.0;

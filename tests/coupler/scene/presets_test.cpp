@@ -19,7 +19,7 @@ TEST(Presets, FillInWhatIsLeftOutAndNothingElse) {
   EXPECT_EQ(m->youngs_modulus(), 70e9);
   EXPECT_EQ(m->fracture_energy(), 9.0);
   EXPECT_EQ(m->toughening(), 0.0);
-  EXPECT_EQ(m->branch_drive(), 12.0);
+  EXPECT_EQ(m->branch_drive(), 13.7);
   EXPECT_FALSE(m->has_strength());  // of a surface, not of a material
 }
 

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include "shell/solver/cracking/crack_cost.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/cracking/tip_speed.h"
 #include "shell/solver/cracking/tips.h"
@@ -80,5 +81,36 @@ TEST(Tips, KeepTheFractureEnergyAtTheirSpeed) {
     const double g = divides ? 2.0 : 4.0, exact = toughened(m.material, tip_speed(m.material, g));
     EXPECT_NEAR(takes, exact, 0.15 * exact) << divides;
     EXPECT_GT(takes, 1.5);
+  }
+}
+
+// An edge releases more or less than it costs. A tip owes what is missing to its next edges; what is over is returned,
+// but for the first edge of a new crack.
+TEST(Tips, SettleWhatEdgesReleaseAgainstTheirCost) {
+  struct Account {
+    double owed, flaw, grown;
+    bool returns;
+  };
+  const ShellModel m = brittle_sheet();
+  const double cost = m.material.fracture_energy * m.thickness * m.spacing;  // of about an edge
+  for (const Account& a : {Account{0.0, 0.0, 0.0, true},
+                           {0.1 * cost, 0.0, 0.0, true},
+                           {100.0 * cost, 0.0, 0.0, false},
+                           {0.0, 0.04, 0.01, true},
+                           {0.0, 0.04, 0.0, false}}) {
+    ShellState s = opened(m);
+    CrackRules r = make_crack_rules(m, 0.0);
+    r.branch_ratio = 1e6;
+    Tip& tip = s.cracks.tips[0];
+    tip.owed = a.owed, tip.flaw = a.flaw, tip.grown = a.grown;
+    std::uint64_t random = 1;
+    const auto cut = s.cracks.graph.edges().size();
+    for (int looks = 0; looks < 100 && s.cracks.graph.edges().size() == cut; ++looks)
+      grow_cracks(m, s, r, 0.0, 0.3 * r.advance / r.rayleigh, random);
+    ASSERT_EQ(s.cracks.graph.edges().size(), cut + 1);
+    const double over = s.cracks.taken - edge_cost(m, s.cracks.graph.edges().back()) - a.owed;
+    EXPECT_EQ(over > 0.0, a.owed < cost);  // in this field an edge releases more than it costs
+    EXPECT_NEAR(s.cracks.surplus, a.returns ? over : 0.0, 1e-12 * cost);
+    EXPECT_NEAR(s.cracks.tips[0].owed, std::max(0.0, -over), 1e-12 * cost);
   }
 }

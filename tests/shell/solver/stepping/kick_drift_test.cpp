@@ -160,6 +160,47 @@ TEST(Jump, AsMuchOfTheHalfKickIsChangedAsKeepsTheEnergy) {
     }
 }
 
+// What tips release beyond the cost of their edges opens the crack: motion gains it, and fracture has not taken it.
+TEST(Jump, TheSurplusOfTipsStaysMotion) {
+  for (const Case& c : {kCases[0], kCases[1]})
+    for (const double share : {0.1, 0.6, 1.0}) {
+      const ShellModel m = sheet(c.yield_stress);
+      ShellState s = moving(m);
+      const double before = energy(m, s), fracture = s.book.fracture;
+      insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
+      const double released = s.cracks.released, kept = (1.0 - share) * released;
+      ASSERT_GT(released, 1e-6 * before);
+      s.cracks.taken = released, s.cracks.surplus = share * released;
+      Vec3 momentum = Vec3::Zero(), then = Vec3::Zero();
+      for (int i = 0; i < m.control_points(); ++i)
+        momentum += s.motion.mass[m.tables.slot(i)] * s.velocity(m.tables.slot(i));
+      EXPECT_NEAR(energy(m, s), before, 1e-10 * before) << c.name;
+      EXPECT_NEAR(s.book.fracture - fracture, kept, 1e-9 * released) << c.name;
+      EXPECT_NEAR(s.cracks.taken, kept, 1e-9 * released) << c.name;
+      EXPECT_EQ(s.cracks.surplus, 0.0);
+      for (int i = 0; i < m.control_points(); ++i)
+        then += s.motion.mass[m.tables.slot(i)] * s.velocity(m.tables.slot(i));
+      EXPECT_LT((then - momentum).norm(), 1e-12 * std::sqrt(before)) << c.name;  // of 1 kg at that energy, at most
+    }
+}
+
+// No longer than a wave passes an element: what does not fit into that stays with the crack.
+TEST(Jump, FacesAreDrivenApartForThePassageOfAWaveAtMost) {
+  const ShellModel m = sheet();
+  ShellState s = moving(m);
+  insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
+  const std::vector<double> then = s.motion.v, jump = s.cracks.force_discontinuity;
+  const double much = 1e3 * s.cracks.released;
+  s.cracks.released = s.cracks.taken = s.cracks.surplus = much;
+  compute_forces(m, s, true, 0.0, 1);
+  apply_force_discontinuity({{&m, &s}}, kStep);
+  for (std::size_t k = 0; k < jump.size(); ++k) {
+    const double most = m.response_time() * s.motion.inverse_mass[k % m.tables.plane] * jump[k];
+    EXPECT_NEAR(then[k] - s.motion.v[k], most, 1e-12 * largest(then));
+  }
+  EXPECT_GT(s.cracks.taken, 0.5 * much);
+}
+
 // What half a kick gains is taken from what the same cracks have let go; only where it is more has the crack added it.
 TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
   const ShellModel m = sheet(0.0);

@@ -1,0 +1,32 @@
+#include "shell/solver/cracking/crack_cost.h"
+
+#include <algorithm>
+
+namespace sunder::shell {
+namespace {
+
+// Returns the length [m] of the part of ab inside the patch. Cracks that leave the shell end a little beyond its
+// border.
+double length_within(const Patch& patch, const Vec2& a, const Vec2& b) {
+  double from = 0.0, to = 1.0;
+  const KnotVector* knots[] = {&patch.knots_u, &patch.knots_v};
+  for (int d = 0; d < 2; ++d) {
+    const double way = b[d] - a[d];
+    if (way == 0.0) continue;  // parallel to this border: inside, as its ends are
+    const double begin = (knots[d]->begin() - a[d]) / way, end = (knots[d]->end() - a[d]) / way;
+    from = std::max(from, std::min(begin, end)), to = std::min(to, std::max(begin, end));
+  }
+  return std::max(0.0, to - from) * (b - a).norm();
+}
+
+}  // namespace
+
+double edge_cost(const ShellModel& m, const CrackEdge& e) {
+  const Vec2 middle = 0.5 * (e.a + e.b);
+  const int block = m.patch.knots_v.span_of(middle.y()) * m.tables.gauss * m.tables.gauss;
+  const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(middle.x()));
+  return m.material.fracture_energy * (m.thickness - m.material.interlayer.thickness) * factor * factor * e.resistance *
+         length_within(m.patch, e.a, e.b);
+}
+
+}  // namespace sunder::shell
