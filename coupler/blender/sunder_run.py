@@ -48,10 +48,10 @@ def load(folder: str, fps: float = 24.0, speed: float = 0.0, middle: bool = Fals
     from sunder_tools.pictures.frames import list_frames
     from sunder_tools.pictures.look import origins
     from sunder_tools.pictures.story import story_of
-    from sunder_tools.report.scene_text import scene_words
+    from sunder_tools.report.scene_text import known_words
     run = Path(folder)
     frames, times = film_frames(list_frames(run), fps, speed or None, to_the_end=True)
-    words = scene_words(run)
+    words = known_words(run, "import")
     things = story_of(frames, words, origins(run, words), middle)
     scene = bpy.context.scene
     scene.render.fps, scene.render.fps_base = max(round(fps), 1), max(round(fps), 1) / fps

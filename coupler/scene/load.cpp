@@ -228,10 +228,9 @@ LoadedScene load(const std::string& path, const std::vector<std::string>& settin
   for (const std::string& setting : settings) apply_setting(scene.message, setting);
   check_enumerators(scene, scene.message, "");
   fill_presets(scene.message);  // their values belong to the hash
-  std::string canonical;
-  pb::TextFormat::PrintToString(scene.message, &canonical);
+  pb::TextFormat::PrintToString(scene.message, &scene.text);
   Sha256 hash;
-  hash.add(canonical);
+  hash.add(scene.text);
   add_files(scene.message, std::filesystem::weakly_canonical(std::filesystem::absolute(path)).parent_path(), hash);
   scene.hash = hash.hex();
   validate(scene);

@@ -20,7 +20,8 @@ class LoadedScene {
 
   proto::Scene message;
   std::string path;
-  std::string hash;  // SHA-256 of the message as text with settings applied, and of the files that it names
+  std::string text;                   // the message as text, with settings and presets applied
+  std::string hash;                   // SHA-256 of `text` and of the files that it names
   std::vector<std::string> settings;  // applied to the file's message, each as name.path=value
 
   /// Throws Error (bad_scene) at the place of `field` ("shells[0].plate.size_x_m"). Where the file does not have the

@@ -18,7 +18,7 @@ from sunder_tools.launch.fidelity import PRESETS, taken
 from sunder_tools.launch.run import Job, run_scene
 from sunder_tools.places import REPOSITORY
 from sunder_tools.report.run_json import read_run
-from sunder_tools.report.scene_text import parse_text
+from sunder_tools.report.scene_text import SCENE_COPY, parse_text
 
 from .results import RunArrays
 from .schema import assets_of, relative_asset, scene_class, with_preset
@@ -207,6 +207,8 @@ class Results(RunArrays):
             if place.is_file():
                 return Scene.load(place)
         job = Job.read(self.folder)
+        if (self.folder / SCENE_COPY).is_file():  # the file that was run may have changed since
+            return Scene(Scene.load(self.folder / SCENE_COPY).message, job.scene.parent)
         return Scene.load(job.scene).set(_pairs(job.settings))
 
 

@@ -9,6 +9,7 @@
 #include "coupler/core/version.h"
 
 #include "shell/io/frames.h"
+#include "shell/io/scene_copy.h"
 #include "shell/io/vtp.h"
 #include "shell/run/simulation.h"
 #include "shell/solver/forces.h"
@@ -140,9 +141,13 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
   }
   fmt::print("{}", notes);
   draw_all(state, found, amplitude, options.out);
-  const Json all = {{"name", setup.name},          {"scene_hash", options.scene_hash},
-                    {"version", version()},        {"drawn_amplitude_m", amplitude},
-                    {"shells", std::move(shells)}, {"modes", std::move(modes)}};
+  const Json all = {{"name", setup.name},
+                    {"scene_hash", options.scene_hash},
+                    {"version", version()},
+                    {"drawn_amplitude_m", amplitude},
+                    {"shells", std::move(shells)},
+                    {"modes", std::move(modes)}};
+  write_scene_copy(options.out, options.scene_text);
   write_atomically(options.out + "/modes.json", all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 

@@ -12,6 +12,7 @@ struct ModesOptions {
   int count = 10;          // lowest modes over all shells; 0: none
   double amplitude = 0.1;  // largest displacement that is drawn, over the size of all shells [-]
   std::string out, scene_hash;
+  std::string scene_text;  // with settings, for the copy in `out`; empty: no copy
   int threads = 1;
 };
 

@@ -82,6 +82,7 @@ int run(const Program& program, int argc, char** argv) {
   if (modes.count > 0) {
     require(!options.out.empty(), "--out is missing; see {} --help", program.name);
     modes.out = options.out, modes.scene_hash = scene.hash, modes.threads = options.threads;
+    modes.scene_text = scene.text;
     std::signal(SIGINT, on_signal);
     write_modes(std::move(setup), modes, [] {
       if (interrupted) throw Error(Exit::kInterrupted, "interrupted", "interrupted");
@@ -89,8 +90,9 @@ int run(const Program& program, int argc, char** argv) {
     return 0;
   }
   for (int i = 0; i < scene.message.shells_size() && setup.steps > 0; ++i)
-    scene.check(scene.message.shells(i).has_equilibrium(), "end_time_s",
-                "is missing; give a positive number [s] and window_s, or equilibrium {{}} in shell '{}'",
+    scene.check(
+        scene.message.shells(i).has_equilibrium(), "end_time_s",
+        "is missing; give a positive number [s] and window_s, or equilibrium {{}} in shell '{}'",
                 scene.message.shells(i).name());
   require(options.until <= 0.0 || setup.steps == 0, "--until {}: nothing moves in this scene; leave it out",
           options.until);
@@ -101,7 +103,7 @@ int run(const Program& program, int argc, char** argv) {
   require(!options.out.empty(), "--out is missing; see {} --help", program.name);
   require(!where.empty() || !options.replay.empty(), "{} is missing; see {} --help", program.rigid_option,
           program.name);
-  options.scene_hash = scene.hash, options.program = program.name;
+  options.scene_hash = scene.hash, options.scene_text = scene.text, options.program = program.name;
   std::signal(SIGINT, on_signal);
   std::signal(SIGTERM, on_signal);
   options.connect = [&](const RunOptions& o) { return program.connect(where, o); };

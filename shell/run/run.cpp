@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "shell/io/scene_copy.h"
 #include "shell/run/flight.h"
 #include "shell/solver/joining/seam_cracks.h"
 
@@ -65,11 +66,13 @@ void Run::start() {
   simulation_.prepare();
   if (options_.resume) {
     load_checkpoint();
+    write_scene_copy(options_.out, options_.scene_text);
     recorder_.write_summary("running", nullptr);
     return;
   }
   coupler_.load();
   recorder_.begin();
+  write_scene_copy(options_.out, options_.scene_text);
   const auto look = [this] {
     check_peer_and_progress();
     if (*interrupted_)

@@ -16,6 +16,7 @@ class Run;
 /// Options of a run, from the command line or from a program that embeds it.
 struct RunOptions {
   std::string out, scene_hash;
+  std::string scene_text;              // with settings, for the copy in the run folder; empty: no copy
   std::string record, replay, trace;   // files; empty: none
   std::string keys;                    // folder of the keys of an encrypted session; empty: none
   std::string program, rigid_program;  // names of this program and of the rigid side's, for the trace; empty: not known

@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 import json
+import os
 import re
 import unittest
 
@@ -11,7 +12,7 @@ from sunder_tools.pictures.export import glb_bytes
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
 from sunder_tools.pictures.mesh import mesh_of
 from sunder_tools.pictures.thick import EDGE, INSIDE, OUTSIDE, corner_normals, sheet_points, sheet_topology
-from sunder_tools.report.scene_text import Words
+from sunder_tools.report.scene_text import SCENE_COPY, Words
 
 from .mesh_files import read_glb, read_ply
 from .synthetic import THICKNESS_M, ball, write_vtp
@@ -139,6 +140,8 @@ class Sheets(InAFolder):
 
 class ThickRuns(OfARun):
     def tell(self, *settings: str) -> None:
+        """Makes the run one without a copy of its scene."""
+        (self.folder / SCENE_COPY).unlink(missing_ok=True)
         (self.folder / "scene.textproto").write_text(SCENE)
         (self.folder / "command.json").write_text(json.dumps({"scene": str(self.folder / "scene.textproto"),
                                                               "settings": list(settings)}))
@@ -167,6 +170,30 @@ class ThickRuns(OfARun):
         for at in ("pane", "0"):
             self.tell(f"shells[{at}].thickness_m=0.01")
             self.assertAlmostEqual(self.thickness(self.nodes()["pane"]), 0.01, delta=1e-7)
+
+    def test_the_copy_counts_whatever_became_of_the_scene(self) -> None:
+        self.tell("shells[pane].thickness_m=0.01")
+        (self.folder / SCENE_COPY).write_text(SCENE.replace("0.004", "0.02"))
+        self.assertAlmostEqual(self.thickness(self.nodes()["pane"]), 0.02, delta=1e-7)
+        (self.folder / "scene.textproto").unlink()
+        self.assertAlmostEqual(self.thickness(self.nodes()["pane"]), 0.02, delta=1e-7)
+
+    def test_a_scene_that_is_not_known_is_refused(self) -> None:
+        self.tell()
+        scene = self.folder / "scene.textproto"
+        later = (self.folder / "command.json").stat().st_mtime + 2.0
+        os.utime(scene, (later, later))
+        for more in ((), ("--format", "gltf"), ("--gltf", str(self.folder / "a.glb")), ("--middle",)):
+            status, said = self.sunder("export", *more)
+            self.assertEqual(status, 2)
+            self.assertRegex(said, f"no {SCENE_COPY}, and .*scene.textproto has changed since; .* put the scene as it was run")
+        scene.unlink()
+        self.assertRegex(self.sunder("export")[1], "scene.textproto: No such file")
+        (self.folder / "command.json").unlink()
+        self.assertRegex(self.sunder("export")[1], "no command.json that names the scene")
+        self.assertFalse((self.folder / "export").exists())
+        (self.folder / SCENE_COPY).write_text(SCENE)  # the remedy
+        self.assertEqual(self.sunder("export")[0], 0)
 
     def test_middle_surfaces_on_request(self) -> None:
         self.tell()

@@ -28,7 +28,7 @@ from sunder_tools.pictures.mesh import mesh_of
 from sunder_tools.pictures.meshes import Scene, load_scene
 from sunder_tools.pictures.raster import Camera, perspective_camera
 from sunder_tools.pictures.render import parse_view, pick
-from sunder_tools.report.scene_text import Words, parse_text, words_of
+from sunder_tools.report.scene_text import SCENE_COPY, Words, parse_text, words_of
 
 from .mesh_files import read_glb
 from .synthetic import write_vtp
@@ -41,6 +41,8 @@ class OfARun(InAFolder):
     def setUp(self) -> None:
         super().setUp()
         self.synthetic(9)
+        # no thickness: shells are middle surfaces
+        (self.folder / SCENE_COPY).write_text('shells { name: "pane" material: "glass" }')
 
     def sunder(self, *arguments: str) -> tuple[int, str]:
         """Exit status, and what was said."""

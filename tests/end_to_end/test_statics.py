@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 
 from sunder_tools.pictures.frames import SHELL, Frame, list_frames
+from sunder_tools.report.scene_text import scene_words
 
 TOP = Path(__file__).resolve().parents[2]
 BUILD = os.environ["SUNDER_BUILD_DIR"]
@@ -119,6 +120,7 @@ class Statics(unittest.TestCase):
         # control points have the amplitude; at the free end of the strip the surface has it too
         self.assertAlmostEqual(moved / told["drawn_amplitude_m"], 1.0, places=3)
         self.assertTrue((out / "modes.png").is_file())
+        self.assertEqual(scene_words(out).thickness, (0.002,))
         self.assertEqual(self.sunder(STRIP, "modes", "--count", "2").returncode, 0)
         self.assertFalse((out / "mode_03").exists(), "earlier modes are replaced")
 

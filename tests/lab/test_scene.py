@@ -10,6 +10,7 @@ from pathlib import Path
 
 import sunder
 from sunder_tools.launch.build import build_dir
+from sunder_tools.report.scene_text import SCENE_COPY, scene_words
 
 from . import REPOSITORY
 
@@ -136,8 +137,15 @@ class Files(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stderr)
         two = json.loads((self.here / "two" / "run.json").read_text())
         self.assertEqual(one.run["state_hash"], two["state_hash"])
-        again = sunder.Results(self.here / "two")  # its scene by command.json
+        again = sunder.Results(self.here / "two")  # its scene by the copy in it
         self.assertEqual(again.scene["bodies[pellet].twist.linear.z"], -50)
+        words = scene_words(self.here / "two")
+        self.assertEqual((words.shells, words.bodies), (("plate",), ("pellet",)))
+        self.assertEqual(words.thickness, (again.scene["shells[plate].thickness_m"],))
+        copy = str(self.here / "two" / SCENE_COPY)
+        own = subprocess.run([*command[:2], copy, *command[3:6]], capture_output=True, text=True, check=False, env=os.environ)
+        self.assertEqual((own.returncode, Path(copy).is_file()), (2, True), own.stderr)
+        self.assertIn("is a file of it; give another --out", own.stderr)
         self.assertEqual(sunder.impact()(again), sunder.impact()(one))
 
     def test_a_run_that_is_refused_raises(self) -> None:

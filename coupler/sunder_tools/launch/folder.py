@@ -9,10 +9,11 @@ import time
 from pathlib import Path
 
 from ..errors import CommandError
+from ..report.scene_text import SCENE_COPY
 
 # What a run writes. Replacing a run removes these and nothing else that somebody put there.
 RUN_FILES = ("run.json", "series.csv", "probes.csv", "shards.csv", "frames.pvd", "frames", "contact_sheet.png", "shell.log",
-             "rigid.log", "command.json", "usage.json", "session.rec", "trace.json", "checkpoint/state", "film.mp4", "film.gif", "stills", "export")
+             "rigid.log", "command.json", "usage.json", "session.rec", "trace.json", SCENE_COPY, "checkpoint/state", "film.mp4", "film.gif", "stills", "export")
 MADE = {"frames": "*.vtp*", "stills": "still_*.png", "export": "frame_*"}  # in the folders among them
 TRIES = 20  # to take a folder that others make and remove at the same time
 PROBE_BYTES = 1 << 20  # room that has to be there before anything is launched
@@ -109,6 +110,13 @@ def refuse_foreign(path: Path) -> None:
                                "folder, or one of an earlier run (which is then replaced)")
     except OSError as error:
         raise CommandError(f"--out {path}: {error.strerror}") from None
+
+
+def refuse_own(out: Path, scene: Path) -> None:
+    """Raises CommandError where the scene is a file of the run that is to be replaced."""
+    if scene.resolve() == (out / SCENE_COPY).resolve():
+        raise CommandError(f"--out {out}: its run would be replaced, and the scene {scene} is a file of it; give another --out, "
+                           "or copy the scene elsewhere")
 
 
 def open_folder(out: Path | None, scene: Path) -> RunFolder:

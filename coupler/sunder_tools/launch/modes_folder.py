@@ -4,6 +4,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import BAD_INPUT, CommandError
+from ..report.scene_text import SCENE_COPY
 
 TABLE = "modes.json"
 SHEET = "modes.png"
@@ -16,7 +17,7 @@ def open_modes_folder(path: Path) -> Path:
             raise CommandError(f"--out {path}: holds other files and no {TABLE}; give an empty or a new folder, or one of "
                                "earlier modes (which are then replaced)", BAD_INPUT)
         path.mkdir(parents=True, exist_ok=True)
-        for name in (TABLE, SHEET):
+        for name in (TABLE, SHEET, SCENE_COPY):
             (path / name).unlink(missing_ok=True)
         for folder in (path, *sorted(path.glob("mode_[0-9]*"))):
             _clear(folder)

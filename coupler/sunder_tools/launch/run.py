@@ -20,7 +20,7 @@ from ..report.summary import summary
 from ..words import command_line
 from . import engines
 from .build import Executables, ensure_built
-from .folder import RunFolder, open_folder, refuse_foreign, reopen_folder
+from .folder import RunFolder, open_folder, refuse_foreign, refuse_own, reopen_folder
 from .logged import tail
 from .socket_dir import SocketDir
 from .tee import Tee
@@ -76,6 +76,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
     """
     if out is not None:
         refuse_foreign(out)
+        refuse_own(out, job.scene)
     executables = ensure_built()
     rigid = engines.resolve(job.engine, executables)
     if job.keys and not rigid.endpoint:

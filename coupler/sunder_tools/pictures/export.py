@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from ..errors import DONE
-from ..report.scene_text import Words, scene_words
+from ..report.scene_text import Words, known_words
 from .between import film_frames
 from .frames import FROZEN, SHARD
 from .glb import INDICES, VERTICES, Glb, upright
@@ -101,7 +101,7 @@ def export(folder: Path, kind: str, out: Path | None, spec: str | None, fps: flo
         frames, _ = film_frames([frames[k] for k in numbers], fps, speed)
         numbers = list(range(len(frames)))
     target = out if out is not None else folder / "export"
-    words = scene_words(folder)
+    words = known_words(folder, "export")
     part_of = origins(folder, words)
     with telling(target):
         target.mkdir(parents=True, exist_ok=True)

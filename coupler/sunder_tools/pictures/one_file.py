@@ -4,7 +4,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import BAD_INPUT, DONE, CommandError
-from ..report.scene_text import scene_words
+from ..report.scene_text import known_words
 from .animated import animated_glb
 from .between import FPS, film_frames
 from .look import origins
@@ -24,7 +24,7 @@ def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: flo
     if spec is not None:
         frames = [frames[k] for k in pick(spec, len(frames))]
     frames, times = film_frames(frames, fps, speed, to_the_end=True)
-    words = scene_words(folder)
+    words = known_words(folder, "export")
     with telling(target):
         target.parent.mkdir(parents=True, exist_ok=True)
         things = story_of(frames, words, origins(folder, words), middle)

@@ -12,8 +12,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from ..places import REPOSITORY
+from ..errors import BAD_INPUT, CommandError
 from .run_json import read_run
+
+SCENE_COPY = "scene_as_run.textproto"  # in a run folder, with the settings of the run: shell/io/scene_copy.cpp
 
 Message = dict[str, list[Any]]  # field: its values in order; a message, a number, a word or a string each
 CLEAR = ("glass", "acrylic", "perspex", "plexiglas", "pmma")  # materials with such a word in their name are seen through
@@ -114,21 +116,53 @@ class Words:
 
 
 def scene_words(folder: Path) -> Words:
-    """Of the scene that command.json names, else of the one of this name that comes with the project."""
-    run, settings = read_run(folder), []
+    """Of the scene as it was run; empty where that is not known."""
     try:
-        kept = json.loads((folder / "command.json").read_text())
-        path, settings = Path(kept["scene"]), [str(s) for s in kept["settings"]]
-    except (OSError, ValueError, KeyError, TypeError):
-        path = REPOSITORY / "scenes" / f"{Path(str(run.get('scene', ''))).name}.textproto"
+        return _words_of_run(folder)
+    except SceneTextError:
+        return Words()
+
+
+def known_words(folder: Path, command: str) -> Words:
+    """The same for what must not guess names and thickness. Raises CommandError that says why they are not known."""
+    try:
+        return _words_of_run(folder)
+    except SceneTextError as error:
+        raise CommandError(f"{command}: {folder}: the scene of this run is not known: {error}; run it anew, or put the scene as "
+                           f"it was run into the folder as {SCENE_COPY}", BAD_INPUT) from None
+
+
+def _words_of_run(folder: Path) -> Words:
+    """Reads the copy of the scene in a run folder, of a run without one the file that command.json names. Raises
+    SceneTextError where there is neither, or the file has changed since."""
+    copy = folder / SCENE_COPY
+    path, settings = (copy, []) if copy.is_file() else _scene_file(folder)
     try:
         words = words_of(parse_text(path.read_text()), settings)
-    except (OSError, ValueError):
-        return Words()
-    counts = run.get("counts")
+    except (OSError, ValueError) as error:
+        raise SceneTextError(f"{path} cannot be read ({error})") from None
+    counts = read_run(folder).get("counts")
     patches = counts.get("patches") if isinstance(counts, dict) else None
-    # the file may have been changed since; then numbers would get wrong names
-    return words if patches in (None, len(words.shells)) else Words()
+    if patches not in (None, len(words.shells)):
+        raise SceneTextError(f"{path} has {len(words.shells)} shells, the run {patches}")
+    return words
+
+
+def _scene_file(folder: Path) -> tuple[Path, list[str]]:
+    """The file that command.json names, and the settings, for a run without a copy. Raises SceneTextError."""
+    told = folder / "command.json"
+    try:
+        kept = json.loads(told.read_text())
+        path, settings = Path(kept["scene"]), [str(s) for s in kept["settings"]]
+    except (OSError, ValueError, KeyError, TypeError):
+        raise SceneTextError(f"there is no {SCENE_COPY}, and no command.json that names the scene") from None
+    try:
+        changed = path.stat().st_mtime > told.stat().st_mtime
+    except OSError as error:
+        raise SceneTextError(f"there is no {SCENE_COPY}, and {path}: {error.strerror}") from None
+    if changed:
+        raise SceneTextError(f"there is no {SCENE_COPY}, and {path} has changed since")
+    return path, settings
 
 
 def words_of(scene: Message, settings: list[str]) -> Words:
