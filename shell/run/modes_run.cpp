@@ -10,6 +10,7 @@
 
 #include "shell/io/frames.h"
 #include "shell/io/scene_copy.h"
+#include "shell/io/shell_setup.h"
 #include "shell/io/vtp.h"
 #include "shell/run/simulation.h"
 #include "shell/solver/forces.h"
@@ -119,6 +120,11 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
   std::stable_sort(found.begin(), found.end(),
                    [](const Found& a, const Found& b) { return a.mode.eigenvalue < b.mode.eigenvalue; });
   found.resize(std::min<std::size_t>(found.size(), options.count));
+  Json warnings = Json::array();
+  if (const std::string thick = too_thick(setup.shells, {}); !thick.empty()) {
+    warnings.push_back(thick + ", and its frequencies too high");
+    notes += "warning: " + warnings.back().get<std::string>() + "\n";
+  }
   const double amplitude = options.amplitude * size_of(state);
   Json modes = Json::array();
   fmt::print("mode  frequency Hz  in a run Hz   period s  shell\n");
@@ -146,7 +152,8 @@ void write_modes(RunSetup setup, const ModesOptions& options, const std::functio
                     {"version", version()},
                     {"drawn_amplitude_m", amplitude},
                     {"shells", std::move(shells)},
-                    {"modes", std::move(modes)}};
+                    {"modes", std::move(modes)},
+                    {"warnings", std::move(warnings)}};
   write_scene_copy(options.out, options.scene_text);
   write_atomically(options.out + "/modes.json", all.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }

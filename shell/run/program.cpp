@@ -92,8 +92,9 @@ int run(const Program& program, int argc, char** argv) {
   for (int i = 0; i < scene.message.shells_size() && setup.steps > 0; ++i)
     scene.check(
         scene.message.shells(i).has_equilibrium(), "end_time_s",
-        "is missing; give a positive number [s] and window_s, or equilibrium {{}} in shell '{}'",
-                scene.message.shells(i).name());
+        "is missing; give a positive number [s] and window_s, or equilibrium {{}} in shell '{}'; as it is, only "
+        "'sunder modes' takes this scene",
+        scene.message.shells(i).name());
   require(options.until <= 0.0 || setup.steps == 0, "--until {}: nothing moves in this scene; leave it out",
           options.until);
   if (check) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 import csv
 import json
 import os
+import re
 import subprocess
 import tempfile
 import unittest
@@ -120,9 +121,24 @@ class Statics(unittest.TestCase):
         # control points have the amplitude; at the free end of the strip the surface has it too
         self.assertAlmostEqual(moved / told["drawn_amplitude_m"], 1.0, places=3)
         self.assertTrue((out / "modes.png").is_file())
+        self.assertEqual(told["warnings"], [])
         self.assertEqual(scene_words(out).thickness, (0.002,))
         self.assertEqual(self.sunder(STRIP, "modes", "--count", "2").returncode, 0)
         self.assertFalse((out / "mode_03").exists(), "earlier modes are replaced")
+
+    def test_modes_of_a_thick_shell_warn(self) -> None:
+        done = self.sunder(STRIP.replace("thickness_m: 0.002", "thickness_m: 0.05"), "modes", "--count", "1", "--no-pictures")
+        self.assertEqual(done.returncode, 0, done.stderr)
+        warning, = json.loads((self.folder / "out" / "modes.json").read_text())["warnings"]
+        self.assertRegex(warning, r"shell 'strip' is 0\.\d+ times as thick as it is wide: .* its frequencies too high")
+        self.assertIn(f"warning: {warning}", done.stdout)
+
+    def test_a_scene_for_modes_alone_is_told_which_command_takes_it(self) -> None:
+        scene = re.sub(r"  equilibrium \{.*\n", "", STRIP)
+        done = self.sunder(scene, "run", "--no-pictures")
+        self.assertEqual(done.returncode, 2)
+        self.assertRegex(done.stderr, r"end_time_s: is missing; .* only 'sunder modes' takes this scene")
+        self.assertEqual(self.sunder(scene, "modes", "--count", "1", "--no-pictures").returncode, 0)
 
     def test_modes_in_a_foreign_folder_are_refused(self) -> None:
         (self.folder / "out").mkdir()
