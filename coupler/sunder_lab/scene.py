@@ -2,6 +2,8 @@
 from __future__ import annotations
 
 import hashlib
+import math
+import re
 import shutil
 import subprocess
 import tempfile
@@ -37,8 +39,9 @@ class Scene:
     """A scene; `message` is the protobuf message of proto/scene.proto.
 
     Fields are set in the message, whose types are checked by protobuf (`scene.message.end_time_s = 2e-4`), or by a path
-    as `sunder run --set` takes it (`scene["bodies[ball].twist.linear.z"] = -20`). What makes sense as a whole is checked
-    before a run, by the shell process, as for every scene.
+    as `sunder run --set` takes it (`scene["bodies[ball].twist.linear.z"] = -20`). Setting a path refuses a wrong type, a
+    number that is not finite, and an unknown enumerator at once. What makes sense as a whole is checked before a run, by
+    the shell process, as for every scene; the message names the scene and the field.
     """
 
     def __init__(self, message: Any, folder: Path) -> None:
@@ -97,7 +100,8 @@ class Scene:
         except (text_format.ParseError, ValueError, TypeError):
             scratch = None
         one_word = field.type == field.TYPE_STRING or len(text.split()) == 1
-        if scratch is None or not one_word or any(f.name != field.name for f, _ in scratch.ListFields()):
+        known = scratch is None or _is_known(getattr(scratch, field.name), field)
+        if scratch is None or not known or not one_word or any(f.name != field.name for f, _ in scratch.ListFields()):
             raise BadSetting(f"{path}={text}: '{text}' is no {_kind(field)}")
         setattr(at, field.name, getattr(scratch, field.name))
 
@@ -172,7 +176,7 @@ class Scene:
             done = subprocess.run([str(ensure_built().shell), "--scene", str(path), "--check"], text=True,
                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
             if done.returncode != DONE:
-                raise CommandError(done.stderr.replace(f"{folder}/", "").strip() or
+                raise CommandError(self._told(done.stderr, folder).strip() or
                                    f"the scene is refused with status {done.returncode}")
             return done.stdout
 
@@ -187,14 +191,22 @@ class Scene:
             job = Job(self.save(folder), engine, threads=str(threads) if threads else None)
             try:
                 status = run_scene(job, out, quiet)
-            except CommandError as error:  # the temporary folder no longer exists and means nothing to the user
-                raise CommandError(str(error).replace(f"{folder}/", ""), error.status) from None
+            except CommandError as error:
+                raise CommandError(self._told(str(error), folder), error.status) from None
         if (out / "run.json").is_file():  # the folder alone is then enough to resume or repeat the run
             replace(job, scene=self.save(out)).write(out)
         if status != DONE:
             told = read_run(out).get("error") or {}
-            raise CommandError(f"{out}: {told.get('message') or f'ended with status {status}'}", status)
+            raise CommandError(f"{out}: {self._told(str(told.get('message') or f'ended with status {status}'), folder)}", status)
         return Results(out)
+
+    def _told(self, text: str, folder: str) -> str:
+        """Returns a message of the programs with this scene in place of its file, line and column in a temporary folder,
+        which no longer exists. The field stays; it is a path for `scene[...]`."""
+        name = f"scene '{self.message.name}'" if self.message.name else "the scene"
+        for place in (str(Path(folder).resolve()), folder):
+            text = re.sub(re.escape(f"{place}/{SCENE_FILE}") + r"(:\d+:\d+)?", lambda _: name, text).replace(f"{place}/", "")
+        return text
 
 
 class Results(RunArrays):
@@ -249,8 +261,15 @@ def _text(value: Value, field: Any) -> str:
     return repr(value) if isinstance(value, (int, float)) else str(value)
 
 
+def _is_known(value: Any, field: Any) -> bool:
+    """Tests a number for being finite, or one of the enumerators; text format takes any."""
+    if field.enum_type:
+        return value in field.enum_type.values_by_number
+    return not isinstance(value, float) or math.isfinite(value)
+
+
 def _kind(field: Any) -> str:
     if field.enum_type:
         return f"{field.enum_type.name}; it may be {', '.join(v.name for v in field.enum_type.values)}"
-    return {field.CPPTYPE_DOUBLE: "number", field.CPPTYPE_BOOL: "true or false", field.CPPTYPE_STRING: "text"}.get(
+    return {field.CPPTYPE_DOUBLE: "finite number", field.CPPTYPE_BOOL: "true or false", field.CPPTYPE_STRING: "text"}.get(
         field.cpp_type, "whole number")

@@ -54,6 +54,17 @@ class Paths(unittest.TestCase):
         with self.assertRaisesRegex(sunder.BadSetting, "TIPS, CUTS, DAMAGE"):
             scene["fracture.mode"] = "TOPS"
 
+    def test_numbers_that_are_none_are_refused_at_once(self) -> None:
+        scene = sunder.Scene.load(ACRYLIC)
+        before = scene.text()
+        for path, value, words in (("window_s", float("nan"), "no finite number"), ("window_s", float("inf"), "no finite number"),
+                                   ("gravity.z", "-inf", "no finite number"), ("fracture.mode", 99, "TIPS, CUTS, DAMAGE"),
+                                   ("shells[plate].layers", 2 ** 40, "no whole number"),
+                                   ("shells[plate].layers", 2.5, "no whole number")):
+            with self.assertRaisesRegex(sunder.BadSetting, words):
+                scene[path] = value
+        self.assertEqual(scene.text(), before)
+
     def test_numbers_are_kept_to_the_bit(self) -> None:
         import numpy as np
         scene = sunder.Scene.load(ACRYLIC)
@@ -111,8 +122,12 @@ class Files(unittest.TestCase):
         scene = sunder.Scene.load(ACRYLIC)
         self.assertIn("stable step", scene.check())
         scene["shells[plate].thickness_m"] = -1
-        with self.assertRaisesRegex(sunder.Error, "thickness_m: is -1; must be positive"):
-            scene.check()
+        for refuse in (scene.check, lambda: scene.run(self.here / "out")):
+            with self.assertRaises(sunder.Error) as refused:
+                refuse()
+            self.assertIn("scene 'acrylic': shells[0].thickness_m: is -1; must be positive", str(refused.exception))
+            self.assertNotRegex(str(refused.exception), "textproto|/tmp")
+        self.assertEqual(scene["shells[0].thickness_m"], -1)  # the field of the message is a path
 
     def test_a_car_that_has_lost_a_patch_or_moved_one_is_refused(self) -> None:
         car = REPOSITORY / "scenes" / "impactor_small.textproto"
