@@ -151,7 +151,7 @@ def _add_cracks(frames: list[Any], at: np.ndarray, shells: tuple[str, ...], grou
     from sunder_tools.pictures.frames import CRACKS
     last = next((frame for frame in reversed(frames) if CRACKS in frame.files), None)
     lines = last.read(CRACKS) if last is not None else None
-    if lines is None or not len(lines.lines) or "time" not in lines.cell_data:
+    if lines is None or not len(lines.segments()) or "time" not in lines.cell_data:
         return
     pairs = lines.segments()
     of = np.asarray(lines.cell_data.get("shell", np.zeros(len(pairs)))).astype(int)

@@ -12,11 +12,16 @@ from unittest import mock
 import numpy as np
 from PIL import Image
 
-from sunder_tools.pictures.contact_sheet import SHEET, moment_text, time_text, write_contact_sheet
+from sunder_tools.pictures import contact_sheet
+from sunder_tools.pictures.contact_sheet import GRIDS, WIDTH, ground_of, moment_text, stand, time_text, write_contact_sheet
 from sunder_tools.pictures.crack_lines import Graph
-from sunder_tools.pictures.frames import Frame, choose_frames, list_frames
+from sunder_tools.pictures.flat import crack_pattern
+from sunder_tools.pictures.frames import SHELL, Frame, choose_frames, list_frames
+from sunder_tools.pictures.meshes import load_scene
 from sunder_tools.pictures.raster import orthographic_camera, perspective_camera, rasterise
 from sunder_tools.pictures.plots import there
+from sunder_tools.pictures.shadows import GLASS, LIGHT, SOLID, Shadows
+from sunder_tools.pictures.views import background
 from sunder_tools.pictures.vtp import VtpError, read_vtp
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests.validation.crack_pictures import _length_of_bar, draw_cracks, figure_of
@@ -145,22 +150,82 @@ class ContactSheet(InAFolder):
         path = write_contact_sheet(self.folder)
         self.assertEqual(path, self.folder / "contact_sheet.png")
         with Image.open(path) as image:
-            self.assertEqual(image.size, SHEET)
+            self.assertEqual(image.size[0], WIDTH)
             picture = np.asarray(image.convert("L"), float)
         for row in range(3):
             for column in range(4):
                 panel = picture[60 + row * 368:400 + row * 368, 20 + column * 488:470 + column * 488]
                 self.assertGreater(panel.std(), 5.0, f"panel {row} {column} is blank")
-        self.assertGreater(picture[1200:1950, 100:800].std(), 5.0, "crack pattern is blank")
-        self.assertGreater(picture[1200:1950, 1000:1900].std(), 5.0, "side view is blank")
+        self.assertGreater(picture[1200:1500, 100:600].std(), 2.0, "crack pattern is blank")
+        self.assertGreater(picture[1200:1500, 1000:1900].std(), 5.0, "side view is blank")
         self.assertEqual([p.name for p in self.folder.glob(".*")], [], "a temporary file is left")
 
-    def test_few_frames_and_no_frames(self) -> None:
+    def test_rows_are_full_whatever_the_number_of_frames(self) -> None:
+        for count in (1, 2, 3, 5, 7, 9):
+            self.synthetic(max(count, 3))
+            frames = list_frames(self.folder)[:count]
+            with mock.patch.object(contact_sheet, "list_frames", lambda _: frames):
+                path = write_contact_sheet(self.folder)
+            panels = max(n for n in GRIDS if n <= count)
+            columns = GRIDS[panels]
+            self.assertEqual(panels % columns, 0)
+            width = (WIDTH - 8) // columns - 8
+            height = min(3 * width // 4, 640)
+            with Image.open(path) as image:
+                picture = np.asarray(image.convert("L"), float)
+            for k in range(panels):
+                top, left = 44 + k // columns * (height + 8), 8 + k % columns * (width + 8)
+                self.assertGreater(picture[top:top + height, left:left + width].std(), 4.0, f"{k} of {count}")
+
+    def test_no_frames(self) -> None:
         self.synthetic(3)
-        write_contact_sheet(self.folder)
         (self.folder / "frames.pvd").write_text("<VTKFile><Collection/></VTKFile>")
         with self.assertRaises(VtpError):
             write_contact_sheet(self.folder)
+
+    def test_the_ground_is_the_floor_or_below_everything(self) -> None:
+        self.synthetic(9)
+        scenes = [load_scene(frame) for frame in list_frames(self.folder)[::4]]
+        low, high = np.array([-0.3, -0.3, 0.0]), np.array([0.3, 0.3, 0.6])
+        ground = ground_of(scenes, low, high)
+        self.assertEqual(ground.z, 0.0)
+        stand(scenes[0], ground)
+        self.assertFalse(scenes[0].solid.is_floor.any(), "the floor is drawn twice")
+        wide = ground_of(scenes[1:], 5.0 * low, 5.0 * high)  # the floor of 2 by 2 m ends in the picture
+        self.assertLess(wide.z, 0.0)
+        stand(scenes[1], wide)
+        self.assertTrue(scenes[1].solid.is_floor.any())
+
+    def test_pieces_throw_shadows_on_the_ground_and_on_pieces(self) -> None:
+        self.synthetic(9)
+        frame = list_frames(self.folder)[0]
+        scene = load_scene(frame)
+        shadows = Shadows(scene)
+        pane = scene.glass.points[:, 2].mean()
+        up = np.array([[0.0, 0.0, 1.0]])
+        under = np.array([[-0.1, 0.1, pane]]) - 0.2 * LIGHT  # of the pane
+        self.assertAlmostEqual(float(shadows.below(under)[0]), GLASS, places=6)
+        self.assertAlmostEqual(float(shadows.on(under, up)[0]), GLASS, places=6)
+        ball = scene.solid.round_centre[np.isfinite(scene.solid.round_centre[:, 0])][0]
+        beneath = ball - (ball[2] - pane) / LIGHT[2] * LIGHT  # of the ball, on the pane
+        self.assertAlmostEqual(float(shadows.on(beneath[None], up)[0]), SOLID, places=6)
+        self.assertEqual(float(shadows.on(np.array([[0.2, -0.2, pane]]), up)[0]), 0.0, "the pane shades itself")
+        self.assertEqual(float(shadows.below(np.array([[40.0, 0.0, 0.0]]))[0]), 0.0)
+
+    def test_pieces_that_have_left_are_in_the_pattern_where_they_were(self) -> None:
+        self.synthetic(20)
+        frames = list_frames(self.folder)
+        shells = [frame for frame in frames if SHELL in frame.files]
+        last, before = shells[-1].read(SHELL), shells[6].read(SHELL)
+        assert last is not None and before is not None
+        self.assertLess(len(last.triangles), len(before.triangles))
+        births = np.array([0.5 * (shells[6].time_s + shells[7].time_s)])
+        without, _ = crack_pattern(frames, np.zeros(0), np.zeros(0), 300, 300)
+        whole, _ = crack_pattern(frames, births, np.array([0.01]), 300, 300)
+        new = (np.abs(whole - without) > 1e-9).any(axis=2)
+        self.assertGreater(new.mean(), 0.05)
+        empty = (without == background(300, 300).reshape(300, 300, 3)).all(axis=2)
+        self.assertGreater((new & empty).sum() / new.sum(), 0.9)  # the last frame stays, but for lines of two pixels at its border
 
     def test_breaking_gets_more_panels_than_its_share_of_time(self) -> None:
         self.synthetic(60)

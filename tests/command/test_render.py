@@ -88,7 +88,8 @@ class Stills(OfARun):
         them cost more than what is done with them, in pages that the system makes."""
         scene, camera = self.scene()
         with mock.patch.object(views, "BAND", 1000), mock.patch.object(raster, "CANDIDATES", 1000), \
-                mock.patch.object(views, "_Shadows", lambda *_: mock.Mock(at=lambda points: np.zeros(len(points)))):
+                mock.patch.object(views, "Shadows", lambda *_: mock.Mock(**{name: lambda points, *_: np.zeros(len(points))
+                                                                           for name in ("on", "below")})):
             views.draw_scene(scene, camera, 400, 240)
             tracemalloc.start()
             self.addCleanup(tracemalloc.stop)

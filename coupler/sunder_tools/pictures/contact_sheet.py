@@ -7,9 +7,12 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from ..replacing import replacing
+from ..report.columns import read_columns
 from ..report.run_json import read_run
-from .flat import crack_pattern, side_view
+from ..report.scene_text import scene_words
+from .flat import crack_pattern, proportion, side_view
 from .frames import SHELL, Frame, choose_frames, list_frames
+from .ground import Ground
 from .lettering import TEXT, draw_text
 from .look import Look
 from .meshes import Scene, load_scene
@@ -17,17 +20,19 @@ from .raster import perspective_camera
 from .views import as_bytes, draw_scene
 from .vtp import VtpError
 
-COLUMNS, ROWS = 4, 3
-PANEL = (480, 360)             # [px] width, height of a view
+WIDTH = 1960                   # [px] of the sheet
+GRIDS = {12: 4, 8: 4, 6: 3, 4: 4, 3: 3, 2: 2, 1: 1}  # columns for so many panels: rows are full
+TALLEST = 640                  # [px] height of a panel
 GAP = 8                        # [px] between pictures
 HEAD = 44                      # [px] the line on top
-PATTERN = 860                  # [px] side of the crack pattern
-DETAIL = 250                   # [px] height of the strip just above the floor
+LOWER = (380, 860)             # [px] height of the crack pattern and of the side view
+NARROWEST = 300                # [px] of these
 SAMPLES = 2                    # per pixel and direction
 DIRECTION = (-0.42, 0.80, -0.46)  # of view in the panels
 FAR = 1.3  # pane widths; points further from its middle do not count for the framing
+BELOW = 0.03  # of the size of what is seen: the ground, where the scene has none
 PAPER = (250, 250, 249)
-SHEET = (COLUMNS * PANEL[0] + (COLUMNS + 1) * GAP, HEAD + ROWS * (PANEL[1] + GAP) + GAP + PATTERN + GAP)
+MOST_NAMED = 3  # kinds of sheets, and moving bodies, in the title
 
 
 def write_contact_sheet(folder: Path) -> Path:
@@ -35,23 +40,29 @@ def write_contact_sheet(folder: Path) -> Path:
     frames = list_frames(folder)
     if not frames:
         raise VtpError(f"{folder}/frames.pvd: no frame to draw")
-    sheet = Image.new("RGB", SHEET, PAPER)
-    chosen = choose_frames(frames, COLUMNS * ROWS)
+    panels = max(n for n in GRIDS if n <= len(frames))
+    chosen = choose_frames(frames, panels)
     look = Look.of(folder)
     scenes = [load_scene(frame, look) for frame in chosen]
     close, wide = boxes(frames[0], scenes)
+    ground = ground_of(scenes, *wide)
+    for scene in scenes:
+        stand(scene, ground)
+    columns = GRIDS[panels]
+    width = (WIDTH - GAP) // columns - GAP
+    size = (width, min(3 * width // 4, TALLEST))
+    top = HEAD + -(-panels // columns) * (size[1] + GAP)
+    lower = _lower(folder, frames, chosen[-1], scenes[-1], wide)
+    sheet = Image.new("RGB", (WIDTH, top + lower.height + GAP), PAPER)
     direction = towards_what_is_hit(scenes[0], *close)
     for k, (frame, scene) in enumerate(zip(chosen, scenes)):
         low, high = close if _within(scene.shards, *close) else wide
-        size = (PANEL[0] * SAMPLES, PANEL[1] * SAMPLES)
-        view = _image(draw_scene(scene, perspective_camera(low, high, direction, *size), *size))
+        samples = (size[0] * SAMPLES, size[1] * SAMPLES)
+        view = _image(draw_scene(scene, perspective_camera(low, high, direction, *samples), *samples))
         _caption(view, moment_text(frame))
-        row, column = divmod(k, COLUMNS)
-        sheet.paste(view, (GAP + column * (PANEL[0] + GAP), HEAD + row * (PANEL[1] + GAP)))
-    top = HEAD + ROWS * (PANEL[1] + GAP)
-    sheet.paste(_pattern_panel(frames), (GAP, top))
-    side_width = SHEET[0] - PATTERN - 3 * GAP
-    sheet.paste(_side_panel(chosen[-1], scenes[-1], wide, side_width), (PATTERN + 2 * GAP, top))
+        row, column = divmod(k, columns)
+        sheet.paste(view, (GAP + column * (size[0] + GAP), HEAD + row * (size[1] + GAP)))
+    sheet.paste(lower, (0, top))
     draw_text(sheet, (GAP + 4, 10), _title(folder), 22)
 
     target = folder / "contact_sheet.png"
@@ -75,14 +86,44 @@ def time_text(time_s: float) -> str:
 
 
 def _title(folder: Path) -> str:
-    run = read_run(folder)
-    words = [folder.resolve().name]
+    run, words = read_run(folder), scene_words(folder)
+    parts = [folder.resolve().name]
     if run.get("status") in ("failed", "interrupted"):
-        words.append(str(run["status"]))
+        parts.append(str(run["status"]))
+    sheets = dict.fromkeys(f"{m} {t * 1e3:.3g} mm" if t == t else m for m, t in zip(words.materials, words.thickness))
+    if 0 < len(sheets) <= MOST_NAMED:
+        parts.append(", ".join(sheets))
+    parts += [f"{name} {speed:.3g} m/s" for name, speed in words.speeds[:MOST_NAMED]]
     counts = run.get("counts")
     if isinstance(counts, dict) and "fragments" in counts:
-        words.append(f"{counts['fragments']} fragments, {counts.get('handed_off', 0)} handed to the rigid engine")
-    return "     ".join(words)
+        parts.append(f"{counts['fragments']} fragments, {counts.get('handed_off', 0)} handed to the rigid engine")
+    return "     ".join(parts)
+
+
+def ground_of(scenes: list[Scene], low: np.ndarray, high: np.ndarray) -> Ground:
+    """Returns the ground for pictures of the box low..high: the floor where it is as large, otherwise a plane below all
+    that is in the box at some time."""
+    centre, size = 0.5 * (low + high)[:2], 0.5 * float(np.linalg.norm((high - low)[:2]))
+    below = float(low[2])
+    for scene in scenes:
+        floor = scene.solid.points[scene.solid.triangles[scene.solid.is_floor]].reshape(-1, 3)
+        if len(floor) and (floor[:, :2].min(axis=0) <= low[:2]).all() and (floor[:, :2].max(axis=0) >= high[:2]).all():
+            assert scene.floor_z is not None
+            return Ground(scene.floor_z, centre, size)
+        for surface in (scene.solid, scene.glass):
+            points = surface.points[surface.triangles.ravel()]
+            near = (np.abs(points[:, :2] - centre) < size).all(axis=1) & (points[:, 2] > low[2] - 0.5 * size)
+            below = min(below, float(points[near, 2].min(initial=below)))
+    return Ground(below - BELOW * size, centre, size)
+
+
+def stand(scene: Scene, ground: Ground) -> None:
+    """Puts a scene on the ground, which takes the place of a floor at its height."""
+    scene.ground = ground
+    if scene.floor_z == ground.z:
+        kept = ~scene.solid.is_floor
+        for name in ("triangles", "colours", "round_centre", "throws", "is_floor"):
+            setattr(scene.solid, name, getattr(scene.solid, name)[kept])
 
 
 def towards_what_is_hit(scene: Scene, low: np.ndarray, high: np.ndarray) -> np.ndarray:
@@ -127,45 +168,42 @@ def _within(points: np.ndarray, low: np.ndarray, high: np.ndarray) -> bool:
     return len(points) == 0 or float(((points > low - spare) & (points < high + spare)).all(axis=1).mean()) > 0.97
 
 
-def _pattern_panel(frames: list[Frame]) -> Image.Image:
-    drawn = crack_pattern(frames, PATTERN * SAMPLES, PATTERN * SAMPLES, margin=1.16)
-    if drawn is None:
-        panel = Image.new("RGB", (PATTERN, PATTERN), PAPER)
-        _caption(panel, "no shell in this run")
-        return panel
+def _lower(folder: Path, frames: list[Frame], last: Frame, scene: Scene, wide: tuple[np.ndarray, np.ndarray]) -> Image.Image:
+    """Draws the crack pattern, and the last frame edge on beside it, as high as lets both fill the sheet."""
+    low, high = wide
+    margin = 0.04 * float((high - low).max())
+    low, high = low - margin, high + margin
+    side = float((high[0] - low[0]) / (high[2] - low[2]))
+    first = next((mesh for frame in frames if (mesh := frame.read(SHELL)) is not None), None)
+    pane = proportion(first) if first is not None and len(first.triangles) else 0.0
+    whole = WIDTH - (3 if pane else 2) * GAP
+    height = int(np.clip(whole / (side + pane), *LOWER))
+    pattern = int(np.clip(pane * height, NARROWEST, whole - NARROWEST)) if pane else 0
+    out = Image.new("RGB", (WIDTH, height), PAPER)
+    if pane:
+        out.paste(_pattern_panel(folder, frames, pattern, height), (GAP, 0))
+    out.paste(_side_panel(last, scene, low, high, whole - pattern, height), (pattern + 2 * GAP if pane else GAP, 0))
+    return out
+
+
+def _pattern_panel(folder: Path, frames: list[Frame], width: int, height: int) -> Image.Image:
+    shards = read_columns(folder / "shards.csv")
+    born, lost = (np.array(shards.get(name, []), float) for name in ("birth [s]", "area [m^2]"))
+    drawn = crack_pattern(frames, born, lost, width * SAMPLES, height * SAMPLES, margin=1.16)
+    assert drawn is not None
     panel = _image(drawn[0])
     _caption(panel, "crack pattern, undeformed")
     _scale_bar(panel, drawn[1] / SAMPLES)
     return panel
 
 
-def _side_panel(frame: Frame, scene: Scene, wide: tuple[np.ndarray, np.ndarray], width: int) -> Image.Image:
-    """Draws the run edge on: all at true scale, and below it the first centimetres above the floor, stretched."""
-    panel = Image.new("RGB", (width, PATTERN), PAPER)
-    low, high = wide[0] - 0.04, wide[1] + 0.04
-    detail = DETAIL if scene.floor_z is not None else 0
-    height = PATTERN - (detail + GAP if detail else 0)
-    picture, camera = side_view(scene, low, high, width * SAMPLES, height * SAMPLES, stretch=False)
+def _side_panel(frame: Frame, scene: Scene, low: np.ndarray, high: np.ndarray, width: int, height: int) -> Image.Image:
+    """Draws the box low..high edge on, at true scale."""
+    picture, camera = side_view(scene, low, high, width * SAMPLES, height * SAMPLES)
     view = _image(picture)
     _caption(view, f"side view at {moment_text(frame)}")
     _scale_bar(view, float(camera.scale[0]) / SAMPLES)
-    panel.paste(view, (0, 0))
-    if scene.floor_z is not None:
-        half = 0.5 * width * SAMPLES / camera.scale[0]  # the same length of floor as in the picture above
-        middle = 0.5 * (low + high)
-        low = np.array([middle[0] - half, low[1], scene.floor_z - 0.008])
-        high = np.array([middle[0] + half, high[1], scene.floor_z + 0.048])
-        picture, camera = side_view(scene, low, high, width * SAMPLES, detail * SAMPLES)
-        view = _image(picture)
-        ratio = camera.scale[1] / camera.scale[0]
-        _caption(view, f"just above the floor, heights \u00d7 {ratio:.1f}")
-        draw = ImageDraw.Draw(view)
-        for mm in (0, 10, 20, 30, 40):
-            y = camera.project(np.array([[0.0, 0.0, scene.floor_z + mm * 1e-3]]))[0][0, 1] / SAMPLES
-            draw.line([(width - 14, y), (width, y)], fill=TEXT)
-            draw_text(view, (width - 66, int(y) - 9), f"{mm} mm", 13)
-        panel.paste(view, (0, PATTERN - detail))
-    return panel
+    return view
 
 
 def _image(picture: np.ndarray) -> Image.Image:

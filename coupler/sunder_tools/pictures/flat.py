@@ -4,11 +4,12 @@ from __future__ import annotations
 import numpy as np
 
 from .frames import CRACKS, SHELL, Frame
-from .meshes import Scene, fragment_edges, reference_points
+from .meshes import Scene, edges, reference_points, weld
 from .raster import Camera, line_pixels, orthographic_camera, rasterise
 from .views import INK, background, draw_scene
+from .vtp import PolyData
 
-PAINTED_FRAMES = 24  # largest number of frames painted over one another
+PAINTED_FRAMES = 24  # largest number of frames that are painted besides the last
 DAMAGE = np.array([0.93, 0.62, 0.45])
 
 
@@ -22,51 +23,102 @@ def _pastel(fragment: np.ndarray) -> np.ndarray:
     return colours[inverse]
 
 
-def crack_pattern(frames: list[Frame], width: int, height: int, margin: float = 1.08) -> tuple[np.ndarray, float] | None:
+def crack_pattern(frames: list[Frame], born: np.ndarray, lost: np.ndarray, width: int, height: int,
+                  margin: float = 1.08) -> tuple[np.ndarray, float] | None:
     """Draws the undeformed pane along its normal: (height, width, 3) colours 0..1, and the scale [px/m].
 
-    A fragment that was handed over is no longer in the shell's later frames, so the frames before each
-    hand-over are painted first and the last one over them. None if the run has no shell frames.
+    A piece that was handed over is no longer in later frames. So the last frame is painted first, and earlier ones where
+    nothing is yet: those before the pieces with the largest areas `lost` (n,) were `born` (n,) [s]. None if the run has no
+    shell frames.
     """
-    # Areas show when fragments leave. The meshes are read again, since all at once may not fit in memory.
-    kept: list[tuple[Frame, float]] = []
-    for frame in frames:
-        mesh = frame.read(SHELL)
-        if mesh is not None:
-            corner = reference_points(mesh)[mesh.triangles]
-            kept.append((frame, 0.5 * float(np.linalg.norm(
-                np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1).sum())))
-    if not kept or kept[0][1] <= 0.0:
+    kept = [frame for frame in frames if SHELL in frame.files]
+    last = kept[-1].read(SHELL) if kept else None
+    first = kept[0].read(SHELL) if kept else None
+    if first is None or last is None or not len(first.triangles):
         return None
-    lost = [kept[k][1] - kept[k + 1][1] if k + 1 < len(kept) else np.inf for k in range(len(kept))]
-    paint = sorted(k for k in np.argsort(lost)[::-1][:PAINTED_FRAMES] if lost[k] > 1e-9)
-
-    first = kept[0][0].read(SHELL)
-    assert first is not None
     points = reference_points(first)
-    camera = along_normal(points, first.triangles, width, height, margin)
-    picture = background(width, height)
-    inked: list[np.ndarray] = []
-    for k in paint:
-        mesh = kept[k][0].read(SHELL)
-        assert mesh is not None
+    picture = _Pattern(along_normal(points, first.triangles, width, height, margin), width, height)
+    picture.paint(last, kept[-1].read(CRACKS), True)
+    for k in _before(np.array([frame.time_s for frame in kept]), born, lost)[::-1]:
+        mesh = kept[k].read(SHELL)
+        if mesh is not None and len(mesh.triangles):
+            picture.paint(mesh, kept[k].read(CRACKS), False)
+    return picture.inked(), float(picture.camera.scale[0])
+
+
+def _before(times: np.ndarray, born: np.ndarray, lost: np.ndarray) -> np.ndarray:
+    """Returns which of the frames at `times` (n,) are the last ones with some piece, without the last frame: at most
+    PAINTED_FRAMES, those that lose most, in order of time."""
+    frame = np.searchsorted(times, born * (1.0 - 1e-9)) - 1
+    of = (frame >= 0) & (frame < len(times) - 1)
+    area = np.bincount(frame[of], lost[of], len(times))
+    chosen = np.argsort(-area, kind="stable")[:PAINTED_FRAMES]
+    return np.sort(chosen[area[chosen] > 0.0])
+
+
+class _Pattern:
+    """A picture of the pane at rest that is filled from the last frame backwards."""
+
+    def __init__(self, camera: Camera, width: int, height: int) -> None:
+        self.camera, self._width, self._height = camera, width, height
+        self._picture = background(width, height)
+        self._free = np.ones(width * height, bool)
+        self._ink: list[np.ndarray] = []
+
+    def paint(self, mesh: PolyData, cracks: PolyData | None, whole: bool) -> None:
+        """Paints what covers pixels that are free. `whole`: all of the frame's cracks belong to the pattern."""
         points = reference_points(mesh)
-        pixels, near = camera.project(points)
-        index, _ = rasterise(pixels, near, mesh.triangles, width, height)
-        hit = index >= 0
-        damage = np.clip(mesh.of_triangles("damage", 0.0), 0.0, 1.0)
+        pixels, near = self.camera.project(points)
+        shown = np.arange(len(mesh.triangles)) if whole else np.flatnonzero(self._is_free(pixels[mesh.triangles]))
+        if not len(shown):
+            return
+        hit, triangle = self._rasterise(pixels, near, mesh.triangles[shown])
+        fragment, damage = mesh.of_triangles("fragment", 0), np.clip(mesh.of_triangles("damage", 0.0), 0.0, 1.0)
         if damage.ndim == 2:  # one value for each layer
             damage = damage.max(axis=1)
-        colours = _pastel(mesh.of_triangles("fragment", 0))
-        colours = colours + 0.6 * damage[:, None] * (DAMAGE - colours)
-        picture[hit] = colours[index[hit]]
-        inked.append(_ink(points[fragment_edges(mesh)], camera, width, height))
-        cracks = kept[k][0].read(CRACKS)
-        if cracks is not None and ("displacement" in cracks.point_data or k == paint[-1]):
-            inked.append(_ink(reference_points(cracks)[cracks.segments()], camera, width, height))
-    ink = np.unique(np.concatenate(inked))
-    picture[ink] += 0.85 * (INK - picture[ink])
-    return picture.reshape(height, width, 3), float(camera.scale[0])
+        colours = _pastel(fragment)[shown]
+        colours += 0.6 * damage[shown, None] * (DAMAGE - colours)
+        self._picture[hit] = colours[triangle]
+        fresh = np.zeros(len(self._free), bool)
+        fresh[hit] = True
+        self._free[hit] = False
+        pieces = np.isin(fragment, fragment[shown])
+        lines = [points[edges(mesh.triangles[pieces], weld(points), fragment[pieces], None)]]
+        if cracks is not None and (whole or "displacement" in cracks.point_data):
+            lines.append(reference_points(cracks)[cracks.segments()])
+        for drawn in map(self._pixels, lines):
+            self._ink.append(drawn if whole else drawn[fresh[drawn]])
+
+    def inked(self) -> np.ndarray:
+        """Returns the picture with its lines."""
+        ink = np.unique(np.concatenate(self._ink))
+        self._picture[ink] += 0.85 * (INK - self._picture[ink])
+        return self._picture.reshape(self._height, self._width, 3)
+
+    def _is_free(self, corner: np.ndarray) -> np.ndarray:
+        """Tests triangles (m, 3, 2) [px] for a free pixel in the middle or towards a corner."""
+        middle = corner.mean(axis=1, keepdims=True)
+        at = np.floor(np.concatenate([middle, middle + 0.6 * (corner - middle)], axis=1)).astype(np.int64)
+        inside = ((at >= 0) & (at < [self._width, self._height])).all(axis=2)
+        return (inside & self._free[np.where(inside, at[..., 1] * self._width + at[..., 0], 0)]).any(axis=1)
+
+    def _rasterise(self, pixels: np.ndarray, near: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns free pixels that triangles cover, and these triangles; only the part of the picture around them."""
+        corner = pixels[triangles].reshape(-1, 2)
+        size = np.array([self._width, self._height])
+        low = np.clip(np.floor(corner.min(axis=0)).astype(int) - 1, 0, size - 1)
+        wide, high = np.clip(np.ceil(corner.max(axis=0)).astype(int) + 1, low + 1, size) - low
+        index, _ = rasterise(pixels - low, near, triangles, wide, high)
+        at = np.flatnonzero(index >= 0)
+        row, column = np.divmod(at, wide)
+        place = (row + low[1]) * self._width + column + low[0]
+        free = self._free[place]
+        return place[free], index[at[free]]
+
+    def _pixels(self, segments: np.ndarray) -> np.ndarray:
+        start, near_start = self.camera.project(segments[:, 0])
+        end, near_end = self.camera.project(segments[:, 1])
+        return line_pixels(start, end, near_start, near_end, self._width, self._height, 2)[0]
 
 
 def along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: int, margin: float) -> Camera:
@@ -84,25 +136,23 @@ def along_normal(points: np.ndarray, triangles: np.ndarray, width: int, height: 
     return orthographic_camera(centre, -normal, up, scale, scale, width, height)
 
 
-def _ink(segments: np.ndarray, camera: Camera, width: int, height: int) -> np.ndarray:
-    start, near_start = camera.project(segments[:, 0])
-    end, near_end = camera.project(segments[:, 1])
-    return line_pixels(start, end, near_start, near_end, width, height, 2)[0]
+def proportion(first: PolyData) -> float:
+    """Returns width over height of the pane in its crack pattern."""
+    points = reference_points(first)
+    pixels, _ = along_normal(points, first.triangles, 1, 1, 1.0).project(points)
+    wide, high = np.maximum(np.ptp(pixels, axis=0), 1e-9)
+    return float(wide / high)
 
 
-def side_view(scene: Scene, low: np.ndarray, high: np.ndarray, width: int, height: int,
-              stretch: bool = True) -> tuple[np.ndarray, Camera]:
+def side_view(scene: Scene, low: np.ndarray, high: np.ndarray, width: int, height: int) -> tuple[np.ndarray, Camera]:
     """Draws the box low..high [m] edge on along +y, without perspective.
 
-    With `stretch` the heights fill the picture on their own scale. The floor is seen as the edge of
-    a grey ground, so a body that hovers shows a gap and one that sinks is cut by the line.
+    The floor is seen as the edge of a grey ground, so a body that hovers shows a gap and one that sinks is cut by the line.
     """
     extent = np.maximum(high - low, 1e-6)
-    scale = np.array([width / extent[0], height / extent[2]])
-    if not stretch:
-        scale[:] = scale.min()
+    scale = min(width / extent[0], height / extent[2])
     camera = orthographic_camera(0.5 * (low + high), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]),
-                                 scale[0], scale[1], width, height)
+                                 scale, scale, width, height)
     picture = draw_scene(scene, camera, width, height)
     if scene.floor_z is not None:
         row = int(round(camera.project(np.array([[0.0, 0.0, scene.floor_z]]))[0][0, 1]))

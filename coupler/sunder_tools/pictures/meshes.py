@@ -6,6 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from .frames import BODIES, CRACKS, FROZEN, MOVING, SHARD, SHELL, SOFT, STATIC, Frame
+from .ground import Ground
 from .look import Look, parts_of_bodies
 from .motion import shell_velocity
 from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
@@ -52,6 +53,8 @@ class Scene:
     moving: np.ndarray      # (n, 3) corners of the scene's own moving bodies [m]
     floor_z: float | None   # height of the lowest level static face [m]; None: there is none
     glass_opacity: float = 0.70  # for a view along the normal of the glass
+    clear: bool = True           # glass tints and mirrors; otherwise its colours tell a quantity
+    ground: Ground | None = None  # below everything
 
 
 def weld(points: np.ndarray, apart: np.ndarray | None = None) -> np.ndarray:
@@ -241,4 +244,5 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         # a picture must contain these
         moving, shards = np.concatenate([moving, points]), np.concatenate([shards, points])
     return Scene(_join(glass), _join(solid), np.concatenate(cracks), np.concatenate(outlines), shards, moving, floor_z,
-                 0.40 if several else 0.70)  # windows are for looking in, a pane is what there is to see
+                 0.40 if several else 0.70,  # windows are for looking in, a pane is what there is to see
+                 look.by == "part")

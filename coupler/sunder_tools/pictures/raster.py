@@ -32,21 +32,22 @@ class Camera:
     def unproject(self, pixels: np.ndarray, nearness: np.ndarray) -> np.ndarray:
         """Returns world positions (n, 3) of pixels with known nearness."""
         depth = 1.0 / nearness if self.perspective else -nearness
-        right, down = ((pixels[:, k] - self.centre[k]) / self.scale[k] for k in (0, 1))
+        right, down = ((pixels[:, k] - float(self.centre[k])) / float(self.scale[k]) for k in (0, 1))
         if self.perspective:
             right *= depth
             down *= depth
-        world = np.empty((len(pixels), 3))
+        world = np.empty((len(pixels), 3), pixels.dtype)
         for k in range(3):  # a product of matrices as narrow as these is several times as slow
-            world[:, k] = right * self.axes[0, k] + down * self.axes[1, k] + depth * self.axes[2, k] + self.eye[k]
+            x, y, z, start = (float(value) for value in (*self.axes[:, k], self.eye[k]))
+            world[:, k] = right * x + down * y + depth * z + start
         return world
 
     def towards_eye(self, points: np.ndarray) -> np.ndarray:
         """Returns unit vectors (n, 3) from points to the eye."""
         if not self.perspective:
-            return np.broadcast_to(-self.axes[2], points.shape)
-        rays = self.eye - points
-        return rays / np.maximum(np.linalg.norm(rays, axis=1, keepdims=True), 1e-12)
+            return np.broadcast_to(-self.axes[2].astype(points.dtype), points.shape)
+        rays = self.eye.astype(points.dtype) - points
+        return rays / np.maximum(np.sqrt(np.einsum("ij,ij->i", rays, rays)), 1e-12)[:, None]
 
 
 def _axes(forward: np.ndarray, up: np.ndarray) -> np.ndarray:
@@ -95,22 +96,23 @@ def rasterise(pixels: np.ndarray, nearness: np.ndarray, triangles: np.ndarray, w
     index = np.full(width * height, -1, np.int64)
     depth = np.full(width * height, -np.inf)
     corner = pixels[triangles]  # (m, 3, 2)
-    low = np.ceil(corner.min(axis=1) - 0.5)    # pixel centres are at k + 0.5
-    high = np.floor(corner.max(axis=1) - 0.5)
+    near = nearness[triangles]
+    a, b, c = corner[:, 0], corner[:, 1], corner[:, 2]
     with np.errstate(invalid="ignore"):
-        area = ((corner[:, 1, 0] - corner[:, 0, 0]) * (corner[:, 2, 1] - corner[:, 0, 1])
-                - (corner[:, 2, 0] - corner[:, 0, 0]) * (corner[:, 1, 1] - corner[:, 0, 1]))
-        low = np.clip(low, 0, [width, height])
-        high = np.clip(high, -1, [width - 1, height - 1])
-        good = np.isfinite(area) & (np.abs(area) > 1e-9) & (high >= low).all(axis=1)
-        good &= np.isfinite(nearness[triangles]).all(axis=1)
+        # a reduction over an axis as short as these is several times as slow
+        low = np.ceil(np.minimum(np.minimum(a, b), c) - 0.5)    # pixel centres are at k + 0.5
+        high = np.floor(np.maximum(np.maximum(a, b), c) - 0.5)
+        area = (b[:, 0] - a[:, 0]) * (c[:, 1] - a[:, 1]) - (c[:, 0] - a[:, 0]) * (b[:, 1] - a[:, 1])
+        low = np.maximum(low, 0.0)
+        high = np.minimum(high, [width - 1.0, height - 1.0])
+        good = (high[:, 0] >= low[:, 0]) & (high[:, 1] >= low[:, 1])
+        good &= np.isfinite(area) & (np.abs(area) > 1e-9) & np.isfinite(near[:, 0] + near[:, 1] + near[:, 2])
     kept = np.flatnonzero(good)
     if len(kept) == 0:
         return index, depth
     span = (high[kept] - low[kept] + 1).astype(np.int64)
     count = span[:, 0] * span[:, 1]
     ends = np.cumsum(count)
-    near = nearness[triangles]
     start = 0
     while start < len(kept):
         stop = max(start + 1, int(np.searchsorted(ends, (ends[start - 1] if start else 0) + CANDIDATES)))
@@ -134,11 +136,15 @@ def _rasterise_some(ids: np.ndarray, span: np.ndarray, low: np.ndarray, corner: 
     slope, start = gx[:, rows], first[:, rows] + row * gy[:, rows]
     with np.errstate(divide="ignore", invalid="ignore"):
         zero = -(start + INSIDE) / slope  # column where a weight becomes positive, or stops being so
-        never = ((slope == 0.0) & (start < -INSIDE)).any(axis=0)
+        never = (slope == 0.0) & (start < -INSIDE)
+        never = never[0] | never[1] | never[2]
     columns = span[rows, 0].astype(float)
-    begin = np.ceil(np.where(slope > 0.0, zero, 0.0).max(axis=0).clip(0.0, columns))
-    end = np.floor(np.where(slope < 0.0, zero, np.inf).min(axis=0).clip(-1.0, columns - 1.0))
-    count = np.where(never, 0.0, (end - begin + 1.0).clip(0.0, None)).astype(np.int64)
+    opens, closes = np.where(slope > 0.0, zero, 0.0), np.where(slope < 0.0, zero, np.inf)
+    begin = np.maximum(np.maximum(opens[0], opens[1]), opens[2])
+    begin = np.ceil(np.minimum(np.maximum(begin, 0.0), columns))
+    end = np.minimum(np.minimum(closes[0], closes[1]), closes[2])
+    end = np.floor(np.maximum(np.minimum(end, columns - 1.0), -1.0))
+    count = np.where(never, 0.0, np.maximum(end - begin + 1.0, 0.0)).astype(np.int64)
     line, column = _counted(count)
     column += np.take(begin.astype(np.int64), line)
     rise = (near[ids, 1:] - near[ids, :1]).T  # (2, m): a face of constant nearness keeps it to the bit

@@ -22,8 +22,9 @@ from ..launch.install import FILM_PACKAGES, ensure_installed
 from ..places import BUILD_DIR_VARIABLE, work_folder
 from ..replacing import replacing
 from .between import FPS, film_frames
-from .contact_sheet import SAMPLES, boxes, moment_text, towards_what_is_hit, write_contact_sheet
+from .contact_sheet import SAMPLES, boxes, ground_of, moment_text, stand, towards_what_is_hit, write_contact_sheet
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
+from .ground import Ground
 from .lettering import draw_text
 from .look import Look
 from .meshes import load_scene
@@ -63,6 +64,7 @@ class _Stage:
     low: np.ndarray        # box [m] that fills the picture
     high: np.ndarray
     direction: np.ndarray  # of view
+    ground: Ground
 
 
 def parse_view(text: str) -> tuple[float, float]:
@@ -176,7 +178,7 @@ def _set_stage(folder: Path, frames: list[Frame], numbers: Sequence[int], shot: 
         direction = -np.array([np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)])
     middle = 0.5 * (low + high)
     return _Stage(frames, replace(shot, look=look), middle + (low - middle) / shot.zoom, middle + (high - middle) / shot.zoom,
-                  direction)
+                  direction, ground_of(seen, *wide))
 
 
 def _fastest(frames: list[Frame], numbers: Sequence[int]) -> float:
@@ -213,6 +215,7 @@ def draw_one(stage: _Stage, k: int) -> np.ndarray:
     width, height = shot.size[0] * SAMPLES, shot.size[1] * SAMPLES
     velocity = body_velocity(stage.frames, k) if shot.look.by == "speed" else None
     scene = load_scene(stage.frames[k], shot.look, velocity)
+    stand(scene, stage.ground)
     camera = perspective_camera(stage.low, stage.high, stage.direction, width, height)
     image = Image.fromarray(as_bytes(draw_scene(scene, camera, width, height))).reduce(SAMPLES)
     if shot.caption:

@@ -1,17 +1,21 @@
 """Shading: an oblique or side-on picture of a scene."""
 from __future__ import annotations
 
-import numpy as np
-from PIL import Image, ImageFilter
+from typing import Iterator
 
+import numpy as np
+
+from .ground import lines
 from .meshes import Scene, Surface
 from .raster import Camera, line_pixels, rasterise
+from .shadows import LIGHT, Shadows
 
-LIGHT = np.array([-0.36, -0.28, 0.89]) / np.linalg.norm([-0.36, -0.28, 0.89])  # towards the light
+LIGHT32 = LIGHT.astype(np.float32)
+
 SKY = (np.array([0.985, 0.988, 0.990]), np.array([0.90, 0.92, 0.94]))  # top, bottom of the picture
 INK = np.array([0.06, 0.12, 0.16])
-SHADOW_HALF_M = 1.3      # the shadow map reaches this far from its centre
-SHADOW_TEXELS = 800
+STEEPEST = 6.0           # rise of a surface over a pixel [pixels] above which pixels are shaded one by one
+FLAT = 0.9               # cosine between faces below which they are
 GRID_M = 0.1             # spacing of the lines on the floor
 BAND = 1 << 14           # [pixels] that are shaded at once; their arrays fit into the cache of a core
 
@@ -24,41 +28,13 @@ def background(width: int, height: int) -> np.ndarray:
     return picture.reshape(-1, 3)
 
 
-class _Shadows:
-    """How dark the floor is: shadows thrown along the light on the plane z = floor_z."""
-
-    def __init__(self, scene: Scene, floor_z: float) -> None:
-        thrown = np.concatenate([scene.shards, scene.moving, scene.glass.points[np.unique(scene.glass.triangles)]])
-        self._low = (np.median(thrown[:, :2], axis=0) if len(thrown) else np.zeros(2)) - SHADOW_HALF_M
-        self._scale = SHADOW_TEXELS / (2.0 * SHADOW_HALF_M)
-        solid = scene.solid
-        dark = self._mask(scene.glass, scene.glass.triangles, floor_z) * 0.26
-        if len(solid.triangles):
-            dark = np.maximum(dark, self._mask(solid, solid.triangles[solid.throws], floor_z) * 0.5)
-        image = Image.fromarray((dark * 255).astype(np.uint8)).filter(ImageFilter.GaussianBlur(1.0))
-        self._dark = np.asarray(image, float).ravel() / 255.0
-
-    def _mask(self, surface: Surface, triangles: np.ndarray, floor_z: float) -> np.ndarray:
-        points = surface.points
-        shadow = points[:, :2] - (points[:, 2:] - floor_z) * LIGHT[:2] / LIGHT[2]
-        near = np.where(points[:, 2] > floor_z - 0.01, 0.0, np.nan)
-        index, _ = rasterise((shadow - self._low) * self._scale, near, triangles, SHADOW_TEXELS, SHADOW_TEXELS)
-        return (index >= 0).reshape(SHADOW_TEXELS, SHADOW_TEXELS)
-
-    def at(self, points: np.ndarray) -> np.ndarray:
-        """Darkness 0..1 at points of the floor."""
-        x, y = (np.floor((points[:, k] - self._low[k]) * self._scale) for k in (0, 1))
-        inside = (x >= 0) & (x < SHADOW_TEXELS) & (y >= 0) & (y < SHADOW_TEXELS)
-        cell = np.where(inside, y * SHADOW_TEXELS + x, 0.0).astype(np.int64)
-        return np.where(inside, np.take(self._dark, cell), 0.0)
-
-
 class _Shader:
     """Shades points of a surface: Lambert, a highlight and a rim. What depends on triangles only is computed once."""
 
-    def __init__(self, surface: Surface, glass: bool) -> None:
-        self._surface, self._glass = surface, glass
-        self.normals = surface.normals()
+    def __init__(self, surface: Surface) -> None:
+        self._surface = surface
+        self.normals = surface.normals().astype(np.float32)
+        self.base = surface.colours.astype(np.float32)
         corners = surface.triangles
         # what a corner lacks of a normal is zero: a triangle without any is flat
         self._curved = np.abs(surface.smooth).sum(axis=1)[corners].sum(axis=1) > 0.0
@@ -67,29 +43,44 @@ class _Shader:
         a, b, c = (surface.points[corners[:, k]] for k in range(3))
         face = np.cross(b - a, c - a)
         square = np.maximum(_dot(face, face), 1e-300)[:, None]
-        self._weights = [(gradient := np.cross(face, q - p) / square, _dot(gradient, p))
+        self._weights = [((gradient := np.cross(face, q - p) / square).astype(np.float32), _dot(gradient, p).astype(np.float32))
                          for p, q in ((b, c), (c, a), (a, b))]  # opposite each corner
+        self._smooth = surface.smooth.astype(np.float32)
 
-    def colours(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray) -> np.ndarray:
+    def opaque(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray, shadows: Shadows) -> np.ndarray:
         """Returns colours (n, 3) at the points `world` (n, 3) of the triangles `index`; `eye` are unit vectors towards the
         eye."""
+        normal, facing = self._facing(index, world, eye)
+        dark = shadows.on(world, normal)
+        lambert = np.maximum(normal @ LIGHT32, 0.0)
+        base = np.take(self.base, index, axis=0)
+        base *= ((0.50 + 0.58 * lambert) * (1.0 - dark))[:, None]
+        base += (0.45 * (_highlight(normal, eye) ** 8) ** 5 * (1.0 - 2.0 * dark) + 0.12 * _cube(1.0 - facing))[:, None]
+        return base
+
+    def clear(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray, shadows: Shadows,
+              opacity: float) -> tuple[np.ndarray, np.ndarray]:
+        """Returns for points of glass which share of what is behind them comes through (n, 3), and what they add (n, 3):
+        a mirror image of a bright sky over a dark ground, more of it at grazing angles, and some light of their own."""
+        normal, facing = self._facing(index, world, eye)
+        dark = shadows.on(world, normal)
+        tint = np.take(self.base, index, axis=0)
+        mirror = (0.04 + 0.60 * _cube(1.0 - facing))[:, None]
+        up = 2.0 * facing * normal[:, 2] - eye[:, 2]
+        lambert = np.maximum(normal @ LIGHT32, 0.0) * (1.0 - dark)
+        sky = (0.55 + 0.50 * np.clip(0.5 + up, 0.0, 1.0))[:, None]
+        own = mirror * sky + (0.30 * opacity * (0.60 + 0.55 * lambert))[:, None] * tint
+        own += (0.35 * _cube(_highlight(normal, eye)) ** 8 * (1.0 - 2.0 * dark))[:, None]
+        return (1.0 - mirror) * (1.0 - 0.30 * opacity) * (1.0 - opacity * (1.0 - tint)), own
+
+    def _facing(self, index: np.ndarray, world: np.ndarray, eye: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Returns unit normals that look to the eye, and their cosines with the direction to it."""
         normal = np.take(self.normals, index, axis=0)
         self._round_normals(index, world, normal)
         self._bent_normals(index, world, normal)
         facing = _dot(normal, eye)
-        normal *= np.where(facing < 0.0, -1.0, 1.0)[:, None]
-        lambert = np.maximum(normal @ LIGHT, 0.0)
-        half = eye + LIGHT
-        highlight = np.maximum(_dot(normal, half) / np.sqrt(_dot(half, half)), 0.0)
-        rim = _cube(1.0 - np.minimum(np.abs(facing), 1.0))
-        base = np.take(self._surface.colours, index, axis=0)
-        if self._glass:
-            base *= (0.66 + 0.40 * lambert)[:, None]
-            base += (0.22 * _cube(highlight) ** 8 + 0.10 * rim)[:, None]
-        else:
-            base *= (0.50 + 0.58 * lambert)[:, None]
-            base += (0.45 * (highlight ** 8) ** 5 + 0.12 * rim)[:, None]
-        return base
+        normal *= np.where(facing < 0.0, np.float32(-1.0), np.float32(1.0))[:, None]
+        return normal, np.minimum(np.abs(facing), 1.0)
 
     def _round_normals(self, index: np.ndarray, world: np.ndarray, normal: np.ndarray) -> None:
         """Sets the normals at points of balls."""
@@ -104,14 +95,20 @@ class _Shader:
         if len(at) == 0:
             return
         triangle, point = index[at], world[at]
-        corners, smooth = self._surface.triangles, self._surface.smooth
-        sum_ = np.zeros((len(at), 3))
+        corners, smooth = self._surface.triangles, self._smooth
+        sum_ = np.zeros((len(at), 3), np.float32)
         for k, (gradient, offset) in enumerate(self._weights):
-            weight = np.clip(_dot(np.take(gradient, triangle, axis=0), point) - np.take(offset, triangle), 0.0, 1.0)
+            weight: np.ndarray = np.clip(_dot(np.take(gradient, triangle, axis=0), point) - np.take(offset, triangle), 0.0, 1.0)
             sum_ += weight[:, None] * np.take(smooth, np.take(corners[:, k], triangle), axis=0)
         length = np.sqrt(_dot(sum_, sum_))
         seen = length > 1e-6
         normal[at[seen]] = sum_[seen] / length[seen, None]
+
+
+def _highlight(normal: np.ndarray, eye: np.ndarray) -> np.ndarray:
+    """Returns the cosine between normals and the middle of light and eye."""
+    half = eye + LIGHT32
+    return np.maximum(_dot(normal, half) / np.sqrt(_dot(half, half)), 0.0)
 
 
 def _cube(values: np.ndarray) -> np.ndarray:
@@ -122,14 +119,6 @@ def _cube(values: np.ndarray) -> np.ndarray:
 def _dot(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     """Of rows (n, 3): (n,). Three times as fast as a sum over the short axis."""
     return np.einsum("ij,ij->i", a, b)
-
-
-def _floor(colours: np.ndarray, points: np.ndarray, pixel_m: np.ndarray, shadows: _Shadows) -> np.ndarray:
-    """Grid lines and shadows over the floor's colour; `pixel_m` is a pixel's size there [m]."""
-    x, y = points[:, 0] / GRID_M, points[:, 1] / GRID_M
-    off = np.minimum(np.abs(x - np.rint(x)), np.abs(y - np.rint(y))) * GRID_M  # [m] from a line
-    line = np.clip(1.2 - off / pixel_m, 0.0, 1.0)
-    return colours * ((1.0 - 0.09 * line) * (1.0 - shadows.at(points)))[:, None]
 
 
 def draw_scene(scene: Scene, camera: Camera, width: int, height: int, line_px: int = 2) -> np.ndarray:
@@ -144,8 +133,9 @@ def draw_scene(scene: Scene, camera: Camera, width: int, height: int, line_px: i
     pixels, near = camera.project(scene.glass.points)
     glass = rasterise(pixels, near, scene.glass.triangles, width, height)
     painter = _Painter(scene, camera, width)
-    for begin in range(0, len(picture), BAND):
-        band = slice(begin, begin + BAND)
+    rows = max(2, BAND // width // 2 * 2)
+    for begin in range(0, len(picture), rows * width):
+        band = slice(begin, begin + rows * width)
         index, depth = solid[0][band], solid[1][band]
         painter.solid(picture[band], begin, index, depth)
         painter.glass(picture[band], begin, glass[0][band], glass[1][band], depth)
@@ -163,51 +153,122 @@ def as_bytes(picture: np.ndarray) -> np.ndarray:
     return out
 
 
+NOTHING, PIECE, FLOOR, GROUND = 0, 1, 2, 3  # what a pixel shows
+
+
 class _Painter:
-    """Paints bands of a picture: consecutive pixels, the first of which has the number `begin`."""
+    """Paints bands of a picture: whole rows, the first pixel of which has the number `begin`.
+
+    A picture is drawn larger than it is shown, and averaged. So two by two pixels that show one smooth surface are shaded
+    as one, in their middle.
+    """
 
     def __init__(self, scene: Scene, camera: Camera, width: int) -> None:
         self._scene, self._camera, self._width = scene, camera, width
-        self._solid, self._glass = _Shader(scene.solid, glass=False), _Shader(scene.glass, glass=True)
-        self._shadows = None if scene.floor_z is None or not scene.solid.is_floor.any() else _Shadows(scene, scene.floor_z)
-        self._of_floor = (scene.solid.is_floor & (self._shadows is not None)).astype(np.int8)  # per triangle
-
-    def _world(self, pixel: np.ndarray, nearness: np.ndarray) -> np.ndarray:
-        row, column = np.divmod(pixel, self._width)
-        return self._camera.unproject(np.stack([column + 0.5, row + 0.5], axis=1), nearness)
+        self._solid, self._glass = _Shader(scene.solid), _Shader(scene.glass)
+        self._shadows = Shadows(scene)
+        self._kind = np.where(scene.solid.is_floor, FLOOR, PIECE).astype(np.int8)  # per triangle
 
     def solid(self, picture: np.ndarray, begin: int, index: np.ndarray, depth: np.ndarray) -> None:
-        """Paints what is opaque: triangles `index` (-1: none) of nearness `depth`."""
-        if len(self._scene.solid.triangles) == 0:
-            return
-        kind = np.where(index < 0, 0, 1 + np.take(self._of_floor, index))  # 0 nothing, 1 something, 2 the floor
-        at = np.flatnonzero(kind == 1)
-        if len(at):
-            world = self._world(at + begin, depth[at])
-            picture[at] = self._solid.colours(index[at], world, self._camera.towards_eye(world))
-        at = np.flatnonzero(kind == 2)
-        if len(at) and self._shadows is not None:
-            world = self._world(at + begin, np.take(depth, at))
-            away = world - self._camera.eye
-            distance = np.sqrt(_dot(away, away)) if self._camera.perspective else 1.0
-            colours = _floor(np.take(self._scene.solid.colours, np.take(index, at), axis=0), world,
-                             distance / self._camera.scale.min(), self._shadows)
-            if len(at) == len(picture):  # as most often
-                picture[:] = colours
+        """Paints what is opaque: triangles `index` (-1: none) of nearness `depth`, which becomes that of the ground too."""
+        kind = np.where(index < 0, NOTHING, np.take(self._kind, index)) if len(self._kind) else np.zeros(len(index), np.int8)
+        ground = self._scene.ground
+        if ground is not None:
+            near = ground.nearness(self._camera, begin // self._width, len(index) // self._width, self._width)
+            shown = near > depth
+            kind[shown], depth[shown] = GROUND, near[shown]
+        smooth = self._smooth(kind, depth, index, self._solid.normals)
+        for one in (PIECE, FLOOR, GROUND):
+            at, blocks = self._chosen(kind == one, smooth)
+            if not len(at):
+                continue
+            world = self._world(at, blocks, begin, depth)
+            if one == PIECE:
+                colours = self._solid.opaque(index[at], world, self._camera.towards_eye(world), self._shadows)
+            elif one == FLOOR:
+                dark = self._shadows.below(world)
+                line = lines(world, self._pixel_m(world), GRID_M)
+                colours = np.take(self._solid.base, index[at], axis=0)
+                colours = colours * ((1.0 - 0.09 * line) * (1.0 - dark))[:, None]
             else:
-                picture[at] = colours
+                assert ground is not None
+                dark = self._shadows.below(world)
+                colours = ground.colours(world, self._pixel_m(world), picture[at], dark)
+            for pixel, part in self._spread(at, blocks):
+                picture[pixel] = colours[part]
 
     def glass(self, picture: np.ndarray, begin: int, index: np.ndarray, depth: np.ndarray, behind: np.ndarray) -> None:
         """Paints glass over what is behind it, at nearness `behind`."""
-        at = np.flatnonzero(depth > behind)
-        if len(at) == 0:
+        shown = depth > behind
+        if not shown.any():
             return
-        world = self._world(at + begin, depth[at])
+        at, blocks = self._chosen(shown, self._smooth(shown, depth, index, self._glass.normals))
+        world = self._world(at, blocks, begin, depth)
         eye = self._camera.towards_eye(world)
-        colours = self._glass.colours(index[at], world, eye)
-        slant = 1.0 - np.abs(_dot(np.take(self._glass.normals, index[at], axis=0), eye))
-        opacity = (self._scene.glass_opacity + 0.25 * slant * slant)[:, None]
-        picture[at] += opacity * (colours - picture[at])
+        if self._scene.clear:
+            through, own = self._glass.clear(index[at], world, eye, self._shadows, self._scene.glass_opacity)
+        else:
+            own = self._glass.opaque(index[at], world, eye, self._shadows)
+            slant = 1.0 - np.abs(_dot(np.take(self._glass.normals, index[at], axis=0), eye))
+            opacity = (self._scene.glass_opacity + 0.25 * slant * slant)[:, None]
+            through, own = 1.0 - opacity, opacity * own
+        for pixel, part in self._spread(at, blocks):
+            picture[pixel] = picture[pixel] * through[part] + own[part]
+
+    def _world(self, at: np.ndarray, blocks: int, begin: int, depth: np.ndarray) -> np.ndarray:
+        """Returns places of pixels, in single precision: twice as fast, and a picture has no more."""
+        row, column = np.divmod(at + begin, self._width)
+        pixels = np.stack([column, row], axis=1).astype(np.float32)
+        pixels[:blocks] += 1.0
+        pixels[blocks:] += 0.5
+        return self._camera.unproject(pixels, np.take(depth, at).astype(np.float32))
+
+    def _pixel_m(self, world: np.ndarray) -> np.ndarray:
+        """Returns the size of a pixel [m] at points."""
+        if not self._camera.perspective:
+            return np.full(len(world), 1.0 / self._camera.scale.min(), world.dtype)
+        away = world - self._camera.eye.astype(world.dtype)
+        return np.sqrt(_dot(away, away)) / float(self._camera.scale.min())
+
+    def _smooth(self, kind: np.ndarray, depth: np.ndarray, index: np.ndarray, normals: np.ndarray) -> np.ndarray:
+        """Tests two by two pixels for showing one smooth surface: (rows / 2, width / 2); none where sizes are odd."""
+        rows = len(kind) // self._width
+        if rows % 2 or self._width % 2:
+            return np.zeros((0, 0), bool)
+
+        def of(values: np.ndarray) -> list[np.ndarray]:
+            whole = values.reshape(rows, self._width)
+            return [whole[::2, ::2], whole[::2, 1::2], whole[1::2, ::2], whole[1::2, 1::2]]
+
+        kinds, nears, which = of(kind), of(depth), of(index)
+        same = (kinds[0] == kinds[1]) & (kinds[0] == kinds[2]) & (kinds[0] == kinds[3])
+        with np.errstate(invalid="ignore"):  # where nothing is shown
+            most = (STEEPEST / self._camera.scale.min()) * (nears[0] if self._camera.perspective else 1.0)
+            same &= (np.abs(nears[0] - nears[3]) <= most) & (np.abs(nears[1] - nears[2]) <= most)
+        edge = np.flatnonzero((same & ((which[0] != which[3]) | (which[1] != which[2]))).ravel())
+        if len(edge):
+            one, two, three, four = (np.take(normals, w.ravel()[edge], axis=0) for w in which)
+            bent = (np.abs(_dot(one, four)) < FLAT) | (np.abs(_dot(two, three)) < FLAT)
+            same.ravel()[edge[bent]] = False
+        return same
+
+    def _chosen(self, shown: np.ndarray, smooth: np.ndarray) -> tuple[np.ndarray, int]:
+        """Returns the pixels to shade of those that are `shown`, and how many of them, the first ones, are of blocks."""
+        if not smooth.size:
+            return np.flatnonzero(shown), 0
+        whole = shown.reshape(-1, self._width)
+        row, column = np.nonzero(smooth & whole[::2, ::2])
+        single = whole.copy()
+        for i in (0, 1):
+            for j in (0, 1):
+                single[i::2, j::2] &= ~smooth
+        return np.concatenate([2 * row * self._width + 2 * column, np.flatnonzero(single.ravel())]), len(row)
+
+    def _spread(self, at: np.ndarray, blocks: int) -> Iterator[tuple[np.ndarray, slice]]:
+        """Yields pixels, and the part of what was shaded that is theirs."""
+        yield at, slice(None)
+        for step in (1, self._width, self._width + 1):
+            yield at[:blocks] + step, slice(blocks)
 
 
 def _draw_lines(picture: np.ndarray, segments: np.ndarray, camera: Camera, front: np.ndarray, width: int,

@@ -24,7 +24,8 @@ class PolyData:
     """One .vtp file. Cells are in the file's order: vertices, then lines, then polygons."""
     points: np.ndarray  # (n, 3) float64 [m]
     verts: np.ndarray = field(default_factory=lambda: np.zeros((0,), int))          # point per cell
-    lines: list[np.ndarray] = field(default_factory=list)                           # points per polyline
+    line_points: np.ndarray = field(default_factory=lambda: np.zeros(0, np.int64))  # of all polylines, one after another
+    line_bounds: np.ndarray = field(default_factory=lambda: np.zeros(1, np.int64))  # where each begins, and the end
     triangles: np.ndarray = field(default_factory=lambda: np.zeros((0, 3), int))    # (m, 3) points
     point_data: dict[str, np.ndarray] = field(default_factory=dict)
     cell_data: dict[str, np.ndarray] = field(default_factory=dict)
@@ -38,8 +39,10 @@ class PolyData:
 
     def segments(self) -> np.ndarray:
         """All polylines as (k, 2) pairs of points."""
-        pairs = [np.stack([line[:-1], line[1:]], axis=1) for line in self.lines if len(line) > 1]
-        return np.concatenate(pairs) if pairs else np.zeros((0, 2), int)
+        goes_on = np.ones(len(self.line_points), bool)
+        goes_on[self.line_bounds[1:] - 1] = False  # the last point of each
+        first = np.flatnonzero(goes_on)
+        return np.stack([self.line_points[first], self.line_points[first + 1]], axis=1)
 
 
 def read_vtp(path: Path) -> PolyData:
@@ -88,9 +91,10 @@ class _Reader:
         self._require(bool((np.diff(vert_bounds) == 1).all()), "a vertex cell that is not one point")
         lines, line_bounds = self._cells(piece, "Lines", count)
         polys, poly_bounds = self._cells(piece, "Polys", count)
+        self._require(bool((np.diff(line_bounds) > 0).all()), "a line without points")
         self._require(bool((np.diff(poly_bounds) == 3).all()), "a polygon that is not a triangle")
         data = PolyData(
-            points, verts, np.split(lines, line_bounds[1:-1]) if count["Lines"] else [], polys.reshape(-1, 3),
+            points, verts, lines, line_bounds, polys.reshape(-1, 3),
             self._named(piece, "PointData", count["Points"]),
             self._named(piece, "CellData", count["Verts"] + count["Lines"] + count["Polys"]))
         closing = self._data[self._begin + self._end:]

@@ -109,6 +109,7 @@ class Words:
     probes: tuple[tuple[str, str], ...] = ()  # (probe, body) where a body moves under a probe
     masses: tuple[tuple[str, float], ...] = ()  # (body, [kg]) of spheres and boxes
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
+    speeds: tuple[tuple[str, float], ...] = ()  # (body, [m/s] at the start) of bodies that move
 
     def mass_under(self, probe: str) -> float | None:
         """[kg] of the body that the probe follows; None where that is not known."""
@@ -177,6 +178,8 @@ def words_of(scene: Message, settings: list[str]) -> Words:
     masses = [(str(_one(b, "name")), mass) for b in bodies if known and (mass := _mass(b, materials)) is not None]
     probes = [(str(_one(p, "name")), str(_one(p, "body"))) for o in scene.get("output", []) if isinstance(o, dict)
               for p in o.get("probes", []) if _one(p, "body")]
+    speeds = [(str(_one(b, "name")), speed) for b in bodies if (speed := _speed(b)) > 0.0
+              and not any(s.startswith("bodies") for s in settings)]
     pull = _one(scene, "gravity")
     x, y, z = STANDARD_GRAVITY if pull is None else (_number(_one(pull, a, default=0.0)) for a in "xyz")
     if any(s.startswith("gravity") for s in settings):
@@ -185,7 +188,8 @@ def words_of(scene: Message, settings: list[str]) -> Words:
                  tuple(any(word in m.lower() for word in CLEAR) for m in of),
                  tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density), tuple(thickness),
                  tuple(str(_one(b, "name", default="")) for b in bodies),
-                 tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z))
+                 tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z),
+                 tuple(speeds))
 
 
 def _number(value: Any) -> float:
@@ -210,6 +214,12 @@ def _thickness(shells: list[Message], settings: list[str]) -> list[float]:
             except ValueError:
                 found[at] = math.nan
     return found
+
+
+def _speed(body: Message) -> float:
+    """[m/s] at the start."""
+    launched = _number(_one(body, "launch", "speed", default=0.0))
+    return launched if launched > 0.0 else math.hypot(*(_number(_one(body, "twist", "linear", a, default=0.0)) for a in "xyz"))
 
 
 def _mass(body: Message, materials: dict[Any, Any]) -> float | None:
