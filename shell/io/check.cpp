@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "shell/contact/proxy.h"
+#include "shell/io/felt.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/forces.h"
@@ -110,6 +111,14 @@ std::string size_lines(const ShellModel& m, double step) {
       m.tables.gauss_points() * static_cast<int>(m.tables.layers.zeta.size()), m.spacing, step);
 }
 
+std::string warning_lines(const RunSetup& setup) {
+  std::string out;
+  for (const std::string& warning :
+       {too_thick(setup.shells, setup.stitches.seams), felt_late(setup.shells, setup.bodies)})
+    if (!warning.empty()) out += "warning        " + warning + "\n";
+  return out;
+}
+
 double megabytes(const ShellState& s) {
   return 1e-6 * (2.0 * 8.0 * s.cracked.tables.metric.size() +
                  8.0 * (s.layers.surface_stress.size() + 12.0 * static_cast<double>(s.motion.x.size())));
@@ -147,9 +156,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
   }
   if (setup.steps > 0) {
     out += fmt::format("equilibria     {}\nmemory         about {:.0f} MB\n", setup.steps, memory);
-    if (const std::string thick = too_thick(setup.shells, setup.stitches.seams); !thick.empty())
-      out += "warning        " + thick + "\n";
-    return out;
+    return out + warning_lines(setup);
   }
   const double least = setup.time_step > 0.0 ? setup.time_step * (1.0 - 1e-9) : smallest;
   scene.check(setup.tick >= least, setup.coupling.ticks > 1 ? "coupling.adaptive_window.shortest_window_s" : "window_s",
@@ -176,9 +183,7 @@ std::string check_report(const scene::LoadedScene& scene, const RunSetup& setup)
       "               cracks can make a substep some three times as long; bodies alone come on top\n",
       substeps * cost / 60.0, 1e3 * cost);
   out += fmt::format("memory         about {:.0f} MB\n", memory);
-  if (const std::string thick = too_thick(setup.shells, setup.stitches.seams); !thick.empty())
-    out += "warning        " + thick + "\n";
-  return out + soft_report(scene, setup);
+  return out + warning_lines(setup) + soft_report(scene, setup);
 }
 
 }  // namespace sunder::shell

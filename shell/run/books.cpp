@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "coupler/core/error.h"
+#include "shell/io/felt.h"
 #include "shell/run/audit.h"
 
 namespace sunder::shell {
@@ -84,6 +85,8 @@ std::vector<std::string> warnings(const Books& books, Simulation& simulation, do
                       books.frozen_kinetic, grid, keeps, books.crack_surface(simulation), rubble});
   if (const std::string thick = too_thick(shells, simulation.model.setup.stitches.seams); !thick.empty())
     out.insert(out.begin(), thick);
+  if (const std::string late = felt_late(shells, simulation.model.setup.bodies); !late.empty())
+    out.insert(out.begin(), late);
   return out;
 }
 
