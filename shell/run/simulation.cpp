@@ -23,6 +23,24 @@ int gauss_points(const RunSetup& setup) {
   return points;
 }
 
+// Returns the part of m v- . v+ / 2 that half a kick of gravity adds [J], as forces do in kinetic_energy().
+double kick_of_gravity(const ShellModel& m, const ShellState& s, const Vec3& gravity, double dt) {
+  double sum = 0.0;
+  for (int i = 0; i < m.tables.plane; ++i)
+    if (s.motion.inverse_mass[i] > 0.0) sum += 0.5 * dt * s.motion.mass[i] * gravity.dot(s.velocity(i));
+  for (const auto& driven : m.constraints.driven)  // gravity does not move a driven control point
+    for (int d = 0; d < 3; ++d)
+      for (const int slot : driven.slots[d])
+        if (s.motion.inverse_mass[slot] > 0.0 && s.motion.mass[slot] > 0.0)
+          sum -= 0.5 * dt * s.motion.mass[slot] * gravity[d] * s.motion.v[d * m.tables.plane + slot];
+  return sum;
+}
+
+void shift_bodies(const Vec3& velocity, std::vector<Proxy>& bodies) {
+  for (Proxy& p : bodies)
+    if (!p.body.is_static) p.body.motion.velocity += velocity;
+}
+
 // Says what is left, and what would do.
 std::string no_equilibrium(const std::string& name, const RelaxationResult& r, double tolerance, int step) {
   const std::string out = fmt::format(
@@ -235,7 +253,7 @@ double Simulation::total_energy(double dt) {
     const ShellModel& m = part.model();
     ShellState& s = *part.state;
     if (state.stitching.empty()) apply_force_discontinuity({{&m, &s}}, dt);
-    const double kinetic = kinetic_energy(m, s, dt);
+    const double kinetic = kinetic_energy(m, s, dt) + kick_of_gravity(m, s, setup_.gravity, dt);
     state.kinetic += kinetic, sum += kinetic + potential_energy(m, s, setup_.gravity);
     // kinetic_energy() has half a kick that the books receive with the next one
     sum -= 0.5 * dt * external_power(m, s);
@@ -266,10 +284,13 @@ double Simulation::substeps_of_tick(double substep, std::int64_t window) const {
 }
 
 void Simulation::take_substeps(int n, double dt, double last, const Clock& clock, const std::function<void()>& look) {
+  // At the ends of a window velocities of bodies are those at the times of positions, within it those of half a step
+  // before, as of shells.
+  shift_bodies(-0.5 * dt * setup_.gravity, state.bodies);
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
     state.soft_most = n - k;
-    substep(model, state, scratch, dt, k == 0 && last > 0.0 ? last : dt);
+    substep(model, state, scratch, dt, k == 0 ? last : dt);
     try {
       if (state.fibres) {
         Stopwatch w(scratch.times[Stage::kFibres]);
@@ -286,6 +307,7 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
     crack_update(model, state, scratch, clock, k, n, dt);
     look();
   }
+  shift_bodies(0.5 * dt * setup_.gravity, state.bodies);
 }
 
 void Simulation::share_kick(double share) {

@@ -4,9 +4,9 @@
 
 namespace sunder::shell {
 
-/// Advances the state by `dt` [s]; `last` is the substep before [s]. Velocities are those of half a `last` before the
-/// positions; they advance to half a `dt` after them, then positions advance by `dt`. Throws Error (physics) from
-/// contact.
+/// Advances the state by `dt` [s]; `last` is the substep before [s], 0 at the start of a run. Velocities of shells are
+/// those of half a `last` before the positions; they advance to half a `dt` after them, then positions advance by `dt`.
+/// Velocities of bodies are of the same times. Throws Error (physics) from contact.
 void substep(const Model& model, State& state, Scratch& scratch, double dt, double last);
 
 /// Computes forces at the present positions: surface forms, stress, resultants, loads, fibres. Seams pass forces to
