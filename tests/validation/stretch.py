@@ -13,6 +13,7 @@ from sunder_tools.pictures.frames import SHELL, list_frames
 from sunder_tools.pictures.lettering import draw_text
 from sunder_tools.pictures.meshes import reference_points
 from sunder_tools.pictures.raster import orthographic_camera, rasterise
+from sunder_tools.pictures.strain import principal_stretch
 from sunder_tools.pictures.vtp import PolyData, VtpError
 
 from .crack_check import element_side
@@ -64,26 +65,13 @@ def stretched_at(folder: Path, time_s: float) -> Stretched:
             continue
         side = side or element_side(shell)
         if frame.time_s >= time_s - 1e-9:
-            return Stretched(frame.time_s, shell, _stretch(shell), side)
+            return Stretched(frame.time_s, shell, principal_stretch(shell), side)
     raise VtpError(f"{folder}: no frame of the shell at {time_s:g} s")
 
 
 def _area(shell: PolyData) -> np.ndarray:
     corner = reference_points(shell)[shell.triangles]
     return 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
-
-
-def _stretch(shell: PolyData) -> np.ndarray:
-    """Returns the square root of the larger eigenvalue of C; its components are scalar products of a triangle's
-    sides."""
-    def metric(points: np.ndarray) -> np.ndarray:
-        corner = points[shell.triangles]
-        sides = np.stack([corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]], axis=1)
-        return sides @ sides.transpose(0, 2, 1)
-
-    c = np.linalg.solve(metric(reference_points(shell)), metric(shell.points))
-    half = 0.5 * np.trace(c, axis1=1, axis2=2)
-    return np.sqrt(half + np.sqrt(np.maximum(half ** 2 - np.linalg.det(c), 0.0)))
 
 
 def write_stretched(found: list[tuple[str, Stretched]], path: Path) -> None:
