@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Writes a falling tree: a trunk and branches as OFF files beside the scenes, bodies and joints into the scenes.
+"""Writes a falling tree: a trunk and branches as OFF files beside this script and beside the scenes, bodies and joints
+into the scenes.
 
     scenes/make_tree.py [--notch DEGREES] [SCENE...]
 
@@ -155,7 +156,8 @@ def main() -> int:
     parser.add_argument("scenes", nargs="*", type=Path, metavar="SCENE")
     arguments = parser.parse_args()
     for piece in tree():
-        (Path(__file__).parent / f"tree_{piece.name}.off").write_text(off_text(piece))
+        for folder in {Path(__file__).resolve().parent, *(scene.resolve().parent for scene in arguments.scenes)}:
+            (folder / f"tree_{piece.name}.off").write_text(off_text(piece))
         mass, centre, _ = piece.mass_properties()
         print(f"{piece.name:10} {mass:6.1f} kg, centre {np.linalg.norm(centre):.2f} m from the foot")
     print(f"starts {LEAN_DEG:g} degrees off the vertical with {start()[2]:.3f} rad/s")

@@ -37,8 +37,8 @@ def changed(name: str, net) -> list:
 
 class Scenes(unittest.TestCase):
     def test_are_what_the_scripts_make(self) -> None:
-        made = [p for p in sorted(SCENES.glob("*.textproto")) if "# begin car" in p.read_text()]
-        self.assertEqual([p.stem for p in made], ["falling_tree", "falling_tree_small", "impactor", "impactor_small"])
+        made = [p for p in sorted(SCENES.rglob("*.textproto")) if "# begin car" in p.read_text()]
+        self.assertEqual([p.stem for p in made], ["falling_tree", "falling_tree_small", "impactor", "impactor_small", "fig01"])
         with tempfile.TemporaryDirectory() as folder:
             for scene in made:
                 copy = Path(shutil.copy(scene, folder))
@@ -53,7 +53,8 @@ class Scenes(unittest.TestCase):
                     make_tree.replace_part(copy, "tree", make_tree.made_by(notch_deg), make_tree.scene_text(notch_deg))
                 self.assertEqual(copy.read_text(), scene.read_text(), f"{scene.name}: run its scripts again")
         for piece in make_tree.tree():
-            self.assertEqual((SCENES / f"tree_{piece.name}.off").read_text(), make_tree.off_text(piece))
+            for place in (SCENES, SCENES / "paper"):
+                self.assertEqual((place / f"tree_{piece.name}.off").read_text(), make_tree.off_text(piece))
 
     def test_a_scene_without_a_place_for_the_car_is_left_alone(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
