@@ -51,8 +51,9 @@ MAY_PYTHON = {
     "sunder_tools.pictures": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch"},
     "sunder_lab": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch", "sunder_tools.pictures"},
     "sunder_lab.trade": {"sunder_tools", "sunder_tools.launch", "sunder_tools.pictures", "sunder_lab"},
+    "sunder_lab.paper": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch", "sunder_tools.pictures", "sunder_lab"},
     "sunder_tools.command": {"sunder_tools", "sunder_tools.report", "sunder_tools.launch", "sunder_tools.pictures",
-                             "sunder_lab", "sunder_lab.trade"},
+                             "sunder_lab", "sunder_lab.trade", "sunder_lab.paper"},
     "sunder": {"sunder_tools", "sunder_lab"},
     "sunder_engine": set(),  # may be copied alone
 }

@@ -1,0 +1,186 @@
+"""Draws the figures that are seen in space: 1, 12, 13, 14, 15 and 17."""
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from PIL import Image
+
+from sunder_tools.pictures.contact_sheet import DIRECTION
+from sunder_tools.pictures.crack_lines import Graph, graph_of, grown
+from sunder_tools.pictures.flat import crack_pattern
+from sunder_tools.pictures.frames import BODIES, CRACKS, MOVING, SHELL, STATIC, Frame, list_frames
+from sunder_tools.pictures.meshes import reference_points
+from sunder_tools.pictures.views import as_bytes
+from sunder_tools.pictures.vtp import PolyData
+from sunder_tools.report.columns import read_columns
+from sunder_tools.report.run_json import read_run
+
+from . import panels
+from .catalogue import CASES
+from .drawings import WHOLE, Drawn, shells
+from .panels import Box, at_times, board, captions, growing, shell_frames, view_panels
+from .runs import Runs
+
+VIEW = (470, 352)  # [px]
+CAR_VIEW = (0.80, 0.50, -0.42)  # from the front, the left side and above
+PIECE = 0.001      # share of the area from which a piece is counted
+GREY = np.array([0.76, 0.77, 0.78])
+
+
+def near_shell(frames: list[Frame], spare: float) -> Box:
+    """A box [m] around the shell in frames, and the bodies that are within `spare` of its sizes."""
+    found = [shell.points for frame in frames if (shell := frame.read(SHELL)) is not None]
+    box = Box.around(found)
+    reach = spare * float((box.high - box.low).max())
+    for frame in frames:
+        bodies = frame.read(BODIES)
+        if bodies is None or not len(bodies.triangles):
+            continue
+        kind = bodies.of_triangles("kind", STATIC)
+        points = bodies.points[np.unique(bodies.triangles[kind == MOVING])]
+        found.append(points[((points > box.low - reach) & (points < box.high + reach)).all(axis=1)])
+    return Box.around(found)
+
+
+def figure_1(runs: Runs) -> Drawn:
+    """The car before the hit, with the bumper broken, with the bonnet bent, and under the tree."""
+    folder, out = runs.place("fig01"), Drawn()
+    frames = list_frames(folder)
+    last = frames[-1].time_s
+    chosen = at_times(frames, (0.0, 0.03, 0.09, 0.15, 0.25, last))
+    box = near_shell(chosen[:1], 0.0)
+    made = view_panels(folder, chosen, VIEW, Box(box.low, box.high + np.array([0.0, 0.0, 0.5])), direction=CAR_VIEW)
+    out.add(runs, "fig01", board(made, captions(chosen), 3), "One sequence: the impactor from the front, then the tree.")
+    run = read_run(folder)
+    area = _areas(folder)
+    out.found.append(f"{run['counts']['patches']} patches, {run['counts']['layer_points']} points in layers; "
+                     f"{run['counts']['handed_off']} pieces handed off, {len(area)} of them of 10 cm2 or more; "
+                     f"{run['cracks']['length_m']:.2f} m of cracks; plastic work {run['energy']['dissipated_plastic']:.3g} J.")
+    return out
+
+
+def _areas(folder: Path, least_m2: float = 1e-3) -> list[float]:
+    """Areas of shards [m^2], the larger ones."""
+    table = read_columns(folder / "shards.csv")
+    return [float(a) for a in table.get("area [m^2]", ()) if a >= least_m2]
+
+
+def figure_12(runs: Runs) -> Drawn:
+    """The bullet before, in and behind the sheet, and the sheet at the end."""
+    folder, out = runs.place("fig12"), Drawn()
+    frames = list_frames(folder)
+    with_shell = shell_frames(folder)
+    chosen = [*at_times(frames, (0.0, 3e-3, 9e-3)), with_shell[-1]]
+    made = view_panels(folder, chosen, VIEW, near_shell(with_shell[:1], 0.2), direction=(0.80, 0.52, -0.28))
+    out.add(runs, "fig12", board(made, captions(chosen), 4), "The bullet flies from the left.")
+    run = read_run(folder)
+    dent = float(np.abs(shells(with_shell[-1:])[0].point_data["displacement"]).max())
+    out.found.append(f"{run['counts']['handed_off']} pieces fly off; plastic work {run['energy']['dissipated_plastic']:.3g} J; "
+                     f"largest displacement left {1e3 * dent:.0f} mm; {run['cracks']['length_m']:.2f} m of cracks.")
+    return out
+
+
+def figure_13(runs: Runs) -> Drawn:
+    """The sheet with its cut, and the spiral as it is pulled."""
+    folder, out = runs.place("fig13"), Drawn()
+    frames = shell_frames(folder)
+    chosen = at_times(frames, (0.0, 0.3, 0.6, frames[-1].time_s))
+    made = view_panels(folder, chosen, (VIEW[0], 470))
+    out.add(runs, "fig13", board(made, captions(chosen), 4), "The middle is pulled up, the rim is held.")
+    run, box = read_run(folder), Box.around([shells(chosen[-1:])[0].points])
+    out.found.append(f"{run['cracks']['length_m']:.2f} m of cut, {run['counts']['fragments']} piece; at the end the sheet reaches "
+                     f"over {box.high[2] - box.low[2]:.2f} m of height. Stable step {run['stable_step']['initial_s']:.3g} s before "
+                     f"and {run['stable_step']['smallest_s']:.3g} s at its smallest.")
+    return out
+
+
+def figure_14(runs: Runs) -> Drawn:
+    """Cloth and bunnies of both kinds, and the cracks on the cloth at rest."""
+    out, made, words, flat = Drawn(), [], [], []
+    region = CASES["fig14_weakened"].made(runs.size).find("shells[cloth].strength_regions[0]")
+    low, high = np.array([region.low.u, region.low.v]), np.array([region.high.u, region.high.v])
+    for case, name in (("fig14_even", "(a)"), ("fig14_weakened", "(b)")):
+        folder = runs.place(case)
+        frames = shell_frames(folder)
+        chosen = at_times(frames, (0.0, 0.04, 0.08, 0.16))
+        made += view_panels(folder, chosen, VIEW, near_shell(frames[:1], 0.4), direction=(-0.35, 0.72, -0.60))
+        words += [f"{name} {when}" for when in captions(chosen)]
+        graph = grown(graph_of(_last_cracks(frames), case))
+        weak = (low, high) if case == "fig14_weakened" else None
+        flat.append(_cracks_at_rest(frames, graph, weak))
+        out.found.append(f"{name} {_share_inside(graph, low, high)} {read_run(folder)['counts']['fragments']} pieces of cloth.")
+    out.add(runs, "fig14", board(made, words, 4), "(a) even cloth, (b) with a weakened band across the middle.")
+    out.add(runs, "fig14_cracks", board(flat, ["(a) cracks on the cloth at rest", "(b) the weakened region is grey"], 2),
+            "All cracks, on the cloth at rest.")
+    return out
+
+
+def _last_cracks(frames: list[Frame]) -> PolyData | None:
+    return next((frame.read(CRACKS) for frame in reversed(frames) if CRACKS in frame.files), None)
+
+
+def _share_inside(graph: Graph, low: np.ndarray, high: np.ndarray) -> str:
+    """How much of the cracks is within a box of parameters, and where the first of them began."""
+    if len(graph) == 0:
+        return "no crack grew."
+    length = np.linalg.norm(graph.ends[:, 1] - graph.ends[:, 0], axis=1)
+    inside = ((graph.ends.mean(axis=1) >= low) & (graph.ends.mean(axis=1) <= high)).all(axis=1)
+    first = inside[int(np.argmin(graph.born))]
+    return (f"{length.sum():.2f} m of cracks, {100.0 * length[inside].sum() / length.sum():.0f} % of it in the region; the first "
+            f"begins {'inside' if first else 'outside'}.")
+
+
+def _cracks_at_rest(frames: list[Frame], graph: Graph, weak: tuple[np.ndarray, np.ndarray] | None) -> Image.Image:
+    """The cloth at rest, its cracks and, where there is one, its weakened region (low, high) in parameters."""
+    first = shells(frames[:1])[0]
+    rest = reference_points(first)
+    base = np.broadcast_to(WHOLE, (len(first.triangles), 3)).copy()
+    if weak is not None:
+        middle = rest[first.triangles].mean(axis=1)[:, :2] - rest.min(axis=0)[:2]  # parameters of a plate begin at a corner
+        base[((middle >= weak[0]) & (middle <= weak[1])).all(axis=1)] = GREY
+    return panels.sheet_panel(first, base, first, Box.around([rest]), 2 * VIEW[0], graph.rest, at_rest=True)
+
+
+def figure_15(runs: Runs) -> Drawn:
+    """The garment from whole to torn; and its pieces."""
+    folder, out = runs.place("fig15"), Drawn()
+    frames = shell_frames(folder)
+    chosen = [frames[0], *growing(frames, (0.1, 0.5)), frames[-1]]
+    box = Box.around([shells(chosen[:1])[0].points])
+    box = Box(box.low - np.array([0.05, 0.05, 0.2]), box.high + np.array([0.05, 0.05, 0.0]))
+    made = view_panels(folder, chosen, (VIEW[0], 560), box, direction=(-0.35, 0.92, -0.15))
+    made += view_panels(folder, chosen[-1:], (VIEW[0], 560), box, by="fragment", direction=(-0.35, 0.92, -0.15))
+    out.add(runs, "fig15", board(made, [*captions(chosen), "pieces at the end"], 5), "Straps are held, the hem is pulled down. Each "
+            "patch has a colour; in the last picture each piece.")
+    cracks, last = _last_cracks(frames), shells(frames[-1:])[0]
+    across = len(np.unique(cracks.cell_data["shell"])) if cracks is not None and cracks.lines else 0
+    corner = reference_points(last)[last.triangles]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    _, which = np.unique(last.of_triangles("fragment", 0), return_inverse=True)
+    large = int((np.bincount(which, area) > PIECE * area.sum()).sum())
+    run = read_run(folder)
+    out.found.append(f"{large} pieces of a thousandth of the cloth or more; cracks in {across} of {run['counts']['patches']} "
+                     f"patches, {run['cracks']['length_m']:.2f} m long.")
+    return out
+
+
+def figure_17(runs: Runs) -> Drawn:
+    """The pane as it shatters and as its shards fall, and its crack pattern."""
+    folder, out = runs.place("fig17"), Drawn()
+    frames = list_frames(folder)
+    with_shell = shell_frames(folder)
+    breaking, falling = growing(with_shell, (0.3, 1.0)), at_times(frames, (0.05, min(0.15, frames[-1].time_s)))
+    near = near_shell(frames[:1], 0.2)
+    made = view_panels(folder, breaking, VIEW, near, direction=DIRECTION)
+    made += view_panels(folder, falling, VIEW, Box(np.array([near.low[0], near.low[1], 0.0]), near.high), direction=DIRECTION)
+    out.add(runs, "fig17", board(made, captions([*breaking, *falling]), 4), "The marble, the pane, its shards.")
+    drawn = crack_pattern(frames, 900 * panels.SAMPLES, 900 * panels.SAMPLES, panels.MARGIN)
+    if drawn is not None:
+        out.add(runs, "fig17_cracks", Image.fromarray(as_bytes(drawn[0])).reduce(panels.SAMPLES),
+                "Crack pattern on the pane at rest; each piece has a colour.")
+    run = read_run(folder)
+    out.found.append(f"{run['counts']['handed_off']} shards handed to the rigid engine; {run['cracks']['length_m']:.2f} m of cracks; "
+                     f"shell solved until {run['time'].get('frozen_at_s') or run['time']['simulated_s']:.3g} s.")
+    return out
+

@@ -1,0 +1,257 @@
+"""The figures of the paper: their scenes have its values, one is run and drawn whole, nothing is run twice."""
+from __future__ import annotations
+
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from . import REPOSITORY
+from sunder_lab.paper import skeleton
+from sunder_lab.paper.catalogue import CASES, CORES, SIZES, TABLE_2
+from sunder_lab.paper.figures import FIGURES
+from sunder_lab.paper.page import command, measured, state, table
+from sunder_lab.paper.runs import Record, Runs, about, left
+from sunder_lab.scene import SCENES
+from sunder_tools.command import paper as subcommand
+from sunder_tools.errors import CommandError
+from sunder_tools.launch.run import COMMAND_FILE, USAGE_FILE
+
+PAPER = SCENES / "paper"
+sys.path.append(str(PAPER))
+import make_bunnies  # noqa: E402
+import make_garment  # noqa: E402
+
+SUNDER = str(REPOSITORY / "coupler" / "sunder")
+# Table 2: density, Young's modulus, Poisson's ratio, strength (0: none).
+VALUES = {("fig01", "bumper_plastic"): (500, 3.2e8, 0.3, 6.5e6), ("fig01", "window_glass"): (300, 2.8e9, 0.3, 8.2e6),
+          ("fig04_healing", "rubber"): (500, 3.2e5, 0.3, 4.5e4), ("fig09_ours", "film"): (100, 3.2e3, 0.3, 1.5e2),
+          ("fig12", "metal"): (1e3, 3.2e5, 0.33, 8e4), ("fig13", "rubber"): (1000, 4.2e5, 0.3, 0),
+          ("fig14_even", "cloth"): (100, 2.8e5, 0.3, 5.5e4), ("fig15", "cloth"): (20, 3.2e3, 0.3, 5e2),
+          ("fig17", "glass"): (4e3, 3.2e10, 0.18, 2.2e7)}
+POINTS = 0.2  # share by which a full size may miss the points of Table 2
+
+
+def sunder(*arguments: str) -> tuple[int, str]:
+    """Exit status, and what was said."""
+    done = subprocess.run([SUNDER, "paper", *arguments], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, check=False)
+    return done.returncode, done.stdout
+
+
+class Catalogue(unittest.TestCase):
+    def test_all_figures_are_there_and_all_cases_are_drawn(self) -> None:
+        self.assertEqual(list(FIGURES), list(range(1, subcommand.FIGURES + 1)))
+        used = {case for figure in FIGURES.values() for case in figure.cases}
+        self.assertEqual(used, set(CASES))
+        for figure in FIGURES.values():
+            self.assertEqual(figure.draw is not None, bool(figure.cases), figure.number)
+            self.assertEqual(bool(figure.differs), figure.draw is not None, figure.number)
+        self.assertEqual([f.number for f in FIGURES.values() if f.missing], [16])
+
+    def test_scenes_have_the_values_of_table_2(self) -> None:
+        for (case, name), wanted in VALUES.items():
+            m = CASES[case].made("full").find(f"materials[{name}]")
+            self.assertEqual((m.density, m.youngs_modulus, m.poisson_ratio, m.strength), wanted, case)
+        factor = CASES["fig14_weakened"].made("full").find("shells[cloth].strength_regions[0]").factor
+        self.assertAlmostEqual(factor * 5.5e4, 8e3, delta=1e-6)
+        self.assertEqual(CASES["fig14_even"].made("full").find("shells[cloth].strength_regions[0]").factor, 1.0)
+
+    def test_every_case_is_accepted_and_full_ones_have_the_points_of_table_2(self) -> None:
+        points = {row.case: row.points for row in TABLE_2 if row.case}
+        for name, case in CASES.items():
+            report = case.made("small").check()
+            self.assertIn("substeps", report, name)
+            if name in points:
+                found = sum(int(n) for n in re.findall(r"^layer points\s+(\d+)$", case.made("full").check(), re.MULTILINE))
+                self.assertAlmostEqual(found / points[name], 1.0, delta=POINTS, msg=name)
+
+    def test_a_command_line_makes_the_scene_of_the_case(self) -> None:
+        for size in SIZES:
+            for name in CASES:
+                self.assertIn(CASES[name].file(), command(name, size))
+                self.assertTrue((REPOSITORY / CASES[name].file()).is_file())
+        self.assertIn("--set 'shells[sheet].stress_model=JGT17'", command("fig09_jgt17", "small"))
+
+    def test_scenes_are_what_the_scripts_make(self) -> None:
+        with tempfile.TemporaryDirectory() as folder:
+            for name, part, note, lines in (
+                    ("fig14", "bunnies", "made by make_bunnies.py", make_bunnies.scene_text()),
+                    ("fig15", "garment", make_garment.made_by(make_garment.SPACING_M), make_garment.scene_text(make_garment.SPACING_M))):
+                scene = PAPER / f"{name}.textproto"
+                copy = Path(shutil.copy(scene, folder))
+                copy.write_text(re.sub(rf"(?s)(# begin {part}).*?(# end {part})", r"\1\n\2", copy.read_text()))
+                make_bunnies.replace_part(copy, part, note, lines)
+                self.assertEqual(copy.read_text(), scene.read_text(), f"{name}: run its script again")
+        for piece in make_bunnies.PARTS:
+            self.assertEqual((PAPER / f"bunny_{piece.name}.off").read_text(), make_bunnies.off_text(piece))
+
+    def test_panels_meet_to_round_off(self) -> None:
+        by_name = {p.name: p.net for p in make_garment.panels()}
+        for where in ("front", "back"):
+            row = [f"{where}_{name}" for name in (make_garment.NAMES if where == "back" else make_garment.NAMES[::-1])]
+            for one, other in zip(row, row[1:]):
+                np.testing.assert_allclose(by_name[one][:, -1], by_name[other][:, 0], atol=1e-12)
+        for side in ("left", "right"):
+            np.testing.assert_array_equal(by_name[f"shoulder_{side}"][0], by_name[f"front_strap_{side}"][-1])
+            np.testing.assert_array_equal(by_name[f"shoulder_{side}"][-1], by_name[f"back_strap_{side}"][-1][::-1])
+
+
+class Skeleton(unittest.TestCase):
+    def test_of_a_bar_is_its_middle_line_and_of_a_ring_a_ring(self) -> None:
+        bar = np.zeros((21, 60), bool)
+        bar[8:13, 5:55] = True
+        line = skeleton.thinned(bar)
+        self.assertLessEqual(set(np.nonzero(line)[0]), {9, 10, 11})
+        self.assertGreater(line.sum(), 40)
+        self.assertLessEqual(line.sum(axis=0).max(), 2)
+        y, x = np.mgrid[-20:21, -20:21]
+        ring = np.abs(np.hypot(x, y) - 12.0) < 3.0
+        line = skeleton.thinned(ring)
+        self.assertFalse(line[20, 20])
+        self.assertGreater(line.sum(), 2 * 3.14 * 12 * 0.7)
+        self.assertTrue((np.abs(np.hypot(x, y)[line] - 12.0) < 2.0).all())
+
+    def test_what_has_moved_is_counted(self) -> None:
+        one = np.zeros((20, 20), bool)
+        one[5] = True
+        other = np.roll(one, 2, axis=0)
+        self.assertEqual(skeleton.moved(one, other, 2), 0.0)
+        self.assertEqual(skeleton.moved(one, other, 1), 1.0)
+        other[7, 10:] = False
+        self.assertAlmostEqual(skeleton.moved(one, other, 2), 0.4)  # two pixels more by the reach
+
+
+class Told(unittest.TestCase):
+    def test_time_left_follows_the_run_once_it_is_under_way(self) -> None:
+        self.assertEqual(left(10.0, 0.0, 60.0), 50.0)
+        self.assertEqual(left(10.0, 0.25, 60.0), 30.0)
+        self.assertEqual(left(100.0, 0.05, 60.0), 0.0)
+        self.assertEqual([about(s) for s in (0.0, 40.0, 300.0, 9000.0)],
+                         ["about 1 s", "about 40 s", "about 5 min", "about 2.5 h"])
+
+    def test_ratios_are_of_core_seconds(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            runs = Runs(Path(name), "small", "1", True)
+            folder = runs.place("fig13")
+            folder.mkdir(parents=True)
+            (folder / "run.json").write_text(json.dumps({"status": "done", "counts": {"layer_points": 16000},
+                                                         "time": {"substeps": 1000, "wall_s": 2.0}}))
+            (folder / USAGE_FILE).write_text(json.dumps({"processor_s": 3.0, "wall_s": 2.5}))
+            (folder / COMMAND_FILE).write_text(json.dumps({"threads": "2"}))
+            found = measured(runs, "fig13")
+            self.assertEqual(found, {"points": 16000.0, "steps": 1000.0, "step_s": 2e-3, "threads": 2.0, "core_s": 3e-3})
+            rows = [re.findall(r"<td>(.*?)</td>", line) for line in table(runs) if line.startswith("<tr><td>13<")]
+            self.assertEqual(rows[0][-4], f"{CORES * 1.23 / 3e-3:,.0f}")          # a step
+            self.assertEqual(rows[0][-1], f"{CORES * 1.23 / 160e3 / (3e-3 / 16e3):,.0f}")  # a step and point
+            self.assertEqual(measured(runs, "fig12"), {})
+            (folder / "run.json").write_text('{"status": "failed"}')
+            self.assertEqual(measured(runs, "fig13"), {})
+
+    def test_a_record_that_cannot_be_read_is_begun_anew(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            (Path(name) / "paper.json").write_text("[1, 2")
+            self.assertEqual(Record.read(Path(name)), Record(Path(name)))
+
+
+class Refused(unittest.TestCase):
+    def test_figures_that_there_are_not(self) -> None:
+        for figure in ("0", "19", "-1", "four", "1.5"):
+            status, said = sunder("--figure", figure)
+            self.assertEqual(status, 2, said)
+            self.assertIn("1 to 18" if not figure.startswith("-") else "--figure", said)
+        self.assertEqual(sunder("--size", "huge")[0], 2)
+
+    def test_a_folder_that_cannot_be_written(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            (Path(name) / "file").write_text("")
+            status, said = sunder("--figure", "9", "--out", str(Path(name) / "file" / "out"))
+            self.assertEqual(status, 2, said)
+            self.assertIn("cannot be written", said)
+            self.assertEqual([p.name for p in Path(name).iterdir()], ["file"])
+
+    def test_what_cannot_be_made_is_said(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            status, said = sunder("--figure", "16", "--out", name)
+            self.assertEqual(status, 1)
+            self.assertIn("figure 16: Not made: it needs a body that changes its shape", said)
+            self.assertIn("Not made: it needs", (Path(name) / "small" / "index.html").read_text())
+            self.assertEqual(sunder("--figure", "6", "--out", name)[0], 0)  # a drawing of the method
+
+
+class Whole(unittest.TestCase):
+    """Figure 9 from the command line: four runs."""
+
+    @classmethod
+    def setUpClass(cls) -> None:
+        cls.temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(cls.temporary.cleanup)
+        cls.out = Path(cls.temporary.name)
+        cls.status, cls.said = sunder("--figure", "9", "--threads", "1", "--out", str(cls.out))
+
+    def test_a_figure_is_run_drawn_and_on_the_page(self) -> None:
+        self.assertEqual(self.status, 0, self.said)
+        self.assertRegex(self.said, r"fig09_ours, run 1 of 4: 0 %, about \d+ (s|min) left of all")
+        page = (self.out / "small" / "index.html").read_text()
+        self.assertNotRegex(page, r"https?://|//cdn|<script")
+        for name in re.findall(r"<img src='([^']+)'", page):
+            self.assertTrue((self.out / "small" / name).is_file(), name)
+        self.assertIn("<img src='fig09.png'", page)
+        area = re.search(r"the paper&#x27;s projection: ([\d.]+) m2 in 2 pieces", page)
+        assert area is not None, page[:4000]
+        self.assertAlmostEqual(float(area[1]), 1.0, delta=0.02)  # torn in two and come back; the paper: 0.994
+        row = re.search(r"<tr><td>9</td>.*?</tr>", page)
+        assert row is not None
+        self.assertIn("<td>28,800</td>", row[0])
+        runs = Runs(self.out, "small", None, True)
+        self.assertEqual((state(runs, FIGURES[9]), state(runs, FIGURES[12]), state(runs, FIGURES[16]), state(runs, FIGURES[2])),
+                         ("drawn", "not run", "missing", "a drawing"))
+
+    def test_nothing_is_run_twice_and_a_changed_scene_is(self) -> None:
+        places = [self.out / "small" / "runs" / case / "run.json" for case in FIGURES[9].cases]
+        before = [place.stat().st_mtime_ns for place in places]
+        self.assertEqual(sunder("--figure", "9", "--threads", "1", "--out", str(self.out), "--quiet")[0], 0)
+        self.assertEqual([place.stat().st_mtime_ns for place in places], before)
+        kept = self.out / "small" / "paper.json"
+        told = json.loads(kept.read_text())
+        told["cases"]["fig09_ghf18"]["identity"] = "of another scene"
+        kept.write_text(json.dumps(told))
+        status, said = sunder("--figure", "9", "--threads", "1", "--out", str(self.out))
+        self.assertEqual(status, 0, said)
+        self.assertIn("fig09_ghf18, run 1 of 1", said)
+        self.assertEqual([place.stat().st_mtime_ns for place in places][:3], before[:3])
+        self.assertNotEqual(places[3].stat().st_mtime_ns, before[3])
+
+    def test_a_run_that_fails_is_on_the_page_with_status_1(self) -> None:
+        build = self.out / "build"
+        for name in ("shell/sunder-shell", "rigid/sunder-rigid"):  # checks pass, runs end at once
+            (build / name).parent.mkdir(parents=True, exist_ok=True)
+            (build / name).write_text("#!/bin/sh\ncase \"$*\" in *--check*) exit 0;; esac\necho no luck >&2\nexit 4\n")
+            (build / name).chmod(0o755)
+        done = subprocess.run([SUNDER, "paper", "--figure", "12", "--out", str(self.out / "failed")], text=True, check=False,
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                              env={**os.environ, "SUNDER_BUILD_DIR": str(build)})
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("fig12 failed", done.stdout)
+        self.assertIn("fig12 failed", (self.out / "failed" / "small" / "index.html").read_text())
+
+
+class Folder(unittest.TestCase):
+    def test_that_others_write_to_is_refused(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            runs = Runs(Path(name), "small", None, True)
+            runs.open()
+            (runs.folder / "paper.json").mkdir()
+            with self.assertRaisesRegex(CommandError, "cannot write .*paper.json"):
+                runs.record.write()
+
+
+if __name__ == "__main__":
+    unittest.main()
