@@ -25,7 +25,7 @@ SPACING_M = 0.003
 # Height [m] above the hem, half width and half depth of the body there [m]: hip, waist, chest, shoulder.
 BODY = [(0.00, 0.205, 0.150), (0.18, 0.165, 0.115), (0.38, 0.185, 0.130), (0.52, 0.165, 0.095)]
 UNDERARM_M, STRAP_M, NECK_FRONT_M, NECK_BACK_M = 0.36, 0.50, 0.42, 0.46  # heights of upper edges
-STITCHED = 0.66     # share of the height of the panels below straps from which they are reinforced
+STITCHED = 0.9      # share of the height of the panels below straps from which they are reinforced
 SHOULDER_M = 0.56   # height of the straps' middle
 # Angles [degrees] from the left side on, where panels of front and back end: side, strap, neck, strap, side.
 ENDS_DEG = (0.0, 52.0, 70.0, 110.0, 128.0, 180.0)

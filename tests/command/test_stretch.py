@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from PIL import Image
 
+from sunder_tools.pictures.strain import principal_stretch
 from sunder_tools.pictures.vtp import PolyData
 from tests.validation import stretch
 
@@ -20,7 +21,7 @@ def moved(gradient: np.ndarray) -> stretch.Stretched:
     points = REST @ gradient.T
     mesh = PolyData(points=points, triangles=TRIANGLES)
     mesh.point_data["displacement"] = points - REST
-    return stretch.Stretched(1.0, mesh, stretch._stretch(mesh), 1.0)
+    return stretch.Stretched(1.0, mesh, principal_stretch(mesh), 1.0)
 
 
 class Stretch(unittest.TestCase):

@@ -19,10 +19,12 @@ from sunder_lab.paper.catalogue import CASES, CORES, SIZES, TABLE_2
 from sunder_lab.paper.figures import FIGURES
 from sunder_lab.paper.page import command, measured, state, table
 from sunder_lab.paper.runs import Record, Runs, about, left
+from sunder_lab.paper.views import hanging_together
 from sunder_lab.scene import SCENES
 from sunder_tools.command import paper as subcommand
 from sunder_tools.errors import CommandError
 from sunder_tools.launch.run import COMMAND_FILE, USAGE_FILE
+from sunder_tools.pictures.vtp import PolyData
 
 PAPER = SCENES / "paper"
 sys.path.append(str(PAPER))
@@ -129,11 +131,22 @@ class Skeleton(unittest.TestCase):
         self.assertAlmostEqual(skeleton.moved(one, other, 2), 0.4)  # two pixels more by the reach
 
 
+class Pieces(unittest.TestCase):
+    def test_hang_together_by_points_at_one_place(self) -> None:
+        rows = [np.array([[k, 0.0, 0.0], [k + 1, 0.0, 0.0], [k, 1.0, 0.0], [k + 1, 1.0, 0.0]]) for k in (0, 1, 2, 5, 6)]
+        points = np.concatenate(rows)  # five squares: three in a row, then two; each has points of its own
+        squares = [4 * k + np.array([[0, 1, 2], [1, 3, 2]]) for k in (3, 0, 4, 2, 1)]
+        found = hanging_together(PolyData(points, triangles=np.concatenate(squares)))
+        self.assertEqual(len(set(found)), 2)
+        self.assertEqual([found[2 * k] == found[0] for k in range(5)], [True, False, True, False, False])
+        np.testing.assert_array_equal(found[0::2], found[1::2])
+
+
 class Told(unittest.TestCase):
     def test_time_left_follows_the_run_once_it_is_under_way(self) -> None:
         self.assertEqual(left(10.0, 0.0, 60.0), 50.0)
         self.assertEqual(left(10.0, 0.25, 60.0), 30.0)
-        self.assertEqual(left(100.0, 0.05, 60.0), 0.0)
+        self.assertEqual(left(100.0, 0.05, 60.0), 10.0)
         self.assertEqual([about(s) for s in (0.0, 40.0, 300.0, 9000.0)],
                          ["about 1 s", "about 40 s", "about 5 min", "about 2.5 h"])
 

@@ -59,7 +59,7 @@ _FINE = ("output.frame_interval_s=0.02",)
 _SQUARE = (Size(0.6, ("window_s=4e-3",)), Size(1.41, (_WIDE_10MM,)))
 
 CASES = {case.name: case for case in (
-    Case("fig01", "paper/fig01", Size(0.15)),
+    Case("fig01", "paper/fig01", Size(0.15, ("end_time_s=0.25",))),
     Case("fig04_maximum", "over_stretch", full=Size(2.87, (_WIDE_15MM,)), settings=(
         *_FINE, "fracture.healing=false", "fracture.extract_cracks=false")),
     Case("fig04_cut", "over_stretch", full=Size(2.87, (_WIDE_15MM,)), settings=(*_FINE, "fracture.healing=false")),
@@ -70,8 +70,8 @@ CASES = {case.name: case for case in (
     Case("fig09_ghf18", "torn_square", *_SQUARE, settings=("shells[sheet].stress_model=GHF18",)),
     Case("fig11_mode_one", "mode_one", full=Size(2.0, ("fracture.damage_width_m=0.00693",)), settings=("fracture.mode=DAMAGE",)),
     Case("fig11_mode_two", "mode_two", full=Size(2.0, ("fracture.damage_width_m=0.00693",)), settings=("fracture.mode=DAMAGE",)),
-    Case("fig11_plate", "pressed_plate", Size(0.6), Size(1.5)),
-    Case("fig12", "bullet_sheet", full=Size(1.48)),
+    Case("fig11_plate", "pressed_plate", full=Size(1.5)),
+    Case("fig12", "bullet_sheet", full=Size(1.48), settings=("output.frame_interval_s=1e-3",)),
     Case("fig13", "paper/fig13", Size(0.4)),
     Case("fig14_even", "paper/fig14", Size(0.288, ("end_time_s=0.2",)), settings=("shells[cloth].strength_regions[0].factor=1",)),
     Case("fig14_weakened", "paper/fig14", Size(0.288, ("end_time_s=0.2",))),

@@ -74,7 +74,9 @@ FIGURES = {figure.number: figure for figure in (
            "uniform pressure breaks as in Kiendl et al. 2016, Fig. 12.",
            ("fig11_mode_one", "fig11_mode_two", "fig11_plate"),
            ("(a) and (b) run in the paper's mode, DAMAGE. (c) runs in mode TIPS: with the strength and fracture energy of "
-            "glass, the paper's law needs spacings below 0.2 mm. Table 2 has no row for this figure.",
+            "glass, the paper's law needs spacings below 0.2 mm. It is a pane of glass that breaks at once, in motion; Kiendl "
+            "et al. load a plate slowly. So its first cracks are to be compared: from near the middle towards the corners. Table 2 "
+            "has no row for this figure.",
             "The paper restrains the crack of (b) by a boundary condition at the lower edge. Here that edge is held."),
            drawings.figure_11),
     Figure(12, "A bullet through thin metal",
@@ -90,13 +92,14 @@ FIGURES = {figure.number: figure for figure in (
            ("The bunnies are nine ellipsoids each, joined; the scanned one has more convex parts than an engine takes.",
             "The shape of the weakened region is chosen. The cloth has no fibres (type III): shells with fibres do not "
             "break here.",
-            "Cracks leave strips of rubble, a few elements wide, where the paper shows clean lines: the cloth is fully "
-            "damaged in wide places at once, and each is cut."), views.figure_14),
+            "In places cracks leave rubble, where the paper shows clean lines: the cloth is fully damaged over several elements "
+            "at once, and all of them are cut."), views.figure_14),
     Figure(15, "A garment, torn",
            "A garment is fixed at its shoulder straps and pulled at its bottom. Branching cracks pass over the borders of "
            "patches and leave three fragments.", ("fig15",),
-           ("The garment is made by a script. Nothing breaks where straps are stitched on; without that it tears at the "
-            "stitches alone.",
+           ("The garment is made by a script. Nothing breaks where straps are stitched on. It tears just below: the straps leave "
+            "with a part of the panels that they hold, and the body stays. The paper's tears run through the garment and branch.",
+            "At the tears strips of an element's width stand out. They are stretched and never part.",
             "It ends soon after the straps have torn off: small pieces at the tears become unstable later. The paper goes on to "
             "1.2 s. The cloth has no fibres (type III)."), views.figure_15),
     Figure(16, "A mannequin that is inflated",

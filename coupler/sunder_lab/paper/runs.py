@@ -185,10 +185,11 @@ class _Progress:
 
 
 def left(elapsed_s: float, share: float, expected_s: float) -> float:
-    """Seconds that a run has still to go: by its own pace, before a tenth of it by what was expected."""
+    """Seconds that a run has still to go: by its own pace, before a tenth of it by what was expected, at least a tenth
+    of what it has had."""
     if share >= 0.1:
         return elapsed_s * (1.0 - share) / share
-    return max(expected_s - elapsed_s, 0.0)
+    return max(expected_s - elapsed_s, 0.1 * elapsed_s)
 
 
 def about(seconds: float) -> str:
