@@ -5,9 +5,11 @@ import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
+import time
 import unittest
 from pathlib import Path
 
@@ -254,6 +256,27 @@ class Whole(unittest.TestCase):
         self.assertEqual(done.returncode, 1, done.stdout)
         self.assertIn("fig12 failed", done.stdout)
         self.assertIn("fig12 failed", (self.out / "failed" / "small" / "index.html").read_text())
+
+
+class Stopped(unittest.TestCase):
+    def test_it_goes_on_with_the_run_that_was_stopped(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            out = Path(name)
+            process = subprocess.Popen([SUNDER, "paper", "--figure", "12", "--threads", "1", "--out", name], text=True,
+                                       stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+            try:
+                while process.poll() is None and not (out / "small" / "runs" / "fig12" / "run.json").is_file():
+                    time.sleep(0.1)
+                process.send_signal(signal.SIGINT)
+                said = process.communicate()[0]
+            finally:
+                process.kill()
+                process.wait()
+            self.assertEqual(process.returncode, 130, said)
+            self.assertIn("Not run yet", (out / "small" / "index.html").read_text())
+            runs = Runs(out, "small", None, True)
+            self.assertFalse(runs.done("fig12"))
+            self.assertEqual(runs.failure("fig12"), "")
 
 
 class Folder(unittest.TestCase):

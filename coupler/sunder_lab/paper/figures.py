@@ -89,7 +89,7 @@ FIGURES = {figure.number: figure for figure in (
     Figure(14, "Two bunnies on a cloth",
            "Two rigid bunnies fall on a cloth that is held along its four edges. (a) Even cloth: branching and merging cracks. "
            "(b) With a weakened region the cracks start there, and go on beyond it.", ("fig14_even", "fig14_weakened"),
-           ("The bunnies are nine ellipsoids each, joined; the scanned one has more convex parts than an engine takes.",
+           ("The bunnies are nine ellipsoids each, joined. One surface of that shape has more convex parts than an engine takes.",
             "The shape of the weakened region is chosen. The cloth has no fibres (type III): shells with fibres do not "
             "break here.",
             "In places cracks leave rubble, where the paper shows clean lines: the cloth is fully damaged over several elements "
