@@ -79,9 +79,9 @@ def figure_12(runs: Runs) -> Drawn:
     out.add(runs, "fig12", board(made, captions([*at_times(with_shell, BULLET_S), with_shell[-1]]), 4),
             "The bullet comes through the sheet towards the eye; at the end the whole sheet.")
     run = read_run(folder)
-    dent = float(np.abs(shells(with_shell[-1:])[0].point_data["displacement"]).max())
+    moved = np.linalg.norm(shells(with_shell[-1:])[0].point_data["displacement"], axis=1)
     out.found.append(f"{run['counts']['handed_off']} pieces fly off; plastic work {run['energy']['dissipated_plastic']:.3g} J; "
-                     f"largest displacement left {1e3 * dent:.0f} mm; {run['cracks']['length_m']:.2f} m of cracks.")
+                     f"at the end a tenth of the points are off by {1e3 * np.quantile(moved, 0.9):.1f} mm or more; {run['cracks']['length_m']:.2f} m of cracks.")
     return out
 
 
