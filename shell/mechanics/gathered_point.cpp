@@ -1,6 +1,7 @@
 #include "shell/mechanics/gathered_point.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace sunder::shell {
@@ -13,6 +14,11 @@ Forms<double> forms_of(const GatheredPoint& p, const Derivatives<double>& d) {
 }
 
 }  // namespace
+
+std::uint64_t fresh_stamp() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
+}
 
 std::vector<GatheredFunction> patch_functions(const Patch& patch, const Vec2& p, int stride) {
   std::vector<GatheredFunction> out;

@@ -2,6 +2,7 @@
 // One gathered point: a Gauss point that a crack has touched, with shape functions of its own. Points that damage may
 // weaken are gathered too, but the row kernel sums them.
 #include <array>
+#include <cstdint>
 #include <optional>
 #include <vector>
 
@@ -17,6 +18,9 @@ struct GatheredFunction {
 
 enum class PointKind { kQuadratic, kLinear, kDead };  // linear: membrane only; dead: no force
 
+/// A number that no other caller gets.
+std::uint64_t fresh_stamp();
+
 /// A Gauss point and its shape functions.
 struct GatheredPoint {
   int block = 0, lane = 0;
@@ -24,6 +28,9 @@ struct GatheredPoint {
   double area = 0.0;                 // reference area [m^2]
   ReferenceMetric<double> metric{};  // of these shape functions: the rest state has no strain
   std::vector<GatheredFunction> functions;
+  // Kernels keep packed copies of the functions as long as the stamp is the same. Other functions take another point,
+  // or another stamp. A dead point has none.
+  std::uint64_t stamp = fresh_stamp();
   bool left = false;  // handed off with a piece
   // The row kernel sums the point: it is damaged, but no crack has touched it.
   bool in_rows = false;

@@ -44,7 +44,7 @@ struct RowPlaces {
   }
 };
 
-/// A pack of gathered points, each at its own place. Lanes beyond the last point repeat it.
+/// A pack of gathered points, each at its own place. Lanes beyond the last point repeat the first.
 struct PointPlaces {
   using Value = Pack;
   const RowTables& t;

@@ -7,30 +7,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kChunks = 4;  // fixed, so that sums do not depend on the number of threads
-
-// Positions and forces of gathered points stand as x y z and a padding, so that a control point takes one load.
-struct Tangents {
-  Pack4 d[5] = {};  // u v uu vv uv, lanes x y z
-};
-Tangents gather_point(const GatheredPoint& p, const double* x4) {
-  Tangents t;
-  for (const GatheredFunction& f : p.functions) {
-    const Pack4 x = load<Pack4>(x4 + kPointLanes * f.slot);
-    for (int k = 0; k < 5; ++k) t.d[k] += f.n[k + 1] * x;
-  }
-  return t;
-}
-
-void scatter_point(const GatheredPoint& p, const Pack4* g, double* force4) {
-  for (const GatheredFunction& f : p.functions) {
-    double* to = force4 + kPointLanes * f.slot;
-    Pack4 sum = load<Pack4>(to);
-    for (int k = 0; k < 5; ++k) sum += f.n[k + 1] * g[k];
-    store<Pack4>(to, sum);
-  }
-}
-
 void record_stress(const RowTables& t, const GatheredPoint& p, const std::array<double, 6>& now, SurfaceStress stress) {
   double s[6];
   for (int k = 0; k < 6; ++k) {
@@ -46,16 +22,18 @@ void record_stress(const RowTables& t, const GatheredPoint& p, const std::array<
 // As many points as a pack has lanes.
 struct Batch {
   const GatheredPoint* points[kLanes];
-  std::size_t index[kLanes];  // in the list
+  std::size_t index[kLanes], number[kLanes];  // in the list, and among the points of this chunk
   int count = 0;
-  const GatheredPoint& at(int i) const { return *points[std::min(i, count - 1)]; }  // lanes beyond repeat the last
+  int lane(int i) const { return i < count ? i : 0; }  // lanes beyond repeat the first
+  const GatheredPoint& at(int i) const { return *points[lane(i)]; }
 };
 
-// Arguments of sum_batch that are the same for all batches.
+// Arguments of sum_batch that are the same for all batches of a chunk.
 struct BatchCall {
   const RowTables& t;
-  const double* x4;
-  double* force4;
+  const double* x;
+  PointStrips& strips;
+  double* force;
   SurfaceStress stress;
   const LayerMemory& memory;
   double thickness;
@@ -66,31 +44,61 @@ struct BatchGeometry {
   Derivatives<Pack> d;
   ReferenceMetric<Pack> ref{};
   Pack area{};
+  Pack unit[kDerivatives] = {};  // of the packed functions
   IntPack linear{};
 };
-BatchGeometry gather_batch(const Batch& batch, const double* x4) {
+BatchGeometry gather_batch(const BatchCall& call, const Batch& batch) {
   BatchGeometry b;
-  Pack d[5][3] = {};  // derivative, direction
-  Tangents tangents;
+  Pack parts[kLanes][3 * kDerivatives];
+  for (int i = 0; i < batch.count; ++i) {
+    const PointStrips::Entry& e = call.strips.entry(batch.number[i], *batch.points[i], call.t.plane);
+    call.strips.gather(e, call.x, call.t.plane, parts[i]);
+    for (int k = 0; k < kDerivatives; ++k) b.unit[k][i] = e.unit[k];
+    b.area[i] = batch.points[i]->area;
+  }
+  Pack d[3 * kDerivatives];
+  for (int k = 0; k < 3 * kDerivatives; ++k) {
+    Pack of_points[kLanes];
+    for (int i = 0; i < kLanes; ++i) of_points[i] = parts[batch.lane(i)][k];
+    d[k] = sums_of_lanes(of_points);
+  }
   for (int i = 0; i < kLanes; ++i) {
     const GatheredPoint& p = batch.at(i);
-    if (i < batch.count) tangents = gather_point(p, x4), b.area[i] = p.area;
-    for (int k = 0; k < 5; ++k)
-      for (int c = 0; c < 3; ++c) d[k][c][i] = tangents.d[k][c];
+    for (int k = 0; k < kDerivatives && i >= batch.count; ++k) b.unit[k][i] = b.unit[k][0];
     b.linear[i] = p.kind == PointKind::kLinear ? -1 : 0;
     b.ref.a.c11[i] = p.metric.a.c11, b.ref.a.c22[i] = p.metric.a.c22, b.ref.a.c12[i] = p.metric.a.c12;
     b.ref.b.c11[i] = p.metric.b.c11, b.ref.b.c22[i] = p.metric.b.c22, b.ref.b.c12[i] = p.metric.b.c12;
   }
-  const auto vector = [&](int k) { return Vector<Pack>{d[k][0], d[k][1], d[k][2]}; };
+  const auto vector = [&](int k) {
+    return Vector<Pack>{b.unit[k] * d[3 * k], b.unit[k] * d[3 * k + 1], b.unit[k] * d[3 * k + 2]};
+  };
   b.d = {vector(0), vector(1), vector(2), vector(3), vector(4)};
   return b;
+}
+
+// Adds the forces of the points `sound` to their control points.
+void scatter_batch(const BatchCall& call, const Batch& batch, const BatchGeometry& b, const Derivatives<Pack>& g,
+                   const IntPack& sound) {
+  const Vector<Pack> all[kDerivatives] = {g.u, g.v, g.uu, g.vv, g.uv};
+  Pack in_units[3 * kDerivatives];
+  for (int k = 0; k < kDerivatives; ++k) {
+    in_units[3 * k] = b.unit[k] * all[k].x, in_units[3 * k + 1] = b.unit[k] * all[k].y;
+    in_units[3 * k + 2] = b.unit[k] * all[k].z;
+  }
+  for (int i = 0; i < batch.count; ++i) {
+    if (!sound[i]) continue;
+    double own[3 * kDerivatives];
+    for (int k = 0; k < 3 * kDerivatives; ++k) own[k] = in_units[k][i];
+    const PointStrips::Entry& e = call.strips.entry(batch.number[i], *batch.points[i], call.t.plane);
+    call.strips.scatter(e, own, call.t.plane, call.force);
+  }
 }
 
 PointPlaces places_of(const RowTables& t, const Batch& batch) {
   PointPlaces p{t, {}, {}, {}};
   for (int i = 0; i < kLanes; ++i) {
     p.block[i] = batch.at(i).block, p.lane[i] = batch.at(i).lane;
-    p.index[i] = batch.index[std::min(i, batch.count - 1)];
+    p.index[i] = batch.index[batch.lane(i)];
   }
   return p;
 }
@@ -104,7 +112,7 @@ std::array<double, 6> lane_of_faces(const FaceStress<Pack>& f, int i) {
 template <bool kEnergy, bool kRecord, class Law>
 double sum_batch(const BatchCall& call, const Batch& batch, double& booked) {
   const RowTables& t = call.t;
-  const BatchGeometry b = gather_batch(batch, call.x4);
+  const BatchGeometry b = gather_batch(call, batch);
   Forms<Pack> f = surface_forms(b.d);
   // a linear basis has no bending: its curvature is that of the rest state
   const Pack none{};
@@ -114,7 +122,6 @@ double sum_batch(const BatchCall& call, const Batch& batch, double& booked) {
   Resultants<Pack> r = law.template resultants<kEnergy, kRecord>(f, b.ref, ~IntPack{});
   r.m = {select(b.linear, none, r.m.c11), select(b.linear, none, r.m.c22), select(b.linear, none, r.m.c12)};
   const Derivatives<Pack> g = section_forces(b.d, f, r, b.area);
-  const Vector<Pack> all[5] = {g.u, g.v, g.uu, g.vv, g.uv};
   IntPack sound = bears(f, b.ref, t.layers), own{};
   for (int i = 0; i < kLanes; ++i) {
     own[i] = i < batch.count ? -1 : 0;
@@ -137,10 +144,8 @@ double sum_batch(const BatchCall& call, const Batch& batch, double& booked) {
       else
         record_stress(t, p, linear_stress(n, m, call.thickness), call.stress);
     }
-    Pack4 own_force[5];
-    for (int k = 0; k < 5; ++k) own_force[k] = Pack4{all[k].x[i], all[k].y[i], all[k].z[i], 0.0};
-    scatter_point(p, own_force, call.force4);
   }
+  scatter_batch(call, batch, b, g, sound);
   return sum;
 }
 
@@ -152,52 +157,57 @@ BatchFunction batch_function(const LayerMemory& memory, bool energy, bool record
   });
 }
 
-// Sums the points from `begin` to `end` in batches. Returns their energy [J] if it is asked for.
+constexpr std::size_t kRun = 64;  // consecutive points that one chunk takes, in turns: a new point moves no other
+
+// Sums the points of one chunk in batches. Returns their energy [J] if it is asked for.
 double sum_points(const BatchCall& call, BatchFunction sum_batch, const std::vector<GatheredPoint>& points,
-                  std::size_t begin, std::size_t end, double& booked) {
+                  std::size_t chunk, double& booked) {
+  constexpr std::size_t kTurn = kRun * kPointChunks;
+  call.strips.prepare((points.size() + kTurn - 1) / kTurn * kRun);
   double sum = 0.0;
   Batch batch;
-  for (std::size_t i = begin; i < end; ++i) {
-    if (points[i].kind != PointKind::kDead && !points[i].in_rows)
-      batch.index[batch.count] = i, batch.points[batch.count++] = &points[i];
-    if (batch.count < kLanes && (i + 1 < end || batch.count == 0)) continue;
-    sum += sum_batch(call, batch, booked);
+  const auto flush = [&] {
+    if (batch.count > 0) sum += sum_batch(call, batch, booked);
     batch.count = 0;
-  }
+  };
+  for (std::size_t begin = chunk * kRun, number = 0; begin < points.size(); begin += kTurn)
+    for (std::size_t i = begin; i < std::min(begin + kRun, points.size()); ++i, ++number) {
+      if (points[i].in_rows) continue;
+      if (points[i].kind == PointKind::kDead) {
+        call.strips.drop(number);
+        continue;
+      }
+      batch.index[batch.count] = i, batch.number[batch.count] = number, batch.points[batch.count++] = &points[i];
+      if (batch.count == kLanes) flush();
+    }
+  flush();
   return sum;
 }
 
 }  // namespace
 
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const ForceCall& call,
-                        const LayerMemory& memory, std::vector<double>& scratch, std::vector<double>& force,
+                        const LayerMemory& memory, PointScratch& scratch, std::vector<double>& force,
                         const PointsBeside& beside) {
   if (points.empty() && !beside) return 0.0;
-  const std::size_t component_stride = t.plane, size = kPointLanes * component_stride;
-  scratch.resize((kChunks + 1) * size);
-  double* x4 = scratch.data() + kChunks * size;
-  for (std::size_t i = 0; i < component_stride; ++i) {
-    for (int c = 0; c < 3; ++c) x4[kPointLanes * i + c] = call.x[c * component_stride + i];
-    x4[kPointLanes * i + 3] = 0.0;
-  }
+  const std::size_t size = 3 * static_cast<std::size_t>(t.plane);
+  scratch.force.resize(kPointChunks * size);
   const BatchFunction sum_batch = batch_function(memory, call.energy, call.stress.values != nullptr);
-  double sums[kChunks] = {}, booked[kChunks] = {};
-#pragma omp parallel for schedule(static, 1) num_threads(std::min(call.threads, kChunks))
-  for (int c = 0; c < kChunks; ++c) {
-    double* own = scratch.data() + c * size;
+  double sums[kPointChunks] = {}, booked[kPointChunks] = {};
+#pragma omp parallel for schedule(static, 1) num_threads(std::min(call.threads, kPointChunks))
+  for (int c = 0; c < kPointChunks; ++c) {
+    double* own = scratch.force.data() + c * size;
     std::fill(own, own + size, 0.0);
-    const BatchCall batches{t, x4, own, call.stress, memory, thickness_of(t.layers)};
-    sums[c] = sum_points(batches, sum_batch, points, points.size() * c / kChunks, points.size() * (c + 1) / kChunks,
-                         booked[c]);
-    if (beside) beside(c, kChunks, x4, own);
+    const BatchCall batches{t, call.x.data(), scratch.strips[c], own, call.stress, memory, thickness_of(t.layers)};
+    sums[c] = sum_points(batches, sum_batch, points, c, booked[c]);
+    if (beside) beside(c, kPointChunks, call.x.data(), own);
   }
   double sum = 0.0;
-  for (int c = 0; c < kChunks; ++c) {
+  for (int c = 0; c < kPointChunks; ++c) {
     sum += sums[c];
     with_layers(memory, [&]<class Law>(Law) { Law::book_points(memory, booked[c]); });
-    const double* own = scratch.data() + c * size;
-    for (int d = 0; d < 3; ++d)
-      for (std::size_t i = 0; i < component_stride; ++i) force[d * component_stride + i] += own[kPointLanes * i + d];
+    const double* own = scratch.force.data() + c * size;
+    for (std::size_t i = 0; i < size; ++i) force[i] += own[i];
   }
   return sum;
 }

@@ -1,17 +1,24 @@
 #pragma once
 // Internal forces at gathered points.
+#include <array>
 #include <functional>
 #include <vector>
 
-#include "shell/mechanics/gathered_point.h"
+#include "shell/mechanics/point_strips.h"
 #include "shell/mechanics/row_force.h"
 
 namespace sunder::shell {
 
 /// Further forces on control points, summed with those of the points. Called once for each chunk, perhaps at the same
-/// time. x4 and force4 hold x y z and a padding for each slot.
-using PointsBeside = std::function<void(int chunk, int chunks, const double* x4, double* force4)>;
-constexpr int kPointLanes = 4;  // x y z and a padding
+/// time. Positions and forces are [component][slot].
+using PointsBeside = std::function<void(int chunk, int chunks, const double* x, double* force)>;
+
+constexpr int kPointChunks = 4;  // fixed, so that sums do not depend on the number of threads
+/// Memory of the kernel, reused.
+struct PointScratch {
+  std::array<PointStrips, kPointChunks> strips;
+  std::vector<double> force;  // [chunk][component][slot]
+};
 
 /// Adds the forces of the points to `force` [N], [component][slot]. Returns their elastic energy [J] if `energy`.
 /// Damage weakens tension by the present stress, and its memory changes where stress is recorded. With healing a
@@ -20,7 +27,7 @@ constexpr int kPointLanes = 4;  // x y z and a padding
 /// dissipated. Layers that yield continue with the states of the rows, and have no damage. Stress is recorded as in
 /// row_forces. The result does not depend on the number of threads: a fixed number of chunks is summed in order.
 double add_point_forces(const RowTables& t, const std::vector<GatheredPoint>& points, const ForceCall& call,
-                        const LayerMemory& memory, std::vector<double>& scratch, std::vector<double>& force,
+                        const LayerMemory& memory, PointScratch& scratch, std::vector<double>& force,
                         const PointsBeside& beside = {});
 
 }  // namespace sunder::shell

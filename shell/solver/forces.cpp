@@ -42,8 +42,8 @@ double compute_forces(const ShellModel& m, ShellState& s, bool energy, double st
   double sum = row_forces(s.cracked.tables, call, {&plastic, &rows, nullptr}, s.scratch.rows, s.motion.force);
   s.book.healing -= rows.healed, s.book.fracture += rows.dissipated;
   DamageLaw law{&s.cracked.damage, s.layers.brittleness, s.layers.heals};
-  const auto faces = [&](int chunk, int chunks, const double* x4, double* force4) {
-    interlock_forces(m, s, stress_share > 0.0, chunk, chunks, x4, force4);
+  const auto faces = [&](int chunk, int chunks, const double* x, double* force) {
+    interlock_forces(m, s, stress_share > 0.0, chunk, chunks, x, force);
   };
   PointsBeside beside;
   if (!s.cracks.interlocks.empty()) beside = std::ref(faces);  // needs no memory

@@ -264,10 +264,13 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   return r;
 }
 
-void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chunk, int chunks, const double* x4,
-                      double* force4) {
-  const auto position = [&](int slot) { return Vec3(Eigen::Map<const Vec3>(x4 + kPointLanes * slot)); };
-  const auto add = [&](int slot, const Vec3& on) { Eigen::Map<Vec3>(force4 + kPointLanes * slot) += on; };
+void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chunk, int chunks, const double* x,
+                      double* force) {
+  const std::size_t plane = m.tables.plane;
+  const auto position = [&](int slot) { return Vec3(x[slot], x[plane + slot], x[2 * plane + slot]); };
+  const auto add = [&](int slot, const Vec3& on) {
+    for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
+  };
   const std::size_t end = s.cracks.interlocks.size() * (chunk + 1) / chunks;
   for (std::size_t i = s.cracks.interlocks.size() * chunk / chunks; i < end; ++i) {
     Interlock& lock = s.cracks.interlocks[i];

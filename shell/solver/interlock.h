@@ -39,8 +39,8 @@ Refastened refasten(const ShellModel& model, const ShellState& state, Interlock&
 /// and crush as far as their laws ask; open faces take the depth of their next closing from their travel since the last
 /// one. Between two substeps the force is a function of the gaps in the frame of the deformed surface, so momentum and
 /// angular momentum stay to round-off.
-void interlock_forces(const ShellModel& model, ShellState& state, bool advance, int chunk, int chunks, const double* x4,
-                      double* force4);
+void interlock_forces(const ShellModel& model, ShellState& state, bool advance, int chunk, int chunks, const double* x,
+                      double* force);
 /// Energy of all faces at the last force [J].
 double interlock_energy(const ShellState& state);
 /// Books what faces have lost to friction and to crushing since the last call.

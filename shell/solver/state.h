@@ -85,7 +85,7 @@ struct Caches {
 struct ShellScratch {
   TransferBuffers transfer;
   RowScratch rows;
-  std::vector<double> points;
+  PointScratch points;
   std::vector<double> interlayer_force;
 };
 

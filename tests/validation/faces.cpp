@@ -107,10 +107,10 @@ void block(Report& r, int) {
       for (int n = 0; n < 400; ++n) {
         move(way, step);
         s.motion.force.assign(s.motion.force.size(), 0.0);
-        std::vector<double> scratch;
+        PointScratch scratch;
         add_point_forces(m.tables, {}, {s.motion.x}, {}, scratch, s.motion.force,
-                         [&](int chunk, int chunks, const double* x4, double* force4) {
-                           interlock_forces(m, s, true, chunk, chunks, x4, force4);
+                         [&](int chunk, int chunks, const double* x, double* force) {
+                           interlock_forces(m, s, true, chunk, chunks, x, force);
                          });
         pressure = shear = 0.0;
         for (int i = 0; i < m.control_points(); ++i) {

@@ -57,6 +57,7 @@ GatheredPoint renewed(const ShellModel& m, const Visibility& visibility, const G
            : mls.basis == MlsBasis::kLinear  ? PointKind::kLinear
                                              : PointKind::kDead;
   g.functions = to_slots(m, mls);
+  round_to_units(g.functions);
   if (g.kind != PointKind::kDead) {
     const Forms<double> rest = surface_forms(gather(m.tables, g, m.rest));
     g.metric = {rest.a, rest.b};

@@ -147,7 +147,7 @@ Answer by_rows(const Both& b, Memory<Law>& m, const std::vector<double>& x) {
 template <class Law>
 Answer by_points(const Both& b, Memory<Law>& m, const std::vector<double>& x) {
   Answer a;
-  std::vector<double> scratch;
+  PointScratch scratch;
   a.force.assign(b.rest.size(), 0.0), a.faces.assign(b.size(6), 0.0);
   std::vector<double> unused(b.rest.size(), 0.0);
   m.advance(true);

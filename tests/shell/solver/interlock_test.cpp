@@ -30,11 +30,11 @@ void crack(const ShellModel& m, ShellState& s, const Vec2& a, const Vec2& b) {
 
 // `advance`: a substep begins, so faces slide and crush.
 void forces_of_faces(const ShellModel& m, ShellState& s, bool advance = false) {
-  std::vector<double> scratch;
+  PointScratch scratch;
   s.motion.force.assign(s.motion.force.size(), 0.0);
   add_point_forces(m.tables, {}, {s.motion.x}, {}, scratch, s.motion.force,
-                   [&](int chunk, int chunks, const double* x4, double* force4) {
-                     interlock_forces(m, s, advance, chunk, chunks, x4, force4);
+                   [&](int chunk, int chunks, const double* x, double* force) {
+                     interlock_forces(m, s, advance, chunk, chunks, x, force);
                    });
 }
 
