@@ -28,7 +28,7 @@ std::vector<char> with_fibres(const std::vector<const ShellModel*>& shells) {
 Fibres::Fibres(const std::vector<const ShellModel*>& shells, const std::vector<Seam>& seams, double spacing)
     : grid_(spacing, components(shells.size(), seams)),
       near_(shells, with_fibres(shells), components(shells.size(), seams), std::sqrt(3.0) * kNodes * spacing,
-            grid_.one_surface()) {
+            grid_.one_surface(), true) {
   for (const ShellModel* m : shells) {
     forces_.emplace_back(m->has_fibres() ? m->tables.plane : 0, Vec3::Zero());
     touched_.emplace_back();

@@ -8,8 +8,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kFolded = 0.5;   // cosine: neighbouring tiles touch only where their normals enclose a larger angle,
-constexpr double kTurned = 0.3;   // and where the cosine has fallen by this much since the start
+constexpr double kFolded = 0.5;  // cosine: neighbouring tiles touch only where their normals enclose a larger angle,
+constexpr double kTurned = 0.3;  // and where the cosine has fallen by this much since the start
+constexpr double kApproached = 0.75;  // tiles approach where their distance is below this share of that at rest
 constexpr double kFastest = 2.0;  // surfaces may reach this multiple of their present speeds before the next look-up
 
 double least_cosine(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
@@ -36,8 +37,8 @@ std::vector<std::vector<char>> components(std::size_t count, const std::vector<S
 }
 
 NearTiles::NearTiles(const std::vector<const ShellModel*>& shells, const std::vector<char>& asked,
-                     std::vector<std::vector<char>> together, double margin, double one_surface)
-    : together_(std::move(together)), margin_(margin), one_surface_(one_surface) {
+                     std::vector<std::vector<char>> together, double margin, double one_surface, bool sleep)
+    : together_(std::move(together)), margin_(margin), one_surface_(one_surface), sleep_(sleep) {
   for (std::size_t k = 0; k < shells.size(); ++k) {
     if (!asked.empty() && asked[k] == 0) continue;
     const RowTables& t = shells[k]->tables;
@@ -46,14 +47,32 @@ NearTiles::NearTiles(const std::vector<const ShellModel*>& shells, const std::ve
   }
 }
 
-bool NearTiles::may_meet(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const {
-  if (a.now.isEmpty() || b.now.isEmpty()) return false;
-  const double reach = 0.5 * (shells[a.shell].model->thickness + shells[b.shell].model->thickness) + travel + margin_;
-  if (a.now.squaredExteriorDistance(b.now) > reach * reach) return false;
-  if (together_[a.shell][b.shell] == 0) return true;
-  if (std::sqrt(a.rest.squaredExteriorDistance(b.rest)) > one_surface_) return true;
+// Largest distance at which two tiles count as near [m].
+double NearTiles::reach(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const {
+  return 0.5 * (shells[a.shell].model->thickness + shells[b.shell].model->thickness) + travel + margin_;
+}
+
+// For tiles of one surface.
+bool NearTiles::folded(const Tile& a, const Tile& b) const {
   const double now = least_cosine(a.normals, b.normals);
   return now < kFolded && now < least_cosine(a.rest_normals, b.rest_normals) - kTurned;
+}
+
+bool NearTiles::may_meet(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const {
+  if (a.now.isEmpty() || b.now.isEmpty()) return false;
+  const double near = reach(shells, a, b, travel);
+  if (a.now.squaredExteriorDistance(b.now) > near * near) return false;
+  if (together_[a.shell][b.shell] == 0) return true;
+  return std::sqrt(a.rest.squaredExteriorDistance(b.rest)) > one_surface_ || folded(a, b);
+}
+
+// Tiles of a surface that neither folds nor rolls up are as far apart as at rest, more or less. Layers that touch are
+// nearer than a thickness, so they have approached long before.
+bool NearTiles::approach(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const {
+  if (!may_meet(shells, a, b, travel)) return false;
+  const double rest = std::sqrt(a.rest.squaredExteriorDistance(b.rest));
+  if (together_[a.shell][b.shell] == 0 || rest <= one_surface_) return true;
+  return std::sqrt(a.now.squaredExteriorDistance(b.now)) < kApproached * rest + travel;
 }
 
 void NearTiles::refresh(const std::vector<ShellRef>& shells, double dt) {
@@ -90,13 +109,29 @@ void NearTiles::refresh(const std::vector<ShellRef>& shells, double dt) {
           tile.normals.push_back(normal(s.motion.x, slot));
       }
   }
+  const auto travel = [&](const Tile& a, const Tile& b) {
+    return kFastest * kContactRefresh * dt * (speed[a.shell] + speed[b.shell]);
+  };
+  std::vector<const Tile*> awake;
+  for (std::size_t a = 0; sleep_ && a < tiles_.size(); ++a)
+    for (std::size_t b = a; b < tiles_.size(); ++b)
+      if (approach(shells, tiles_[a], tiles_[b], travel(tiles_[a], tiles_[b])))
+        awake.push_back(&tiles_[a]), awake.push_back(&tiles_[b]);
+  if (sleep_ && awake.empty()) return;
+  std::sort(awake.begin(), awake.end());
+  awake.erase(std::unique(awake.begin(), awake.end()), awake.end());
   for (std::size_t a = 0; a < tiles_.size(); ++a)
     for (std::size_t b = a; b < tiles_.size(); ++b) {
       Tile &one = tiles_[a], &two = tiles_[b];
       if (one.candidate && two.candidate) continue;
-      if (may_meet(shells, one, two, kFastest * kContactRefresh * dt * (speed[one.shell] + speed[two.shell])))
-        one.candidate = two.candidate = true;
+      if (may_meet(shells, one, two, travel(one, two))) one.candidate = two.candidate = true;
     }
+  if (!sleep_) return;
+  for (Tile& tile : tiles_)  // all that share nodes with tiles that approach
+    tile.candidate = tile.candidate && std::any_of(awake.begin(), awake.end(), [&](const Tile* other) {
+                       const double near = reach(shells, tile, *other, travel(tile, *other));
+                       return tile.now.squaredExteriorDistance(other->now) <= near * near;
+                     });
 }
 
 }  // namespace sunder::shell

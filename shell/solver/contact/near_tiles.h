@@ -24,9 +24,10 @@ class NearTiles {
   static constexpr int kTile = 4;  // elements per side
   /// Divides shells into tiles: those that are `asked`, or all where it is empty. `margin` [m] is a distance beyond
   /// half thicknesses. Two tiles of joined shells (`together`) that are nearer at rest than `one_surface` [m] count as
-  /// one surface, which touches itself only where it has folded.
+  /// one surface, which touches itself only where it has folded. `sleep`: there are candidates only around tiles that
+  /// have come nearer to each other than at rest. A margin above `one_surface` would otherwise keep all tiles awake.
   NearTiles(const std::vector<const ShellModel*>& shells, const std::vector<char>& asked,
-            std::vector<std::vector<char>> together, double margin, double one_surface);
+            std::vector<std::vector<char>> together, double margin, double one_surface, bool sleep = false);
 
   /// Finds candidates for the next kContactRefresh substeps of `dt` [s].
   void refresh(const std::vector<ShellRef>& shells, double dt);
@@ -46,10 +47,14 @@ class NearTiles {
   }
 
  private:
+  double reach(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const;
+  bool folded(const Tile& a, const Tile& b) const;
   bool may_meet(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const;
+  bool approach(const std::vector<ShellRef>& shells, const Tile& a, const Tile& b, double travel) const;
 
   std::vector<std::vector<char>> together_;
   double margin_, one_surface_;
+  bool sleep_;
   std::vector<Tile> tiles_;
 };
 
