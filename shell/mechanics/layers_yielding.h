@@ -1,7 +1,6 @@
 #pragma once
 // Layers that yield: J2 plasticity in plane stress, with isotropic hardening, by a plastic reference metric.
-#include "shell/mechanics/layer_memory.h"
-#include "shell/mechanics/section.h"
+#include "shell/mechanics/layers_elastic.h"
 
 namespace sunder::shell {
 
@@ -79,10 +78,29 @@ inline T plastic_work(const Sym2<T>& s, const Sym2<T>& c, const Sym2<T>& a, cons
                 s.c12 * (c.c11 * k12 + c.c12 * k22 + c.c12 * k11 + c.c22 * k21));
 }
 
+/// sqrt(1 + x), and 1 / sqrt(1 + x). Near rest a power series takes the place of a root, which costs ten times as much:
+/// below kSmallShare the first term that is left out is round-off.
+constexpr int kRootTerms = 9;
+template <class T>
+inline T root_of_one_and(const T& x) {
+  if (!all_below(x, kSmallShare)) return square_root(1.0 + x);
+  T sum = splat<T>(1.0);
+  for (int k = kRootTerms; k >= 1; --k) sum = 1.0 + sum * x * ((1.5 - k) / k);  // binomial series
+  return sum;
+}
+template <class T>
+inline T inverse_root_of_one_and(const T& x) {
+  if (!all_below(x, kSmallShare)) return 1.0 / square_root(1.0 + x);
+  T sum = splat<T>(1.0);
+  for (int k = kRootTerms; k >= 1; --k) sum = 1.0 + sum * x * ((0.5 - k) / k);
+  return sum;
+}
+
 /// U S U with U^2 = C: Kirchhoff stress without the rotation. It is the Cauchy stress if the volume is constant.
 template <class T>
 inline Sym2<T> unrotated_stress(const Sym2<T>& s, const Sym2<T>& c) {
-  const T root = square_root(determinant(c)), inverse = 1.0 / square_root(c.c11 + c.c22 + 2.0 * root);
+  const T root = root_of_one_and<T>(determinant(c) - 1.0);
+  const T inverse = 0.5 * inverse_root_of_one_and<T>(0.25 * (c.c11 + c.c22 + 2.0 * root) - 1.0);
   const T u11 = (c.c11 + root) * inverse, u22 = (c.c22 + root) * inverse, u12 = c.c12 * inverse;
   const T a11 = u11 * s.c11 + u12 * s.c12, a12 = u11 * s.c12 + u12 * s.c22;  // U S
   const T a21 = u12 * s.c11 + u22 * s.c12, a22 = u12 * s.c12 + u22 * s.c22;
@@ -165,6 +183,28 @@ inline Resultants<T> integrate_yielding_layers(const Forms<T>& f, const Referenc
   return r;
 }
 
+/// Stress of the faces by the resultants of elastic layers, whose stress is linear through the thickness.
+template <class T>
+inline FaceStress<T> linear_faces(const Resultants<T>& r, double thickness) {
+  const double of_n = 1.0 / thickness, of_m = 6.0 / (thickness * thickness);
+  const auto face = [&](double side) {
+    const auto part = [&](const T& n, const T& m) { return n * of_n + side * (m * of_m); };
+    return Sym2<T>{part(r.n.c11, r.m.c11), part(r.n.c22, r.m.c22), part(r.n.c12, r.m.c12)};
+  };
+  return {face(-1.0), face(1.0)};
+}
+
+/// True where layers that have never flowed surely do not flow at this stress of a face at metric `c`. Along the
+/// thickness the von Mises stress is convex, so the faces bound all layers. The share of the yield stress leaves room
+/// for the difference between the elastic law and the law of Hooke that the return uses, and for a curved section.
+template <class T>
+inline auto surely_elastic(const Sym2<T>& s, const Sym2<T>& c, const Yielding& y) {
+  constexpr double kSurelyElastic = 0.7;  // share of the yield stress
+  const double limit = kSurelyElastic * y.yield_stress;
+  const T trace = s.c11 * c.c11 + s.c22 * c.c22 + 2.0 * s.c12 * c.c12;
+  return trace * trace - 3.0 * determinant(s) * determinant(c) < limit * limit;  // false for NaN
+}
+
 constexpr int kFormFields = 6;  // first fundamental form 11 22 12, then the second
 /// Memory of layers that yield, for all Gauss points of a patch.
 struct RowPlasticity {
@@ -191,6 +231,7 @@ struct YieldingLayers {
     PlasticState<T> states[kMostLayers];  // before; after resultants() with `advance` the new ones
     T work{};                             // plastic work per reference area [J/m^2]
     FaceStress<T> faces;                  // only where stress is recorded
+    bool elastic = false;                 // no layer flows, or ever has
     // leaves the arrays as they are: clearing them would cost as much as loading
     At(const Places& p, const RowPlasticity& plastic) : places(p), law(plastic) {}
 
@@ -209,9 +250,21 @@ struct YieldingLayers {
       return integrate_yielding_layers<T, kEnergy, kAdvance>(f, ref, places.t.layers, places.t.elasticity, law.law,
                                                              states, work, kRecord ? &faces : nullptr, &last);
     }
-    /// The same, with kAdvance by the memory.
+    /// The same, with kAdvance by the memory. Layers that have never flowed and are far below the yield stress are
+    /// elastic: no state is read or written.
     template <bool kEnergy, bool kRecord, class Mask>
     Resultants<T> resultants(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
+      if (never_flowed()) {
+        const Resultants<T> r = integrate_layers<T, kEnergy>(f, ref, places.t.layers, places.t.elasticity);
+        const double thickness = thickness_of(places.t.layers), half = 0.5 * thickness;
+        faces = linear_faces<T>(r, thickness);
+        const Sym2<T> low = at_height(f.a, f.b, -half), high = at_height(f.a, f.b, half);
+        elastic = !any(!(surely_elastic<T>(faces.low, low, law.law) & surely_elastic<T>(faces.high, high, law.law)));
+        if (elastic) {
+          if constexpr (kRecord) faces = {unrotated_stress<T>(faces.low, low), unrotated_stress<T>(faces.high, high)};
+          return r;
+        }
+      }
       if (law.advance) return integrate<kEnergy, kRecord, true>(f, ref, summed);
       return integrate<kEnergy, kRecord, false>(f, ref, summed);
     }
@@ -227,9 +280,19 @@ struct YieldingLayers {
       const T now[kFormFields] = {f.a.c11, f.a.c22, f.a.c12, f.b.c11, f.b.c22, f.b.c12};
       for (int k = 0; k < kFormFields; ++k)
         places.store(*law.forms, kFormFields, k, own, select(sound, now[k], splat<T>(-1.0)));
+      if (elastic) return T{};
       each_field([&](const T& v, int fields, int field) { places.store(*law.states, fields, field, sound, v); });
       places.add(booked, sound, area, work);
       return T{};
+    }
+
+    // Prestress is not linear through the thickness: its layers are looked at one by one.
+    bool never_flowed() const {
+      if (!places.t.layers.growth.empty() || places.t.layers.bending > 0.0) return false;
+      const int count = static_cast<int>(places.t.layers.zeta.size());
+      T strain{};
+      for (int l = 0; l < count; ++l) strain += places.load(*law.states, 4 * count, 4 * l + 3);
+      return !any(strain != 0.0);
     }
 
     template <class F>
