@@ -74,6 +74,7 @@ Simulation::Simulation(RunSetup& setup, int threads) : model{setup, threads, 1, 
     model.shells_at_once = std::min(model.threads, static_cast<int>(setup.shells.size()));
     model.threads = 1;
   }
+  scratch.pace = Pace(std::max(model.threads, model.shells_at_once));
   for (ShellSetup& s : setup.shells)
     s.fracture.tips.threads = model.threads;  // results do not depend on the number of threads
   for (const ShellSetup& s : setup.shells) model.tips.push_back(s.fracture.tips_run() ? 1 : 0);

@@ -9,6 +9,7 @@
 #include "coupler/core/ticks.h"
 #include "coupler/link/held_rows.h"
 #include "shell/io/build.h"
+#include "shell/run/pace.h"
 #include "shell/run/part.h"
 #include "shell/run/stages.h"
 #include "shell/soft/soft_bodies.h"
@@ -59,9 +60,10 @@ struct State {
   bool solving() const { return !soft.empty() || (!shells.empty() && shells.front().state); }
 };
 
-/// Reused memory of substeps, and the wall time of their stages.
+/// Reused memory of substeps, the wall time of their stages, and their threads.
 struct Scratch {
   StageTimes times;
+  Pace pace;
   std::vector<ShellRef> refs;
   std::vector<std::exception_ptr> errors;
 };
@@ -69,11 +71,11 @@ struct Scratch {
 /// Returns model and state of each shell; valid until the next call.
 const std::vector<ShellRef>& refs(State& state, Scratch& scratch);
 
-/// Calls f with the number of each shell, on several threads where the model allows. Throws the first exception on.
+/// Calls f with the number of each shell, `at_once` of them at the same time. Throws the first exception on.
 template <class F>
-void side_by_side(const Model& model, const State& state, Scratch& scratch, F&& f) {
+void side_by_side(const State& state, Scratch& scratch, int at_once, F&& f) {
   const std::size_t shells = state.shells.size();
-  if (model.shells_at_once == 1) {
+  if (at_once == 1) {
     for (std::size_t k = 0; k < shells; ++k) f(k);
     return;
   }
@@ -85,7 +87,7 @@ void side_by_side(const Model& model, const State& state, Scratch& scratch, F&& 
       scratch.errors[k] = std::current_exception();
     }
   };
-#pragma omp parallel for schedule(dynamic, 1) num_threads(model.shells_at_once)
+#pragma omp parallel for schedule(dynamic, 1) num_threads(at_once)
   for (std::size_t k = 0; k < shells; ++k) one(k);
   for (const std::exception_ptr& e : scratch.errors)
     if (e) std::rethrow_exception(e);

@@ -33,10 +33,15 @@ void substep(const Model& model, State& state, Scratch& scratch, double dt, doub
 
 void internal_force(const Model& model, State& state, Scratch& scratch, double dt, double last) {
   Stopwatch w(scratch.times[Stage::kInternalForce]);
-  side_by_side(model, state, scratch, [&](std::size_t k) {
-    ShellPart& part = state.shells[k];
-    compute_forces(part.model(), *part.state, false, stress_share(part, dt), model.threads);
-  });
+  const int team = scratch.pace.threads();
+  const bool at_once = model.shells_at_once > 1;
+  {
+    const PaceOf measured(scratch.pace);
+    side_by_side(state, scratch, at_once ? team : 1, [&](std::size_t k) {
+      ShellPart& part = state.shells[k];
+      compute_forces(part.model(), *part.state, false, stress_share(part, dt), at_once ? 1 : team);
+    });
+  }
   if (state.fibres) state.fibres->add_forces(refs(state, scratch));
   if (!state.stitching.empty()) {
     state.stitching.move_forces(refs(state, scratch));

@@ -106,6 +106,6 @@ TEST(SideBySide, ThrowsOnWhatOneShellThrows) {
     done[k] = 1;
     if (k == 0) throw std::runtime_error("the first");
   };
-  EXPECT_THROW(side_by_side(sim.model, sim.state, sim.scratch, one), std::runtime_error);
+  EXPECT_THROW(side_by_side(sim.state, sim.scratch, sim.model.shells_at_once, one), std::runtime_error);
   EXPECT_EQ(done, (std::vector<int>{1, 1}));  // the other one has ended too
 }
