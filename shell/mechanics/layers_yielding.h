@@ -236,9 +236,9 @@ struct YieldingLayers {
     At(const Places& p, const RowPlasticity& plastic) : places(p), law(plastic) {}
 
     /// Resultants at the forms `f`. Reads the states, and advances the copy here with kAdvance. Lanes that are not
-    /// `summed` have no previous forms.
+    /// `summed` have no previous forms. Out of line, so that the elastic case fits the registers.
     template <bool kEnergy, bool kRecord, bool kAdvance, class Mask>
-    Resultants<T> integrate(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
+    [[gnu::noinline]] Resultants<T> integrate(const Forms<T>& f, const ReferenceMetric<T>& ref, const Mask& summed) {
       each_field([&](T& v, int fields, int field) { v = places.load(*law.states, fields, field); });
       const auto known = summed & (places.load(*law.forms, kFormFields, 0) > 0.0);
       const auto before = [&](const T& now, int k) {

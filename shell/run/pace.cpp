@@ -9,7 +9,9 @@ constexpr double kBlock = 0.03;     // [s], some slices of the scheduler
 constexpr int kBlockLeast = 4;      // evaluations
 constexpr double kAlone = 0.93;     // share of its processors above which a program is alone on them
 constexpr double kFaster = 0.97;    // share of the time below which a trial counts as faster
+constexpr int kMorePatience = 4;    // factor after a trial that failed
 constexpr int kMostPatience = 256;  // blocks, some 8 s
+constexpr double kHopeless = 2.0;   // times as slow: a trial ends at once
 
 double seconds(clockid_t clock) {
   timespec t;
@@ -21,7 +23,8 @@ double seconds(clockid_t clock) {
 
 void Pace::took(double wall, double processor) {
   wall_ += wall, processor_ += processor, ++evaluations_;
-  if (wall_ >= kBlock && evaluations_ >= kBlockLeast) end_block();
+  const bool hopeless = block_threads_ != threads_ && wall_ > 0.3 * kBlock && wall_ > kHopeless * evaluations_ * mean_;
+  if (hopeless || (wall_ >= kBlock && evaluations_ >= kBlockLeast)) end_block();
 }
 
 void Pace::end_block() {
@@ -29,7 +32,7 @@ void Pace::end_block() {
   wall_ = processor_ = 0.0, evaluations_ = 0;
   if (block_threads_ != threads_) {  // a trial
     const bool faster = mean < kFaster * mean_;
-    patience_ = faster ? 1 : std::min(2 * patience_, kMostPatience), waited_ = 0;
+    patience_ = faster ? 1 : std::min(kMorePatience * patience_, kMostPatience), waited_ = 0;
     if (faster) threads_ = block_threads_, mean_ = mean;
     block_threads_ = threads_;
     return;

@@ -288,6 +288,8 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
   // At the ends of a window velocities of bodies are those at the times of positions, within it those of half a step
   // before, as of shells.
   shift_bodies(-0.5 * dt * setup_.gravity, state.bodies);
+  for (ShellSetup& s : setup_.shells)  // results do not depend on the number of threads
+    s.fracture.tips.threads = std::min(model.threads, scratch.pace.threads());
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
     state.soft_most = n - k;

@@ -13,7 +13,7 @@
 namespace sunder::bench {
 namespace {
 
-constexpr int kAcross = 100, kLayers = 4, kRounds = 8;
+constexpr int kAcross = 100, kLayers = 4, kRounds = 8, kSettling = 4;
 constexpr double kSlice = 0.4;  // [s], many slices of the scheduler
 constexpr double kStep = 1e-9;  // [s]: it must not wander off while it is timed
 
@@ -24,7 +24,8 @@ class BusyProcess {
     ensure(id_ >= 0, "cannot start a process");
     if (id_ > 0) return;
     prctl(PR_SET_PDEATHSIG, SIGKILL);
-    for (volatile unsigned k = 0;; k = k + 1) {
+    volatile bool busy = true;
+    while (busy) {
     }
   }
   ~BusyProcess() {
@@ -57,12 +58,12 @@ double seconds_a_substep(shell::Rig& rig) {
   return (now - start) / n;
 }
 
-// Two threads over one, in turns. The first round is not counted: the threads find their pace in it.
+// Two threads over one, in turns. The first rounds are not counted: the threads find their pace in them.
 double ratio(shell::Rig& one, shell::Rig& two) {
   double sums[2] = {};
-  for (int round = 0; round <= kRounds; ++round) {
+  for (int round = -kSettling; round < kRounds; ++round) {
     const double now[2] = {seconds_a_substep(one), seconds_a_substep(two)};
-    for (int k = 0; k < 2 && round > 0; ++k) sums[k] += now[k];
+    for (int k = 0; k < 2 && round >= 0; ++k) sums[k] += now[k];
   }
   return sums[1] / sums[0];
 }
