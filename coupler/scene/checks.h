@@ -23,6 +23,10 @@ inline void finite(const LoadedScene& s, const std::string& field, const proto::
   s.check(to_vec(v).allFinite(), field, "is ({}, {}, {}); must be finite", v.x(), v.y(), v.z());
 }
 
+inline void finite(const LoadedScene& s, const std::string& field, const proto::ParameterPoint& p) {
+  s.check(std::isfinite(p.u()) && std::isfinite(p.v()), field, "is ({}, {}); must be finite", p.u(), p.v());
+}
+
 /// A finite position, and a quaternion of length 1 where one is given.
 inline void pose(const LoadedScene& s, const std::string& field, const proto::Pose& p) {
   finite(s, field + ".position", p.position());
@@ -41,5 +45,8 @@ inline void unique_name(const LoadedScene& s, const std::string& field, const st
           field + ".name", "'{}' is no snake_case name", name);
   s.check(taken.insert(name).second, field + ".name", "'{}' is used twice; names are unique", name);
 }
+
+/// Cuts and trims of a shell, whose field is `field` (validate_cuts.cpp).
+void validate_cuts(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
 
 }  // namespace sunder::scene

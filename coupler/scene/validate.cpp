@@ -151,55 +151,6 @@ void load(const Scene& s, const std::string& g, const proto::ShellLoad& m) {
   over_time(s, g + ".factor", m.factor(), [](const proto::FactorPoint& p) { return std::isfinite(p.value()); });
 }
 
-void finite(const Scene& s, const std::string& f, const proto::ParameterPoint& p) {
-  s.check(std::isfinite(p.u()) && std::isfinite(p.v()), f, "is ({}, {}); must be finite", p.u(), p.v());
-}
-
-void cut(const Scene& s, const std::string& g, const proto::Cut& m) {
-  const bool curved = m.shape_case() != proto::Cut::SHAPE_NOT_SET;
-  s.check(!curved || m.points_size() == 0, g + ".points", "are given, and so is a curve; give one of them");
-  s.check(curved || m.points_size() >= 2, g + ".points",
-          "has {} points; a cut has at least two, or is a circle, curve or spiral", m.points_size());
-  not_negative(s, g + ".time_s", true, m.time_s());
-  const auto& f = s.message.fracture();
-  const double last =
-      f.has_latest_freeze_s() ? std::min(f.latest_freeze_s(), s.message.end_time_s()) : s.message.end_time_s();
-  s.check(m.time_s() < last, g + ".time_s",
-          "is {} s, and the shell is solved until {} s at the latest: it would never be made", m.time_s(), last);
-  const auto all_finite = [&](const std::string& f, const auto& points) {
-    for (int k = 0; k < points.size(); ++k) finite(s, fmt::format("{}.points[{}]", f, k), points[k]);
-  };
-  all_finite(g, m.points());
-  if (m.has_circle()) {
-    s.check(m.circle().has_center(), g + ".circle.center", "is missing; give u and v");
-    finite(s, g + ".circle.center", m.circle().center());
-    positive(s, g + ".circle.radius_m", m.circle().has_radius_m(), m.circle().radius_m(), "m");
-  }
-  if (m.has_curve()) {
-    const auto& c = m.curve();
-    const std::string f = g + ".curve";
-    const int degree = c.has_degree() ? c.degree() : 3, least = c.closed() ? 3 : degree + 1, count = c.points_size();
-    s.check(degree >= 2 && degree <= 5, f + ".degree", "is {}; 2 to 5, or give the cut's points itself", degree);
-    s.check(count >= least, f + ".points", "has {} points; {} of degree {} has at least {}", count,
-            c.closed() ? "a closed curve" : "a curve", degree, least);
-    all_finite(f, c.points());
-    s.check(!c.closed() || c.points(0).u() != c.points(count - 1).u() || c.points(0).v() != c.points(count - 1).v(),
-            fmt::format("{}.points[{}]", f, count - 1),
-            "is the first point again, but a closed curve goes back to that by itself; leave the last one out");
-  }
-  if (m.has_spiral()) {
-    const auto& c = m.spiral();
-    const std::string f = g + ".spiral";
-    s.check(c.has_center(), f + ".center", "is missing; give u and v");
-    finite(s, f + ".center", c.center());
-    not_negative(s, f + ".inner_radius_m", true, c.inner_radius_m());
-    positive(s, f + ".outer_radius_m", c.has_outer_radius_m(), c.outer_radius_m(), "m");
-    s.check(c.outer_radius_m() > c.inner_radius_m(), f + ".outer_radius_m",
-            "is {} m; must be above inner_radius_m, {} m", c.outer_radius_m(), c.inner_radius_m());
-    positive(s, f + ".turns", c.has_turns(), c.turns(), "-");
-  }
-}
-
 void strength_factor(const Scene& s, const std::string& f, bool has, double factor) {
   positive(s, f, has, factor, "-");
   s.check(factor >= kLeastFactor && factor <= kMostFactor, f, "is {}; {:.0g} to {:.0g} (a thousand is unbreakable)",
@@ -313,7 +264,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
             f + ".equilibrium.tolerance", "is {}; 1e-12 to 0.1 of the loads", shell.equilibrium().tolerance());
   s.check(!shell.has_equilibrium() || !shell.has_velocity(), f + ".velocity",
           "is given, but a shell in equilibrium starts at rest");
-  for (int i = 0; i < shell.cuts_size(); ++i) cut(s, fmt::format("{}.cuts[{}]", f, i), shell.cuts(i));
+  validate_cuts(s, f, shell);
   for (const auto& m : s.message.materials())
     s.check(m.name() != shell.material() || m.has_strength() ||
                 (shell.strength_regions_size() == 0 && !shell.has_strength_map()),

@@ -333,6 +333,9 @@ constexpr double kCutAtBorder = 0.1;
 /// [h]: a cut that runs out goes so far over the border.
 /// numerical: visibility of all control points beside it
 constexpr double kCutRunOut = 1.01;
+/// [h]: a crack that ends on a trim loop goes on outside so far, in the region that is cut away.
+/// numerical: visibility; further than control points that stay outside of a loop
+constexpr double kTrimRunOut = 1.5;
 /// [h]: a cut so near a crack, or a vertex of one, meets it.
 /// numerical: far above kJoinPast
 constexpr double kCutOnCrack = 0.02;

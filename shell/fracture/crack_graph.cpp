@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "coupler/core/error.h"
 #include "shell/fracture/constants.h"
@@ -30,7 +31,7 @@ int CrackGraph::add_edge(int from, int to, int crack, double time, int face, dou
   e.long_a = e.a - lengthening_ * d, e.long_b = e.b + lengthening_ * d;
   const int index = static_cast<int>(edges_.size());
   edges_.push_back(e);
-  total_length_ += length;
+  if (!e.is_trim()) total_length_ += length;
   const Vec2 lo = e.long_a.cwiseMin(e.long_b) - low_, hi = e.long_a.cwiseMax(e.long_b) - low_;
   for (int j = bin(lo.y(), ny_); j <= bin(hi.y(), ny_); ++j)
     for (int i = bin(lo.x(), nx_); i <= bin(hi.x(), nx_); ++i)
@@ -38,9 +39,13 @@ int CrackGraph::add_edge(int from, int to, int crack, double time, int face, dou
   return index;
 }
 
+void CrackGraph::add_trim(int from, int to) {
+  trims_ += add_edge(from, to, CrackEdge::kTrim, std::numeric_limits<double>::lowest(), 0) >= 0;
+}
+
 void CrackGraph::undo_edge() {
   const CrackEdge& e = edges_.back();
-  total_length_ -= (e.b - e.a).norm();
+  if (!e.is_trim()) total_length_ -= (e.b - e.a).norm();
   const Vec2 lo = e.long_a.cwiseMin(e.long_b) - low_, hi = e.long_a.cwiseMax(e.long_b) - low_;
   for (int j = bin(lo.y(), ny_); j <= bin(hi.y(), ny_); ++j)
     for (int i = bin(lo.x(), nx_); i <= bin(hi.x(), nx_); ++i) bins_[static_cast<std::size_t>(j) * nx_ + i].pop_back();
@@ -50,12 +55,13 @@ void CrackGraph::undo_edge() {
 void CrackGraph::restore(const std::vector<Vec2>& vertices, const std::vector<CrackEdge>& edges, int cracks,
                          double total_length) {
   const int count = static_cast<int>(vertices.size());
-  vertices_ = vertices, edges_.clear(), total_length_ = 0.0;
+  vertices_ = vertices, edges_.clear(), total_length_ = 0.0, trims_ = 0;
   for (auto& bin : bins_) bin.clear();
   for (const CrackEdge& e : edges) {
     const bool known = e.from >= 0 && e.from < count && e.to >= 0 && e.to < count;
     if (!known || add_edge(e.from, e.to, e.crack, e.time, e.face, e.resistance) < 0)
       throw Error(Exit::kBadInput, "bad_checkpoint", fmt::format("crack edge {} is none", edges_.size()));
+    trims_ += e.is_trim() && e.time == std::numeric_limits<double>::lowest();
   }
   cracks_ = cracks, total_length_ = total_length;  // a sum depends on the edges that were taken back in between
 }

@@ -34,6 +34,10 @@ struct CrackEdge {
   double time = 0.0;        // of birth [s]
   int face = 0;             // tension side that opened it: -1, +1; 0: cut
   double resistance = 1.0;  // what its area takes, over the fracture energy of the material
+
+  bool is_trim() const { return crack == kTrim; }
+  // Crack of an edge that parts nothing: of a trim loop, or outside of it where a crack ends.
+  static constexpr int kTrim = -1;
 };
 
 class CrackGraph {
@@ -46,6 +50,11 @@ class CrackGraph {
   int add_edge(int from, int to, int crack, double time, int face, double resistance = 1.0);
   int new_crack() { return cracks_++; }
   int next_crack() const { return cracks_; }
+  /// Adds an edge of a trim loop, before all cracks. The region that exists lies on its left.
+  void add_trim(int from, int to);
+  /// Number of edges of trim loops; they are the first ones.
+  int trims() const { return trims_; }
+  bool has_cracks() const { return static_cast<int>(edges_.size()) > trims_; }
   /// Takes back the last edge, which was on trial, or the last vertex, which no edge has.
   void undo_edge();
   void undo_vertex() { vertices_.pop_back(); }
@@ -92,7 +101,7 @@ class CrackGraph {
   }
   Vec2 low_;
   double size_, lengthening_;
-  int nx_, ny_, cracks_ = 0;
+  int nx_, ny_, cracks_ = 0, trims_ = 0;
   double total_length_ = 0.0;
   std::vector<Vec2> vertices_;
   std::vector<CrackEdge> edges_;

@@ -51,6 +51,10 @@ Visibility::Visibility(const ControlGrid& grid, const Vec2& p, int span_u, int s
   for (int j = std::max(0, -row_); j < std::min(kAcross, grid.rows - row_); ++j)
     if (std::abs(grid.offset(p, (row_ + j) * grid.columns).y()) < kLargestSupport)
       rows_[j] = static_cast<std::uint16_t>(columns);
+  for (int j = 0; grid.absent && j < kAcross; ++j)
+    for (int i = 0; rows_[j] && i < kAcross; ++i)
+      if ((rows_[j] >> i & 1u) && (*grid.absent)[(row_ + j) * grid.columns + column_ + i])
+        rows_[j] = static_cast<std::uint16_t>(rows_[j] & ~(1u << i));
 }
 
 View Visibility::view(const ControlGrid& grid) const {

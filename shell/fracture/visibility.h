@@ -16,7 +16,8 @@ namespace sunder::shell {
 struct ControlGrid {
   int columns = 0, rows = 0;
   const std::vector<Vec2>* parameter = nullptr;
-  double spacing_u = 0.0, spacing_v = 0.0;  // mean spacing [m]
+  double spacing_u = 0.0, spacing_v = 0.0;    // mean spacing [m]
+  const std::vector<char>* absent = nullptr;  // 1 for control points that do not exist; null: all do
 
   /// Offset from p [spacings].
   Vec2 offset(const Vec2& p, int control_point) const {

@@ -142,6 +142,12 @@ std::vector<Vec2> thinned(const std::vector<Vec2>& p, double tolerance) {
   return out;
 }
 
+std::optional<Vec2> segments_touch(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double tolerance) {
+  Vec2 at;
+  if (!meet(a, b, c, d, tolerance, at)) return std::nullopt;
+  return at;
+}
+
 std::optional<Meeting> meets_itself(const std::vector<Vec2>& p, double tolerance) {
   const int count = static_cast<int>(p.size()) - 1;
   const bool closed = count > 1 && p.front() == p.back();

@@ -41,6 +41,9 @@ std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing);
 /// polyline, whose last point equals its first exactly, keeps at least three corners.
 std::vector<Vec2> thinned(const std::vector<Vec2>& points, double tolerance);
 
+/// Where segments ab and cd cross or touch, within `tolerance` [m].
+std::optional<Vec2> segments_touch(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double tolerance);
+
 /// Two segments that meet; segment k runs from points[k] to points[k + 1]. The end that two neighbours share does not
 /// count.
 struct Meeting {

@@ -195,6 +195,7 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
   std::vector<std::string> names;
   std::vector<const ShellModel*> models;
   double largest = 0.0;
+  std::vector<int> trimmed(r.shells.size(), 0);  // EdgeBits along which trims have dropped control points
   for (std::size_t i = 0; i < r.shells.size(); ++i) {
     const ShellSetup& s = r.shells[i];
     patches.push_back(&s.model.patch), names.push_back(s.model.name), models.push_back(&s.model);
@@ -203,6 +204,10 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
     largest = std::max(largest, box.diagonal().norm());
     scene.check(s.equilibrium == 0.0, fmt::format("shells[{}].equilibrium", i),
                 "is for a shell by itself, and seams are given; leave one of them out");
+    for (const int edge : kEdges)
+      for (const int depth : {0, 1})
+        for (const int point : edge_row(s.model.patch, edge, depth))
+          trimmed[i] |= s.model.trim.drops(s.model.tables.slot(point)) ? edge : 0;
     scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
   }
   std::vector<std::vector<Join>> join(patches.size(), std::vector<Join>(patches.size(), Join::kClamped));
@@ -219,6 +224,12 @@ Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
     found = find_stitches(patches, names, tolerance, join, [&](const PatchPoint& p) {
       return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0;
     });
+    for (const Seam& seam : found.seams)
+      for (const auto& [shell, edge] : {std::pair{seam.first, seam.first_edge}, {seam.second, seam.second_edge}})
+        require(!(trimmed[shell] & edge),
+                "shells '{}' and '{}' meet along an edge that trims of '{}' cut: seams join whole edges; trim less, or "
+                "make the pair OPEN",
+                names[seam.first], names[seam.second], names[shell]);
     Stitching(found, models);  // throws where supports do not fit the seams
   } catch (const Error& e) {
     scene.fail("seams", e.what());
@@ -275,6 +286,8 @@ RunSetup build(const scene::LoadedScene& scene) {
       scene.check(s.patch.contains(at), fmt::format("output.probes[{}].at", k),
                   "({:.9g}, {:.9g}) lies outside the patch, whose parameters run {}", at.x(), at.y(),
                   parameter_range(s.patch));
+      scene.check(s.trim.empty() || s.trim.loops.contains(at), fmt::format("output.probes[{}].at", k),
+                  "({:.9g}, {:.9g}) lies outside the trims of shell '{}'; take a place inside", at.x(), at.y(), s.name);
       r.probes.push_back({p.name(), i, at});
     }
     r.last_change = std::max(r.last_change, s.loads.last_change());
@@ -315,8 +328,8 @@ RunSetup build(const scene::LoadedScene& scene) {
       double least = 1e300;
       for (int q = 0; q < s.tables.blocks(); ++q)
         for (int e = 0; e < s.tables.spans_u; ++e)
-          least =
-              std::min(least, proxy.distance(s.patch.evaluate(gauss_point(s.patch, s.tables, q, e).parameter).x).value);
+          if (const GaussPoint g = gauss_point(s.patch, s.tables, q, e); g.weight > 0.0)
+            least = std::min(least, proxy.distance(s.patch.evaluate(g.parameter).x).value);
       scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + ".pose",
                   "'{}' starts {:.3g} m inside shell '{}'; move it away", b.name, 0.5 * s.thickness - least, s.name);
     }

@@ -8,6 +8,7 @@
 #include "shell/geometry/builders.h"
 #include "shell/io/cad_file.h"
 #include "shell/io/strength_factors.h"
+#include "shell/io/trims.h"
 
 namespace sunder::shell {
 namespace {
@@ -206,9 +207,10 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   for (int i = 0; i < s.loads_size(); ++i)
     at_field(scene, fmt::format("{}.loads[{}]", field, i),
              [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
-  ShellModel model = at_field(scene, field, [&] {
+  const TrimLoops trims = make_trims(scene, s, scaled, field);
+  ShellModel model = at_field(scene, trims.empty() ? field : field + ".trims", [&] {
     return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2, gauss, supports,
-                      loads);
+                      loads, trims);
   });
   model.strength_factor = strength_factors(scene, s, model, field);
   for (int q = 0; q < model.tables.blocks(); ++q)

@@ -107,8 +107,8 @@ void build_soft(const scene::LoadedScene& scene, const std::function<std::uint32
       double least = 1e300;
       for (int block = 0; block < s.tables.blocks(); ++block)
         for (int e = 0; e < s.tables.spans_u; ++e)
-          least = std::min(
-              least, solid.distance(s.patch.evaluate(gauss_point(s.patch, s.tables, block, e).parameter).x).value);
+          if (const GaussPoint g = gauss_point(s.patch, s.tables, block, e); g.weight > 0.0)
+            least = std::min(least, solid.distance(s.patch.evaluate(g.parameter).x).value);
       scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + ".pose",
                   "'{}' starts {:.3g} m inside shell '{}'; move it away", m.name(), 0.5 * s.thickness - least, s.name);
     }

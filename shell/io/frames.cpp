@@ -26,28 +26,30 @@ Corner evaluate(const ShellModel& m, const ShellState& s, const Vec2& p, bool ne
   const auto add = [&](double n, int slot) {
     c.x += n * s.position(slot), c.v += n * s.velocity(slot), c.u += n * (s.position(slot) - s.at(m.rest, slot));
   };
-  const ShapeFunctions f = m.patch.shape_functions(p);
-  bool clear = true;
-  for (int k = 0; k < f.count() && clear && near_crack; ++k)
-    clear = s.cracks.graph.visible(p, m.parameter[f.row(k) * m.tables.columns + f.column(k)]);
-  if (clear) {
-    for (int k = 0; k < f.count(); ++k) add(f.value[k], f.row(k) * m.tables.stride + f.column(k));
+  const std::vector<GatheredFunction> functions = shell_functions(m, p);
+  const auto visible = [&](int slot) {
+    return s.cracks.graph.visible(
+        p, m.trim.empty() ? m.parameter_of_slot[slot] : m.trim.home[m.tables.control_point(slot)]);
+  };
+  if (!near_crack || std::all_of(functions.begin(), functions.end(), [&](const auto& f) { return visible(f.slot); })) {
+    for (const GatheredFunction& f : functions) add(f.n[0], f.slot);
     return c;
   }
-  const MlsPoint mls = mls_point(control_grid(m), s.cracks.graph, p, f.span_u, f.span_v);
+  Visibility visibility =
+      first_visibility(m, s.cracks.graph, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
+  visibility.update(control_grid(m), s.cracks.graph, static_cast<int>(s.cracks.graph.edges().size()));
+  const MlsPoint mls = mls_point(control_grid(m), visibility);
   if (mls.basis != MlsBasis::kNone) {
     for (const MlsFunction& n : mls.functions) add(n.n[0], m.tables.slot(n.control_point));
     return c;
   }
   // Too few control points are visible: the point moves with the nearest one.
-  int nearest = 0;
+  int slot = 0;
   double distance = 1e300;
-  for (int k = 0; k < f.count(); ++k) {
-    const int i = f.row(k) * m.tables.columns + f.column(k);
-    const double d = (m.parameter[i] - p).squaredNorm() + (s.cracks.graph.visible(p, m.parameter[i]) ? 0.0 : 1.0);
-    if (d < distance) distance = d, nearest = i;
+  for (const GatheredFunction& f : functions) {
+    const double d = (m.parameter_of_slot[f.slot] - p).squaredNorm() + (visible(f.slot) ? 0.0 : 1.0);
+    if (d < distance) distance = d, slot = f.slot;
   }
-  const int slot = m.tables.slot(nearest);
   c.u = s.position(slot) - s.at(m.rest, slot), c.v = s.velocity(slot);
   c.x = m.patch.evaluate(p).x + c.u;
   return c;
@@ -189,6 +191,7 @@ VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   VtpArray displacement{"displacement", 3, {}};
   VtpArray parameter{"parameter", 3, {}};  // of the graph itself, also beyond the border; third component 0
   for (const CrackEdge& e : s.cracks.graph.edges()) {
+    if (e.is_trim()) continue;
     std::vector<int> line;
     for (const bool first : {true, false}) {
       const Vec2& p = first ? e.a : e.b;

@@ -6,8 +6,7 @@ namespace sunder::shell {
 
 Vec3 displacement(const ShellModel& m, const ShellState& s, const Vec2& at) {
   Vec3 u = Vec3::Zero();
-  for (const GatheredFunction& f : patch_functions(m.patch, at, m.tables.stride))
-    u += f.n[0] * (s.position(f.slot) - s.at(m.rest, f.slot));
+  for (const GatheredFunction& f : shell_functions(m, at)) u += f.n[0] * (s.position(f.slot) - s.at(m.rest, f.slot));
   return u;
 }
 
@@ -46,7 +45,7 @@ std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s)
       const int point = s.cracked.point_of[static_cast<std::size_t>(q) * t.lanes + e];
       if (point >= 0 && (s.cracked.gathered[point].kind == PointKind::kDead || s.cracked.gathered[point].left))
         continue;
-      if (point < 0) uncut.functions = patch_functions(m.patch, g.parameter, t.stride);
+      if (point < 0) shell_functions(m, q, e, uncut.functions);
       const GatheredPoint& p = point < 0 ? uncut : s.cracked.gathered[point];
       if (s.motion.detached[p.functions[0].slot]) continue;
       const double area = t.metric[t.at(q, kMetricFields, kArea, e)];

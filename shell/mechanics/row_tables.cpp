@@ -7,6 +7,10 @@
 
 namespace sunder::shell {
 
+namespace {
+constexpr double kWholeElement = 1e-9;  // share of an element's area that a loop may cut off and leave it whole
+}
+
 Layers gauss_layers(int count, double thickness) {
   const GaussRule& rule = gauss_rule(count);
   Layers layers;
@@ -85,6 +89,7 @@ void denominators(const Patch& patch, const Basis& bu, const Basis& bv, int span
 }  // namespace
 
 GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane) {
+  if (!t.trimmed.empty()) return t.trimmed[static_cast<std::size_t>(block) * t.lanes + lane];
   const GaussRule& rule = gauss_rule(t.gauss);
   const int row = block / t.gauss, a = block % t.gauss, f = row / t.gauss, b = row % t.gauss;
   const double lu = patch.knots_u.span_length(lane), lv = patch.knots_v.span_length(f);
@@ -92,8 +97,39 @@ GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int la
           0.25 * lu * lv * rule.weight[a] * rule.weight[b]};
 }
 
+namespace {
+
+// The Gauss points that loops leave. Points of an element that a loop cuts stand where they integrate the part inside;
+// those that this does not take have weight 0, as all have outside.
+std::vector<GaussPoint> trimmed_points(const Patch& patch, const RowTables& t, const TrimLoops& trim) {
+  std::vector<GaussPoint> out(static_cast<std::size_t>(t.blocks()) * t.lanes, {Vec2::Zero(), 0.0});
+  const int each = t.gauss * t.gauss;
+  for (int f = 0; f < t.spans_v; ++f)
+    for (int e = 0; e < t.spans_u; ++e) {
+      const Vec2 low(patch.knots_u.span_begin(e), patch.knots_v.span_begin(f));
+      const Vec2 size(patch.knots_u.span_length(e), patch.knots_v.span_length(f));
+      const auto at = [&](int k) -> GaussPoint& { return out[static_cast<std::size_t>(f * each + k) * t.lanes + e]; };
+      for (int k = 0; k < each; ++k) at(k) = gauss_point(patch, t, f * each + k, e);
+      if (size.prod() == 0.0) continue;
+      const bool cut = trim.cuts(low, low + size);
+      if (!cut && trim.contains(low + 0.5 * size)) continue;
+      const std::vector<WeightedPlace> places =
+          cut ? trim.places_in(low, low + size, each) : std::vector<WeightedPlace>();
+      double area = 0.0;
+      for (const WeightedPlace& p : places) area += p.area;
+      if (std::abs(area - size.prod()) <= kWholeElement * size.prod()) continue;  // a loop runs along its border
+      for (int k = 0; k < each; ++k) {
+        at(k).weight = 0.0;
+        if (k < static_cast<int>(places.size())) at(k) = {places[k].at, places[k].area};
+      }
+    }
+  return out;
+}
+
+}  // namespace
+
 RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, const Elasticity& elasticity,
-                          const std::string& field) {
+                          const std::string& field, const TrimLoops& trim) {
   RowTables t;
   t.columns = patch.columns(), t.rows = patch.rows();
   t.spans_u = patch.knots_u.spans(), t.spans_v = patch.knots_v.spans();
@@ -107,6 +143,7 @@ RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, c
   t.layers = layers;
   t.elasticity = elasticity;
 
+  if (!trim.empty()) t.trimmed = trimmed_points(patch, t, trim);
   const GaussRule& rule = gauss_rule(gauss);
   const int support = t.support();
   t.basis_u.assign(static_cast<std::size_t>(gauss) * 3 * support * t.lanes, 0.0);

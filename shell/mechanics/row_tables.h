@@ -4,6 +4,7 @@
 
 #include "shell/geometry/patch.h"
 #include "shell/geometry/quadrature.h"
+#include "shell/geometry/trim_loops.h"
 #include "shell/mechanics/laws.h"
 
 namespace sunder::shell {
@@ -39,6 +40,12 @@ enum MetricField { kA11, kA22, kA12, kB11, kB22, kB12, kArea, kMetricFields };
 /// The denominator of a rational patch: its inverse, and its derivatives.
 enum RationalField { kInvW, kWu, kWv, kWuu, kWvv, kWuv, kRationalFields };
 
+/// Parameter point and quadrature weight (parameter area) of a Gauss point; weight 0: the point does not exist.
+struct GaussPoint {
+  Vec2 parameter;
+  double weight;
+};
+
 /// Layout of the arrays:
 ///   control point (i, j)       slot j * stride + i; components x, y, z stand `plane` numbers apart
 ///   Gauss point (span e along u, point a; span f along v, point b)
@@ -59,6 +66,9 @@ struct RowTables {
   std::vector<double> metric;       // [block][MetricField][lane]; area 0: the row kernel leaves the point out
   std::vector<double> denominator;  // [block][RationalField][lane]
   std::vector<double> weight;       // [slot]
+  // [block][lane]: Gauss points of a trimmed patch; in elements that a loop cuts they stand elsewhere than the basis of
+  // the rows. Empty: the patch is whole.
+  std::vector<GaussPoint> trimmed;
 
   int slot(int control_point) const { return (control_point / columns) * stride + control_point % columns; }
   int control_point(int slot) const { return slot / stride * columns + slot % stride; }
@@ -72,15 +82,11 @@ struct RowTables {
   }
 };
 
-/// Builds the tables. Throws Error with the parameters of a Gauss point where the surface is degenerate.
+/// Builds the tables, of the part of the patch that `trim` leaves. Throws Error with the parameters of a Gauss point
+/// where the surface is degenerate.
 RowTables make_row_tables(const Patch& patch, int gauss, const Layers& layers, const Elasticity& elasticity,
-                          const std::string& field);
+                          const std::string& field, const TrimLoops& trim = {});
 
-/// Parameter point and quadrature weight (parameter area) of a Gauss point.
-struct GaussPoint {
-  Vec2 parameter;
-  double weight;
-};
 GaussPoint gauss_point(const Patch& patch, const RowTables& t, int block, int lane);
 
 /// Parameter of Gauss point k of a span, along one direction.

@@ -54,6 +54,8 @@ class Drawing {
       motion.x[k] += amplitude * std::sin(phase) * found.mode.shape[k];
       motion.v[k] = amplitude * omega * std::cos(phase) * found.mode.shape[k];
     }
+    const Trimming& trim = state_.shells[found.shell].model().trim;
+    follow(trim, motion.x), follow(trim, motion.v);
     frames.write(time, views_, ids_, state_.soft, {}, 0);
     motion.x = x, motion.v = v;
   }

@@ -89,6 +89,7 @@ std::vector<EdgeCut> ShellPart::cut(double now, double span, std::uint64_t& rand
 void ShellPart::measure_step(std::int64_t window, int threads) {
   const ShellModel& m = model();
   const auto& edges = state->cracks.graph.edges();
+  edges_seen = std::max(edges_seen, static_cast<std::size_t>(state->cracks.graph.trims()));
   for (; edges_seen < edges.size(); ++edges_seen) changed.push_back(0.5 * (edges[edges_seen].a + edges[edges_seen].b));
   if (setup->fracture.damages() && window % kDamagedStepWindows == 0)  // damaged points may be strained strongly
     for (const GatheredPoint& g : state->cracked.gathered)

@@ -23,7 +23,9 @@ bool has_cracked(const ShellModel& m, const CrackGraph& cracks, const Triangulat
     const int column = m.patch.knots_u.span_of(middle.x()), row = m.patch.knots_v.span_of(middle.y());
     for (int k = 0; k < each * each; ++k) {
       const int point = (row + k / each) * m.patch.columns() + column + k % each;
-      if (t.owner[point] == piece && cracks.visible(m.parameter[point], middle, e)) return true;
+      if (t.owner[point] == piece &&
+          cracks.visible(m.trim.empty() ? m.parameter[point] : m.trim.home[point], middle, e))
+        return true;
     }
   }
   return false;
@@ -126,7 +128,7 @@ std::vector<PartPieces> Pieces::pieces_now(bool all, const PartBoxes& leaving) {
     ShellPart& part = state_.shells[k];
     const ShellModel& m = part.model();
     PartPieces& p = out[k];
-    if (part.state->cracks.graph.edges().empty() && !all) {
+    if (part.state->cracks.graph.edges().empty() && !all) {  // neither cracks nor trims
       p = whole_of(part);
     } else {
       p.whole = false;
@@ -201,7 +203,9 @@ std::map<int, Pieces::Group> Pieces::groups_of(const std::vector<PartPieces>& no
   std::vector<std::vector<char>> were_one;  // [shell][shell]: joined in the scene
   if (state_.stitching.parted()) were_one = components(now.size(), setup_.stitches.seams);
   const auto in_another = [&](std::size_t shell, int own) {
-    return std::any_of(now[shell].group.begin(), now[shell].group.end(), [own](int other) { return other != own; });
+    for (std::size_t i = 0; i < now[shell].group.size(); ++i)
+      if (now[shell].group[i] != own && !now[shell].pieces[i].outside) return true;
+    return false;
   };
   for (std::size_t k = 0; k < now.size(); ++k)
     for (std::size_t i = 0; i < now[k].pieces.size(); ++i) {
@@ -249,7 +253,7 @@ std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {
   std::vector<RigidBody> births;
   if (!all && !state_.stitching.parted() &&
       std::all_of(state_.shells.begin(), state_.shells.end(),
-                  [](const ShellPart& part) { return part.state->cracks.graph.edges().empty(); }))
+                  [](const ShellPart& part) { return !part.state->cracks.graph.has_cracks(); }))
     return births;
   Stopwatch w(simulation_.scratch.times[Stage::kCrackUpdate]);
   for (ShellPart& part : state_.shells)
@@ -277,7 +281,7 @@ std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {
   counts_.detached_area = 0.0;
   for (const PartPieces& part : now)
     for (const Piece& p : part.pieces)
-      if (!p.held) counts_.detached_area += p.area;
+      if (!p.held && !p.outside) counts_.detached_area += p.area;
   return births;
 }
 

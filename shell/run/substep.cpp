@@ -112,7 +112,10 @@ void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
   Stopwatch w(scratch.times[Stage::kKickDrift]);
   // Supports may have changed velocities on which dependent control points depend.
   if (!state.stitching.empty()) state.stitching.update_dependent_velocities(refs(state, scratch));
-  for (ShellPart& part : state.shells) drift(part.model(), *part.state, dt);
+  for (ShellPart& part : state.shells) {
+    drift(part.model(), *part.state, dt);
+    follow(part.model().trim, part.state->motion.x);
+  }
   if (state.soft_left > 0 && --state.soft_left == 0) state.soft.finish(model.threads);
   for (Proxy& p : state.bodies)
     if (!p.body.is_static) p.body.drift(dt);

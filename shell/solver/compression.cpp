@@ -18,7 +18,7 @@ void check_compression(const ShellModel& m, const ShellState& s) {
       GatheredPoint uncut;
       if (point >= 0 && s.cracked.gathered[point].kind != PointKind::kQuadratic) continue;
       if (point < 0) {
-        uncut.functions = patch_functions(m.patch, g.parameter, t.stride);
+        shell_functions(m, q, e, uncut.functions);
         const double* metric = &t.metric[t.at(q, kMetricFields, 0, e)];
         uncut.metric = {{metric[kA11 * t.lanes], metric[kA22 * t.lanes], metric[kA12 * t.lanes]},
                         {metric[kB11 * t.lanes], metric[kB22 * t.lanes], metric[kB12 * t.lanes]}};

@@ -148,7 +148,9 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
     const Vec2 p = face(m, s, lock, side);
     if (!m.patch.contains(p)) return false;
     Visibility& visibility = lock.visibility[side];
-    if (!lock.looked) visibility = {grid, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y())};
+    if (!lock.looked)
+      visibility =
+          first_visibility(m, s.cracks.graph, p, m.patch.knots_u.span_of(p.x()), m.patch.knots_v.span_of(p.y()));
     const Visibility before = visibility;
     visibility.update(grid, s.cracks.graph, static_cast<int>(s.cracks.graph.edges().size()));
     if (lock.looked && visibility.sees_the_same(before)) continue;

@@ -25,6 +25,7 @@ void edge_samples(const Patch& patch, int edge, int stride, std::vector<LoadSamp
       const Vec2 p = along_u ? Vec2(at, fixed) : Vec2(fixed, at);
       const SurfacePoint q = patch.evaluate(p);
       LoadSample sample;
+      sample.at = p;
       sample.functions = patch_functions(patch, p, stride);
       sample.weight = 0.5 * rule.weight[a] * k.span_length(s) * (along_u ? q.u : q.v).norm();
       sample.along_u = along_u;
@@ -76,7 +77,7 @@ PreparedLoads prepare_loads(const Patch& patch, const RowTables& t, const std::v
       require(patch.contains(p.load.point),
               "{}: a load at ({:.9g}, {:.9g}) lies outside the patch, whose parameters run {}", name, load.point.x(),
               load.point.y(), parameter_range(patch));
-      p.samples.push_back({patch_functions(patch, p.load.point, stride)});
+      p.samples.push_back({p.load.point, patch_functions(patch, p.load.point, stride)});
     } else {
       for (const int edge : {kUMin, kUMax, kVMin, kVMax})
         if (load.edges & edge) edge_samples(patch, edge, stride, p.samples);

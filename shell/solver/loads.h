@@ -30,6 +30,7 @@ struct Load {
 
 /// A sample of a point or edge load, with the functions of the uncut patch.
 struct LoadSample {
+  Vec2 at = Vec2::Zero();  // parameters [m]
   std::vector<GatheredFunction> functions;
   double weight = 1.0;   // length [m]; 1 for points
   double outward = 0.0;  // edges: +1 where the tangent has the patch on its left, otherwise -1

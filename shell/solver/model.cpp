@@ -27,7 +27,8 @@ double ShellModel::response_time() const {
 }
 
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
-                      int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads) {
+                      int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads,
+                      const TrimLoops& trim) {
   ShellModel m{name, with_parameters_as_lengths(patch), thickness, material};
   const Interlayer& core = material.interlayer;
   m.material.density += (core.density - material.density) * core.thickness / thickness;
@@ -36,7 +37,7 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
                 : m.laminated()         ? plies(layers, thickness, core.thickness)
                                         : gauss_layers(layers, thickness);
   if (material.surface_compression > 0.0) prestress(rule, thickness, material.surface_compression, e);
-  m.tables = make_row_tables(m.patch, gauss, rule, e, "shell '" + name + "'");
+  m.tables = make_row_tables(m.patch, gauss, rule, e, "shell '" + name + "'", trim);
   if (m.laminated()) {
     const Elasticity soft = elasticity({core.youngs_modulus, core.poisson_ratio}, material.stress_model);
     m.interlayer =
@@ -60,6 +61,15 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   m.held.assign(t.plane, 0);
   m.constraints = make_constraints(m.patch, supports, t.stride, "shell '" + name + "'");
   m.loads = prepare_loads(m.patch, t, loads, "shell '" + name + "'");
+  m.parameter_of_slot.assign(t.plane, Vec2::Zero());
+  for (int i = 0; i < m.control_points(); ++i) {
+    m.parameter.push_back(m.patch.greville(i));
+    m.parameter_of_slot[t.slot(i)] = m.parameter.back();
+  }
+  m.spacing_u = (m.patch.knots_u.end() - m.patch.knots_u.begin()) / t.spans_u;
+  m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;
+  m.spacing = std::sqrt(m.spacing_u * m.spacing_v);
+  if (!trim.empty()) trim_shell(m, trim);
   std::vector<int> axes(t.plane, 0);
   for (const auto& slots : m.constraints.held)
     for (const int slot : slots) ++axes[slot];
@@ -69,15 +79,12 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   for (int i = 0; i < t.plane; ++i) m.held[i] = axes[i] >= 3;
   const auto holds = [&](int edge, int depth) {
     const std::vector<int> row = edge_row(m.patch, edge, depth);
-    return std::all_of(row.begin(), row.end(), [&](int i) { return m.held[t.slot(i)] != 0; });
+    const auto stays = [&](int i) { return !m.trim.drops(t.slot(i)); };
+    return std::any_of(row.begin(), row.end(), stays) &&
+           std::all_of(row.begin(), row.end(), [&](int i) { return m.held[t.slot(i)] != 0 || !stays(i); });
   };
   for (const int edge : kEdges)
     if (holds(edge, 0) && holds(edge, 1)) m.clamped |= edge;
-  m.parameter_of_slot.assign(t.plane, Vec2::Zero());
-  for (int i = 0; i < m.control_points(); ++i) {
-    m.parameter.push_back(m.patch.greville(i));
-    m.parameter_of_slot[t.slot(i)] = m.parameter.back();
-  }
   std::vector<GatheredFunction> functions;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
@@ -90,13 +97,10 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
           std::min(along_u * std::sqrt(metric[kA11 * t.lanes]), along_v * std::sqrt(metric[kA22 * t.lanes]));
       m.shortest_element = m.shortest_element > 0.0 ? std::min(m.shortest_element, least) : least;
       double sum = 0.0;
-      patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride, functions);
+      shell_functions(m, q, e, functions);
       for (const auto& f : functions) sum += f.n[0] * f.n[0] / m.mass[f.slot];
       m.largest_mobility = std::max(m.largest_mobility, 2.0 * sum);  // the border is more mobile than its samples
     }
-  m.spacing_u = (m.patch.knots_u.end() - m.patch.knots_u.begin()) / t.spans_u;
-  m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;
-  m.spacing = std::sqrt(m.spacing_u * m.spacing_v);
   return m;
 }
 

@@ -9,6 +9,7 @@
 #include "shell/mechanics/row_tables.h"
 #include "shell/solver/loads.h"
 #include "shell/solver/supports.h"
+#include "shell/solver/trimming.h"
 
 namespace sunder::shell {
 
@@ -67,6 +68,7 @@ struct ShellModel {
   double spacing_u = 0.0, spacing_v = 0.0;
   // Factor of the strength, [block][lane]; empty: 1 everywhere. The fracture energy scales with its square.
   std::vector<float> strength_factor{};
+  Trimming trim{};    // what trim loops leave; empty: the patch is whole
   FibreLaw fibres{};  // shear and compression through the thickness, for contact between shells with fibres
 
   bool has_fibres() const { return fibres.compression > 0.0; }
@@ -83,9 +85,11 @@ struct ShellModel {
   double response_time() const;
 };
 
-/// Makes the model of a shell. `layers` is the number of layers, of each ply where there is an interlayer. The model's
-/// density is then the mean over the thickness. Throws Error where a support or a load is wrong.
+/// Makes the model of a shell, of what `trim` leaves of the patch. `layers` is the number of layers, of each ply where
+/// there is an interlayer. The model's density is then the mean over the thickness. Throws Error where a support, a
+/// load or a loop is wrong.
 ShellModel make_shell(const std::string& name, const Patch& patch, double thickness, const ShellMaterial& material,
-                      int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads = {});
+                      int layers, int gauss, const std::vector<Support>& supports, const std::vector<Load>& loads = {},
+                      const TrimLoops& trim = {});
 
 }  // namespace sunder::shell

@@ -54,7 +54,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   for (int i = 0; i < m.control_points(); ++i) {
     const int slot = t.slot(i);
     for (int d = 0; d < 3; ++d) s.motion.x[d * plane + slot] = m.patch.control_points[i][d];
-    if (m.held[slot]) continue;
+    if (m.held[slot] || m.trim.drops(slot)) continue;
     s.motion.inverse_mass[slot] = 1.0 / m.mass[slot];
     for (int d = 0; d < 3; ++d) s.motion.v[d * plane + slot] = velocity[d];
   }
@@ -79,6 +79,7 @@ ShellState make_state(const ShellModel& m, const Vec3& velocity, std::uint64_t s
   s.cracks.graph =
       CrackGraph({m.patch.knots_u.begin(), m.patch.knots_v.begin()}, {m.patch.knots_u.end(), m.patch.knots_v.end()},
                  2.0 * m.spacing, kLengthening * m.spacing);
+  if (!m.trim.empty()) trim_state(m, s);
   assign_strength(m, s, seed);
   return s;
 }

@@ -117,10 +117,17 @@ void points_within(const ShellModel& m, const Vec2& p, double radius, int every_
   };
   const auto &ku = m.patch.knots_u, &kv = m.patch.knots_v;
   const GaussRule& rule = gauss_rule(t.gauss);
+  const bool whole = t.trimmed.empty();
   for (int j = first(kv, p.y(), every_v); j <= kv.span_of(p.y() + radius); j += every_v)
     for (int i = first(ku, p.x(), every_u); i <= ku.span_of(p.x() + radius); i += every_u) {
       const double lu = ku.span_length(i), lv = kv.span_length(j);
-      for (int b = 0; b < t.gauss; ++b) {
+      for (int k = 0; k < t.gauss * t.gauss && !whole; ++k) {
+        const int block = j * t.gauss * t.gauss + k;
+        const GaussPoint& g = t.trimmed[static_cast<std::size_t>(block) * t.lanes + i];
+        const Vec2 d = g.parameter - p;
+        if (g.weight > 0.0 && d.squaredNorm() <= radius * radius) f(block, i, d, g.weight);
+      }
+      for (int b = 0; b < t.gauss && whole; ++b) {
         const double y = gauss_parameter(kv, rule, j, b) - p.y();
         for (int a = 0; a < t.gauss; ++a) {
           const Vec2 d(gauss_parameter(ku, rule, i, a) - p.x(), y);
@@ -170,6 +177,10 @@ constexpr std::size_t kBytesOfCracks = 24 * sizeof(SeenEdge);  // most points se
 
 /// The control points of a shell by their parameter points.
 ControlGrid control_grid(const ShellModel& model);
+
+/// The control points that a point sees before any crack: p lies in span_u, span_v. Trim loops hide those beyond them;
+/// one that stays outside of its loop is seen where its home is.
+Visibility first_visibility(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v);
 
 /// Reduces `uses`, the visibility of the same point, to the control points of these functions.
 void note_uses(const ShellModel& model, const std::vector<GatheredFunction>& functions, Visibility& uses);

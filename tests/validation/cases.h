@@ -50,6 +50,7 @@ std::vector<Case> contact_cases();
 std::vector<Case> fibre_cases();
 std::vector<Case> soft_cases();
 std::vector<Case> seam_cases();
+std::vector<Case> surface_cases();
 std::vector<Case> coupling_cases();
 /// Cases that run only where they are named.
 std::vector<Case> long_contact_cases();

@@ -71,7 +71,8 @@ int main(int argc, char** argv) {
   int threads = 1;
   std::map<std::string, std::vector<Case>> all{{"shells", static_cases()},     {"cracks", crack_cases()},
                                                {"coupling", coupling_cases()}, {"contact", contact_cases()},
-                                               {"soft", soft_cases()},         {"seams", seam_cases()}};
+                                               {"soft", soft_cases()},         {"seams", seam_cases()},
+                                               {"surfaces", surface_cases()}};
   const std::map<std::string, std::vector<Case>> on_demand{{"coupling", long_coupling_cases()},
                                                            {"contact", long_contact_cases()}};
   for (const auto& more : {dynamic_cases(), transfer_cases()})

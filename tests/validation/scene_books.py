@@ -41,6 +41,7 @@ SHIPPED = (
     Shortened("impactor_small", 0.04, True, True),
     Shortened("intact_pane", 4e-3, True, False),
     Shortened("round_pane", 5.2e-5, True, True),
+    Shortened("round_window", 1.4e-4, True, True),
     Shortened("soft_ball", 0.06, True, False),
     Shortened("struck_glass", 6e-5, True, True),
     Shortened("torn_sheet", 5e-3, False, True),

@@ -40,8 +40,8 @@ int visibility_at(const ShellModel& m, ShellState& s, int block, int lane) {
   const std::size_t gauss = static_cast<std::size_t>(block) * t.lanes + lane;
   int& index = s.caches.visibility_of[gauss];
   if (index >= 0) return index;
-  s.caches.visibility.emplace_back(control_grid(m), gauss_point(m.patch, t, block, lane).parameter, lane,
-                                   block / (t.gauss * t.gauss));
+  s.caches.visibility.push_back(first_visibility(m, s.cracks.graph, gauss_point(m.patch, t, block, lane).parameter,
+                                                 lane, block / (t.gauss * t.gauss)));
   s.caches.used.push_back(s.caches.visibility.back());
   if (s.cracked.point_of[gauss] >= 0)
     note_uses(m, s.cracked.gathered[s.cracked.point_of[gauss]].functions, s.caches.used.back());
@@ -345,6 +345,7 @@ void key_faces(const ShellModel& m, ShellState& s, int first, bool interlock, in
     Interlock& lock = fresh[i];
     lock.edge = first + static_cast<int>(i);
     const CrackEdge& e = s.cracks.graph.edges()[lock.edge];
+    if (e.is_trim()) continue;
     lock.area = (e.b - e.a).norm() * m.thickness;
     keyed[i] = fasten(m, s, lock);
   }
@@ -401,28 +402,71 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   return true;
 }
 
+// Goes on outside of a trim loop where the edges from `first` on end on it, so that control points that stay outside
+// belong to one side of the crack.
+void run_out_of_trims(const ShellModel& m, ShellState& s, int first, double time) {
+  if (m.trim.empty()) return;
+  CrackGraph& graph = s.cracks.graph;
+  const int end = static_cast<int>(graph.edges().size());
+  const auto run_out = [&](int vertex) {
+    const Vec2 p = graph.vertices()[vertex];
+    int loop = -1;
+    double nearest = kCutOnCrack * m.spacing;
+    bool known = false;
+    graph.near(p, p, kTrimRunOut * m.spacing, [&](int e) {
+      const CrackEdge& c = graph.edges()[e];
+      Vec2 foot;
+      const double distance = graph.distance(p, e, foot);
+      if (e < graph.trims() && distance < nearest) nearest = distance, loop = e;
+      known = known || (e >= graph.trims() && c.is_trim() && c.from == vertex);
+      return true;
+    });
+    if (loop < 0 || known) return;
+    const Vec2 along = (graph.edges()[loop].b - graph.edges()[loop].a).normalized(), out(along.y(), -along.x());
+    double length = kTrimRunOut * m.spacing;
+    for (bool clear = false; !clear && length > kCutOnCrack * m.spacing;) {  // not into the other side of a narrow gap
+      const Vec2 from = p + 2.0 * kCutOnCrack * m.spacing * out, to = p + length * out;
+      clear = true;
+      graph.near(from, to, 0.0, [&](int e) {
+        const CrackEdge& c = graph.edges()[e];
+        if (e < graph.trims() && segments_meet(from, to, c.a, c.b)) clear = false;
+        return clear;
+      });
+      if (!clear) length *= 0.5;
+    }
+    graph.add_edge(vertex, graph.add_vertex(p + length * out), CrackEdge::kTrim, time, 0);
+  };
+  for (int k = first; k < end; ++k) {
+    const int from = graph.edges()[k].from, to = graph.edges()[k].to;
+    run_out(from), run_out(to);
+  }
+}
+
 }  // namespace
 
 int insert_edge(const ShellModel& m, ShellState& s, int from, int to, int crack, double time, int face,
                 bool interlock) {
   const int index = s.cracks.graph.add_edge(from, to, crack, time, face);
-  if (index >= 0) take_in(m, s, index, time, interlock, false, 1);
+  if (index < 0) return index;
+  run_out_of_trims(m, s, index, time);
+  take_in(m, s, index, time, interlock, false, 1);
   return index;
 }
 
 int extend_cracks(const ShellModel& m, ShellState& s, const std::vector<NewEdge>& edges, double time, bool interlock,
                   int threads) {
   const int first = static_cast<int>(s.cracks.graph.edges().size());
-  int added = 0;
+  const std::size_t vertices = s.cracks.graph.vertices().size();
   bool whole = true;
   for (const NewEdge& e : edges) {
     const int index =
         s.cracks.graph.add_edge(e.from, s.cracks.graph.add_vertex(e.to), e.crack, time, e.face, e.resistance);
-    whole = whole && index >= 0, added += index >= 0;
+    whole = whole && index >= 0;
   }
+  if (whole) run_out_of_trims(m, s, first, time);
   if (whole && take_in(m, s, first, time, interlock, true, threads)) return first;
-  for (int k = 0; k < added; ++k) s.cracks.graph.undo_edge();
-  for (std::size_t k = 0; k < edges.size(); ++k) s.cracks.graph.undo_vertex();
+  while (static_cast<int>(s.cracks.graph.edges().size()) > first) s.cracks.graph.undo_edge();
+  while (s.cracks.graph.vertices().size() > vertices) s.cracks.graph.undo_vertex();
   return -1;
 }
 

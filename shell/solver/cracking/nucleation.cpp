@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "shell/mechanics/principal.h"
@@ -85,7 +86,15 @@ std::pair<int, int> point_at(const ShellModel& m, const Vec2& q) {
   };
   const int lane = m.patch.knots_u.span_of(q.x()), row = m.patch.knots_v.span_of(q.y());
   const int a = nearest(m.patch.knots_u, lane, q.x()), b = nearest(m.patch.knots_v, row, q.y());
-  return {(row * m.tables.gauss + b) * m.tables.gauss + a, lane};
+  int block = (row * m.tables.gauss + b) * m.tables.gauss + a;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < m.tables.gauss * m.tables.gauss && !m.tables.trimmed.empty(); ++k) {
+    const int other = row * m.tables.gauss * m.tables.gauss + k;
+    const GaussPoint g = gauss_point(m.patch, m.tables, other, lane);
+    const double away = (g.parameter - q).squaredNorm();
+    if (g.weight > 0.0 && away < least) least = away, block = other;
+  }
+  return {block, lane};
 }
 
 // Mean stress around a Gauss point, as `mean_stress`. The direction of the stress at one point would be that of the

@@ -223,7 +223,13 @@ void remove_piece(const ShellModel& m, ShellState& s, const Piece& piece) {
   std::vector<char> own(plane, 0);
   // Control point near a span: its first at degree 2; its second, which is nearer, at degree 3.
   const int inner = (t.degree - 1) / 2;
-  const auto beside = [&](int span_v, int span_u) { return (span_v + inner) * t.stride + span_u + inner; };
+  const auto beside = [&](int span_v, int span_u) {
+    const int slot = (span_v + inner) * t.stride + span_u + inner;
+    for (int k = 0; k < t.support() * t.support() && m.trim.drops(slot); ++k)
+      if (const int other = (span_v + k / t.support()) * t.stride + span_u + k % t.support(); !m.trim.drops(other))
+        return other;
+    return slot;
+  };
   s.motion.last_force.clear();
   for (const int i : piece.control_points) {
     const int slot = t.slot(i);

@@ -9,7 +9,8 @@ Eigen::AlignedBox2d domain_of(const ShellModel& m) {
 }
 
 Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<const Eigen::AlignedBox2d> knots_in) {
-  std::vector<Vec2> places = m.parameter;  // a point on a crack belongs to its left side, as for visibility
+  std::vector<Vec2> places =
+      m.trim.empty() ? m.parameter : m.trim.home;  // a point on a crack belongs to its left side, as for visibility
   for (Vec2& p : places)
     s.cracks.graph.near(p, p, m.spacing, [&](int e) {
       Vec2 foot;
@@ -21,9 +22,27 @@ Triangulation triangulated(const ShellModel& m, const ShellState& s, std::span<c
   Triangulation t = triangulate(m.patch.knots_u, m.patch.knots_v, s.cracks.graph, places, m.spacing,
                                 kSliver * m.spacing * m.spacing, knots_in);
   for (int i = 0; i < m.control_points(); ++i)
-    if (parted_from_clamp(m, s.cracks.graph, i) >= 0) t.owner[i] = -1;
+    if (m.trim.drops(m.tables.slot(i)) || parted_from_clamp(m, s.cracks.graph, i) >= 0) t.owner[i] = -1;
   return t;
 }
+
+namespace {
+
+// Marks the pieces that trim loops cut away, by their largest triangles.
+void mark_outside(const ShellModel& m, const Triangulation& t, std::vector<Piece>& pieces) {
+  if (m.trim.empty()) return;
+  for (Piece& p : pieces) {
+    double largest = 0.0;
+    for (const int i : t.triangles_of(p.number)) {
+      const Vec2 &a = t.vertices[t.triangles[i][0]], &b = t.vertices[t.triangles[i][1]],
+                 &c = t.vertices[t.triangles[i][2]];
+      const double area = triangle_area(a, b, c);
+      if (area > largest) largest = area, p.outside = !m.trim.loops.contains((a + b + c) / 3.0);
+    }
+  }
+}
+
+}  // namespace
 
 std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Triangulation& t) {
   std::vector<Piece> pieces(t.pieces);
@@ -32,10 +51,12 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
     const auto& c = t.triangles[i];
     pieces[t.piece[i]].area += triangle_area(t.vertices[c[0]], t.vertices[c[1]], t.vertices[c[2]]);
   }
+  mark_outside(m, t, pieces);
   std::vector<int> gone(t.pieces, 0);
   std::vector<char> anchored(m.tables.plane, 0);
   for (const int slot : m.constraints.anchors) anchored[slot] = 1;
   for (int i = 0; i < m.control_points(); ++i) {
+    if (m.trim.drops(m.tables.slot(i))) continue;
     if (t.owner[i] < 0) {
       // for a corner, the point beside it may be parted too
       const int beside = parted_from_clamp(m, s.cracks.graph, i);
@@ -47,7 +68,7 @@ std::vector<Piece> pieces_of(const ShellModel& m, const ShellState& s, const Tri
     p.held = p.held || anchored[m.tables.slot(i)];
     gone[t.owner[i]] += s.motion.detached[m.tables.slot(i)];
   }
-  for (Piece& p : pieces) p.gone = !p.control_points.empty() && gone[p.number] > 0;
+  for (Piece& p : pieces) p.gone = p.outside || (!p.control_points.empty() && gone[p.number] > 0);
   for (const Interlock& lock : s.cracks.interlocks) {
     if (!lock.holds) continue;
     const int a = t.owner[m.tables.control_point(lock.plus.front().slot)],

@@ -142,13 +142,15 @@ Eigen::MatrixXd without_stiffness(const Matrix& a, const Eigen::MatrixXd& rigid,
 double consistent_product(const ShellModel& m, const std::vector<double>& shape) {
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
+  std::vector<GatheredFunction> functions;
   double sum = 0.0;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const double area = t.metric[t.at(q, kMetricFields, kArea, e)];
       if (area == 0.0) continue;
       Vec3 u = Vec3::Zero();
-      for (const GatheredFunction& f : patch_functions(m.patch, gauss_point(m.patch, t, q, e).parameter, t.stride))
+      shell_functions(m, q, e, functions);
+      for (const GatheredFunction& f : functions)
         for (int d = 0; d < 3; ++d) u[d] += f.n[0] * shape[d * plane + f.slot];
       sum += area * u.squaredNorm();
     }
@@ -158,7 +160,7 @@ double consistent_product(const ShellModel& m, const std::vector<double>& shape)
 }  // namespace
 
 ModeSet vibration_modes(const ShellModel& m, ShellState& s, int count, const std::function<void()>& forces) {
-  require(s.cracked.gathered.empty(), "shell '{}': modes are of shells without cracks; leave out its cuts", m.name);
+  require(is_uncracked(m, s), "shell '{}': modes are of shells without cracks; leave out its cuts", m.name);
   const FreeDegrees free = free_degrees(m, s);
   const std::size_t plane = m.tables.plane;
   ModeSet out;

@@ -48,7 +48,7 @@ class Search {
     last_ = s_.motion.x;
     balance_.go_to(1.0);
     std::fill(s_.motion.v.begin(), s_.motion.v.end(), 0.0);
-    const bool whole = s_.cracked.gathered.empty() && s_.cracks.interlocks.empty() && rules_.most_newton > 0;
+    const bool whole = is_uncracked(m_, s_) && s_.cracks.interlocks.empty() && rules_.most_newton > 0;
     if (whole) {
       free_ = free_degrees(m_, s_);
       if (newton(rules_.most_newton, rules_.tolerance, Differences::kOneSided) || load_steps()) {
@@ -235,6 +235,7 @@ class Search {
 
 RelaxationResult relax(const ShellModel& m, ShellState& s, const RelaxationRules& rules) {
   const RelaxationResult r = Search(m, s, rules).run();
+  follow(m.trim, s.motion.x);
   std::fill(s.motion.v.begin(), s.motion.v.end(), 0.0);
   compute_forces(m, s, false, s.layers.plastic.empty() ? 0.0 : 1.0,
                  rules.threads);  // without the weights; plastic strain stays

@@ -42,9 +42,9 @@ Eigen::SparseMatrix<double> tangent_stiffness(const ShellModel& m, ShellState& s
   const bool central = differences != Differences::kOneSided, fourth = differences == Differences::kFourthOrder;
   const RowTables& t = m.tables;
   const std::size_t plane = t.plane;
-  const int reach = t.degree;               // control points of one element are at most this far apart
-  const int period = 2 * reach + 1;         // control points one period apart move together
-  std::vector<double> epsilon(plane, 0.0);  // by the area that a control point stands for
+  const int reach = std::max(t.degree, m.trim.reach);  // control points of one Gauss point are at most this far apart
+  const int period = 2 * reach + 1;                    // control points one period apart move together
+  std::vector<double> epsilon(plane, 0.0);             // by the area that a control point stands for
   for (std::size_t i = 0; i < plane; ++i)
     epsilon[i] = (fourth    ? kFourthOrderDifference
                   : central ? kCentralDifference

@@ -1,0 +1,84 @@
+// Checks prescribed cuts and trim loops of shells.
+#include <cmath>
+
+#include "coupler/scene/checks.h"
+
+namespace sunder::scene {
+namespace {
+
+void all_finite(const LoadedScene& s, const std::string& f, const auto& points) {
+  for (int k = 0; k < points.size(); ++k) finite(s, fmt::format("{}.points[{}]", f, k), points[k]);
+}
+
+void circle(const LoadedScene& s, const std::string& f, const proto::CutCircle& m) {
+  s.check(m.has_center(), f + ".center", "is missing; give u and v");
+  finite(s, f + ".center", m.center());
+  positive(s, f + ".radius_m", m.has_radius_m(), m.radius_m(), "m");
+}
+
+// `line`: what the points could be in place of the curve.
+void curve(const LoadedScene& s, const std::string& f, const proto::CutCurve& c, const char* line) {
+  const int degree = c.has_degree() ? c.degree() : 3, least = c.closed() ? 3 : degree + 1, count = c.points_size();
+  s.check(degree >= 2 && degree <= 5, f + ".degree", "is {}; 2 to 5, or give the {} itself", degree, line);
+  s.check(count >= least, f + ".points", "has {} points; {} of degree {} has at least {}", count,
+          c.closed() ? "a closed curve" : "a curve", degree, least);
+  all_finite(s, f, c.points());
+  s.check(!c.closed() || c.points(0).u() != c.points(count - 1).u() || c.points(0).v() != c.points(count - 1).v(),
+          fmt::format("{}.points[{}]", f, count - 1),
+          "is the first point again, but a closed curve goes back to that by itself; leave the last one out");
+}
+
+void cut(const LoadedScene& s, const std::string& g, const proto::Cut& m) {
+  const bool curved = m.shape_case() != proto::Cut::SHAPE_NOT_SET;
+  s.check(!curved || m.points_size() == 0, g + ".points", "are given, and so is a curve; give one of them");
+  s.check(curved || m.points_size() >= 2, g + ".points",
+          "has {} points; a cut has at least two, or is a circle, curve or spiral", m.points_size());
+  not_negative(s, g + ".time_s", true, m.time_s());
+  const auto& f = s.message.fracture();
+  const double last =
+      f.has_latest_freeze_s() ? std::min(f.latest_freeze_s(), s.message.end_time_s()) : s.message.end_time_s();
+  s.check(m.time_s() < last, g + ".time_s",
+          "is {} s, and the shell is solved until {} s at the latest: it would never be made", m.time_s(), last);
+  all_finite(s, g, m.points());
+  if (m.has_circle()) circle(s, g + ".circle", m.circle());
+  if (m.has_curve()) curve(s, g + ".curve", m.curve(), "cut's points");
+  if (m.has_spiral()) {
+    const auto& c = m.spiral();
+    const std::string f = g + ".spiral";
+    s.check(c.has_center(), f + ".center", "is missing; give u and v");
+    finite(s, f + ".center", c.center());
+    not_negative(s, f + ".inner_radius_m", true, c.inner_radius_m());
+    positive(s, f + ".outer_radius_m", c.has_outer_radius_m(), c.outer_radius_m(), "m");
+    s.check(c.outer_radius_m() > c.inner_radius_m(), f + ".outer_radius_m",
+            "is {} m; must be above inner_radius_m, {} m", c.outer_radius_m(), c.inner_radius_m());
+    positive(s, f + ".turns", c.has_turns(), c.turns(), "-");
+  }
+}
+
+void trim(const LoadedScene& s, const std::string& f, const proto::Trim& m) {
+  const bool curved = m.shape_case() != proto::Trim::SHAPE_NOT_SET;
+  s.check(!curved || m.points_size() == 0, f + ".points", "are given, and so is a curve; give one of them");
+  s.check(curved || m.points_size() > 0, f, "has no shape; give points, or circle or curve {{...}}");
+  all_finite(s, f, m.points());
+  if (m.has_circle()) circle(s, f + ".circle", m.circle());
+  if (!m.has_curve()) return;
+  curve(s, f + ".curve", m.curve(), "loop's points");
+  s.check(m.curve().closed(), f + ".curve.closed", "is false, and a loop is closed; give closed: true");
+}
+
+}  // namespace
+
+void validate_cuts(const LoadedScene& s, const std::string& f, const proto::Shell& shell) {
+  for (int i = 0; i < shell.cuts_size(); ++i) cut(s, fmt::format("{}.cuts[{}]", f, i), shell.cuts(i));
+  if (shell.trims_size() == 0) return;
+  for (int i = 0; i < shell.trims_size(); ++i) trim(s, fmt::format("{}.trims[{}]", f, i), shell.trims(i));
+  const std::string trims = f + ".trims";
+  s.check(!shell.has_interlayer(), trims, "cannot go with an interlayer; leave one of them out");
+  s.check(!shell.has_fibres(), trims, "cannot go with fibres; leave one of them out");
+  s.check(s.message.fracture().mode() != proto::Fracture::DAMAGE, trims,
+          "cannot go with fracture.mode DAMAGE; take TIPS, or leave them out");
+  s.check(s.message.transfer().kind() == proto::GridTransfer::DIRECT, trims,
+          "cannot go with a transfer through the grid; leave one of them out");
+}
+
+}  // namespace sunder::scene

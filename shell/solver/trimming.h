@@ -1,0 +1,65 @@
+#pragma once
+// Trimmed shells: which control points and Gauss points exist, and the functions beside a trim loop.
+#include <utility>
+#include <vector>
+
+#include "shell/geometry/trim_loops.h"
+#include "shell/mechanics/gathered_point.h"
+#include "shell/solver/loads.h"
+#include "shell/solver/supports.h"
+
+namespace sunder::shell {
+
+struct ShellModel;
+struct ShellState;
+
+/// A control point of which loops leave next to nothing. It has no mass and is no unknown: it lies where a polynomial
+/// through those that stay continues.
+struct DroppedPoint {
+  int slot = 0;
+  std::vector<std::pair<int, double>> on;  // slots of control points that stay; their shares sum to 1
+};
+
+/// What loops leave of a shell. Empty: the patch is whole.
+struct Trimming {
+  TrimLoops loops;
+  std::vector<DroppedPoint> dropped;
+  std::vector<int> dropped_of;  // [slot]: index into `dropped`; -1: none
+  std::vector<char> absent;     // [control point]: 1 where it is dropped
+  // Place of each control point inside the loops, or just inside for one that stays outside: the piece there owns it,
+  // and what sees that place sees the control point.
+  std::vector<Vec2> home;
+  std::vector<int> outside;           // control points that stay outside of the loops
+  std::vector<GatheredPoint> points;  // Gauss points in cut elements, and those that a dropped control point moves
+  std::vector<int> point_of;          // [block][lane]: index into `points`; -1: none
+  int reach = 0;                      // most columns or rows between two control points of one Gauss point
+
+  bool empty() const { return loops.empty(); }
+  bool drops(int slot) const { return !dropped_of.empty() && dropped_of[slot] >= 0; }
+};
+
+/// Trims a shell, whose tables are those of the loops: drops control points, moves their masses to others, and finds
+/// the functions of Gauss points beside loops. Supports and loads lose what is outside. Throws Error where the
+/// loops leave no Gauss point, where a part is too narrow for the control points in it, and where a load lies outside.
+void trim_shell(ShellModel& model, const TrimLoops& loops);
+
+/// Replaces dropped control points among `functions` by those that stay. The nearest to `p` comes first.
+void without_dropped(const ShellModel& model, const Vec2& p, std::vector<GatheredFunction>& functions);
+
+/// All functions of the uncracked shell at a parameter point inside the loops.
+std::vector<GatheredFunction> shell_functions(const ShellModel& model, const Vec2& p);
+/// The same at a Gauss point.
+void shell_functions(const ShellModel& model, int block, int lane, std::vector<GatheredFunction>& out);
+
+/// Begins the state of a trimmed shell: dropped control points have left, Gauss points beside loops are gathered, and
+/// loops are the first edges of the crack graph.
+void trim_state(const ShellModel& model, ShellState& state);
+
+/// Whether no crack has changed a shell: only trims have.
+bool is_uncracked(const ShellModel& model, const ShellState& state);
+
+/// Moves dropped control points with those that stay; `field` is [3][component stride]. Readers of the patch's own
+/// functions then see the surface go on a little beyond the loops.
+void follow(const Trimming& trimming, std::vector<double>& field);
+
+}  // namespace sunder::shell

@@ -1,0 +1,185 @@
+#include "shell/solver/trimming.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "coupler/core/error.h"
+#include "shell/geometry/builders.h"
+#include "shell/solver/cracking/polyline.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/stepping/stable_step.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kSide = 1.0, kThickness = 0.01;
+
+ShellMaterial steel() {
+  ShellMaterial m;
+  m.density = 7800, m.youngs_modulus = 2e11, m.poisson_ratio = 0.3;
+  return m;
+}
+
+std::vector<Vec2> ring(const Vec2& centre, double radius, int corners, double turn) {
+  std::vector<Vec2> out;
+  for (int k = 0; k <= corners; ++k) {
+    const double angle = turn + 2.0 * std::numbers::pi * (k % corners) / corners;
+    out.push_back(centre + radius * Vec2(std::cos(angle), std::sin(angle)));
+  }
+  return out;
+}
+
+// A disc with a hole.
+TrimLoops washer() {
+  return {Vec2::Zero(), Vec2::Constant(kSide), {{ring({0.52, 0.5}, 0.4, 30, 0.1), false}, {ring({0.5, 0.51}, 0.15, 12, 0.2), true}}};
+}
+
+ShellModel trimmed(const TrimLoops& loops, int degree = 2, const std::vector<Support>& supports = {},
+                   const std::vector<Load>& loads = {}) {
+  const Patch p = plate(kSide, kSide, 16, 16, Vec3(0.5 * kSide, 0.5 * kSide, 0.0), Quat::Identity(), degree);
+  return make_shell("plate", p, kThickness, steel(), 2, degree, supports, loads, loops);
+}
+
+double most_force(const ShellState& s) {
+  double most = 0.0;
+  for (const double f : s.motion.force) most = std::max(most, std::abs(f));
+  return most;
+}
+
+}  // namespace
+
+TEST(Trimming, KeepsMassAndItsCentre) {
+  for (const int degree : {2, 3}) {
+    const TrimLoops loops = washer();
+    const ShellModel m = trimmed(loops, degree);
+    double mass = 0.0;
+    Vec3 centre = Vec3::Zero();
+    for (int i = 0; i < m.tables.plane; ++i) {
+      EXPECT_GE(m.mass[i], 0.0);
+      const Vec3 x(m.rest[i], m.rest[m.tables.plane + i], m.rest[2 * static_cast<std::size_t>(m.tables.plane) + i]);
+      mass += m.mass[i], centre += m.mass[i] * x;
+    }
+    const auto area = [](double r, int n) { return 0.5 * n * r * r * std::sin(2.0 * std::numbers::pi / n); };
+    const double outer = area(0.4, 30), inner = area(0.15, 12);
+    EXPECT_NEAR(mass / (7800 * kThickness), outer - inner, 1e-12);
+    const Vec2 wanted = (outer * Vec2(0.52, 0.5) - inner * Vec2(0.5, 0.51)) / (outer - inner);
+    EXPECT_NEAR((centre / mass).x(), wanted.x(), 1e-12);
+    EXPECT_NEAR((centre / mass).y(), wanted.y(), 1e-12);
+  }
+}
+
+// Functions beside loops sum to 1 and reproduce linear functions: a plate at rest has no force, nor has a turned one.
+TEST(Trimming, LeavesNoForceAtRestAndInRigidMotion) {
+  for (const int degree : {2, 3}) {
+    const ShellModel m = trimmed(washer(), degree);
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    compute_forces(m, s, false, 0.0, 1);
+    EXPECT_LT(most_force(s), 1e-12 * 2e11 * kThickness * m.spacing);
+    const Mat3 turn = rotation_from_vector(Vec3(0.4, -1.1, 0.7)).toRotationMatrix();
+    for (int i = 0; i < m.control_points(); ++i) {
+      const int slot = m.tables.slot(i);
+      const Vec3 x = turn * s.position(slot) + Vec3(1.0, 2.0, 3.0);
+      for (int d = 0; d < 3; ++d) s.motion.x[static_cast<std::size_t>(d) * m.tables.plane + slot] = x[d];
+    }
+    compute_forces(m, s, false, 0.0, 1);
+    EXPECT_LT(most_force(s), 1e-11 * 2e11 * kThickness * m.spacing);
+  }
+}
+
+TEST(Trimming, ForceIsMinusTheGradientOfEnergy) {
+  const ShellModel m = trimmed(washer());
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  std::mt19937 random(3);
+  const auto noise = [&] { return static_cast<double>(random()) / 4294967296.0 - 0.5; };
+  for (double& x : s.motion.x) x += 1e-3 * noise();
+  compute_forces(m, s, false, 0.0, 1);
+  const std::vector<double> force = s.motion.force, x = s.motion.x;
+  std::vector<double> way(x.size(), 0.0);
+  double work = 0.0;
+  for (int i = 0; i < m.control_points(); ++i)
+    for (int d = 0; d < 3; ++d) {
+      const std::size_t k = static_cast<std::size_t>(d) * m.tables.plane + m.tables.slot(i);
+      way[k] = noise(), work += force[k] * way[k];
+    }
+  double energy[2];
+  constexpr double kStep = 1e-7;
+  for (const int side : {0, 1}) {
+    for (std::size_t k = 0; k < x.size(); ++k) s.motion.x[k] = x[k] + (side ? kStep : -kStep) * way[k];
+    energy[side] = compute_forces(m, s, true, 0.0, 1);
+  }
+  EXPECT_NEAR(-(energy[1] - energy[0]) / (2.0 * kStep), work, 1e-6 * std::abs(work));
+}
+
+TEST(Trimming, DropsControlPointsWithoutSupportWithoutHarm) {
+  const ShellModel m = trimmed(washer());
+  ShellState s = make_state(m, Vec3(1.0, 0.0, 0.0), 0);
+  ASSERT_FALSE(m.trim.dropped.empty());
+  for (const DroppedPoint& d : m.trim.dropped) {
+    EXPECT_EQ(s.motion.mass[d.slot], 0.0);
+    EXPECT_EQ(s.motion.inverse_mass[d.slot], 0.0);
+    double sum = 0.0;
+    for (const auto& [slot, share] : d.on) {
+      EXPECT_FALSE(m.trim.drops(slot));
+      sum += share;
+    }
+    if (!d.on.empty()) EXPECT_NEAR(sum, 1.0, 1e-12);
+  }
+  for (const GatheredPoint& g : s.cracked.gathered)
+    for (const GatheredFunction& f : g.functions) EXPECT_GT(s.motion.mass[f.slot], 0.0);
+}
+
+// A cut from the hole to the border and another on the other side part the washer into two pieces that own all of its
+// control points; nothing pulls from one to the other.
+TEST(Trimming, CutsThatEndOnLoopsPartThePlate) {
+  const ShellModel m = trimmed(washer());
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  std::vector<Piece> pieces;
+  partition(m, s, pieces);
+  EXPECT_EQ(std::count_if(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.outside; }), 1);
+  insert_polyline(m, s, {{0.5, 0.51}, {0.51, 0.05}}, 0.0);
+  partition(m, s, pieces);
+  EXPECT_EQ(std::count_if(pieces.begin(), pieces.end(), [](const Piece& p) { return !p.outside; }), 1);
+  insert_polyline(m, s, {{0.5, 0.51}, {0.53, 0.95}}, 0.0);
+  const Triangulation t = partition(m, s, pieces);
+  std::vector<int> inside;
+  std::size_t owned = 0;
+  double area = 0.0;
+  for (const Piece& p : pieces)
+    if (!p.outside && !p.control_points.empty())
+      inside.push_back(p.number), owned += p.control_points.size(), area += p.area;
+  ASSERT_EQ(inside.size(), 2u);
+  EXPECT_NEAR(area, washer().area(), 1e-9);
+  EXPECT_EQ(owned, m.control_points() - m.trim.dropped.size());
+  for (int i = 0; i < m.control_points(); ++i)
+    if (t.owner[i] == inside[1]) s.motion.x[2 * static_cast<std::size_t>(m.tables.plane) + m.tables.slot(i)] += 0.1;
+  compute_forces(m, s, false, 0.0, 1);
+  EXPECT_LT(most_force(s), 1e-9 * 2e11 * kThickness * m.spacing);
+}
+
+TEST(Trimming, AStripThatIsTooNarrowIsRefused) {
+  const TrimLoops strip(Vec2::Zero(), Vec2::Constant(kSide),
+                        {{{{0.1, 0.5}, {0.9, 0.5}, {0.9, 0.503}, {0.1, 0.503}, {0.1, 0.5}}, false}});
+  try {
+    trimmed(strip);
+    FAIL() << "a strip of a twentieth of an element";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("take more elements"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Trimming, SupportsAndLoadsOutsideAreRefused) {
+  Support edge;
+  edge.edges = kUMin;
+  EXPECT_THROW(trimmed(washer(), 2, {edge}), Error);
+  Load load;
+  load.point = {0.5, 0.51}, load.force = Vec3::UnitZ();
+  EXPECT_THROW(trimmed(washer(), 2, {}, {load}), Error);
+  load.point = {0.3, 0.5};
+  EXPECT_NO_THROW(trimmed(washer(), 2, {}, {load}));
+}
+
+}  // namespace sunder::shell

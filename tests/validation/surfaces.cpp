@@ -1,0 +1,318 @@
+// Trimmed surfaces: plates that loops cut from larger patches, against exact plates and whole patches.
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+#include <Eigen/SparseCholesky>
+
+#include "coupler/core/error.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/statics/modes.h"
+#include "shell/solver/statics/tangent.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
+#include "tests/validation/cases.h"
+#include "tests/validation/discs.h"
+
+namespace sunder::validation {
+namespace {
+
+using namespace sunder::shell;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kYoung = 2e11, kPoisson = 0.3, kThickness = 0.004, kDensity = 7800.0;
+constexpr double kStiffness = kYoung * kThickness * kThickness * kThickness / (12.0 * (1.0 - kPoisson * kPoisson));
+constexpr double kSize = 1.0;     // side of a square plate, diameter of a disc [m]
+constexpr double kPatch = 1.625;  // side of the patch that loops cut [m]
+constexpr int kElements = 16;     // of the plate's side
+constexpr int kModes = 4;
+constexpr int kCorners = 64;  // of a disc; its edges are about as long as cuts have them
+
+ShellMaterial steel() {
+  ShellMaterial m;
+  m.density = kDensity, m.youngs_modulus = kYoung, m.poisson_ratio = kPoisson;
+  return m;
+}
+
+using Ring = std::vector<Vec2>;
+
+Ring closed(Ring ring) {
+  ring.push_back(ring.front());
+  return ring;
+}
+
+Ring square(const Vec2& centre, double size, double angle) {
+  Ring out;
+  for (int k = 0; k < 4; ++k) {
+    const double at = angle + kPi * (0.25 + 0.5 * k);
+    out.push_back(centre + size / std::numbers::sqrt2 * Vec2(std::cos(at), std::sin(at)));
+  }
+  return out;
+}
+
+// A polygon with the area of the circle.
+Ring circle(const Vec2& centre, double radius, int corners, double angle) {
+  const double grown = radius * std::sqrt(2.0 * kPi / corners / std::sin(2.0 * kPi / corners));
+  Ring out;
+  for (int k = 0; k < corners; ++k) {
+    const double at = angle + 2.0 * kPi * k / corners;
+    out.push_back(centre + grown * Vec2(std::cos(at), std::sin(at)));
+  }
+  return out;
+}
+
+// A square patch from 0 to `side` along both axes, cut by loops.
+ShellModel trimmed(double side, int elements, const std::vector<TrimLoop>& loops, const std::vector<Load>& loads = {},
+                   int degree = 2) {
+  const Patch patch =
+      plate(side, side, elements, elements, Vec3(0.5 * side, 0.5 * side, 0.0), Quat::Identity(), degree);
+  return make_shell("plate", patch, kThickness, steel(), 2, degree, {}, loads,
+                    loops.empty() ? TrimLoops() : TrimLoops(Vec2::Zero(), Vec2::Constant(side), loops));
+}
+
+Load point_load(const Vec2& at, double force) {
+  Load l;
+  l.point = at, l.force = Vec3(0.0, 0.0, force);
+  return l;
+}
+
+Load pressure(double size) {
+  Load l;
+  l.kind = Load::Kind::kPressure, l.size = size;
+  return l;
+}
+
+std::vector<double> frequencies(const ShellModel& m) {
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  std::vector<double> out;
+  for (const Mode& mode : vibration_modes(m, s, kModes, [&] { compute_forces(m, s, false, 0.0, 1); }).modes)
+    out.push_back(mode.frequency);
+  return out;
+}
+
+// Small displacements under loads in balance. A little stiffness in proportion to the mass holds rigid motions.
+std::vector<double> deflection(const ShellModel& m) {
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  const auto forces = [&] { compute_forces(m, s, false, 0.0, 1); };
+  const FreeDegrees free = free_degrees(m, s);
+  Eigen::SparseMatrix<double> k = tangent_stiffness(m, s, free, Differences::kFourthOrder, forces);
+  k = (0.5 * (k + Eigen::SparseMatrix<double>(k.transpose()))).eval();
+  constexpr double kHeld = 1e-4;  // of the lowest eigenvalue
+  const double slowest = kHeld * std::pow(10.0 / (kSize * kSize), 2) * kStiffness / (kDensity * kThickness);
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(free.count);
+  for (std::size_t i = 0; i < free.number.size(); ++i)
+    if (const int n = free.number[i]; n >= 0)
+      k.coeffRef(n, n) += slowest * s.motion.mass[i % m.tables.plane], load[n] = s.motion.external[i];
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factors(k);
+  require(factors.info() == Eigen::Success, "the stiffness of a trimmed plate cannot be factorised");
+  const Eigen::VectorXd u = factors.solve(load);
+  std::vector<double> out(free.number.size(), 0.0);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (free.number[i] >= 0) out[i] = u[free.number[i]];
+  return out;
+}
+
+double height(const ShellModel& m, const std::vector<double>& u, const Vec2& at) {
+  double w = 0.0;
+  for (const GatheredFunction& f : shell_functions(m, at))
+    w += f.n[0] * u[2 * static_cast<std::size_t>(m.tables.plane) + f.slot];
+  return w;
+}
+
+double mean_height(const ShellModel& m, const std::vector<double>& u, const Ring& at) {
+  double sum = 0.0;
+  for (const Vec2& p : at) sum += height(m, u, p) / static_cast<double>(at.size());
+  return sum;
+}
+
+int patch_elements(int of_plate) { return static_cast<int>(std::round(kPatch / kSize * of_plate)); }
+
+// Deflection of the centre below the corners under a force on it that the corners bear, and of pure twist by forces of
+// changing sign on the corners.
+struct Plate {
+  double bent = 0.0, twisted = 0.0;
+  std::vector<double> frequencies;
+};
+
+Plate plate_results(const std::function<ShellModel(const std::vector<Load>&)>& make, const Vec2& centre,
+                    const Ring& corners) {
+  Plate out;
+  std::vector<Load> bend{point_load(centre, 1.0)}, twist;
+  for (std::size_t k = 0; k < 4; ++k) {
+    bend.push_back(point_load(corners[k], -0.25));
+    twist.push_back(point_load(corners[k], k % 2 ? -1.0 : 1.0));
+  }
+  const ShellModel bent = make(bend), twisted = make(twist);
+  const std::vector<double> u = deflection(bent), v = deflection(twisted);
+  out.bent = height(bent, u, centre) - mean_height(bent, u, corners);
+  for (std::size_t k = 0; k < 4; ++k) out.twisted += 0.25 * (k % 2 ? -1.0 : 1.0) * height(twisted, v, corners[k]);
+  out.frequencies = frequencies(bent);
+  return out;
+}
+
+Plate turned_plate(double degrees, int elements, const Vec2& shift, int degree = 2) {
+  const Vec2 centre = Vec2::Constant(0.5 * kPatch) + shift;
+  const Ring corners = square(centre, kSize, degrees * kPi / 180.0);
+  return plate_results(
+      [&](const std::vector<Load>& loads) {
+        return trimmed(kPatch, patch_elements(elements), {{closed(corners), false}}, loads, degree);
+      },
+      centre, corners);
+}
+
+Plate whole_plate(int elements, int degree = 2) {
+  const Vec2 centre = Vec2::Constant(0.5 * kSize);
+  return plate_results([&](const std::vector<Load>& loads) { return trimmed(kSize, elements, {}, loads, degree); },
+                       centre, square(centre, kSize, 0.0));
+}
+
+const Vec2 kShift(0.013, -0.0071);  // off the lattice
+
+void turned(Report& r, int, int degree) {
+  const std::string name = degree == 2 ? "turned" : "cubic_turned";
+  // w = F x y / (2 (1 - nu) D) under corner forces F: moments are constant (Timoshenko and Woinowsky-Krieger, 11)
+  const double twist = 0.25 * kSize * kSize / (2.0 * (1.0 - kPoisson) * kStiffness);
+  const Plate whole = whole_plate(2 * kElements, degree);
+  for (const double degrees : {0.0, 15.0, 30.0, 45.0}) {
+    double start = seconds_now();
+    const Plate p = turned_plate(degrees, kElements, kShift, degree);
+    r.add(fmt::format("{}_{:.0f}_deflection", name, degrees), p.bent, whole.bent, 0.005, seconds_now() - start);
+    r.add(fmt::format("{}_{:.0f}_twist", name, degrees), p.twisted, twist, 1e-3, 0.0);
+    for (int k = 0; k < kModes; ++k)
+      r.add(fmt::format("{}_{:.0f}_frequency_{}", name, degrees, k + 1), p.frequencies[k], whole.frequencies[k], 0.01,
+            0.0);
+  }
+}
+
+void order(Report& r, int) {
+  const Plate exact = whole_plate(64);
+  Curve curve{"order", "elements", "error of the first frequency", {}, {}};
+  for (const int n : {8, 16, 32}) {
+    const Plate p = turned_plate(15.0, n, kShift);
+    curve.x.push_back(n), curve.y.push_back(std::abs(p.frequencies[0] / exact.frequencies[0] - 1.0));
+  }
+  r.add("order_of_frequency", std::log2(curve.y[0] / curve.y[2]) / 2.0, 2.0, 0.25, 0.0);
+  r.curves.push_back(curve);
+}
+
+// A disc on the ring of its corners, under pressure that those bear.
+void disc(Report& r, const std::string& name, double inner) {
+  const double outer = 0.5 * kSize;
+  const Disc exact{outer, inner, kPoisson};
+  const Vec2 centre = Vec2::Constant(0.5 * kPatch) + kShift;
+  const Ring border = circle(centre, outer, kCorners, 0.1);
+  std::vector<TrimLoop> loops{{closed(border), false}};
+  const int around = std::max(12, static_cast<int>(std::round(kCorners * inner / outer)));
+  if (inner > 0.0) loops.push_back({closed(circle(centre, inner, around, 0.2)), true});
+  std::vector<Load> loads{pressure(1.0)};
+  const double all = kPi * (outer * outer - inner * inner);
+  for (const Vec2& p : border) loads.push_back(point_load(p, -all / kCorners));
+  const double start = seconds_now();
+  const ShellModel m = trimmed(kPatch, patch_elements(kElements), loops, loads);
+  double mass = 0.0;
+  for (const double part : m.mass) mass += part;
+  r.add(name + "_mass", mass, kDensity * kThickness * all, 1e-9, 0.0);
+  const std::vector<double> u = deflection(m);
+  const double at = inner > 0.0 ? 1.05 * inner : 0.0;
+  const Ring inside = inner > 0.0 ? circle(centre, at, 16, 0.0) : Ring{centre};
+  r.add(name + "_deflection", mean_height(m, u, inside) - mean_height(m, u, border),
+        disc_deflection(exact, at) / kStiffness, 0.005, seconds_now() - start);
+  const std::vector<double> found = frequencies(m), wanted = free_disc_modes(exact, kModes);
+  for (int k = 0; k < kModes; ++k)
+    r.add(fmt::format("{}_frequency_{}", name, k + 1), found[k],
+          wanted[k] * std::sqrt(kStiffness / (kDensity * kThickness)) / (2.0 * kPi), 0.01, 0.0);
+}
+
+// Stable steps of loops at random places, over that of the whole patch.
+void random_steps(Report& r, int threads) {
+  constexpr int kPlaces = 200, kCoarse = 12;
+  std::mt19937_64 random(7);
+  const auto uniform = [&](double low, double high) {
+    return low + (high - low) * (static_cast<double>(random() >> 11) * 0x1.0p-53);
+  };
+  const auto step_of = [&](const ShellModel& m) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    return stable_step(m, s, kStepIterations, threads, true);
+  };
+  for (const int degree : {2, 3}) {
+    const double start = seconds_now();
+    const double whole = step_of(trimmed(kPatch, patch_elements(kCoarse), {}, {}, degree));
+    double least = 1e300, strain = 0.0;
+    std::string worst;
+    for (int k = 0; k < kPlaces; ++k) {
+      const Vec2 centre = Vec2::Constant(0.5 * kPatch) + Vec2(uniform(-0.1, 0.1), uniform(-0.1, 0.1));
+      const double angle = uniform(0.0, 0.5 * kPi);
+      const bool round = k % 2 == 1;
+      std::vector<TrimLoop> loops{
+          {closed(round ? circle(centre, 0.5 * kSize, 48, angle) : square(centre, kSize, angle)), false}};
+      if (k % 4 > 1) loops.push_back({closed(circle(centre, uniform(0.1, 0.3), 16, angle)), true});
+      const ShellModel m = trimmed(kPatch, patch_elements(kCoarse), loops, {}, degree);
+      const double share = step_of(m) / whole;
+      if (share < least) least = share, worst = fmt::format("place {} at {:.1f} degrees", k, angle * 180.0 / kPi);
+      for (const GatheredPoint& g : m.trim.points) {
+        const Forms<double> f = surface_forms(gather(m.tables, g, m.rest));
+        strain = std::max({strain, std::abs(f.a.c11 - g.metric.a.c11), std::abs(f.a.c22 - g.metric.a.c22),
+                           std::abs(f.a.c12 - g.metric.a.c12)});
+      }
+    }
+    const std::string name = degree == 2 ? "random_" : "cubic_random_";
+    r.add(name + "step_below_0.8", std::max(0.0, 0.8 - least), 0.0, 0.0, seconds_now() - start);
+    r.add(name + "rest_strain", strain, 0.0, 1e-12, 0.0);
+    r.lines.push_back(fmt::format("{}: least stable step of {} places {:.3f} of the whole patch's, {}", name + "step",
+                                  kPlaces, least, worst));
+  }
+}
+
+// A disc with a hole that spins, drifts and vibrates.
+void flight(Report& r, int threads) {
+  const Vec2 centre = Vec2::Constant(0.5 * kPatch) + kShift;
+  const ShellModel m = trimmed(
+      kPatch, patch_elements(kElements),
+      {{closed(circle(centre, 0.5 * kSize, kCorners, 0.1)), false}, {closed(circle(centre, 0.2, 24, 0.2)), true}});
+  ShellState s = make_state(m, Vec3(1.0, -2.0, 0.5), 0);
+  const Vec3 middle(centre.x(), centre.y(), 0.0);
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    if (m.trim.drops(slot)) continue;
+    const Vec3 d = s.position(slot) - middle;
+    s.add_velocity(slot, Vec3(3.0, 5.0, -4.0).cross(d) + Vec3(0.0, 0.0, 20.0 * d.x() * d.y()));
+  }
+  const double dt = 0.7 * stable_step(m, s, kStepIterations, threads, true), start = seconds_now();
+  const Totals before = totals(m, s);
+  double elastic = compute_forces(m, s, true, 0.0, threads);
+  const double first = elastic + kinetic_energy(m, s, dt);
+  for (int k = 0; k < 20000; ++k) {
+    compute_forces(m, s, false, 0.0, threads);
+    kick(m, s, Vec3::Zero(), dt);
+    drift(m, s, dt);
+  }
+  elastic = compute_forces(m, s, true, 0.0, threads);
+  const double last = elastic + kinetic_energy(m, s, dt);
+  // at the time of the positions
+  for (int i = 0; i < m.control_points(); ++i)
+    s.add_velocity(m.tables.slot(i),
+                   0.5 * dt * s.motion.inverse_mass[m.tables.slot(i)] * s.at(s.motion.force, m.tables.slot(i)));
+  const Totals after = totals(m, s);
+  r.add("flight_momentum", (after.momentum - before.momentum).norm() / before.momentum_scale, 0.0, 1e-12,
+        seconds_now() - start);
+  r.add("flight_angular_momentum", (after.angular - before.angular).norm() / before.angular_scale, 0.0, 1e-11, 0.0);
+  r.add("flight_energy", last, first, 1e-4, 0.0);
+}
+
+}  // namespace
+
+std::vector<Case> surface_cases() {
+  return {{"turned", "square plates cut from a larger patch at 0, 15, 30, 45 degrees",
+           [](Report& r, int threads) { turned(r, threads, 2); }},
+          {"cubic_turned", "the same, degree 3", [](Report& r, int threads) { turned(r, threads, 3); }},
+          {"order", "order of convergence of a turned plate", order},
+          {"disc", "a disc under pressure, and its free vibration", [](Report& r, int) { disc(r, "disc", 0.0); }},
+          {"ring", "the same with a hole", [](Report& r, int) { disc(r, "ring", 0.2); }},
+          {"random", "stable step and strain at rest of 200 loops at random places", random_steps},
+          {"flight", "momenta and energy of a ring in flight", flight}};
+}
+
+}  // namespace sunder::validation
