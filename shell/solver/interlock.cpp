@@ -146,7 +146,7 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
   const ControlGrid grid = control_grid(m);
   for (int side = 0; side < 2; ++side) {
     const Vec2 p = face(m, s, lock, side);
-    if (!m.patch.contains(p)) return false;
+    if (!m.patch.contains(p) || (!m.trim.empty() && !m.trim.loops.contains(p))) return false;
     Visibility& visibility = lock.visibility[side];
     if (!lock.looked)
       visibility =

@@ -93,20 +93,7 @@ ControlGrid control_grid(const ShellModel& m) {
 Visibility first_visibility(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v) {
   const ControlGrid grid = control_grid(m);
   Visibility out(grid, p, span_u, span_v);
-  if (m.trim.empty()) return out;
   out.update(grid, cracks, cracks.trims());
-  const auto sees = [&](const Vec2& q) {
-    bool clear = true;
-    cracks.near(p, q, 0.0, [&](int e) {
-      clear = e >= cracks.trims() || !segments_meet(p, q, cracks.edges()[e].long_a, cracks.edges()[e].long_b);
-      return clear;
-    });
-    return clear;
-  };
-  for (const int i : m.trim.outside) {
-    const Vec2 d = grid.offset(p, i).cwiseAbs();
-    if (d.maxCoeff() < kLargestSupport && sees(m.trim.home[i])) out.show(grid, i);
-  }
   return out;
 }
 

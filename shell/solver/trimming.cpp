@@ -23,6 +23,7 @@ constexpr double kOnPatchEdge = 1e-9;     // distance over the size of the patch
 // A control point is dropped where less than this share of its mass is left. Functions of less mass move too stiffly;
 // those of more keep the accuracy of the whole patch beside the loop.
 constexpr double kLeastMass = 0.03;
+constexpr double kLightMass = 0.2;    // share of its mass below which functions beside cracks leave a control point out
 constexpr double kHomeInside =
     1e-3;  // distance from a loop at which a control point outside of it is at home [spacings]
 
@@ -182,7 +183,6 @@ void drop_points(ShellModel& m, const std::vector<char>& kept) {
   const Continuation from{m, kept};
   const std::vector<char> held = held_slots(m);
   trim.dropped_of.assign(m.tables.plane, -1);
-  for (const char here : kept) trim.absent.push_back(here == 0);
   for (int i = 0; i < m.control_points(); ++i) {
     if (kept[i]) continue;
     const int slot = m.tables.slot(i);
@@ -224,6 +224,17 @@ void move_masses(ShellModel& m, const std::vector<char>& kept) {
             "the part beside control point {} is too narrow for the control points in it; leave it out, or take more "
             "elements",
             place_of(m, i));
+}
+
+// Functions beside a crack use no control point that is dropped, outside, or light: they spread stiffness more evenly
+// than mass.
+void hide_light_points(ShellModel& m) {
+  const std::vector<double> whole = whole_masses(m);
+  const double full = m.material.density * m.thickness;
+  m.trim.absent.assign(m.control_points(), 0);
+  for (int i = 0; i < m.control_points(); ++i)
+    m.trim.absent[i] = m.mass[m.tables.slot(i)] < kLightMass * full * whole[i];
+  for (const int i : m.trim.outside) m.trim.absent[i] = 1;
 }
 
 // Gauss points whose functions are not those of the rows.
@@ -404,6 +415,7 @@ void trim_shell(ShellModel& m, const TrimLoops& loops) {
     if (m.trim.home[i] != m.parameter[i]) m.trim.outside.push_back(i);
   drop_points(m, kept);
   move_masses(m, kept);
+  hide_light_points(m);
   find_points(m);
   trim_supports(m);
   trim_loads(m);

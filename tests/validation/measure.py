@@ -19,7 +19,7 @@ from .extremes.suite import validate_extremes
 from .known import KNOWN, judge, read_known
 from .programs import program, run_program
 
-VALIDATIONS = ("shells", "surfaces", "seams", "cracks", "contact", "soft", "coupling", "engines", "extremes")
+VALIDATIONS = ("shells", "seams", "cracks", "contact", "soft", "surfaces", "coupling", "engines", "extremes")
 
 
 def validate(what: str, case: str | None, report: Path | None, plots: Path | None,

@@ -11,6 +11,7 @@ namespace sunder::shell {
 namespace {
 
 constexpr std::size_t kTrials = 8;  // that are remembered of a point
+constexpr double kLeavesLoop = 0.3;  // cosine with the normal of a loop above which a crack leaves it straight on
 constexpr int kForget = 128;        // edges after which all are forgotten
 
 std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
@@ -402,43 +403,48 @@ bool take_in(const ShellModel& m, ShellState& s, int first, double time, bool in
   return true;
 }
 
-// Goes on outside of a trim loop where the edges from `first` on end on it, so that control points that stay outside
-// belong to one side of the crack.
+// Length [m] up to `most` that an edge may go from p along `way`, outside of the loops, without reaching the other side
+// of a narrow gap.
+double room_outside(const ShellModel& m, const CrackGraph& graph, const Vec2& p, const Vec2& way, double most) {
+  for (double length = most; length > kCutOnCrack * m.spacing; length *= 0.5) {
+    const Vec2 from = p + 2.0 * kCutOnCrack * m.spacing * way, to = p + length * way;
+    bool clear = true;
+    graph.near(from, to, 0.0, [&](int e) {
+      clear = e >= graph.trims() || !segments_meet(from, to, graph.edges()[e].a, graph.edges()[e].b);
+      return clear;
+    });
+    if (clear) return length;
+  }
+  return 0.0;
+}
+
+// Goes on outside of a trim loop where the edges from `first` on end on it or outside, so that control points that stay
+// outside belong to one side of the crack.
 void run_out_of_trims(const ShellModel& m, ShellState& s, int first, double time) {
   if (m.trim.empty()) return;
   CrackGraph& graph = s.cracks.graph;
-  const int end = static_cast<int>(graph.edges().size());
-  const auto run_out = [&](int vertex) {
+  const auto run_out = [&](int vertex, const Vec2& before) {
     const Vec2 p = graph.vertices()[vertex];
     int loop = -1;
-    double nearest = kCutOnCrack * m.spacing;
+    double nearest = kTrimRunOut * m.spacing;
     bool known = false;
-    graph.near(p, p, kTrimRunOut * m.spacing, [&](int e) {
-      const CrackEdge& c = graph.edges()[e];
+    graph.near(p, p, nearest, [&](int e) {
       Vec2 foot;
       const double distance = graph.distance(p, e, foot);
       if (e < graph.trims() && distance < nearest) nearest = distance, loop = e;
-      known = known || (e >= graph.trims() && c.is_trim() && c.from == vertex);
+      known = known || (e >= graph.trims() && graph.edges()[e].is_trim() && graph.edges()[e].from == vertex);
       return true;
     });
-    if (loop < 0 || known) return;
+    if (loop < 0 || known || (nearest > kCutOnCrack * m.spacing && m.trim.loops.contains(p))) return;
     const Vec2 along = (graph.edges()[loop].b - graph.edges()[loop].a).normalized(), out(along.y(), -along.x());
-    double length = kTrimRunOut * m.spacing;
-    for (bool clear = false; !clear && length > kCutOnCrack * m.spacing;) {  // not into the other side of a narrow gap
-      const Vec2 from = p + 2.0 * kCutOnCrack * m.spacing * out, to = p + length * out;
-      clear = true;
-      graph.near(from, to, 0.0, [&](int e) {
-        const CrackEdge& c = graph.edges()[e];
-        if (e < graph.trims() && segments_meet(from, to, c.a, c.b)) clear = false;
-        return clear;
-      });
-      if (!clear) length *= 0.5;
-    }
-    graph.add_edge(vertex, graph.add_vertex(p + length * out), CrackEdge::kTrim, time, 0);
+    const Vec2 straight = (p - before).normalized(), way = straight.dot(out) > kLeavesLoop ? straight : out;
+    const double length = room_outside(m, graph, p, way, kTrimRunOut * m.spacing);
+    if (length > 0.0) graph.add_edge(vertex, graph.add_vertex(p + length * way), CrackEdge::kTrim, time, 0);
   };
+  const int end = static_cast<int>(graph.edges().size());
   for (int k = first; k < end; ++k) {
-    const int from = graph.edges()[k].from, to = graph.edges()[k].to;
-    run_out(from), run_out(to);
+    const CrackEdge e = graph.edges()[k];
+    run_out(e.from, e.b), run_out(e.to, e.a);
   }
 }
 

@@ -225,12 +225,13 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
 
 void start_at_ends(const ShellModel& m, ShellState& s, int first, int last) {
   const CrackGraph& g = s.cracks.graph;
+  while (first < last && g.edges()[last - 1].is_trim()) --last;  // it has run out over a loop there
   if (first >= last) return;
   for (const bool back : {true, false}) {
     const int edge = back ? first : last - 1;
     const CrackEdge& e = g.edges()[edge];
     const Vec2 p = back ? e.a : e.b;
-    bool open = m.patch.contains(p);
+    bool open = m.patch.contains(p) && (m.trim.empty() || m.trim.loops.contains(p));
     g.near(p, p, kEndTaken * m.spacing, [&](int other) {
       Vec2 foot;
       const bool next = other >= first && other < last && std::abs(other - edge) <= 1;  // of the same cut
