@@ -14,6 +14,7 @@ constexpr int kMostStrips = 4096;    // of edges
 constexpr double kNothing = 1e-10;   // share of a box that counts as none of it
 constexpr double kSmallPart = 1e-2;  // share of a box whose part has one place only
 constexpr int kTurns = 16;           // of a group of four that are tried
+constexpr double kLeastSize = 0.3, kSizeStep = 0.1;  // of a group that is drawn together
 constexpr int kSearch = 12;          // columns and rows of places that are tried where the centre is outside
 constexpr double kInsideBox = 1e-9;  // share of a box by which places stay inside
 
@@ -76,14 +77,16 @@ Moments moments_of(const Region& region, const Vec2& origin) {
 
 // Four places of equal area with the mean and the spread of the region. Along both principal axes they stand one
 // standard deviation off; a turn of the four in the coordinates that make the spread a unit changes neither.
-std::vector<WeightedPlace> four_places(const Moments& m, double turn) {
+// `size` below 1 draws them together, beside a corner of a hole, which leaves no other room.
+std::vector<WeightedPlace> four_places(const Moments& m, double turn, double size) {
   const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(m.spread);
   const Eigen::Matrix2d root =
       axes.eigenvectors() * axes.eigenvalues().cwiseMax(0.0).cwiseSqrt().asDiagonal() * axes.eigenvectors().transpose();
   std::vector<WeightedPlace> out;
   for (int k = 0; k < 4; ++k) {
     const double angle = turn + std::numbers::pi * (0.25 + 0.5 * k);
-    out.push_back({m.centre + root * (std::numbers::sqrt2 * Vec2(std::cos(angle), std::sin(angle))), 0.25 * m.area});
+    out.push_back(
+        {m.centre + root * (size * std::numbers::sqrt2 * Vec2(std::cos(angle), std::sin(angle))), 0.25 * m.area});
   }
   return out;
 }
@@ -196,12 +199,13 @@ std::vector<WeightedPlace> TrimLoops::places_in(const Vec2& low, const Vec2& hig
       self(self, clipped(part, -across, -across.dot(m.centre)), groups / 2);
       return;
     }
-    for (int k = 0; k < kTurns; ++k) {
-      const std::vector<WeightedPlace> four = four_places(m, 0.5 * std::numbers::pi * k / kTurns);
-      if (!std::all_of(four.begin(), four.end(), [&](const WeightedPlace& p) { return fits(p.at); })) continue;
-      out.insert(out.end(), four.begin(), four.end());
-      return;
-    }
+    for (double size = 1.0; size >= kLeastSize; size -= kSizeStep)
+      for (int k = 0; k < kTurns; ++k) {
+        const std::vector<WeightedPlace> four = four_places(m, 0.5 * std::numbers::pi * k / kTurns, size);
+        if (!std::all_of(four.begin(), four.end(), [&](const WeightedPlace& p) { return fits(p.at); })) continue;
+        out.insert(out.end(), four.begin(), four.end());
+        return;
+      }
     one_place(m);
   };
   place(place, region, std::max(1, most / 4));

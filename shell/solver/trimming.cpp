@@ -23,7 +23,7 @@ constexpr double kOnPatchEdge = 1e-9;     // distance over the size of the patch
 // A control point is dropped where less than this share of its mass is left. Functions of less mass move too stiffly;
 // those of more keep the accuracy of the whole patch beside the loop.
 constexpr double kLeastMass = 0.03;
-constexpr double kLightMass = 0.2;    // share of its mass below which functions beside cracks leave a control point out
+constexpr double kLightMass = 0.2;  // share of its mass below which functions beside cracks leave a control point out
 constexpr double kHomeInside =
     1e-3;  // distance from a loop at which a control point outside of it is at home [spacings]
 

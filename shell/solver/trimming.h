@@ -25,9 +25,9 @@ struct Trimming {
   TrimLoops loops;
   std::vector<DroppedPoint> dropped;
   std::vector<int> dropped_of;  // [slot]: index into `dropped`; -1: none
-  std::vector<char> absent;     // [control point]: 1 where it is dropped
-  // Place of each control point inside the loops, or just inside for one that stays outside: the piece there owns it,
-  // and what sees that place sees the control point.
+  // [control point]: 1 where functions beside a crack leave it out: it is dropped, outside, or light.
+  std::vector<char> absent;
+  // Place of each control point inside the loops, or just inside for one that stays outside. The piece there owns it.
   std::vector<Vec2> home;
   std::vector<int> outside;           // control points that stay outside of the loops
   std::vector<GatheredPoint> points;  // Gauss points in cut elements, and those that a dropped control point moves

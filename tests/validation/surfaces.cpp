@@ -25,9 +25,9 @@ using namespace sunder::shell;
 constexpr double kPi = std::numbers::pi;
 constexpr double kYoung = 2e11, kPoisson = 0.3, kThickness = 0.004, kDensity = 7800.0;
 constexpr double kStiffness = kYoung * kThickness * kThickness * kThickness / (12.0 * (1.0 - kPoisson * kPoisson));
-constexpr double kSize = 1.0;     // side of a square plate, diameter of a disc [m]
-constexpr double kPatch = 1.625;  // side of the patch that loops cut [m]
-constexpr int kElements = 24;     // of the plate's side
+constexpr double kSize = 1.0;      // side of a square plate, diameter of a disc [m]
+constexpr double kPatch = 1.625;   // side of the patch that loops cut [m]
+constexpr int kElements = 24;      // of the plate's side
 constexpr int kRingElements = 40;  // of the ring's diameter: sixteen across its hole, about which moments concentrate
 constexpr int kModes = 4;
 constexpr int kCorners = 64;  // of a disc; its edges are about as long as cuts have them
@@ -310,7 +310,8 @@ std::vector<Case> surface_cases() {
            [](Report& r, int threads) { turned(r, threads, 2); }},
           {"cubic_turned", "the same, degree 3", [](Report& r, int threads) { turned(r, threads, 3); }},
           {"order", "order of convergence of a turned plate", order},
-          {"disc", "a disc under pressure, and its free vibration", [](Report& r, int) { disc(r, "disc", 0.0, kElements); }},
+          {"disc", "a disc under pressure, and its free vibration",
+           [](Report& r, int) { disc(r, "disc", 0.0, kElements); }},
           {"ring", "the same with a hole", [](Report& r, int) { disc(r, "ring", 0.2, kRingElements); }},
           {"random", "stable step and strain at rest of 200 loops at random places", random_steps},
           {"flight", "momenta and energy of a ring in flight", flight}};

@@ -24,9 +24,10 @@ const std::string kOutline =
 
 TEST(Trims, ShapeTheShell) {
   const std::string path = own_file("trim_scene.textproto");
-  std::ofstream(path) << scene("trims { curve { closed: true points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.1 } points { "
-                               "u: 0.4 v: 0.4 } points { u: 0.1 v: 0.4 } } } " +
-                               kHole);
+  std::ofstream(path) << scene(
+      "trims { curve { closed: true points { u: 0.1 v: 0.1 } points { u: 0.4 v: 0.1 } points { "
+      "u: 0.4 v: 0.4 } points { u: 0.1 v: 0.4 } } } " +
+      kHole);
   const auto setup = sunder::shell::build(sunder::scene::load(path, {}));
   std::remove(path.c_str());
   const auto& m = setup.shells[0].model;
@@ -35,12 +36,16 @@ TEST(Trims, ShapeTheShell) {
   // A closed uniform cubic spline around a square of side a = 0.3: its area is 0.6 a^2 to the digits of a fine polygon.
   const double hole = std::numbers::pi * 0.01, found = mass / (2500 * 0.004);
   EXPECT_NEAR(found, m.trim.loops.area(), 1e-12);
-  EXPECT_NEAR(-m.trim.loops.area() + [&] {
-    double area = 0.0;
-    const auto& p = m.trim.loops.loops()[0].points;
-    for (std::size_t k = 0; k + 1 < p.size(); ++k) area += 0.5 * (p[k].x() * p[k + 1].y() - p[k].y() * p[k + 1].x());
-    return area;
-  }(), hole, 1e-9);
+  EXPECT_NEAR(
+      -m.trim.loops.area() +
+          [&] {
+            double area = 0.0;
+            const auto& p = m.trim.loops.loops()[0].points;
+            for (std::size_t k = 0; k + 1 < p.size(); ++k)
+              area += 0.5 * (p[k].x() * p[k + 1].y() - p[k].y() * p[k + 1].x());
+            return area;
+          }(),
+      hole, 1e-9);
 }
 
 TEST(Trims, ThatAreOpenAreRefused) {
@@ -77,9 +82,10 @@ TEST(Trims, ThatLeaveThePatchOrAreTooSmallAreRefused) {
   expect_refusal(scene("trims { points { u: 0.1 v: 0.1 } points { u: 0.11 v: 0.1 } points { u: 0.1 v: 0.11 } points { "
                        "u: 0.1 v: 0.1 } }"),
                  "shells[0].trims[0]", {"quarter of an element"});
-  expect_refusal(scene("trims { points { u: 0.1 v: 0.25 } points { u: 0.4 v: 0.25 } points { u: 0.4 v: 0.254 } points { "
-                       "u: 0.1 v: 0.254 } points { u: 0.1 v: 0.25 } }"),
-                 "shells[0].trims", {"too narrow", "more elements"});
+  expect_refusal(
+      scene("trims { points { u: 0.1 v: 0.25 } points { u: 0.4 v: 0.25 } points { u: 0.4 v: 0.254 } points { "
+            "u: 0.1 v: 0.254 } points { u: 0.1 v: 0.25 } }"),
+      "shells[0].trims", {"too narrow", "more elements"});
 }
 
 TEST(Trims, WhatTheyCutAwayHoldsNothing) {

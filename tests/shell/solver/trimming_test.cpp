@@ -35,7 +35,9 @@ std::vector<Vec2> ring(const Vec2& centre, double radius, int corners, double tu
 
 // A disc with a hole.
 TrimLoops washer() {
-  return {Vec2::Zero(), Vec2::Constant(kSide), {{ring({0.52, 0.5}, 0.4, 30, 0.1), false}, {ring({0.5, 0.51}, 0.15, 12, 0.2), true}}};
+  return {Vec2::Zero(),
+          Vec2::Constant(kSide),
+          {{ring({0.52, 0.5}, 0.4, 30, 0.1), false}, {ring({0.5, 0.51}, 0.15, 12, 0.2), true}}};
 }
 
 ShellModel trimmed(const TrimLoops& loops, int degree = 2, const std::vector<Support>& supports = {},
@@ -126,7 +128,9 @@ TEST(Trimming, DropsControlPointsWithoutSupportWithoutHarm) {
       EXPECT_FALSE(m.trim.drops(slot));
       sum += share;
     }
-    if (!d.on.empty()) EXPECT_NEAR(sum, 1.0, 1e-12);
+    if (!d.on.empty()) {
+      EXPECT_NEAR(sum, 1.0, 1e-12);
+    }
   }
   for (const GatheredPoint& g : s.cracked.gathered)
     for (const GatheredFunction& f : g.functions) EXPECT_GT(s.motion.mass[f.slot], 0.0);
