@@ -178,7 +178,8 @@ constexpr std::size_t kBytesOfCracks = 24 * sizeof(SeenEdge);  // most points se
 /// The control points of a shell by their parameter points.
 ControlGrid control_grid(const ShellModel& model);
 
-/// The control points that a point sees before any crack; p lies in span_u, span_v. Trim loops hide what is beyond them.
+/// The control points that a point sees before any crack; p lies in span_u, span_v. Trim loops hide what is beyond
+/// them.
 Visibility first_visibility(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, int span_u, int span_v);
 
 /// Reduces `uses`, the visibility of the same point, to the control points of these functions.
