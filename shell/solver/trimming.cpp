@@ -88,12 +88,19 @@ struct Continuation {
     const Eigen::VectorXd scale = a.diagonal().cwiseSqrt().cwiseInverse();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scale.asDiagonal() * a * scale.asDiagonal());
     if (!(solver.eigenvalues()[0] > kSingularShares * solver.eigenvalues()[terms - 1])) return {};
-    const Eigen::VectorXd answer =
-        scale.asDiagonal() *
-        (solver.eigenvectors() *
-         (solver.eigenvectors().transpose() * (scale.asDiagonal() * wanted)).cwiseQuotient(solver.eigenvalues()));
     std::vector<std::pair<int, double>> out;
-    for (std::size_t k = 0; k < near.size(); ++k) out.emplace_back(near[k], weights[k] * rows[k].dot(answer));
+    for (const int k : near) out.emplace_back(k, 0.0);
+    Eigen::VectorXd missing = wanted;
+    for (int pass = 0; pass < 2; ++pass) {  // the second takes away the round-off of the first
+      const Eigen::VectorXd answer =
+          scale.asDiagonal() *
+          (solver.eigenvectors() *
+           (solver.eigenvectors().transpose() * (scale.asDiagonal() * missing)).cwiseQuotient(solver.eigenvalues()));
+      for (std::size_t k = 0; k < near.size(); ++k) {
+        const double share = weights[k] * rows[k].dot(answer);
+        out[k].second += share, missing -= share * rows[k];
+      }
+    }
     return out;
   }
 
