@@ -336,6 +336,10 @@ constexpr double kCutRunOut = 1.01;
 /// [h]: a crack that ends on a trim loop goes on outside so far, in the region that is cut away.
 /// numerical: visibility; further than control points that stay outside of a loop
 constexpr double kTrimRunOut = 1.5;
+/// [-]: cosine with the outward normal of a trim loop above which a crack goes on outside straight on; else along the
+/// normal.
+/// numerical: a flat way would stay near the loop
+constexpr double kLeavesLoop = 0.3;
 /// [h]: a cut so near a crack, or a vertex of one, meets it.
 /// numerical: far above kJoinPast
 constexpr double kCutOnCrack = 0.02;

@@ -16,6 +16,7 @@ ROUND_OFF, COST, LAYOUT = "round-off of comparisons", "time or memory, no result
 ELSEWHERE = {
     "shell/fracture/conditioning.cpp": {"kMargin": ROUND_OFF, "kProduct": LAYOUT},
     "shell/fracture/conditioning.h": {"kChoices": LAYOUT},
+    "shell/fracture/crack_graph.h": {"kTrim": LAYOUT},
     "shell/fracture/crack_loops.cpp": {"kBorder": LAYOUT},
     "shell/fracture/mls.cpp": {"kLanes": LAYOUT, "kMostSeen": LAYOUT, "kMostPacks": LAYOUT, "kSmallSteps": LAYOUT,
                                "kTried": LAYOUT, "kLinearTried": LAYOUT},

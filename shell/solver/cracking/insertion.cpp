@@ -10,9 +10,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr std::size_t kTrials = 8;   // that are remembered of a point
-constexpr double kLeavesLoop = 0.3;  // cosine with the normal of a loop above which a crack leaves it straight on
-constexpr int kForget = 128;         // edges after which all are forgotten
+constexpr std::size_t kTrials = 8;  // that are remembered of a point
+constexpr int kForget = 128;        // edges after which all are forgotten
 
 std::vector<GatheredFunction> to_slots(const ShellModel& m, const MlsPoint& p) {
   std::vector<GatheredFunction> out;
