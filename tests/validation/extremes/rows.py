@@ -65,18 +65,23 @@ class Expectation:
 
 @dataclass(frozen=True)
 class Stable(Expectation):
-    """Runs to its end without a warning, every number finite, and the energy books within `bound` at every window."""
+    """Runs to its end without a warning but one that begins with `warns`, every number finite, and the energy books
+    within `bound` at every window. Where `warns` is given, the run has to warn so."""
     bound: float
+    warns: str = ""
 
     def __str__(self) -> str:
-        return f"stable, energy within {self.bound:.0e}"
+        return f"stable, energy within {self.bound:.0e}" + (f", warns: {self.warns} ..." if self.warns else "")
 
     def judge(self, found: Outcome, scene: str) -> tuple[str, str]:
         run, wrong = found.run, []
         if found.status != DONE or run.get("status") != "done":
             return _ending(found), "did not run to its end"
-        if run["warnings"]:
-            wrong.append(f"warns: {run['warnings'][0]}")
+        told = [w for w in run["warnings"] if self.warns and w.startswith(self.warns)]
+        if other := [w for w in run["warnings"] if w not in told]:
+            wrong.append(f"warns: {other[0]}")
+        if self.warns and not told:
+            wrong.append(f"does not warn: {self.warns}")
         if not _all_finite([run, found.series, found.probes, found.shards]):
             wrong.append("a number is not finite")
         if not max(run["ledger"].values()) <= MOST_LEDGER:

@@ -134,11 +134,12 @@ def refused_sheet(name: str, field: str, line: str, text: str) -> Row:
     return Row(f"refused_{name}", text, Refused(field, line))
 
 
+THICK = "shell 'sheet' is 0.1 times as thick as it is wide"
 THICKNESSES = {"10um": 1e-5, "100um": 1e-4, "1mm": 1e-3, "10mm": 1e-2, "100mm": 0.1}
 ANY = (3.0, -2.0, 5.0)  # [m/s]
 
 SHELLS: list[Row] = [
-    *(Row(f"thickness_{name}", swing(h, windows=50), Stable(SUDDEN), swung(h), limit_s=150.0)
+    *(Row(f"thickness_{name}", swing(h, windows=50), Stable(SUDDEN, THICK if h == 0.1 else ""), swung(h), limit_s=150.0)
       for name, h in THICKNESSES.items()),
     *(Row(f"youngs_modulus_{young:.0e}".replace("+", ""), swing(young=young), Stable(SUDDEN), swung(0.01))
       for young in (1e2, 1e6, 1e12)),
