@@ -14,7 +14,8 @@ constexpr int kMostStrips = 4096;    // of edges
 constexpr double kNothing = 1e-10;   // share of a box that counts as none of it
 constexpr double kSmallPart = 1e-2;  // share of a box whose part has one place only
 constexpr int kTurns = 16;           // of a group of four that are tried
-constexpr double kLeastSize = 0.3, kSizeStep = 0.1;  // of a group that is drawn together
+constexpr double kSizeStep = 0.1;    // of a group that is drawn together
+constexpr int kSizes = 7;            // steps at most
 constexpr int kSearch = 12;          // columns and rows of places that are tried where the centre is outside
 constexpr double kInsideBox = 1e-9;  // share of a box by which places stay inside
 
@@ -181,7 +182,8 @@ std::vector<WeightedPlace> TrimLoops::places_in(const Vec2& low, const Vec2& hig
     Vec2 best = m.centre;
     double nearest = fits(m.centre) ? 0.0 : 1e300;
     for (int k = 0; k < kSearch * kSearch && nearest > 0.0; ++k) {
-      const Vec2 p = low + (high - low).cwiseProduct(Vec2(k % kSearch + 0.5, k / kSearch + 0.5) / kSearch);
+      const int column = k % kSearch, row = k / kSearch;
+      const Vec2 p = low + (high - low).cwiseProduct(Vec2(column + 0.5, row + 0.5) / kSearch);
       const double away = (p - m.centre).squaredNorm();
       if (away < nearest && fits(p)) nearest = away, best = p;
     }
@@ -199,8 +201,9 @@ std::vector<WeightedPlace> TrimLoops::places_in(const Vec2& low, const Vec2& hig
       self(self, clipped(part, -across, -across.dot(m.centre)), groups / 2);
       return;
     }
-    for (double size = 1.0; size >= kLeastSize; size -= kSizeStep)
+    for (int smaller = 0; smaller <= kSizes; ++smaller)
       for (int k = 0; k < kTurns; ++k) {
+        const double size = 1.0 - smaller * kSizeStep;
         const std::vector<WeightedPlace> four = four_places(m, 0.5 * std::numbers::pi * k / kTurns, size);
         if (!std::all_of(four.begin(), four.end(), [&](const WeightedPlace& p) { return fits(p.at); })) continue;
         out.insert(out.end(), four.begin(), four.end());

@@ -120,9 +120,12 @@ def is_cracking(run_json: Path) -> bool:
 
 
 def children(parent: int, program: str) -> list[int]:
-    """Returns the processes of this name that `parent` has started."""
-    pids = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
-    return [int(pid) for pid in pids if Path(os.readlink(f"/proc/{pid}/exe")).name == program]
+    """Returns the processes of this name that `parent` has started and that have not ended."""
+    try:
+        pids = Path(f"/proc/{parent}/task/{parent}/children").read_text().split()
+        return [int(pid) for pid in pids if Path(os.readlink(f"/proc/{pid}/exe")).name == program]
+    except FileNotFoundError:  # one of them has ended meanwhile
+        return []
 
 
 class Resume(unittest.TestCase):

@@ -65,7 +65,7 @@ def find_stages(folder: Path) -> Stages:
         shell, lines = frame.read(SHELL), frame.read(CRACKS)
         if shell is not None and lines is not None:
             frames.append((frame.time_s, shell, lines))
-    grew = [len(lines.lines) - len(frames[1][2].lines) for _, _, lines in frames[1:]]  # cuts come with the second frame
+    grew = [len(lines.line_bounds) - len(frames[1][2].line_bounds) for _, _, lines in frames[1:]]  # cuts come with the second frame
     if not grew or grew[-1] <= 0:
         raise VtpError(f"{folder}: no crack grows")
     chosen = [1 + next(k for k, n in enumerate(grew) if n >= share * grew[-1]) for share in GROWN]

@@ -8,7 +8,7 @@ from PIL import Image
 
 from sunder_tools.pictures.contact_sheet import time_text
 from sunder_tools.pictures.crack_lines import Graph, graph_of, grown, last_graph
-from sunder_tools.pictures.flat import crack_pattern
+from sunder_tools.pictures.flat import crack_pattern, shards_of
 from sunder_tools.pictures.frames import CRACKS, SHELL, Frame, list_frames
 from sunder_tools.pictures.meshes import reference_points
 from sunder_tools.pictures.palette import ramp
@@ -203,7 +203,9 @@ def figure_11(runs: Runs) -> Drawn:
     early, grey = graph.some(born_first(graph, FIRST)), np.broadcast_to(WHOLE, (len(first.triangles), 3))
     made.append(sheet_panel(first, grey, first, Box.around([reference_points(first)]), 420, early.rest, at_rest=True))
     words.append(f"(c) plate under pressure, first {100 * FIRST:.0f} % of cracks")
-    drawn = crack_pattern(list_frames(runs.place("fig11_plate")), 420 * panels.SAMPLES, made[0].height * panels.SAMPLES, panels.MARGIN)
+    folder = runs.place("fig11_plate")
+    drawn = crack_pattern(list_frames(folder), *shards_of(folder), 420 * panels.SAMPLES, made[0].height * panels.SAMPLES,
+                          panels.MARGIN)
     if drawn is not None:
         made.append(Image.fromarray(as_bytes(drawn[0])).reduce(panels.SAMPLES))
         words.append("(c) at the end")

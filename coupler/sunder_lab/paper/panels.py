@@ -101,7 +101,7 @@ def at_sheet(lines: np.ndarray, shell: PolyData) -> np.ndarray:
 def crack_length(frame: Frame) -> float:
     """Length of a frame's crack lines at rest [m]."""
     cracks = frame.read(CRACKS)
-    if cracks is None or not cracks.lines:
+    if cracks is None or not len(cracks.line_points):
         return 0.0
     ends = reference_points(cracks)[cracks.segments()]
     return float(np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1).sum())

@@ -8,7 +8,7 @@ from PIL import Image
 
 from sunder_tools.pictures.contact_sheet import DIRECTION
 from sunder_tools.pictures.crack_lines import Graph, graph_of, grown
-from sunder_tools.pictures.flat import crack_pattern
+from sunder_tools.pictures.flat import crack_pattern, shards_of
 from sunder_tools.pictures.frames import BODIES, CRACKS, MOVING, SHELL, STATIC, Frame, list_frames
 from sunder_tools.pictures.meshes import reference_points, weld
 from sunder_tools.pictures.views import as_bytes
@@ -182,7 +182,7 @@ def figure_15(runs: Runs) -> Drawn:
     out.add(runs, "fig15", board(made, [*captions(chosen), "pieces at the end"], 5), "Straps are held, the hem is pulled down. Each "
             "patch has a colour; in the last picture each piece, the largest white.")
     shell, cracks, run = shells([last])[0], _last_cracks(frames), read_run(folder)
-    across = len(np.unique(cracks.cell_data["shell"])) if cracks is not None and cracks.lines else 0
+    across = len(np.unique(cracks.cell_data["shell"])) if cracks is not None and len(cracks.line_points) else 0
     corner = reference_points(shell)[shell.triangles]
     area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
     _, which = np.unique(shell.of_triangles("fragment", 0), return_inverse=True)
@@ -202,7 +202,7 @@ def figure_17(runs: Runs) -> Drawn:
     made = view_panels(folder, breaking, VIEW, near, direction=DIRECTION)
     made += view_panels(folder, falling, VIEW, Box(np.array([near.low[0], near.low[1], 0.0]), near.high), direction=DIRECTION)
     out.add(runs, "fig17", board(made, captions([*breaking, *falling]), 4), "The marble, the pane, its shards.")
-    drawn = crack_pattern(frames, 900 * panels.SAMPLES, 900 * panels.SAMPLES, panels.MARGIN)
+    drawn = crack_pattern(frames, *shards_of(folder), 900 * panels.SAMPLES, 900 * panels.SAMPLES, panels.MARGIN)
     if drawn is not None:
         out.add(runs, "fig17_cracks", Image.fromarray(as_bytes(drawn[0])).reduce(panels.SAMPLES),
                 "Crack pattern on the pane at rest; each piece has a colour.")

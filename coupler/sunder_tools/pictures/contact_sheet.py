@@ -7,10 +7,9 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 from ..replacing import replacing
-from ..report.columns import read_columns
 from ..report.run_json import read_run
 from ..report.scene_text import scene_words
-from .flat import crack_pattern, proportion, side_view
+from .flat import crack_pattern, proportion, shards_of, side_view
 from .frames import SHELL, Frame, choose_frames, list_frames
 from .ground import Ground
 from .lettering import TEXT, draw_text
@@ -187,9 +186,7 @@ def _lower(folder: Path, frames: list[Frame], last: Frame, scene: Scene, wide: t
 
 
 def _pattern_panel(folder: Path, frames: list[Frame], width: int, height: int) -> Image.Image:
-    shards = read_columns(folder / "shards.csv")
-    born, lost = (np.array(shards.get(name, []), float) for name in ("birth [s]", "area [m^2]"))
-    drawn = crack_pattern(frames, born, lost, width * SAMPLES, height * SAMPLES, margin=1.16)
+    drawn = crack_pattern(frames, *shards_of(folder), width * SAMPLES, height * SAMPLES, margin=1.16)
     assert drawn is not None
     panel = _image(drawn[0])
     _caption(panel, "crack pattern, undeformed")

@@ -1,8 +1,11 @@
 """Draws the crack pattern from above, and the last frame edge on."""
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
+from ..report.columns import read_columns
 from .frames import CRACKS, SHELL, Frame
 from .meshes import Scene, edges, reference_points, weld
 from .raster import Camera, line_pixels, orthographic_camera, rasterise
@@ -21,6 +24,13 @@ def _pastel(fragment: np.ndarray) -> np.ndarray:
     if len(count):
         colours[count.argmax()] = [0.95, 0.97, 0.97]
     return colours[inverse]
+
+
+def shards_of(folder: Path) -> tuple[np.ndarray, np.ndarray]:
+    """Returns when the shards of a run were born (n,) [s], and their areas (n,) [m^2]."""
+    shards = read_columns(folder / "shards.csv")
+    born, lost = (np.array(shards.get(name, []), float) for name in ("birth [s]", "area [m^2]"))
+    return born, lost
 
 
 def crack_pattern(frames: list[Frame], born: np.ndarray, lost: np.ndarray, width: int, height: int,

@@ -128,10 +128,11 @@ TEST(Audit, CracksShouldTakeTheirFractureEnergyWhereTheyRanAndCutsNothing) {
   insert_polyline(m, s, {{0.05, 0.02}, {0.15, 0.02}}, 0.0);
   EXPECT_EQ(crack_resistance(m, s), 0.0);
   for (const double v : {0.055, 0.155})  // 8 mm each, the second where half of the strength is left
-    extend_cracks(m, s, {{s.cracks.graph.add_vertex({0.1, v}), {0.108, v}, s.cracks.graph.new_crack(), 1}}, 0.0, false);
+    insert_edge(m, s, s.cracks.graph.add_vertex({0.1, v}), s.cracks.graph.add_vertex({0.108, v}),
+                s.cracks.graph.new_crack(), 0.0, 1, false);
   EXPECT_NEAR(crack_resistance(m, s), 10.0 * 0.004 * 0.008 * (1.0 + 0.25), 1e-15);
   // one that runs out counts as far as the border
-  extend_cracks(m, s, {{s.cracks.graph.add_vertex({0.194, 0.055}), {0.21, 0.063}, s.cracks.graph.new_crack(), 1}}, 0.0,
-                false);
+  insert_edge(m, s, s.cracks.graph.add_vertex({0.194, 0.055}), s.cracks.graph.add_vertex({0.21, 0.063}),
+              s.cracks.graph.new_crack(), 0.0, 1, false);
   EXPECT_NEAR(crack_resistance(m, s), 10.0 * 0.004 * (0.008 * (1.0 + 0.25) + std::hypot(0.006, 0.003)), 1e-15);
 }

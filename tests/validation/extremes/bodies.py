@@ -8,6 +8,7 @@ from .rows import Outcome, Quantity, Refused, Row, Runner, Stable
 from .scenes import CLAMPED, GLASS, ball, material, scene, sheet
 
 GAP = 1e-4       # [m] between ball and sheet at the start
+SINKS = "ball 'ball' may sink"  # these balls are small beside the distance of the Gauss points
 HIT = 1e-3       # of the books with contact and without cracks
 RECOVERY = 0.01  # [m/s]: an overlap with a body that the engine holds is taken back so fast at most
 AT = 0.21132486540518713  # of an element: a Gauss point, so that the ball touches at the point nearest to it
@@ -65,21 +66,21 @@ def stuck(found: Outcome, runner: Runner) -> list[Quantity]:
 
 BODIES: list[Row] = [
     # a ball so light that the sheet is a wall to it, and one that does not notice the sheet
-    Row("mass_1e-6_elastic", struck(1e-6, 1.0, restitution=1.0), Stable(HIT), after(1.0, 1e-3)),
-    Row("mass_1e-6_inelastic", struck(1e-6, 1.0, restitution=0.0), Stable(HIT), after(0.0, 1.1 * RECOVERY)),
-    Row("mass_1", struck(1.0, 1.0), Stable(HIT)),
-    *(Row(f"mass_1e6_{name}", struck(1e6, 1.0, restitution=e), Stable(HIT), after(-1.0, 4e-6))
+    Row("mass_1e-6_elastic", struck(1e-6, 1.0, restitution=1.0), Stable(HIT, SINKS), after(1.0, 1e-3)),
+    Row("mass_1e-6_inelastic", struck(1e-6, 1.0, restitution=0.0), Stable(HIT, SINKS), after(0.0, 1.1 * RECOVERY)),
+    Row("mass_1", struck(1.0, 1.0), Stable(HIT, SINKS)),
+    *(Row(f"mass_1e6_{name}", struck(1e6, 1.0, restitution=e), Stable(HIT, SINKS), after(-1.0, 4e-6))
       for name, e in (("elastic", 1.0), ("inelastic", 0.0))),
-    Row("mass_1e6_two_processes", struck(1e6, 1.0), Stable(HIT), after(-1.0, 4e-6), processes=2),
+    Row("mass_1e6_two_processes", struck(1e6, 1.0), Stable(HIT, SINKS), after(-1.0, 4e-6), processes=2),
     # a ball at rest stays to the bit; slow ones bounce as fast ones do; the sheet of fast ones does not break
-    Row("ball_at_rest", struck(1.0, 0.0), Stable(HIT), untouched),
-    *(Row(f"rebound_{v:g}_m_per_s", struck(1e-6, v, restitution=1.0), Stable(HIT), after(1.0, 1e-3, v))
+    Row("ball_at_rest", struck(1.0, 0.0), Stable(HIT, SINKS), untouched),
+    *(Row(f"rebound_{v:g}_m_per_s", struck(1e-6, v, restitution=1.0), Stable(HIT, SINKS), after(1.0, 1e-3, v))
       for v in (1e-3, 1e-2, 0.1, 10.0)),
-    *(Row(f"ball_{v:.0f}_m_per_s", struck(0.01, v, elements=16, way=0.05, edges=CLAMPED), Stable(2e-2))
+    *(Row(f"ball_{v:.0f}_m_per_s", struck(0.01, v, elements=16, way=0.05, edges=CLAMPED), Stable(2e-2, SINKS))
       for v in (10.0, 100.0, 1000.0)),
     Row("refused_ball_1e7_m_per_s", struck(0.01, 1e7, way=1e4), Refused("bodies[0].twist", "twist {")),
-    Row("friction_0", with_friction("0"), Stable(HIT), slid),
-    Row("friction_1e300", with_friction("1e300"), Stable(HIT), stuck),
+    Row("friction_0", with_friction("0"), Stable(HIT, SINKS), slid),
+    Row("friction_1e300", with_friction("1e300"), Stable(HIT, SINKS), stuck),
     *(Row(f"refused_friction_{value.replace('-', 'minus_')}", with_friction(value),
           Refused("contacts[0].friction", "friction:")) for value in ("inf", "nan", "-1")),
     *(Row(f"refused_restitution_{e}", struck(1.0, 1.0, restitution=e), Refused("contacts[0].restitution", "restitution:"))

@@ -209,7 +209,7 @@ TEST(Jump, IsBookedAsInjectedAsFarAsItIsMoreThanTheCracksLetGo) {
     ShellState s = moving(m);
     insert(m, s, {0.0333, 0.0342}, {0.0371, 0.0318});
     EXPECT_GT(s.cracks.released, 0.0);
-    EXPECT_EQ(s.cracks.released, s.book.fracture);
+    EXPECT_NEAR(s.cracks.released, s.book.fracture, 1e-12 * s.cracks.released);
     // a force that pulls on along the jump, which no share of it can make up for
     compute_forces(m, s, true, 0.0, 1);
     for (double& v : s.motion.v) v = 0.0;
