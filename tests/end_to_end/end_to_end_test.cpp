@@ -119,7 +119,7 @@ TEST(DuctileStrip, ThatHasYieldedOnItsWayToEquilibriumStartsWithClosedBooks) {
 TEST(Run, IsTheSameForOneAndTwoThreadsAndNotForAnotherSpeed) {
   const auto hash = [](const std::vector<std::string>& options) {
     std::vector<std::string> all{
-        "--set", "shells[pane].plate.elements_x=40", "--set", "shells[pane].plate.elements_y=40", "--until", "1e-3"};
+        "--set", "shells[pane].plate.elements_x=40", "--set", "shells[pane].plate.elements_y=40", "--until", "2e-3"};
     all.insert(all.end(), options.begin(), options.end());
     Pair run("glass.textproto", all);
     EXPECT_EQ(run.shell->wait(kPatience), 0) << run.log("shell");

@@ -16,8 +16,8 @@ SUNDER = [str(TOP / "coupler" / "sunder")]
 SCENE = str(TOP / "scenes" / "cut_pane.textproto")
 SOFT = str(TOP / "scenes" / "soft_ball.textproto")
 GLASS = str(TOP / "scenes" / "glass.textproto")
-SHATTERING = [part for setting in ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=8e-4",
-                                   "fracture.latest_freeze_s=7e-4", "output.checkpoint_interval_s=1e-4",
+SHATTERING = [part for setting in ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=2.2e-3",
+                                   "fracture.latest_freeze_s=2e-3", "output.checkpoint_interval_s=1e-4",
                                    "output.shell_frame_interval_s=1e-4") for part in ("--set", setting)]
 TRIES = 3
 OFTEN = [part for setting in ("output.checkpoint_interval_s=3e-4", "output.frame_interval_s=1",
@@ -114,7 +114,7 @@ def is_cracking(run_json: Path) -> bool:
     try:
         run = json.loads(run_json.read_text())
         return bool(run["counts"]["fragments"] > 1 and run["time"]["frozen_at_s"] is None
-                    and run["time"]["simulated_s"] < 1e-3 and (run_json.parent / "checkpoint" / "state").is_file())
+                    and run["time"]["simulated_s"] < 1.9e-3 and (run_json.parent / "checkpoint" / "state").is_file())
     except (OSError, ValueError, KeyError):
         return False
 

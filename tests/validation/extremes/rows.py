@@ -65,19 +65,19 @@ class Expectation:
 
 @dataclass(frozen=True)
 class Stable(Expectation):
-    """Runs to its end without a warning but one that begins with `warns`, every number finite, and the energy books
-    within `bound` at every window. Where `warns` is given, the run has to warn so."""
+    """Runs to its end, every number finite, and the energy books within `bound` at every window. It warns where `warns` is
+    given, and only with what this pattern matches from its begin."""
     bound: float
     warns: str = ""
 
     def __str__(self) -> str:
-        return f"stable, energy within {self.bound:.0e}" + (f", warns: {self.warns} ..." if self.warns else "")
+        return f"stable, energy within {self.bound:.0e}" + (f", warns: {self.warns}" if self.warns else "")
 
     def judge(self, found: Outcome, scene: str) -> tuple[str, str]:
         run, wrong = found.run, []
         if found.status != DONE or run.get("status") != "done":
             return _ending(found), "did not run to its end"
-        told = [w for w in run["warnings"] if self.warns and w.startswith(self.warns)]
+        told = [w for w in run["warnings"] if self.warns and re.match(self.warns, w)]
         if other := [w for w in run["warnings"] if w not in told]:
             wrong.append(f"warns: {other[0]}")
         if self.warns and not told:
