@@ -91,10 +91,6 @@ std::vector<double> free_discontinuity(const ShellModel& m, ShellState& s, doubl
   return discontinuity;
 }
 
-}  // namespace
-
-namespace {
-
 // A force discontinuity as a change of velocities, and the share of it that is applied to the half kick before. It
 // changes the energy m v- . v+ / 2 by (share - 1) moving + share^2 square + share still.
 struct KickChange {
