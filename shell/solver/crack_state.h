@@ -24,7 +24,8 @@ struct Tip {
   double first_turn = 0.0;    // largest turn of its first edge [rad]
   // Sums over the growth of `pending`, weighted by speed: weight, turn [rad], drive.
   double weight = 0.0, turn = 0.0, ratio = 0.0;
-  double owed = 0.0;  // what its edges have cost beyond what they released, so far [J]
+  double owed = 0.0;      // what its edges have cost beyond what they released, so far [J]
+  double release = -1.0;  // mean of its energy release over the response time [J/m^2]; below 0: not known yet
   bool alive = true;
   bool seam_decided = false;  // dead, and its propagation over a seam has been decided
 };

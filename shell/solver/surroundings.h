@@ -10,6 +10,7 @@
 #include "shell/fracture/visibility.h"
 #include "shell/mechanics/point_force.h"
 #include "shell/solver/model.h"
+#include "shell/solver/release_ring.h"
 
 namespace sunder::shell {
 
@@ -168,6 +169,7 @@ struct KnownMean {
 /// Not part of checkpoints: all of it can be found again.
 struct KnownSurroundings {
   std::vector<Surroundings> of_tip;
+  std::vector<ReleaseRing> ring_of_tip;
   KnownOfPoints<NearCracks> cracks_of_point;
   KnownOfPoints<EnergyReleaseZone> zone_of_point;
   KnownOfPoints<KnownMean> mean_of_point;

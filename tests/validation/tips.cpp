@@ -6,6 +6,7 @@
 
 #include "shell/geometry/builders.h"
 #include "shell/mechanics/principal.h"
+#include "shell/solver/cracking/energy_release.h"
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/cracking/tip_drive.h"
@@ -51,8 +52,12 @@ std::vector<Load> loads(Pull pull) {
   return out;
 }
 
+// Half-length by which a crack on a grid is longer than its own, at most [spacings]: functions are smooth over its end.
+constexpr double kLongerCrack = 0.6;
+
 struct Found {
   double k1 = 0.0;             // sqrt(energy release) over that of a crack across the stress in an infinite sheet
+  double release = 0.0;        // J, over the same
   double turn = 0.0;           // turn in either direction [rad]
   double anticlockwise = 0.0;  // mean of both tips [rad]
 };
@@ -81,6 +86,8 @@ Found crack_under(Pull pull, int elements, double angle, int threads, const Vec2
     const double known = pull == Pull::kBending
                              ? 1e-2 * kStress * std::sqrt(kHalfCrack * kPi * (1.0 + nu) / (3.0 * (3.0 + nu)))
                              : kStress * std::sqrt(kPi * kHalfCrack);
+    const ReleaseLook look{tip.p, tip.direction, kReleaseInner * kReleaseOuter * m.spacing, kReleaseOuter * m.spacing};
+    found.release += energy_release_at(m, s, look).x() * e / (known * known) / s.cracks.tips.size();
     found.k1 += root / known / s.cracks.tips.size(), found.turn += std::abs(drive.turn) / s.cracks.tips.size();
     found.anticlockwise += drive.turn / s.cracks.tips.size();
   }
@@ -112,6 +119,8 @@ void energy_release(Report& r, int threads) {
         const double start = seconds_now();
         const Found f = crack_under(pull, elements, angle * kDegree, threads);
         r.add(fmt::format("{}_{:.0f}_degrees_{}", name, angle, elements), f.k1, 1.0, 0.25, seconds_now() - start);
+        r.add(fmt::format("{}_release_{:.0f}_degrees_{}", name, angle, elements), f.release, 1.0,
+              kLongerCrack * kSide / (elements * kHalfCrack), 0.0);
         r.lines.push_back(
             fmt::format("{} at {:.0f} degrees, {}: turns by {:.1f} degrees", name, angle, elements, f.turn / kDegree));
       }

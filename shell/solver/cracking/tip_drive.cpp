@@ -41,6 +41,22 @@ Drive drive_along(const Sums& sums, const CrackRules& r, const Start& start, dou
   return best;
 }
 
+// Whether moments ahead twist the sheet more than they or stretch open the crack. Where it is torn out of its plane,
+// face stress has no say in the direction: what opens one face on the left opens the other one on the right.
+bool is_twisted(const Sums& sums, const CrackRules& r, const Vec2& d) {
+  if (!(sums.weight > 0.0)) return false;
+  double bend[3], mean[3];
+  for (int k = 0; k < 3; ++k) {
+    bend[k] = 0.5 * (sums.six[3 + k] - sums.six[k]) / sums.weight;
+    mean[k] = 0.5 * (sums.six[3 + k] + sums.six[k]) / sums.weight;
+  }
+  const Vec2 left(-d.y(), d.x());
+  const double twist =
+      d.x() * left.x() * bend[0] + d.y() * left.y() * bend[1] + (d.x() * left.y() + d.y() * left.x()) * bend[2];
+  return std::abs(twist) > std::abs(across(bend, d)) &&
+         std::abs(twist) / r.tip_bending_strength > std::abs(across(mean, d)) / r.tip_strength;
+}
+
 // Mean of an angular function over the wedge straight ahead, times the mean of sqrt(R / r), with the weights of
 // drive_at.
 template <class F>
@@ -146,6 +162,7 @@ Drive drive_at(const ShellModel& m, const ShellState& s, const CrackRules& r, co
     best.ratio = (1.0 - part) * before.ratio + part * after.ratio;
   }
   best.turn = turn;
+  best.twisted = is_twisted(ahead[0], r, start.direction);
   return best;
 }
 

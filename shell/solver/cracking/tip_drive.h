@@ -5,10 +5,12 @@
 namespace sunder::shell {
 
 struct Drive {
-  double ratio = 0.0;  // sqrt(energy release / fracture energy)
-  double turn = 0.0;   // towards the direction of the largest drive [rad]
-  int face = 0;        // that opens first, -1 or +1
-  double bent = 0.0;   // share of bending in the energy release
+  double ratio = 0.0;     // sqrt(energy release / fracture energy)
+  double turn = 0.0;      // towards the direction of the largest drive [rad]
+  int face = 0;           // that opens first, -1 or +1
+  double bent = 0.0;      // share of bending in the energy release
+  bool twisted = false;   // moments ahead twist more than they open
+  double release = -1.0;  // energy release as a domain integral [J/m^2]; below 0: not known
 };
 
 /// A place from which a crack may run.

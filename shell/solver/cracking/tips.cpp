@@ -7,6 +7,7 @@
 #include "shell/mechanics/principal.h"
 #include "shell/solver/cracking/clamp.h"
 #include "shell/solver/cracking/crack_cost.h"
+#include "shell/solver/cracking/energy_release.h"
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/nucleation.h"
 #include "shell/solver/cracking/tip_drive.h"
@@ -90,6 +91,26 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
   return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }
 
+// The fracture energy at a tip at rest [J/m^2].
+double resistance_at(const ShellModel& m, const Tip& tip) {
+  const int block = m.patch.knots_v.span_of(tip.p.y()) * m.tables.gauss * m.tables.gauss;
+  const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(tip.p.x()));
+  return m.material.fracture_energy * factor * factor;
+}
+
+// Replaces the drive by that of the energy release, averaged in time with `share`. A tip turns towards its energy
+// release where the sheet is torn out of its plane: moments ahead twist it, and behind the tip its faces have passed
+// each other.
+void follow_release(Drive& drive, const TipRelease& release, const Tip& tip, double share, double most_turn,
+                    double thickness, double resistance) {
+  const double along = release.energy.x(), across = release.energy.y();
+  drive.release = tip.release < 0.0 ? along : tip.release + share * (along - tip.release);
+  const bool torn = drive.twisted && release.apart > thickness;
+  if (torn) drive.turn = along > 0.0 ? std::clamp(std::atan2(across, along), -most_turn, most_turn) : 0.0;
+  if (!torn && !(drive.ratio > 0.0)) return;  // nothing opens the crack
+  drive.ratio = std::sqrt(std::max(0.0, drive.release) * (torn ? 1.0 : kink_factor(drive.turn)) / resistance);
+}
+
 // Settles what the edges of the tips, from `first` on, have released [J] against what they cost. An edge is inserted
 // before its faces have moved, so it releases what the elements around it store, more or less than its cost. A tip that
 // released less owes the rest to its next edges. What is over is energy of the motion that opens the crack, which
@@ -159,7 +180,7 @@ bool room_to_branch(const ShellState& s, const CrackRules& r, const Tip& tip, do
 int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double time, double dt) {
   int inserted = 0;
   const std::size_t count = s.cracks.tips.size();
-  s.caches.surroundings.of_tip.resize(count);
+  s.caches.surroundings.of_tip.resize(count), s.caches.surroundings.ring_of_tip.resize(count);
   const auto start_of = [&](const Tip& tip) {
     Start start;
     start.p = tip.p, start.direction = tip.direction, start.edge = tip.edge, start.face = tip.face;
@@ -172,26 +193,35 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
   const int known = static_cast<int>(s.cracks.graph.edges().size());
   const auto as_before = [&](const Vec2& p) {
     // an edge changes the points that a tip sees, and the stress of points that see across the edge
-    const Vec2 pad = Vec2::Constant(r.tip_radius) + kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
+    const Vec2 pad = Vec2::Constant(std::max(r.tip_radius, kReleaseOuter * m.spacing)) +
+                     kLargestSupport * Vec2(m.spacing_u, m.spacing_v);
     bool same = true;
     if (static_cast<int>(s.cracks.graph.edges().size()) == known) return same;
     s.cracks.graph.near_since(p - pad, p + pad, known, [&](int) { same = false; });
     return same;
+  };
+  const double share = std::min(1.0, dt / m.response_time());
+  const auto drive_of = [&](std::size_t i, const Tip& tip) {
+    const Start start = start_of(tip);
+    Drive drive = drive_at(m, s, r, start, s.caches.surroundings.of_tip[i]);
+    if (const auto release = tip_release(m, s, tip, s.caches.surroundings.ring_of_tip[i]))
+      follow_release(drive, *release, tip, share, start.most_turn, m.thickness, resistance_at(m, tip));
+    return drive;
   };
   std::vector<Drive> drives(count);
   std::vector<std::size_t> alive;
   for (std::size_t i = 0; i < count; ++i)
     if (s.cracks.tips[i].alive) alive.push_back(i);
 #pragma omp parallel for schedule(dynamic, 4) num_threads(r.threads) if (r.threads > 1 && alive.size() > kFewTips)
-  for (const std::size_t i : alive)
-    drives[i] = drive_at(m, s, r, start_of(s.cracks.tips[i]), s.caches.surroundings.of_tip[i]);
+  for (const std::size_t i : alive) drives[i] = drive_of(i, s.cracks.tips[i]);
   for (std::size_t i = 0; i < count; ++i) {
     Tip tip = s.cracks.tips[i];  // a copy: branching appends to the vector
     if (!tip.alive) {
-      s.caches.surroundings.of_tip[i] = {};
+      s.caches.surroundings.of_tip[i] = {}, s.caches.surroundings.ring_of_tip[i] = {};
       continue;
     }
-    const Drive now = as_before(tip.p) ? drives[i] : drive_at(m, s, r, start_of(tip), s.caches.surroundings.of_tip[i]);
+    const Drive now = as_before(tip.p) ? drives[i] : drive_of(i, tip);
+    s.cracks.tips[i].release = tip.release = now.release;
     if (now.ratio <= 1.0) continue;
     tip.face = now.face;
     const double speed = r.rayleigh * tip_speed(m.material, now.ratio * now.ratio);

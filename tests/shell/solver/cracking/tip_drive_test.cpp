@@ -75,6 +75,16 @@ TEST(TipDrive, TurnsNoFurtherThanItMayAndOnlyThenByThat) {
   }
 }
 
+TEST(TipDrive, TellsTwistFromOpening) {
+  // principal moments across and along a course that turns from one to the other: at 45 degrees they only twist it
+  const auto twisted = [](double angle, double lower) { return drive_of(angle, 0.0, lower, 0.0).twisted; };
+  EXPECT_FALSE(twisted(0.0, -1.0)) << "bent open";
+  EXPECT_FALSE(twisted(40.0 * kDegree, -1.0));
+  EXPECT_TRUE(twisted(50.0 * kDegree, -1.0)) << "twist is sin cos of it, opening is cos squared";
+  EXPECT_FALSE(twisted(50.0 * kDegree, 1.0)) << "stretched and not bent";
+  EXPECT_FALSE(twisted(50.0 * kDegree, 0.5)) << "stretched more than bent";
+}
+
 TEST(CriticalLength, IsGriffithsStretchedAndThatOfWilliamsFieldBent) {
   ShellMaterial m = glass();
   m.youngs_modulus = 70e9, m.poisson_ratio = 0.22, m.fracture_energy = 8.0;

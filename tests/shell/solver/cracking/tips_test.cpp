@@ -35,6 +35,7 @@ ShellState opened(const ShellModel& m) {
     s.motion.x[m.tables.plane + m.tables.slot(k)] += u * cosine * (kappa - 1.0 + 2.0 * sine * sine);
   }
   compute_forces(m, s, false, 1.0, 1);
+  std::fill(s.motion.force.begin(), s.motion.force.end(), 0.0);  // the field is at rest, up to the grid
   start_at_ends(m, s, 0, static_cast<int>(s.cracks.graph.edges().size()));
   EXPECT_EQ(s.cracks.tips.size(), 1u);
   s.cracks.tips[0].first_turn = 0.0;
