@@ -11,7 +11,7 @@ from unittest import mock
 import numpy as np
 
 from sunder_tools.pictures.crack_lines import Graph
-from tests.validation import crack_books, crack_paths, experiments, impacts, mirrors, trials
+from tests.validation import crack_books, crack_paths, experiments, impacts, mirrors, tearing, trials
 
 from .synthetic import write_vtp
 
@@ -181,7 +181,7 @@ class Registry(unittest.TestCase):
         for module, names in ((impacts, ("round_pane", "impact_speed", "refinement", "snapped", "tough", "heavy", "pieces")),
                               (crack_books, ("books", "many")),
                               (crack_paths, ("modes", "pressed_plate", "kalthoff", "branching", "share")),
-                              (mirrors, ("mirror",))):
+                              (mirrors, ("mirror",)), (tearing, ("trousers",))):
             for name in names:
                 self.assertTrue(callable(getattr(module, name)))
                 self.assertIn(name, [e.name for e in experiments.EXPERIMENTS["cracks"]])

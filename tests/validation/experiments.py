@@ -189,6 +189,8 @@ EXPERIMENTS = {"shells": (
     Experiment("branching", "when a running crack divides, three spacings (Borden 2012)", _later("crack_paths", "branching")),
     Experiment("mirror", "length, stress and speed at which a crack in glass divides, stretched and bent, three spacings",
                _later("mirrors", "mirror")),
+    Experiment("trousers", "force that tears a sheet out of its plane, three spacings (trousers test)",
+               _later("tearing", "trousers")),
     Experiment("share", "what cracks cost while they grow, and with their number", _later("crack_paths", "share")),
     Experiment("many", "a thousand pieces of a pane that a blast breaks", _later("crack_books", "many")),
     Experiment("books", "energy that cracks add and that no book has, momentum that pieces carry, seven scenes",
