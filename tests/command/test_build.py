@@ -51,7 +51,7 @@ class Building(unittest.TestCase):
                                                         f"SUNDER_CAD:BOOL={'ON' if self.cad else 'OFF'}\nBUILD_TESTING:BOOL={tests}\n")
         with log.open("a") as sink:
             sink.write("".join(f"line {k}\n" for k in range(100)))
-        for line in ("[1/2] one", "[2/2] two") if on_line and len(self.commands) < 3 else ():
+        for line in ("[0/1] Re-checking globbed directories...", "[1/2] one", "[2/2] two") if on_line and len(self.commands) < 3 else ():
             on_line(line)
         return self.status
 

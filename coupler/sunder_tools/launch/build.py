@@ -183,7 +183,7 @@ class _Progress:
         self._open = False
 
     def __call__(self, line: str) -> None:
-        count = re.match(r"\[(\d+)/(\d+)\] ", line)
+        count = re.match(r"\[(\d+)/(\d+)\] (?!Re-)", line)  # "[0/2] Re-checking globbed directories...": counts no steps yet
         if not count:
             return
         if self._terminal:
