@@ -55,29 +55,20 @@ constexpr double kMostTurn = 10.0 * (std::numbers::pi / 180.0);
 /// [rad]: the same for the first edge of a crack that starts at the end of a cut.
 /// published: above 70.5 degrees, the kink in pure mode II (Erdogan and Sih 1963); the margin is chosen
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;
-/// [h]: outer radius of the ring over which the energy release of a tip is integrated.
-/// numerical: J does not depend on the ring; it scatters by 2 % over places and angles of a tip at 4, by 10 % at 2
-/// (`energy_release`)
-constexpr double kReleaseOuter = 4.0;
-/// [h]: the smallest such ring; where none fits the mean stress drives the tip.
-/// numerical: as kReleaseOuter
-constexpr double kReleaseLeast = 2.5;
+/// [h]: outer radius of the ring over which J is integrated, and the smallest one; below it the mean stress drives.
+/// numerical: J scatters by 2 % over places and angles of a tip at 4, by 10 % at 2 (`energy_release`)
+constexpr double kReleaseOuter = 4.0, kReleaseLeast = 2.5;
 /// [of the outer radius]: where the virtual advance begins to fall.
-/// numerical: as kReleaseOuter; nearer to the tip the functions do not resolve the singular field
+/// numerical: nearer to the tip the functions do not resolve the singular field
 constexpr double kReleaseInner = 0.25;
-/// [rad]: an edge within this angle behind a tip is its own course, over which J changes little.
+/// [rad], [h]: an edge within this angle and margin behind a tip is its own course, over which J changes little.
 /// numerical: a sharp kink behind a tip keeps its ring; the arms of a division do not
-constexpr double kWake = 60.0 * std::numbers::pi / 180.0;
-/// [h]: added to that wedge, for the tip's own vertex.
-/// numerical: small, above round-off
-constexpr double kWakeMargin = 0.3;
+constexpr double kWake = 60.0 * std::numbers::pi / 180.0, kWakeMargin = 0.3;
 /// [h]: length that a young tip is credited with beyond its own, half of its next edge, when its resistance passes from
 /// the strength to the energy.
 /// numerical: middle of the edge
 constexpr double kCreditedLength = 0.5;
-
 // ---- Tips: speed, edges, division
-
 /// [h]: length of a new edge, of tips and of damage.
 /// numerical: below one spacing, so that a crack follows the field of each element
 constexpr double kEdgeLength = 0.75;
@@ -112,9 +103,7 @@ constexpr double kBranchOwn = 2.0;
 /// near ahead of a tip or beside a nearly parallel crack.
 /// numerical: no source
 constexpr double kClearance = 2.5;
-
 // ---- Tips: joining and ending
-
 /// [h]: reach ahead of an edge within which a tip ends on another crack or on the border.
 /// numerical: no strip narrower than an element is left
 constexpr double kJoinReach = 1.0;
@@ -143,9 +132,7 @@ constexpr double kOwnEdges = 2.0;
 /// [h]: an end of a cut with another crack so near is not open.
 /// numerical: far above kJoinPast, below an edge
 constexpr double kEndTaken = 0.1;
-
 // ---- New cracks
-
 /// sigma_low / sigma_high [-]: principal stresses nearer than this leave the direction of a new crack to chance.
 /// numerical: no source
 constexpr double kAlike = 0.8;
@@ -179,9 +166,7 @@ constexpr double kFarthest = 1e6;
 /// [m]: cell of the scatter of the strength; the scene may set `flaw_spacing_m`.
 /// calibrated on struck_pane: by eye, no source
 constexpr double kFlawSpacing = 4e-3;
-
 // ---- Along a clamped border
-
 /// [h]: a crack along a clamped border lies so far inside, where the border's control points are not visible.
 /// numerical: geometry; below kBorderTolerance
 constexpr double kOnBorder = 5e-4;

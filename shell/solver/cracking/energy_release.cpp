@@ -9,8 +9,6 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kBesideFaces = 1.5;  // points so near to a crack tell how far its faces are apart [spacings]
-
 Vec3 vec(const Vector<double>& a) { return {a.x, a.y, a.z}; }
 
 // A polynomial with two continuous derivatives between the radii.
@@ -162,7 +160,7 @@ double faces_apart(const ShellModel& m, const ShellState& s, const ReleaseRing& 
   const Vec2& d = ring.look.direction;
   for (const ReleaseRing::Point& p : ring.points) {
     const double along = d.dot(p.offset), left = d.x() * p.offset.y() - d.y() * p.offset.x();
-    if (along > -ring.look.inner || std::abs(left) > kBesideFaces * m.spacing) continue;
+    if (along > -ring.look.inner || std::abs(left) > 0.75 * kTipRadius * m.spacing) continue;
     Vec3 place = Vec3::Zero();
     for (const GatheredFunction& f : p.own.functions) place += f.n[0] * s.position(f.slot);
     Side& side = sides[left > 0.0];
