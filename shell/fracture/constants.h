@@ -7,8 +7,7 @@
 //   calibrated on CASE   fitted or chosen by eye; `validate cracks --case sensitivity` changes it by 20 % on that case
 //   numerical      chosen for the grid, the solver or its cost; no physical source
 // Unit [h]: the spacing, the mean length of an element. [tau]: the thickness. [-]: a ratio.
-// Constants of round-off, of cost and of the material law stay beside what uses them; so do those of sampled curves
-// (shell/geometry/plane_curves.h), which is below this folder.
+// Constants of round-off, of cost, of the material law and of sampled curves stay beside what uses them.
 #include <cstddef>
 #include <numbers>
 
@@ -55,20 +54,19 @@ constexpr double kMostTurn = 10.0 * (std::numbers::pi / 180.0);
 /// [rad]: the same for the first edge of a crack that starts at the end of a cut.
 /// published: above 70.5 degrees, the kink in pure mode II (Erdogan and Sih 1963); the margin is chosen
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;
-/// [h]: outer radius of the ring over which J is integrated, and the smallest one; below it the mean stress drives.
+/// [h, h, of the outer radius]: outer radius of the ring over which J is integrated; the smallest one, below which the
+/// mean stress drives; and where the virtual advance begins to fall.
 /// numerical: J scatters by 2 % over places and angles of a tip at 4, by 10 % at 2 (`energy_release`)
-constexpr double kReleaseOuter = 4.0, kReleaseLeast = 2.5;
-/// [of the outer radius]: where the virtual advance begins to fall.
-/// numerical: nearer to the tip the functions do not resolve the singular field
-constexpr double kReleaseInner = 0.25;
-/// [rad], [h]: an edge within this angle and margin behind a tip is its own course, over which J changes little.
+constexpr double kReleaseOuter = 4.0, kReleaseLeast = 2.5, kReleaseInner = 0.25;
+/// [rad, h]: an edge within this angle and margin behind a tip is its own course, over which J changes little.
 /// numerical: a sharp kink behind a tip keeps its ring; the arms of a division do not
 constexpr double kWake = 60.0 * std::numbers::pi / 180.0, kWakeMargin = 0.3;
-/// [h]: length that a young tip is credited with beyond its own, half of its next edge, when its resistance passes from
-/// the strength to the energy.
+/// [h]: credited to a young tip beyond its length, half of its next edge, as its resistance passes to the energy.
 /// numerical: middle of the edge
 constexpr double kCreditedLength = 0.5;
+
 // ---- Tips: speed, edges, division
+
 /// [h]: length of a new edge, of tips and of damage.
 /// numerical: below one spacing, so that a crack follows the field of each element
 constexpr double kEdgeLength = 0.75;
@@ -103,7 +101,9 @@ constexpr double kBranchOwn = 2.0;
 /// near ahead of a tip or beside a nearly parallel crack.
 /// numerical: no source
 constexpr double kClearance = 2.5;
+
 // ---- Tips: joining and ending
+
 /// [h]: reach ahead of an edge within which a tip ends on another crack or on the border.
 /// numerical: no strip narrower than an element is left
 constexpr double kJoinReach = 1.0;
@@ -132,7 +132,9 @@ constexpr double kOwnEdges = 2.0;
 /// [h]: an end of a cut with another crack so near is not open.
 /// numerical: far above kJoinPast, below an edge
 constexpr double kEndTaken = 0.1;
+
 // ---- New cracks
+
 /// sigma_low / sigma_high [-]: principal stresses nearer than this leave the direction of a new crack to chance.
 /// numerical: no source
 constexpr double kAlike = 0.8;
@@ -166,7 +168,9 @@ constexpr double kFarthest = 1e6;
 /// [m]: cell of the scatter of the strength; the scene may set `flaw_spacing_m`.
 /// calibrated on struck_pane: by eye, no source
 constexpr double kFlawSpacing = 4e-3;
+
 // ---- Along a clamped border
+
 /// [h]: a crack along a clamped border lies so far inside, where the border's control points are not visible.
 /// numerical: geometry; below kBorderTolerance
 constexpr double kOnBorder = 5e-4;
@@ -192,12 +196,9 @@ constexpr double kCrushingOverStrength = 10.0;
 /// [-]: cosine between the normals of the two faces below which they release.
 /// numerical: the frame of the gap has no meaning beyond it
 constexpr double kFacesCosine = 0.7;
-/// [of the area at rest]: faces release where their tangents' parallelogram is smaller.
-/// numerical: crushed surroundings
-constexpr double kFacesLeastArea = 0.5;
-/// [of the area at rest]: the same where it is larger.
-/// numerical: stretched surroundings
-constexpr double kFacesMostArea = 2.0;
+/// [of the area at rest]: faces release where their tangents' parallelogram is smaller, or larger.
+/// numerical: crushed surroundings, or stretched ones
+constexpr double kFacesLeastArea = 0.5, kFacesMostArea = 2.0;
 /// [of the area at rest]: a side that is smaller has no normal, and bears nothing until it releases.
 /// numerical: above round-off
 constexpr double kNoFrame = 1e-3;

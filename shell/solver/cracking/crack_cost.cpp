@@ -21,11 +21,14 @@ double length_within(const Patch& patch, const Vec2& a, const Vec2& b) {
 
 }  // namespace
 
+double fracture_energy_at(const ShellModel& m, const Vec2& p) {
+  const int block = m.patch.knots_v.span_of(p.y()) * m.tables.gauss * m.tables.gauss;
+  const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(p.x()));
+  return m.material.fracture_energy * factor * factor;
+}
+
 double edge_cost(const ShellModel& m, const CrackEdge& e) {
-  const Vec2 middle = 0.5 * (e.a + e.b);
-  const int block = m.patch.knots_v.span_of(middle.y()) * m.tables.gauss * m.tables.gauss;
-  const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(middle.x()));
-  return m.material.fracture_energy * (m.thickness - m.material.interlayer.thickness) * factor * factor * e.resistance *
+  return fracture_energy_at(m, 0.5 * (e.a + e.b)) * (m.thickness - m.material.interlayer.thickness) * e.resistance *
          length_within(m.patch, e.a, e.b);
 }
 

@@ -5,8 +5,12 @@
 
 namespace sunder::shell {
 
+/// Fracture energy at a point of the patch, for a tip at rest [J/m^2]: the material's, scaled by the square of the
+/// local strength factor.
+double fracture_energy_at(const ShellModel& model, const Vec2& p);
+
 /// Returns the energy [J] that an edge costs: its area within the patch times the fracture energy at the speed at which
-/// it ran (CrackEdge::resistance). The fracture energy is scaled by the square of the local strength factor.
+/// it ran (CrackEdge::resistance).
 double edge_cost(const ShellModel& model, const CrackEdge& edge);
 
 }  // namespace sunder::shell

@@ -151,27 +151,6 @@ double density_at(const Present& p, int k, const LinearField& field, double mass
   return stretched - bent - stored * e.dot(chi.slope) + chi.value * mass_per_area * moving;
 }
 
-// Distance of the faces behind a tip along the mean of their normals [m], between the means of both sides.
-double faces_apart(const ShellModel& m, const ShellState& s, const ReleaseRing& ring) {
-  struct Side {
-    Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
-    double weight = 0.0;
-  } sides[2];
-  const Vec2& d = ring.look.direction;
-  for (const ReleaseRing::Point& p : ring.points) {
-    const double along = d.dot(p.offset), left = d.x() * p.offset.y() - d.y() * p.offset.x();
-    if (along > -ring.look.inner || std::abs(left) > 0.75 * kTipRadius * m.spacing) continue;
-    Vec3 place = Vec3::Zero();
-    for (const GatheredFunction& f : p.own.functions) place += f.n[0] * s.position(f.slot);
-    Side& side = sides[left > 0.0];
-    side.place += p.own.area * place, side.weight += p.own.area;
-    side.normal += p.own.area * vec(surface_forms(gather(m.tables, p.own, s.motion.x)).normal);
-  }
-  if (!(sides[0].weight > 0.0) || !(sides[1].weight > 0.0)) return 0.0;
-  const Vec3 normal = (sides[0].normal / sides[0].weight + sides[1].normal / sides[1].weight).normalized();
-  return std::abs(normal.dot(sides[1].place / sides[1].weight - sides[0].place / sides[0].weight));
-}
-
 // Whether a point lies behind a tip, within kWake of its course, where its own crack is.
 bool behind(const Tip& tip, const Vec2& p, double spacing) {
   const Vec2 d = p - tip.p;
@@ -220,13 +199,31 @@ Vec2 energy_release_at(const ShellModel& m, const ShellState& s, const ReleaseLo
   return sum / m.thickness;
 }
 
-std::optional<TipRelease> tip_release(const ShellModel& m, const ShellState& s, const Tip& tip, ReleaseRing& ring) {
+std::optional<Vec2> tip_release(const ShellModel& m, const ShellState& s, const Tip& tip, ReleaseRing& ring) {
   if (s.yields() || s.weakens() || m.laminated() || tip.grown < tip.flaw) return {};
   const double outer = free_radius(m, s, tip, kReleaseOuter * m.spacing);
   if (outer < kReleaseLeast * m.spacing) return {};
-  TipRelease found{energy_release_at(m, s, {tip.p, tip.direction, kReleaseInner * outer, outer}, ring)};
-  found.apart = faces_apart(m, s, ring);
-  return found;
+  return energy_release_at(m, s, {tip.p, tip.direction, kReleaseInner * outer, outer}, ring);
+}
+
+double faces_apart(const ShellModel& m, const ShellState& s, const ReleaseRing& ring) {
+  struct Side {
+    Vec3 place = Vec3::Zero(), normal = Vec3::Zero();
+    double weight = 0.0;
+  } sides[2];
+  const Vec2& d = ring.look.direction;
+  for (const ReleaseRing::Point& p : ring.points) {
+    const double along = d.dot(p.offset), left = d.x() * p.offset.y() - d.y() * p.offset.x();
+    if (along > -ring.look.inner) continue;
+    Vec3 place = Vec3::Zero();
+    for (const GatheredFunction& f : p.own.functions) place += f.n[0] * s.position(f.slot);
+    Side& side = sides[left > 0.0];
+    side.place += p.own.area * place, side.weight += p.own.area;
+    side.normal += p.own.area * vec(surface_forms(gather(m.tables, p.own, s.motion.x)).normal);
+  }
+  if (!(sides[0].weight > 0.0) || !(sides[1].weight > 0.0)) return 0.0;
+  const Vec3 normal = (sides[0].normal / sides[0].weight + sides[1].normal / sides[1].weight).normalized();
+  return std::abs(normal.dot(sides[1].place / sides[1].weight - sides[0].place / sides[0].weight));
 }
 
 double kink_factor(double turn) {

@@ -26,17 +26,14 @@ Vec2 energy_release_at(const ShellModel& model, const ShellState& state, const R
 /// The same, with the points of an earlier call.
 Vec2 energy_release_at(const ShellModel& model, const ShellState& state, const ReleaseLook& look, ReleaseRing& known);
 
-/// What a running tip releases.
-struct TipRelease {
-  Vec2 energy;         // along its course and across it, to the left [J/m^2]
-  double apart = 0.0;  // of the faces behind it, along the normal [m]
-};
-
 /// The same of a running tip, over as wide a ring as fits between it and other tips, other cracks and the border. Empty
 /// where none fits, of a crack shorter than its flaw, and where J says nothing: beside layers that yield or weaken, and
 /// beside an interlayer.
-std::optional<TipRelease> tip_release(const ShellModel& model, const ShellState& state, const Tip& tip,
-                                      ReleaseRing& known);
+std::optional<Vec2> tip_release(const ShellModel& model, const ShellState& state, const Tip& tip, ReleaseRing& known);
+
+/// Distance between the faces behind a tip along the mean of their normals [m]: of the means over either side of the
+/// ring.
+double faces_apart(const ShellModel& model, const ShellState& state, const ReleaseRing& ring);
 
 /// Energy release of a tip that turns by `turn` [rad], over that of one that runs straight on. The turn tells the share
 /// of shear by maximum hoop stress, and so the opening of the kink (Erdogan and Sih 1963): 1 at 0, 4/3 at 70.5 degrees.

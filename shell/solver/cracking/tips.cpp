@@ -91,24 +91,25 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
   return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }
 
-// The fracture energy at a tip at rest [J/m^2].
-double resistance_at(const ShellModel& m, const Tip& tip) {
-  const int block = m.patch.knots_v.span_of(tip.p.y()) * m.tables.gauss * m.tables.gauss;
-  const double factor = m.strength_factor_at(block, m.patch.knots_u.span_of(tip.p.x()));
-  return m.material.fracture_energy * factor * factor;
-}
+// The energy release of a tip along its course and across it [J/m^2], and the distance of its faces along their normals
+// [m]; that is 0 unless moments ahead twist the sheet.
+struct TipRelease {
+  Vec2 energy;
+  double apart;
+};
 
 // Replaces the drive by that of the energy release, averaged in time with `share`. A tip turns towards its energy
 // release where the sheet is torn out of its plane: moments ahead twist it, and behind the tip its faces have passed
 // each other.
-void follow_release(Drive& drive, const TipRelease& release, const Tip& tip, double share, double most_turn,
-                    double thickness, double resistance) {
+void follow_release(Drive& drive, const TipRelease& release, const ShellModel& m, const Tip& tip, double share,
+                    double most_turn) {
   const double along = release.energy.x(), across = release.energy.y();
   drive.release = tip.release < 0.0 ? along : tip.release + share * (along - tip.release);
-  const bool torn = drive.twisted && release.apart > thickness;
+  const bool torn = release.apart > m.thickness;
   if (torn) drive.turn = along > 0.0 ? std::clamp(std::atan2(across, along), -most_turn, most_turn) : 0.0;
   if (!torn && !(drive.ratio > 0.0)) return;  // nothing opens the crack
-  drive.ratio = std::sqrt(std::max(0.0, drive.release) * (torn ? 1.0 : kink_factor(drive.turn)) / resistance);
+  const double kink = torn ? 1.0 : kink_factor(drive.turn);
+  drive.ratio = std::sqrt(std::max(0.0, drive.release) * kink / fracture_energy_at(m, tip.p));
 }
 
 // Settles what the edges of the tips, from `first` on, have released [J] against what they cost. An edge is inserted
@@ -204,8 +205,9 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
   const auto drive_of = [&](std::size_t i, const Tip& tip) {
     const Start start = start_of(tip);
     Drive drive = drive_at(m, s, r, start, s.caches.surroundings.of_tip[i]);
-    if (const auto release = tip_release(m, s, tip, s.caches.surroundings.ring_of_tip[i]))
-      follow_release(drive, *release, tip, share, start.most_turn, m.thickness, resistance_at(m, tip));
+    ReleaseRing& ring = s.caches.surroundings.ring_of_tip[i];
+    if (const auto energy = tip_release(m, s, tip, ring))
+      follow_release(drive, {*energy, drive.twisted ? faces_apart(m, s, ring) : 0.0}, m, tip, share, start.most_turn);
     return drive;
   };
   std::vector<Drive> drives(count);
