@@ -71,7 +71,8 @@ std::vector<std::string> audit_warnings(const Audit& audit) {
       share(std::max(audit.surface.taken, audit.surface.resistance)) > kNoted)
     out.push_back(fmt::format(
         "cracks took {:.2g} times the fracture energy of their area: {}", cost,
-        cost < 1.0 ? "more of them started at once than the energy there allows; refine"
+        cost < 1.0 ? "more of them started at once than the energy there allows, or they ran through bent or torn "
+                     "places, where an edge gives most of its energy to motion; refine"
         : audit.surface.subgrid > 0.0
             ? "what the grid cannot hold is booked as dust (cracks.subgrid_surface_m2); trust that surface and "
               "large pieces, not the number of small ones, or refine"
