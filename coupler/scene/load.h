@@ -55,6 +55,8 @@ void validate(const LoadedScene& scene);
 void validate_coupling(const LoadedScene& scene);
 /// Its part about soft bodies.
 void validate_soft(const LoadedScene& scene);
+/// Its part about bodies that follow a prescribed motion or change their shape.
+void validate_motion(const LoadedScene& scene);
 /// Its part about fibres of shells.
 void validate_fibres(const LoadedScene& scene);
 /// Its part about output and probes.

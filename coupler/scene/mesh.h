@@ -28,6 +28,16 @@ constexpr double kLeastVolume = 1e-9;  // share of the cube of the diagonal belo
 /// Reads the solid in the mesh's file. Throws Error (bad_scene) at the place of `field`.
 Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh);
 
+/// The corners of a solid's surface over time, first those of its mesh.
+struct SolidShapes {
+  Surface surface;                         // at time 0
+  std::vector<double> times;               // [s], from 0
+  std::vector<std::vector<Vec3>> corners;  // at these times [m]
+};
+/// Reads the shapes of a body with a deformation; `field` is the body. Throws Error (bad_scene) at the place where a
+/// mesh has other faces than the first, or a surface crosses itself.
+SolidShapes read_shapes(const LoadedScene& scene, const std::string& field, const proto::Body& body);
+
 /// A face of a file.
 struct Polygon {
   std::vector<int> corners;  // indices of the file's points, from 0

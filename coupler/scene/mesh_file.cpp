@@ -37,8 +37,9 @@ Solid hull_solid(const std::vector<Vec3>& points) {
   return solid;
 }
 
-// Reads a file by the end of its name.
-MeshFile read_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
+}  // namespace
+
+MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
   struct Format {
     const char* suffix;
     void (*read)(MeshFile&);
@@ -65,8 +66,6 @@ MeshFile read_file(const LoadedScene& scene, const std::string& field, const pro
   return out;
 }
 
-}  // namespace
-
 void MeshFile::fail(const std::string& what) const { scene.fail(field, fmt::format("'{}' {}", path, what)); }
 
 void MeshFile::fail_at(const std::string& where, const std::string& what) const {
@@ -86,7 +85,7 @@ void MeshFile::add(const Vec3& point, const std::string& where) {
 Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
   scene.check(!mesh.has_scale() || (std::isfinite(mesh.scale()) && mesh.scale() > 0.0), field + ".scale",
               "is {}; must be positive", mesh.scale());
-  const MeshFile file = read_file(scene, field, mesh);
+  const MeshFile file = read_mesh_file(scene, field, mesh);
   Solid solid;
   try {
     if (mesh.surface() == proto::Mesh::HULL) return hull_solid(file.points);

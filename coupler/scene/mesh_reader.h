@@ -31,6 +31,8 @@ struct MeshFile {
   [[noreturn]] void fail_at(const std::string& where, const std::string& what) const;
 };
 
+/// Reads a file by the end of its name. `field` is that of the mesh.
+MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh);
 void read_off(MeshFile& mesh);
 void read_obj(MeshFile& mesh);
 /// ASCII and binary, little and big endian. Properties other than x, y, z and the faces' corners are skipped.

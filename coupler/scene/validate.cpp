@@ -292,8 +292,10 @@ std::vector<std::string> things_of(const proto::Scene& m, const std::string& but
 
 void body(const Scene& s, const std::string& f, const proto::Body& b, const std::set<std::string>& materials,
           const std::set<std::string>& names) {
-  const bool fixed = b.is_static() || b.has_half_space();
-  if (!fixed && !materials.count(b.material()))
+  const bool fixed = b.is_static() || b.has_half_space(), driven = b.motion_size() > 0 || b.has_deformation();
+  if (!b.material().empty() && !materials.count(b.material()) && driven)
+    refuse_name(s, f + ".material", b.material(), "material", names_in(s.message.materials()));
+  if (!fixed && !driven && !materials.count(b.material()))
     refuse_name(s, f + ".material", b.material(), "material", names_in(s.message.materials()),
                 "a moving body needs one for its density");
   s.check(b.shape_case() != proto::Body::SHAPE_NOT_SET, f, "has no shape; give sphere, box, half_space or mesh");
@@ -301,7 +303,7 @@ void body(const Scene& s, const std::string& f, const proto::Body& b, const std:
   if (b.has_box())
     for (const double edge : {b.box().size_m().x(), b.box().size_m().y(), b.box().size_m().z()})
       positive(s, f + ".box.size_m", b.box().has_size_m(), edge, "m");
-  if (b.has_mesh()) read_mesh(s, f + ".mesh", b.mesh());
+  if (b.has_mesh() && !b.has_deformation()) read_mesh(s, f + ".mesh", b.mesh());
   pose(s, f + ".pose", b.pose());
   finite(s, f + ".twist.linear", b.twist().linear());
   finite(s, f + ".twist.angular", b.twist().angular());
@@ -427,6 +429,7 @@ void validate(const LoadedScene& s) {
   validate_coupling(s);
   validate_soft(s);
   validate_fibres(s);
+  validate_motion(s);
   fracture(s);
   validate_output(s);
 }

@@ -26,17 +26,53 @@ Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass,
   return gains ? Vec3(-(1.0 + restitution) * v_n / n.dot(inverse_mass * n) * n) : j;
 }
 
-Proxy::Proxy(RigidBody b) : body(std::move(b)) {
+Proxy::Proxy(RigidBody b, std::shared_ptr<const DrivenMotion> driven) : body(std::move(b)), driven_(std::move(driven)) {
   if (const auto* s = std::get_if<SphereShape>(&body.shape)) radius_ = s->radius;
   if (const auto* s = std::get_if<BoxShape>(&body.shape)) radius_ = s->half_size.norm();
   if (std::holds_alternative<HalfSpaceShape>(body.shape)) radius_ = std::numeric_limits<double>::infinity();
   if (const auto* s = std::get_if<ConvexShape>(&body.shape)) {
-    if (s->surface) solid_ = std::make_shared<const SolidDistance>(*s->surface);
+    if (s->surface) solid_ = std::make_shared<SolidDistance>(*s->surface);
     for (const auto& part : s->parts) {
       if (!solid_) parts_.push_back(hull_planes(part));
       for (const Vec3& c : part) radius_ = std::max(radius_, c.norm());
     }
+    if (s->surface && s->parts.empty())
+      for (const Vec3& c : s->surface->corners) radius_ = std::max(radius_, c.norm());
   }
+}
+
+void Proxy::drive(double t, double dt) {
+  if (!driven_) return;
+  place(*driven_, t, dt, body, spin_);
+  if (!deforms()) return;
+  std::vector<Vec3> now, then;
+  driven_->shape.at(t, now);
+  solid_->move(now);
+  radius_ = 0.0;
+  for (const Vec3& c : now) radius_ = std::max(radius_, c.norm());
+  if (!(dt > 0.0)) return;
+  driven_->shape.at(t + dt, then);
+  for (std::size_t i = 0; i < then.size(); ++i) then[i] = (then[i] - now[i]) / dt;
+  solid_->set_velocities(std::move(then));
+}
+
+void Proxy::arrive(double t) {
+  if (!driven_) return;
+  const BodyMotion before = body.motion;
+  const Vec3 spin = spin_;
+  drive(t, 0.0);
+  arrived_ = t;
+  body.motion.velocity = before.velocity, body.motion.angular_momentum = before.angular_momentum, spin_ = spin;
+  if (!deforms()) return;
+  auto& shape = std::get<ConvexShape>(body.shape);
+  auto drawn = std::make_shared<Surface>(*shape.surface);
+  driven_->shape.at(t, drawn->corners);
+  shape.surface = std::move(drawn);
+}
+
+double Proxy::turning_speed() const {
+  if (driven_) return driven_->top_speed;
+  return body.is_static ? 0.0 : body.angular_velocity().norm() * radius();
 }
 
 double Proxy::half_width() const {
@@ -85,13 +121,20 @@ Proxy::Distance Proxy::distance(const Vec3& world) const {
 }
 
 Vec3 Proxy::velocity_at(const Vec3& world) const {
+  if (driven_) {
+    const Vec3 arm = world - body.motion.position;
+    const Vec3 rigid = body.motion.velocity + spin_.cross(arm);
+    if (!deforms()) return rigid;
+    const Quat& q = body.motion.orientation;
+    return rigid + q * solid_->velocity_at(q.conjugate() * arm);
+  }
   if (body.is_static) return Vec3::Zero();
   return body.motion.velocity + body.angular_velocity().cross(world - body.motion.position);
 }
 
 Mat3 Proxy::inverse_mass_at(const Vec3& world) const {
   Mat3 k = Mat3::Zero();
-  if (body.is_static || unmoved) return k;
+  if (!is_free() || unmoved) return k;
   const Vec3 arm = world - body.motion.position;
   for (int d = 0; d < 3; ++d)
     k.col(d) = body.apply_inverse_inertia(arm.cross(Vec3::Unit(d))).cross(arm) + Vec3::Unit(d) / body.mass;
@@ -101,7 +144,7 @@ Mat3 Proxy::inverse_mass_at(const Vec3& world) const {
 void Proxy::apply(const Vec3& world, const Vec3& j) {
   const Vec3 turn = (world - body.motion.position).cross(j);
   linear_impulse += j, angular_impulse += turn;
-  if (body.is_static || unmoved) return;
+  if (!is_free() || unmoved) return;
   body.motion.velocity += j / body.mass;
   body.motion.angular_momentum += turn;
 }

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "shell/contact/driven_body.h"
 #include "shell/contact/hull.h"
 #include "shell/contact/solid_distance.h"
 
@@ -16,7 +17,8 @@ Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass,
 
 class Proxy {
  public:
-  explicit Proxy(RigidBody body);
+  /// `driven`: the motion that the scene prescribes; null: the body moves by impulses, or it is static.
+  explicit Proxy(RigidBody body, std::shared_ptr<const DrivenMotion> driven = nullptr);
   RigidBody body;
   // Share of an overlap with the shell that contact removes in a substep. Rows of the engine may press a body on after
   // contact has stopped it (link/held_rows.h). Without recovery the body would creep into the shell.
@@ -29,6 +31,18 @@ class Proxy {
   double impulse_sum = 0.0;  // of |J| [N s]
   double moment_sum = 0.0;   // sum of the magnitudes of the moments on the shell's side [N m s]
 
+  /// True where impulses change the motion of the body.
+  bool is_free() const { return !body.is_static && !driven_; }
+  bool is_driven() const { return driven_ != nullptr; }
+  /// True where the shape changes with time. The engine does not hold such a body.
+  bool deforms() const { return driven_ && driven_->deforms(); }
+  /// Moves a driven body to its place at time t, with the velocities that lead to its place at t + dt.
+  void drive(double t, double dt);
+  /// Moves a driven body to its place at time t and keeps its velocities. A shape that changes is drawn from now on.
+  void arrive(double t);
+  /// Work of a driven body on what takes impulse j from it at a world point [J].
+  double work(const Vec3& world, const Vec3& j) const { return driven_ ? j.dot(velocity_at(world)) : 0.0; }
+
   struct Distance {
     double value;  // [m], negative inside
     Vec3 normal;   // outward, world
@@ -39,6 +53,12 @@ class Proxy {
   /// Half of the middle side of a box, or of the box around a solid that is not convex; `radius` for other shapes [m].
   /// A body with a smaller half width than the spacing of samples may pass between them.
   double half_width() const;
+  /// True where a driven body has come to the end of its motion.
+  bool has_arrived() const { return driven_ && arrived_ >= driven_->last(); }
+  /// Speed of the centre now [m/s]; of a driven body the largest of all its points over the whole motion.
+  double top_speed() const { return driven_ ? driven_->top_speed : body.motion.velocity.norm(); }
+  /// Largest speed of its points relative to its centre [m/s].
+  double turning_speed() const;
   /// Velocity of the body's material at a world point [m/s].
   Vec3 velocity_at(const Vec3& world) const;
   /// Change of the material's velocity at a world point per impulse there [1/kg].
@@ -47,9 +67,12 @@ class Proxy {
   void apply(const Vec3& world, const Vec3& j);
 
  private:
-  std::vector<std::vector<Plane>> parts_;       // in body coordinates
-  std::shared_ptr<const SolidDistance> solid_;  // instead of parts_; copies of a proxy share it
+  std::vector<std::vector<Plane>> parts_;  // in body coordinates
+  std::shared_ptr<SolidDistance> solid_;   // instead of parts_; copies of a proxy share it
   double radius_ = 0.0;
+  std::shared_ptr<const DrivenMotion> driven_;
+  Vec3 spin_ = Vec3::Zero();  // of a driven body [rad/s]
+  double arrived_ = 0.0;      // [s]
 };
 
 }  // namespace sunder::shell

@@ -22,34 +22,65 @@ double squared_to_box(const Vec3& low, const Vec3& high, const Vec3& x) {
 
 }  // namespace
 
-SolidDistance::SolidDistance(const Surface& s) {
-  std::vector<Vec3> face(s.triangles.size()), corner(s.corners.size(), Vec3::Zero());
-  std::map<std::pair<int, int>, Vec3> edge;
+SolidDistance::SolidDistance(const Surface& s) : corners_of_(s.triangles) {
+  std::map<std::pair<int, int>, int> edges;
+  for (const auto& c : s.triangles) {
+    std::array<int, 3>& mine = edges_of_.emplace_back();
+    for (int k = 0; k < 3; ++k)
+      mine[k] = edges.try_emplace(std::minmax(c[k], c[(k + 1) % 3]), static_cast<int>(edges.size())).first->second;
+  }
+  edges_ = static_cast<int>(edges.size());
+  std::vector<Triangle> triangles = made(s.corners);
+  build(triangles, 0, triangles.size());
+}
+
+// The triangles in the order of the surface, with their normals and the box around them.
+std::vector<SolidDistance::Triangle> SolidDistance::made(const std::vector<Vec3>& corners) {
+  const std::size_t count = corners_of_.size();
+  std::vector<Vec3> face(count), corner(corners.size(), Vec3::Zero()), edge(edges_, Vec3::Zero());
   Eigen::AlignedBox3d box;
-  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
-    const auto& c = s.triangles[t];
-    face[t] = (s.corners[c[1]] - s.corners[c[0]]).cross(s.corners[c[2]] - s.corners[c[0]]).normalized();
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto& c = corners_of_[t];
+    face[t] = (corners[c[1]] - corners[c[0]]).cross(corners[c[2]] - corners[c[0]]).normalized();
     for (int k = 0; k < 3; ++k) {
       const int i = c[k], j = c[(k + 1) % 3], h = c[(k + 2) % 3];
-      corner[i] += angle_between(s.corners[j] - s.corners[i], s.corners[h] - s.corners[i]) * face[t];
-      edge.try_emplace(std::minmax(i, j), Vec3::Zero()).first->second += face[t];
-      box.extend(s.corners[i]);
+      corner[i] += angle_between(corners[j] - corners[i], corners[h] - corners[i]) * face[t];
+      edge[edges_of_[t][k]] += face[t];
+      box.extend(corners[i]);
     }
   }
   extent_ = box.sizes();
-  std::vector<Triangle> triangles;
-  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
-    const auto& c = s.triangles[t];
-    Triangle made;
-    made.a = s.corners[c[0]], made.ab = s.corners[c[1]] - made.a, made.ac = s.corners[c[2]] - made.a;
-    made.normal = face[t];
+  std::vector<Triangle> triangles(count);
+  for (std::size_t t = 0; t < count; ++t) {
+    const auto& c = corners_of_[t];
+    Triangle& one = triangles[t];
+    one.a = corners[c[0]], one.ab = corners[c[1]] - one.a, one.ac = corners[c[2]] - one.a;
+    one.normal = face[t], one.number = static_cast<std::int32_t>(t);
     for (int k = 0; k < 3; ++k) {
-      made.corner_normal[k] = corner[c[k]].normalized();
-      made.edge_normal[k] = edge.at(std::minmax(c[k], c[(k + 1) % 3])).normalized();
+      one.corner_normal[k] = corner[c[k]].normalized();
+      one.edge_normal[k] = edge[edges_of_[t][k]].normalized();
     }
-    triangles.push_back(made);
   }
-  build(triangles, 0, triangles.size());
+  return triangles;
+}
+
+void SolidDistance::move(const std::vector<Vec3>& corners) {
+  const std::vector<Triangle> all = made(corners);
+  for (Triangle& t : triangles_) t = all[t.number];
+  for (std::size_t k = nodes_.size(); k-- > 0;) {  // children come after their parent
+    Node& node = nodes_[k];
+    if (node.count == 0) {
+      node.low = nodes_[k + 1].low.cwiseMin(nodes_[node.first].low);
+      node.high = nodes_[k + 1].high.cwiseMax(nodes_[node.first].high);
+      continue;
+    }
+    Eigen::AlignedBox3d box;
+    for (std::int32_t i = node.first; i < node.first + node.count; ++i) {
+      const Triangle& t = triangles_[i];
+      box.extend(t.a), box.extend(t.a + t.ab), box.extend(t.a + t.ac);
+    }
+    node.low = box.min(), node.high = box.max();
+  }
 }
 
 // Divides the triangles in two halves, along the longest side of the box around their centres.
@@ -104,7 +135,7 @@ void SolidDistance::look(const Triangle& t, std::int32_t index, const Vec3& x, N
   if (squared < best.squared) best = {squared, t.a + to, index, feature};
 }
 
-SolidDistance::Found SolidDistance::at(const Vec3& x) const {
+SolidDistance::Nearest SolidDistance::nearest(const Vec3& x) const {
   Nearest best{std::numeric_limits<double>::infinity(), Vec3::Zero(), 0, 0};
   std::pair<std::int32_t, double> stack[64];  // nodes and squared distances; a tree of halves is less deep
   int left = 0;
@@ -123,6 +154,23 @@ SolidDistance::Found SolidDistance::at(const Vec3& x) const {
     stack[left++] = first ? std::pair{node.first, other} : std::pair{index + 1, one};
     stack[left++] = first ? std::pair{index + 1, one} : std::pair{node.first, other};
   }
+  return best;
+}
+
+Vec3 SolidDistance::velocity_at(const Vec3& x) const {
+  if (velocities_.empty()) return Vec3::Zero();
+  const Nearest near = nearest(x);
+  const Triangle& t = triangles_[near.triangle];
+  // Barycentric coordinates of the nearest point; the triangle has an area.
+  const Vec3 to = near.point - t.a;
+  const double bb = t.ab.dot(t.ab), bc = t.ab.dot(t.ac), cc = t.ac.dot(t.ac), pb = to.dot(t.ab), pc = to.dot(t.ac);
+  const double whole = bb * cc - bc * bc, b = (cc * pb - bc * pc) / whole, c = (bb * pc - bc * pb) / whole;
+  const auto& corner = corners_of_[t.number];
+  return (1.0 - b - c) * velocities_[corner[0]] + b * velocities_[corner[1]] + c * velocities_[corner[2]];
+}
+
+SolidDistance::Found SolidDistance::at(const Vec3& x) const {
+  const Nearest best = nearest(x);
   const Triangle& t = triangles_[best.triangle];
   if (best.feature == 0) {
     const double height = t.normal.dot(x - t.a);

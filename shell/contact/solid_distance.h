@@ -1,6 +1,8 @@
 #pragma once
 // Signed distance to the surface of a solid, convex or not.
+#include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "coupler/core/body.h"
@@ -17,6 +19,13 @@ class SolidDistance {
     Vec3 normal;   // gradient of the distance, unit
   };
   Found at(const Vec3& x) const;
+  /// Moves the corners. Triangles stay as they were; the tree keeps its shape.
+  void move(const std::vector<Vec3>& corners);
+  /// `velocities` of the corners [m/s], for velocity_at(); empty: at rest.
+  void set_velocities(std::vector<Vec3> velocities) { velocities_ = std::move(velocities); }
+  /// Velocity of the surface at its point nearest to x [m/s].
+  Vec3 velocity_at(const Vec3& x) const;
+  bool moves() const { return !velocities_.empty(); }
   /// Sides of the box around the surface, along the body's axes [m].
   const Vec3& extent() const { return extent_; }
 
@@ -25,6 +34,7 @@ class SolidDistance {
     Vec3 a, ab, ac;
     Vec3 normal;
     Vec3 corner_normal[3], edge_normal[3];  // of a, b, c; of ab, bc, ca
+    std::int32_t number = 0;                // in the surface
   };
   struct Node {
     Vec3 low, high;
@@ -36,12 +46,17 @@ class SolidDistance {
     std::int32_t triangle;
     int feature;  // 0 the face, 1 to 3 a corner, 4 to 6 an edge
   };
+  std::vector<Triangle> made(const std::vector<Vec3>& corners);
   void build(std::vector<Triangle>& triangles, std::size_t begin, std::size_t end);
+  Nearest nearest(const Vec3& x) const;
   void look(const Triangle& t, std::int32_t index, const Vec3& x, Nearest& best) const;
 
   std::vector<Triangle> triangles_;  // in the order of the tree's leaves
   std::vector<Node> nodes_;
   Vec3 extent_ = Vec3::Zero();
+  std::vector<std::array<int, 3>> corners_of_, edges_of_;  // of each triangle of the surface
+  int edges_ = 0;
+  std::vector<Vec3> velocities_;
 };
 
 }  // namespace sunder::shell

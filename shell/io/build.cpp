@@ -11,6 +11,7 @@
 #include "coupler/scene/mesh.h"
 #include "shell/contact/proxy.h"
 #include "shell/geometry/parameter_place.h"
+#include "shell/io/build_driven.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
 #include "shell/solver/contact/hertz.h"
@@ -75,7 +76,7 @@ RigidBody make_body(const scene::LoadedScene& scene, const proto::Body& m, BodyI
     b.shape = BoxShape{h};
   } else if (m.has_half_space()) {
     b.shape = HalfSpaceShape{};
-  } else {
+  } else if (!m.has_deformation()) {  // otherwise make_driven() reads it
     solid_properties(scene::read_mesh(scene, field + ".mesh", m.mesh()), density, b);
   }
   if (b.is_static)
@@ -95,7 +96,8 @@ void launch(const scene::LoadedScene& scene, const RunSetup& setup, const proto:
       target = q.x, normal = q.u.cross(q.v).normalized();
     }
   for (const auto& other : scene.message.bodies())
-    if (other.name() == m.launch().target()) target = scene::to_vec(other.pose().position());
+    if (other.name() == m.launch().target())
+      target = scene::to_vec(other.motion_size() > 0 ? other.motion(0).position() : other.pose().position());
   const double degree = std::numbers::pi / 180.0, angle = m.launch().angle_deg() * degree,
                azimuth = m.launch().azimuth_deg() * degree;
   const Vec3 side = normal.unitOrthogonal(), other = normal.cross(side);
@@ -121,7 +123,8 @@ void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, con
     const double both = give(scene.message.shells(static_cast<int>(k)).material()) + give(body.material());
     shell.hertz[i] = c.hertz().has_stiffness() ? c.hertz().stiffness() : 4.0 / 3.0 * std::sqrt(radius) / both;
     const double speed = (r.bodies[i].motion.velocity - shell.velocity).norm();
-    const double approach = r.bodies[i].is_static ? 0.0 : hertz_approach(r.bodies[i].mass, shell.hertz[i], speed);
+    const double approach =
+        r.bodies[i].is_static || r.driven[i] ? 0.0 : hertz_approach(r.bodies[i].mass, shell.hertz[i], speed);
     scene.check(approach <= kDeepestApproach * radius, field,
                 "lets '{}' sink up to {:.3g} m into shell '{}' at {:.3g} m/s, but the law is for less than a fifth of "
                 "its radius, {:.3g} m; take a higher stiffness or a lower speed, or leave hertz out",
@@ -315,6 +318,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     const std::string field = fmt::format("bodies[{}]", i);
     RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);
     if (m.bodies(i).has_launch()) launch(scene, r, m.bodies(i), b);
+    r.driven.push_back(make_driven(scene, field, m.bodies(i), b));
+    if (r.driven.back()) r.last_change = std::max(r.last_change, r.driven.back()->last());
     groups[b.name] = b.contact_group = static_cast<std::uint32_t>(groups.size());
     for (const ShellSetup& shell : r.shells) {
       const ShellModel& s = shell.model;
@@ -330,11 +335,13 @@ RunSetup build(const scene::LoadedScene& scene) {
         for (int e = 0; e < s.tables.spans_u; ++e)
           if (const GaussPoint g = gauss_point(s.patch, s.tables, q, e); g.weight > 0.0)
             least = std::min(least, proxy.distance(s.patch.evaluate(g.parameter).x).value);
-      scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9), field + ".pose",
+      scene.check(least >= 0.5 * s.thickness * (1.0 - 1e-9),
+                  field + (m.bodies(i).motion_size() > 0 ? ".motion" : ".pose"),
                   "'{}' starts {:.3g} m inside shell '{}'; move it away", b.name, 0.5 * s.thickness - least, s.name);
     }
     r.bodies.push_back(std::move(b));
   }
+  set_driven_masses(r);
   build_soft(
       scene, [&](const std::string& name) { return groups[name] = static_cast<std::uint32_t>(groups.size()); }, r);
   for (const proto::BodyJoint& j : m.joints())

@@ -2,10 +2,12 @@
 // Builds the model of a run from a scene: shells, bodies, contact coefficients.
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <vector>
 
 #include "coupler/core/body.h"
 #include "coupler/scene/load.h"
+#include "shell/contact/proxy.h"
 #include "shell/geometry/seams.h"
 #include "shell/io/probes.h"
 #include "shell/io/shell_setup.h"
@@ -54,11 +56,14 @@ struct RunSetup {
   double fibre_spacing = 0.0;  // spacing of the fibres' grid [m]; 0: no shell has fibres that could touch others
   std::uint64_t seed = 0;
   std::vector<RigidBody> bodies;
+  std::vector<std::shared_ptr<const DrivenMotion>> driven;  // of each body; null: impulses move it. Empty: of none
   std::vector<Joint> joints;
   std::vector<JointBreak> breaks;  // of each joint
   CouplingRules coupling;
   std::vector<ContactLaw> laws;
 
+  /// The copy of body i for the shells.
+  Proxy proxy(std::size_t i) const { return Proxy(bodies[i], i < driven.size() ? driven[i] : nullptr); }
   /// Least thickness of the shells [m]; 0 without shells.
   double thickness() const;
   std::vector<const ShellModel*> models() const {

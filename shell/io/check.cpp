@@ -29,8 +29,10 @@ double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::siz
   scene.check(std::isfinite(step), fmt::format("shells[{}].supports", shell),
               "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
   for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
-    const double travel = setup.safety * step * setup.bodies[i].motion.velocity.norm();
-    scene.check(travel <= Proxy(setup.bodies[i]).radius() + m.thickness, fmt::format("bodies[{}].twist", i),
+    const Proxy body = setup.proxy(i);
+    const double travel = setup.safety * step * body.top_speed();
+    scene.check(travel <= body.radius() + m.thickness,
+                fmt::format("bodies[{}].{}", i, body.is_driven() ? "motion" : "twist"),
                 "moves '{}' {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
                 "slow it down, or lower time_step_safety",
                 setup.bodies[i].name, travel, m.name);

@@ -38,6 +38,8 @@ Vec3 half_sides(const RigidBody& body) {
     Eigen::AlignedBox3d around;
     for (const auto& part : parts->parts)
       for (const Vec3& corner : part) around.extend(corner);
+    if (parts->parts.empty() && parts->surface)  // of a body that changes its shape
+      for (const Vec3& corner : parts->surface->corners) around.extend(corner);
     half = 0.5 * around.sizes();
   }
   std::sort(half.begin(), half.end());

@@ -19,6 +19,7 @@ constexpr double kUnstableGain = 100.0;    // multiple of all energy that the sc
 EnergyBook Books::sum(Simulation& simulation) const {
   EnergyBook all = frozen;
   all += simulation.shell_book();
+  all.external += simulation.state.driven_work;
   return all;
 }
 

@@ -59,13 +59,15 @@ namespace {
 
 template <class A>
 void archive_state(A& a, const RunSetup& setup, State& state) {
-  archive_all(a, state.random, state.substeps, state.engine_loss, state.frozen_potential, state.kinetic, state.elastic);
+  archive_all(a, state.random, state.substeps, state.engine_loss, state.driven_work, state.frozen_potential,
+              state.kinetic, state.elastic);
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
   archive_one(a, bodies);
   if constexpr (A::kReading) {
     state.bodies.clear();
-    for (RigidBody& b : bodies) state.bodies.emplace_back(std::move(b));
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+      state.bodies.emplace_back(std::move(bodies[i]), i < setup.driven.size() ? setup.driven[i] : nullptr);
   }
   archive_one(a, state.stitching);
   state.soft.archive_state(a);

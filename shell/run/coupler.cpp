@@ -41,9 +41,16 @@ Coupler::Coupler(const RunSetup& setup, Simulation& simulation, Clock& clock,
       shortest_window_(setup.coupling.ticks),
       released_at_(setup.joints.size(), -1.0) {}
 
+std::vector<RigidBody> Coupler::held_by_engine(const std::vector<RigidBody>& bodies) const {
+  std::vector<RigidBody> held;
+  for (std::size_t i = 0; i < bodies.size(); ++i)
+    if (!state_.bodies[i].deforms()) held.push_back(bodies[i]);
+  return held;
+}
+
 void Coupler::load() {
   const bool again = setup_.coupling.scheme == Scheme::kIterated;
-  rigid_->load({setup_.bodies, setup_.laws, setup_.joints, 0, again, setup_.thickness()});
+  rigid_->load({held_by_engine(setup_.bodies), setup_.laws, setup_.joints, 0, again, setup_.thickness()});
   for (const RigidBody& b : setup_.bodies) held_until_[b.id] = kHeldAtFirst;
 }
 
@@ -51,7 +58,7 @@ void Coupler::restore(const std::string& caches) {
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state_.bodies) bodies.push_back(p.body);
   const bool again = setup_.coupling.scheme == Scheme::kIterated;
-  rigid_->load({bodies, setup_.laws, setup_.joints, clock_.tick, again, setup_.thickness()});
+  rigid_->load({held_by_engine(bodies), setup_.laws, setup_.joints, clock_.tick, again, setup_.thickness()});
   rigid_->restore(caches);
 }
 
@@ -69,7 +76,7 @@ void Coupler::choose_exported() {
   if (rules.scheme != Scheme::kProxy && rules.scheme != Scheme::kExported) return;
   if (rules.scheme == Scheme::kExported) {
     for (std::size_t i = 0; i < setup_.bodies.size(); ++i)
-      if (!setup_.bodies[i].is_static) exported_until_[setup_.bodies[i].id] = clock_.windows + 1;
+      if (state_.bodies[i].is_free()) exported_until_[setup_.bodies[i].id] = clock_.windows + 1;
     return;
   }
   if (clock_.windows % kStiffnessEvery != 0) return;
@@ -94,7 +101,9 @@ void Coupler::add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio) {
   for (std::size_t i = 0; i < std::min(setup_.bodies.size(), candidates.size()); ++i) {
     const RigidBody& b = state_.bodies[i].body;
     const auto held = held_until_.find(b.id);
-    if (b.is_static || candidates[i].empty() || held == held_until_.end() || held->second < clock_.windows) continue;
+    if (!state_.bodies[i].is_free() || candidates[i].empty() || held == held_until_.end() ||
+        held->second < clock_.windows)
+      continue;
     const double points = static_cast<double>(candidates[i].size() * m.patch.functions());
     const double bound = 4.0 * points * heaviest * std::pow(setup_.window / part.smallest_step, 2) / b.mass;
     asked[i] = bound > setup_.coupling.export_above, any = any || asked[i];
@@ -111,7 +120,7 @@ void Coupler::add_soft_stiffness_ratio(std::vector<double>& ratio) const {
   for (std::size_t i = 0; i < std::min(setup_.bodies.size(), state_.bodies.size()); ++i) {
     const RigidBody& b = state_.bodies[i].body;
     const auto held = held_until_.find(b.id);
-    if (b.is_static || held == held_until_.end() || held->second < clock_.windows) continue;
+    if (!state_.bodies[i].is_free() || held == held_until_.end() || held->second < clock_.windows) continue;
     ratio[i] += state_.soft.stiffness_against(state_.bodies[i]) * setup_.window * setup_.window / b.mass;
   }
 }
@@ -135,9 +144,13 @@ void Coupler::open_window(double window) {
   Stopwatch w(simulation_.scratch.times[Stage::kCoupling]);
   std::vector<link::Motion> coasting;
   std::set<BodyId> moving;
-  for (const Proxy& p : state_.bodies)
-    if (!p.body.is_static)
-      coasting.push_back({p.body.id, coasted(p.body, setup_.gravity, window)}), moving.insert(p.body.id);
+  for (const Proxy& p : state_.bodies) {
+    if (p.body.is_static) continue;
+    Proxy ahead = p;
+    ahead.arrive(clock_.time() + window);
+    coasting.push_back({p.body.id, p.is_free() ? coasted(p.body, setup_.gravity, window) : ahead.body.motion});
+    if (p.is_free()) moving.insert(p.body.id);
+  }
   // All bodies that touch an exported body or are linked to it are exported too, until the set no longer grows.
   std::vector<link::ContactRow> rows;
   std::vector<Joint> joints;
@@ -201,7 +214,7 @@ std::vector<link::Motion> Coupler::predicted_states(double window, std::size_t c
 void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& births) {
   Stopwatch w(simulation_.scratch.times[Stage::kCoupling]);
   const std::size_t old = state_.bodies.size() - births.size();
-  const double before = simulation_.bodies_energy();
+  const double before = simulation_.bodies_energy(), driven = state_.driven_energy();
   std::vector<link::State> states;
   std::vector<link::Motion> given;
   if (!agreed_.empty()) {  // scheme ITERATED has taken the window already; new bodies join now
@@ -216,10 +229,11 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   check_births(births, states);
   window_residual_ = 0.0;
   std::size_t k = 0;
+  std::vector<BodyMotion> kept;  // of driven bodies
   for (Proxy& p : state_.bodies) {
     if (p.body.is_static) continue;
     const BodyMotion& now = states[k].motion;
-    if (k < given.size()) {
+    if (k < given.size() && p.is_free()) {
       const BodyMotion& then = given[k].motion;
       const Vec3 dv = now.velocity - then.velocity;
       const Vec3 dw = p.body.apply_inverse_inertia(now.angular_momentum - then.angular_momentum);
@@ -229,10 +243,15 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
       const bool exported = p.recovery > 0.0 && !state_.rows.empty();
       if (exported || !dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = clock_.windows + kHeldWindows;
     }
+    if (p.is_driven()) kept.push_back(p.body.motion);
     p.body.motion = now;
     ++k;
   }
-  state_.engine_loss += before - simulation_.bodies_energy();
+  const double worked = driven - state_.driven_energy();
+  state_.engine_loss += before - simulation_.bodies_energy() + worked, state_.driven_work += worked;
+  std::size_t next = 0;  // a driven body goes on as the scene says
+  for (Proxy& p : state_.bodies)
+    if (p.is_driven() && !p.body.is_static) p.body.motion = kept[next++];
   residual_sum_ += window_residual_, residual_max_ = std::max(residual_max_, window_residual_);
   for (Proxy& p : state_.bodies) {
     if (p.unmoved && !p.body.is_static && p.impulse_sum > 0.0) {  // scheme LAGGED: the impulse acts a window late

@@ -86,6 +86,8 @@ class Coupler {
   }
 
  private:
+  /// The bodies of the list, in the order of State::bodies, whose shape does not change.
+  std::vector<RigidBody> held_by_engine(const std::vector<RigidBody>& bodies) const;
   std::vector<link::Motion> motions() const;
   void choose_exported();
   void add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio);  // adds k H^2 / M of each body [-]

@@ -46,7 +46,9 @@ std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>&
       const RigidBody& b = bodies[j].body;
       if (!std::isfinite(bodies[j].radius()) || (a.is_static && b.is_static)) continue;
       const double gap = (a.motion.position - b.motion.position).norm() - bodies[i].radius() - bodies[j].radius();
-      const double speed = (a.motion.velocity - b.motion.velocity).norm();
+      double speed = (a.motion.velocity - b.motion.velocity).norm();
+      for (const Proxy* p : {&bodies[i], &bodies[j]})  // it may speed up within the window
+        if (p->is_driven() && !p->has_arrived()) speed += p->top_speed();
       if (speed * longest <= travel || gap > speed * longest) continue;
       longest = std::max(travel / speed, setup.tick);
     }
@@ -54,15 +56,17 @@ std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>&
   return std::max<std::int64_t>(1, static_cast<std::int64_t>(longest / setup.tick * (1.0 + 1e-9)));
 }
 
-void free_fall(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double window) {
+void free_fall(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double time, double window) {
   const double h = window / kRigidSubsteps;
-  for (std::size_t i = 0; i < count; ++i)
-    for (int k = 0; k < kRigidSubsteps && !bodies[i].body.is_static; ++k) {
+  for (std::size_t i = 0; i < count; ++i) {
+    bodies[i].drive(time, window), bodies[i].arrive(time + window);
+    for (int k = 0; k < kRigidSubsteps && bodies[i].is_free(); ++k) {
       Proxy& p = bodies[i];
       p.body.motion.velocity += h * gravity;
       p.body.drift(h);
       p.body.motion.position -= 0.5 * h * h * gravity;  // exact: position moves with the mean of both velocities
     }
+  }
 }
 
 }  // namespace sunder::shell

@@ -19,7 +19,7 @@ bool passes(const Vec3& point, double reach, const Vec3& position, const Vec3& v
 /// most kSettleTravel times the least shell thickness, so they do not pass through each other unseen.
 std::int64_t rigid_window_ticks(const RunSetup& setup, const std::vector<Proxy>& bodies);
 
-/// Moves the first `count` bodies in free fall for a window [s].
-void free_fall(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double window);
+/// Moves the first `count` bodies for a window [s] that begins at `time` [s]: in free fall, or as the scene prescribes.
+void free_fall(std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double time, double window);
 
 }  // namespace sunder::shell

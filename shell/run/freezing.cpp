@@ -77,7 +77,8 @@ bool Pieces::strike_ahead(const std::vector<PartPieces>& now, const Group& g) co
 }
 
 std::string Pieces::cracking_has_ended(double last_push) {
-  if (!state_.soft.empty() || state_.fibres) return "";  // soft bodies and fibres need shells that move
+  // Soft bodies and fibres need shells that move, and so does a body that changes its shape.
+  if (!state_.soft.empty() || state_.fibres || state_.deforms()) return "";
   if (setup_.latest_freeze < setup_.end_time && clock_.time() >= setup_.latest_freeze * (1.0 - 1e-9))
     return "latest_freeze_s";
   if (books_.crack_length(simulation_) == 0.0 || clock_.time() < setup_.last_change + setup_.quiet_time) return "";
@@ -120,6 +121,7 @@ std::vector<RigidBody> Pieces::freeze(const std::string& why, double dt) {
     counts_.rubble_points += s.rubble();
   }
   books_.frozen = books_.sum(simulation_);
+  books_.frozen.external -= state_.driven_work;  // which goes on
   frozen_hash_ = state_hash({}, state_);
   counts_.frozen_at = clock_.time(), frozen_why_ = why;
   frozen_wall_ = wall_clock();

@@ -33,7 +33,8 @@ void Coupler::check_ledger(double window, double dt) {
       linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
       angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
     }
-    if (k < starts_.size() && !(p.recovery > 0.0 && !state_.rows.empty())) {  // otherwise rows have moved it too
+    if (k < starts_.size() && !p.is_driven() &&
+        !(p.recovery > 0.0 && !state_.rows.empty())) {  // otherwise rows have moved it too
       const BodyMotion &then = starts_[k].motion, &now = p.body.motion;
       Vec3 gained = p.body.mass * (now.velocity - then.velocity - window * setup_.gravity);
       Vec3 turned = now.angular_momentum - then.angular_momentum;

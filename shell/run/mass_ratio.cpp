@@ -43,7 +43,7 @@ void look_for_heavy(const std::vector<Proxy>& bodies, std::size_t count, const V
   for (std::size_t i = 0; i < count; ++i)
     for (std::size_t j = 0; j < count; ++j) {
       const RigidBody &heavy = bodies[i].body, &light = bodies[j].body;
-      if (heavy.is_static || light.is_static || heavy.mass < kLeastRatio * light.mass) continue;
+      if (!bodies[i].is_free() || !bodies[j].is_free() || heavy.mass < kLeastRatio * light.mass) continue;
       const double ratio = heavy.mass / light.mass;
       const Vec3 apart = heavy.motion.position - light.motion.position;
       if (ratio <= worst.ratio || apart.dot(gravity) >= 0.0 ||

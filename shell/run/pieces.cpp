@@ -231,6 +231,7 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
   if (all) return true;
   if (!g.torn) return false;  // nothing has separated: a free shell stays a shell
   if (g.empty || !g.bends) return true;
+  if (state_.deforms()) return false;  // the engine does not hold such a body, so a rigid piece would pass through it
   const int lowest = p.control_points.empty() ? 0 : p.control_points[0];
   const auto [since, fresh] = state_.shells[front].detached_since.try_emplace(lowest, clock_.tick);
   double settle = 0.0;

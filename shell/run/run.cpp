@@ -213,9 +213,9 @@ void Run::rigid_window() {
       static_cast<int>(std::max<std::int64_t>(1, std::min(rigid_window_ticks(setup_, state.bodies), left)));
   const double window = clock_.ticks.time(ticks);
   coupler_.open_window(window);
-  free_fall(state.bodies, state.bodies.size(), setup_.gravity, window);
+  free_fall(state.bodies, state.bodies.size(), setup_.gravity, clock_.time(), window);
   coupler_.exchange(ticks, window, {});
-  books_.close(simulation_, simulation_.total_energy(0.0) + books_.frozen.lost() + state.engine_loss);
+  books_.close(simulation_, simulation_.total_energy(0.0) + books_.sum(simulation_).lost() + state.engine_loss);
 }
 
 void Run::freeze_shell(const std::string& why) {
@@ -225,7 +225,7 @@ void Run::freeze_shell(const std::string& why) {
   const double window = ticks * setup_.tick;
   coupler_.open_window(window);
   // new bodies do not move in this window
-  free_fall(state.bodies, state.bodies.size() - births.size(), setup_.gravity, window);
+  free_fall(state.bodies, state.bodies.size() - births.size(), setup_.gravity, clock_.time(), window);
   coupler_.exchange(ticks, window, births);
 }
 

@@ -38,7 +38,7 @@ double kick_of_gravity(const ShellModel& m, const ShellState& s, const Vec3& gra
 
 void shift_bodies(const Vec3& velocity, std::vector<Proxy>& bodies) {
   for (Proxy& p : bodies)
-    if (!p.body.is_static) p.body.motion.velocity += velocity;
+    if (p.is_free()) p.body.motion.velocity += velocity;
 }
 
 // Says what is left, and what would do.
@@ -65,9 +65,16 @@ const std::vector<ShellRef>& refs(State& state, Scratch& scratch) {
   return scratch.refs;
 }
 
+double State::driven_energy() const {
+  double sum = 0.0;
+  for (const Proxy& p : bodies)
+    if (p.is_driven()) sum += p.body.kinetic_energy();
+  return sum;
+}
+
 Simulation::Simulation(RunSetup& setup, int threads) : model{setup, threads, 1, {}}, setup_(setup) {
   state.random = setup.seed;
-  for (const RigidBody& b : setup.bodies) state.bodies.emplace_back(b);
+  for (std::size_t i = 0; i < setup.bodies.size(); ++i) state.bodies.push_back(setup.proxy(i));
   const int points = std::max(gauss_points(setup), soft_particles());
   if (points > 0) model.threads = std::min(threads, 1 + points / kPointsPerThread);
   if (setup.shells.size() > 1) {
@@ -157,7 +164,7 @@ void Simulation::start_shells(const std::function<void()>& look) {
     require(std::isfinite(stable),
             "shell '{}': every control point is held; take more elements, or SIMPLY_SUPPORTED edges", m.name);
     for (const Proxy& p : state.bodies) {
-      const double travel = setup_.safety * stable * p.body.motion.velocity.norm();
+      const double travel = setup_.safety * stable * p.top_speed();
       require(
           travel <= p.radius() + m.thickness,
           "body '{}' moves {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
@@ -229,14 +236,15 @@ double Simulation::crack_length() {
 double Simulation::bodies_energy() const {
   double sum = 0.0;
   for (const Proxy& p : state.bodies)
-    if (!p.body.is_static) sum += p.body.kinetic_energy() - p.body.mass * setup_.gravity.dot(p.body.motion.position);
+    if (p.is_free()) sum += p.body.kinetic_energy() - p.body.mass * setup_.gravity.dot(p.body.motion.position);
   return sum;
 }
 
 double Simulation::total_energy(double dt) {
   double sum = bodies_energy() + state.frozen_potential;
   state.kinetic = state.elastic = 0.0;
-  for (const Proxy& p : state.bodies) state.kinetic += p.body.kinetic_energy();
+  for (const Proxy& p : state.bodies)
+    if (!p.is_driven()) state.kinetic += p.body.kinetic_energy();
   if (!state.solving()) return sum;
   if (!state.soft.empty()) {
     const SoftSums soft = state.soft.sums(setup_.gravity);
@@ -292,6 +300,7 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
     s.fracture.tips.threads = std::min(model.threads, scratch.pace.threads());
   for (int k = 0; k < n; ++k) {
     share_kick(1.0 / n);
+    for (Proxy& p : state.bodies) p.drive(clock.time() + k * dt, dt);
     state.soft_most = n - k;
     substep(model, state, scratch, dt, k == 0 ? last : dt);
     try {
@@ -311,6 +320,7 @@ void Simulation::take_substeps(int n, double dt, double last, const Clock& clock
     look();
   }
   shift_bodies(0.5 * dt * setup_.gravity, state.bodies);
+  for (Proxy& p : state.bodies) p.arrive(clock.time() + n * dt);
 }
 
 void Simulation::share_kick(double share) {

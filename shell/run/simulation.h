@@ -53,9 +53,16 @@ struct State {
   std::uint64_t random = 0;
   std::int64_t substeps = 0;
   double engine_loss = 0.0;             // energy taken by contacts and joints between bodies [J]
+  double driven_work = 0.0;             // of driven bodies, on other bodies [J]
   double frozen_potential = 0.0;        // of the held part, after freezing [J]
   double kinetic = 0.0, elastic = 0.0;  // of shells and bodies, when last summed [J]
 
+  /// Kinetic energy of driven bodies [J]. Rows and the engine change it by the work that keeps them on their way.
+  double driven_energy() const;
+  /// True where a body changes its shape. The engine does not hold it, so shells go on to the end.
+  bool deforms() const {
+    return std::any_of(bodies.begin(), bodies.end(), [](const Proxy& p) { return p.deforms(); });
+  }
   /// True while shells are solved. With soft bodies the shells are never frozen.
   bool solving() const { return !soft.empty() || (!shells.empty() && shells.front().state); }
 };

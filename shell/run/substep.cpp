@@ -54,7 +54,7 @@ void kick_all(const Model& model, State& state, Scratch& scratch, double dt, dou
   const Vec3& gravity = model.setup.gravity;
   for (ShellPart& part : state.shells) kick(part.model(), *part.state, gravity, dt, last);
   for (Proxy& p : state.bodies)
-    if (!p.body.is_static) p.body.motion.velocity += dt * gravity;
+    if (p.is_free()) p.body.motion.velocity += dt * gravity;
 }
 
 void rigid_contact(const Model&, State& state, Scratch& scratch, double dt, double kicked) {
@@ -68,7 +68,9 @@ void rigid_contact(const Model&, State& state, Scratch& scratch, double dt, doub
     }
     contact(part.model(), *part.state, state.bodies, part.coefficients, candidates, dt, kicked);
   }
+  const double before = state.driven_energy();
   state.engine_loss += state.rows.solve(dt);
+  state.driven_work += before - state.driven_energy();
 }
 
 void soft_contact(const Model& model, State& state, Scratch& scratch, double dt) {
@@ -118,7 +120,7 @@ void drift_all(const Model& model, State& state, Scratch& scratch, double dt) {
   }
   if (state.soft_left > 0 && --state.soft_left == 0) state.soft.finish(model.threads);
   for (Proxy& p : state.bodies)
-    if (!p.body.is_static) p.body.drift(dt);
+    if (p.is_free()) p.body.drift(dt);
 }
 
 namespace {

@@ -28,7 +28,7 @@ void solve(const SoftState& s, std::vector<BodyPress>& presses, std::vector<Prox
       const Vec3 change = press(rel, c.normal, c.wanted, c.friction, c.along, c.across, c.impulse);
       for (int k = 0; k < kSeen; ++k)
         if (c.weight[k] != 0.0) v[c.node[k]] += (c.weight[k] / s.grid.mass[c.node[k]]) * change;
-      if (!body.body.is_static) body.apply(c.x, -change);
+      if (body.is_free()) body.apply(c.x, -change);
       changed += change.norm(), sum += c.impulse.norm();
     }
     if (changed <= kPressSettled * sum) return;
@@ -51,8 +51,8 @@ int press_on_bodies(const SoftModel& m, SoftState& s, std::vector<Proxy>& bodies
     const Proxy& body = bodies[b];
     const double margin = kPressWatch * m.grid;
     if (std::isfinite(body.radius())) {
-      const double turning = body.body.is_static ? 0.0 : body.body.angular_velocity().norm() * body.radius();
-      const double reach = body.radius() + margin + dt * (speed + body.body.motion.velocity.norm() + turning);
+      const double reach =
+          body.radius() + margin + dt * (speed + body.body.motion.velocity.norm() + body.turning_speed());
       if (box.squaredExteriorDistance(body.body.motion.position) > reach * reach) continue;
     }
     for (std::size_t i = 0; i < m.surface.size(); ++i) {
@@ -102,6 +102,7 @@ int press_on_bodies(const SoftModel& m, SoftState& s, std::vector<Proxy>& bodies
       const Vec3 after = of_nodes(c, s.grid.v) - bodies[c.body].velocity_at(c.x);
       // Work is booked on the mean of the velocities before the kick and after contact.
       s.book.contact -= c.impulse.dot(0.5 * (c.before + after) - 0.25 * (s.dt + dt) * of_nodes(c, s.grid.acceleration));
+      s.book.external += bodies[c.body].work(c.x, c.impulse);
     }
   return touching;
 }

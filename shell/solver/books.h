@@ -11,7 +11,7 @@ struct EnergyBook {
   double face_crushing = 0.0;  // of crack faces pressed beyond the crushing strength
   double contact = 0.0;        // inelastic and frictional contact with bodies
   double handoff = 0.0;        // kinetic and elastic energy that a rigid piece cannot carry
-  double external = 0.0;       // work of loads and moving supports, counted as a gain
+  double external = 0.0;       // work of loads, moving supports and driven bodies, counted as a gain
   double healing = 0.0;        // lost in cycles of damage and healing; negative: gained
   double plastic = 0.0;        // dissipated by yielding
   double damping = 0.0;        // Rayleigh damping

@@ -119,7 +119,9 @@ bool hertz_contact(const ShellModel& m, ShellState& s, Proxy& body, double stiff
     e.body = body.body.name;
     throw e;
   }
-  apply_impulse(s, body, functions, touch.x, (dt * stiffness * touch.approach * std::sqrt(touch.approach)) * touch.out);
+  const Vec3 j = (dt * stiffness * touch.approach * std::sqrt(touch.approach)) * touch.out;
+  apply_impulse(s, body, functions, touch.x, j);
+  s.book.external += body.work(touch.x, j);
   return true;
 }
 

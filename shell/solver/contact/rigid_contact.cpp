@@ -34,6 +34,7 @@ void push(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& funct
   for (const auto& f : functions)
     back += (f.n[0] * 0.5 * dt * s.motion.inverse_mass[f.slot]) * s.at(s.motion.force, f.slot);
   s.book.contact -= j.dot(0.5 * (before + after) - back);
+  s.book.external += body.work(x, j);
 }
 
 }  // namespace
@@ -74,7 +75,7 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
     auto& list = c.of_body[b];
     list.clear();
     const Proxy& body = bodies[b];
-    const double reach = body.body.is_static ? 0.0 : body.body.angular_velocity().norm() * body.radius();
+    const double reach = body.turning_speed();
     // The margin is twice the travel until the next refresh, since control points may speed up.
     const double travel = 2.0 * dt * (speed + body.body.motion.velocity.norm() + reach);  // in one substep
     double margin = m.thickness + kContactRefresh * travel;

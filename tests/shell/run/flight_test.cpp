@@ -37,7 +37,7 @@ TEST(Flight, IsAParabola) {
   const Vec3 gravity(0.5, 0, -9.81), x(1, 2, 3), v(-1, 0.3, 2);
   for (const double window : {1e-3, 0.1}) {
     std::vector<Proxy> bodies{ball(x, v), of_static(ball(x, v)), ball(x, v)};
-    free_fall(bodies, 2, gravity, window);
+    free_fall(bodies, 2, gravity, 0.0, window);
     const BodyMotion& m = bodies[0].body.motion;
     EXPECT_LT((m.position - (x + window * v + 0.5 * window * window * gravity)).norm(), 1e-15 * 10);
     EXPECT_LT((m.velocity - (v + window * gravity)).norm(), 1e-15 * 10);

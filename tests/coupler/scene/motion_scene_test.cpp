@@ -1,0 +1,137 @@
+// Bodies that follow a prescribed motion or change their shape: refusals with field and remedy.
+#include "tests/coupler/arch.h"
+#include "tests/coupler/small_scene.h"
+
+using namespace small_scene;
+
+namespace {
+
+std::string moved(const std::string& motion, const std::string& more = "") {
+  return replaced("  pose { position { z: 0.1 } }\n", "  " + motion + "\n  " + more + "\n");
+}
+
+const std::string kDown = "motion { position { z: 0.1 } } motion { time_s: 0.5 position { z: 0.03 } }";
+
+TEST(Motion, IsAcceptedWithKeysOfAllKinds) {
+  EXPECT_EQ(refusal(moved(kDown)).kind, "accepted") << refusal(moved(kDown)).what();
+  EXPECT_EQ(
+      refusal(moved("motion { position { z: 0.1 } orientation { w: 1 } } motion { time_s: 0.5 position { z: 0.2 } "
+                    "rotation { axis { x: 1 y: 1 } angle_deg: 400 } } motion { time_s: 1 position { z: 0.1 } "
+                    "twist { linear { z: -1 } angular { x: 3 } } }"))
+          .kind,
+      "accepted");
+  // a body that its motion moves needs no density
+  EXPECT_EQ(refusal(replaced("  material: \"glass\"\n  sphere { radius_m: 0.02 }\n  pose { position { z: 0.1 } }\n",
+                             "  sphere { radius_m: 0.02 }\n  " + kDown + "\n"))
+                .kind,
+            "accepted");
+}
+
+TEST(Motion, ExcludesWhatItMakesMeaningless) {
+  expect_refusal(moved(kDown, "pose { position { z: 0.1 } }"), "bodies[0].pose",
+                 {"whose first key says", "leave it out"});
+  expect_refusal(moved(kDown, "twist { linear { z: -1 } }"), "bodies[0].twist", {"give a key a twist"});
+  expect_refusal(moved(kDown, "launch { speed: 1 target: \"pane\" }"), "bodies[0].launch", {"leave one of them out"});
+  expect_refusal(moved(kDown, "is_static: true"), "bodies[0].motion", {"'ball' is static"});
+  expect_refusal(replaced("sphere { radius_m: 0.02 }\n  pose { position { z: 0.1 } }", "half_space {}\n  " + kDown),
+                 "bodies[0].motion", {"a half space never moves; take a box"});
+  expect_refusal(moved(kDown) + "coupling { scheme: ITERATED }\n", "coupling.scheme", {"take PROXY or EXPORTED"});
+  expect_refusal(moved(kDown) + "joints { name: \"j\" kind: BALL first: \"ball\" }\n", "joints[0].first",
+                 {"name a body that moves freely"});
+}
+
+TEST(Motion, OfWrongTimesOrPosesIsRefused) {
+  expect_refusal(moved("motion { time_s: 0.2 position { z: 0.1 } } motion { time_s: 0.2 position { z: 0.1 } }"),
+                 "bodies[0].motion[1].time_s", {"is 0.2 s, and 0.2 s in the key before", "times must rise"});
+  expect_refusal(moved("motion { time_s: -1 position { z: 0.1 } }"), "bodies[0].motion[0].time_s",
+                 {"give seconds from 0 on"});
+  expect_refusal(moved("motion { position { z: 0.1 } orientation { w: 2 } }"), "bodies[0].motion[0].orientation",
+                 {"has length 2"});
+  expect_refusal(moved("motion { position { z: nan } }"), "bodies[0].motion[0].position", {"must be finite"});
+  expect_refusal(moved("motion { position { z: 0.1 } rotation { axis { } angle_deg: 3 } }"),
+                 "bodies[0].motion[0].rotation.axis", {"has no direction"});
+  expect_refusal(
+      moved("motion { position { z: 0.1 } } motion { time_s: 0.5 position { z: 0.2 } twist { linear { z: 1 } } }"),
+      "bodies[0].motion[1].twist", {"in the last key, after which it rests", "end_time_s or later"});
+  expect_refusal(moved("motion { time_s: 0.1 position { z: 0.1 } twist { linear { z: 1 } } }"),
+                 "bodies[0].motion[0].twist", {"before which it rests; begin at time_s 0"});
+}
+
+TEST(Motion, ThatJumpsOrStartsInsideAShellIsRefused) {
+  // 0.07 m in 0.1 ms is 1.5 times 700 m/s in the middle; a window may take the ball by its width, 0.04 m
+  const std::string jump = moved("motion { position { z: 0.1 } } motion { time_s: 1e-4 position { z: 0.03 } }");
+  expect_refusal(jump, "bodies[0].motion", {"jumps", "further than it is wide, 0.04 m", "or a window_s of 1.9e-05 s"});
+  EXPECT_EQ(refusal(jump, {"window_s=1.9e-5"}).kind, "accepted");
+  expect_refusal(moved("motion { position { z: 0.01 } } motion { time_s: 0.5 position { z: 0.3 } }"),
+                 "bodies[0].motion", {"m inside shell 'pane'; move it away"});
+}
+
+struct Files {
+  std::vector<std::string> names;
+  void write(const std::string& name, const std::string& text) {
+    names.push_back(own_file(name));
+    std::ofstream(names.back()) << text;
+  }
+  std::string name(std::size_t k) const { return names[k].substr(names[k].rfind('/') + 1); }
+  ~Files() {
+    for (const std::string& n : names) std::remove(n.c_str());
+  }
+};
+
+std::string deforming(const Files& files, const std::string& deformation,
+                      const std::string& more = "surface: EXACT }") {
+  return replaced("sphere { radius_m: 0.02 }", "mesh { path: \"" + files.name(0) + "\" scale: 2 " + more +
+                                                   "\n  deformation { " + deformation + " }");
+}
+
+TEST(Deformation, IsAcceptedAndRefusedWithItsPlace) {
+  Files files;
+  arch::Mesh mesh = arch::mesh();
+  files.write("arch.obj", arch::obj(mesh));
+  const std::string inflate = "inflate { } inflate { time_s: 0.5 distance_m: 0.005 }";
+  EXPECT_EQ(refusal(deforming(files, inflate)).kind, "accepted") << refusal(deforming(files, inflate)).what();
+  expect_refusal(deforming(files, inflate, "}"), "bodies[0].deformation", {"surface: EXACT"});
+  expect_refusal(deforming(files, ""), "bodies[0].deformation", {"neither inflate nor shapes"});
+  expect_refusal(deforming(files, "inflate { distance_m: 0.001 } inflate { time_s: 1 }"),
+                 "bodies[0].deformation.inflate[0].distance_m", {"it begins at 0"});
+  expect_refusal(deforming(files, "inflate { time_s: 1 } inflate { time_s: 0.5 }"),
+                 "bodies[0].deformation.inflate[1].time_s", {"times must rise"});
+  // The feet are 0.04 m apart, and each grows by 0.025 m towards the other.
+  expect_refusal(deforming(files, "inflate { } inflate { time_s: 0.5 distance_m: 0.04 }"),
+                 "bodies[0].deformation.inflate[1].distance_m",
+                 {"is 0.04 m, with which the surface", "crosses itself"});
+  expect_refusal(deforming(files, "inflate { } inflate { time_s: 1e-6 distance_m: 0.005 }"), "bodies[0].deformation",
+                 {"jumps"});
+  expect_refusal(deforming(files, inflate) + "joints { name: \"j\" kind: BALL first: \"ball\" }\n", "joints[0].first",
+                 {"name a body that moves freely"});
+}
+
+TEST(Deformation, ShapesHaveThePointsAndFacesOfTheMesh) {
+  Files files;
+  arch::Mesh mesh = arch::mesh();
+  files.write("arch.obj", arch::obj(mesh));
+  for (sunder::Vec3& p : mesh.points) p *= 1.2;
+  files.write("larger.obj", arch::obj(mesh));
+  const auto shape = [&](std::size_t k) {
+    return deforming(files, "shapes { time_s: 0.5 path: \"" + files.name(k) + "\" }");
+  };
+  EXPECT_EQ(refusal(shape(1)).kind, "accepted") << refusal(shape(1)).what();
+  arch::Mesh fewer = mesh;
+  fewer.faces.pop_back();
+  files.write("fewer.obj", arch::obj(fewer));
+  expect_refusal(shape(2), "bodies[0].deformation.shapes[0].path", {"has 9 faces, and", "has 10", "in one order"});
+  arch::Mesh turned = mesh;
+  std::rotate(turned.faces[3].begin(), turned.faces[3].begin() + 1, turned.faces[3].end());
+  files.write("turned.obj", arch::obj(turned));
+  expect_refusal(shape(3), "bodies[0].deformation.shapes[0].path", {"has in line 21 a face of other points than"});
+  arch::Mesh crossed = mesh;
+  crossed.points[0] = {0.2, 0.01, 0.0};
+  files.write("crossed.obj", arch::obj(crossed));
+  expect_refusal(shape(4), "bodies[0].deformation.shapes[0].path", {"crosses itself"});
+  expect_refusal(deforming(files, "shapes { time_s: 0.5 path: \"none.obj\" }"), "bodies[0].deformation.shapes[0].path",
+                 {"cannot be read"});
+  expect_refusal(deforming(files, "shapes { path: \"" + files.name(1) + "\" }"),
+                 "bodies[0].deformation.shapes[0].time_s", {"give a later time"});
+}
+
+}  // namespace

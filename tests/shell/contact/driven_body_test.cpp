@@ -1,0 +1,117 @@
+// Bodies whose motion and shape are prescribed: places, velocities, and what impulses do to them.
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "coupler/scene/mesh.h"
+#include "shell/contact/proxy.h"
+#include "tests/coupler/arch.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+std::shared_ptr<DrivenMotion> swing() {
+  PoseKey a, b;
+  b.time = 1.0, b.position = {0.4, 0, 0.2}, b.turn = {0, 1.2, 0};
+  auto motion = std::make_shared<DrivenMotion>();
+  motion->path = PoseCurve({a, b}), motion->own.position = {0, 0, 0.1};
+  return motion;
+}
+
+RigidBody box() {
+  RigidBody b;
+  b.id = 1, b.mass = 1e3, b.principal_inertia = {3, 4, 5}, b.shape = BoxShape{{0.1, 0.05, 0.2}};
+  return b;
+}
+
+TEST(DrivenBody, ComesToTheNextPlaceByTheVelocitiesOfASubstep) {
+  Proxy p(box(), swing());
+  const double t = 0.37, dt = 1e-3;
+  p.drive(t, dt);
+  const BodyMotion from = p.body.motion;
+  const Vec3 corner(0.1, 0.05, 0.2);
+  const Vec3 before = from.position + from.orientation * corner;
+  EXPECT_LT((from.velocity * dt + from.position - swing()->at(t + dt).position).norm(), 1e-15);
+  // A point turns with the spin; the chord of its arc differs by a share of the square of the angle.
+  const Vec3 velocity = p.velocity_at(before);
+  p.arrive(t + dt);
+  const Vec3 after = p.body.motion.position + p.body.motion.orientation * corner;
+  EXPECT_LT(((after - before) / dt - velocity).norm(), 2e-3 * velocity.norm());
+  EXPECT_EQ(p.body.motion.velocity, from.velocity);
+}
+
+TEST(DrivenBody, IsNotMovedByImpulsesAndBooksThem) {
+  Proxy p(box(), swing());
+  p.drive(0.5, 1e-3);
+  const BodyMotion before = p.body.motion;
+  const Vec3 at = before.position + Vec3(0.1, 0, 0), j(1, 2, 3);
+  EXPECT_TRUE(p.inverse_mass_at(at).isZero(0.0));
+  EXPECT_DOUBLE_EQ(p.work(at, j), j.dot(p.velocity_at(at)));
+  p.apply(at, -j);
+  EXPECT_EQ(p.body.motion.velocity, before.velocity);
+  EXPECT_EQ(p.body.motion.angular_momentum, before.angular_momentum);
+  EXPECT_EQ(p.linear_impulse, -j);
+  EXPECT_FALSE(p.is_free());
+  EXPECT_TRUE(Proxy(box()).is_free());
+}
+
+// The arch grows from half its size to its whole size, about its corner.
+Proxy growing() {
+  std::vector<scene::Polygon> polygons;
+  for (const auto& face : arch::mesh().faces) polygons.push_back({face, 0});
+  Surface surface = scene::closed_surface(arch::mesh().points, polygons);
+  std::vector<Vec3> whole = surface.corners;
+  for (Vec3& c : surface.corners) c *= 0.5;
+  auto motion = std::make_shared<DrivenMotion>();
+  motion->still = {{1, 2, 3}, rotation_from_vector({0.3, -0.2, 0.5})};
+  motion->shape = shape_curve({0.0, 2.0}, {surface.corners, whole});
+  RigidBody b;
+  b.id = 1, b.is_static = true;
+  b.shape = ConvexShape{{}, std::make_shared<Surface>(surface)};
+  return Proxy(b, motion);
+}
+
+TEST(DrivenBody, ThatGrowsHasTheDistanceAndTheVelocityOfItsSurface) {
+  Proxy p = growing();
+  const double t = 0.8, dt = 1e-4, s = t / 2.0;
+  p.drive(t, dt);
+  const double size = 0.5 + 0.5 * s * s * (3.0 - 2.0 * s), rate = 0.5 * 6.0 * s * (1.0 - s) / 2.0;
+  const BodyMotion& m = p.body.motion;
+  const Vec3 local(0.03 * size, 0.01 * size, arch::kHigh * size + 0.002);  // above the top
+  const Vec3 world = m.position + m.orientation * local;
+  EXPECT_NEAR(p.distance(world).value, 0.002, 1e-12);
+  const Vec3 top(local.x(), local.y(), arch::kHigh * size);
+  // The mean over dt differs from the rate at t by half of dt times its change.
+  EXPECT_LT((p.velocity_at(world) - m.orientation * (rate / size * top)).norm(), 1e-4 * rate);
+  EXPECT_NEAR(p.half_width(), 0.5 * arch::kHigh * size, 1e-12);
+  EXPECT_TRUE(p.deforms());
+}
+
+TEST(DrivenBody, MovedSurfaceIsThatOfANewOne) {
+  Proxy p = growing();
+  p.drive(2.0, 0.0);
+  std::vector<scene::Polygon> polygons;
+  for (const auto& face : arch::mesh().faces) polygons.push_back({face, 0});
+  const SolidDistance whole(scene::closed_surface(arch::mesh().points, polygons));
+  for (int k = 0; k < 500; ++k) {
+    const Vec3 x(0.09 * std::fmod(0.618 * k, 1.0) - 0.01, 0.05 * std::fmod(0.381 * k, 1.0) - 0.01,
+                 0.08 * std::fmod(0.7548 * k, 1.0) - 0.01);
+    const Vec3 world = p.body.motion.position + p.body.motion.orientation * x;
+    EXPECT_NEAR(p.distance(world).value, whole.at(x).value, 1e-14);
+  }
+}
+
+TEST(DrivenMotion, TellsItsFastestPoint) {
+  const auto motion = swing();
+  double when = 0.0;
+  // Smooth steps are fastest in the middle, at 1.5 times the mean; sixteen looks see it to a part in 500.
+  const double fastest = motion->fastest(0.3, when);
+  const Vec3 arc = motion->at(1.0).position - motion->at(0.0).position;
+  EXPECT_GT(fastest, 1.49 * (arc.norm() + 0.3 * 1.2) * 0.95);
+  EXPECT_LT(fastest, 1.5 * (0.45 + 0.1 * 1.2 + 0.3 * 1.2));
+  EXPECT_NEAR(when, 0.5, 1.0 / 16.0 + 1e-12);
+}
+
+}  // namespace
