@@ -274,7 +274,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
     strength_region(s, fmt::format("{}.strength_regions[{}]", f, i), shell.strength_regions(i));
   if (shell.has_strength_map()) {
     const auto& map = shell.strength_map();
-    s.check(!map.path().empty(), f + ".strength_map.path", "is missing; name a PGM file beside the scene");
+    s.check(!map.path().empty(), f + ".strength_map.path", "is missing; name a PNG or PGM file beside the scene");
     strength_factor(s, f + ".strength_map.low_factor", map.has_low_factor(), map.low_factor());
     if (map.has_high_factor()) strength_factor(s, f + ".strength_map.high_factor", true, map.high_factor());
   }

@@ -39,6 +39,14 @@ void cut(const LoadedScene& s, const std::string& g, const proto::Cut& m) {
       f.has_latest_freeze_s() ? std::min(f.latest_freeze_s(), s.message.end_time_s()) : s.message.end_time_s();
   s.check(m.time_s() < last, g + ".time_s",
           "is {} s, and the shell is solved until {} s at the latest: it would never be made", m.time_s(), last);
+  if (m.has_until_s()) {
+    s.check(std::isfinite(m.until_s()) && m.until_s() > m.time_s(), g + ".until_s",
+            "is {} s, and the cut begins at {} s; give a later time, or leave it out to cut at once", m.until_s(),
+            m.time_s());
+    s.check(m.until_s() < last, g + ".until_s",
+            "is {} s, and the shell is solved until {} s at the latest: the cut would not become whole", m.until_s(),
+            last);
+  }
   all_finite(s, g, m.points());
   if (m.has_circle()) circle(s, g + ".circle", m.circle());
   if (m.has_curve()) curve(s, g + ".curve", m.curve(), "cut's points");

@@ -153,6 +153,42 @@ PrescribedCut divided(const Domain& d, std::vector<Vec2> points, double time) {
   return out;
 }
 
+// Divides a line into `pieces` of one length. The points of the line stay.
+std::vector<std::vector<Vec2>> pieces_of(const std::vector<Vec2>& points, int pieces) {
+  double length = 0.0;
+  for (std::size_t k = 1; k < points.size(); ++k) length += (points[k] - points[k - 1]).norm();
+  std::vector<std::vector<Vec2>> out{{points.front()}};
+  const double least = 1e-6 * length / pieces;  // a shorter rest belongs to the segment before it
+  double done = 0.0;
+  for (std::size_t k = 1; k < points.size(); ++k) {
+    const double side = (points[k] - points[k - 1]).norm();
+    for (;;) {
+      const double next = length * static_cast<double>(out.size()) / pieces;
+      if (static_cast<int>(out.size()) == pieces || next > done + side - least) break;
+      const Vec2 p = points[k - 1] + (next - done) / side * (points[k] - points[k - 1]);
+      if (next > done + least) out.back().push_back(p);
+      out.push_back({out.back().back()});
+    }
+    out.back().push_back(points[k]);
+    done += side;
+  }
+  return out;
+}
+
+// The pieces of a cut that grows; each is made when its end is reached.
+std::vector<PrescribedCut> growing(const Domain& d, const std::vector<Vec2>& points, double from, double until) {
+  double length = 0.0;
+  for (std::size_t k = 1; k < points.size(); ++k) length += (points[k] - points[k - 1]).norm();
+  const int pieces = std::max(1, static_cast<int>(std::ceil(length / d.spacing)));
+  std::vector<PrescribedCut> out;
+  for (std::vector<Vec2>& piece : pieces_of(points, pieces)) {
+    const double share = static_cast<double>(out.size() + 1) / pieces;
+    out.push_back(divided(d, std::move(piece), from + share * (until - from)));
+    out.back().goes_on = static_cast<int>(out.size()) < pieces;
+  }
+  return out;
+}
+
 }  // namespace
 
 void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, const std::string& field,
@@ -188,10 +224,13 @@ void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int 
   cut.on_edges = std::move(seams);
 }
 
-PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& m, const ShellModel& model,
-                       const std::string& field) {
+std::vector<PrescribedCut> make_cut(const scene::LoadedScene& scene, const proto::Cut& m, const ShellModel& model,
+                                    const std::string& field) {
   const Domain d(model);
-  const auto whole = [&](std::vector<Vec2> points) { return divided(d, std::move(points), m.time_s()); };
+  const auto whole = [&](std::vector<Vec2> points) -> std::vector<PrescribedCut> {
+    if (m.has_until_s()) return growing(d, points, m.time_s(), m.until_s());
+    return {divided(d, std::move(points), m.time_s())};
+  };
   const double least = kSmallestRound * d.spacing;
   if (m.has_circle()) {
     const double radius = m.circle().radius_m();

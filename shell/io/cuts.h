@@ -1,16 +1,17 @@
 #pragma once
 // Prescribed cuts of a scene, as polylines.
 #include <string>
+#include <vector>
 
 #include "coupler/scene/load.h"
 #include "shell/solver/cracking/crack_rules.h"
 
 namespace sunder::shell {
 
-/// Makes a cut; `field` is its field in the scene. Throws Error where it leaves the parameter domain, has a segment
-/// without length, or crosses or touches itself.
-PrescribedCut make_cut(const scene::LoadedScene& scene, const proto::Cut& cut, const ShellModel& model,
-                       const std::string& field);
+/// Makes a cut, in pieces where it grows; `field` is its field in the scene. Throws Error where it leaves the parameter
+/// domain, has a segment without length, or crosses or touches itself.
+std::vector<PrescribedCut> make_cut(const scene::LoadedScene& scene, const proto::Cut& cut, const ShellModel& model,
+                                    const std::string& field);
 
 /// Decides on segments that lie on edges. On edges with seams (`seamed`, EdgeBits) they open the seam. On clamped edges
 /// they become a cut as near to the edge as cracks can run. Throws Error with `field` on other edges, where nothing can

@@ -48,7 +48,8 @@ GreyImage read_pgm(const std::string& path, const std::function<void(double, dou
   char magic[2] = {};
   in.read(magic, 2);
   require(in.good() && magic[0] == 'P' && (magic[1] == '5' || magic[1] == '2'),
-          "is no PGM file: it does not begin with P5 or P2; convert it, as in: convert map.png -depth 16 map.pgm");
+          "is neither a PNG nor a PGM file: it begins with neither of their signs; convert it, as in: convert map.jpg "
+          "-colorspace Gray map.png");
   const bool plain = magic[1] == '2';
   const double width = head_number(in, "width"), height = head_number(in, "height"), white = head_number(in, "white");
   accept(width, height);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "shell/io/pgm_file.h"
+#include "shell/io/png_file.h"
 
 namespace sunder::shell {
 namespace {
@@ -38,7 +39,7 @@ GreyImage read_map(const scene::LoadedScene& scene, const proto::StrengthMap& m,
   const std::string path = scene.file_beside(field + ".path", m.path());
   const double aspect = size.x() / size.y();
   try {
-    return read_pgm(path, [&](double width, double height) {
+    const auto accept = [&](double width, double height) {
       const bool good = std::min(width, height) >= kFewestPixels && std::max(width, height) <= kMostPixels;
       require(good, "has {} x {} pixels, and an image has {} to {} a side: {}", width, height, kFewestPixels,
               kMostPixels, sizes_that_do(width, height, aspect));
@@ -46,7 +47,8 @@ GreyImage read_map(const scene::LoadedScene& scene, const proto::StrengthMap& m,
               "has {} x {} pixels, but the parameter domain is {:.4g} m x {:.4g} m, and the shapes may differ by 2 %: "
               "{}",
               width, height, size.x(), size.y(), sizes_that_do(width, height, aspect));
-    });
+    };
+    return is_png(path) ? read_png(path, accept) : read_pgm(path, accept);
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}' {}", m.path(), e.what()));
   }

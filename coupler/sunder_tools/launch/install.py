@@ -15,7 +15,7 @@ from .logged import run_logged, tail
 PACKAGES = (
     "g++", "cmake", "ninja-build", "pkg-config", "libeigen3-dev", "libspectra-dev", "libcgal-dev", "libbullet-dev",
     "libode-dev", "libzmq3-dev", "cppzmq-dev", "libprotobuf-dev", "protobuf-compiler", "libfmt-dev", "libcli11-dev",
-    "nlohmann-json3-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil", "python3-protobuf",
+    "nlohmann-json3-dev", "libpng-dev", "libssl-dev", "python3", "python3-numpy", "python3-pil", "python3-protobuf",
 )  # all that a run needs
 TEST_PACKAGES = ("libgtest-dev", "libbenchmark-dev")  # all that tests, `validate` and `bench` cannot do without
 LINT_PACKAGES = ("clang-format", "clang-tidy", "mypy", "pyflakes3")  # for a test only, of the sources
@@ -28,7 +28,7 @@ LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
 # The names above are those of these distributions: ID and VERSION_ID of os-release, and whether a run was seen there.
 DISTRIBUTIONS = {("debian", "12"): True, ("debian", "13"): True, ("ubuntu", "24.04"): False}
 BY_HAND = ("a C++20 compiler, CMake 3.25, Ninja, pkg-config; with their headers Eigen 3.4, Spectra 1.0, CGAL 5.5, Bullet in "
-           "double precision, ODE, ZeroMQ and cppzmq, Protobuf with protoc, fmt, OpenSSL; /usr/bin/python3 with numpy, Pillow and "
+           "double precision, ODE, ZeroMQ and cppzmq, Protobuf with protoc, fmt, libpng, OpenSSL; /usr/bin/python3 with numpy, Pillow and "
            "protobuf. Then 'cmake --preset release -DBUILD_TESTING=OFF && cmake --build build/release', and set "
            "SUNDER_BUILD_DIR to that folder")
 

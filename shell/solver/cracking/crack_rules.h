@@ -57,7 +57,9 @@ struct EdgeCut {
 struct PrescribedCut {
   std::vector<std::vector<Vec2>> lines;  // each closed where the last point is exactly the first
   std::vector<EdgeCut> on_edges;
-  double time = 0.0;  // [s]
+  double time = 0.0;     // [s]
+  int number = 0;        // of the cut in the scene; one that grows is several of these, in their order
+  bool goes_on = false;  // another one goes on at its end, which is not open
 };
 
 /// How cracks start and run by themselves.

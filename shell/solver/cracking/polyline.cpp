@@ -135,7 +135,7 @@ int make_cuts(const CrackLook& k) {
     const int before = edges();
     for (const auto& line : cut.lines) insert_polyline(k.model, s, line, k.time);
     if (k.on_edges) k.on_edges->insert(k.on_edges->end(), cut.on_edges.begin(), cut.on_edges.end());
-    made.emplace_back(before, edges());
+    if (!cut.goes_on) made.emplace_back(before, edges());
     s.cracks.cut_done[i] = 1;
   }
   if (k.rules.tips_run())  // after all cuts: an end on another cut is not open

@@ -1,4 +1,6 @@
 // Cuts, strengths and damage of a scene: refusals with field and remedy, and the built model.
+#include <png.h>
+
 #include <cmath>
 
 #include "tests/coupler/small_scene.h"
@@ -25,11 +27,43 @@ sunder::shell::RunSetup built(const std::string& text, const std::vector<std::st
   return sunder::shell::build(scene);
 }
 
+// A PNG file of one channel or several, its numbers row by row. `kind` is libpng's; a palette has two colours.
+std::string png_of(int width, int height, int bits, int kind, const std::vector<int>& numbers) {
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop info = png_create_info_struct(png);
+  std::string out;
+  const auto add = [](png_structp p, png_bytep data, std::size_t count) {
+    static_cast<std::string*>(png_get_io_ptr(p))->append(reinterpret_cast<char*>(data), count);
+  };
+  png_set_write_fn(png, &out, add, nullptr);
+  png_set_IHDR(png, info, width, height, bits, kind, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  const png_color colours[2] = {{0, 0, 0}, {255, 0, 0}};
+  if (kind == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, colours, 2);
+  png_write_info(png, info);
+  if (bits < 8) png_set_packing(png);
+  const std::size_t each = numbers.size() / height;
+  for (int row = 0; row < height; ++row) {
+    std::vector<unsigned char> line;
+    for (std::size_t k = row * each; k < (row + 1) * each; ++k) {
+      if (bits == 16) line.push_back(static_cast<unsigned char>(numbers[k] >> 8));
+      line.push_back(static_cast<unsigned char>(numbers[k] & 255));
+    }
+    png_write_row(png, line.data());
+  }
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &info);
+  return out;
+}
+
 // A file beside the scene, removed at the end.
 struct MapFile {
-  std::string name = fmt::format("{}_map.pgm", getpid());
-  explicit MapFile(const std::string& content) { std::ofstream(own_file("map.pgm"), std::ios::binary) << content; }
-  ~MapFile() { std::remove(own_file("map.pgm").c_str()); }
+  std::string kind, name;
+  explicit MapFile(const std::string& content, const std::string& kind = "pgm")
+      : kind(kind), name(fmt::format("{}_map.{}", getpid(), kind)) {
+    std::ofstream(own_file("map." + kind), std::ios::binary) << content;
+  }
+  ~MapFile() { std::remove(own_file("map." + kind).c_str()); }
   std::string field(const std::string& more = "low_factor: 0.5") const {
     return fmt::format("strength_map {{ path: \"{}\" {} }}", name, more);
   }
@@ -119,6 +153,35 @@ TEST(Cut, TakesSettingsAndKeepsItsTime) {
   expect_refusal(text, "shells[0].cuts[0].circle", {"set by --set"}, {"shells[pane].cuts[0].circle.radius_m=0.3"});
 }
 
+TEST(Cut, GrowsInPiecesThatFollowOneAnother) {
+  const std::string line = "cuts { points { u: 0.1 v: 0.1 } points { u: 0.3 v: 0.1 } points { u: 0.3 v: 0.25 } ";
+  const auto setup =
+      built(scene(line + "time_s: 0.2 until_s: 0.6 } cuts { points { u: 0.1 v: 0.4 } points { u: 0.2 v: 0.4 } }"));
+  std::vector<sunder::shell::PrescribedCut> cuts = setup.shells[0].fracture.cuts;
+  EXPECT_EQ(cuts.back().number, 1);
+  EXPECT_FALSE(cuts.back().goes_on);
+  cuts.pop_back();
+  // 0.35 m in pieces of at most a spacing, 0.5 m / 16
+  ASSERT_EQ(cuts.size(), 12u);
+  double length = 0.0;
+  for (std::size_t k = 0; k < cuts.size(); ++k) {
+    ASSERT_EQ(cuts[k].lines.size(), 1u);
+    const std::vector<Vec2>& p = cuts[k].lines[0];
+    for (std::size_t i = 1; i < p.size(); ++i) length += (p[i] - p[i - 1]).norm();
+    EXPECT_NEAR(cuts[k].time, 0.2 + 0.4 * length / 0.35, 1e-12);
+    EXPECT_EQ(cuts[k].number, 0);
+    EXPECT_EQ(cuts[k].goes_on, k + 1 < cuts.size());
+    if (k > 0) {
+      EXPECT_EQ(p.front(), cuts[k - 1].lines[0].back());
+    }
+  }
+  EXPECT_NEAR(length, 0.35, 1e-12);
+  EXPECT_EQ(cuts.front().lines[0].front(), Vec2(0.1, 0.1));
+  EXPECT_EQ(cuts.back().lines[0].back(), Vec2(0.3, 0.25));
+  expect_refusal(scene(line + "time_s: 0.2 until_s: 0.2 }"), "shells[0].cuts[0].until_s", {"give a later time"});
+  expect_refusal(scene(line + "until_s: 7e3 }"), "shells[0].cuts[0].until_s", {"would not become whole"});
+}
+
 TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {
   const auto s = built(scene("strength_regions { low { u: 0 v: 0 } high { u: 0.25 v: 0.5 } factor: 0.3 } "
                              "strength_regions { disc { center { u: 0.25 v: 0.25 } radius_m: 0.1 } factor: 2 }",
@@ -195,9 +258,9 @@ TEST(StrengthMap, OfGarbageIsRefused) {
     const MapFile map(content);
     expect_refusal(scene(map.field(), kStrong), "shells[0].strength_map.path", {says});
   };
-  refused("", "is no PGM file");
-  refused("\x89PNG\r\n", "convert map.png");
-  refused("P6 2 2 255\n123412341234", "is no PGM file");
+  refused("", "is neither a PNG nor a PGM file");
+  refused("\x89PNG\r\n", "convert map.jpg");
+  refused("P6 2 2 255\n123412341234", "is neither a PNG nor a PGM file");
   refused("P5", "has no width");
   refused("P5 2 x 255\n", "has no height");
   refused("P5 # 2 2 255 1234", "has no width");
@@ -213,6 +276,36 @@ TEST(StrengthMap, OfGarbageIsRefused) {
   refused("P2 2 2 255\n1 2 3\n\n\n\n", "has its end instead of the pixel");
   refused("P2 2 2 255\n1 2 three 4", "has byte 116");
   refused("P2 2 2 255\n1 2 99999999999999999999 4", "whiter than white");
+}
+
+TEST(StrengthMap, OfAPngHasTheGreysOfThePgm) {
+  for (const int bits : {1, 4, 8, 16}) {
+    const int white = (1 << bits) - 1;
+    const std::vector<int> greys{0, white / 2, white, white / 3};
+    const MapFile png(png_of(2, 2, bits, 0, greys), "png");
+    const MapFile pgm(fmt::format("P2 2 2 {}\n{} {} {} {}\n", white, greys[0], greys[1], greys[2], greys[3]));
+    const auto a = built(scene(png.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
+    const auto b = built(scene(pgm.field("low_factor: 0.5 high_factor: 1.5"), kStrong)).shells[0].model;
+    EXPECT_EQ(a.strength_factor, b.strength_factor) << bits;
+  }
+}
+
+TEST(StrengthMap, OfAPngThatIsNotGreyOrDamagedIsRefused) {
+  const auto refused = [](const std::string& content, const std::string& says) {
+    const MapFile map(content, "png");
+    expect_refusal(scene(map.field(), kStrong), "shells[0].strength_map.path", {says, ".png'"});
+  };
+  refused(png_of(2, 2, 8, PNG_COLOR_TYPE_PALETTE, {0, 1, 1, 0}), "has a palette, whose numbers are no greys");
+  refused(png_of(2, 2, 8, PNG_COLOR_TYPE_RGB, std::vector<int>(12, 7)), "has colours");
+  refused(png_of(2, 2, 8, PNG_COLOR_TYPE_RGB_ALPHA, std::vector<int>(16, 7)), "has colours");
+  refused(png_of(2, 2, 8, PNG_COLOR_TYPE_GRAY_ALPHA, std::vector<int>(8, 7)), "is transparent in places");
+  refused(png_of(4, 2, 8, 0, std::vector<int>(8, 7)), "has 4 x 2 pixels");
+  const std::string good = png_of(2, 2, 8, 0, {1, 2, 3, 4});
+  refused(good.substr(0, 20), "is damaged in its head");
+  refused(good.substr(0, good.size() - 14), "is damaged: ");
+  std::string changed = good;
+  changed[changed.size() - 20] ^= 0x10;
+  refused(changed, "is damaged: ");
 }
 
 TEST(StrengthMap, IsRefusedWithoutAFileOrFactors) {

@@ -40,6 +40,19 @@ TEST(ClosedCut, SeparatesARoundPiece) {
   }
 }
 
+TEST(ClosedCut, SeparatesWhenTheLastOfItsPiecesIsMade) {
+  const ShellModel m = pane();
+  const std::vector<Vec2> ring = crack_points(circle_curve(Vec2(0.1, 0.1), 5.0 * m.spacing), m.spacing);
+  ShellState s = make_state(m, Vec3::Zero(), 0);
+  std::vector<Piece> pieces;
+  for (std::size_t k = 1; k < ring.size(); ++k) {
+    EXPECT_EQ(partition(m, s, pieces).pieces, 1) << k;
+    insert_polyline(m, s, {ring[k - 1], ring[k]}, 0.0);
+    EXPECT_EQ(s.cracks.graph.edges().size(), k);
+  }
+  EXPECT_EQ(partition(m, s, pieces).pieces, 2);
+}
+
 TEST(ClosedCut, SeparatesWhereItBeginsBesideTheBorder) {
   const ShellModel m = pane();
   // its first point is half a spacing off: an open cut would run out there
