@@ -22,51 +22,56 @@ double squared_to_box(const Vec3& low, const Vec3& high, const Vec3& x) {
 
 }  // namespace
 
-SolidDistance::SolidDistance(const Surface& s) : corners_of_(s.triangles) {
-  std::map<std::pair<int, int>, int> edges;
-  for (const auto& c : s.triangles) {
-    std::array<int, 3>& mine = edges_of_.emplace_back();
-    for (int k = 0; k < 3; ++k)
-      mine[k] = edges.try_emplace(std::minmax(c[k], c[(k + 1) % 3]), static_cast<int>(edges.size())).first->second;
-  }
-  edges_ = static_cast<int>(edges.size());
-  std::vector<Triangle> triangles = made(s.corners);
-  build(triangles, 0, triangles.size());
-}
-
-// The triangles in the order of the surface, with their normals and the box around them.
-std::vector<SolidDistance::Triangle> SolidDistance::made(const std::vector<Vec3>& corners) {
-  const std::size_t count = corners_of_.size();
-  std::vector<Vec3> face(count), corner(corners.size(), Vec3::Zero()), edge(edges_, Vec3::Zero());
+SolidDistance::SolidDistance(const Surface& s)
+    : corners_(s.corners), corners_of_(s.triangles), beside_(s.triangles.size()), around_(s.corners.size()) {
+  std::map<std::pair<int, int>, std::pair<int, int>> open;  // edge -> triangle and its side
   Eigen::AlignedBox3d box;
-  for (std::size_t t = 0; t < count; ++t) {
-    const auto& c = corners_of_[t];
-    face[t] = (corners[c[1]] - corners[c[0]]).cross(corners[c[2]] - corners[c[0]]).normalized();
+  std::vector<Triangle> triangles;
+  for (std::size_t t = 0; t < s.triangles.size(); ++t) {
+    const auto& c = s.triangles[t];
+    const int number = static_cast<int>(t);
     for (int k = 0; k < 3; ++k) {
-      const int i = c[k], j = c[(k + 1) % 3], h = c[(k + 2) % 3];
-      corner[i] += angle_between(corners[j] - corners[i], corners[h] - corners[i]) * face[t];
-      edge[edges_of_[t][k]] += face[t];
-      box.extend(corners[i]);
+      around_[c[k]].push_back(number), box.extend(s.corners[c[k]]);
+      const auto [at, first] = open.try_emplace(std::minmax(c[k], c[(k + 1) % 3]), number, k);
+      if (!first) beside_[t][k] = at->second.first, beside_[at->second.first][at->second.second] = number;
     }
+    triangles.push_back(made(s.corners, number));
   }
   extent_ = box.sizes();
-  std::vector<Triangle> triangles(count);
-  for (std::size_t t = 0; t < count; ++t) {
+  build(triangles, 0, triangles.size());
+  place_.resize(triangles_.size());
+  for (std::size_t k = 0; k < triangles_.size(); ++k) place_[triangles_[k].number] = static_cast<std::int32_t>(k);
+}
+
+SolidDistance::Triangle SolidDistance::made(const std::vector<Vec3>& corners, std::int32_t number) const {
+  const auto& c = corners_of_[number];
+  Triangle t;
+  t.a = corners[c[0]], t.ab = corners[c[1]] - t.a, t.ac = corners[c[2]] - t.a;
+  t.normal = t.ab.cross(t.ac).normalized(), t.number = number;
+  return t;
+}
+
+Vec3 SolidDistance::edge_normal(std::int32_t number, int k) const {
+  const int other = beside_[number][k];
+  return (triangles_[place_[std::min(number, other)]].normal + triangles_[place_[std::max(number, other)]].normal)
+      .normalized();
+}
+
+Vec3 SolidDistance::corner_normal(std::int32_t number, int k) const {
+  const int corner = corners_of_[number][k];
+  Vec3 sum = Vec3::Zero();
+  for (const int t : around_[corner]) {
     const auto& c = corners_of_[t];
-    Triangle& one = triangles[t];
-    one.a = corners[c[0]], one.ab = corners[c[1]] - one.a, one.ac = corners[c[2]] - one.a;
-    one.normal = face[t], one.number = static_cast<std::int32_t>(t);
-    for (int k = 0; k < 3; ++k) {
-      one.corner_normal[k] = corner[c[k]].normalized();
-      one.edge_normal[k] = edge[edges_of_[t][k]].normalized();
-    }
+    const int own = c[0] == corner ? 0 : c[1] == corner ? 1 : 2;
+    const Vec3 &i = corners_[corner], &j = corners_[c[(own + 1) % 3]], &h = corners_[c[(own + 2) % 3]];
+    sum += angle_between(j - i, h - i) * triangles_[place_[t]].normal;
   }
-  return triangles;
+  return sum.normalized();
 }
 
 void SolidDistance::move(const std::vector<Vec3>& corners) {
-  const std::vector<Triangle> all = made(corners);
-  for (Triangle& t : triangles_) t = all[t.number];
+  corners_ = corners;
+  for (Triangle& t : triangles_) t = made(corners, t.number);
   for (std::size_t k = nodes_.size(); k-- > 0;) {  // children come after their parent
     Node& node = nodes_[k];
     if (node.count == 0) {
@@ -81,6 +86,7 @@ void SolidDistance::move(const std::vector<Vec3>& corners) {
     }
     node.low = box.min(), node.high = box.max();
   }
+  extent_ = nodes_[0].high - nodes_[0].low;
 }
 
 // Divides the triangles in two halves, along the longest side of the box around their centres.
@@ -176,7 +182,8 @@ SolidDistance::Found SolidDistance::at(const Vec3& x) const {
     const double height = t.normal.dot(x - t.a);
     return {height, t.normal};
   }
-  const Vec3& normal = best.feature <= 3 ? t.corner_normal[best.feature - 1] : t.edge_normal[best.feature - 4];
+  const Vec3 normal =
+      best.feature <= 3 ? corner_normal(t.number, best.feature - 1) : edge_normal(t.number, best.feature - 4);
   const Vec3 away = x - best.point;
   const double distance = std::sqrt(best.squared);
   const double sign = normal.dot(away) >= 0.0 ? 1.0 : -1.0;

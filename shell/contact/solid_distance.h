@@ -33,8 +33,7 @@ class SolidDistance {
   struct Triangle {
     Vec3 a, ab, ac;
     Vec3 normal;
-    Vec3 corner_normal[3], edge_normal[3];  // of a, b, c; of ab, bc, ca
-    std::int32_t number = 0;                // in the surface
+    std::int32_t number = 0;  // in the surface
   };
   struct Node {
     Vec3 low, high;
@@ -46,7 +45,10 @@ class SolidDistance {
     std::int32_t triangle;
     int feature;  // 0 the face, 1 to 3 a corner, 4 to 6 an edge
   };
-  std::vector<Triangle> made(const std::vector<Vec3>& corners);
+  Triangle made(const std::vector<Vec3>& corners, std::int32_t number) const;
+  /// Normal of the edge that begins at corner k of a triangle, and of that corner, weighted by angles.
+  Vec3 edge_normal(std::int32_t number, int k) const;
+  Vec3 corner_normal(std::int32_t number, int k) const;
   void build(std::vector<Triangle>& triangles, std::size_t begin, std::size_t end);
   Nearest nearest(const Vec3& x) const;
   void look(const Triangle& t, std::int32_t index, const Vec3& x, Nearest& best) const;
@@ -54,8 +56,11 @@ class SolidDistance {
   std::vector<Triangle> triangles_;  // in the order of the tree's leaves
   std::vector<Node> nodes_;
   Vec3 extent_ = Vec3::Zero();
-  std::vector<std::array<int, 3>> corners_of_, edges_of_;  // of each triangle of the surface
-  int edges_ = 0;
+  // Of the surface: corners, those of each triangle, the triangles beside its edges, and those around each corner.
+  std::vector<Vec3> corners_;
+  std::vector<std::array<int, 3>> corners_of_, beside_;
+  std::vector<std::vector<int>> around_;
+  std::vector<std::int32_t> place_;  // of each triangle in triangles_
   std::vector<Vec3> velocities_;
 };
 

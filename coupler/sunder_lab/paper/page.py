@@ -51,9 +51,9 @@ def _list(items: Iterable[str]) -> str:
 
 
 def state(runs: Runs, figure: Figure) -> str:
-    """One of 'drawn', 'failed', 'missing', 'a drawing' and 'not run'."""
+    """One of 'drawn', 'failed', 'a drawing' and 'not run'."""
     if figure.draw is None:
-        return "missing" if figure.missing else "a drawing"
+        return "a drawing"
     if runs.record.figures.get(str(figure.number), {}).get("pictures"):
         return "drawn"
     return "failed" if any(runs.failure(case) for case in figure.cases) else "not run"
@@ -70,8 +70,6 @@ def _figure(runs: Runs, figure: Figure) -> list[str]:
     for name, words in drawn.get("pictures", []):
         out.append(f"<figure><img src='{_text(name)}' alt='{_text(words)}'><figcaption>{_text(words)}</figcaption></figure>")
     out.append(f"<p><b>The paper.</b> {_text(figure.says)}</p>")
-    if figure.missing:
-        out.append(f"<p class='lack'><b>Here.</b> {_text(figure.missing)}</p>")
     if figure.draw is None:
         return out
     told = [f"{case} failed: {runs.failure(case)}" for case in figure.cases if runs.failure(case)]

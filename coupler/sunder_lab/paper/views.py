@@ -1,4 +1,4 @@
-"""Draws the figures that are seen in space: 1, 12, 13, 14, 15 and 17."""
+"""Draws the figures that are seen in space: 1 and 12 to 17."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -18,11 +18,13 @@ from sunder_tools.report.run_json import read_run
 
 from . import panels
 from .catalogue import CASES
+from .depth import outside
 from .drawings import WHOLE, Drawn, shells
 from .panels import Box, at_times, board, captions, growing, shell_frames, view_panels
 from .runs import Runs
 
 VIEW = (470, 352)  # [px]
+TALL = (380, 560)
 CAR_VIEW = (0.80, 0.50, -0.42)  # from the front, the left side and above
 BULLET_S = (1e-3, 2e-3, 4e-3)  # instants [s]
 PIECE = 0.01       # share of the area from which a piece of the garment is counted
@@ -183,13 +185,64 @@ def figure_15(runs: Runs) -> Drawn:
             "patch has a colour; in the last picture each piece, the largest white.")
     shell, cracks, run = shells([last])[0], _last_cracks(frames), read_run(folder)
     across = len(np.unique(cracks.cell_data["shell"])) if cracks is not None and len(cracks.line_points) else 0
-    corner = reference_points(shell)[shell.triangles]
-    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
-    _, which = np.unique(shell.of_triangles("fragment", 0), return_inverse=True)
-    large = int((np.bincount(which, area) > PIECE * area.sum()).sum())
+    area = _piece_areas(shell)
+    large = int((area > PIECE * area.sum()).sum())
     out.found.append(f"{large} pieces of a hundredth of the cloth or more, and {run['counts']['handed_off']} small ones handed to the "
                      f"rigid engine; cracks in {across} of {run['counts']['patches']} patches, {run['cracks']['length_m']:.2f} m long.")
     return out
+
+
+def figure_16(runs: Runs) -> Drawn:
+    """The mannequin in its dress, the dress as it tears, and its pieces at the end, from the front and from behind."""
+    folder, out = runs.place("fig16"), Drawn()
+    frames = shell_frames(folder)
+    chosen = [frames[0], *growing(frames, (0.1, 0.4, 0.7)), frames[-1]]
+    box = Box.around([shells(chosen[:1])[0].points])
+    box = Box(box.low - np.array([0.12, 0.1, 0.18]), box.high + np.array([0.12, 0.1, 0.3]))
+    last = _ByPieces(frames[-1].time_s, frames[-1].files)
+    made, words = [], []
+    for name, direction in (("", (0.30, 0.94, -0.12)), ("behind, ", (0.30, -0.94, -0.12))):
+        made += view_panels(folder, chosen, TALL, box, direction=direction)
+        made += view_panels(folder, [last], TALL, box, by="fragment", direction=direction)
+        words += [name + when for when in [*captions(chosen), "pieces at the end"]]
+    out.add(runs, "fig16", board(made, words, 6), "The body is inflated. Each patch of the dress has a colour; in the last "
+            "picture each piece, the largest white.")
+    run, area, cracks = read_run(folder), _piece_areas(shells([last])[0]), _last_cracks(frames)
+    across = len(np.unique(cracks.cell_data["shell"])) if cracks is not None and len(cracks.line_points) else 0
+    out.found.append(f"{int((area > PIECE * area.sum()).sum())} pieces of a hundredth of the cloth or more; cracks in {across} of "
+                     f"{run['counts']['patches']} patches, {run['cracks']['length_m']:.2f} m long; "
+                     f"{run['counts']['handed_off']} small pieces handed to the rigid engine.")
+    out.found.append(_depths(frames, CASES["fig16"].made(runs.size).message.shells[0].thickness_m))
+    return out
+
+
+def _depths(frames: list[Frame], thickness_m: float) -> str:
+    """How deep the face of the cloth has been in the body, over all frames."""
+    deepest, when, share = -1.0, 0.0, 0.0
+    for frame in frames:
+        far = _off_body(frame)
+        if 0.5 * thickness_m - float(far.min()) > deepest:
+            deepest, when = 0.5 * thickness_m - float(far.min()), frame.time_s
+        share = max(share, float((far < 0.0).mean()))
+    return (f"Over all frames the deepest point of the dress is {1e3 * deepest:.1f} mm in the body, counted from the face of the "
+            f"cloth, at {when:.2f} s; at most {100.0 * share:.2f} % of the points of a frame are deeper than half a thickness, "
+            f"{500.0 * thickness_m:g} mm.")
+
+
+def _piece_areas(shell: PolyData) -> np.ndarray:
+    """Area at rest [m^2] of each fragment."""
+    corner = reference_points(shell)[shell.triangles]
+    area = 0.5 * np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    return np.bincount(np.unique(shell.of_triangles("fragment", 0), return_inverse=True)[1], area)
+
+
+def _off_body(frame: Frame) -> np.ndarray:
+    """How far [m] the middle of the cloth is outside of bodies that engines do not move, at each of its points."""
+    shell, bodies = frame.read(SHELL), frame.read(BODIES)
+    if shell is None or bodies is None or not len(shell.triangles):
+        return np.full(1, np.inf)
+    held = bodies.triangles[bodies.of_triangles("kind", STATIC) == STATIC]
+    return outside(shell.points[np.unique(shell.triangles)], bodies.points, held)
 
 
 def figure_17(runs: Runs) -> Drawn:
