@@ -90,6 +90,17 @@ void refinement(const Scene& s, const std::string& f, const Message& m) {
 void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
   s.check(!c.path().empty(), f + ".path", "is missing; name a STEP or IGES file beside the scene");
   s.check(c.face() >= 0, f + ".face", "is {}; faces are counted from 0", c.face());
+  s.check(!c.has_face() || c.faces_size() == 0, f + ".faces", "are given, and so is face; give one of them");
+  for (int i = 0; i < c.faces_size(); ++i) {
+    const std::string own = fmt::format("{}.faces[{}]", f, i);
+    s.check(c.faces(i) >= 0, own, "is {}; faces are counted from 0", c.faces(i));
+    for (int k = 0; k < i; ++k)
+      s.check(c.faces(k) != c.faces(i), own, "is {}, as faces[{}] is; leave one of them out", c.faces(i), k);
+  }
+  if (c.has_element_m()) positive(s, f + ".element_m", true, c.element_m(), "m");
+  s.check(!c.has_element_m() || (!c.has_elements_u() && !c.has_elements_v()), f + ".element_m",
+          "is given, and so are elements_u or elements_v; leave one of them out");
+  not_negative(s, f + ".fill_holes_m", true, c.fill_holes_m());
   if (c.has_scale()) positive(s, f + ".scale", true, c.scale(), "-");
   refinement(s, f, c);
   pose(s, f + ".pose", c.pose());

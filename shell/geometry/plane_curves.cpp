@@ -89,7 +89,7 @@ std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing) {
   return points;
 }
 
-std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing) {
+std::vector<double> crack_parameters(const PlaneCurve& curve, double spacing) {
   const std::vector<Vec2> p = fine_points(curve, spacing);
   const int pieces = static_cast<int>(p.size()) - 1;
   std::vector<double> bend(p.size(), 0.0);  // curvature [1/m]
@@ -107,15 +107,22 @@ std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing) {
     edges[i] = edges[i - 1] + (p[i] - p[i - 1]).norm() / edge;
   }
   const int count = std::max(curve.closed ? 8 : 1, static_cast<int>(edges.back() + 1e-9));
-  std::vector<Vec2> out{p.front()};
+  std::vector<double> out{0.0};
   int i = 1;
   for (int k = 1; k < count; ++k) {
     const double at = edges.back() * k / count;
     while (i < pieces && edges[i] < at) ++i;
     const double share = (at - edges[i - 1]) / std::max(edges[i] - edges[i - 1], 1e-300);
-    out.push_back(curve.at((i - 1 + share) / pieces));
+    out.push_back((i - 1 + share) / pieces);
   }
-  out.push_back(p.back());
+  out.push_back(1.0);
+  return out;
+}
+
+std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing) {
+  std::vector<Vec2> out;
+  for (const double t : crack_parameters(curve, spacing)) out.push_back(curve.at(t));
+  if (curve.closed) out.back() = out.front();
   return out;
 }
 

@@ -36,6 +36,8 @@ std::vector<Vec2> fine_points(const PlaneCurve& curve, double spacing);
 /// bends: a chord then stays within a hundredth of a spacing of the curve, as far as that limit allows. A closed curve
 /// has at least eight edges, and its last point equals its first exactly.
 std::vector<Vec2> crack_points(const PlaneCurve& curve, double spacing);
+/// The same as parameters of the curve, from 0 to 1.
+std::vector<double> crack_parameters(const PlaneCurve& curve, double spacing);
 
 /// Removes points within `tolerance` [m] of the remaining polyline (Douglas and Peucker 1973). Both ends stay. A closed
 /// polyline, whose last point equals its first exactly, keeps at least three corners.

@@ -3,13 +3,15 @@
 #include <vector>
 
 #include "coupler/core/vec.h"
+#include "shell/geometry/plane_curves.h"
 
 namespace sunder::shell {
 
 /// One closed polyline; its last point equals its first exactly.
 struct TrimLoop {
   std::vector<Vec2> points;
-  bool hole = false;  // the inside of the loop is cut away; otherwise the outside is
+  bool hole = false;                 // the inside of the loop is cut away; otherwise the outside is
+  std::vector<PlaneCurve> curves{};  // in the order of the points, which are near them; empty: the polyline itself
 };
 
 /// A place in the parameter domain and the parameter area [m^2] that it stands for.

@@ -14,6 +14,7 @@
 #include "shell/io/build_driven.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
+#include "shell/io/cad_file.h"
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/joining/stitching.h"
 
@@ -277,9 +278,10 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.latest_freeze = m.fracture().has_latest_freeze_s() ? m.fracture().latest_freeze_s() : r.end_time;
   r.seed = static_cast<std::uint64_t>(m.fracture().seed());
   std::map<std::string, std::uint32_t> groups;
+  CadFiles files;
   for (int i = 0; i < m.shells_size(); ++i) {
     const std::string field = fmt::format("shells[{}]", i);
-    r.shells.push_back(make_setup(scene, m.shells(i), field));
+    r.shells.push_back(make_setup(scene, m.shells(i), field, files));
     ShellModel& s = r.shells.back().model;
     groups[s.name] = s.contact_group = static_cast<std::uint32_t>(groups.size());
     for (int k = 0; k < m.output().probes_size(); ++k) {

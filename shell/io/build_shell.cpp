@@ -7,6 +7,7 @@
 #include "shell/fracture/constants.h"
 #include "shell/geometry/builders.h"
 #include "shell/io/cad_file.h"
+#include "shell/io/cad_loop.h"
 #include "shell/io/strength_factors.h"
 #include "shell/io/trims.h"
 
@@ -14,6 +15,8 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kDegree1 = std::numbers::pi / 180.0;
+constexpr double kMostElements = 1e6;   // of a shell
+constexpr double kWholeElement = 1e-9;  // of an element that rounding up leaves out
 
 template <class F>
 auto at_field(const scene::LoadedScene& scene, const std::string& field, F&& f) {
@@ -30,7 +33,22 @@ Patch posed(const Patch& patch, const Message& m) {
   return placed(patch, scene::to_vec(m.pose().position()), scene::to_quat(m.pose()));
 }
 
-Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+// Least numbers of elements of a face.
+std::pair<int, int> elements_of(const scene::LoadedScene& scene, const proto::CadFace& c, const Patch& face,
+                                const std::string& field) {
+  if (!c.has_element_m()) return {c.has_elements_u() ? c.elements_u() : 1, c.has_elements_v() ? c.elements_v() : 1};
+  const Patch lengths = with_parameters_as_lengths(face);
+  const double u = std::ceil((lengths.knots_u.end() - lengths.knots_u.begin()) / c.element_m() - kWholeElement),
+               v = std::ceil((lengths.knots_v.end() - lengths.knots_v.begin()) / c.element_m() - kWholeElement);
+  scene.check(u * v <= kMostElements, field + ".element_m",
+              "is {} m, and the face would have {:.0f} x {:.0f} elements; at most {:.0f} in all", c.element_m(), u, v,
+              kMostElements);
+  return {std::max(1, static_cast<int>(u)), std::max(1, static_cast<int>(v))};
+}
+
+// The patch of a shell. `loops` receives those of a CAD face, in its parameters.
+Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files,
+                 std::vector<CadLoop>& loops) {
   const int degree = scene::patch_degree(s);
   if (s.has_plate()) {
     const auto& p = s.plate();
@@ -63,9 +81,10 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
   if (s.has_cad()) {
     const auto& c = s.cad();
     return at_field(scene, field + ".cad", [&] {
-      const Patch face = read_cad(scene, field + ".cad", c);
-      return posed(
-          refined_at_least(face, c.has_elements_u() ? c.elements_u() : 1, c.has_elements_v() ? c.elements_v() : 1), c);
+      CadSurface face = files.of(scene, field + ".cad", c.path()).surface(scene, field + ".cad", c);
+      loops = std::move(face.loops);
+      const auto [u, v] = elements_of(scene, c, face.patch, field + ".cad");
+      return posed(refined_at_least(face.patch, u, v), c);
     });
   }
   const auto& n = s.nurbs();
@@ -122,6 +141,18 @@ Load make_load(const proto::ShellLoad& m) {
   return l;
 }
 
+// A face that is trimmed has the exclusions of `trims`.
+void check_with_loops(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+  const auto go = [&](bool good, const char* what) {
+    scene.check(good, field + ".cad.path", "'{}': the face is trimmed, which cannot go with {}; leave that out",
+                s.cad().path(), what);
+  };
+  go(!s.has_interlayer(), "an interlayer");
+  go(!s.has_fibres(), "fibres");
+  go(scene.message.fracture().mode() != proto::Fracture::DAMAGE, "fracture.mode DAMAGE");
+  go(scene.message.transfer().kind() == proto::GridTransfer::DIRECT, "a transfer through the grid");
+}
+
 }  // namespace
 
 const proto::Material* find_material(const proto::Scene& s, const std::string& name) {
@@ -130,7 +161,13 @@ const proto::Material* find_material(const proto::Scene& s, const std::string& n
   return nullptr;
 }
 
-ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
+Patch whole_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files) {
+  std::vector<CadLoop> loops;
+  return with_parameters_as_lengths(make_patch(scene, s, field, files, loops));
+}
+
+ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field,
+                       CadFiles& files) {
   const auto& mat = *find_material(scene.message, s.material());
   ShellMaterial material;
   material.density = mat.density(), material.youngs_modulus = mat.youngs_modulus(),
@@ -174,7 +211,8 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
       in_the_middle, s.material(), material.strength);
   scene.check(material.surface_compression <= 0.02 * material.youngs_modulus, field + ".surface_compression",
               "is {:.3g} of youngs_modulus; at most 0.02", material.surface_compression / material.youngs_modulus);
-  const Patch patch = make_patch(scene, s, field);
+  std::vector<CadLoop> loops;
+  const Patch patch = make_patch(scene, s, field, files, loops);
   const int gauss = s.has_gauss_points() ? s.gauss_points() : patch.degree();
   scene.check(gauss >= patch.degree() && gauss <= patch.degree() + 1, field + ".gauss_points",
               "is {}; {} or {} for a patch of degree {}", gauss, patch.degree(), patch.degree() + 1, patch.degree());
@@ -207,8 +245,9 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   for (int i = 0; i < s.loads_size(); ++i)
     at_field(scene, fmt::format("{}.loads[{}]", field, i),
              [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
-  const TrimLoops trims = make_trims(scene, s, scaled, field);
-  ShellModel model = at_field(scene, trims.empty() ? field : field + ".trims", [&] {
+  const TrimLoops trims = make_trims(scene, s, scaled, field, scaled_loops(loops, patch, scaled));
+  if (!loops.empty()) check_with_loops(scene, s, field);
+  ShellModel model = at_field(scene, trims.empty() ? field : field + (loops.empty() ? ".trims" : ".cad"), [&] {
     return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2, gauss, supports,
                       loads, trims);
   });

@@ -8,8 +8,15 @@ namespace sunder::shell {
 /// Returns the material of that name, or nullptr.
 const proto::Material* find_material(const proto::Scene& scene, const std::string& name);
 
-/// Builds the model of a shell; `field` is the shell's field in the scene. Throws Error with the field where the patch,
-/// a support or a load is wrong.
-ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
+class CadFiles;
+
+/// Builds the model of a shell; `field` is the shell's field in the scene, `files` the CAD files of the scene. Throws
+/// Error with the field where the patch, a support or a load is wrong.
+ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field,
+                       CadFiles& files);
+
+/// The patch of a shell before trims move control points beside them; its parameters are lengths.
+Patch whole_patch(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field,
+                  CadFiles& files);
 
 }  // namespace sunder::shell

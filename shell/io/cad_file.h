@@ -1,13 +1,78 @@
 #pragma once
-// Reads faces of STEP and IGES files.
+// Faces of STEP and IGES files as patches with trim loops.
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
 #include "coupler/scene/load.h"
 #include "shell/geometry/patch.h"
+#include "shell/geometry/plane_curves.h"
 
 namespace sunder::shell {
 
-/// Reads the face that `cad` chooses, scaled to metres, where the file places it; it is not refined or posed. The
-/// B-spline is exact for planes, quadrics, tori and B-splines; degree 1 is raised to 2. `field` is that of `cad`.
-/// Throws Error where the file cannot be read or the face is no such patch, and always in a build without OpenCASCADE.
-Patch read_cad(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad);
+/// A stretch of a face's border, along one edge of the file.
+struct CadBorder {
+  PlaneCurve curve;  // in the parameters of the patch
+  int sides = 0;     // EdgeBits of the edges of the patch on which it runs as a whole
+};
+
+/// A closed loop of borders, each beginning where the one before ends.
+struct CadLoop {
+  std::vector<CadBorder> borders;
+  bool hole = false;
+};
+
+/// A face of a file.
+struct CadSurface {
+  Patch patch;                 // [m]
+  std::vector<CadLoop> loops;  // empty: the whole patch
+  double area = 0.0;           // as OpenCASCADE has it [m^2]
+};
+
+/// An edge of a file.
+struct CadEdge {
+  std::vector<int> faces;      // that it bounds: one for a free edge, two for one that they share
+  double length = 0.0;         // [m]
+  double tolerance = 0.0;      // as the file or its reader has it: how far faces may be apart [m]
+  Vec3 middle = Vec3::Zero();  // [m]
+};
+
+/// A file that has been read.
+class CadFile {
+ public:
+  /// Throws Error where OpenCASCADE is missing or the file cannot be read.
+  CadFile(const scene::LoadedScene& scene, const std::string& field, const std::string& path);
+
+  /// Number of faces.
+  int faces() const;
+  /// Face `cad.face` in metres times `cad.scale`, with its loops. Throws Error where there is no such face, or where it
+  /// is no single patch of the degrees that shells have.
+  CadSurface surface(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) const;
+  /// All edges, in the file's size; poles are none.
+  std::vector<CadEdge> edges() const;
+  /// Kind of a face's surface, for example "plane".
+  std::string kind(int face) const;
+  /// Unit of length, as the file has it; "unknown" where it says none.
+  const std::string& unit() const;
+  /// Lower and upper corner of a box around all faces [m].
+  std::pair<Vec3, Vec3> box() const;
+
+ private:
+  struct Shape;
+  std::shared_ptr<const Shape> shape_;
+};
+
+/// The files of a scene. Each is read once.
+class CadFiles {
+ public:
+  const CadFile& of(const scene::LoadedScene& scene, const std::string& field, const std::string& path) {
+    const auto known = files_.find(path);
+    return known != files_.end() ? known->second : files_.emplace(path, CadFile(scene, field, path)).first->second;
+  }
+
+ private:
+  std::map<std::string, CadFile> files_;
+};
 
 }  // namespace sunder::shell

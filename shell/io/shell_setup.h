@@ -31,9 +31,12 @@ struct ShellSetup {
   bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
 };
 
-/// Makes the setup of a shell, except for Hertz stiffnesses, which the caller adds. `field` is the shell's field.
-/// Throws Error with the field that is wrong.
-ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field);
+class CadFiles;
+
+/// Makes the setup of a shell, except for Hertz stiffnesses, which the caller adds. `field` is the shell's field,
+/// `files` the CAD files of the scene. Throws Error with the field that is wrong.
+ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field,
+                      CadFiles& files);
 /// Returns a warning about shells that are too thick for a theory without transverse shear, or an empty text. Their
 /// deflections are too small by some 5 (thickness / width)^2 (square plate, simply supported; Timoshenko and
 /// Woinowsky-Krieger, section 39). The width is the square root of the area of all shells that seams join.

@@ -5,6 +5,7 @@
 
 #include "shell/geometry/parameter_place.h"
 #include "shell/geometry/plane_curves.h"
+#include "shell/io/cad_loop.h"
 
 namespace sunder::shell {
 namespace {
@@ -91,38 +92,43 @@ std::vector<Vec2> corners(const scene::LoadedScene& scene, const PlaneCurve& cur
   return p;
 }
 
-std::vector<Vec2> points_of(const scene::LoadedScene& scene, const proto::Trim& m, const Domain& d,
-                            const std::string& field) {
+TrimLoop scene_loop(const scene::LoadedScene& scene, const proto::Trim& m, const Domain& d, const std::string& field) {
   if (m.has_circle()) {
     const double radius = m.circle().radius_m();
     scene.check(radius >= kLeastRadius * d.spacing, field + ".circle.radius_m",
                 "is {} m, less than half a spacing of the shell, {:.3g} m; take a larger one, or more elements", radius,
                 kLeastRadius * d.spacing);
-    return corners(scene, circle_curve({m.circle().center().u(), m.circle().center().v()}, radius),
-                   std::numbers::pi * radius * radius, d, field + ".circle");
+    const PlaneCurve curve = circle_curve({m.circle().center().u(), m.circle().center().v()}, radius);
+    return {corners(scene, curve, std::numbers::pi * radius * radius, d, field + ".circle"), m.hole(), {curve}};
   }
   if (m.has_curve()) {
     std::vector<Vec2> points;
     for (const auto& p : m.curve().points()) points.emplace_back(p.u(), p.v());
     const PlaneCurve curve = spline_curve(points, m.curve().has_degree() ? m.curve().degree() : 3, true);
-    return corners(scene, curve, area_of(fine_points(curve, 0.1 * d.spacing)), d, field + ".curve");
+    return {
+        corners(scene, curve, area_of(fine_points(curve, 0.1 * d.spacing)), d, field + ".curve"), m.hole(), {curve}};
   }
-  return polygon(scene, m, d, field);
+  return {polygon(scene, m, d, field), m.hole(), {}};
 }
 
+// A loop with its place in messages: the field, and what stands before the message.
+struct NamedLoop {
+  TrimLoop loop;
+  std::string field, before, name;
+};
+
 // Throws Error where two loops meet, or one lies where it has no effect.
-void check_together(const scene::LoadedScene& scene, const std::vector<TrimLoop>& loops, const Domain& d,
-                    const std::string& field) {
+void check_together(const scene::LoadedScene& scene, const std::vector<NamedLoop>& loops, const Domain& d) {
   for (std::size_t i = 0; i < loops.size(); ++i)
     for (std::size_t k = 0; k < i; ++k) {
-      const std::string own = fmt::format("{}.trims[{}]", field, i);
-      scene.check(loops[i].hole || loops[k].hole, own,
-                  "is a second outline, and trims[{}] is one; a shell has one outline: give two shells, or hole: true",
-                  k);
-      for (std::size_t a = 0; a + 1 < loops[i].points.size(); ++a)
-        for (std::size_t b = 0; b + 1 < loops[k].points.size(); ++b) {
-          const std::vector<Vec2> two{loops[i].points[a], loops[i].points[a + 1], loops[k].points[b],
-                                      loops[k].points[b + 1]};
+      const auto& [first, field, before, own] = loops[i];
+      const auto& [second, field_k, before_k, other] = loops[k];
+      scene.check(first.hole || second.hole, field,
+                  "{}is a second outline, and {} is one; a shell has one outline: give two shells, or hole: true",
+                  before, other);
+      for (std::size_t a = 0; a + 1 < first.points.size(); ++a)
+        for (std::size_t b = 0; b + 1 < second.points.size(); ++b) {
+          const std::vector<Vec2> two{first.points[a], first.points[a + 1], second.points[b], second.points[b + 1]};
           const Vec2 low = two[0].cwiseMin(two[1]), high = two[0].cwiseMax(two[1]);
           const Vec2 pad = Vec2::Constant(kSame * d.spacing);
           if (((two[2].cwiseMax(two[3]) + pad).array() < low.array()).any() ||
@@ -130,46 +136,58 @@ void check_together(const scene::LoadedScene& scene, const std::vector<TrimLoop>
             continue;
           const auto at = segments_touch(two[0], two[1], two[2], two[3], kSame * d.spacing);
           if (at)
-            scene.fail(own, fmt::format("meets trims[{}] at ({:.6g}, {:.6g}); loops do not meet: join them to one", k,
-                                        at->x(), at->y()));
+            scene.fail(field, fmt::format("{}meets {} at ({:.6g}, {:.6g}); loops do not meet: join them to one", before,
+                                          other, at->x(), at->y()));
         }
-      const auto holds = [&](std::size_t one, std::size_t other) {
-        return TrimLoops(d.low, d.high, {{loops[one].points, false}}).contains(loops[other].points.front());
+      const auto holds = [&](const TrimLoop& one, const TrimLoop& inner) {
+        return TrimLoops(d.low, d.high, {{one.points, false}}).contains(inner.points.front());
       };
-      if (loops[i].hole && loops[k].hole)
-        scene.check(!holds(i, k) && !holds(k, i), own,
-                    "and trims[{}] are holes one in the other; leave the inner one out", k);
+      if (first.hole && second.hole)
+        scene.check(!holds(first, second) && !holds(second, first), field,
+                    "{}and {} are holes one in the other; leave the inner one out", before, other);
       else
-        scene.check(loops[i].hole ? holds(k, i) : holds(i, k), own,
-                    "and trims[{}]: the hole lies outside of the outline and cuts away nothing; leave it out", k);
+        scene.check(first.hole ? holds(second, first) : holds(first, second), field,
+                    "{}and {}: the hole lies outside of the outline and cuts away nothing; leave it out", before,
+                    other);
     }
+}
+
+void check_alone(const scene::LoadedScene& scene, const NamedLoop& named, const Domain& d) {
+  const std::vector<Vec2>& points = named.loop.points;
+  if (const auto hit = meets_itself(points, kSame * d.spacing))
+    scene.fail(named.field,
+               fmt::format("{}meets itself at ({:.6g}, {:.6g}): its sides from ({:.6g}, {:.6g}) and from ({:.6g}, "
+                           "{:.6g}); a loop neither crosses nor touches itself",
+                           named.before, hit->at.x(), hit->at.y(), points[hit->first].x(), points[hit->first].y(),
+                           points[hit->second].x(), points[hit->second].y()));
+  const double area = std::abs(area_of(points)), least = kLeastHole * d.spacing * d.spacing;
+  scene.check(area >= least, named.field,
+              "{}encloses {:.3g} m^2, less than a quarter of an element, {:.3g} m^2: no Gauss point would notice; take "
+              "a larger one, or more elements",
+              named.before, area, least);
 }
 
 }  // namespace
 
 TrimLoops make_trims(const scene::LoadedScene& scene, const proto::Shell& shell, const Patch& patch,
-                     const std::string& field) {
-  if (shell.trims_size() == 0) return {};
+                     const std::string& field, const std::vector<CadLoop>& of_file) {
   const Domain d(patch);
-  std::vector<TrimLoop> loops;
+  std::vector<NamedLoop> loops;
+  for (std::size_t i = 0; i < of_file.size(); ++i) {
+    const std::string name = of_file[i].hole ? fmt::format("hole {} of the face", i) : std::string("the face's border");
+    loops.push_back({cad_loop(of_file[i], patch, d.spacing), field + ".cad.path",
+                     fmt::format("'{}': {} ", shell.cad().path(), name), name});
+  }
   for (int i = 0; i < shell.trims_size(); ++i) {
     const std::string own = fmt::format("{}.trims[{}]", field, i);
-    TrimLoop loop{points_of(scene, shell.trims(i), d, own), shell.trims(i).hole()};
-    if (const auto hit = meets_itself(loop.points, kSame * d.spacing))
-      scene.fail(own, fmt::format("meets itself at ({:.6g}, {:.6g}): its sides from ({:.6g}, {:.6g}) and from ({:.6g}, "
-                                  "{:.6g}); a loop neither crosses nor touches itself",
-                                  hit->at.x(), hit->at.y(), loop.points[hit->first].x(), loop.points[hit->first].y(),
-                                  loop.points[hit->second].x(), loop.points[hit->second].y()));
-    const double area = std::abs(area_of(loop.points)), least = kLeastHole * d.spacing * d.spacing;
-    scene.check(
-        area >= least, own,
-        "encloses {:.3g} m^2, less than a quarter of an element, {:.3g} m^2: no Gauss point would notice; take a "
-        "larger one, or more elements",
-        area, least);
-    loops.push_back(std::move(loop));
+    loops.push_back({scene_loop(scene, shell.trims(i), d, own), own, "", fmt::format("trims[{}]", i)});
   }
-  check_together(scene, loops, d, field);
-  return {d.low, d.high, std::move(loops)};
+  if (loops.empty()) return {};
+  for (const NamedLoop& loop : loops) check_alone(scene, loop, d);
+  check_together(scene, loops, d);
+  std::vector<TrimLoop> all;
+  for (NamedLoop& loop : loops) all.push_back(std::move(loop.loop));
+  return {d.low, d.high, std::move(all)};
 }
 
 }  // namespace sunder::shell

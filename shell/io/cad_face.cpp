@@ -1,0 +1,391 @@
+// With cad_file, the only files that use OpenCASCADE.
+#ifdef SUNDER_CAD
+
+#include "shell/io/cad_face.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include <BRepGProp.hxx>
+#include <BRepTools_WireExplorer.hxx>
+#include <BRep_Tool.hxx>
+#include <GProp_GProps.hxx>
+#include <Geom2d_Curve.hxx>
+#include <GeomConvert.hxx>
+#include <Geom_RectangularTrimmedSurface.hxx>
+#include <Precision.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopoDS.hxx>
+#include <TopoDS_Edge.hxx>
+#include <TopoDS_Wire.hxx>
+
+#include "shell/geometry/edges.h"
+
+namespace sunder::shell {
+namespace {
+
+using Spline = opencascade::handle<Geom_BSplineSurface>;
+using Surface = opencascade::handle<Geom_Surface>;
+
+// Shares of the face's size. Files have tolerances of about a micrometre; no feature of a shell is that fine.
+constexpr double kTrimTolerance = 1e-5;    // a border this near a side of the parameter rectangle runs on it
+constexpr double kSmoothTolerance = 1e-9;  // the surface may move by this where a needless knot is removed
+constexpr double kSnapTolerance = 1e-7;    // share of the parameter range: a border this near a knot is moved to it
+constexpr double kNearSide = 1e-2;         // share of the parameter range: at a pole all sides meet in space
+constexpr int kSamplesPerEdge = 65;
+constexpr int kExtremeSteps = 60;    // by which the extreme of a border between two samples is found
+constexpr int kInversionSteps = 20;  // Newton's, for a place on the spline; three suffice
+constexpr double kInverted = 1e-15;  // share of the parameter range
+constexpr double kAtPole = 1e-12;    // squared length of a tangent, of the longer one, at a pole
+
+struct Rectangle {
+  std::array<double, 2> u, v;
+};
+
+// Moves a value to a bound or knot that it nearly equals. Otherwise spans become slivers.
+double snapped(double value, double range, const std::vector<double>& marks) {
+  for (const double mark : marks)
+    if (std::abs(value - mark) <= kSnapTolerance * range) return mark;
+  return value;
+}
+
+void snap(const opencascade::handle<Geom_Surface>& surface, Rectangle& r) {
+  std::vector<double> u(2), v(2);
+  surface->Bounds(u[0], u[1], v[0], v[1]);
+  if (const Spline spline = Spline::DownCast(surface); !spline.IsNull()) {
+    for (const double knot : spline->UKnots()) u.push_back(knot);
+    for (const double knot : spline->VKnots()) v.push_back(knot);
+  }
+  const double range_u = r.u[1] - r.u[0], range_v = r.v[1] - r.v[0];
+  for (double& value : r.u) value = snapped(value, range_u, u);
+  for (double& value : r.v) value = snapped(value, range_v, v);
+}
+
+Vec3 point_of(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
+
+// A stretch of a wire in the parameters of the surface, with t from 0 to 1.
+struct Stretch {
+  opencascade::handle<Geom2d_Curve> curve;
+  double from = 0.0, to = 0.0;
+  Vec2 shift = Vec2::Zero();  // whole periods
+
+  Vec2 at(double t) const {
+    const gp_Pnt2d p = curve->Value(from + (to - from) * t);
+    return Vec2(p.X(), p.Y()) + shift;
+  }
+};
+
+using Wire = std::vector<Stretch>;
+
+template <class F>
+void each_sample(const Wire& wire, F&& f) {
+  for (const Stretch& s : wire)
+    for (int i = 0; i < kSamplesPerEdge; ++i) f(s, static_cast<double>(i) / (kSamplesPerEdge - 1));
+}
+
+Eigen::AlignedBox2d box_of(const Wire& wire) {
+  Eigen::AlignedBox2d box;
+  each_sample(wire, [&](const Stretch& s, double t) { box.extend(s.at(t)); });
+  return box;
+}
+
+// The same, with extremes between two samples.
+Eigen::AlignedBox2d exact_box(const Wire& wire) {
+  Eigen::AlignedBox2d box = box_of(wire);
+  for (const Stretch& s : wire)
+    for (int axis = 0; axis < 2; ++axis)
+      for (const double sign : {-1.0, 1.0}) {
+        double best = 0.0;
+        for (int i = 0; i < kSamplesPerEdge; ++i) {
+          const double t = static_cast<double>(i) / (kSamplesPerEdge - 1);
+          if (sign * s.at(t)[axis] > sign * s.at(best)[axis]) best = t;
+        }
+        const double step = 1.0 / (kSamplesPerEdge - 1);
+        double low = std::max(0.0, best - step), high = std::min(1.0, best + step);
+        for (int k = 0; k < kExtremeSteps; ++k) {
+          const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+          (sign * s.at(a)[axis] < sign * s.at(b)[axis] ? low : high) =
+              sign * s.at(a)[axis] < sign * s.at(b)[axis] ? a : b;
+        }
+        box.extend(s.at(0.5 * (low + high)));
+      }
+  return box;
+}
+
+double area_of(const Wire& wire) {
+  std::vector<Vec2> p;
+  each_sample(wire, [&](const Stretch& s, double t) { p.push_back(s.at(t)); });
+  double sum = 0.0;
+  for (std::size_t k = 0; k < p.size(); ++k) {
+    const Vec2 a = p[k] - p[0], b = p[(k + 1) % p.size()] - p[0];
+    sum += 0.5 * (a.x() * b.y() - a.y() * b.x());
+  }
+  return std::abs(sum);
+}
+
+// A face's surface with its wires, the outer one first.
+struct Outline {
+  Surface surface;
+  std::vector<Wire> wires;
+  double size = 0.0;  // of the borders [mm]
+
+  Vec3 at(const Vec2& p) const { return point_of(surface->Value(p.x(), p.y())); }
+};
+
+Wire wire_of(const CadPlace& place, const TopoDS_Wire& wire, const TopoDS_Face& face) {
+  int edges = 0;
+  for (TopExp_Explorer it(wire, TopAbs_EDGE); it.More(); it.Next()) ++edges;
+  Wire out;
+  for (BRepTools_WireExplorer it(wire, face); it.More(); it.Next()) {
+    Stretch s;
+    s.curve = BRep_Tool::CurveOnSurface(it.Current(), face, s.from, s.to);
+    place.check(!s.curve.IsNull(), "has an edge without a curve in its parameters; export it again");
+    if (it.Current().Orientation() == TopAbs_REVERSED) std::swap(s.from, s.to);
+    out.push_back(std::move(s));
+  }
+  place.check(static_cast<int>(out.size()) == edges,
+              "has a border of {} edges, of which {} make a loop; sew it in the CAD program", edges, out.size());
+  return out;
+}
+
+// Moves a wire by whole periods of the surface to where `main` is.
+void move_by_periods(const Surface& surface, const Wire& main, Wire& wire) {
+  const Vec2 away = box_of(main).center() - box_of(wire).center();
+  Vec2 shift = Vec2::Zero();
+  if (surface->IsUPeriodic()) shift.x() = surface->UPeriod() * std::round(away.x() / surface->UPeriod());
+  if (surface->IsVPeriodic()) shift.y() = surface->VPeriod() * std::round(away.y() / surface->VPeriod());
+  for (Stretch& s : wire) s.shift += shift;
+}
+
+// Throws Error where a wire is open.
+void check_closed(const CadPlace& place, const Outline& out) {
+  for (const Wire& wire : out.wires)
+    for (std::size_t k = 0; k < wire.size(); ++k) {
+      const Vec2 end = wire[k].at(1.0), next = wire[(k + 1) % wire.size()].at(0.0);
+      const double gap = (out.at(end) - out.at(next)).norm();
+      const Vec3 x = kMetresPerUnit * out.at(end);
+      place.check(gap <= kTrimTolerance * out.size,
+                  "has a border with a gap of {:.3g} m at ({:.4g}, {:.4g}, {:.4g}) m, and {:.3g} m are allowed; sew it "
+                  "in the CAD program",
+                  kMetresPerUnit * gap, x.x(), x.y(), x.z(), kMetresPerUnit * kTrimTolerance * out.size);
+    }
+}
+
+Outline outline_of(const CadPlace& place, const TopoDS_Face& face, double filled) {
+  Outline out{BRep_Tool::Surface(face), {}, 0.0};
+  place.check(!out.surface.IsNull(), "has no surface, a mesh perhaps; export the surface itself");
+  for (TopExp_Explorer it(face, TopAbs_WIRE); it.More(); it.Next())
+    if (Wire wire = wire_of(place, TopoDS::Wire(it.Current()), face); !wire.empty())
+      out.wires.push_back(std::move(wire));
+  if (out.wires.empty()) return out;
+  std::stable_sort(out.wires.begin(), out.wires.end(),
+                   [](const Wire& a, const Wire& b) { return area_of(a) > area_of(b); });
+  const auto extent = [&](const Wire& wire) {
+    Eigen::AlignedBox3d box;  // [mm]
+    each_sample(wire, [&](const Stretch& s, double t) { box.extend(out.at(s.at(t))); });
+    return box.sizes();
+  };
+  out.size = extent(out.wires[0]).norm();
+  for (std::size_t k = out.wires.size() - 1; k > 0; --k)
+    if (kMetresPerUnit * extent(out.wires[k]).maxCoeff() <= filled)
+      out.wires.erase(out.wires.begin() + static_cast<std::ptrdiff_t>(k));
+    else
+      move_by_periods(out.surface, out.wires[0], out.wires[k]);
+  check_closed(place, out);
+  return out;
+}
+
+Rectangle rectangle_of(const CadPlace& place, const Outline& o) {
+  Rectangle r;
+  if (o.wires.empty()) {
+    o.surface->Bounds(r.u[0], r.u[1], r.v[0], r.v[1]);
+    for (const double bound : {r.u[0], r.u[1], r.v[0], r.v[1]})
+      place.check(!Precision::IsInfinite(bound), "has no end; give it borders in the CAD program");
+    return r;
+  }
+  const Eigen::AlignedBox2d box = exact_box(o.wires[0]);
+  r = {{box.min().x(), box.max().x()}, {box.min().y(), box.max().y()}};
+  snap(o.surface, r);
+  return r;
+}
+
+// Distance in space [mm] of a parameter point from a side of the rectangle: EdgeBit `side`.
+double off_side(const Outline& o, const Rectangle& r, const Vec2& p, int side) {
+  Vec2 on = p;
+  on[side == kUMin || side == kUMax ? 0 : 1] = side == kUMin   ? r.u[0]
+                                               : side == kUMax ? r.u[1]
+                                               : side == kVMin ? r.v[0]
+                                                               : r.v[1];
+  return (o.at(p) - o.at(on)).norm();
+}
+
+bool fills_rectangle(const Outline& o, const Rectangle& r) {
+  bool fills = true;
+  each_sample(o.wires[0], [&](const Stretch& s, double t) {
+    double off = 1e300;
+    for (const int side : kEdges) off = std::min(off, off_side(o, r, s.at(t), side));
+    fills = fills && off <= kTrimTolerance * o.size;
+  });
+  return fills;
+}
+
+// EdgeBits of the sides on which a stretch runs.
+int sides_of(const Outline& o, const Rectangle& r, const Stretch& s) {
+  int sides = 0;
+  for (const int side : kEdges) {
+    const int axis = side == kUMin || side == kUMax ? 0 : 1;
+    const std::array<double, 2>& range = axis == 0 ? r.u : r.v;
+    const double at = side == kUMin || side == kVMin ? range[0] : range[1];
+    bool on = true;
+    for (int i = 0; i < kSamplesPerEdge && on; ++i) {
+      const Vec2 p = s.at(static_cast<double>(i) / (kSamplesPerEdge - 1));
+      on = std::abs(p[axis] - at) <= kNearSide * (range[1] - range[0]) &&
+           off_side(o, r, p, side) <= kTrimTolerance * o.size;
+    }
+    if (on) sides |= side;
+  }
+  return sides;
+}
+
+// Prepares the u direction: open knots, two free ends, no more knots than a smooth surface needs.
+void prepare_u(const CadPlace& place, const Spline& s, double size, const char* direction) {
+  if (s->IsUPeriodic()) s->SetUNotPeriodic();
+  const int degree = s->UDegree(), last = s->NbUKnots();
+  if (s->UMultiplicity(1) <= degree || s->UMultiplicity(last) <= degree) {  // the knot vector is not open
+    double u0, u1, v0, v1;
+    s->Bounds(u0, u1, v0, v1);
+    s->Segment(u0, u1, v0, v1);
+  }
+  bool closed = true;
+  for (int j = 1; j <= s->NbVPoles(); ++j)
+    closed = closed && s->Pole(1, j).Distance(s->Pole(s->NbUPoles(), j)) <= kTrimTolerance * size;
+  place.check(!closed, "closes on itself along {}, and a patch would be slit there; split it in the CAD program",
+              direction);
+  for (int k = s->NbUKnots() - 1; k > 1; --k) {
+    const double share = (s->UKnot(k) - s->UKnot(1)) / (s->UKnot(s->NbUKnots()) - s->UKnot(1));
+    place.check(s->UMultiplicity(k) < degree || s->RemoveUKnot(k, degree - 1, kSmoothTolerance * size),
+                "has a crease, or an arc of 150 degrees or more in pieces, across {} at {:.4g} of its range (a knot "
+                "{} times at degree {}); bending needs a smooth surface: split the face there in the CAD program",
+                direction, share, s->UMultiplicity(k), degree);
+  }
+}
+
+Spline to_spline(const CadPlace& place, const Surface& surface, const Rectangle& r) {
+  const Spline s =
+      GeomConvert::SurfaceToBSplineSurface(new Geom_RectangularTrimmedSurface(surface, r.u[0], r.u[1], r.v[0], r.v[1]));
+  const int degree = std::max({2, s->UDegree(), s->VDegree()});
+  place.check(degree <= kHighestDegree,
+              "has degree {} along u and {} along v; at most {} can be used: rebuild the surface as degree {} in the "
+              "CAD program",
+              s->UDegree(), s->VDegree(), kHighestDegree, kHighestDegree);
+  s->IncreaseDegree(degree, degree);
+  Eigen::AlignedBox3d box;
+  for (int j = 1; j <= s->NbVPoles(); ++j)
+    for (int i = 1; i <= s->NbUPoles(); ++i) box.extend(point_of(s->Pole(i, j)));
+  for (const char* direction : {"u", "v"}) {
+    prepare_u(place, s, box.diagonal().norm(), direction);
+    s->ExchangeUV();  // the second exchange restores the order
+  }
+  return s;
+}
+
+Patch to_patch(const Spline& s, double scale, const std::string& path) {
+  const int degree = s->UDegree();  // the same for v
+  const auto knots = [degree](const TColStd_Array1OfReal& k, const char* name) {
+    return KnotVector({k.begin(), k.end()}, degree, name);
+  };
+  Patch patch{knots(s->UKnotSequence(), "knots along u"), knots(s->VKnotSequence(), "knots along v"), {}, {}};
+  for (int j = 1; j <= s->NbVPoles(); ++j)
+    for (int i = 1; i <= s->NbUPoles(); ++i) {
+      const gp_Pnt p = s->Pole(i, j);
+      patch.control_points.push_back(scale * Vec3(p.X(), p.Y(), p.Z()));
+      patch.weights.push_back(s->Weight(i, j));
+    }
+  validate(patch, path);
+  return patch;
+}
+
+// Finds places of the surface on the patch. Arcs have another parameter there, so Newton's method looks for them.
+struct Inversion {
+  Surface surface;
+  Rectangle r;
+  double scale;  // metres per unit of the surface
+  bool turned;   // u and v of the patch are v and u of the surface
+  Patch patch;
+
+  Vec2 place(const Vec2& from) const {
+    const gp_Pnt q = surface->Value(from.x(), from.y());
+    const Vec3 x = scale * point_of(q);
+    const Vec2 low(patch.knots_u.begin(), patch.knots_v.begin()), high(patch.knots_u.end(), patch.knots_v.end());
+    Vec2 share((from.x() - r.u[0]) / (r.u[1] - r.u[0]), (from.y() - r.v[0]) / (r.v[1] - r.v[0]));
+    if (turned) std::swap(share.x(), share.y());
+    const auto inside = [&](const Vec2& p) { return Vec2(p.cwiseMax(low).cwiseMin(high)); };
+    Vec2 p = inside(low + share.cwiseProduct(high - low));
+    for (int k = 0; k < kInversionSteps; ++k) {
+      const SurfacePoint s = patch.evaluate(p);
+      const Vec3 away = x - s.x;
+      const double uu = s.u.squaredNorm(), uv = s.u.dot(s.v), vv = s.v.squaredNorm(), most = std::max(uu, vv);
+      Vec2 step = Vec2::Zero();
+      if (uu <= kAtPole * most)
+        step.y() = s.v.dot(away) / vv;
+      else if (vv <= kAtPole * most)
+        step.x() = s.u.dot(away) / uu;
+      else
+        step = Vec2(vv * s.u.dot(away) - uv * s.v.dot(away), uu * s.v.dot(away) - uv * s.u.dot(away)) /
+               (uu * vv - uv * uv);
+      const Vec2 next = inside(p + step);
+      const double moved = (next - p).cwiseQuotient(high - low).cwiseAbs().maxCoeff();
+      p = next;
+      if (!(moved > kInverted)) break;
+    }
+    return p;
+  }
+};
+
+PlaneCurve curve_of(const std::shared_ptr<const Inversion>& inversion, const Stretch& s) {
+  PlaneCurve curve;
+  curve.at = [inversion, s](double t) { return inversion->place(s.at(t)); };
+  for (int i = 1; i < kSamplesPerEdge; ++i)
+    curve.length +=
+        (curve.at(static_cast<double>(i) / (kSamplesPerEdge - 1)) - curve.at((i - 1.0) / (kSamplesPerEdge - 1))).norm();
+  return curve;
+}
+
+// EdgeBits with u and v swapped.
+int turned(int sides) {
+  return (sides & kUMin ? kVMin : 0) | (sides & kUMax ? kVMax : 0) | (sides & kVMin ? kUMin : 0) |
+         (sides & kVMax ? kUMax : 0);
+}
+
+}  // namespace
+
+CadSurface convert_face(const CadPlace& place, const TopoDS_Face& face, double scale, double filled) {
+  const Outline outline = outline_of(place, TopoDS::Face(face.Oriented(TopAbs_FORWARD)), filled);
+  const Rectangle r = rectangle_of(place, outline);
+  const Spline s = to_spline(place, outline.surface, r);
+  const bool reversed = face.Orientation() == TopAbs_REVERSED;
+  if (reversed) s->ExchangeUV();  // u cross v is the face's normal
+  const double metres = kMetresPerUnit * scale;
+  CadSurface out{to_patch(s, metres, place.path), {}, 0.0};
+  GProp_GProps properties;
+  BRepGProp::SurfaceProperties(face, properties);
+  out.area = std::abs(properties.Mass()) * metres * metres;
+  const auto inversion = std::make_shared<const Inversion>(Inversion{outline.surface, r, metres, reversed, out.patch});
+  for (std::size_t k = 0; k < outline.wires.size(); ++k) {
+    if (k == 0 && fills_rectangle(outline, r)) continue;
+    CadLoop loop{{}, k > 0};
+    for (const Stretch& stretch : outline.wires[k]) {
+      const int sides = sides_of(outline, r, stretch);
+      loop.borders.push_back({curve_of(inversion, stretch), reversed ? turned(sides) : sides});
+    }
+    out.loops.push_back(std::move(loop));
+  }
+  return out;
+}
+
+}  // namespace sunder::shell
+
+#endif

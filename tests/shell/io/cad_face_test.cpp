@@ -1,0 +1,238 @@
+// Faces of STEP and IGES files with borders off their parameter lines, and with holes.
+#ifdef SUNDER_CAD
+
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepBuilderAPI_MakePolygon.hxx>
+#include <BRepGProp.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <GProp_GProps.hxx>
+#include <GeomAPI_PointsToBSpline.hxx>
+#include <Geom_BSplineCurve.hxx>
+#include <Geom_BSplineSurface.hxx>
+#include <Geom_ConicalSurface.hxx>
+#include <Geom_SphericalSurface.hxx>
+#include <TopExp.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+#include <gp_Elips.hxx>
+#include <gp_Pln.hxx>
+
+#include "tests/shell/io/cad_fixture.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+// Area of the part that is left [m^2], and its centre [m].
+struct Left {
+  double area = 0.0;
+  Vec3 centre = Vec3::Zero();
+};
+
+Left left_of(const ShellModel& m) {
+  Left out;
+  for (int q = 0; q < m.tables.blocks(); ++q)
+    for (int e = 0; e < m.tables.spans_u; ++e) {
+      const double area = m.tables.metric[m.tables.at(q, kMetricFields, kArea, e)];
+      if (area == 0.0) continue;
+      out.area += area;
+      out.centre += area * m.patch.evaluate(gauss_point(m.patch, m.tables, q, e).parameter).x;
+    }
+  out.centre /= out.area;
+  return out;
+}
+
+// What OpenCASCADE says of it.
+Left left_of(const TopoDS_Shape& face) {
+  GProp_GProps p;
+  BRepGProp::SurfaceProperties(face, p);
+  const gp_Pnt c = p.CentreOfMass();
+  return {1e-6 * std::abs(p.Mass()), 1e-3 * Vec3(c.X(), c.Y(), c.Z())};
+}
+
+std::vector<TopoDS_Face> faces_of(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape faces;
+  TopExp::MapShapes(shape, TopAbs_FACE, faces);
+  std::vector<TopoDS_Face> out;
+  for (int i = 1; i <= faces.Extent(); ++i) out.push_back(TopoDS::Face(faces(i)));
+  return out;
+}
+
+TopoDS_Face polygon(const std::vector<gp_Pnt>& points) {
+  BRepBuilderAPI_MakePolygon out;
+  for (const gp_Pnt& p : points) out.Add(p);
+  out.Close();
+  return BRepBuilderAPI_MakeFace(gp_Pln(), out.Wire()).Face();
+}
+
+TopoDS_Face with_hole(const TopoDS_Face& face, const TopoDS_Wire& hole) {
+  BRepBuilderAPI_MakeFace out(face);
+  out.Add(TopoDS::Wire(hole.Reversed()));
+  return out.Face();
+}
+
+TopoDS_Wire circle_at(double x, double y, double radius) {
+  return BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(gp_Circ(gp_Ax2(gp_Pnt(x, y, 0), gp::DZ()), radius)));
+}
+
+class CadFace : public Cad {
+ protected:
+  ShellModel shell(const std::string& cad) const { return setup(cad).shells[0].model; }
+
+  // Writes a face, reads it, and compares area and centre with OpenCASCADE's. A centre is a hundred times as sensitive
+  // to where the border is than the area, which the polygon keeps.
+  void expect_face(const TopoDS_Face& face, const std::string& cad, double tolerance = 1e-6) {
+    for (const char* name : {"a.stp", "a.igs"}) {
+      std::string(name).ends_with("stp") ? write_step(face, file(name)) : write_iges(face, file(name));
+      for (const bool iges : {std::string(name).ends_with("igs")}) {
+        const ShellModel m = shell(fmt::format("path: '{}' {}", name, cad));
+        EXPECT_FALSE(m.trim.empty()) << name;
+        const Left found = left_of(m), wanted = left_of(face);
+        // IGES writes as many digits as its tolerance asks for
+        EXPECT_NEAR(found.area / wanted.area, 1.0, std::max(tolerance, iges ? 2e-6 : 0.0)) << name;
+        EXPECT_LT((found.centre - wanted.centre).norm(), 1e-4 * std::sqrt(wanted.area)) << name;
+        double mass = 0.0;
+        for (const double part : m.mass) mass += part;
+        EXPECT_NEAR(mass, found.area * m.material.density * m.thickness, 1e-9 * mass) << name;
+      }
+    }
+  }
+};
+
+TEST_F(CadFace, ADiscIsTheOutlineOfItsSquare) {
+  expect_face(BRepBuilderAPI_MakeFace(gp_Pln(), circle(10)).Face(), "elements_u: 16 elements_v: 16");
+}
+
+TEST_F(CadFace, AnEllipseTurnedOnItsPlane) {
+  const gp_Ax2 turned(gp_Pnt(3, 4, 0), gp::DZ(), gp_Dir(1, 0.4, 0));
+  const TopoDS_Wire wire = BRepBuilderAPI_MakeWire(BRepBuilderAPI_MakeEdge(gp_Elips(turned, 20, 12)));
+  expect_face(BRepBuilderAPI_MakeFace(gp_Pln(), wire).Face(), "element_m: 0.0015");
+}
+
+TEST_F(CadFace, ASlantedPolygonKeepsItsCorners) {
+  const TopoDS_Face face = polygon({{0, 0, 0}, {10, 1, 0}, {12, 9.9, 0}, {5, 7, 0}, {-1, 10, 0}});
+  expect_face(face, "elements_u: 20 elements_v: 20", 1e-9);
+  const ShellModel m = shell("path: 'a.stp' elements_u: 20 elements_v: 20");
+  for (const Vec3& corner : {Vec3(0, 0, 0), Vec3(0.01, 0.001, 0), Vec3(0.005, 0.007, 0)}) {
+    double nearest = 1.0;
+    for (const Vec2& p : m.trim.loops.loops()[0].points)
+      nearest = std::min(nearest, (m.patch.evaluate(p).x - corner).norm());
+    EXPECT_LT(nearest, 1e-12);
+  }
+}
+
+TEST_F(CadFace, HolesAreCutFromAPlateThatStaysWhole) {
+  TopoDS_Face plate = BRepBuilderAPI_MakeFace(gp_Pln(), -20, 20, -20, 20).Face();
+  plate = with_hole(with_hole(plate, circle_at(-8, 5, 6)), circle_at(9, -7, 4.5));
+  expect_face(plate, "elements_u: 24 elements_v: 24");
+  const ShellModel m = shell("path: 'a.stp' elements_u: 24 elements_v: 24");
+  ASSERT_EQ(m.trim.loops.loops().size(), 2u);
+  for (const TrimLoop& loop : m.trim.loops.loops()) EXPECT_TRUE(loop.hole);
+}
+
+TEST_F(CadFace, HolesUpToAWidthAreFilled) {
+  TopoDS_Face plate = BRepBuilderAPI_MakeFace(gp_Pln(), -20, 20, -20, 20).Face();
+  plate = with_hole(with_hole(plate, circle_at(-8, 5, 6)), circle_at(9, -7, 0.4));
+  write_step(plate, file("a.stp"));
+  EXPECT_SAYS(refusal("path: 'a.stp' elements_u: 20 elements_v: 20"),
+              "cad.path: 'a.stp': hole 1 of the face encloses 5.03e-07 m^2, less than a quarter of an element");
+  const ShellModel m = shell("path: 'a.stp' elements_u: 20 elements_v: 20 fill_holes_m: 0.001");
+  EXPECT_EQ(m.trim.loops.loops().size(), 1u);
+  EXPECT_NEAR(left_of(m).area, 1e-6 * (1600.0 - M_PI * 36.0), 1e-9);
+}
+
+TEST_F(CadFace, ABoxWithAHoleThroughItHasTwoTrimmedFaces) {
+  const TopoDS_Shape part = BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(30, 20, 4).Shape(),
+                                            BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(11, 9, -1), gp::DZ()), 5, 6).Shape())
+                                .Shape();
+  write_step(part, file("part.stp"));
+  const std::vector<TopoDS_Face> faces = faces_of(part);
+  ASSERT_EQ(faces.size(), 7u);
+  int trimmed = 0, closed = 0;
+  for (int i = 0; i < 7; ++i) {
+    const std::string cad = fmt::format("path: 'part.stp' face: {} element_m: 0.001", i);
+    if (says(refusal(cad), "closes on itself")) {
+      ++closed;
+      continue;
+    }
+    const ShellModel m = shell(cad);
+    trimmed += !m.trim.empty();
+    EXPECT_NEAR(left_of(m).area / left_of(faces[i]).area, 1.0, 1e-6) << i;
+    const SurfacePoint at = m.patch.evaluate({1e-3, 1e-3});  // outwards
+    const Vec3 n = at.u.cross(at.v).normalized(), size(0.03, 0.02, 0.004);
+    EXPECT_NEAR(n.dot(at.x - 0.5 * size), 0.5 * size.dot(n.cwiseAbs()), 1e-9) << i;
+  }
+  EXPECT_EQ(trimmed, 2);
+  EXPECT_EQ(closed, 1);  // the wall of the hole
+}
+
+// Arcs have another parameter in a spline than in the file: the border is looked for on the surface.
+TEST_F(CadFace, AWindowInACylinderIsWhereTheFileHasIt) {
+  const gp_Ax2 across(gp_Pnt(0, 3, 20), gp::DX());
+  for (const bool reversed : {false, true}) {
+    const TopoDS_Shape cut =
+        BRepAlgoAPI_Cut(sector(100, reversed), BRepPrimAPI_MakeCylinder(across, 9, 60).Shape()).Shape();
+    const std::vector<TopoDS_Face> faces = faces_of(cut);
+    ASSERT_EQ(faces.size(), 1u);
+    expect_face(faces[0], "elements_u: 24 elements_v: 24", 2e-6);  // the window's edge is known to 1e-7 mm
+    const CadSurface read = surface("path: 'a.stp' elements_u: 24 elements_v: 24");
+    ASSERT_EQ(read.loops.size(), 1u);
+    EXPECT_TRUE(read.loops[0].hole);
+    EXPECT_NEAR(read.area / left_of(faces[0]).area, 1.0, 1e-9);
+    for (const CadBorder& border : read.loops[0].borders)
+      for (double t = 0.0; t <= 1.0; t += 0.05) {
+        const Vec3 x = read.patch.evaluate(border.curve.at(t)).x;  // on both cylinders
+        EXPECT_NEAR(x.head<2>().norm(), 0.025, 1e-12);
+        EXPECT_NEAR(std::hypot(x.y() - 0.003, x.z() - 0.02), 0.009, 1e-9);
+      }
+    const SurfacePoint q = read.patch.evaluate(read.loops[0].borders[0].curve.at(0.0));
+    EXPECT_LT((reversed ? -1.0 : 1.0) * -q.u.cross(q.v).dot(Vec3(q.x.x(), q.x.y(), 0.0)), 0.0);
+  }
+}
+
+TEST_F(CadFace, SlantedCutsOfAConeAndASphere) {
+  const TopoDS_Face cone = on(new Geom_ConicalSurface(gp_Ax3(), 0.3, 15), 0.2, 1.8, 0, 30);
+  const TopoDS_Face sphere = on(new Geom_SphericalSurface(gp_Ax3(), kRadius), 0.2, 1.4, -0.6, 0.7);
+  for (const TopoDS_Face& whole : {cone, sphere}) {
+    const TopoDS_Shape tool = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(0, 0, 8), gp_Dir(0.2, 0.3, 1)), 200, 200).Shape();
+    const std::vector<TopoDS_Face> faces = faces_of(BRepAlgoAPI_Cut(whole, tool).Shape());
+    ASSERT_EQ(faces.size(), 1u);
+    expect_face(faces[0], "elements_u: 30 elements_v: 30", 5e-6);  // four places an element are exact to degree 2
+  }
+}
+
+TEST_F(CadFace, AFreeFormSheetWithASplineAsItsBorder) {
+  TColgp_Array2OfPnt poles(1, 5, 1, 5);
+  for (int i = 1; i <= 5; ++i)
+    for (int j = 1; j <= 5; ++j) poles(i, j) = gp_Pnt(10.0 * i, 10.0 * j, ((i * 7 + j * 3) % 5) * 1.5);
+  TColStd_Array1OfReal knots(1, 3);
+  TColStd_Array1OfInteger times(1, 3);
+  knots(1) = 0, knots(2) = 0.5, knots(3) = 1, times(1) = times(3) = 4, times(2) = 1;
+  const Handle(Geom_BSplineSurface) sheet = new Geom_BSplineSurface(poles, knots, knots, times, times, 3, 3);
+  const TopoDS_Shape tool = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(28, 33, -50), gp_Dir(0.1, 0.2, 1)), 8, 100).Shape();
+  const std::vector<TopoDS_Face> faces = faces_of(BRepAlgoAPI_Cut(whole(sheet), tool).Shape());
+  ASSERT_EQ(faces.size(), 1u);
+  expect_face(faces[0], "elements_u: 32 elements_v: 32", 1e-5);
+}
+
+TEST_F(CadFace, WhatAFaceCannotHaveIsRefused) {
+  write_step(BRepBuilderAPI_MakeFace(gp_Pln(), circle(10)).Face(), file("disc.stp"));
+  EXPECT_SAYS(refusal("path: 'disc.stp' element_m: 1e-6"),
+              "element_m: is 1e-06 m, and the face would have 20000 x 20000");
+  EXPECT_EQ(refusal("path: 'disc.stp' elements_u: 8 elements_v: 8"), "accepted");
+  const std::string ring = "path: 'disc.stp' elements_u: 20 elements_v: 20 } trims { ";
+  EXPECT_SAYS(error(ring + "circle { center { u: 0.01 v: 0.01 } radius_m: 0.005 } } velocity { "),
+              "trims[0]: is a second outline, and the face's border is one");
+  EXPECT_SAYS(error(ring + "hole: true circle { center { u: 0.015 v: 0.015 } radius_m: 0.004 } } velocity { "),
+              "trims[0]: meets the face's border at (");
+  EXPECT_EQ(error(ring + "hole: true circle { center { u: 0.011 v: 0.01 } radius_m: 0.005 } } velocity { "),
+            "accepted");
+  EXPECT_SAYS(error("path: 'disc.stp' elements_u: 9 elements_v: 9 } interlayer { material: 'glass' thickness_m: 1e-5 "),
+              "the face is trimmed, which cannot go with an interlayer");
+}
+
+}  // namespace
+
+#endif
