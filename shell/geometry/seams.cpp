@@ -229,13 +229,14 @@ double kink(const Patch& p, const EdgeCurve& a, const Patch& q, const EdgeCurve&
 class Search {
  public:
   Search(const std::vector<const Patch*>& patches, const std::vector<std::string>& names, double tolerance,
-         const std::function<bool(const PatchPoint&)>& held)
-      : patches_(patches), names_(names), tolerance_(tolerance), resolver_(held) {}
+         const std::function<bool(const PatchPoint&)>& held, const std::vector<int>& whole)
+      : patches_(patches), names_(names), tolerance_(tolerance), whole_(whole), resolver_(held) {}
 
   Stitches run(const std::vector<std::vector<Join>>& join) {
     const int n = static_cast<int>(patches_.size());
     for (int i = 0; i < n; ++i)
-      for (const int edge : kEdges) edges_.push_back(edge_curve(*patches_[i], i, edge, false));
+      for (const int edge : kEdges)
+        if (whole_.empty() || (whole_[i] & edge)) edges_.push_back(edge_curve(*patches_[i], i, edge, false));
     const auto pole = [&](const EdgeCurve& c) {
       return std::all_of(c.samples.begin(), c.samples.end(),
                          [&](const Vec3& x) { return (x - c.samples[0]).norm() <= tolerance_; });
@@ -384,6 +385,7 @@ class Search {
   const std::vector<const Patch*>& patches_;
   const std::vector<std::string>& names_;
   double tolerance_;
+  const std::vector<int>& whole_;  // EdgeBits of each patch; empty: all
   std::vector<EdgeCurve> edges_;
   std::vector<Seam> seams_;
   Resolver resolver_;
@@ -393,8 +395,8 @@ class Search {
 
 Stitches find_stitches(const std::vector<const Patch*>& patches, const std::vector<std::string>& names,
                        double tolerance, const std::vector<std::vector<Join>>& join,
-                       const std::function<bool(const PatchPoint&)>& held) {
-  return Search(patches, names, tolerance, held).run(join);
+                       const std::function<bool(const PatchPoint&)>& held, const std::vector<int>& whole) {
+  return Search(patches, names, tolerance, held, whole).run(join);
 }
 
 }  // namespace sunder::shell

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "shell/geometry/builders.h"
+#include "shell/geometry/trim_seams.h"
 #include "shell/solver/forces.h"
 #include "shell/solver/joining/stitching.h"
 #include "shell/solver/stepping/stable_step.h"
@@ -37,7 +38,7 @@ inline Patch turned(Patch p, int times) {
   return p;
 }
 
-/// Shells that hang together along their common edges.
+/// Shells that hang together along their common edges, and along trims.
 struct Stitched : Rig {
   explicit Stitched(std::vector<ShellModel> models, Join join = Join::kClamped, double tolerance = 1e-6)
       : Rig(joined(std::move(models), join, tolerance)) {}
@@ -47,12 +48,22 @@ struct Stitched : Rig {
     for (ShellModel& m : models) out.shells.push_back({std::move(m)});
     std::vector<const Patch*> patches;
     std::vector<std::string> names;
-    for (const ShellSetup& s : out.shells) patches.push_back(&s.model.patch), names.push_back(s.model.name);
-    out.stitches = find_stitches(patches, names, tolerance, {patches.size(), std::vector<Join>(patches.size(), join)},
-                                 [&](const PatchPoint& p) {
-                                   const ShellModel& m = out.shells[p.patch].model;
-                                   return m.held[m.tables.slot(p.point)] != 0;
-                                 });
+    std::vector<int> whole;
+    std::vector<BorderedPatch> bordered;
+    for (const ShellSetup& s : out.shells) {
+      patches.push_back(&s.model.patch), names.push_back(s.model.name);
+      whole.push_back(s.model.trim.empty() ? kUMin | kUMax | kVMin | kVMax : 0);
+      bordered.push_back({&s.model.patch, &s.model.trim.loops, whole.back(), s.model.name});
+    }
+    const std::vector<std::vector<Join>> joins(patches.size(), std::vector<Join>(patches.size(), join));
+    out.stitches = find_stitches(
+        patches, names, tolerance, joins,
+        [&](const PatchPoint& p) {
+          const ShellModel& m = out.shells[p.patch].model;
+          return m.held[m.tables.slot(p.point)] != 0;
+        },
+        whole);
+    for (Seam& seam : find_trim_seams(bordered, tolerance, joins)) out.stitches.seams.push_back(std::move(seam));
     return out;
   }
   Stitching& stitching() { return now().stitching; }

@@ -17,6 +17,7 @@
 #include "shell/solver/stepping/stable_step.h"
 #include "tests/validation/cases.h"
 #include "tests/validation/discs.h"
+#include "tests/validation/tied.h"
 
 namespace sunder::validation {
 namespace {
@@ -335,7 +336,7 @@ void flight(Report& r, int threads) {
 }  // namespace
 
 std::vector<Case> surface_cases() {
-  return {
+  std::vector<Case> out{
       {"turned", "square plates cut from a larger patch at 0, 15, 30, 45 degrees",
        [](Report& r, int threads) { turned(r, threads, 2); }},
       {"cubic_turned", "the same, degree 3", [](Report& r, int threads) { turned(r, threads, 3); }},
@@ -345,6 +346,8 @@ std::vector<Case> surface_cases() {
       {"ring", "the same with a hole", [](Report& r, int) { disc(r, "ring", 0.2, kRingElements); }},
       {"random", "stable step of 200 loops at random places, with a cut too, and strain in rigid motion", random_steps},
       {"flight", "momenta and energy of a ring in flight", flight}};
+  for (Case& c : tied_cases()) out.push_back(std::move(c));
+  return out;
 }
 
 }  // namespace sunder::validation

@@ -55,7 +55,7 @@ void each_seam_beside(const std::vector<Seam>& seams, int shell, const ShellMode
                       F&& callback) {
   for (const Seam& seam : seams)
     for (const bool first : {true, false}) {
-      if ((first ? seam.first : seam.second) != shell) continue;
+      if (seam.trimmed() || (first ? seam.first : seam.second) != shell) continue;
       const int edge = first ? seam.first_edge : seam.second_edge, across = edge < kVMin ? 0 : 1;
       const KnotVector &over = across == 0 ? m.patch.knots_u : m.patch.knots_v,
                        &along = across == 0 ? m.patch.knots_v : m.patch.knots_u;

@@ -41,6 +41,7 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
     dependent_points_.push_back(std::move(t));
   }
   for (const Seam& seam : stitches.seams) {
+    if (seam.trimmed()) continue;
     const auto any_held = [&](int shell, int edge) {
       const ShellModel& m = *shells[shell];
       const std::vector<int> row = edge_row(m.patch, edge, 0);
@@ -53,8 +54,6 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
             "\"{1}\" kind: OPEN }}",
             shells[first ? seam.first : seam.second]->name, shells[first ? seam.second : seam.first]->name);
   }
-  std::map<std::pair<int, int>, const DependentPoint*> tie_of;
-  for (const DependentPoint& t : dependent_points_) tie_of[{t.shell, t.slot}] = &t;
   for (const Seam& seam : stitches.seams)
     for (const CreasePoint& c : seam.crease) {
       const auto rest = [&](const PatchPoint& p) { return shells[p.patch]->patch.control_points[p.point]; };
@@ -72,25 +71,60 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
       end(c.first, sharp ? -1.0 : share - 1.0);
       for (const auto& [p, weight] : c.second) end(p, sharp ? weight : -share * weight);
       if (!sharp) end(c.on_seam, 1.0);
-      std::map<std::pair<int, int>, double> terms;
-      for (const Term& t : constraint.ends) {
-        const auto it = tie_of.find({t.shell, t.slot});
-        if (it == tie_of.end())
-          terms[{t.shell, t.slot}] += t.weight;
-        else
-          for (const IndependentPoint& m : it->second->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
-      }
-      Vec3 sum = Vec3::Zero();
-      for (const auto& [at, weight] : terms) {
-        if (std::abs(weight) <= kLooseWeight) continue;
-        constraint.terms.push_back({at.first, at.second, weight});
-        const std::vector<double>& x = shells[at.first]->rest;
-        for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
-      }
-      constraint.length = sum.norm();
-      if (constraint.length > kSmoothSeam * chord.norm()) crease_constraints_.push_back(std::move(constraint));
+      add_crease(constraint, shells, kSmoothSeam * chord.norm());
     }
+  tie_trims(stitches.seams, shells);
   edges_seen_.assign(shells.size(), 0);
+}
+
+// Replaces dependent control points by those that they depend on.
+std::vector<Stitching::Term> Stitching::independent_terms(const std::vector<Term>& from) const {
+  std::map<std::pair<int, int>, double> terms;
+  for (const Term& t : from) {
+    const auto it = std::find_if(dependent_points_.begin(), dependent_points_.end(),
+                                 [&](const DependentPoint& d) { return d.shell == t.shell && d.slot == t.slot; });
+    if (it == dependent_points_.end())
+      terms[{t.shell, t.slot}] += t.weight;
+    else
+      for (const IndependentPoint& m : it->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
+  }
+  std::vector<Term> out;
+  for (const auto& [at, weight] : terms)
+    if (std::abs(weight) > kLooseWeight) out.push_back({at.first, at.second, weight});
+  return out;
+}
+
+// Adds a constraint for the length of the sum of its ends, if that is more than `least` [m].
+void Stitching::add_crease(CreaseConstraint constraint, const std::vector<const ShellModel*>& shells, double least) {
+  constraint.terms = independent_terms(constraint.ends);
+  Vec3 sum = Vec3::Zero();
+  for (const Term& t : constraint.terms) {
+    const std::vector<double>& x = shells[t.shell]->rest;
+    for (int d = 0; d < 3; ++d) sum[d] += t.weight * x[d * x.size() / 3 + t.slot];
+  }
+  constraint.length = sum.norm();
+  if (constraint.length > least) crease_constraints_.push_back(std::move(constraint));
+}
+
+void Stitching::tie_trims(const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells) {
+  std::vector<std::vector<WeightedSlot>> ties;
+  const auto terms_of = [](const std::vector<WeightedSlot>& row) {
+    std::vector<Term> terms;
+    for (const WeightedSlot& w : row) terms.push_back({w.shell, w.slot, w.weight});
+    return terms;
+  };
+  for (const Seam& seam : seams) {
+    if (!seam.trimmed()) continue;
+    const SeamRows rows = seam_rows(seam, shells);
+    for (const auto& row : rows.ties) {
+      std::vector<WeightedSlot> tie;
+      for (const Term& t : independent_terms(terms_of(row))) tie.push_back({t.shell, t.slot, t.weight});
+      if (!tie.empty()) ties.push_back(std::move(tie));
+    }
+    const double least = kSmoothSeam * std::max(shells[seam.first]->spacing, shells[seam.second]->spacing);
+    for (const auto& row : rows.creases) add_crease({terms_of(row), {}, 0.0, true}, shells, least);
+  }
+  ties_ = SeamTies(std::move(ties), shells);
 }
 
 void Stitching::move_masses(const std::vector<ShellRef>& shells) {
@@ -104,6 +138,11 @@ void Stitching::move_masses(const std::vector<ShellRef>& shells) {
     mass = 0.0;
   }
   for (const DependentPoint& t : dependent_points_) refresh(shells, t);
+  align_velocities(shells);
+}
+
+void Stitching::align_velocities(const std::vector<ShellRef>& shells) {
+  ties_.align(shells, 0.0, true);
   update_dependent_velocities(shells);
 }
 
@@ -139,6 +178,7 @@ void Stitching::share(const std::vector<ShellRef>& shells, std::vector<double>& 
     const Vec3 force = own.at(field(own), t.slot);
     for (const IndependentPoint& m : t.on) add(field(*shells[m.shell].state), m.slot, m.weight * force);
   }
+  ties_.add_forces(shells, field);
   for (const DependentPoint& t : dependent_points_) {
     if (!t.holds) continue;
     refresh(shells, t);
@@ -154,6 +194,7 @@ void Stitching::share(const std::vector<ShellRef>& shells, std::vector<double>& 
 }
 
 void Stitching::enforce_crease_constraints(const std::vector<ShellRef>& shells, double dt) {
+  ties_.align(shells, dt, true);
   bool met = crease_constraints_.empty();
   for (int sweep = 0; sweep < kSweeps && !met; ++sweep) {
     met = true;
@@ -179,6 +220,7 @@ void Stitching::enforce_crease_constraints(const std::vector<ShellRef>& shells, 
         s.pass_to_supports(t.slot, t.weight * j * line);
       }
     }
+    if (!met) ties_.align(shells, dt, true);
   }
   update_dependent_velocities(shells);
 }
@@ -213,6 +255,8 @@ void Stitching::move_impulses(const std::vector<ShellRef>& shells) {
       s.add_velocity(m.slot, mobility * j);
     }
   }
+  // What ties take from motions that contact has made is lost in the contact.
+  if (!ties_.empty()) shells[0].state->book.contact += ties_.align(shells, 0.0, true);
   update_dependent_velocities(shells);
 }
 
@@ -311,7 +355,7 @@ void Stitching::release_corners(const std::vector<ShellRef>& shells, const std::
     together.push_back(dependent.shell), reached[dependent.shell] = 1;
     for (std::size_t k = 0; k < together.size(); ++k)
       for (const Seam& seam : seams) {
-        if (seam.first != together[k] && seam.second != together[k]) continue;
+        if (seam.trimmed() || (seam.first != together[k] && seam.second != together[k])) continue;
         const int other = seam.first == together[k] ? seam.second : seam.first;
         if (reached[other] || !holds_at(seam, x)) continue;
         reached[other] = 1, together.push_back(other);

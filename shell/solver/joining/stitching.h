@@ -1,5 +1,5 @@
 #pragma once
-// Shells that are joined along seams: dependent control points, and creases that keep their angle.
+// Shells that are joined along seams: dependent control points, ties along trims, and creases that keep their angle.
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -7,11 +7,13 @@
 
 #include "coupler/core/archive.h"
 #include "shell/geometry/seams.h"
+#include "shell/solver/joining/seam_ties.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 
-/// Joins shells along seams. A dependent control point moves with the weighted mean of independent ones.
+/// Joins shells along seams. A dependent control point moves with the weighted mean of independent ones. Along trims,
+/// impulses keep the ties.
 class Stitching {
  public:
   Stitching() = default;
@@ -19,37 +21,40 @@ class Stitching {
   /// its shells only.
   Stitching(const Stitches& stitches, const std::vector<const ShellModel*>& shells);
 
-  bool empty() const { return dependent_points_.empty(); }
+  bool empty() const { return dependent_points_.empty() && ties_.empty(); }
   /// Moves the masses of dependent control points to the independent ones. Call it once, after make_state.
   void move_masses(const std::vector<ShellRef>& shells);
-  /// Moves the force of each dependent control point to its independent ones, so that both accelerate alike. Moves
-  /// force discontinuities in the same way. Call it after compute_forces of all shells.
+  /// Moves the force of each dependent control point to its independent ones, so that both accelerate alike, and adds
+  /// the forces of ties. Does the same with force discontinuities. Call it after compute_forces of all shells.
   void move_forces(const std::vector<ShellRef>& shells);
   /// Stores velocities without contact impulses. Call it after the kick and before contact.
   void store_velocities(const std::vector<ShellRef>& shells);
   /// Moves impulses on dependent control points to the independent ones, and books the change of the work of contact.
   /// Call it after contact.
   void move_impulses(const std::vector<ShellRef>& shells);
-  /// Applies impulses so that creases have their angle after a drift of `dt` [s]. They act along lines between the
-  /// control points that they move (SHAKE), so they conserve momentum and angular momentum and do no work. Call it
-  /// after move_impulses and before drift.
+  /// Applies impulses so that creases have their angle and ties are kept after a drift of `dt` [s]. Those of creases
+  /// act along lines between the control points that they move (SHAKE), so they conserve momentum and angular momentum
+  /// and do no work. Call it after move_impulses and before drift.
   void enforce_crease_constraints(const std::vector<ShellRef>& shells, double dt);
 
   /// Sets velocities of dependent control points from the independent ones.
   void update_dependent_velocities(const std::vector<ShellRef>& shells) const;
+  /// Makes velocities such that ties and dependent control points hold.
+  void align_velocities(const std::vector<ShellRef>& shells);
   /// Calls back (shell, slot, shell, slot) for each pair of control points that is still joined.
   template <class F>
   void each_link(F&& callback) const {
     for (const DependentPoint& t : dependent_points_)
       for (std::size_t k = 0; t.holds && k < t.on.size(); ++k)
         if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
+    ties_.each_link(callback);
   }
   /// Releases the control points for which `leaves(shell, slot)` is true, and those that depend on them. Each takes
   /// back its mass with its velocity. This conserves momentum and angular momentum and loses some kinetic energy.
   /// Returns whether any was released.
   template <class F>
   bool release(const std::vector<ShellRef>& shells, F&& leaves) {
-    bool any = false;
+    bool any = ties_.release(leaves);
     for (DependentPoint& t : dependent_points_) {
       bool out = leaves(t.shell, t.slot);
       for (const IndependentPoint& m : t.on) out = out || leaves(m.shell, m.slot);
@@ -77,8 +82,8 @@ class Stitching {
   void release_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams);
   /// True where any control point has been released.
   bool parted() const {
-    return std::any_of(dependent_points_.begin(), dependent_points_.end(),
-                       [](const DependentPoint& t) { return !t.holds; });
+    return ties_.parted() || std::any_of(dependent_points_.begin(), dependent_points_.end(),
+                                         [](const DependentPoint& t) { return !t.holds; });
   }
 
   template <class A>
@@ -86,6 +91,7 @@ class Stitching {
     for (DependentPoint& t : s.dependent_points_) archive_one(a, t.holds);
     for (CreaseConstraint& b : s.crease_constraints_) archive_one(a, b.holds);
     archive_one(a, s.edges_seen_);
+    archive(a, s.ties_);
   }
 
  private:
@@ -133,9 +139,13 @@ class Stitching {
   double release_dependent(const std::vector<ShellRef>& shells, DependentPoint& dependent);
   static double turn(const std::vector<ShellRef>& shells, const DependentPoint& dependent, const Vec3& turning);
   static void refresh(const std::vector<ShellRef>& shells, const DependentPoint& dependent);
+  void add_crease(CreaseConstraint constraint, const std::vector<const ShellModel*>& shells, double least);
+  std::vector<Term> independent_terms(const std::vector<Term>& terms) const;
+  void tie_trims(const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells);
 
   std::vector<DependentPoint> dependent_points_;
   std::vector<CreaseConstraint> crease_constraints_;
+  SeamTies ties_;  // along trims
   std::vector<std::int64_t> edges_seen_;
 };
 

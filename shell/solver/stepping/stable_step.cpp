@@ -177,7 +177,7 @@ double stable_step(const std::vector<ShellRef>& refs, Stitching& stitching, int 
   std::mt19937_64 random(1);
   for (Probed& p : shells)
     for (double& v : p.s.motion.v) v = noise(random);
-  stitching.update_dependent_velocities(refs);
+  stitching.align_velocities(refs);
   const double step = iterate(shells, iterations, forces);
   for (Probed& p : shells) p.restore();
   return step;

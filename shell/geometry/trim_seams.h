@@ -1,0 +1,25 @@
+#pragma once
+// Finds where borders of patches run together, where one of both is trimmed.
+#include <string>
+#include <vector>
+
+#include "shell/geometry/seams.h"
+#include "shell/geometry/trim_loops.h"
+
+namespace sunder::shell {
+
+/// A patch with its trims, and the edges that find_stitches joins.
+struct BorderedPatch {
+  const Patch* patch = nullptr;  // as it is without trims; parameters are lengths
+  const TrimLoops* trims = nullptr;
+  int whole = 0;  // EdgeBits of edges that exist over their whole length
+  std::string name;
+};
+
+/// Finds stretches of borders that run together within `tolerance` [m]: loops, and edges of patches where the other
+/// border is a loop or a part of an edge that trims cut. `join` is that of find_stitches. Throws Error where borders
+/// nearly meet over some length, or where the normals at a smooth seam are opposite.
+std::vector<Seam> find_trim_seams(const std::vector<BorderedPatch>& patches, double tolerance,
+                                  const std::vector<std::vector<Join>>& join);
+
+}  // namespace sunder::shell

@@ -1,0 +1,85 @@
+#pragma once
+// Ties along trimmed seams: linear constraints between control points of two shells, and impulses that keep them.
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "coupler/core/archive.h"
+#include "shell/geometry/seams.h"
+#include "shell/solver/state.h"
+
+namespace sunder::shell {
+
+/// A control point with a weight.
+struct WeightedSlot {
+  int shell = 0, slot = 0;
+  double weight = 0.0;
+};
+
+/// The rows of the constraints of one seam. Each is a sum of weighted control points that stays as it is at rest.
+struct SeamRows {
+  std::vector<std::vector<WeightedSlot>> ties;     // the sum is zero: position, and slope where the seam is smooth
+  std::vector<std::vector<WeightedSlot>> creases;  // the length of the sum stays: the angle of a crease
+};
+
+/// Makes the rows of a trimmed seam. Hat functions along it, an element of the coarser side apart, weigh differences of
+/// position and of slope over the places of the seam. Weights of a row sum to 0.
+SeamRows seam_rows(const Seam& seam, const std::vector<const ShellModel*>& shells);
+
+/// Keeps ties of all trimmed seams. Impulses along a row move its control points by their weights. They have no sum
+/// and, as the tied sum of positions is zero, no moment.
+class SeamTies {
+ public:
+  SeamTies() = default;
+  /// `rows` name independent control points only. Throws Error where a support moves one of them, or ties it to others.
+  SeamTies(std::vector<std::vector<WeightedSlot>> rows, const std::vector<const ShellModel*>& shells);
+
+  bool empty() const { return rows_.empty(); }
+  /// Adds the forces of ties to `field`, so that tied control points accelerate alike.
+  void add_forces(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&));
+  /// Takes from the velocities what would part the ties over a drift of `dt` [s]; 0: regardless of positions. What acts
+  /// on control points that do not move is passed to supports if `pass`. Returns the kinetic energy that is lost [J].
+  double align(const std::vector<ShellRef>& shells, double dt, bool pass);
+  /// Releases rows with a control point for which `leaves(shell, slot)` is true. Returns whether there was any.
+  template <class F>
+  bool release(F&& leaves) {
+    bool any = false;
+    for (Row& row : rows_)
+      for (std::size_t k = 0; row.holds && k < row.terms.size(); ++k)
+        if (leaves(row.terms[k].shell, row.terms[k].slot)) row.holds = false, any = true;
+    if (any) solver_.reset();
+    return any;
+  }
+  /// Calls back (shell, slot, shell, slot) for pairs of control points that connect all of each row.
+  template <class F>
+  void each_link(F&& callback) const {
+    for (const Row& row : rows_)
+      for (std::size_t k = 1; row.holds && k < row.terms.size(); ++k)
+        callback(row.terms[0].shell, row.terms[0].slot, row.terms[k].shell, row.terms[k].slot);
+  }
+  bool parted() const {
+    return std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return !row.holds; });
+  }
+
+  template <class A>
+  friend void archive(A& a, SeamTies& s) {
+    for (Row& row : s.rows_) archive_one(a, row.holds);
+    s.solver_.reset();
+  }
+
+ private:
+  struct Row {
+    std::vector<WeightedSlot> terms;
+    Vec3 rest = Vec3::Zero();  // of the sum, where no change of the weights makes it zero
+    bool holds = true;
+  };
+  struct Solver;
+  const Solver& solver(const std::vector<ShellRef>& shells);
+
+  std::vector<Row> rows_;
+  std::vector<std::array<std::vector<char>, 3>> fixed_;  // [shell][axis][slot]: a support holds it along this axis only
+  std::shared_ptr<const Solver> solver_;                 // for the masses of now; made anew where they change
+};
+
+}  // namespace sunder::shell

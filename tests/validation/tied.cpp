@@ -1,0 +1,410 @@
+// Tied surfaces: plates and roofs of pieces that meet along curved trims, against the same surface in one piece.
+#include "tests/validation/tied.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+#include <Eigen/Dense>
+#include <Eigen/SparseLU>
+
+#include "coupler/core/error.h"
+#include "shell/geometry/builders.h"
+#include "shell/geometry/trim_seams.h"
+#include "shell/io/cad_loop.h"
+#include "shell/solver/forces.h"
+#include "shell/solver/joining/stitching.h"
+#include "shell/solver/parting/handoff.h"
+#include "shell/solver/statics/tangent.h"
+#include "shell/solver/stepping/kick_drift.h"
+#include "shell/solver/stepping/stable_step.h"
+
+namespace sunder::validation {
+namespace {
+
+using namespace sunder::shell;
+using Matrix = Eigen::SparseMatrix<double>;
+
+constexpr double kPi = std::numbers::pi;
+constexpr int kModes = 4, kRigid = 6;
+constexpr double kTolerance = 1e-7;  // of places where borders meet [m]
+
+/// A surface in pieces, one patch each, whose parameters are lengths.
+struct Pieces {
+  std::vector<ShellModel> models;
+  std::vector<Patch> patches;  // before trims move control points beside them
+  Stitches stitches;
+
+  std::vector<const ShellModel*> all() const {
+    std::vector<const ShellModel*> out;
+    for (const ShellModel& m : models) out.push_back(&m);
+    return out;
+  }
+  void find_seams() {
+    std::vector<BorderedPatch> bordered;
+    for (std::size_t k = 0; k < models.size(); ++k)
+      bordered.push_back({&patches[k], &models[k].trim.loops, 0, models[k].name});
+    stitches.seams = find_trim_seams(
+        bordered, kTolerance,
+        std::vector<std::vector<Join>>(models.size(), std::vector<Join>(models.size(), Join::kClamped)));
+  }
+};
+
+/// The system of all pieces: stiffness, lumped mass and ties.
+class System {
+ public:
+  explicit System(const Pieces& pieces) : pieces_(pieces) {
+    std::vector<Eigen::Triplet<double>> stiffness;
+    for (const ShellModel& m : pieces.models) {
+      ShellState s = make_state(m, Vec3::Zero(), 0);
+      free_.push_back(free_degrees(m, s));
+      first_.push_back(count_);
+      Matrix k = tangent_stiffness(m, s, free_.back(), Differences::kFourthOrder,
+                                   [&] { compute_forces(m, s, false, 0.0, 1); });
+      k = (0.5 * (k + Matrix(k.transpose()))).eval();
+      for (int c = 0; c < k.outerSize(); ++c)
+        for (Matrix::InnerIterator it(k, c); it; ++it)
+          stiffness.emplace_back(count_ + static_cast<int>(it.row()), count_ + static_cast<int>(it.col()), it.value());
+      mass_.conservativeResize(count_ + free_.back().count);
+      load_.conservativeResize(count_ + free_.back().count);
+      for (std::size_t i = 0; i < free_.back().number.size(); ++i)
+        if (const int n = free_.back().number[i]; n >= 0) {
+          mass_[count_ + n] = s.motion.mass[i % m.tables.plane];
+          load_[count_ + n] = s.motion.external.empty() ? 0.0 : s.motion.external[i];
+        }
+      count_ += free_.back().count;
+    }
+    stiffness_.resize(count_, count_);
+    stiffness_.setFromTriplets(stiffness.begin(), stiffness.end());
+    for (const Seam& seam : pieces.stitches.seams)
+      for (const auto& row : seam_rows(seam, pieces.all()).ties)
+        for (int d = 0; d < 3; ++d) {
+          bool any = false;
+          for (const WeightedSlot& t : row)
+            if (const int n = degree(t.shell, t.slot, d); n >= 0) ties_.emplace_back(rows_, n, t.weight), any = true;
+          rows_ += any;
+        }
+  }
+
+  int degree(int shell, int slot, int axis) const {
+    const int n = free_[shell].number[static_cast<std::size_t>(axis) * pieces_.models[shell].tables.plane + slot];
+    return n < 0 ? -1 : first_[shell] + n;
+  }
+  int count() const { return count_; }
+  const Eigen::VectorXd& mass() const { return mass_; }
+  const Eigen::VectorXd& load() const { return load_; }
+
+  /// Small displacements under loads; `held` [1/s^2] is stiffness in proportion to the mass, which holds rigid motions.
+  Eigen::MatrixXd solve(const Eigen::MatrixXd& loads, double held) {
+    if (held != held_) factorise(held);
+    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count_ + rows_, loads.cols());
+    right.topRows(count_) = loads;
+    return Eigen::MatrixXd(factors_.solve(right)).topRows(count_);
+  }
+
+  /// Lowest frequencies above rigid motions [Hz], by Rayleigh's quotient with the consistent mass (subspace iteration).
+  std::vector<double> frequencies(double held, int rigid) {
+    const int vectors = kModes + rigid + 8;
+    std::mt19937_64 random(3);
+    Eigen::MatrixXd x(count_, vectors);
+    for (Eigen::Index k = 0; k < x.size(); ++k) x.data()[k] = static_cast<double>(random() >> 11) * 0x1.0p-53 - 0.5;
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(vectors);
+    for (int it = 0; it < 60; ++it) {
+      x = solve(mass_.asDiagonal() * x, held);
+      const Eigen::MatrixXd k = x.transpose() * (stiffness_ * x), m = x.transpose() * (mass_.asDiagonal() * x);
+      const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> reduced(0.5 * (k + k.transpose()),
+                                                                              0.5 * (m + m.transpose()));
+      x = (x * reduced.eigenvectors()).eval();
+      const double change = (reduced.eigenvalues() - values).head(kModes + rigid).cwiseAbs().maxCoeff();
+      values = reduced.eigenvalues();
+      if (change <= 1e-9 * values[kModes + rigid - 1]) break;
+    }
+    std::vector<double> out;
+    for (int k = rigid; k < rigid + kModes; ++k) {
+      const Eigen::VectorXd shape = x.col(k);
+      out.push_back(std::sqrt(values[k] * shape.dot(mass_.cwiseProduct(shape)) / consistent(shape)) / (2.0 * kPi));
+    }
+    return out;
+  }
+
+  double value(const Eigen::VectorXd& u, int shell, const Vec2& at, int axis) const {
+    double w = 0.0;
+    for (const GatheredFunction& f : shell_functions(pieces_.models[shell], at))
+      if (const int n = degree(shell, f.slot, axis); n >= 0) w += f.n[0] * u[n];
+    return w;
+  }
+
+ private:
+  void factorise(double held) {
+    std::vector<Eigen::Triplet<double>> all;
+    for (int c = 0; c < stiffness_.outerSize(); ++c)
+      for (Matrix::InnerIterator it(stiffness_, c); it; ++it)
+        all.emplace_back(static_cast<int>(it.row()), static_cast<int>(it.col()), it.value());
+    for (int k = 0; k < count_; ++k) all.emplace_back(k, k, held * mass_[k]);
+    const double scale = stiffness_.diagonal().maxCoeff();
+    for (const auto& t : ties_)
+      all.emplace_back(count_ + t.row(), t.col(), scale * t.value()),
+          all.emplace_back(t.col(), count_ + t.row(), scale * t.value());
+    Matrix whole(count_ + rows_, count_ + rows_);
+    whole.setFromTriplets(all.begin(), all.end());
+    factors_.compute(whole);
+    require(factors_.info() == Eigen::Success, "the system of tied pieces cannot be factorised");
+    held_ = held;
+  }
+
+  double consistent(const Eigen::VectorXd& u) const {
+    double sum = 0.0;
+    std::vector<GatheredFunction> functions;
+    for (std::size_t k = 0; k < pieces_.models.size(); ++k) {
+      const ShellModel& m = pieces_.models[k];
+      for (int q = 0; q < m.tables.blocks(); ++q)
+        for (int e = 0; e < m.tables.spans_u; ++e) {
+          const double area = m.tables.metric[m.tables.at(q, kMetricFields, kArea, e)];
+          if (area == 0.0) continue;
+          shell_functions(m, q, e, functions);
+          Vec3 at = Vec3::Zero();
+          for (const GatheredFunction& f : functions)
+            for (int d = 0; d < 3; ++d)
+              if (const int n = degree(static_cast<int>(k), f.slot, d); n >= 0) at[d] += f.n[0] * u[n];
+          sum += m.material.density * m.thickness * area * at.squaredNorm();
+        }
+    }
+    return sum;
+  }
+
+  const Pieces& pieces_;
+  std::vector<FreeDegrees> free_;
+  std::vector<int> first_;
+  int count_ = 0, rows_ = 0;
+  Matrix stiffness_;
+  Eigen::VectorXd mass_, load_;
+  std::vector<Eigen::Triplet<double>> ties_;
+  double held_ = -1.0;
+  Eigen::SparseLU<Matrix> factors_;
+};
+
+PlaneCurve line(const Vec2& a, const Vec2& b) {
+  return {[a, b](double t) { return Vec2(a + t * (b - a)); }, (b - a).norm(), false};
+}
+
+// The part of a patch that a border of curves leaves. Curves are over shares of a surface; `to` takes them to
+// parameters.
+struct PieceOf {
+  Patch patch;
+  std::function<Vec2(const Vec2&)> to;
+
+  CadBorder border(const PlaneCurve& c, int sides = 0) const {
+    const auto map = to;
+    CadBorder out{{[c, map](double t) { return map(c.at(t)); }, 0.0, false}, sides};
+    for (int k = 0; k < 64; ++k) out.curve.length += (out.curve.at((k + 1) / 64.0) - out.curve.at(k / 64.0)).norm();
+    return out;
+  }
+  void add_to(Pieces& out, const std::string& name, const std::vector<CadBorder>& borders, double thickness,
+              const ShellMaterial& material, const std::vector<Support>& supports,
+              const std::vector<Load>& loads) const {
+    const Patch lengths = with_parameters_as_lengths(patch);
+    const Vec2 low(lengths.knots_u.begin(), lengths.knots_v.begin()),
+        high(lengths.knots_u.end(), lengths.knots_v.end());
+    const double spacing = std::sqrt((high - low).prod() / (lengths.knots_u.spans() * lengths.knots_v.spans()));
+    const TrimLoops trims =
+        borders.empty() ? TrimLoops() : TrimLoops(low, high, {cad_loop({borders, false}, lengths, spacing)});
+    out.patches.push_back(lengths);
+    out.models.push_back(make_shell(name, patch, thickness, material, 2, patch.degree(), supports, loads, trims));
+  }
+};
+
+ShellMaterial steel() {
+  ShellMaterial m;
+  m.density = 7800.0, m.youngs_modulus = 2e11, m.poisson_ratio = 0.3;
+  return m;
+}
+
+constexpr double kThickness = 0.004;  // of the plate, whose side is 1 m [m]
+
+// Where the pieces of a plate meet, from (0, y = 0) to y = 1.
+double course(double y) { return 0.52 + 0.08 * std::sin(2.0 * kPi * y) + 0.05 * (y - 0.5); }
+
+PlaneCurve course_curve(bool back) {
+  return {[back](double t) { return Vec2(course(back ? 1.0 - t : t), back ? 1.0 - t : t); }, 1.2, false};
+}
+
+const Vec2 kMiddle(0.5, 0.5), kRight(0.77, 0.51);  // of the plate, of the patch of its right piece
+constexpr double kRightSide = 1.3;                 // of that patch [m]
+
+Load point_load(const Vec2& at, double force) {
+  Load l;
+  l.point = at, l.force = Vec3(0.0, 0.0, force);
+  return l;
+}
+
+// Parameters of a place on the right piece, whose patch is turned.
+Vec2 on_right(const Vec2& x, double degrees) {
+  return Eigen::Rotation2Dd(degrees * kPi / 180.0).inverse() * (x - kRight) + Vec2::Constant(0.5 * kRightSide);
+}
+
+int right_elements(int elements) { return static_cast<int>(std::lround(1.07 * elements)); }
+
+// A square plate of two pieces: the left one keeps three edges of its patch; the right one is cut from a larger, turned
+// patch of other elements. A force on the middle is borne by the corners.
+Pieces plate_pieces(int elements, double degrees, int degree) {
+  const int left = static_cast<int>(std::lround(0.75 * elements));
+  const PieceOf a{plate(0.75, 1.0, left, elements, Vec3(0.375, 0.5, 0.0), Quat::Identity(), degree),
+                  [](const Vec2& x) { return x; }};
+  const PieceOf b{
+      plate(kRightSide, kRightSide, right_elements(elements), right_elements(elements),
+            Vec3(kRight.x(), kRight.y(), 0.0), Quat(Eigen::AngleAxisd(degrees * kPi / 180.0, Vec3::UnitZ())), degree),
+      [degrees](const Vec2& x) { return on_right(x, degrees); }};
+  Pieces out;
+  const double c0 = course(0.0), c1 = course(1.0);
+  a.add_to(out, "left",
+           {a.border(line({0, 0}, {c0, 0}), kVMin), a.border(course_curve(false)),
+            a.border(line({c1, 1}, {0, 1}), kVMax), a.border(line({0, 1}, {0, 0}), kUMin)},
+           kThickness, steel(), {}, {point_load(kMiddle, 1.0), point_load({0, 0}, -0.25), point_load({0, 1}, -0.25)});
+  b.add_to(out, "right",
+           {b.border(line({c0, 0}, {1, 0})), b.border(line({1, 0}, {1, 1})), b.border(line({1, 1}, {c1, 1})),
+            b.border(course_curve(true))},
+           kThickness, steel(), {},
+           {point_load(on_right({1, 0}, degrees), -0.25), point_load(on_right({1, 1}, degrees), -0.25)});
+  out.find_seams();
+  return out;
+}
+
+Pieces whole_plate(int elements, int degree) {
+  const PieceOf a{plate(1.0, 1.0, elements, elements, Vec3(0.5, 0.5, 0.0), Quat::Identity(), degree), {}};
+  std::vector<Load> loads{point_load(kMiddle, 1.0)};
+  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)})
+    loads.push_back(point_load(corner, -0.25));
+  Pieces out;
+  a.add_to(out, "plate", {}, kThickness, steel(), {}, loads);
+  return out;
+}
+
+double step_of(const Pieces& pieces, int threads) {
+  std::vector<ShellState> states;
+  for (const ShellModel& m : pieces.models) states.push_back(make_state(m, Vec3::Zero(), 0));
+  if (states.size() == 1) return stable_step(pieces.models[0], states[0], kStepIterations, threads, true);
+  std::vector<ShellRef> refs;
+  for (std::size_t k = 0; k < states.size(); ++k) refs.push_back({&pieces.models[k], &states[k]});
+  Stitching stitching(pieces.stitches, pieces.all());
+  stitching.move_masses(refs);
+  return stable_step(refs, stitching, 4 * kJoinedIterations, threads, std::vector<char>(refs.size(), 1));
+}
+
+void add_frequencies(Report& r, const std::string& name, System& tied, System& whole, double held, int rigid) {
+  const std::vector<double> found = tied.frequencies(held, rigid), wanted = whole.frequencies(held, rigid);
+  for (int k = 0; k < kModes; ++k) r.add(fmt::format("{}_frequency_{}", name, k + 1), found[k], wanted[k], 0.01, 0.0);
+}
+
+void tied_plate(Report& r, int threads, double degrees, int degree) {
+  constexpr int kElements = 24;
+  constexpr double kHeld = 1e-4;  // of the lowest eigenvalue: stiffness in proportion to the mass holds rigid motions
+  const std::string name = fmt::format("tied_{}{:.0f}", degree == 3 ? "cubic_" : "", degrees);
+  const double start = seconds_now();
+  const double bending = steel().youngs_modulus * std::pow(kThickness, 3) / (12.0 * (1.0 - 0.09));
+  const double slow = 100.0 * bending / (steel().density * kThickness);
+  const Pieces pieces = plate_pieces(kElements, degrees, degree), one = whole_plate(2 * kElements, degree);
+  r.add(name + "_seams", static_cast<double>(pieces.stitches.seams.size()), 1.0, 0.0, 0.0);
+  System tied(pieces), whole(one);
+  double mass = 0.0;
+  for (const ShellModel& m : pieces.models)
+    for (const double part : m.mass) mass += part;
+  r.add(name + "_mass", mass, steel().density * kThickness, 1e-6, 0.0);
+  const Eigen::VectorXd u = tied.solve(tied.load(), kHeld * slow), v = whole.solve(whole.load(), kHeld * slow);
+  double bent = tied.value(u, 0, kMiddle, 2), wanted = whole.value(v, 0, kMiddle, 2);
+  for (const Vec2& corner : {Vec2(0, 0), Vec2(1, 0), Vec2(0, 1), Vec2(1, 1)}) {
+    bent -= 0.25 * (corner.x() == 0.0 ? tied.value(u, 0, corner, 2) : tied.value(u, 1, on_right(corner, degrees), 2));
+    wanted -= 0.25 * whole.value(v, 0, corner, 2);
+  }
+  r.add(name + "_deflection", bent, wanted, 0.005, seconds_now() - start);
+  add_frequencies(r, name, tied, whole, 0.1 * slow, kRigid);
+  const int like_right = static_cast<int>(std::lround(right_elements(kElements) / kRightSide));
+  const double least =
+      std::min(step_of(whole_plate(kElements, degree), threads), step_of(whole_plate(like_right, degree), threads));
+  const double step = step_of(pieces, threads) / least;
+  r.add(name + "_step_below_0.8", std::max(0.0, 0.8 - step), 0.0, 0.0, 0.0);
+  r.lines.push_back(fmt::format("{}: stable step {:.3f} of the smaller of both whole plates'", name, step));
+}
+
+// The roof of Scordelis and Lo (1964): diaphragms hold its ends, its weight bends it. `divided`: in two pieces along a
+// curve, of other elements on both sides.
+constexpr double kRadius = 25.0, kLength = 50.0, kArc = 80.0 * kPi / 180.0, kRoofThickness = 0.25;
+constexpr double kWeight = 90.0;  // for each area
+
+Pieces roof(bool divided, int elements) {
+  ShellMaterial material;
+  material.density = 360.0, material.youngs_modulus = 4.32e8, material.poisson_ratio = 0.0;
+  Support diaphragm;
+  diaphragm.edges = kVMin | kVMax, diaphragm.clamped = false, diaphragm.axes = {true, true, false};
+  const auto piece_of = [&](int nu, int nv) {
+    const Patch patch = cylinder(kRadius, kLength, kArc, nu, nv), lengths = with_parameters_as_lengths(patch);
+    const Vec2 size(lengths.knots_u.end(), lengths.knots_v.end());
+    return PieceOf{patch, [size](const Vec2& share) { return Vec2(share.cwiseProduct(size)); }};
+  };
+  const auto at = [](double v) { return 0.46 + 0.1 * std::sin(2.0 * kPi * v); };
+  const PlaneCurve forth{[at](double t) { return Vec2(at(t), t); }, 1.2, false},
+      back{[at](double t) { return Vec2(at(1.0 - t), 1.0 - t); }, 1.2, false};
+  Pieces out;
+  const PieceOf a = piece_of(elements, elements), b = piece_of(elements + 5, elements - 3);
+  if (!divided) {
+    a.add_to(out, "roof", {}, kRoofThickness, material, {diaphragm}, {});
+    return out;
+  }
+  a.add_to(out, "left",
+           {a.border(line({0, 0}, {at(0), 0}), kVMin), a.border(forth), a.border(line({at(1), 1}, {0, 1}), kVMax),
+            a.border(line({0, 1}, {0, 0}), kUMin)},
+           kRoofThickness, material, {diaphragm}, {});
+  b.add_to(out, "right",
+           {b.border(line({at(0), 0}, {1, 0}), kVMin), b.border(line({1, 0}, {1, 1}), kUMax),
+            b.border(line({1, 1}, {at(1), 1}), kVMax), b.border(back)},
+           kRoofThickness, material, {diaphragm}, {});
+  out.find_seams();
+  return out;
+}
+
+// Sag of the middle of a free edge, that of the first or of the last shell.
+double sag(System& system, const Pieces& p, bool first) {
+  constexpr double kSlow = 1e-6;  // [1/s^2]: far below all modes; it holds the motion along the axis
+  const double gravity = kWeight / (p.models[0].material.density * kRoofThickness);
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(system.count());
+  for (std::size_t k = 0; k < p.models.size(); ++k)
+    for (int i = 0; i < p.models[k].control_points(); ++i)
+      if (const int n = system.degree(static_cast<int>(k), p.models[k].tables.slot(i), 0); n >= 0)
+        load[n] = -gravity * system.mass()[n];
+  const Eigen::VectorXd u = system.solve(load, kSlow);
+  const int shell = first ? 0 : static_cast<int>(p.models.size()) - 1;
+  const Patch& patch = p.models[shell].patch;
+  return -system.value(u, shell, {first ? patch.knots_u.begin() : patch.knots_u.end(), 0.5 * patch.knots_v.end()}, 0);
+}
+
+void tied_roof(Report& r, int threads) {
+  constexpr int kElements = 24;
+  const double start = seconds_now();
+  const Pieces pieces = roof(true, kElements), one = roof(false, 2 * kElements);
+  r.add("tied_roof_seams", static_cast<double>(pieces.stitches.seams.size()), 1.0, 0.0, 0.0);
+  System tied(pieces), whole(one);
+  const double wanted = sag(whole, one, true);
+  r.add("tied_roof_sag_left", sag(tied, pieces, true), wanted, 0.005, seconds_now() - start);
+  r.add("tied_roof_sag_right", sag(tied, pieces, false), wanted, 0.005, 0.0);
+  add_frequencies(r, "tied_roof", tied, whole, 1e-2, 1);
+  const double least = std::min(step_of(roof(false, kElements), threads), step_of(roof(false, kElements + 5), threads));
+  const double step = step_of(pieces, threads) / least;
+  r.add("tied_roof_step_below_0.8", std::max(0.0, 0.8 - step), 0.0, 0.0, 0.0);
+  r.lines.push_back(fmt::format("tied_roof: stable step {:.3f} of the whole roofs'", step));
+}
+
+}  // namespace
+
+std::vector<Case> tied_cases() {
+  std::vector<Case> out;
+  for (const double degrees : {0.0, 17.0, 45.0})
+    out.push_back({fmt::format("tied_{:.0f}", degrees), "a plate of two pieces that meet along a curve",
+                   [degrees](Report& r, int threads) { tied_plate(r, threads, degrees, 2); }});
+  out.push_back({"tied_roof", "the Scordelis-Lo roof of two pieces that meet along a curve", tied_roof});
+  out.push_back(
+      {"tied_cubic_17", "the same, degree 3", [](Report& r, int threads) { tied_plate(r, threads, 17.0, 3); }});
+  return out;
+}
+
+}  // namespace sunder::validation

@@ -1,0 +1,11 @@
+#pragma once
+// Surfaces of several pieces that are tied along trims.
+#include <vector>
+
+#include "tests/validation/cases.h"
+
+namespace sunder::validation {
+
+std::vector<Case> tied_cases();
+
+}  // namespace sunder::validation
