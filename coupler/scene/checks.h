@@ -46,6 +46,18 @@ inline void unique_name(const LoadedScene& s, const std::string& field, const st
   s.check(taken.insert(name).second, field + ".name", "'{}' is used twice; names are unique", name);
 }
 
+/// Whether a name is that of a shell, or NAME.1, NAME.2 ... of a shell of several CAD faces.
+inline bool is_shell(const proto::Scene& m, const std::string& name) {
+  const std::size_t dot = name.find('.');
+  const std::string whole = name.substr(0, dot), number = dot == std::string::npos ? "" : name.substr(dot + 1);
+  if (dot != std::string::npos && (number.empty() || number.size() > 6 ||
+                                   number.find_first_not_of("0123456789") != std::string::npos || number[0] == '0'))
+    return false;
+  for (const proto::Shell& shell : m.shells())
+    if (shell.name() == whole && (number.empty() || (shell.has_cad() && !shell.cad().has_face()))) return true;
+  return false;
+}
+
 /// Cuts and trims of a shell, whose field is `field` (validate_cuts.cpp).
 void validate_cuts(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <set>
 
+#include "coupler/scene/checks.h"
 #include "coupler/scene/names.h"
 
 namespace sunder::scene {
@@ -60,9 +61,7 @@ void seams(const LoadedScene& s) {
     const proto::SeamRule& r = m.rules(i);
     const std::string f = fmt::format("seams.rules[{}]", i);
     for (const auto& [name, field] : {std::pair{r.first(), ".first"}, std::pair{r.second(), ".second"}})
-      if (std::none_of(s.message.shells().begin(), s.message.shells().end(),
-                       [&, &name = name](const proto::Shell& shell) { return shell.name() == name; }))
-        refuse_name(s, f + field, name, "shell", names_in(s.message.shells()));
+      if (!is_shell(s.message, name)) refuse_name(s, f + field, name, "shell", names_in(s.message.shells()));
     s.check(r.first() != r.second(), f + ".second", "is '{}' as well; a seam is between two shells", r.second());
     s.check(pairs.insert(std::minmax(r.first(), r.second())).second, f, "says again how '{}' and '{}' hang together",
             r.first(), r.second());

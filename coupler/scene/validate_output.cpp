@@ -36,7 +36,7 @@ void validate_output(const LoadedScene& s) {
       continue;
     }
     const std::vector<std::string> shells = names_in(m.shells());
-    if (!is_in(p.shell(), shells)) refuse_name(s, f + ".shell", p.shell(), "shell", shells, "name a shell, or a body");
+    if (!is_shell(m, p.shell())) refuse_name(s, f + ".shell", p.shell(), "shell", shells, "name a shell, or a body");
   }
 }
 

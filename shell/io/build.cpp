@@ -12,16 +12,14 @@
 #include "shell/contact/proxy.h"
 #include "shell/geometry/parameter_place.h"
 #include "shell/io/build_driven.h"
+#include "shell/io/build_seams.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
-#include "shell/io/cad_file.h"
+#include "shell/io/cad_parts.h"
 #include "shell/solver/contact/hertz.h"
-#include "shell/solver/joining/stitching.h"
 
 namespace sunder::shell {
 namespace {
-
-constexpr double kSeamTolerance = 1e-6;  // share of the largest shell's size
 
 // Computes mass, centre and inertia of a solid, by tetrahedra from the mean point to its faces.
 void solid_properties(const scene::Solid& solid, double density, RigidBody& b) {
@@ -116,12 +114,18 @@ void add_hertz(const scene::LoadedScene& scene, const proto::ContactPair& c, con
   for (std::size_t i = 0; i < r.bodies.size(); ++i) {
     const auto& body = scene.message.bodies(static_cast<int>(i));
     if (body.name() != c.first() && body.name() != c.second()) continue;
-    std::size_t k = 0;
-    // validation has made sure that it exists
-    while (r.shells[k].model.name != c.first() && r.shells[k].model.name != c.second()) ++k;
-    ShellSetup& shell = r.shells[k];
+    const auto found = std::find_if(r.shells.begin(), r.shells.end(), [&](const ShellSetup& s) {
+      return s.model.name == c.first() || s.model.name == c.second();
+    });
+    scene.check(found != r.shells.end(), field,
+                "is for a shell of one patch, and '{}' and '{}' name one of several CAD faces; leave hertz out",
+                c.first(), c.second());
+    ShellSetup& shell = *found;
     const double radius = body.sphere().radius_m();
-    const double both = give(scene.message.shells(static_cast<int>(k)).material()) + give(body.material());
+    const auto& shells = scene.message.shells();
+    const auto of_shell =
+        std::find_if(shells.begin(), shells.end(), [&](const proto::Shell& s) { return s.name() == shell.model.name; });
+    const double both = give(of_shell->material()) + give(body.material());
     shell.hertz[i] = c.hertz().has_stiffness() ? c.hertz().stiffness() : 4.0 / 3.0 * std::sqrt(radius) / both;
     const double speed = (r.bodies[i].motion.velocity - shell.velocity).norm();
     const double approach =
@@ -176,72 +180,6 @@ CouplingRules make_coupling(const proto::Scene& m) {
   return r;
 }
 
-// A rule that joins two shells requires that they meet. Throws Error at the rule otherwise.
-void check_rules(const scene::LoadedScene& scene, const Stitches& found, const std::vector<std::string>& names,
-                 double tolerance) {
-  const proto::Seams& m = scene.message.seams();
-  for (int i = 0; i < m.rules_size(); ++i) {
-    const proto::SeamRule& rule = m.rules(i);
-    const bool meet = std::any_of(found.seams.begin(), found.seams.end(), [&](const Seam& s) {
-      return std::minmax(names[s.first], names[s.second]) == std::minmax(rule.first(), rule.second());
-    });
-    scene.check(
-        meet || rule.kind() == proto::SeamRule::OPEN, fmt::format("seams.rules[{}]", i),
-        "fastens '{}' and '{}', which have no whole edge in common to {:.3g} m; move them together, or leave it "
-        "out",
-        rule.first(), rule.second(), tolerance);
-  }
-}
-
-Stitches make_stitches(const scene::LoadedScene& scene, const RunSetup& r) {
-  const proto::Seams& m = scene.message.seams();
-  std::vector<const Patch*> patches;
-  std::vector<std::string> names;
-  std::vector<const ShellModel*> models;
-  double largest = 0.0;
-  std::vector<int> trimmed(r.shells.size(), 0);  // EdgeBits along which trims have dropped control points
-  for (std::size_t i = 0; i < r.shells.size(); ++i) {
-    const ShellSetup& s = r.shells[i];
-    patches.push_back(&s.model.patch), names.push_back(s.model.name), models.push_back(&s.model);
-    Eigen::AlignedBox3d box;
-    for (const Vec3& x : s.model.patch.control_points) box.extend(x);
-    largest = std::max(largest, box.diagonal().norm());
-    scene.check(s.equilibrium == 0.0, fmt::format("shells[{}].equilibrium", i),
-                "is for a shell by itself, and seams are given; leave one of them out");
-    for (const int edge : kEdges)
-      for (const int depth : {0, 1})
-        for (const int point : edge_row(s.model.patch, edge, depth))
-          trimmed[i] |= s.model.trim.drops(s.model.tables.slot(point)) ? edge : 0;
-    scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
-  }
-  std::vector<std::vector<Join>> join(patches.size(), std::vector<Join>(patches.size(), Join::kClamped));
-  for (const proto::SeamRule& rule : m.rules()) {
-    const auto find = [&](const std::string& name) {
-      return std::find(names.begin(), names.end(), name) - names.begin();
-    };
-    const auto i = find(rule.first()), k = find(rule.second());
-    join[i][k] = join[k][i] = static_cast<Join>(rule.kind());
-  }
-  const double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
-  Stitches found;
-  try {
-    found = find_stitches(patches, names, tolerance, join, [&](const PatchPoint& p) {
-      return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0;
-    });
-    for (const Seam& seam : found.seams)
-      for (const auto& [shell, edge] : {std::pair{seam.first, seam.first_edge}, {seam.second, seam.second_edge}})
-        require(!(trimmed[shell] & edge),
-                "shells '{}' and '{}' meet along an edge that trims of '{}' cut: seams join whole edges; trim less, or "
-                "make the pair OPEN",
-                names[seam.first], names[seam.second], names[shell]);
-    Stitching(found, models);  // throws where supports do not fit the seams
-  } catch (const Error& e) {
-    scene.fail("seams", e.what());
-  }
-  check_rules(scene, found, names, tolerance);
-  return found;
-}
-
 }  // namespace
 
 double RunSetup::thickness() const {
@@ -279,11 +217,13 @@ RunSetup build(const scene::LoadedScene& scene) {
   r.seed = static_cast<std::uint64_t>(m.fracture().seed());
   std::map<std::string, std::uint32_t> groups;
   CadFiles files;
-  for (int i = 0; i < m.shells_size(); ++i) {
-    const std::string field = fmt::format("shells[{}]", i);
-    r.shells.push_back(make_setup(scene, m.shells(i), field, files));
+  const std::vector<ScenePart> parts = scene_parts(scene, files);
+  for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
+    r.shells.push_back(make_setup(scene, parts[i].message, fmt::format("shells[{}]", parts[i].shell), files));
     ShellModel& s = r.shells.back().model;
-    groups[s.name] = s.contact_group = static_cast<std::uint32_t>(groups.size());
+    // Faces of one shell are one group.
+    s.contact_group =
+        groups.try_emplace(m.shells(parts[i].shell).name(), static_cast<std::uint32_t>(groups.size())).first->second;
     for (int k = 0; k < m.output().probes_size(); ++k) {
       const auto& p = m.output().probes(k);
       if (p.shell() != s.name) continue;
@@ -298,7 +238,9 @@ RunSetup build(const scene::LoadedScene& scene) {
     r.last_change = std::max(r.last_change, s.loads.last_change());
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
   }
-  if (m.has_seams()) r.stitches = make_stitches(scene, r);
+  const bool several = r.shells.size() > static_cast<std::size_t>(m.shells_size());
+  if (m.has_seams() || several) r.stitches = make_stitches(scene, parts, files, r);
+  if (several) check_joined(scene, parts, files, r);
   for (const Seam& seam : r.stitches.seams)
     if (seam.join == Join::kClamped)
       r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;
@@ -314,7 +256,7 @@ RunSetup build(const scene::LoadedScene& scene) {
                 (seam.second == static_cast<int>(k) ? seam.second_edge : 0);
     std::vector<PrescribedCut>& cuts = r.shells[k].fracture.cuts;
     for (std::size_t i = 0; i < cuts.size(); ++i)
-      settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", k, cuts[i].number), cuts[i]);
+      settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", parts[k].shell, cuts[i].number), cuts[i]);
   }
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
@@ -362,7 +304,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   if (r.shells_meet) {
     for (const ShellSetup& s : r.shells) r.fibre_spacing = std::max(r.fibre_spacing, s.fibre_spacing);
     for (std::size_t i = 0; i < r.shells.size(); ++i)
-      if (r.shells[i].model.has_fibres()) check_fibre_grid(scene, r.shells[i].model, i, r.fibre_spacing);
+      if (r.shells[i].model.has_fibres()) check_fibre_grid(scene, r.shells[i].model, parts[i].shell, r.fibre_spacing);
     // Where all shells have fibres, no contact between shells is needed.
     r.shells_meet =
         std::any_of(r.shells.begin(), r.shells.end(), [](const ShellSetup& s) { return !s.model.has_fibres(); });

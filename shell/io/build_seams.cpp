@@ -1,0 +1,118 @@
+#include "shell/io/build_seams.h"
+
+#include <algorithm>
+
+#include <Eigen/Geometry>
+
+#include "shell/fracture/constants.h"
+#include "shell/geometry/edges.h"
+#include "shell/geometry/trim_seams.h"
+#include "shell/io/build_shell.h"
+#include "shell/solver/joining/stitching.h"
+
+namespace sunder::shell {
+namespace {
+
+constexpr double kSeamTolerance = 1e-6;  // share of the largest shell's size
+
+// EdgeBits of edges that exist over their whole length: trims leave both rows of control points and every place.
+int whole_edges(const ShellModel& m) {
+  constexpr int kPlaces = 64;
+  int whole = 0;
+  for (const int edge : kEdges) {
+    bool all = true;
+    for (const int depth : {0, 1})
+      for (const int point : edge_row(m.patch, edge, depth)) all = all && !m.trim.drops(m.tables.slot(point));
+    for (int k = 0; k <= kPlaces && all && !m.trim.empty(); ++k)
+      all = m.trim.loops.contains(edge_point(m.patch, edge, static_cast<double>(k) / kPlaces));
+    if (all) whole |= edge;
+  }
+  return whole;
+}
+
+// Ties along trims hold until a whole shell leaves: they do not part with cracks.
+void check_uncracked(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
+                     const RunSetup& r) {
+  for (const Seam& seam : found.seams)
+    for (const int k : {seam.first, seam.second}) {
+      const ShellSetup& shell = r.shells[k];
+      const int other = k == seam.first ? seam.second : seam.first;
+      if (!seam.trimmed()) continue;
+      scene.check(
+          !shell.can_crack(), fmt::format("shells[{}]", parts[k].shell),
+          "'{}' can crack, and is joined to '{}' along a trim, which cracks cannot part; take a material without "
+          "strength and no cuts, or add to seams: rules {{ first: \"{}\" second: \"{}\" kind: OPEN }}",
+          shell.model.name, r.shells[other].model.name, r.shells[seam.first].model.name,
+          r.shells[seam.second].model.name);
+    }
+}
+
+// A rule that joins two shells requires that they meet. Throws Error at the rule otherwise.
+void check_rules(const scene::LoadedScene& scene, const Stitches& found, const std::vector<std::string>& names,
+                 double tolerance) {
+  const proto::Seams& m = scene.message.seams();
+  for (int i = 0; i < m.rules_size(); ++i) {
+    const proto::SeamRule& rule = m.rules(i);
+    const bool meet = std::any_of(found.seams.begin(), found.seams.end(), [&](const Seam& s) {
+      return std::minmax(names[s.first], names[s.second]) == std::minmax(rule.first(), rule.second());
+    });
+    scene.check(meet || rule.kind() == proto::SeamRule::OPEN, fmt::format("seams.rules[{}]", i),
+                "fastens '{}' and '{}', which have no whole edge in common, nor borders along a trim, to {:.3g} m; "
+                "move them together, or leave it "
+                "out",
+                rule.first(), rule.second(), tolerance);
+  }
+}
+
+}  // namespace
+
+Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
+                       const RunSetup& r) {
+  const proto::Seams& m = scene.message.seams();
+  std::vector<const Patch*> patches;
+  std::vector<std::string> names;
+  std::vector<const ShellModel*> models;
+  double largest = 0.0;
+  std::vector<int> whole;  // EdgeBits of the edges that trims leave
+  for (std::size_t i = 0; i < r.shells.size(); ++i) {
+    const ShellSetup& s = r.shells[i];
+    patches.push_back(&s.model.patch), names.push_back(s.model.name), models.push_back(&s.model);
+    Eigen::AlignedBox3d box;
+    for (const Vec3& x : s.model.patch.control_points) box.extend(x);
+    largest = std::max(largest, box.diagonal().norm());
+    scene.check(s.equilibrium == 0.0, fmt::format("shells[{}].equilibrium", parts[i].shell),
+                "is for a shell by itself, and seams are given; leave one of them out");
+    whole.push_back(whole_edges(s.model));
+    scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
+  }
+  std::vector<std::vector<Join>> join(patches.size(), std::vector<Join>(patches.size(), Join::kClamped));
+  for (const proto::SeamRule& rule : m.rules()) {
+    const auto find = [&](const std::string& name) {
+      return std::find(names.begin(), names.end(), name) - names.begin();
+    };
+    const auto i = find(rule.first()), k = find(rule.second());
+    join[i][k] = join[k][i] = static_cast<Join>(rule.kind());
+  }
+  const double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
+  Stitches found;
+  try {
+    found = find_stitches(
+        patches, names, tolerance, join,
+        [&](const PatchPoint& p) { return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0; }, whole);
+    std::vector<Patch> untrimmed;
+    for (const ScenePart& part : parts)
+      untrimmed.push_back(whole_patch(scene, part.message, fmt::format("shells[{}]", part.shell), files));
+    std::vector<BorderedPatch> bordered;
+    for (std::size_t i = 0; i < patches.size(); ++i)
+      bordered.push_back({&untrimmed[i], &models[i]->trim.loops, whole[i], names[i]});
+    for (Seam& seam : find_trim_seams(bordered, tolerance, join)) found.seams.push_back(std::move(seam));
+    Stitching(found, models);  // throws where supports do not fit the seams
+  } catch (const Error& e) {
+    scene.fail("seams", e.what());
+  }
+  check_rules(scene, found, names, tolerance);
+  check_uncracked(scene, parts, found, r);
+  return found;
+}
+
+}  // namespace sunder::shell

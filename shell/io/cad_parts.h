@@ -1,0 +1,25 @@
+#pragma once
+// Shells of several CAD faces.
+#include <vector>
+
+#include "coupler/scene/load.h"
+#include "shell/io/build.h"
+#include "shell/io/cad_file.h"
+
+namespace sunder::shell {
+
+/// A shell of a run: the index of the scene's shell, and the message that it is made of.
+struct ScenePart {
+  int shell = 0;
+  proto::Shell message;
+};
+
+/// The shells of a run, in the order of the scene. A shell of several CAD faces becomes one for each face. Throws Error
+/// where a file cannot be read or has no such face, and where a name of the scene fits no shell.
+std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files);
+
+/// Throws Error where two faces of a shell have an edge of the file in common and are not joined in `setup`.
+void check_joined(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
+                  const RunSetup& setup);
+
+}  // namespace sunder::shell

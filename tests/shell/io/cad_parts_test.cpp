@@ -1,0 +1,123 @@
+// All faces of a file as shells that are joined.
+#ifdef SUNDER_CAD
+
+#include <BRepAlgoAPI_Cut.hxx>
+#include <BRepFilletAPI_MakeFillet.hxx>
+#include <BRepGProp.hxx>
+#include <BRepPrimAPI_MakeBox.hxx>
+#include <BRepPrimAPI_MakeCylinder.hxx>
+#include <GProp_GProps.hxx>
+#include <TopExp.hxx>
+#include <TopExp_Explorer.hxx>
+#include <TopTools_IndexedMapOfShape.hxx>
+#include <TopoDS.hxx>
+
+#include "tests/shell/io/cad_fixture.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+int edges_of(const TopoDS_Shape& shape) {
+  TopTools_IndexedMapOfShape edges;
+  TopExp::MapShapes(shape, TopAbs_EDGE, edges);
+  return edges.Extent();
+}
+
+class CadParts : public Cad {
+ protected:
+  // All faces are there with their area, and as many seams as the solid has edges; `smooth` of them are.
+  RunSetup expect_joined(const TopoDS_Shape& solid, const std::string& cad, int smooth, double tolerance) {
+    write_step(solid, file("a.stp"));
+    RunSetup r = setup("path: 'a.stp' " + cad);
+    GProp_GProps p;
+    BRepGProp::SurfaceProperties(solid, p);
+    double mass = 0.0;
+    for (const ShellSetup& s : r.shells) {
+      for (const double part : s.model.mass) mass += part;
+      EXPECT_EQ(s.model.contact_group, 0u);
+    }
+    EXPECT_NEAR(mass / (2500 * 0.0001 * 1e-6 * p.Mass()), 1.0, tolerance);
+    EXPECT_EQ(static_cast<int>(r.stitches.seams.size()), edges_of(solid));
+    int found = 0;
+    for (const Seam& s : r.stitches.seams) found += s.smooth;
+    EXPECT_EQ(found, smooth);
+    return r;
+  }
+};
+
+TEST_F(CadParts, ABoxIsSixShellsWithTwelveCreases) {
+  const RunSetup r = expect_joined(BRepPrimAPI_MakeBox(40, 30, 20).Shape(), "element_m: 0.005", 0, 1e-12);
+  ASSERT_EQ(r.shells.size(), 6u);
+  for (std::size_t k = 0; k < 6; ++k) EXPECT_EQ(r.shells[k].model.name, fmt::format("pane.{}", k + 1));
+  for (const Seam& s : r.stitches.seams) {
+    EXPECT_FALSE(s.trimmed());
+    EXPECT_NEAR(s.angle, 0.5 * M_PI, 1e-9);
+  }
+}
+
+// Two sides are L-shaped: they are trimmed, and tied along the notch and the cut ends.
+TEST_F(CadParts, ANotchedBlockIsTiedAlongItsTrimmedFaces) {
+  const TopoDS_Shape block = BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(40, 30, 20).Shape(),
+                                             BRepPrimAPI_MakeBox(gp_Pnt(22, -5, 9), 30, 40, 30).Shape())
+                                 .Shape();
+  const RunSetup r = expect_joined(block, "element_m: 0.0031", 0, 1e-9);
+  EXPECT_EQ(r.shells.size(), 8u);
+  int ties = 0;
+  for (const Seam& s : r.stitches.seams) ties += s.trimmed();
+  EXPECT_EQ(ties, 8);  // four edges of each L; two are whole edges of its patch
+}
+
+// The fillet is a quarter of a cylinder; it meets two sides smoothly and two ends, which are trimmed, at right angles.
+TEST_F(CadParts, AFilletIsSmooth) {
+  const TopoDS_Shape box = BRepPrimAPI_MakeBox(40, 30, 20).Shape();
+  BRepFilletAPI_MakeFillet own(box);
+  own.Add(6, TopoDS::Edge(TopExp_Explorer(box, TopAbs_EDGE).Current()));
+  own.Build();
+  const RunSetup r = expect_joined(own.Shape(), "element_m: 0.003", 2, 1e-6);
+  EXPECT_EQ(r.shells.size(), 7u);
+}
+
+TEST_F(CadParts, FacesCanBeChosen) {
+  write_step(BRepPrimAPI_MakeBox(40, 30, 20).Shape(), file("a.stp"));
+  const RunSetup r = setup("path: 'a.stp' faces: 4 faces: 0 element_m: 0.005");
+  ASSERT_EQ(r.shells.size(), 2u);
+  EXPECT_EQ(r.stitches.seams.size(), 1u);
+  const Patch face = patch("path: 'a.stp' face: 4 element_m: 0.005");
+  EXPECT_EQ((face.control_points[0] - r.shells[0].model.patch.control_points[0]).norm(), 0.0);
+}
+
+TEST_F(CadParts, NamesOfFacesCanBeUsedAndAreChecked) {
+  write_step(BRepPrimAPI_MakeBox(40, 30, 20).Shape(), file("a.stp"));
+  const std::string cad = "path: 'a.stp' element_m: 0.005";
+  const auto error_of = [&](const std::string& after) {
+    try {
+      setup(cad, after);
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_EQ(error_of("seams { rules { first: 'pane.1' second: 'pane.3' kind: HINGE } }"), "accepted");
+  EXPECT_SAYS(error_of("seams { rules { first: 'pane.1' second: 'pane.7' } }"),
+              "seams.rules[0].second: is 'pane.7', but shell 'pane' has 6 faces, counted from 1");
+  EXPECT_SAYS(error_of("seams { rules { first: 'pane.1' second: 'pane.x' } }"), "pane.x");
+  EXPECT_SAYS(error_of("seams { rules { first: 'pane.0' second: 'pane.1' } }"), "pane.0");
+  EXPECT_EQ(error_of("output { probes { name: 'p' shell: 'pane.2' at { u: 0.01 v: 0.01 } } }"), "accepted");
+  EXPECT_SAYS(error_of("output { probes { name: 'p' shell: 'pane.9' at { u: 0.01 v: 0.01 } } }"),
+              "output.probes[0].shell: is 'pane.9'");
+  EXPECT_EQ(setup(cad, "seams { rules { first: 'pane.1' second: 'pane.3' kind: OPEN } }").stitches.seams.size(), 11u);
+}
+
+TEST_F(CadParts, AFaceThatIsNoPatchIsNamed) {
+  const TopoDS_Shape part = BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(30, 20, 4).Shape(),
+                                            BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(11, 9, -1), gp::DZ()), 5, 6).Shape())
+                                .Shape();
+  write_step(part, file("a.stp"));
+  EXPECT_SAYS(refusal("path: 'a.stp' element_m: 0.001"), "closes on itself");
+}
+
+}  // namespace
+
+#endif
