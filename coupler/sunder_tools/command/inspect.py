@@ -1,0 +1,123 @@
+"""`sunder inspect`: what a STEP or IGES file holds, before there is a scene."""
+from __future__ import annotations
+
+import argparse
+import json
+import subprocess
+from pathlib import Path
+from typing import Any
+
+from ..errors import BAD_INPUT, DONE, PEER_LOST, CommandError, how_it_ended
+from ..launch.build import ensure_built
+from ..words import command_line
+from .parser import Subparsers, add_command, number_within
+
+NAME = "inspect"
+SCENE = """\
+# All faces of {path} as shells, joined along the edges that they share. The part falls on a floor.
+name: "{name}"
+end_time_s: 0.02
+window_s: 1e-4
+materials {{ name: "steel" density: 7800 youngs_modulus: 2e11 poisson_ratio: 0.3 }}
+shells {{
+  name: "part"
+  material: "steel"
+  thickness_m: {thickness:.3g}
+  cad {{ path: "{path}" {faces}element_m: {element:.3g} }}
+}}
+bodies {{ name: "floor" half_space {{}} pose {{ position {{ z: {floor:.6g} }} }} }}
+"""
+
+
+def add_parser(subparsers: Subparsers) -> None:
+    """Arguments of `sunder inspect`."""
+    parser = add_command(
+        subparsers, NAME, "say what a STEP or IGES file holds",
+        "Lists the faces of a file with kind, size and trims, says which would be refused as shells and why, and\n"
+        "counts the edges that they share. Builds the programs with OpenCASCADE where they are without.",
+        "sunder inspect part.step --element 0.002 --scene part.textproto")
+    parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file")
+    parser.add_argument("--element", metavar="M", type=_length,
+                        help="spacing of shells [m] (default: a fortieth of the size)")
+    parser.add_argument("--json", action="store_true", help="print all as JSON")
+    parser.add_argument("--scene", metavar="SCENE", type=Path, help="write a scene of all faces that can be taken")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Hands the file to sunder-shell inspect and prints what it says; returns the exit status. Raises CommandError."""
+    if not arguments.file.is_file():
+        raise CommandError(f"'{arguments.file}' is no file; name a STEP or IGES file", BAD_INPUT)
+    command = [str(ensure_built(cad=True).shell), "inspect", str(arguments.file)]
+    if arguments.element is not None:
+        command += ["--element", repr(arguments.element)]
+    ended = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
+    if ended.returncode < 0:
+        raise CommandError(f"sunder-shell {how_it_ended(ended.returncode)} while it read {arguments.file}", PEER_LOST)
+    if ended.returncode != DONE:
+        return ended.returncode
+    told = json.loads(ended.stdout)
+    print(ended.stdout if arguments.json else report(told), end="")
+    if arguments.scene is not None:
+        write_scene(arguments.scene, arguments.file, told)
+        if not arguments.json:
+            print(f"{arguments.scene} is written; check it with: {command_line(['sunder', 'check', arguments.scene])}")
+    return DONE
+
+
+def report(told: dict[str, Any]) -> str:
+    """The text of what sunder-shell says of a file."""
+    faces = told["faces"]
+    lines = [f"{told['file']}: {_count(len(faces), 'face')}, {' x '.join(f'{x:.4g}' for x in told['size_m'])} m, "
+             f"unit {told['unit']}, elements of {told['element_m']:.3g} m",
+             f"{'face':>4}  {'kind':22} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11}  trims"]
+    for face in faces:
+        head = f"{face['face']:>4}  {face['kind']:22} "
+        if face["refused"] is None:
+            size = " x ".join(f"{x:.4g}" for x in face["width_m"])
+            elements = " x ".join(str(n) for n in face["elements"])
+            lines.append(f"{head}{size:>21} {face['area_m2']:>11.4g} {elements:>11}  {_trims(face)}")
+        else:
+            lines.append(f"{head}refused: {face['refused']}")
+    edges = told["edges"]
+    lines.append(f"edges: {edges['shared']} shared, {edges['free']} free, {edges['of_three_faces_or_more']} of three "
+                 f"faces or more; the widest tolerance is {edges['widest_tolerance_m']:.2g} m")
+    if told["seams"] is not None:
+        seams = told["seams"]
+        lines.append(f"seams: {seams['joined']} joined, {seams['smooth']} of them smooth, "
+                     f"{seams['along_trims']} along trims")
+    if told["seams_refused"] is not None:
+        lines.append(f"seams refused: {told['seams_refused']}")
+    return "\n".join(lines) + "\n"
+
+
+def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:
+    """Writes a scene of all faces that can be taken. Raises CommandError where the file is not below its folder."""
+    try:
+        path = file.resolve().relative_to(scene.resolve().parent)
+    except ValueError as error:
+        raise CommandError(f"'{scene}' is not beside '{file}', and scenes name files beside them; write it there",
+                           BAD_INPUT) from error
+    if scene.exists():
+        raise CommandError(f"'{scene}' exists; give another name, or remove it", BAD_INPUT)
+    taken = [face["face"] for face in told["faces"] if face["refused"] is None]
+    if not taken:
+        raise CommandError(f"no face of '{file}' can be taken, so there is no scene to write", BAD_INPUT)
+    faces = "" if len(taken) == len(told["faces"]) else "".join(f"faces: {n} " for n in taken)
+    element = told["element_m"]
+    thickness = 0.2 * element
+    name = "".join(c if c.isascii() and c.isalnum() else "_" for c in scene.stem.lower())
+    scene.write_text(SCENE.format(path=path.as_posix(), name=name, thickness=thickness, faces=faces, element=element,
+                                  floor=told["low_m"][2] - thickness))
+
+
+def _length(text: str) -> float:
+    return number_within(text, 1e-6, 1e3)
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _trims(face: dict[str, Any]) -> str:
+    parts = (["border"] if face["outline_trimmed"] else []) + ([_count(face["holes"], "hole")] if face["holes"] else [])
+    return ", ".join(parts) or "-"

@@ -1,0 +1,119 @@
+#include "shell/io/inspect.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <nlohmann/json.hpp>
+
+#include "shell/io/build.h"
+#include "shell/io/build_shell.h"
+#include "shell/io/cad_file.h"
+
+namespace sunder::shell {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr double kElements = 40.0;       // along the diagonal of a file, by default
+constexpr double kThicknessShare = 0.1;  // of an element: any thickness does
+
+// A scene with one shell, of which the file is to become the patch.
+scene::LoadedScene scene_of(const std::string& file, double element) {
+  scene::LoadedScene scene;
+  const std::filesystem::path path = std::filesystem::absolute(file);
+  scene.path = path.parent_path() / "inspect.textproto";
+  scene.message.set_end_time_s(1.0), scene.message.set_window_s(1e-3);
+  proto::Material& material = *scene.message.add_materials();
+  material.set_name("steel"), material.set_density(7800.0);
+  material.set_youngs_modulus(2e11), material.set_poisson_ratio(0.3);
+  proto::Shell& shell = *scene.message.add_shells();
+  shell.set_name("part"), shell.set_material("steel"), shell.set_thickness_m(kThicknessShare * element);
+  shell.mutable_cad()->set_path(path.filename()), shell.mutable_cad()->set_element_m(element);
+  return scene;
+}
+
+// The message of an Error without file and field, which belong to no scene of the user's.
+std::string problem_of(const scene::LoadedScene& scene, const Error& e) {
+  std::string text = e.what();
+  for (const std::string& head :
+       {scene.path + ": ", e.field + ": ", "'" + scene.message.shells(0).cad().path() + "': "})
+    if (text.rfind(head, 0) == 0) text.erase(0, head.size());
+  return text;
+}
+
+Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& files, int face, double element) {
+  Json out = {{"face", face}, {"kind", file.kind(face)}};
+  try {
+    proto::Shell shell = scene.message.shells(0);
+    shell.mutable_cad()->set_face(face);
+    const CadSurface surface = file.surface(scene, "shells[0].cad", shell.cad());
+    const Patch lengths = with_parameters_as_lengths(surface.patch);
+    const auto holes =
+        std::count_if(surface.loops.begin(), surface.loops.end(), [](const CadLoop& l) { return l.hole; });
+    out["degree"] = surface.patch.degree();
+    out["width_m"] = {lengths.knots_u.end() - lengths.knots_u.begin(), lengths.knots_v.end() - lengths.knots_v.begin()};
+    out["area_m2"] = surface.area;
+    out["outline_trimmed"] = static_cast<std::ptrdiff_t>(surface.loops.size()) > holes;
+    out["holes"] = holes;
+    const ShellModel m = build_shell(scene, shell, "shells[0]", files);
+    double mass = 0.0;
+    for (const double part : m.mass) mass += part;
+    out["elements"] = {m.tables.spans_u, m.tables.spans_v};
+    out["area_of_shell_m2"] = mass / (m.material.density * m.thickness);
+    out["stable_spacing_m"] = std::min(m.shortest_element, element);
+    out["refused"] = nullptr;
+  } catch (const Error& e) {
+    out["refused"] = problem_of(scene, e);
+  }
+  return out;
+}
+
+Json edges_of(const CadFile& file) {
+  int free = 0, shared = 0, several = 0;
+  double widest = 0.0;
+  for (const CadEdge& e : file.edges()) {
+    free += e.faces.size() == 1, shared += e.faces.size() == 2, several += e.faces.size() > 2;
+    widest = std::max(widest, e.tolerance);
+  }
+  return {{"shared", shared}, {"free", free}, {"of_three_faces_or_more", several}, {"widest_tolerance_m", widest}};
+}
+
+}  // namespace
+
+std::string inspect_report(const std::string& file, double element) {
+  const scene::LoadedScene first = scene_of(file, 1.0);
+  CadFiles files;
+  const CadFile& cad = files.of(first, "shells[0].cad", first.message.shells(0).cad().path());
+  const auto [low, high] = cad.box();
+  if (element <= 0.0) element = (high - low).norm() / kElements;
+  scene::LoadedScene scene = scene_of(file, element);
+  Json faces = Json::array();
+  std::vector<int> taken;
+  for (int k = 0; k < cad.faces(); ++k) {
+    faces.push_back(face_of(scene, cad, files, k, element));
+    if (faces.back()["refused"].is_null()) taken.push_back(k);
+  }
+  const Vec3 size = high - low;
+  Json out = {{"file", file},
+              {"unit", cad.unit()},
+              {"low_m", {low.x(), low.y(), low.z()}},
+              {"size_m", {size.x(), size.y(), size.z()}},
+              {"element_m", element},
+              {"faces", faces},
+              {"edges", edges_of(cad)}};
+  out["seams"] = nullptr, out["seams_refused"] = nullptr;
+  if (taken.size() > 1) {
+    for (const int k : taken) scene.message.mutable_shells(0)->mutable_cad()->add_faces(k);
+    try {
+      const RunSetup setup = build(scene);
+      int smooth = 0, along_trims = 0;
+      for (const Seam& s : setup.stitches.seams) smooth += s.smooth, along_trims += s.trimmed();
+      out["seams"] = {{"joined", setup.stitches.seams.size()}, {"smooth", smooth}, {"along_trims", along_trims}};
+    } catch (const Error& e) {
+      out["seams_refused"] = problem_of(scene, e);
+    }
+  }
+  return out.dump(1) + "\n";
+}
+
+}  // namespace sunder::shell
