@@ -25,7 +25,6 @@ constexpr double kNearLength = 3.0;     // over this length [elements]
 constexpr double kShortest = 0.5;       // a stretch that is shorter is none [elements]
 constexpr double kLookAside = 0.05;     // distance at which a loop is asked on which side the patch is [elements]
 constexpr double kOnSide = 1e-9;        // share of the domain: a point this near a side of the patch is on it
-constexpr double kSmoothAngle = 2e-3;   // largest angle of a smooth seam [rad]
 constexpr double kAskew = 0.1;          // cosine of normals that are clearly on one side or on opposite sides
 
 // A closed border over t from 0 to the number of its curves.
@@ -309,10 +308,13 @@ std::vector<Seam> find_trim_seams(const std::vector<BorderedPatch>& patches, dou
     borders.push_back(borders_of(p));
     for (Border& border : borders.back()) sample(border, spacing_of(*p.patch) / kPlacesPerElement);
   }
+  const auto plain = [](const BorderedPatch& p) {
+    return p.trims->empty() && p.whole == (kUMin | kUMax | kVMin | kVMax);
+  };
   std::vector<Seam> out;
   for (std::size_t i = 0; i < patches.size(); ++i)
     for (std::size_t k = i + 1; k < patches.size(); ++k) {
-      if (join[i][k] == Join::kOpen || (patches[i].trims->empty() && patches[k].trims->empty())) continue;
+      if (join[i][k] == Join::kOpen || (plain(patches[i]) && plain(patches[k]))) continue;
       // Places are taken on the finer border.
       const bool finer = spacing_of(*patches[k].patch) < spacing_of(*patches[i].patch);
       const std::size_t a = finer ? k : i, b = finer ? i : k;

@@ -8,6 +8,8 @@
 
 namespace sunder::shell {
 
+constexpr double kSmoothAngle = 2e-3;  // largest angle of a smooth seam along a trim [rad]
+
 /// A patch with its trims, and the edges that find_stitches joins.
 struct BorderedPatch {
   const Patch* patch = nullptr;  // as it is without trims; parameters are lengths
@@ -16,9 +18,9 @@ struct BorderedPatch {
   std::string name;
 };
 
-/// Finds stretches of borders that run together within `tolerance` [m]: loops, and edges of patches where the other
-/// border is a loop or a part of an edge that trims cut. `join` is that of find_stitches. Throws Error where borders
-/// nearly meet over some length, or where the normals at a smooth seam are opposite.
+/// Finds stretches of borders that run together within `tolerance` [m]: loops, and edges of patches where one of both
+/// is not whole. `join` is that of find_stitches. Throws Error where borders nearly meet over some length, or where the
+/// normals at a smooth seam are opposite.
 std::vector<Seam> find_trim_seams(const std::vector<BorderedPatch>& patches, double tolerance,
                                   const std::vector<std::vector<Join>>& join);
 

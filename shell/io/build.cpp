@@ -219,7 +219,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   CadFiles files;
   const std::vector<ScenePart> parts = scene_parts(scene, files);
   for (int i = 0; i < static_cast<int>(parts.size()); ++i) {
-    r.shells.push_back(make_setup(scene, parts[i].message, fmt::format("shells[{}]", parts[i].shell), files));
+    r.shells.push_back(
+        make_setup(scene, parts[i].message, fmt::format("shells[{}]", parts[i].shell), files, parts[i].part));
     ShellModel& s = r.shells.back().model;
     // Faces of one shell are one group.
     s.contact_group =

@@ -96,12 +96,22 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
   const double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
   Stitches found;
   try {
-    found = find_stitches(
-        patches, names, tolerance, join,
-        [&](const PatchPoint& p) { return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0; }, whole);
+    const auto held = [&](const PatchPoint& p) {
+      return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0;
+    };
+    // Faces of a file may be smooth where their control points are not in line, as beside a pole: such edges are tied.
+    for (bool again = true; again;) {
+      again = false;
+      found = find_stitches(patches, names, tolerance, join, held, whole);
+      for (const Seam& s : found.seams) {
+        if (s.smooth || s.join != Join::kClamped || s.angle > kSmoothAngle) continue;
+        if (!parts[s.first].message.has_cad() || !parts[s.second].message.has_cad()) continue;
+        whole[s.first] &= ~s.first_edge, whole[s.second] &= ~s.second_edge, again = true;
+      }
+    }
     std::vector<Patch> untrimmed;
     for (const ScenePart& part : parts)
-      untrimmed.push_back(whole_patch(scene, part.message, fmt::format("shells[{}]", part.shell), files));
+      untrimmed.push_back(whole_patch(scene, part.message, fmt::format("shells[{}]", part.shell), files, part.part));
     std::vector<BorderedPatch> bordered;
     for (std::size_t i = 0; i < patches.size(); ++i)
       bordered.push_back({&untrimmed[i], &models[i]->trim.loops, whole[i], names[i]});

@@ -48,7 +48,7 @@ std::pair<int, int> elements_of(const scene::LoadedScene& scene, const proto::Ca
 
 // The patch of a shell. `loops` receives those of a CAD face, in its parameters.
 Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files,
-                 std::vector<CadLoop>& loops) {
+                 int part, std::vector<CadLoop>& loops) {
   const int degree = scene::patch_degree(s);
   if (s.has_plate()) {
     const auto& p = s.plate();
@@ -81,7 +81,7 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
   if (s.has_cad()) {
     const auto& c = s.cad();
     return at_field(scene, field + ".cad", [&] {
-      CadSurface face = files.of(scene, field + ".cad", c.path()).surface(scene, field + ".cad", c);
+      CadSurface face = files.of(scene, field + ".cad", c.path()).surfaces(scene, field + ".cad", c).at(part);
       loops = std::move(face.loops);
       const auto [u, v] = elements_of(scene, c, face.patch, field + ".cad");
       return posed(refined_at_least(face.patch, u, v), c);
@@ -161,13 +161,14 @@ const proto::Material* find_material(const proto::Scene& s, const std::string& n
   return nullptr;
 }
 
-Patch whole_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files) {
+Patch whole_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, CadFiles& files,
+                  int part) {
   std::vector<CadLoop> loops;
-  return with_parameters_as_lengths(make_patch(scene, s, field, files, loops));
+  return with_parameters_as_lengths(make_patch(scene, s, field, files, part, loops));
 }
 
 ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field,
-                       CadFiles& files) {
+                       CadFiles& files, int part) {
   const auto& mat = *find_material(scene.message, s.material());
   ShellMaterial material;
   material.density = mat.density(), material.youngs_modulus = mat.youngs_modulus(),
@@ -212,7 +213,7 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
   scene.check(material.surface_compression <= 0.02 * material.youngs_modulus, field + ".surface_compression",
               "is {:.3g} of youngs_modulus; at most 0.02", material.surface_compression / material.youngs_modulus);
   std::vector<CadLoop> loops;
-  const Patch patch = make_patch(scene, s, field, files, loops);
+  const Patch patch = make_patch(scene, s, field, files, part, loops);
   const int gauss = s.has_gauss_points() ? s.gauss_points() : patch.degree();
   scene.check(gauss >= patch.degree() && gauss <= patch.degree() + 1, field + ".gauss_points",
               "is {}; {} or {} for a patch of degree {}", gauss, patch.degree(), patch.degree() + 1, patch.degree());

@@ -10,13 +10,14 @@ const proto::Material* find_material(const proto::Scene& scene, const std::strin
 
 class CadFiles;
 
-/// Builds the model of a shell; `field` is the shell's field in the scene, `files` the CAD files of the scene. Throws
-/// Error with the field where the patch, a support or a load is wrong.
+/// Builds the model of a shell; `field` is the shell's field in the scene, `files` are the CAD files of the scene,
+/// `part` counts the parts of a CAD face that is divided. Throws Error with the field where the patch, a support or a
+/// load is wrong.
 ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field,
-                       CadFiles& files);
+                       CadFiles& files, int part);
 
 /// The patch of a shell before trims move control points beside them; its parameters are lengths.
-Patch whole_patch(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field,
-                  CadFiles& files);
+Patch whole_patch(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field, CadFiles& files,
+                  int part);
 
 }  // namespace sunder::shell

@@ -14,6 +14,8 @@
 #include <BRep_Tool.hxx>
 #include <GProp_GProps.hxx>
 #include <Geom2d_Curve.hxx>
+#include <GeomAdaptor_Curve.hxx>
+#include <GeomAdaptor_Surface.hxx>
 #include <GeomConvert.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Precision.hxx>
@@ -23,6 +25,7 @@
 #include <TopoDS_Wire.hxx>
 
 #include "shell/geometry/edges.h"
+#include "shell/io/cad_region.h"
 
 namespace sunder::shell {
 namespace {
@@ -35,6 +38,10 @@ constexpr double kTrimTolerance = 1e-5;    // a border this near a side of the p
 constexpr double kSmoothTolerance = 1e-9;  // the surface may move by this where a needless knot is removed
 constexpr double kSnapTolerance = 1e-7;    // share of the parameter range: a border this near a knot is moved to it
 constexpr double kNearSide = 1e-2;         // share of the parameter range: at a pole all sides meet in space
+constexpr double kWidestPart = 149.0 * std::numbers::pi / 180.0;  // of an arc in one patch [rad]
+constexpr int kLineTrials = 12;       // places of a line of division, until no corner is near it
+constexpr double kLineStep = 7e-3;    // between them, share of the range
+constexpr double kNearCorner = 2e-3;  // of a line, share of the range
 constexpr int kSamplesPerEdge = 65;
 constexpr int kExtremeSteps = 60;    // by which the extreme of a border between two samples is found
 constexpr int kInversionSteps = 20;  // Newton's, for a place on the spline; three suffice
@@ -66,19 +73,8 @@ void snap(const opencascade::handle<Geom_Surface>& surface, Rectangle& r) {
 
 Vec3 point_of(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
-// A stretch of a wire in the parameters of the surface, with t from 0 to 1.
-struct Stretch {
-  opencascade::handle<Geom2d_Curve> curve;
-  double from = 0.0, to = 0.0;
-  Vec2 shift = Vec2::Zero();  // whole periods
-
-  Vec2 at(double t) const {
-    const gp_Pnt2d p = curve->Value(from + (to - from) * t);
-    return Vec2(p.X(), p.Y()) + shift;
-  }
-};
-
-using Wire = std::vector<Stretch>;
+using Stretch = RegionCurve;  // of a wire, in the parameters of the surface
+using Wire = RegionLoop;
 
 template <class F>
 void each_sample(const Wire& wire, F&& f) {
@@ -88,7 +84,7 @@ void each_sample(const Wire& wire, F&& f) {
 
 Eigen::AlignedBox2d box_of(const Wire& wire) {
   Eigen::AlignedBox2d box;
-  each_sample(wire, [&](const Stretch& s, double t) { box.extend(s.at(t)); });
+  each_sample(wire, [&](const Stretch& s, double t) { box.extend(s(t)); });
   return box;
 }
 
@@ -101,29 +97,17 @@ Eigen::AlignedBox2d exact_box(const Wire& wire) {
         double best = 0.0;
         for (int i = 0; i < kSamplesPerEdge; ++i) {
           const double t = static_cast<double>(i) / (kSamplesPerEdge - 1);
-          if (sign * s.at(t)[axis] > sign * s.at(best)[axis]) best = t;
+          if (sign * s(t)[axis] > sign * s(best)[axis]) best = t;
         }
         const double step = 1.0 / (kSamplesPerEdge - 1);
         double low = std::max(0.0, best - step), high = std::min(1.0, best + step);
         for (int k = 0; k < kExtremeSteps; ++k) {
           const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
-          (sign * s.at(a)[axis] < sign * s.at(b)[axis] ? low : high) =
-              sign * s.at(a)[axis] < sign * s.at(b)[axis] ? a : b;
+          (sign * s(a)[axis] < sign * s(b)[axis] ? low : high) = sign * s(a)[axis] < sign * s(b)[axis] ? a : b;
         }
-        box.extend(s.at(0.5 * (low + high)));
+        box.extend(s(0.5 * (low + high)));
       }
   return box;
-}
-
-double area_of(const Wire& wire) {
-  std::vector<Vec2> p;
-  each_sample(wire, [&](const Stretch& s, double t) { p.push_back(s.at(t)); });
-  double sum = 0.0;
-  for (std::size_t k = 0; k < p.size(); ++k) {
-    const Vec2 a = p[k] - p[0], b = p[(k + 1) % p.size()] - p[0];
-    sum += 0.5 * (a.x() * b.y() - a.y() * b.x());
-  }
-  return std::abs(sum);
 }
 
 // A face's surface with its wires, the outer one first.
@@ -140,11 +124,14 @@ Wire wire_of(const CadPlace& place, const TopoDS_Wire& wire, const TopoDS_Face& 
   for (TopExp_Explorer it(wire, TopAbs_EDGE); it.More(); it.Next()) ++edges;
   Wire out;
   for (BRepTools_WireExplorer it(wire, face); it.More(); it.Next()) {
-    Stretch s;
-    s.curve = BRep_Tool::CurveOnSurface(it.Current(), face, s.from, s.to);
-    place.check(!s.curve.IsNull(), "has an edge without a curve in its parameters; export it again");
-    if (it.Current().Orientation() == TopAbs_REVERSED) std::swap(s.from, s.to);
-    out.push_back(std::move(s));
+    double from = 0.0, to = 0.0;
+    const opencascade::handle<Geom2d_Curve> curve = BRep_Tool::CurveOnSurface(it.Current(), face, from, to);
+    place.check(!curve.IsNull(), "has an edge without a curve in its parameters; export it again");
+    if (it.Current().Orientation() == TopAbs_REVERSED) std::swap(from, to);
+    out.push_back([curve, from, to](double t) {
+      const gp_Pnt2d p = curve->Value(from + (to - from) * t);
+      return Vec2(p.X(), p.Y());
+    });
   }
   place.check(static_cast<int>(out.size()) == edges,
               "has a border of {} edges, of which {} make a loop; sew it in the CAD program", edges, out.size());
@@ -157,14 +144,15 @@ void move_by_periods(const Surface& surface, const Wire& main, Wire& wire) {
   Vec2 shift = Vec2::Zero();
   if (surface->IsUPeriodic()) shift.x() = surface->UPeriod() * std::round(away.x() / surface->UPeriod());
   if (surface->IsVPeriodic()) shift.y() = surface->VPeriod() * std::round(away.y() / surface->VPeriod());
-  for (Stretch& s : wire) s.shift += shift;
+  if (shift.isZero(0.0)) return;
+  for (Stretch& s : wire) s = [s, shift](double t) { return Vec2(s(t) + shift); };
 }
 
 // Throws Error where a wire is open.
 void check_closed(const CadPlace& place, const Outline& out) {
   for (const Wire& wire : out.wires)
     for (std::size_t k = 0; k < wire.size(); ++k) {
-      const Vec2 end = wire[k].at(1.0), next = wire[(k + 1) % wire.size()].at(0.0);
+      const Vec2 end = wire[k](1.0), next = wire[(k + 1) % wire.size()](0.0);
       const double gap = (out.at(end) - out.at(next)).norm();
       const Vec3 x = kMetresPerUnit * out.at(end);
       place.check(gap <= kTrimTolerance * out.size,
@@ -182,10 +170,10 @@ Outline outline_of(const CadPlace& place, const TopoDS_Face& face, double filled
       out.wires.push_back(std::move(wire));
   if (out.wires.empty()) return out;
   std::stable_sort(out.wires.begin(), out.wires.end(),
-                   [](const Wire& a, const Wire& b) { return area_of(a) > area_of(b); });
+                   [](const Wire& a, const Wire& b) { return std::abs(area_of(a)) > std::abs(area_of(b)); });
   const auto extent = [&](const Wire& wire) {
     Eigen::AlignedBox3d box;  // [mm]
-    each_sample(wire, [&](const Stretch& s, double t) { box.extend(out.at(s.at(t))); });
+    each_sample(wire, [&](const Stretch& s, double t) { box.extend(out.at(s(t))); });
     return box.sizes();
   };
   out.size = extent(out.wires[0]).norm();
@@ -195,6 +183,11 @@ Outline outline_of(const CadPlace& place, const TopoDS_Face& face, double filled
     else
       move_by_periods(out.surface, out.wires[0], out.wires[k]);
   check_closed(place, out);
+  if (area_of(out.wires[0]) < 0.0)  // regions lie on the left of their borders
+    for (Wire& wire : out.wires) {
+      std::reverse(wire.begin(), wire.end());
+      for (Stretch& s : wire) s = [s](double t) { return s(1.0 - t); };
+    }
   return out;
 }
 
@@ -212,6 +205,95 @@ Rectangle rectangle_of(const CadPlace& place, const Outline& o) {
   return r;
 }
 
+// The smallest rectangle around a part, within the one by which it was cut.
+Rectangle shrunk(const CadPlace& place, const Outline& part, const Rectangle& by) {
+  if (part.wires.empty()) return by;
+  Rectangle r = rectangle_of(place, part);
+  r.u = {std::max(r.u[0], by.u[0]), std::min(r.u[1], by.u[1])};
+  r.v = {std::max(r.v[0], by.v[0]), std::min(r.v[1], by.v[1])};
+  return r;
+}
+
+// Lines of constant parameter by which a face is divided: an arc of a patch is short, and no patch closes on itself or
+// has a crease.
+std::vector<double> lines_along(const Surface& surface, double tolerance, int axis,
+                                const std::array<double, 2>& range) {
+  const GeomAdaptor_Surface kind(surface);
+  const GeomAbs_SurfaceType type = kind.GetType();
+  const bool round = type == GeomAbs_Cylinder || type == GeomAbs_Cone || type == GeomAbs_SurfaceOfRevolution;
+  const bool angle =
+      type == GeomAbs_Sphere || type == GeomAbs_Torus || (round && axis == 0) ||
+      (type == GeomAbs_SurfaceOfExtrusion && axis == 0 && kind.BasisCurve()->GetType() == GeomAbs_Circle);
+  const auto parts = [&](int count) {
+    std::vector<double> out;
+    for (int k = 1; k < count; ++k) out.push_back(range[0] + (range[1] - range[0]) * k / count);
+    return out;
+  };
+  if (angle) return parts(static_cast<int>(std::ceil((range[1] - range[0]) / kWidestPart - kSnapTolerance)));
+  if (const Spline spline = Spline::DownCast(surface); !spline.IsNull()) {
+    const bool u = axis == 0;
+    std::vector<double> creases;
+    const int degree = u ? spline->UDegree() : spline->VDegree();
+    for (int k = 2; k < (u ? spline->NbUKnots() : spline->NbVKnots()); ++k) {
+      const double at = u ? spline->UKnot(k) : spline->VKnot(k);
+      if ((u ? spline->UMultiplicity(k) : spline->VMultiplicity(k)) < degree || at <= range[0] || at >= range[1])
+        continue;
+      const Spline trial = Spline::DownCast(spline->Copy());
+      if (u ? !trial->RemoveUKnot(k, degree - 1, tolerance) : !trial->RemoveVKnot(k, degree - 1, tolerance))
+        creases.push_back(at);
+    }
+    const bool closed = u ? spline->IsUClosed() : spline->IsVClosed();
+    double first, last, other, another;
+    surface->Bounds(u ? first : other, u ? last : another, u ? other : first, u ? another : last);
+    const bool whole = range[1] - range[0] > (1.0 - kNearSide) * (last - first);
+    return closed && whole && creases.empty() ? parts(3) : creases;
+  }
+  return {};
+}
+
+// A part of a face: the region and the rectangle that it is cut from.
+struct Part {
+  Region region;
+  Rectangle r;
+};
+
+// Divides a face until each part is one patch.
+std::vector<Part> parts_of(const CadPlace& place, const Outline& o, const Rectangle& r) {
+  std::vector<Part> parts{{o.wires, r}};
+  for (int axis = 0; axis < 2; ++axis) {
+    const std::array<double, 2>& range = axis == 0 ? r.u : r.v;
+    for (double at : lines_along(o.surface, kSmoothTolerance * std::max(1.0, o.size), axis, range)) {
+      const bool crease = !Spline::DownCast(o.surface).IsNull();
+      for (int k = 0;
+           k < kLineTrials && !crease && !crosses_cleanly(o.wires, axis, at, kNearCorner * (range[1] - range[0])); ++k)
+        at += kLineStep * (range[1] - range[0]);
+      std::vector<Part> divided;
+      for (const Part& part : parts) {
+        const std::array<double, 2>& own = axis == 0 ? part.r.u : part.r.v;
+        if (at <= own[0] || at >= own[1]) {
+          divided.push_back(part);
+          continue;
+        }
+        for (const bool below : {true, false}) {
+          Part half{{}, part.r};
+          (axis == 0 ? half.r.u : half.r.v)[below ? 1 : 0] = at;
+          if (part.region.empty()) {
+            divided.push_back(half);
+            continue;
+          }
+          try {
+            for (Region& region : connected(part_of(part.region, axis, at, below))) divided.push_back({region, half.r});
+          } catch (const Error& e) {
+            place.check(false, "cannot be divided: {}", e.what());
+          }
+        }
+      }
+      parts = std::move(divided);
+    }
+  }
+  return parts;
+}
+
 // Distance in space [mm] of a parameter point from a side of the rectangle: EdgeBit `side`.
 double off_side(const Outline& o, const Rectangle& r, const Vec2& p, int side) {
   Vec2 on = p;
@@ -226,7 +308,7 @@ bool fills_rectangle(const Outline& o, const Rectangle& r) {
   bool fills = true;
   each_sample(o.wires[0], [&](const Stretch& s, double t) {
     double off = 1e300;
-    for (const int side : kEdges) off = std::min(off, off_side(o, r, s.at(t), side));
+    for (const int side : kEdges) off = std::min(off, off_side(o, r, s(t), side));
     fills = fills && off <= kTrimTolerance * o.size;
   });
   return fills;
@@ -241,7 +323,7 @@ int sides_of(const Outline& o, const Rectangle& r, const Stretch& s) {
     const double at = side == kUMin || side == kVMin ? range[0] : range[1];
     bool on = true;
     for (int i = 0; i < kSamplesPerEdge && on; ++i) {
-      const Vec2 p = s.at(static_cast<double>(i) / (kSamplesPerEdge - 1));
+      const Vec2 p = s(static_cast<double>(i) / (kSamplesPerEdge - 1));
       on = std::abs(p[axis] - at) <= kNearSide * (range[1] - range[0]) &&
            off_side(o, r, p, side) <= kTrimTolerance * o.size;
     }
@@ -347,7 +429,7 @@ struct Inversion {
 
 PlaneCurve curve_of(const std::shared_ptr<const Inversion>& inversion, const Stretch& s) {
   PlaneCurve curve;
-  curve.at = [inversion, s](double t) { return inversion->place(s.at(t)); };
+  curve.at = [inversion, s](double t) { return inversion->place(s(t)); };
   for (int i = 1; i < kSamplesPerEdge; ++i)
     curve.length +=
         (curve.at(static_cast<double>(i) / (kSamplesPerEdge - 1)) - curve.at((i - 1.0) / (kSamplesPerEdge - 1))).norm();
@@ -362,27 +444,34 @@ int turned(int sides) {
 
 }  // namespace
 
-CadSurface convert_face(const CadPlace& place, const TopoDS_Face& face, double scale, double filled) {
-  const Outline outline = outline_of(place, TopoDS::Face(face.Oriented(TopAbs_FORWARD)), filled);
-  const Rectangle r = rectangle_of(place, outline);
-  const Spline s = to_spline(place, outline.surface, r);
+std::vector<CadSurface> convert_face(const CadPlace& place, const TopoDS_Face& face, double scale, double filled) {
+  Outline whole = outline_of(place, TopoDS::Face(face.Oriented(TopAbs_FORWARD)), filled);
   const bool reversed = face.Orientation() == TopAbs_REVERSED;
-  if (reversed) s->ExchangeUV();  // u cross v is the face's normal
   const double metres = kMetresPerUnit * scale;
-  CadSurface out{to_patch(s, metres, place.path), {}, 0.0};
+  std::vector<CadSurface> out;
+  const std::vector<Part> parts = parts_of(place, whole, rectangle_of(place, whole));
+  for (const Part& part : parts) {
+    const Outline outline{whole.surface, part.region, whole.size};
+    const Rectangle r = shrunk(place, outline, part.r);
+    const Spline s = to_spline(place, outline.surface, r);
+    if (reversed) s->ExchangeUV();  // u cross v is the face's normal
+    CadSurface surface{to_patch(s, metres, place.path), {}, 0.0};
+    const auto inversion =
+        std::make_shared<const Inversion>(Inversion{outline.surface, r, metres, reversed, surface.patch});
+    for (std::size_t k = 0; k < outline.wires.size(); ++k) {
+      if (k == 0 && fills_rectangle(outline, r)) continue;
+      CadLoop loop{{}, k > 0};
+      for (const Stretch& stretch : outline.wires[k]) {
+        const int sides = sides_of(outline, r, stretch);
+        loop.borders.push_back({curve_of(inversion, stretch), reversed ? turned(sides) : sides});
+      }
+      surface.loops.push_back(std::move(loop));
+    }
+    out.push_back(std::move(surface));
+  }
   GProp_GProps properties;
   BRepGProp::SurfaceProperties(face, properties);
-  out.area = std::abs(properties.Mass()) * metres * metres;
-  const auto inversion = std::make_shared<const Inversion>(Inversion{outline.surface, r, metres, reversed, out.patch});
-  for (std::size_t k = 0; k < outline.wires.size(); ++k) {
-    if (k == 0 && fills_rectangle(outline, r)) continue;
-    CadLoop loop{{}, k > 0};
-    for (const Stretch& stretch : outline.wires[k]) {
-      const int sides = sides_of(outline, r, stretch);
-      loop.borders.push_back({curve_of(inversion, stretch), reversed ? turned(sides) : sides});
-    }
-    out.loops.push_back(std::move(loop));
-  }
+  for (CadSurface& surface : out) surface.area = std::abs(properties.Mass()) * metres * metres;
   return out;
 }
 

@@ -13,7 +13,8 @@ CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, cons
   scene.fail(field, "this build has no OpenCASCADE, which reads STEP and IGES; run `coupler/sunder build --cad`");
 }
 int CadFile::faces() const { return 0; }
-CadSurface CadFile::surface(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace&) const {
+std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const std::string& field,
+                                          const proto::CadFace&) const {
   scene.fail(field, "this build has no OpenCASCADE");
 }
 std::vector<CadEdge> CadFile::edges() const { return {}; }
@@ -44,6 +45,7 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <IGESData_IGESModel.hxx>
 #include <Interface_Check.hxx>
 #include <Interface_CheckIterator.hxx>
+#include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
@@ -114,12 +116,18 @@ TopoDS_Shape read(const CadPlace& place, std::string& unit) {
   Interface_Static::SetCVal("xstep.cascade.unit", "MM");  // after the first reader, which creates the table of settings
   place.scene.check(reader->ReadFile(file.c_str()) == IFSelect_RetDone, field,
                     "'{}' is no {} file that can be read; export it again", place.path, step ? "STEP" : "IGES");
-  // OpenCASCADE follows broken references through null pointers, so such a file is refused here.
+  // OpenCASCADE follows broken references through null pointers, so such a file is refused here. Colours and styles of
+  // lines are not read.
   int faults = 0;
   std::string first;
   Interface_CheckIterator checks = reader->WS()->ModelCheckList(Standard_False);
-  for (checks.Start(); checks.More(); checks.Next())
-    if (checks.Value()->HasFailed() && faults++ == 0) first = checks.Value()->CFail(1);
+  for (checks.Start(); checks.More(); checks.Next()) {
+    const int number = checks.Number();
+    const bool style =
+        number > 0 &&
+        std::string(reader->WS()->Model()->Value(number)->DynamicType()->Name()).rfind("StepVisual_", 0) == 0;
+    if (!style && checks.Value()->HasFailed() && faults++ == 0) first = checks.Value()->CFail(1);
+  }
   place.scene.check(faults == 0, field, "'{}' is damaged: {} entries, the first with \"{}\"; export it again",
                     place.path, faults, first);
   unit = "unknown";
@@ -160,8 +168,8 @@ CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, cons
 
 int CadFile::faces() const { return shape_->faces.Extent(); }
 
-CadSurface CadFile::surface(const scene::LoadedScene& scene, const std::string& field,
-                            const proto::CadFace& cad) const {
+std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const std::string& field,
+                                          const proto::CadFace& cad) const {
   const Quiet quiet;
   const int n = faces();
   scene.check(cad.face() < n, field + ".face", "is {}, but '{}' has {}, counted from 0", cad.face(), shape_->path,
@@ -182,6 +190,9 @@ std::vector<CadEdge> CadFile::edges() const {
       const int n = shape_->faces.FindIndex(face) - 1;
       if (std::find(e.faces.begin(), e.faces.end(), n) == e.faces.end()) e.faces.push_back(n);
     }
+    // An edge at which a face meets itself
+    if (e.faces.size() == 1 && BRep_Tool::IsClosed(edge, TopoDS::Face(shape_->faces(e.faces[0] + 1))))
+      e.faces.push_back(e.faces[0]);
     const BRepAdaptor_Curve curve(edge);
     const gp_Pnt middle = curve.Value(0.5 * (curve.FirstParameter() + curve.LastParameter()));
     e.length = kMetresPerUnit * GCPnts_AbscissaPoint::Length(curve);

@@ -23,16 +23,16 @@ struct CadLoop {
   bool hole = false;
 };
 
-/// A face of a file.
+/// A face of a file, or a part of one.
 struct CadSurface {
   Patch patch;                 // [m]
   std::vector<CadLoop> loops;  // empty: the whole patch
-  double area = 0.0;           // as OpenCASCADE has it [m^2]
+  double area = 0.0;           // of the whole face, as OpenCASCADE has it [m^2]
 };
 
 /// An edge of a file.
 struct CadEdge {
-  std::vector<int> faces;      // that it bounds: one for a free edge, two for one that they share
+  std::vector<int> faces;      // that it bounds: one for a free edge, two for one that they share, or the same twice
   double length = 0.0;         // [m]
   double tolerance = 0.0;      // as the file or its reader has it: how far faces may be apart [m]
   Vec3 middle = Vec3::Zero();  // [m]
@@ -46,9 +46,11 @@ class CadFile {
 
   /// Number of faces.
   int faces() const;
-  /// Face `cad.face` in metres times `cad.scale`, with its loops. Throws Error where there is no such face, or where it
-  /// is no single patch of the degrees that shells have.
-  CadSurface surface(const scene::LoadedScene& scene, const std::string& field, const proto::CadFace& cad) const;
+  /// Face `cad.face` in metres times `cad.scale`, with its loops. A face that closes on itself, has a crease or an arc
+  /// of 150 degrees is divided. Throws Error where there is no such face, or where it has another degree than shells
+  /// have.
+  std::vector<CadSurface> surfaces(const scene::LoadedScene& scene, const std::string& field,
+                                   const proto::CadFace& cad) const;
   /// All edges, in the file's size; poles are none.
   std::vector<CadEdge> edges() const;
   /// Kind of a face's surface, for example "plane".

@@ -43,25 +43,32 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
     const proto::Shell& shell = scene.message.shells(i);
     const auto& cad = shell.cad();
     const std::string field = fmt::format("shells[{}].cad", i);
+    if (!shell.has_cad()) {
+      out.push_back({i, shell, 0});
+      continue;
+    }
     std::vector<int> faces(cad.faces().begin(), cad.faces().end());
-    if (shell.has_cad() && !cad.has_face()) {
-      const int count = files.of(scene, field, cad.path()).faces();
+    const CadFile& file = files.of(scene, field, cad.path());
+    if (!cad.has_face()) {
+      const int count = file.faces();
       for (int k = 0; k < cad.faces_size(); ++k)
         scene.check(cad.faces(k) < count, fmt::format("{}.faces[{}]", field, k),
                     "is {}, but '{}' has {} faces, counted from 0", cad.faces(k), cad.path(), count);
-      for (int k = 0; k < count && count > 1 && cad.faces_size() == 0; ++k) faces.push_back(k);
+      for (int k = 0; k < count && cad.faces_size() == 0; ++k) faces.push_back(k);
+    } else {
+      faces.push_back(cad.face());
     }
-    if (faces.empty()) {
-      out.push_back({i, shell});
-      continue;
-    }
-    for (std::size_t k = 0; k < faces.size(); ++k) {
-      ScenePart part{i, shell};
-      part.message.set_name(fmt::format("{}.{}", shell.name(), k + 1));
+    std::vector<ScenePart> own;
+    for (const int face : faces) {
+      ScenePart part{i, shell, 0};
       part.message.mutable_cad()->clear_faces();
-      part.message.mutable_cad()->set_face(faces[k]);
-      out.push_back(std::move(part));
+      part.message.mutable_cad()->set_face(face);
+      const auto count = static_cast<int>(file.surfaces(scene, field, part.message.cad()).size());
+      for (part.part = 0; part.part < count; ++part.part) own.push_back(part);
     }
+    if (own.size() > 1 || cad.faces_size() > 0)
+      for (std::size_t k = 0; k < own.size(); ++k) own[k].message.set_name(fmt::format("{}.{}", shell.name(), k + 1));
+    std::move(own.begin(), own.end(), std::back_inserter(out));
   }
   check_names(scene, out);
   return out;
@@ -74,32 +81,36 @@ void check_joined(const scene::LoadedScene& scene, const std::vector<ScenePart>&
     if (!is_several(parts, i) || cad.fill_holes_m() > 0.0) continue;
     const std::string field = fmt::format("shells[{}].cad", i);
     const double scale = cad.has_scale() ? cad.scale() : 1.0;
-    const auto part_of = [&](int face) {
+    const auto parts_of = [&](int face) {
+      std::vector<int> found;
       for (std::size_t k = 0; k < parts.size(); ++k)
-        if (parts[k].shell == i && parts[k].message.cad().face() == face) return static_cast<int>(k);
-      return -1;
+        if (parts[k].shell == i && parts[k].message.cad().face() == face) found.push_back(static_cast<int>(k));
+      return found;
     };
     for (const CadEdge& edge : files.of(scene, field, cad.path()).edges()) {
       if (edge.faces.size() != 2) continue;
-      const int a = part_of(edge.faces[0]), b = part_of(edge.faces[1]);
-      if (a < 0 || b < 0) continue;
-      const ShellModel &first = setup.shells[a].model, &second = setup.shells[b].model;
-      const auto open = [&](const proto::SeamRule& rule) {
-        return rule.kind() == proto::SeamRule::OPEN &&
-               std::minmax(rule.first(), rule.second()) == std::minmax(first.name, second.name);
-      };
-      const auto joins = [&](const Seam& s) { return std::minmax(s.first, s.second) == std::minmax(a, b); };
-      const auto& rules = scene.message.seams().rules();
-      const auto& seams = setup.stitches.seams;
+      const std::vector<int> first = parts_of(edge.faces[0]), second = parts_of(edge.faces[1]);
+      if (first.empty() || second.empty()) continue;
+      double spacing = 0.0;
+      bool joined = false;
+      for (const int a : first)
+        for (const int b : second) {
+          const ShellModel &one = setup.shells[a].model, &other = setup.shells[b].model;
+          spacing = std::max({spacing, one.spacing, other.spacing});
+          for (const Seam& s : setup.stitches.seams)
+            joined = joined || std::minmax(s.first, s.second) == std::minmax(a, b);
+          for (const proto::SeamRule& rule : scene.message.seams().rules())
+            joined = joined || (rule.kind() == proto::SeamRule::OPEN &&
+                                std::minmax(rule.first(), rule.second()) == std::minmax(one.name, other.name));
+        }
+      const std::string &one = setup.shells[first[0]].model.name, &other = setup.shells[second[0]].model.name;
       scene.check(
-          std::any_of(seams.begin(), seams.end(), joins) || std::any_of(rules.begin(), rules.end(), open) ||
-              edge.length * scale < kShortEdge * std::max(first.spacing, second.spacing),
-          field + ".path",
+          joined || edge.length * scale < kShortEdge * spacing, field + ".path",
           "'{}': faces {} and {} share an edge of {:.3g} m about ({:.4g}, {:.4g}, {:.4g}) m, but '{}' and '{}' do "
           "not meet there; give a larger seams.tolerance_m, or add to seams: rules {{ first: \"{}\" second: "
           "\"{}\" kind: OPEN }}",
           cad.path(), edge.faces[0], edge.faces[1], edge.length * scale, scale * edge.middle.x(),
-          scale * edge.middle.y(), scale * edge.middle.z(), first.name, second.name, first.name, second.name);
+          scale * edge.middle.y(), scale * edge.middle.z(), one, other, one, other);
     }
   }
 }

@@ -8,14 +8,16 @@
 
 namespace sunder::shell {
 
-/// A shell of a run: the index of the scene's shell, and the message that it is made of.
+/// A shell of a run: the index of the scene's shell, the message that it is made of, and the part of its CAD face.
 struct ScenePart {
   int shell = 0;
   proto::Shell message;
+  int part = 0;
 };
 
-/// The shells of a run, in the order of the scene. A shell of several CAD faces becomes one for each face. Throws Error
-/// where a file cannot be read or has no such face, and where a name of the scene fits no shell.
+/// The shells of a run, in the order of the scene. A shell of several CAD faces becomes one for each face, or more
+/// where a face is divided. Throws Error where a file cannot be read or has no such face, and where a name of the scene
+/// fits no shell.
 std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files);
 
 /// Throws Error where two faces of a shell have an edge of the file in common and are not joined in `setup`.

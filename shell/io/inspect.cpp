@@ -46,21 +46,30 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
   try {
     proto::Shell shell = scene.message.shells(0);
     shell.mutable_cad()->set_face(face);
-    const CadSurface surface = file.surface(scene, "shells[0].cad", shell.cad());
-    const Patch lengths = with_parameters_as_lengths(surface.patch);
-    const auto holes =
-        std::count_if(surface.loops.begin(), surface.loops.end(), [](const CadLoop& l) { return l.hole; });
-    out["degree"] = surface.patch.degree();
-    out["width_m"] = {lengths.knots_u.end() - lengths.knots_u.begin(), lengths.knots_v.end() - lengths.knots_v.begin()};
-    out["area_m2"] = surface.area;
-    out["outline_trimmed"] = static_cast<std::ptrdiff_t>(surface.loops.size()) > holes;
+    const std::vector<CadSurface> surfaces = file.surfaces(scene, "shells[0].cad", shell.cad());
+    std::ptrdiff_t holes = 0, trimmed = 0;
+    double area = 0.0, shortest = element;
+    Json widths = Json::array(), elements = Json::array();
+    for (std::size_t k = 0; k < surfaces.size(); ++k) {
+      const std::vector<CadLoop>& loops = surfaces[k].loops;
+      const auto own = std::count_if(loops.begin(), loops.end(), [](const CadLoop& l) { return l.hole; });
+      holes += own, trimmed += static_cast<std::ptrdiff_t>(loops.size()) > own;
+      const ShellModel m = build_shell(scene, shell, "shells[0]", files, static_cast<int>(k));
+      for (const double part : m.mass) area += part / (m.material.density * m.thickness);
+      shortest = std::min(shortest, m.shortest_element);
+      widths.push_back(
+          {m.patch.knots_u.end() - m.patch.knots_u.begin(), m.patch.knots_v.end() - m.patch.knots_v.begin()});
+      elements.push_back({m.tables.spans_u, m.tables.spans_v});
+    }
+    out["degree"] = surfaces[0].patch.degree();
+    out["parts"] = surfaces.size();
+    out["width_m"] = widths[0];
+    out["area_m2"] = surfaces[0].area;
+    out["area_of_shells_m2"] = area;
+    out["parts_trimmed"] = trimmed;
     out["holes"] = holes;
-    const ShellModel m = build_shell(scene, shell, "shells[0]", files);
-    double mass = 0.0;
-    for (const double part : m.mass) mass += part;
-    out["elements"] = {m.tables.spans_u, m.tables.spans_v};
-    out["area_of_shell_m2"] = mass / (m.material.density * m.thickness);
-    out["stable_spacing_m"] = std::min(m.shortest_element, element);
+    out["elements"] = elements[0];
+    out["shortest_element_m"] = shortest;
     out["refused"] = nullptr;
   } catch (const Error& e) {
     out["refused"] = problem_of(scene, e);
@@ -102,7 +111,7 @@ std::string inspect_report(const std::string& file, double element) {
               {"faces", faces},
               {"edges", edges_of(cad)}};
   out["seams"] = nullptr, out["seams_refused"] = nullptr;
-  if (taken.size() > 1) {
+  if (taken.size() > 1 || (taken.size() == 1 && faces[taken[0]]["parts"] > 1)) {
     for (const int k : taken) scene.message.mutable_shells(0)->mutable_cad()->add_faces(k);
     try {
       const RunSetup setup = build(scene);

@@ -126,9 +126,9 @@ void check_fibre_grid(const scene::LoadedScene& scene, const ShellModel& s, std:
 }
 
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field,
-                      CadFiles& files) {
+                      CadFiles& files, int part) {
   const proto::Scene& m = scene.message;
-  ShellSetup r{build_shell(scene, shell, field, files)};
+  ShellSetup r{build_shell(scene, shell, field, files, part)};
   r.velocity = scene::to_vec(shell.velocity());
   for (int k = 0; k < shell.cuts_size(); ++k)
     for (PrescribedCut& cut : make_cut(scene, shell.cuts(k), r.model, fmt::format("{}.cuts[{}]", field, k)))

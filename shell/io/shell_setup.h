@@ -34,9 +34,10 @@ struct ShellSetup {
 class CadFiles;
 
 /// Makes the setup of a shell, except for Hertz stiffnesses, which the caller adds. `field` is the shell's field,
-/// `files` the CAD files of the scene. Throws Error with the field that is wrong.
+/// `files` are the CAD files of the scene, `part` counts the parts of a CAD face that is divided. Throws Error with the
+/// field that is wrong.
 ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field,
-                      CadFiles& files);
+                      CadFiles& files, int part);
 /// Returns a warning about shells that are too thick for a theory without transverse shear, or an empty text. Their
 /// deflections are too small by some 5 (thickness / width)^2 (square plate, simply supported; Timoshenko and
 /// Woinowsky-Krieger, section 39). The width is the square root of the area of all shells that seams join.

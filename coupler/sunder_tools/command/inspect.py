@@ -119,5 +119,7 @@ def _count(number: int, what: str) -> str:
 
 
 def _trims(face: dict[str, Any]) -> str:
-    parts = (["border"] if face["outline_trimmed"] else []) + ([_count(face["holes"], "hole")] if face["holes"] else [])
+    parts = (["border"] if face["parts_trimmed"] else []) + ([_count(face["holes"], "hole")] if face["holes"] else [])
+    if face["parts"] > 1:
+        parts.append(f"in {face['parts']} parts")
     return ", ".join(parts) or "-"

@@ -73,6 +73,30 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
             "accepted");
 }
 
+// Two plates that overlap, each trimmed along one slanted line.
+TEST(SceneSeams, AlongTrimsJoinShellsThatCannotCrack) {
+  const auto slanted = [](const std::string& seams, double shift, const std::string& more = "") {
+    std::string text = scene(seams,
+                             fmt::format("trims {{ points {{ u: {0} }} points {{ u: 0.5 }} points {{ u: 0.5 v: 0.5 }} "
+                                         "points {{ u: {1} v: 0.5 }} points {{ u: {0} }} }}",
+                                         shift, 0.04 + shift),
+                             0.4);
+    text.insert(
+        text.find("elements_y: 16 }\n") + 17,
+        "  trims { points {} points { u: 0.4 } points { u: 0.44 v: 0.5 } points { v: 0.5 } points {} } " + more + "\n");
+    return text;
+  };
+  EXPECT_EQ(refusal(slanted("seams { rules { first: \"pane\" second: \"wing\" } }", 0.0)).kind, "accepted");
+  expect_refusal(slanted("seams {}", 0.001), "seams", {"nearly meet", "0.000997 m apart", "seams.tolerance_m"});
+  EXPECT_EQ(refusal(slanted("seams { tolerance_m: 0.001 }", 0.001)).kind, "accepted");
+  const std::string cut = "cuts { points { u: 0.1 v: 0.1 } points { u: 0.1 v: 0.3 } }";
+  expect_refusal(slanted("seams {}", 0.0, cut), "shells[0]",
+                 {"'pane' can crack, and is joined to 'wing' along a trim",
+                  "rules { first: \"pane\" second: \"wing\" kind: OPEN }"});
+  EXPECT_EQ(refusal(slanted("seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }", 0.0, cut)).kind,
+            "accepted");
+}
+
 // The energy-release zone of a flaw continues over such an edge.
 TEST(SceneSeams, TellShellsWhichOfTheirEdgesContinueInAnother) {
   const auto joined = [](const std::string& seams) {

@@ -57,7 +57,7 @@ shells {
     const scene::LoadedScene scene = scene::load(file("scene.textproto"), {});
     CadFiles files;
     return files.of(scene, "shells[0].cad", scene.message.shells(0).cad().path())
-        .surface(scene, "shells[0].cad", scene.message.shells(0).cad());
+        .surfaces(scene, "shells[0].cad", scene.message.shells(0).cad())[0];
   }
   std::string refusal(const std::string& cad) const {
     try {

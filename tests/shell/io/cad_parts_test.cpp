@@ -2,10 +2,13 @@
 #ifdef SUNDER_CAD
 
 #include <BRepAlgoAPI_Cut.hxx>
+#include <BRepAlgoAPI_Fuse.hxx>
 #include <BRepFilletAPI_MakeFillet.hxx>
 #include <BRepGProp.hxx>
 #include <BRepPrimAPI_MakeBox.hxx>
 #include <BRepPrimAPI_MakeCylinder.hxx>
+#include <BRepPrimAPI_MakeSphere.hxx>
+#include <BRepPrimAPI_MakeTorus.hxx>
 #include <GProp_GProps.hxx>
 #include <TopExp.hxx>
 #include <TopExp_Explorer.hxx>
@@ -110,12 +113,55 @@ TEST_F(CadParts, NamesOfFacesCanBeUsedAndAreChecked) {
   EXPECT_EQ(setup(cad, "seams { rules { first: 'pane.1' second: 'pane.3' kind: OPEN } }").stitches.seams.size(), 11u);
 }
 
-TEST_F(CadParts, AFaceThatIsNoPatchIsNamed) {
-  const TopoDS_Shape part = BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(30, 20, 4).Shape(),
-                                            BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(11, 9, -1), gp::DZ()), 5, 6).Shape())
-                                .Shape();
-  write_step(part, file("a.stp"));
-  EXPECT_SAYS(refusal("path: 'a.stp' element_m: 0.001"), "closes on itself");
+// Faces that close on themselves are divided: three parts round a cylinder, six of a sphere, nine of a torus.
+TEST_F(CadParts, ClosedFacesAreDivided) {
+  struct Solid {
+    TopoDS_Shape shape;
+    const char* element;
+    std::size_t shells, seams;
+    int smooth;
+  };
+  const TopoDS_Shape hole = BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(11, 9, -1), gp::DZ()), 5, 6).Shape();
+  for (const Solid& s :
+       {Solid{BRepPrimAPI_MakeCylinder(25, 40).Shape(), "element_m: 0.004", 5, 9, 3},
+        Solid{BRepPrimAPI_MakeSphere(25).Shape(), "element_m: 0.004", 6, 9, 9},
+        Solid{BRepPrimAPI_MakeTorus(25, 8).Shape(), "element_m: 0.004", 9, 18, 18},
+        Solid{BRepAlgoAPI_Cut(BRepPrimAPI_MakeBox(30, 20, 4).Shape(), hole).Shape(), "element_m: 0.001", 9, 21, 3}}) {
+    write_step(s.shape, file("a.stp"));
+    const RunSetup r = setup(std::string("path: 'a.stp' ") + s.element);
+    EXPECT_EQ(r.shells.size(), s.shells);
+    EXPECT_EQ(r.stitches.seams.size(), s.seams);
+    double mass = 0.0;
+    int smooth = 0;
+    for (const ShellSetup& shell : r.shells)
+      for (const double part : shell.model.mass) mass += part;
+    for (const Seam& seam : r.stitches.seams) smooth += seam.smooth;
+    EXPECT_EQ(smooth, s.smooth);
+    GProp_GProps p;
+    BRepGProp::SurfaceProperties(s.shape, p);
+    EXPECT_NEAR(mass / (2500 * 0.0001 * 1e-6 * p.Mass()), 1.0, 2e-5);  // quadrature of coarse arcs
+  }
+}
+
+// The branch of a tee: its end runs along a curve on the other cylinder, which loses a window there.
+TEST_F(CadParts, AWindowOverALineOfDivision) {
+  const TopoDS_Shape tee =
+      BRepAlgoAPI_Fuse(BRepPrimAPI_MakeCylinder(20, 50).Shape(),
+                       BRepPrimAPI_MakeCylinder(gp_Ax2(gp_Pnt(0, 0, 25), gp_Dir(-1, 0.1, 0)), 10, 40).Shape())
+          .Shape();
+  write_step(tee, file("a.stp"));
+  const RunSetup r = setup("path: 'a.stp' element_m: 0.002");
+  double mass = 0.0;
+  for (const ShellSetup& shell : r.shells)
+    for (const double part : shell.model.mass) mass += part;
+  GProp_GProps p;
+  BRepGProp::SurfaceProperties(tee, p);
+  EXPECT_NEAR(mass / (2500 * 0.0001 * 1e-6 * p.Mass()), 1.0, 2e-5);
+  // the branch and the window meet all round
+  double between = 0.0;
+  for (const Seam& seam : r.stitches.seams)
+    if (seam.trimmed() && !seam.smooth && seam.angle < 0.49 * M_PI * 2.0) between += seam.length;
+  EXPECT_GT(between, 2.0 * M_PI * 0.010);
 }
 
 }  // namespace
