@@ -1,6 +1,7 @@
 #include "shell/io/build_seams.h"
 
 #include <algorithm>
+#include <functional>
 
 #include <Eigen/Geometry>
 
@@ -64,6 +65,33 @@ void check_rules(const scene::LoadedScene& scene, const Stitches& found, const s
   }
 }
 
+// Stitches of whole edges; `whole` loses those that are to be tied. Faces of a file may be smooth where their control
+// points are not in line, as beside a pole. Where their edges do not fit otherwise, as in degree, all of the file's are
+// tied.
+Stitches stitched(const std::vector<ScenePart>& parts, const std::vector<const Patch*>& patches,
+                  const std::vector<std::string>& names, double tolerance, const std::vector<std::vector<Join>>& join,
+                  const std::function<bool(const PatchPoint&)>& held, std::vector<int>& whole) {
+  const auto of_file = [&](int part) { return parts[part].message.has_cad(); };
+  for (;;) {
+    bool again = false;
+    Stitches found;
+    try {
+      found = find_stitches(patches, names, tolerance, join, held, whole);
+    } catch (const Error&) {
+      for (std::size_t k = 0; k < parts.size(); ++k)
+        if (of_file(static_cast<int>(k)) && whole[k] != 0) whole[k] = 0, again = true;
+      if (!again) throw;
+      continue;
+    }
+    for (const Seam& s : found.seams) {
+      if (s.smooth || s.join != Join::kClamped || s.angle > kSmoothAngle) continue;
+      if (of_file(s.first) && of_file(s.second))
+        whole[s.first] &= ~s.first_edge, whole[s.second] &= ~s.second_edge, again = true;
+    }
+    if (!again) return found;
+  }
+}
+
 }  // namespace
 
 Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
@@ -86,6 +114,10 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
   }
   std::vector<std::vector<Join>> join(patches.size(), std::vector<Join>(patches.size(), Join::kClamped));
+  const std::vector<std::vector<char>> meet = may_meet(scene, parts, files);
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      if (!meet[i][k]) join[i][k] = Join::kOpen;
   for (const proto::SeamRule& rule : m.rules()) {
     const auto find = [&](const std::string& name) {
       return std::find(names.begin(), names.end(), name) - names.begin();
@@ -99,16 +131,7 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     const auto held = [&](const PatchPoint& p) {
       return models[p.patch]->held[models[p.patch]->tables.slot(p.point)] != 0;
     };
-    // Faces of a file may be smooth where their control points are not in line, as beside a pole: such edges are tied.
-    for (bool again = true; again;) {
-      again = false;
-      found = find_stitches(patches, names, tolerance, join, held, whole);
-      for (const Seam& s : found.seams) {
-        if (s.smooth || s.join != Join::kClamped || s.angle > kSmoothAngle) continue;
-        if (!parts[s.first].message.has_cad() || !parts[s.second].message.has_cad()) continue;
-        whole[s.first] &= ~s.first_edge, whole[s.second] &= ~s.second_edge, again = true;
-      }
-    }
+    found = stitched(parts, patches, names, tolerance, join, held, whole);
     std::vector<Patch> untrimmed;
     for (const ScenePart& part : parts)
       untrimmed.push_back(whole_patch(scene, part.message, fmt::format("shells[{}]", part.shell), files, part.part));

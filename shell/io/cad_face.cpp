@@ -37,6 +37,7 @@ using Surface = opencascade::handle<Geom_Surface>;
 constexpr double kTrimTolerance = 1e-5;    // a border this near a side of the parameter rectangle runs on it
 constexpr double kSmoothTolerance = 1e-9;  // the surface may move by this where a needless knot is removed
 constexpr double kSnapTolerance = 1e-7;    // share of the parameter range: a border this near a knot is moved to it
+constexpr double kCornerTolerances = 2.0;  // of a corner of the file: as far may the ends of its borders be apart
 constexpr double kNearSide = 1e-2;         // share of the parameter range: at a pole all sides meet in space
 constexpr double kWidestPart = 149.0 * std::numbers::pi / 180.0;  // of an arc in one patch [rad]
 constexpr int kLineTrials = 12;       // places of a line of division, until no corner is near it
@@ -114,7 +115,8 @@ Eigen::AlignedBox2d exact_box(const Wire& wire) {
 struct Outline {
   Surface surface;
   std::vector<Wire> wires;
-  double size = 0.0;  // of the borders [mm]
+  double size = 0.0;       // of the borders [mm]
+  double tolerance = 0.0;  // of their corners, as the file has it [mm]
 
   Vec3 at(const Vec2& p) const { return point_of(surface->Value(p.x(), p.y())); }
 };
@@ -155,15 +157,18 @@ void check_closed(const CadPlace& place, const Outline& out) {
       const Vec2 end = wire[k](1.0), next = wire[(k + 1) % wire.size()](0.0);
       const double gap = (out.at(end) - out.at(next)).norm();
       const Vec3 x = kMetresPerUnit * out.at(end);
-      place.check(gap <= kTrimTolerance * out.size,
+      const double allowed = std::max(kTrimTolerance * out.size, kCornerTolerances * out.tolerance);
+      place.check(gap <= allowed,
                   "has a border with a gap of {:.3g} m at ({:.4g}, {:.4g}, {:.4g}) m, and {:.3g} m are allowed; sew it "
                   "in the CAD program",
-                  kMetresPerUnit * gap, x.x(), x.y(), x.z(), kMetresPerUnit * kTrimTolerance * out.size);
+                  kMetresPerUnit * gap, x.x(), x.y(), x.z(), kMetresPerUnit * allowed);
     }
 }
 
 Outline outline_of(const CadPlace& place, const TopoDS_Face& face, double filled) {
-  Outline out{BRep_Tool::Surface(face), {}, 0.0};
+  Outline out{BRep_Tool::Surface(face), {}, 0.0, 0.0};
+  for (TopExp_Explorer it(face, TopAbs_VERTEX); it.More(); it.Next())
+    out.tolerance = std::max(out.tolerance, BRep_Tool::Tolerance(TopoDS::Vertex(it.Current())));
   place.check(!out.surface.IsNull(), "has no surface, a mesh perhaps; export the surface itself");
   for (TopExp_Explorer it(face, TopAbs_WIRE); it.More(); it.Next())
     if (Wire wire = wire_of(place, TopoDS::Wire(it.Current()), face); !wire.empty())
@@ -202,6 +207,10 @@ Rectangle rectangle_of(const CadPlace& place, const Outline& o) {
   const Eigen::AlignedBox2d box = exact_box(o.wires[0]);
   r = {{box.min().x(), box.max().x()}, {box.min().y(), box.max().y()}};
   snap(o.surface, r);
+  double u0, u1, v0, v1;
+  o.surface->Bounds(u0, u1, v0, v1);  // borders may lie beyond the surface by the tolerance of the file
+  if (!o.surface->IsUPeriodic()) r.u = {std::max(r.u[0], u0), std::min(r.u[1], u1)};
+  if (!o.surface->IsVPeriodic()) r.v = {std::max(r.v[0], v0), std::min(r.v[1], v1)};
   return r;
 }
 
@@ -214,10 +223,22 @@ Rectangle shrunk(const CadPlace& place, const Outline& part, const Rectangle& by
   return r;
 }
 
+// Whether both ends of a range along `axis` are the same curve, to `tolerance` [mm].
+bool closes(const Surface& surface, double tolerance, int axis, const std::array<double, 2>& range,
+            const std::array<double, 2>& across) {
+  constexpr int kPlaces = 5;
+  for (int k = 0; k <= kPlaces; ++k) {
+    const double other = across[0] + (across[1] - across[0]) * k / kPlaces;
+    const auto at = [&](double own) { return axis == 0 ? surface->Value(own, other) : surface->Value(other, own); };
+    if (at(range[0]).Distance(at(range[1])) > tolerance) return false;
+  }
+  return true;
+}
+
 // Lines of constant parameter by which a face is divided: an arc of a patch is short, and no patch closes on itself or
 // has a crease.
-std::vector<double> lines_along(const Surface& surface, double tolerance, int axis,
-                                const std::array<double, 2>& range) {
+std::vector<double> lines_along(const Surface& surface, double tolerance, int axis, const std::array<double, 2>& range,
+                                const std::array<double, 2>& across) {
   const GeomAdaptor_Surface kind(surface);
   const GeomAbs_SurfaceType type = kind.GetType();
   const bool round = type == GeomAbs_Cylinder || type == GeomAbs_Cone || type == GeomAbs_SurfaceOfRevolution;
@@ -242,13 +263,10 @@ std::vector<double> lines_along(const Surface& surface, double tolerance, int ax
       if (u ? !trial->RemoveUKnot(k, degree - 1, tolerance) : !trial->RemoveVKnot(k, degree - 1, tolerance))
         creases.push_back(at);
     }
-    const bool closed = u ? spline->IsUClosed() : spline->IsVClosed();
-    double first, last, other, another;
-    surface->Bounds(u ? first : other, u ? last : another, u ? other : first, u ? another : last);
-    const bool whole = range[1] - range[0] > (1.0 - kNearSide) * (last - first);
-    return closed && whole && creases.empty() ? parts(3) : creases;
+    if (!creases.empty()) return creases;
   }
-  return {};
+  return closes(surface, tolerance * kTrimTolerance / kSmoothTolerance, axis, range, across) ? parts(3)
+                                                                                             : std::vector<double>{};
 }
 
 // A part of a face: the region and the rectangle that it is cut from.
@@ -262,7 +280,8 @@ std::vector<Part> parts_of(const CadPlace& place, const Outline& o, const Rectan
   std::vector<Part> parts{{o.wires, r}};
   for (int axis = 0; axis < 2; ++axis) {
     const std::array<double, 2>& range = axis == 0 ? r.u : r.v;
-    for (double at : lines_along(o.surface, kSmoothTolerance * std::max(1.0, o.size), axis, range)) {
+    for (double at :
+         lines_along(o.surface, kSmoothTolerance * std::max(1.0, o.size), axis, range, axis == 0 ? r.v : r.u)) {
       const bool crease = !Spline::DownCast(o.surface).IsNull();
       for (int k = 0;
            k < kLineTrials && !crease && !crosses_cleanly(o.wires, axis, at, kNearCorner * (range[1] - range[0])); ++k)
@@ -451,7 +470,7 @@ std::vector<CadSurface> convert_face(const CadPlace& place, const TopoDS_Face& f
   std::vector<CadSurface> out;
   const std::vector<Part> parts = parts_of(place, whole, rectangle_of(place, whole));
   for (const Part& part : parts) {
-    const Outline outline{whole.surface, part.region, whole.size};
+    const Outline outline{whole.surface, part.region, whole.size, whole.tolerance};
     const Rectangle r = shrunk(place, outline, part.r);
     const Spline s = to_spline(place, outline.surface, r);
     if (reversed) s->ExchangeUV();  // u cross v is the face's normal

@@ -1,6 +1,7 @@
 #include "shell/io/cad_parts.h"
 
 #include <algorithm>
+#include <set>
 
 namespace sunder::shell {
 namespace {
@@ -71,6 +72,29 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
     std::move(own.begin(), own.end(), std::back_inserter(out));
   }
   check_names(scene, out);
+  return out;
+}
+
+std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts,
+                                        CadFiles& files) {
+  std::vector<std::vector<char>> out(parts.size(), std::vector<char>(parts.size(), 1));
+  for (int i = 0; i < scene.message.shells_size(); ++i) {
+    if (!is_several(parts, i)) continue;
+    const auto edges = files.of(scene, fmt::format("shells[{}].cad", i), scene.message.shells(i).cad().path()).edges();
+    std::set<std::pair<int, int>> beside;
+    std::set<int> free;
+    for (const CadEdge& e : edges) {
+      if (e.faces.size() == 1) free.insert(e.faces[0]);
+      for (const int a : e.faces)
+        for (const int b : e.faces) beside.insert({a, b});
+    }
+    for (std::size_t a = 0; a < parts.size(); ++a)
+      for (std::size_t b = 0; b < parts.size(); ++b) {
+        if (parts[a].shell != i || parts[b].shell != i) continue;
+        const int one = parts[a].message.cad().face(), other = parts[b].message.cad().face();
+        out[a][b] = one == other || beside.count({one, other}) || (free.count(one) && free.count(other));
+      }
+  }
   return out;
 }
 

@@ -20,6 +20,11 @@ struct ScenePart {
 /// fits no shell.
 std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files);
 
+/// Which parts may meet: all of different shells; those of one file where it has an edge between their faces, or where
+/// both faces have free edges, as in a file without topology.
+std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts,
+                                        CadFiles& files);
+
 /// Throws Error where two faces of a shell have an edge of the file in common and are not joined in `setup`.
 void check_joined(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
                   const RunSetup& setup);
