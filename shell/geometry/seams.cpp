@@ -211,10 +211,8 @@ double gap(const EdgeCurve& a, const EdgeCurve& b, Vec3& where) {
 // opposite sides.
 double kink(const Patch& p, const EdgeCurve& a, const Patch& q, const EdgeCurve& b, bool reversed, double t,
             bool& opposite) {
-  bool pole = false;  // where the tangents are one there is no angle
-  const auto frame = [&pole](const Patch& patch, int edge, double at, Vec3& inward, Vec3& normal) {
+  const auto frame = [](const Patch& patch, int edge, double at, Vec3& inward, Vec3& normal) {
     const SurfacePoint x = patch.evaluate(edge_point(patch, edge, at));
-    pole = pole || std::min(x.u.norm(), x.v.norm()) <= kAtPole * std::max(x.u.norm(), x.v.norm());
     normal = x.u.cross(x.v).normalized();
     const Vec3 along = edge <= kUMax ? x.v : x.u;
     inward = edge <= kUMax ? x.u : x.v;
@@ -224,7 +222,6 @@ double kink(const Patch& p, const EdgeCurve& a, const Patch& q, const EdgeCurve&
   };
   Vec3 in_p, normal_p, in_q, normal_q;
   frame(p, a.edge, t, in_p, normal_p), frame(q, b.edge, reversed ? 1.0 - t : t, in_q, normal_q);
-  if (pole) return opposite = false, 0.0;
   const double angle = std::numbers::pi - std::acos(std::clamp(in_p.dot(in_q), -1.0, 1.0));
   opposite = angle < 0.5 * std::numbers::pi && normal_p.dot(normal_q) < -kAskew;
   return angle;

@@ -65,6 +65,24 @@ void check_rules(const scene::LoadedScene& scene, const Stitches& found, const s
   }
 }
 
+// Largest angle between the surfaces of a seam of whole edges [rad], its ends left out: they may be poles.
+double angle_inside(const Seam& seam, const Patch& first, const Patch& second) {
+  constexpr int kPlaces = 10;
+  const auto inward = [](const Patch& p, int edge, double t) {
+    const SurfacePoint x = p.evaluate(edge_point(p, edge, t));
+    const Vec3 along = (edge < kVMin ? x.v : x.u).normalized(), across = edge < kVMin ? x.u : x.v;
+    const Vec3 in = (across - across.dot(along) * along).normalized();
+    return edge == kUMax || edge == kVMax ? Vec3(-in) : in;
+  };
+  double most = 0.0;
+  for (int k = 1; k < kPlaces; ++k) {
+    const double t = static_cast<double>(k) / kPlaces;
+    const Vec3 a = inward(first, seam.first_edge, t), b = inward(second, seam.second_edge, seam.reversed ? 1.0 - t : t);
+    most = std::max(most, std::atan2(a.cross(b).norm(), -a.dot(b)));
+  }
+  return most;
+}
+
 // Stitches of whole edges; `whole` loses those that are to be tied. Faces of a file may be smooth where their control
 // points are not in line, as beside a pole. Where their edges do not fit otherwise, as in degree, all of the file's are
 // tied.
@@ -84,8 +102,8 @@ Stitches stitched(const std::vector<ScenePart>& parts, const std::vector<const P
       continue;
     }
     for (const Seam& s : found.seams) {
-      if (s.smooth || s.join != Join::kClamped || s.angle > kSmoothAngle) continue;
-      if (of_file(s.first) && of_file(s.second))
+      if (s.smooth || s.join != Join::kClamped || !of_file(s.first) || !of_file(s.second)) continue;
+      if (angle_inside(s, *patches[s.first], *patches[s.second]) <= kSmoothAngle)
         whole[s.first] &= ~s.first_edge, whole[s.second] &= ~s.second_edge, again = true;
     }
     if (!again) return found;
@@ -125,7 +143,9 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     const auto i = find(rule.first()), k = find(rule.second());
     join[i][k] = join[k][i] = static_cast<Join>(rule.kind());
   }
-  const double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
+  double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
+  if (!m.has_tolerance_m())
+    for (const ScenePart& part : parts) tolerance = std::max(tolerance, part.apart);
   Stitches found;
   try {
     const auto held = [&](const PatchPoint& p) {

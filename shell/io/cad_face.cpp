@@ -17,6 +17,7 @@
 #include <GeomAdaptor_Curve.hxx>
 #include <GeomAdaptor_Surface.hxx>
 #include <GeomConvert.hxx>
+#include <GeomConvert_ApproxSurface.hxx>
 #include <Geom_RectangularTrimmedSurface.hxx>
 #include <Precision.hxx>
 #include <TopExp_Explorer.hxx>
@@ -35,19 +36,19 @@ using Surface = opencascade::handle<Geom_Surface>;
 
 // Shares of the face's size. Files have tolerances of about a micrometre; no feature of a shell is that fine.
 constexpr double kTrimTolerance = 1e-5;    // a border this near a side of the parameter rectangle runs on it
+constexpr double kApproximated = 1e-5;     // a surface of a higher degree may be off by this
 constexpr double kSmoothTolerance = 1e-9;  // the surface may move by this where a needless knot is removed
 constexpr double kSnapTolerance = 1e-7;    // share of the parameter range: a border this near a knot is moved to it
 constexpr double kCornerTolerances = 2.0;  // of a corner of the file: as far may the ends of its borders be apart
 constexpr double kNearSide = 1e-2;         // share of the parameter range: at a pole all sides meet in space
 constexpr double kWidestPart = 149.0 * std::numbers::pi / 180.0;  // of an arc in one patch [rad]
+constexpr int kMostPieces = 400;                                  // of an approximated surface
 constexpr int kLineTrials = 12;       // places of a line of division, until no corner is near it
 constexpr double kLineStep = 7e-3;    // between them, share of the range
 constexpr double kNearCorner = 2e-3;  // of a line, share of the range
-constexpr int kSamplesPerEdge = 65;
-constexpr int kExtremeSteps = 60;    // by which the extreme of a border between two samples is found
-constexpr int kInversionSteps = 20;  // Newton's, for a place on the spline; three suffice
-constexpr double kInverted = 1e-15;  // share of the parameter range
-constexpr double kAtPole = 1e-12;    // squared length of a tangent, of the longer one, at a pole
+constexpr int kInversionSteps = 20;   // Newton's, for a place on the spline; three suffice
+constexpr double kInverted = 1e-15;   // share of the parameter range
+constexpr double kAtPole = 1e-12;     // squared length of a tangent, of the longer one, at a pole
 
 struct Rectangle {
   std::array<double, 2> u, v;
@@ -76,40 +77,6 @@ Vec3 point_of(const gp_Pnt& p) { return {p.X(), p.Y(), p.Z()}; }
 
 using Stretch = RegionCurve;  // of a wire, in the parameters of the surface
 using Wire = RegionLoop;
-
-template <class F>
-void each_sample(const Wire& wire, F&& f) {
-  for (const Stretch& s : wire)
-    for (int i = 0; i < kSamplesPerEdge; ++i) f(s, static_cast<double>(i) / (kSamplesPerEdge - 1));
-}
-
-Eigen::AlignedBox2d box_of(const Wire& wire) {
-  Eigen::AlignedBox2d box;
-  each_sample(wire, [&](const Stretch& s, double t) { box.extend(s(t)); });
-  return box;
-}
-
-// The same, with extremes between two samples.
-Eigen::AlignedBox2d exact_box(const Wire& wire) {
-  Eigen::AlignedBox2d box = box_of(wire);
-  for (const Stretch& s : wire)
-    for (int axis = 0; axis < 2; ++axis)
-      for (const double sign : {-1.0, 1.0}) {
-        double best = 0.0;
-        for (int i = 0; i < kSamplesPerEdge; ++i) {
-          const double t = static_cast<double>(i) / (kSamplesPerEdge - 1);
-          if (sign * s(t)[axis] > sign * s(best)[axis]) best = t;
-        }
-        const double step = 1.0 / (kSamplesPerEdge - 1);
-        double low = std::max(0.0, best - step), high = std::min(1.0, best + step);
-        for (int k = 0; k < kExtremeSteps; ++k) {
-          const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
-          (sign * s(a)[axis] < sign * s(b)[axis] ? low : high) = sign * s(a)[axis] < sign * s(b)[axis] ? a : b;
-        }
-        box.extend(s(0.5 * (low + high)));
-      }
-  return box;
-}
 
 // A face's surface with its wires, the outer one first.
 struct Outline {
@@ -204,7 +171,7 @@ Rectangle rectangle_of(const CadPlace& place, const Outline& o) {
       place.check(!Precision::IsInfinite(bound), "has no end; give it borders in the CAD program");
     return r;
   }
-  const Eigen::AlignedBox2d box = exact_box(o.wires[0]);
+  const Eigen::AlignedBox2d box = box_of(o.wires[0]);
   r = {{box.min().x(), box.max().x()}, {box.min().y(), box.max().y()}};
   snap(o.surface, r);
   double u0, u1, v0, v1;
@@ -341,8 +308,8 @@ int sides_of(const Outline& o, const Rectangle& r, const Stretch& s) {
     const std::array<double, 2>& range = axis == 0 ? r.u : r.v;
     const double at = side == kUMin || side == kVMin ? range[0] : range[1];
     bool on = true;
-    for (int i = 0; i < kSamplesPerEdge && on; ++i) {
-      const Vec2 p = s(static_cast<double>(i) / (kSamplesPerEdge - 1));
+    for (int i = 0; i < kRegionSamples && on; ++i) {
+      const Vec2 p = s(static_cast<double>(i) / (kRegionSamples - 1));
       on = std::abs(p[axis] - at) <= kNearSide * (range[1] - range[0]) &&
            off_side(o, r, p, side) <= kTrimTolerance * o.size;
     }
@@ -374,14 +341,22 @@ void prepare_u(const CadPlace& place, const Spline& s, double size, const char* 
   }
 }
 
-Spline to_spline(const CadPlace& place, const Surface& surface, const Rectangle& r) {
-  const Spline s =
-      GeomConvert::SurfaceToBSplineSurface(new Geom_RectangularTrimmedSurface(surface, r.u[0], r.u[1], r.v[0], r.v[1]));
+// The surface over a rectangle; `error` receives how far an approximation is off [mm], 0 for an exact one.
+Spline to_spline(const CadPlace& place, const Surface& surface, const Rectangle& r, double size, double& error) {
+  const Surface part = new Geom_RectangularTrimmedSurface(surface, r.u[0], r.u[1], r.v[0], r.v[1]);
+  Spline s = GeomConvert::SurfaceToBSplineSurface(part);
+  const int high = std::max(s->UDegree(), s->VDegree());
+  if (high > kHighestDegree) {
+    const double allowed = kApproximated * size;
+    GeomConvert_ApproxSurface fit(part, allowed, GeomAbs_C1, GeomAbs_C1, kHighestDegree, kHighestDegree, kMostPieces,
+                                  1);
+    place.check(fit.HasResult() && fit.MaxError() <= allowed,
+                "has degree {} along u and {} along v; no spline of degree {} is within {:.3g} m of it: rebuild the "
+                "surface in the CAD program",
+                s->UDegree(), s->VDegree(), kHighestDegree, kMetresPerUnit * allowed);
+    s = fit.Surface(), error = fit.MaxError();
+  }
   const int degree = std::max({2, s->UDegree(), s->VDegree()});
-  place.check(degree <= kHighestDegree,
-              "has degree {} along u and {} along v; at most {} can be used: rebuild the surface as degree {} in the "
-              "CAD program",
-              s->UDegree(), s->VDegree(), kHighestDegree, kHighestDegree);
   s->IncreaseDegree(degree, degree);
   Eigen::AlignedBox3d box;
   for (int j = 1; j <= s->NbVPoles(); ++j)
@@ -449,9 +424,9 @@ struct Inversion {
 PlaneCurve curve_of(const std::shared_ptr<const Inversion>& inversion, const Stretch& s) {
   PlaneCurve curve;
   curve.at = [inversion, s](double t) { return inversion->place(s(t)); };
-  for (int i = 1; i < kSamplesPerEdge; ++i)
+  for (int i = 1; i < kRegionSamples; ++i)
     curve.length +=
-        (curve.at(static_cast<double>(i) / (kSamplesPerEdge - 1)) - curve.at((i - 1.0) / (kSamplesPerEdge - 1))).norm();
+        (curve.at(static_cast<double>(i) / (kRegionSamples - 1)) - curve.at((i - 1.0) / (kRegionSamples - 1))).norm();
   return curve;
 }
 
@@ -472,9 +447,10 @@ std::vector<CadSurface> convert_face(const CadPlace& place, const TopoDS_Face& f
   for (const Part& part : parts) {
     const Outline outline{whole.surface, part.region, whole.size, whole.tolerance};
     const Rectangle r = shrunk(place, outline, part.r);
-    const Spline s = to_spline(place, outline.surface, r);
+    double error = 0.0;
+    const Spline s = to_spline(place, outline.surface, r, std::max(1.0, whole.size), error);
     if (reversed) s->ExchangeUV();  // u cross v is the face's normal
-    CadSurface surface{to_patch(s, metres, place.path), {}, 0.0};
+    CadSurface surface{to_patch(s, metres, place.path), {}, 0.0, metres * error};
     const auto inversion =
         std::make_shared<const Inversion>(Inversion{outline.surface, r, metres, reversed, surface.patch});
     for (std::size_t k = 0; k < outline.wires.size(); ++k) {

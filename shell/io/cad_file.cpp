@@ -33,6 +33,7 @@ std::pair<Vec3, Vec3> CadFile::box() const { return {}; }
 #include <iostream>
 #include <memory>
 #include <sstream>
+#include <tuple>
 
 #include <BRepAdaptor_Curve.hxx>
 #include <BRepAdaptor_Surface.hxx>
@@ -149,6 +150,8 @@ struct CadFile::Shape {
   std::string path, unit;
   TopTools_IndexedMapOfShape faces;  // numbered from 1, each once
   TopTools_IndexedDataMapOfShapeListOfShape faces_of_edge;
+  // by face, scale and width of filled holes: some take long to approximate
+  mutable std::map<std::tuple<int, double, double>, std::vector<CadSurface> > surfaces;
 };
 
 CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const std::string& path) {
@@ -174,10 +177,14 @@ std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const
   const int n = faces();
   scene.check(cad.face() < n, field + ".face", "is {}, but '{}' has {}, counted from 0", cad.face(), shape_->path,
               n == 1 ? "one face" : fmt::format("{} faces", n));
-  return guarded(scene, field, shape_->path, [&] {
-    return convert_face({scene, field, shape_->path, cad.face()}, TopoDS::Face(shape_->faces(cad.face() + 1)),
-                        cad.has_scale() ? cad.scale() : 1.0, cad.fill_holes_m());
-  });
+  const double scale = cad.has_scale() ? cad.scale() : 1.0;
+  const std::tuple<int, double, double> key{cad.face(), scale, cad.fill_holes_m()};
+  const auto known = shape_->surfaces.find(key);
+  if (known != shape_->surfaces.end()) return known->second;
+  return shape_->surfaces[key] = guarded(scene, field, shape_->path, [&] {
+           return convert_face({scene, field, shape_->path, cad.face()}, TopoDS::Face(shape_->faces(cad.face() + 1)),
+                               scale, cad.fill_holes_m());
+         });
 }
 
 std::vector<CadEdge> CadFile::edges() const {

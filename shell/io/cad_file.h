@@ -28,6 +28,7 @@ struct CadSurface {
   Patch patch;                 // [m]
   std::vector<CadLoop> loops;  // empty: the whole patch
   double area = 0.0;           // of the whole face, as OpenCASCADE has it [m^2]
+  double error = 0.0;          // of a surface of higher degree that is approximated [m]
 };
 
 /// An edge of a file.
@@ -47,8 +48,8 @@ class CadFile {
   /// Number of faces.
   int faces() const;
   /// Face `cad.face` in metres times `cad.scale`, with its loops. A face that closes on itself, has a crease or an arc
-  /// of 150 degrees is divided. Throws Error where there is no such face, or where it has another degree than shells
-  /// have.
+  /// of 150 degrees is divided; one of a higher degree than shells have is approximated. Throws Error where there is no
+  /// such face, or where no approximation is near enough.
   std::vector<CadSurface> surfaces(const scene::LoadedScene& scene, const std::string& field,
                                    const proto::CadFace& cad) const;
   /// All edges, in the file's size; poles are none.

@@ -6,7 +6,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kShortEdge = 0.5;  // of an element: no seam is that short
+constexpr double kTolerances = 2.0;  // of an edge or an approximation: both faces have one
+constexpr double kShortEdge = 0.5;   // of an element: no seam is that short
 
 // Whether a shell of the scene is several shells of the run.
 bool is_several(const std::vector<ScenePart>& parts, int shell) {
@@ -45,7 +46,7 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
     const auto& cad = shell.cad();
     const std::string field = fmt::format("shells[{}].cad", i);
     if (!shell.has_cad()) {
-      out.push_back({i, shell, 0});
+      out.push_back({i, shell, 0, 0.0});
       continue;
     }
     std::vector<int> faces(cad.faces().begin(), cad.faces().end());
@@ -59,12 +60,18 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
     } else {
       faces.push_back(cad.face());
     }
+    const std::vector<CadEdge> edges = file.edges();
     std::vector<ScenePart> own;
     for (const int face : faces) {
-      ScenePart part{i, shell, 0};
+      ScenePart part{i, shell, 0, 0.0};
       part.message.mutable_cad()->clear_faces();
       part.message.mutable_cad()->set_face(face);
-      const auto count = static_cast<int>(file.surfaces(scene, field, part.message.cad()).size());
+      const std::vector<CadSurface> surfaces = file.surfaces(scene, field, part.message.cad());
+      const auto count = static_cast<int>(surfaces.size());
+      for (const CadSurface& s : surfaces) part.apart = std::max(part.apart, kTolerances * s.error);
+      for (const CadEdge& e : edges)
+        if (std::find(e.faces.begin(), e.faces.end(), face) != e.faces.end())
+          part.apart = std::max(part.apart, kTolerances * e.tolerance * (cad.has_scale() ? cad.scale() : 1.0));
       for (part.part = 0; part.part < count; ++part.part) own.push_back(part);
     }
     if (own.size() > 1 || cad.faces_size() > 0)

@@ -13,6 +13,7 @@ struct ScenePart {
   int shell = 0;
   proto::Shell message;
   int part = 0;
+  double apart = 0.0;  // how far the file lets its border be from that of another face [m]
 };
 
 /// The shells of a run, in the order of the scene. A shell of several CAD faces becomes one for each face, or more

@@ -82,6 +82,29 @@ bool holds(const RegionLoop& outline, const Vec2& p) {
 
 }  // namespace
 
+Eigen::AlignedBox2d box_of(const RegionLoop& loop) {
+  Eigen::AlignedBox2d box;
+  each_sample(loop, [&](const RegionCurve& curve, double t) { box.extend(curve(t)); });
+  for (const RegionCurve& curve : loop)
+    for (int axis = 0; axis < 2; ++axis)
+      for (const double sign : {-1.0, 1.0}) {
+        double best = 0.0;
+        for (int i = 0; i < kRegionSamples; ++i) {
+          const double t = static_cast<double>(i) / (kRegionSamples - 1);
+          if (sign * curve(t)[axis] > sign * curve(best)[axis]) best = t;
+        }
+        const double step = 1.0 / (kRegionSamples - 1);
+        double low = std::max(0.0, best - step), high = std::min(1.0, best + step);
+        for (int k = 0; k < kSteps; ++k) {
+          const double a = low + (high - low) / 3.0, b = high - (high - low) / 3.0;
+          const bool rises = sign * curve(a)[axis] < sign * curve(b)[axis];
+          (rises ? low : high) = rises ? a : b;
+        }
+        box.extend(curve(0.5 * (low + high)));
+      }
+  return box;
+}
+
 double area_of(const RegionLoop& loop) {
   const std::vector<Vec2> c = corners(loop);
   double sum = 0.0;

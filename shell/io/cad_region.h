@@ -3,6 +3,8 @@
 #include <functional>
 #include <vector>
 
+#include <Eigen/Geometry>
+
 #include "coupler/core/vec.h"
 
 namespace sunder::shell {
@@ -12,6 +14,18 @@ using RegionCurve = std::function<Vec2(double)>;
 /// A closed loop of curves, each beginning where the one before ends. The region lies on its left.
 using RegionLoop = std::vector<RegionCurve>;
 using Region = std::vector<RegionLoop>;
+
+constexpr int kRegionSamples = 65;  // places along a curve where it is looked at
+
+/// Calls f(curve, t) at places along each curve of a loop.
+template <class F>
+void each_sample(const RegionLoop& loop, F&& f) {
+  for (const RegionCurve& curve : loop)
+    for (int i = 0; i < kRegionSamples; ++i) f(curve, static_cast<double>(i) / (kRegionSamples - 1));
+}
+
+/// Smallest box around a loop, extremes between two samples included.
+Eigen::AlignedBox2d box_of(const RegionLoop& loop);
 
 /// Area that a loop encloses, positive for an outline (counter-clockwise) and negative for a hole.
 double area_of(const RegionLoop& loop);

@@ -48,7 +48,7 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
     shell.mutable_cad()->set_face(face);
     const std::vector<CadSurface> surfaces = file.surfaces(scene, "shells[0].cad", shell.cad());
     std::ptrdiff_t holes = 0, trimmed = 0;
-    double area = 0.0, shortest = element;
+    double area = 0.0, shortest = element, error = 0.0;
     Json widths = Json::array(), elements = Json::array();
     for (std::size_t k = 0; k < surfaces.size(); ++k) {
       const std::vector<CadLoop>& loops = surfaces[k].loops;
@@ -57,6 +57,7 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
       const ShellModel m = build_shell(scene, shell, "shells[0]", files, static_cast<int>(k));
       for (const double part : m.mass) area += part / (m.material.density * m.thickness);
       shortest = std::min(shortest, m.shortest_element);
+      error = std::max(error, surfaces[k].error);
       widths.push_back(
           {m.patch.knots_u.end() - m.patch.knots_u.begin(), m.patch.knots_v.end() - m.patch.knots_v.begin()});
       elements.push_back({m.tables.spans_u, m.tables.spans_v});
@@ -65,6 +66,7 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
     out["parts"] = surfaces.size();
     out["width_m"] = widths[0];
     out["area_m2"] = surfaces[0].area;
+    out["approximated_m"] = error;
     out["area_of_shells_m2"] = area;
     out["parts_trimmed"] = trimmed;
     out["holes"] = holes;

@@ -13,9 +13,9 @@ TOLD: dict[str, Any] = {
     "file": "part.step", "unit": "millimetre", "low_m": [0.0, 0.0, -0.002], "size_m": [0.03, 0.02, 0.004],
     "element_m": 0.001,
     "faces": [
-        {"face": 0, "kind": "plane", "degree": 2, "width_m": [0.03, 0.02], "area_m2": 5.2e-4, "parts": 3, "parts_trimmed": 0,
+        {"face": 0, "kind": "plane", "degree": 2, "width_m": [0.03, 0.02], "area_m2": 5.2e-4, "approximated_m": 2e-8, "parts": 3, "parts_trimmed": 0,
          "holes": 1, "elements": [30, 20], "area_of_shells_m2": 5.2e-4, "shortest_element_m": 0.001, "refused": None},
-        {"face": 1, "kind": "plane", "degree": 2, "width_m": [0.02, 0.004], "area_m2": 8e-5, "parts": 1, "parts_trimmed": 1,
+        {"face": 1, "kind": "plane", "degree": 2, "width_m": [0.02, 0.004], "area_m2": 8e-5, "approximated_m": 0.0, "parts": 1, "parts_trimmed": 1,
          "holes": 0, "elements": [20, 4], "area_of_shells_m2": 8e-5, "shortest_element_m": 0.001, "refused": None},
         {"face": 2, "kind": "cylinder", "refused": "face 2 closes on itself along u; split it in the CAD program"}],
     "edges": {"shared": 5, "free": 1, "of_three_faces_or_more": 0, "widest_tolerance_m": 1e-10},
@@ -29,7 +29,7 @@ class Inspect(unittest.TestCase):
         text = report(TOLD)
         self.assertIn("part.step: 3 faces, 0.03 x 0.02 x 0.004 m, unit millimetre, elements of 0.001 m", text)
         lines = text.splitlines()
-        self.assertRegex(lines[2], r"^ +0  plane .* 30 x 20  1 hole, in 3 parts$")
+        self.assertRegex(lines[2], r"^ +0  plane .* 30 x 20  1 hole, in 3 parts, approximated to 2e-08 m$")
         self.assertRegex(lines[3], r"^ +1  plane .* 20 x 4  border$")
         self.assertRegex(lines[4], r"^ +2  cylinder +refused: face 2 closes on itself")
         self.assertIn("edges: 5 shared, 1 free, 0 of three faces or more; the widest tolerance is 1e-10 m", text)

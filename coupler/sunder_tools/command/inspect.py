@@ -122,4 +122,6 @@ def _trims(face: dict[str, Any]) -> str:
     parts = (["border"] if face["parts_trimmed"] else []) + ([_count(face["holes"], "hole")] if face["holes"] else [])
     if face["parts"] > 1:
         parts.append(f"in {face['parts']} parts")
+    if face["approximated_m"] > 0.0:
+        parts.append(f"approximated to {face['approximated_m']:.2g} m")
     return ", ".join(parts) or "-"

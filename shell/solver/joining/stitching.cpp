@@ -54,6 +54,8 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
             "\"{1}\" kind: OPEN }}",
             shells[first ? seam.first : seam.second]->name, shells[first ? seam.second : seam.first]->name);
   }
+  std::map<std::pair<int, int>, const DependentPoint*> tie_of;
+  for (const DependentPoint& t : dependent_points_) tie_of[{t.shell, t.slot}] = &t;
   for (const Seam& seam : stitches.seams)
     for (const CreasePoint& c : seam.crease) {
       const auto rest = [&](const PatchPoint& p) { return shells[p.patch]->patch.control_points[p.point]; };
@@ -71,7 +73,23 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
       end(c.first, sharp ? -1.0 : share - 1.0);
       for (const auto& [p, weight] : c.second) end(p, sharp ? weight : -share * weight);
       if (!sharp) end(c.on_seam, 1.0);
-      add_crease(constraint, shells, kSmoothSeam * chord.norm());
+      std::map<std::pair<int, int>, double> terms;
+      for (const Term& t : constraint.ends) {
+        const auto it = tie_of.find({t.shell, t.slot});
+        if (it == tie_of.end())
+          terms[{t.shell, t.slot}] += t.weight;
+        else
+          for (const IndependentPoint& m : it->second->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
+      }
+      Vec3 sum = Vec3::Zero();
+      for (const auto& [at, weight] : terms) {
+        if (std::abs(weight) <= kLooseWeight) continue;
+        constraint.terms.push_back({at.first, at.second, weight});
+        const std::vector<double>& x = shells[at.first]->rest;
+        for (int d = 0; d < 3; ++d) sum[d] += weight * x[d * x.size() / 3 + at.second];
+      }
+      constraint.length = sum.norm();
+      if (constraint.length > kSmoothSeam * chord.norm()) crease_constraints_.push_back(std::move(constraint));
     }
   tie_trims(stitches.seams, shells);
   edges_seen_.assign(shells.size(), 0);

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <fstream>
 
+#include "shell/geometry/edges.h"
 #include "tests/shell/io/cad_fixture.h"
 
 #ifdef SUNDER_CAD
@@ -245,9 +246,24 @@ TEST_F(Cad, FacesOfTwoDegreesAreRaisedToTheHigherOne) {
   }
 }
 
-TEST_F(Cad, WhatIsNoPatchIsRefused) {
-  write_step(whole(sheet(5, {0, 1, 2, 3, 4, 5}, {0, 0, 1, 1, 0, 0}, {0, 1}, {6, 6})), file("quintic.stp"));
-  EXPECT_SAYS(refusal("path: 'quintic.stp'"), "face 0 has degree 5 along u and 1 along v; at most 3 can be used");
+TEST_F(Cad, FacesOfAHigherDegreeAreApproximated) {
+  const Handle(Geom_BSplineSurface) quintic = sheet(5, {0, 10, 20, 30, 40, 50}, {0, 0, 20, -20, 10, 0}, {0, 1}, {6, 6});
+  write_step(whole(quintic), file("quintic.stp"));
+  const CadSurface read = surface("path: 'quintic.stp' elements_u: 8 elements_v: 8");
+  EXPECT_EQ(read.patch.degree(), 3);
+  EXPECT_GT(read.error, 0.0);
+  EXPECT_LE(read.error, 1e-5 * 0.06);  // of the size that the README states
+  double most = 0.0;
+  for (double a = 0.0; a <= 1.0; a += 0.05) {
+    const gp_Pnt q = quintic->Value(a, 0.4);
+    double nearest = 1.0;
+    for (double b = 0.0; b <= 1.0; b += 1e-4)
+      nearest = std::min(nearest, (read.patch.evaluate(edge_point(read.patch, kVMin, b)).x + 0.4 * Vec3(0, 0.03, 0) -
+                                   1e-3 * Vec3(q.X(), q.Y(), q.Z()))
+                                      .norm());
+    most = std::max(most, nearest);
+  }
+  EXPECT_LE(most, 5e-6);  // between places that are 5e-6 m apart
 }
 
 TEST_F(Cad, AFaceIsChosenWhereThereAreSeveral) {
