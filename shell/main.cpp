@@ -4,7 +4,6 @@
 #include "coupler/core/command_line.h"
 #include "coupler/link/channel.h"
 #include "coupler/link/recording.h"
-#include "shell/io/inspect.h"
 #include "shell/run/program.h"
 
 namespace {
@@ -63,26 +62,12 @@ int ask(const std::string& what, int argc, char** argv) {
   return is_hello ? hello(endpoint, keys) : replay_rigid(file, endpoint, keys);
 }
 
-/// Says what a CAD file holds. Returns the exit status.
-int inspect(int argc, char** argv) {
-  std::string file;
-  double element = 0.0;
-  CLI::App app("Prints as JSON what a STEP or IGES file holds, and what of it would be refused.",
-               "sunder-shell inspect");
-  app.add_option("FILE", file, "The file")->required();
-  app.add_option("--element", element, "Spacing of shells [m]; default: a fortieth of the file's size")->take_last();
-  if (!read_arguments(app, argc, argv)) return 0;
-  require(element >= 0.0, "--element {}: must be positive", element);
-  fmt::print("{}", shell::inspect_report(file, element));
-  return 0;
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   const std::string first = argc > 1 ? argv[1] : "";
   if (first == "hello" || first == "replay-rigid" || first == "inspect") try {
-      return first == "inspect" ? inspect(argc - 1, argv + 1) : ask(first, argc - 1, argv + 1);
+      return first == "inspect" ? shell::inspect_program(argc - 1, argv + 1) : ask(first, argc - 1, argv + 1);
     } catch (const Error& e) {
       fmt::print(stderr, "sunder-shell: {}: {}\n", e.kind, e.what());
       return static_cast<int>(e.status);

@@ -20,4 +20,7 @@ struct Program {
 /// Runs the command line. Returns the exit status; a message on stderr explains any other than 0.
 int run_program(const Program& program, int argc, char** argv);
 
+/// Says what a CAD file holds: the program's `inspect`. Returns the exit status. Throws Error where it cannot be read.
+int inspect_program(int argc, char** argv);
+
 }  // namespace sunder::shell

@@ -1,0 +1,20 @@
+#include "coupler/core/command_line.h"
+#include "shell/io/inspect.h"
+#include "shell/run/program.h"
+
+namespace sunder::shell {
+
+int inspect_program(int argc, char** argv) {
+  std::string file;
+  double element = 0.0;
+  CLI::App app("Prints as JSON what a STEP or IGES file holds, and what of it would be refused.",
+               "sunder-shell inspect");
+  app.add_option("FILE", file, "The file")->required();
+  app.add_option("--element", element, "Spacing of shells [m]; default: a fortieth of the file's size")->take_last();
+  if (!read_arguments(app, argc, argv)) return 0;
+  require(element >= 0.0, "--element {}: must be positive", element);
+  fmt::print("{}", inspect_report(file, element));
+  return 0;
+}
+
+}  // namespace sunder::shell
