@@ -13,6 +13,7 @@ FOLDERS = ("shell/fracture", "shell/solver/cracking", "shell/solver/joining", "s
 FILES = ("shell/solver/interlock.cpp", "shell/solver/interlock.h", "shell/solver/state.cpp", "shell/solver/surroundings.cpp",
          "shell/solver/surroundings.h")
 ROUND_OFF, COST, LAYOUT = "round-off of comparisons", "time or memory, no result", "size of an array, a number of a bit or of infinity"
+TIES = "of ties along trims, where nothing cracks"
 ELSEWHERE = {
     "shell/fracture/conditioning.cpp": {"kMargin": ROUND_OFF, "kProduct": LAYOUT},
     "shell/fracture/conditioning.h": {"kChoices": LAYOUT},
@@ -27,6 +28,9 @@ ELSEWHERE = {
     "shell/solver/cracking/nucleation.cpp": {"kRoundOff": ROUND_OFF},
     "shell/solver/cracking/tips.cpp": {"kFewTips": COST},
     "shell/solver/joining/seam_cracks.cpp": {"kAtEnds": ROUND_OFF},
+    "shell/solver/joining/seam_ties.cpp": {"kTieSpacing": TIES, "kFewestClosed": TIES, "kMostChange": TIES,
+                                           "kNoWeight": ROUND_OFF, "kFlat": ROUND_OFF, "kRidge": ROUND_OFF,
+                                           "kPasses": COST, "kAligned": ROUND_OFF},
     "shell/solver/joining/stitching.cpp": {"kOnALine": ROUND_OFF, "kOnePlace": ROUND_OFF, "kSweeps": COST,
                                            "kSameLength": ROUND_OFF},
     "shell/solver/joining/stitching.h": {"kLooseWeight": ROUND_OFF},
