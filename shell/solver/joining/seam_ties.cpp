@@ -23,6 +23,8 @@ constexpr double kMostChange = 0.1;  // of the largest weight: changes of weight
 constexpr double kFlat = 1e-12;      // least over largest spread of control points that make a direction
 constexpr double kRidge = 1e-12;     // of the diagonal: rows may say nearly the same
 constexpr int kPasses = 3;           // of solutions, each of which takes away the round-off of the one before
+constexpr int kBendSteps = 6;        // of Newton's method for all creases; three suffice
+constexpr double kBent = 1e-12;      // of a length: round-off
 constexpr double kAligned = 1e-14;   // of the velocities: round-off
 
 using Row = std::map<std::pair<int, int>, double>;
@@ -124,11 +126,38 @@ struct SeamTies::Solver {
   std::vector<double> inverse;                           // of the mass of each point
   std::vector<int> rows;                                 // that hold
   Eigen::SparseMatrix<double, Eigen::RowMajor> weights;  // [row][point]
-  std::array<Eigen::VectorXd, 3> mobility;               // [axis][point]
+  std::vector<int> creases;                              // that hold
+  Eigen::MatrixXd bends;                                 // [crease][point]
+  // What velocities [point][crease], and creases [crease][crease], gain by unit impulses on creases that part no tie.
+  std::array<Eigen::MatrixXd, 3> response, coupling;
+  std::array<Eigen::VectorXd, 3> mobility;  // [axis][point]
   std::array<std::shared_ptr<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>, 3> factors;
 };
 
-SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, const std::vector<const ShellModel*>& shells) {
+SeamTies::Row SeamTies::row_of(std::vector<WeightedSlot> terms, const std::vector<const ShellModel*>& shells) {
+  Row row{std::move(terms)};
+  for (const WeightedSlot& t : row.terms) {
+    const ShellModel& m = *shells[t.shell];
+    row.rest += t.weight * rest_of(m, t.slot);
+    for (int d = 0; d < 3; ++d) {
+      const auto has = [&](const std::vector<int>& slots) {
+        return std::find(slots.begin(), slots.end(), t.slot) != slots.end();
+      };
+      const auto& driven = m.constraints.driven;
+      const auto& tied = m.constraints.tied[d];
+      require(
+          std::none_of(driven.begin(), driven.end(), [&](const auto& part) { return has(part.slots[d]); }) &&
+              std::none_of(tied.begin(), tied.end(), has),
+          "a support of shell '{}' moves, or is one of symmetry, and its part ({:.4g}, {:.4g}) lies at a seam along "
+          "a trim; hold another part",
+          m.name, m.parameter_of_slot[t.slot].x(), m.parameter_of_slot[t.slot].y());
+    }
+  }
+  return row;
+}
+
+SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std::vector<WeightedSlot>> creases,
+                   const std::vector<const ShellModel*>& shells) {
   for (const ShellModel* m : shells) {
     auto& fixed = fixed_.emplace_back();
     for (int d = 0; d < 3; ++d) {
@@ -136,27 +165,8 @@ SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, const std::vecto
       for (const int slot : m->constraints.held[d]) fixed[d][slot] = m->held[slot] == 0;
     }
   }
-  for (std::vector<WeightedSlot>& terms : rows) {
-    Row row{std::move(terms)};
-    for (const WeightedSlot& t : row.terms) {
-      const ShellModel& m = *shells[t.shell];
-      row.rest += t.weight * rest_of(m, t.slot);
-      for (int d = 0; d < 3; ++d) {
-        const auto has = [&](const std::vector<int>& slots) {
-          return std::find(slots.begin(), slots.end(), t.slot) != slots.end();
-        };
-        const auto& driven = m.constraints.driven;
-        const auto& tied = m.constraints.tied[d];
-        require(
-            std::none_of(driven.begin(), driven.end(), [&](const auto& part) { return has(part.slots[d]); }) &&
-                std::none_of(tied.begin(), tied.end(), has),
-            "a support of shell '{}' moves, or is one of symmetry, and its part ({:.4g}, {:.4g}) lies at a seam along "
-            "a trim; hold another part",
-            m.name, m.parameter_of_slot[t.slot].x(), m.parameter_of_slot[t.slot].y());
-      }
-    }
-    rows_.push_back(std::move(row));
-  }
+  for (auto& terms : rows) rows_.push_back(row_of(std::move(terms), shells));
+  for (auto& terms : creases) creases_.push_back(row_of(std::move(terms), shells));
 }
 
 const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
@@ -175,6 +185,11 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
     if (!rows_[r].holds) continue;
     s->rows.push_back(static_cast<int>(r));
     for (const WeightedSlot& t : rows_[r].terms) number.try_emplace({t.shell, t.slot}, 0);
+  }
+  for (std::size_t r = 0; r < creases_.size(); ++r) {
+    if (!creases_[r].holds) continue;
+    s->creases.push_back(static_cast<int>(r));
+    for (const WeightedSlot& t : creases_[r].terms) number.try_emplace({t.shell, t.slot}, 0);
   }
   for (auto& [at, n] : number) {
     n = static_cast<int>(s->points.size());
@@ -202,6 +217,16 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
     }
     s->factors[d] = std::make_shared<Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>>>(matrix);
     ensure(s->factors[d]->info() == Eigen::Success, "ties along trimmed seams contradict one another");
+  }
+  const auto bends = static_cast<Eigen::Index>(s->creases.size());
+  s->bends = Eigen::MatrixXd::Zero(bends, static_cast<Eigen::Index>(s->points.size()));
+  for (Eigen::Index k = 0; k < bends; ++k)
+    for (const WeightedSlot& t : creases_[s->creases[k]].terms) s->bends(k, number.at({t.shell, t.slot})) += t.weight;
+  for (int d = 0; d < 3 && bends > 0; ++d) {
+    const Eigen::MatrixXd free = s->mobility[d].asDiagonal() * s->bends.transpose();
+    const Eigen::MatrixXd held = s->factors[d]->solve(Eigen::MatrixXd(s->weights * free));
+    s->response[d] = free - s->mobility[d].asDiagonal() * Eigen::MatrixXd(s->weights.transpose() * held);
+    s->coupling[d] = s->bends * s->response[d];
   }
   solver_ = s;
   return *solver_;
@@ -261,6 +286,42 @@ double SeamTies::align(const std::vector<ShellRef>& shells, double dt, bool pass
     }
   }
   return lost;
+}
+
+void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
+  if (creases_.empty()) return;
+  const Solver& s = solver(shells);
+  const auto count = static_cast<Eigen::Index>(s.points.size()), bends = static_cast<Eigen::Index>(s.creases.size());
+  if (bends == 0) return;
+  Eigen::MatrixXd x(count, 3), v(count, 3);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto& [shell, slot] = s.points[k];
+    x.row(k) = shells[shell].state->position(slot), v.row(k) = shells[shell].state->velocity(slot);
+  }
+  const Eigen::MatrixXd now = s.bends * x, along = now.rowwise().normalized();
+  bool moved = false;
+  for (int step = 0; step < kBendSteps; ++step) {
+    const Eigen::MatrixXd next = now + dt * (s.bends * v);
+    Eigen::VectorXd off(bends);
+    double worst = 0.0;
+    for (Eigen::Index k = 0; k < bends; ++k) {
+      const double length = creases_[s.creases[k]].rest.norm();
+      off[k] = next.row(k).norm() - length, worst = std::max(worst, std::abs(off[k]) / length);
+    }
+    if (worst <= kBent) break;
+    const Eigen::MatrixXd line = next.rowwise().normalized();
+    Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(bends, bends);
+    for (int d = 0; d < 3; ++d) gain += dt * (line.col(d).asDiagonal() * s.coupling[d] * along.col(d).asDiagonal());
+    const Eigen::VectorXd impulse = gain.partialPivLu().solve(-off);
+    for (int d = 0; d < 3; ++d) v.col(d) += s.response[d] * along.col(d).cwiseProduct(impulse);
+    moved = true;
+  }
+  if (!moved) return;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const auto& [shell, slot] = s.points[k];
+    ShellState& state = *shells[shell].state;
+    state.add_velocity(slot, Vec3(v.row(k)) - state.velocity(slot));
+  }
 }
 
 }  // namespace sunder::shell

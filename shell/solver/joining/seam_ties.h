@@ -32,8 +32,10 @@ SeamRows seam_rows(const Seam& seam, const std::vector<const ShellModel*>& shell
 class SeamTies {
  public:
   SeamTies() = default;
-  /// `rows` name independent control points only. Throws Error where a support moves one of them, or ties it to others.
-  SeamTies(std::vector<std::vector<WeightedSlot>> rows, const std::vector<const ShellModel*>& shells);
+  /// `rows` and `creases` (SeamRows) name independent control points only. Throws Error where a support moves one of
+  /// them, or ties it to others.
+  SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std::vector<WeightedSlot>> creases,
+           const std::vector<const ShellModel*>& shells);
 
   bool empty() const { return rows_.empty(); }
   /// Adds the forces of ties to `field`, so that tied control points accelerate alike.
@@ -41,10 +43,16 @@ class SeamTies {
   /// Takes from the velocities what would part the ties over a drift of `dt` [s]; 0: regardless of positions. What acts
   /// on control points that do not move is passed to supports if `pass`. Returns the kinetic energy that is lost [J].
   double align(const std::vector<ShellRef>& shells, double dt, bool pass);
+  /// Changes velocities so that creases have their length after a drift of `dt` [s], by impulses along their sums that
+  /// part no tie. All are found together (Newton): creases of one seam share control points. Call it after align.
+  void keep_creases(const std::vector<ShellRef>& shells, double dt);
   /// Releases rows with a control point for which `leaves(shell, slot)` is true. Returns whether there was any.
   template <class F>
   bool release(F&& leaves) {
     bool any = false;
+    for (Row& row : creases_)
+      for (std::size_t k = 0; row.holds && k < row.terms.size(); ++k)
+        if (leaves(row.terms[k].shell, row.terms[k].slot)) row.holds = false, any = true;
     for (Row& row : rows_)
       for (std::size_t k = 0; row.holds && k < row.terms.size(); ++k)
         if (leaves(row.terms[k].shell, row.terms[k].slot)) row.holds = false, any = true;
@@ -65,6 +73,7 @@ class SeamTies {
   template <class A>
   friend void archive(A& a, SeamTies& s) {
     for (Row& row : s.rows_) archive_one(a, row.holds);
+    for (Row& row : s.creases_) archive_one(a, row.holds);
     s.solver_.reset();
   }
 
@@ -77,7 +86,9 @@ class SeamTies {
   struct Solver;
   const Solver& solver(const std::vector<ShellRef>& shells);
 
-  std::vector<Row> rows_;
+  static Row row_of(std::vector<WeightedSlot> terms, const std::vector<const ShellModel*>& shells);
+
+  std::vector<Row> rows_, creases_;
   std::vector<std::array<std::vector<char>, 3>> fixed_;  // [shell][axis][slot]: a support holds it along this axis only
   std::shared_ptr<const Solver> solver_;                 // for the masses of now; made anew where they change
 };

@@ -112,37 +112,24 @@ std::vector<Stitching::Term> Stitching::independent_terms(const std::vector<Term
   return out;
 }
 
-// Adds a constraint for the length of the sum of its ends, if that is more than `least` [m].
-void Stitching::add_crease(CreaseConstraint constraint, const std::vector<const ShellModel*>& shells, double least) {
-  constraint.terms = independent_terms(constraint.ends);
-  Vec3 sum = Vec3::Zero();
-  for (const Term& t : constraint.terms) {
-    const std::vector<double>& x = shells[t.shell]->rest;
-    for (int d = 0; d < 3; ++d) sum[d] += t.weight * x[d * x.size() / 3 + t.slot];
-  }
-  constraint.length = sum.norm();
-  if (constraint.length > least) crease_constraints_.push_back(std::move(constraint));
-}
-
 void Stitching::tie_trims(const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells) {
-  std::vector<std::vector<WeightedSlot>> ties;
-  const auto terms_of = [](const std::vector<WeightedSlot>& row) {
+  std::vector<std::vector<WeightedSlot>> ties, creases;
+  const auto independent = [&](const std::vector<WeightedSlot>& row) {
     std::vector<Term> terms;
     for (const WeightedSlot& w : row) terms.push_back({w.shell, w.slot, w.weight});
-    return terms;
+    std::vector<WeightedSlot> out;
+    for (const Term& t : independent_terms(terms)) out.push_back({t.shell, t.slot, t.weight});
+    return out;
   };
   for (const Seam& seam : seams) {
     if (!seam.trimmed()) continue;
     const SeamRows rows = seam_rows(seam, shells);
-    for (const auto& row : rows.ties) {
-      std::vector<WeightedSlot> tie;
-      for (const Term& t : independent_terms(terms_of(row))) tie.push_back({t.shell, t.slot, t.weight});
-      if (!tie.empty()) ties.push_back(std::move(tie));
-    }
-    const double least = kSmoothSeam * std::max(shells[seam.first]->spacing, shells[seam.second]->spacing);
-    for (const auto& row : rows.creases) add_crease({terms_of(row), {}, 0.0, true}, shells, least);
+    for (const auto& row : rows.ties)
+      if (auto tie = independent(row); !tie.empty()) ties.push_back(std::move(tie));
+    for (const auto& row : rows.creases)
+      if (auto crease = independent(row); !crease.empty()) creases.push_back(std::move(crease));
   }
-  ties_ = SeamTies(std::move(ties), shells);
+  ties_ = SeamTies(std::move(ties), std::move(creases), shells);
 }
 
 void Stitching::move_masses(const std::vector<ShellRef>& shells) {
@@ -213,6 +200,7 @@ void Stitching::share(const std::vector<ShellRef>& shells, std::vector<double>& 
 
 void Stitching::enforce_crease_constraints(const std::vector<ShellRef>& shells, double dt) {
   ties_.align(shells, dt, true);
+  ties_.keep_creases(shells, dt);
   bool met = crease_constraints_.empty();
   for (int sweep = 0; sweep < kSweeps && !met; ++sweep) {
     met = true;
@@ -238,7 +226,7 @@ void Stitching::enforce_crease_constraints(const std::vector<ShellRef>& shells, 
         s.pass_to_supports(t.slot, t.weight * j * line);
       }
     }
-    if (!met) ties_.align(shells, dt, true);
+    if (!met) ties_.align(shells, dt, true), ties_.keep_creases(shells, dt);
   }
   update_dependent_velocities(shells);
 }

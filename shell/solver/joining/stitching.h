@@ -139,7 +139,6 @@ class Stitching {
   double release_dependent(const std::vector<ShellRef>& shells, DependentPoint& dependent);
   static double turn(const std::vector<ShellRef>& shells, const DependentPoint& dependent, const Vec3& turning);
   static void refresh(const std::vector<ShellRef>& shells, const DependentPoint& dependent);
-  void add_crease(CreaseConstraint constraint, const std::vector<const ShellModel*>& shells, double least);
   std::vector<Term> independent_terms(const std::vector<Term>& terms) const;
   void tie_trims(const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells);
 

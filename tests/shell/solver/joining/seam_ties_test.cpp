@@ -113,7 +113,7 @@ TEST(SeamTies, AlignKeepsMomentaAndTakesWhatItSays) {
     const double start = energy(s);
     EXPECT_GT(parted(s), 0.1);
     std::vector<const ShellModel*> models{&s.model(0), &s.model(1)};
-    SeamTies ties(seam_rows(s.seams()[0], models).ties, models);
+    SeamTies ties(seam_rows(s.seams()[0], models).ties, {}, models);
     const double lost = ties.align(s.refs(), 0.0, false);
     const auto after = s.sums();
     EXPECT_LT(parted(s), 1e-12);
