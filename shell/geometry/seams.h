@@ -41,8 +41,8 @@ struct SeamPlace {
   Vec2 first = Vec2::Zero(), second = Vec2::Zero();  // parameters in both patches
   // Parameter directions into both patches, across the seam; one unit is a metre of the surface.
   Vec2 into_first = Vec2::Zero(), into_second = Vec2::Zero();
-  double along = 0.0;                                // from the beginning of the seam [m]
-  double length = 0.0;                               // of seam that it stands for [m]
+  double along = 0.0;   // from the beginning of the seam [m]
+  double length = 0.0;  // of seam that it stands for [m]
 };
 
 /// Two edges that meet over their whole length, or two borders that run together along a trim loop.

@@ -200,14 +200,15 @@ class Pair {
     double near_length = 0.0;
     for (std::size_t k = 0; k < count; ++k) {
       const double middle = 0.5 * (a_.t[k] + a_.t[k + 1]);
-      on[k] = together(middle);
+      on[k] = together(middle) ? 1 : 0;
       near_length = on[k] ? 0.0 : near_length + check_near(middle, (a_.x[k + 1] - a_.x[k]).norm(), near_length);
     }
     std::vector<Stretch> out;
     if (std::all_of(on.begin(), on.end(), [](char c) { return c != 0; })) return {{0.0, a_.t.back()}};
     const double turn = a_.t.back();
     const auto middle = [&](std::size_t k) {
-      return 0.5 * (a_.t[k % count] + a_.t[k % count + 1]) + turn * static_cast<double>(k / count);
+      const std::size_t turns = k / count;
+      return 0.5 * (a_.t[k % count] + a_.t[k % count + 1]) + turn * static_cast<double>(turns);
     };
     std::size_t start = 0;
     while (on[start]) ++start;  // a gap, at which no stretch goes on

@@ -257,7 +257,8 @@ RunSetup build(const scene::LoadedScene& scene) {
                 (seam.second == static_cast<int>(k) ? seam.second_edge : 0);
     std::vector<PrescribedCut>& cuts = r.shells[k].fracture.cuts;
     for (std::size_t i = 0; i < cuts.size(); ++i)
-      settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", parts[k].shell, cuts[i].number), cuts[i]);
+      settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", parts[k].shell, cuts[i].number),
+                   cuts[i]);
   }
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
