@@ -8,9 +8,9 @@
 namespace sunder {
 namespace {
 
-constexpr double kSameAxis = 1e-12;  // sine of the angle between two axes that count as one
-constexpr double kSmallTurn = 1e-4;  // [rad], below which series take the place of quotients
-constexpr double kWholeTurn = 1e-3;  // [rad], from a whole turn, where the inverse of J is singular across the axis
+constexpr double kSameAxis = 1e-12;   // sine of the angle between two axes that count as one
+constexpr double kSeriesTurn = 1e-4;  // [rad], below which series take the place of quotients
+constexpr double kWholeTurn = 1e-3;   // [rad], from a whole turn, where the inverse of J is singular across the axis
 
 // The turn from one key to the next in world axes.
 Vec3 turn_between(const PoseKey& from, const PoseKey& to) {
@@ -26,7 +26,7 @@ Vec3 slope_of_turn(const Vec3& r, const Vec3& w) {
   const Vec3 across = r.cross(w);
   if (across.norm() <= kSameAxis * angle * w.norm()) return w;
   double share = 1.0 / 12.0 + angle * angle / 720.0;
-  if (angle > kSmallTurn) share = (1.0 - 0.5 * angle * std::sin(angle) / (1.0 - std::cos(angle))) / (angle * angle);
+  if (angle > kSeriesTurn) share = (1.0 - 0.5 * angle * std::sin(angle) / (1.0 - std::cos(angle))) / (angle * angle);
   return w - 0.5 * across + share * r.cross(across);
 }
 

@@ -3,12 +3,9 @@
 #include <cmath>
 #include <limits>
 
+#include "coupler/link/messages.h"
+
 namespace sunder::link {
-namespace {
-
-[[noreturn]] void refuse(const std::string& message) { throw Error(Exit::kPeerLost, "bad_message", message); }
-
-}  // namespace
 
 void EngineHost::loaded(const char* what) const {
   if (!is_loaded_) refuse(fmt::format("{} before Load", what));

@@ -24,7 +24,7 @@ struct Text {
   char characters[kCharacters + 1] = {};
 };
 
-[[noreturn]] void refuse(const std::string& path, const std::string& problem, const std::string& remedy) {
+[[noreturn]] void refuse_key(const std::string& path, const std::string& problem, const std::string& remedy) {
   throw Error(Exit::kBadInput, "bad_keys", fmt::format("{}: {}; {}", path, problem, remedy));
 }
 
@@ -44,30 +44,30 @@ struct File {
 // A user who can replace a public key can make the session admit another process.
 void only_we_write(const std::string& path, const struct stat& info) {
   if ((info.st_mode & (S_IWGRP | S_IWOTH)) != 0)
-    refuse(path, fmt::format("others may write it (mode {:04o})", info.st_mode & 07777),
-           fmt::format("chmod go-w {}", path));
+    refuse_key(path, fmt::format("others may write it (mode {:04o})", info.st_mode & 07777),
+               fmt::format("chmod go-w {}", path));
 }
 
 Text read_text(const std::string& path, bool secret) {
   const File file(open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK));  // a pipe must not block
   if (file.fd < 0)
-    refuse(path, std::strerror(errno), "--keys DIR is a folder that 'sunder keys DIR' made, or a copy of it");
+    refuse_key(path, std::strerror(errno), "--keys DIR is a folder that 'sunder keys DIR' made, or a copy of it");
   struct stat info {};  // of the open file: the path may name another one a moment later
-  if (fstat(file.fd, &info) != 0 || !S_ISREG(info.st_mode)) refuse(path, "is no file", kMakeNew);
+  if (fstat(file.fd, &info) != 0 || !S_ISREG(info.st_mode)) refuse_key(path, "is no file", kMakeNew);
   if (secret && (info.st_mode & (S_IRWXG | S_IRWXO)) != 0)
-    refuse(path, fmt::format("the secret key is open to others (mode {:04o})", info.st_mode & 07777),
-           fmt::format("chmod 600 {}, and make new keys if others may have read it", path));
+    refuse_key(path, fmt::format("the secret key is open to others (mode {:04o})", info.st_mode & 07777),
+               fmt::format("chmod 600 {}, and make new keys if others may have read it", path));
   only_we_write(path, info);
   char read_bytes[kCharacters + 3];
   const ssize_t count = read(file.fd, read_bytes, sizeof read_bytes);
-  if (count < 0) refuse(path, std::strerror(errno), kMakeNew);
+  if (count < 0) refuse_key(path, std::strerror(errno), kMakeNew);
   std::size_t size = static_cast<std::size_t>(count);
   if (size > 0 && read_bytes[size - 1] == '\n') --size;  // an editor may add it
   if (size != kCharacters)
-    refuse(path,
-           fmt::format("has {}{} characters, a key has {}", size > kCharacters ? "more than " : "",
-                       std::min(size, kCharacters), kCharacters),
-           kMakeNew);
+    refuse_key(path,
+               fmt::format("has {}{} characters, a key has {}", size > kCharacters ? "more than " : "",
+                           std::min(size, kCharacters), kCharacters),
+               kMakeNew);
   Text text;
   std::memcpy(text.characters, read_bytes, kCharacters);
   return text;
@@ -77,7 +77,7 @@ std::string decode(const std::string& path, const Text& text) {
   std::string bytes(kBytes, '\0');
   if (std::strlen(text.characters) != kCharacters ||
       zmq_z85_decode(reinterpret_cast<std::uint8_t*>(bytes.data()), text.characters) == nullptr)
-    refuse(path, "is damaged: not all of it is Z85", kMakeNew);
+    refuse_key(path, "is damaged: not all of it is Z85", kMakeNew);
   return bytes;
 }
 
@@ -87,7 +87,7 @@ void write_text(const std::string& path, const Text& text, mode_t mode, std::vec
   const std::string line = std::string(text.characters) + "\n";
   if (file.fd < 0 || write(file.fd, line.data(), line.size()) != static_cast<ssize_t>(line.size()) ||
       fchmod(file.fd, mode) != 0)  // independent of the umask
-    refuse(path, std::strerror(errno), "name a folder that may be written, on a disk with room");
+    refuse_key(path, std::strerror(errno), "name a folder that may be written, on a disk with room");
 }
 
 }  // namespace
@@ -99,16 +99,16 @@ void make_keys(const std::string& folder) {
     std::error_code ignored;
     if (error == EEXIST &&
         !(std::filesystem::is_directory(folder, ignored) && std::filesystem::is_empty(folder, ignored)))
-      refuse(folder, "is there already and not an empty folder", "name a new one: no key is ever written over");
+      refuse_key(folder, "is there already and not an empty folder", "name a new one: no key is ever written over");
     if (error != EEXIST || chmod(folder.c_str(), 0700) != 0)
-      refuse(folder, std::strerror(error == EEXIST ? errno : error), "name a folder that may be made");
+      refuse_key(folder, std::strerror(error == EEXIST ? errno : error), "name a folder that may be made");
   }
   std::vector<std::string> made;
   try {
     for (const Side side : {Side::kRigid, Side::kShell}) {
       Text open_text, secret_text;
       if (zmq_curve_keypair(open_text.characters, secret_text.characters) != 0)
-        refuse(folder, "this machine's ZeroMQ has no CURVE", "install one that is built with libsodium");
+        refuse_key(folder, "this machine's ZeroMQ has no CURVE", "install one that is built with libsodium");
       const std::string stem = folder + "/" + name(side);
       for (const auto& [ending, text, mode] :
            {std::tuple(".key", &secret_text, mode_t{0600}), std::tuple(".pub", &open_text, mode_t{0644})})
@@ -124,7 +124,7 @@ void make_keys(const std::string& folder) {
 Keys read_keys(const std::string& folder, Side side) {
   struct stat info {};
   if (stat(folder.c_str(), &info) != 0 || !S_ISDIR(info.st_mode))
-    refuse(folder, "no such folder", "make it with 'sunder keys DIR' and copy it to both machines");
+    refuse_key(folder, "no such folder", "make it with 'sunder keys DIR' and copy it to both machines");
   only_we_write(folder, info);
   const std::string own = folder + "/" + name(side), peer = folder + "/" + name(other(side)) + ".pub";
   const Text secret = read_text(own + ".key", true);
@@ -132,9 +132,9 @@ Keys read_keys(const std::string& folder, Side side) {
             decode(peer, read_text(peer, false))};
   Text derived;
   if (zmq_curve_public(derived.characters, secret.characters) != 0)
-    refuse(own + ".key", "this machine's ZeroMQ has no CURVE", "install one that is built with libsodium");
+    refuse_key(own + ".key", "this machine's ZeroMQ has no CURVE", "install one that is built with libsodium");
   if (decode(own + ".pub", derived) != keys.own_public)
-    refuse(own + ".pub", fmt::format("does not belong to {}.key", own), kMakeNew);
+    refuse_key(own + ".pub", fmt::format("does not belong to {}.key", own), kMakeNew);
   return keys;
 }
 

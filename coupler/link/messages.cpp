@@ -1,6 +1,7 @@
 #include "coupler/link/messages.h"
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 
 #include "coupler/core/error.h"
@@ -76,6 +77,13 @@ BodyMotion decode_motion(const Message& m, const char* list) {
 }
 
 }  // namespace
+
+void refuse(const std::string& message) { throw Error(Exit::kPeerLost, "bad_message", message); }
+
+std::int64_t now_ns() {
+  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
+      .count();
+}
 
 proto::Vec3 encode(const Vec3& v) {
   proto::Vec3 m;

@@ -31,6 +31,11 @@ void encode(const Motion& motion, proto::Handback* out);
 void encode(const ContactRow& row, proto::ContactRow* out);
 void encode_states(const std::vector<State>& states, google::protobuf::RepeatedPtrField<proto::BodyState>* out);
 
+/// Throws Error: bad_message, status peer lost.
+[[noreturn]] void refuse(const std::string& message);
+/// Nanoseconds of this computer's steady clock.
+std::int64_t now_ns();
+
 /// All decode functions throw Error (bad_message, status peer lost) with field and value. `field`: path for messages.
 Vec3 decode(const proto::Vec3& v, const std::string& field);
 Quat decode(const proto::Quaternion& q, const std::string& field);

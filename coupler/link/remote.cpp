@@ -1,7 +1,6 @@
 #include "coupler/link/remote.h"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 
 #include "coupler/core/version.h"
@@ -15,13 +14,6 @@ constexpr double kHelloSeconds = 120.0, kLoadSeconds = 120.0, kByeSeconds = 120.
 // Deadline of requests that move no body [s].
 constexpr double kLookSeconds = 120.0;
 constexpr std::int64_t kLatest_ns = std::int64_t{1} << 62;  // plausible times of the other side's clock
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-[[noreturn]] void refuse(const std::string& message) { throw Error(Exit::kPeerLost, "bad_message", message); }
 
 void expect(bool right_kind, const char* request) {
   if (!right_kind) refuse(fmt::format("a reply of another kind to {}", request));

@@ -1,6 +1,5 @@
 #include "coupler/link/session.h"
 
-#include <chrono>
 #include <memory>
 
 #include "coupler/core/version.h"
@@ -8,16 +7,6 @@
 #include "coupler/link/messages.h"
 
 namespace sunder::link {
-namespace {
-
-std::int64_t now_ns() {
-  return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
-      .count();
-}
-
-[[noreturn]] void refuse(const std::string& message) { throw Error(Exit::kPeerLost, "bad_message", message); }
-
-}  // namespace
 
 struct Answer {
   Session& s;

@@ -16,8 +16,6 @@ constexpr int kFine = 16;        // fine points per spacing
 constexpr int kFewest = 256, kMost = 1 << 19;  // number of fine points
 constexpr int kHighestSpline = 5;              // highest degree
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 Vec2 nearest(const Vec2& p, const Vec2& a, const Vec2& b) {
   const Vec2 d = b - a;
   return a + std::clamp((p - a).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0) * d;

@@ -21,8 +21,6 @@ constexpr double kInsideBox = 1e-9;  // share of a box by which places stay insi
 
 using Ring = std::vector<Vec2>;  // corners; the last is joined to the first
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 double signed_area(const Ring& ring) {
   double sum = 0.0;
   for (std::size_t k = 0; k < ring.size(); ++k) sum += cross(ring[k] - ring[0], ring[(k + 1) % ring.size()] - ring[0]);

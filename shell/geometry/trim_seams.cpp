@@ -16,16 +16,16 @@ namespace {
 constexpr int kPlacesPerElement = 8;    // along a seam, of the smaller elements
 constexpr int kFewestPieces = 2;        // of a curve of a border
 constexpr int kMostPieces = 20000;      // of a border
-constexpr int kSections = 60;           // steps that bracket the nearest point of a border
+constexpr int kBorderSections = 60;     // steps that bracket the nearest point of a border
 constexpr int kEndSteps = 45;           // bisections for the end of a seam
 constexpr double kFarChords = 2.0;      // chords: a point further off is not on the border
-constexpr double kNear = 0.2;           // borders within this share of the smaller elements nearly meet
+constexpr double kNearBorder = 0.2;     // borders within this share of the smaller elements nearly meet
 constexpr double kBeyondCorner = 10.0;  // tolerances: such a piece at the end of a seam is left out
 constexpr double kNearLength = 3.0;     // over this length [elements]
 constexpr double kShortest = 0.5;       // a stretch that is shorter is none [elements]
 constexpr double kLookAside = 0.05;     // distance at which a loop is asked on which side the patch is [elements]
 constexpr double kOnSide = 1e-9;        // share of the domain: a point this near a side of the patch is on it
-constexpr double kAskew = 0.1;          // cosine of normals that are clearly on one side or on opposite sides
+constexpr double kAskewBorder = 0.1;    // cosine of normals that are clearly on one side or on opposite sides
 
 // A closed border over t from 0 to the number of its curves.
 struct Border {
@@ -107,7 +107,7 @@ Foot foot_of(const Border& b, const Vec3& x, double enough) {
   for (const std::size_t at : {(k + count - 1) % count, k, (k + 1) % count}) {
     double low = b.t[at], high = b.t[at + 1];
     const auto off = [&](double t) { return (b.point(t) - x).squaredNorm(); };
-    for (int it = 0; it < kSections; ++it) {
+    for (int it = 0; it < kBorderSections; ++it) {
       const double a = low + (high - low) / 3.0, c = high - (high - low) / 3.0;
       (off(a) < off(c) ? high : low) = off(a) < off(c) ? c : a;
     }
@@ -180,7 +180,7 @@ class Pair {
  private:
   bool together(double t) const {
     const Vec2 p = a_.place(t);
-    const Foot foot = foot_of(b_, a_.of->patch->evaluate(p).x, kNear * least_);
+    const Foot foot = foot_of(b_, a_.of->patch->evaluate(p).x, kNearBorder * least_);
     if (foot.away > tolerance_) return false;
     return !(whole_edge(*a_.of, p) && whole_edge(*b_.of, b_.place(foot.t)));  // find_stitches joins those
   }
@@ -227,8 +227,8 @@ class Pair {
   double check_near(double t, double length, double before) const {
     const Vec2 p = a_.place(t);
     const Vec3 x = a_.of->patch->evaluate(p).x;
-    const Foot foot = foot_of(b_, x, kNear * least_);
-    if (foot.away <= tolerance_ || foot.away > kNear * least_) return -before;
+    const Foot foot = foot_of(b_, x, kNearBorder * least_);
+    if (foot.away <= tolerance_ || foot.away > kNearBorder * least_) return -before;
     require(before + length < kNearLength * least_,
             "the borders of shells '{}' and '{}' nearly meet: they are {:.3g} m apart at ({:.6g}, {:.6g}, {:.6g}), and "
             "{:.3g} m are allowed; move them together, or give seams.tolerance_m, or a rule that leaves them OPEN",
@@ -257,7 +257,7 @@ class Pair {
       SeamPlace place;
       place.length = (x - from).norm() + (to - x).norm();
       if (place.length <= 0.0) continue;
-      place.first = a_.place(middle), place.second = b_.place(foot_of(b_, x, kNear * least_).t);
+      place.first = a_.place(middle), place.second = b_.place(foot_of(b_, x, kNearBorder * least_).t);
       place.along = seam.length + 0.5 * place.length;
       place.into_first = across(*a_.of, place.first, to - from).parameter;
       place.into_second = across(*b_.of, place.second, to - from).parameter;
@@ -280,7 +280,7 @@ class Pair {
                  b = side(*b_.of->patch, place.second, place.into_second, normal_b);
       const double angle = std::atan2(a.cross(b).norm(), -a.dot(b));
       seam.angle = std::max(seam.angle, angle);
-      require(angle > 0.5 * std::numbers::pi || normal_a.dot(normal_b) > -kAskew,
+      require(angle > 0.5 * std::numbers::pi || normal_a.dot(normal_b) > -kAskewBorder,
               "shells '{}' and '{}' meet along their borders, but their normals u x v are on opposite sides; turn one "
               "of the patches over (reverse its u or v)",
               a_.of->name, b_.of->name);
@@ -319,7 +319,7 @@ std::vector<Seam> find_trim_seams(const std::vector<BorderedPatch>& patches, dou
       // Places are taken on the finer border.
       const bool finer = spacing_of(*patches[k].patch) < spacing_of(*patches[i].patch);
       const std::size_t a = finer ? k : i, b = finer ? i : k;
-      const double pad = kNear * spacing_of(*patches[a].patch) + tolerance;
+      const double pad = kNearBorder * spacing_of(*patches[a].patch) + tolerance;
       for (const Border& one : borders[a])
         for (const Border& other : borders[b]) {
           if (!box_of(one, pad).intersects(box_of(other, 0.0))) continue;

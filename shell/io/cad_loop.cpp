@@ -14,8 +14,6 @@ constexpr std::size_t kFewestCorners = 8;  // of a loop of arcs
 constexpr int kAreaSteps = 3;              // corrections of the corners: each leaves the square of the error
 constexpr double kJointStep = 1e-3;        // of a border, over which its direction at an end is taken
 
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 // Area between the arc from t0 to t1 and its chord, positive to the right of the chord.
 double area_over_chord(const PlaneCurve& curve, double t0, double t1) {
   const Vec2 origin = curve.at(t0);

@@ -10,11 +10,11 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kSeen = std::tuple_size_v<decltype(BodyPress::node)>;
+constexpr int kPressNodes = std::tuple_size_v<decltype(BodyPress::node)>;
 
 Vec3 of_nodes(const BodyPress& c, const std::vector<Vec3>& a) {
   Vec3 sum = Vec3::Zero();
-  for (int k = 0; k < kSeen; ++k) sum += c.weight[k] * a[c.node[k]];
+  for (int k = 0; k < kPressNodes; ++k) sum += c.weight[k] * a[c.node[k]];
   return sum;
 }
 
@@ -26,7 +26,7 @@ void solve(const SoftState& s, std::vector<BodyPress>& presses, std::vector<Prox
       Proxy& body = copies[c.copy];
       const Vec3 rel = of_nodes(c, v) - body.velocity_at(c.x);
       const Vec3 change = press(rel, c.normal, c.wanted, c.friction, c.along, c.across, c.impulse);
-      for (int k = 0; k < kSeen; ++k)
+      for (int k = 0; k < kPressNodes; ++k)
         if (c.weight[k] != 0.0) v[c.node[k]] += (c.weight[k] / s.grid.mass[c.node[k]]) * change;
       if (body.is_free()) body.apply(c.x, -change);
       changed += change.norm(), sum += c.impulse.norm();
