@@ -63,9 +63,21 @@ PlacedAt PoseCurve::at(double t) const {
   if (k >= turns_.size()) return {positions_[k], orientations_[k]};
   PlacedAt p;
   p.position = w.a * positions_[k] + w.b * velocities_[k] + w.c * positions_[k + 1] + w.d * velocities_[k + 1];
-  const Vec3 h = w.b * turn_from_[k] + w.c * turns_[k] + w.d * turn_into_[k];
-  p.orientation = (rotation_from_vector(h) * orientations_[k]).normalized();
+  p.orientation = (rotation_from_vector(turned(w)) * orientations_[k]).normalized();
   return p;
+}
+
+Vec3 PoseCurve::turned(const HermiteWeights& w) const {
+  return w.b * turn_from_[w.key] + w.c * turns_[w.key] + w.d * turn_into_[w.key];
+}
+
+double PoseCurve::turning(double t, double u) const {
+  const HermiteWeights from = hermite_weights(times_, t);
+  HermiteWeights to = hermite_weights(times_, u);
+  if (static_cast<std::size_t>(from.key) >= turns_.size()) return 0.0;
+  // at the next key the piece before it has come to its end
+  const Vec3 end = to.key == from.key ? turned(to) : turns_[from.key];
+  return (end - turned(from)).norm();
 }
 
 }  // namespace sunder

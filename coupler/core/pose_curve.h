@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "coupler/core/smooth_keys.h"
 #include "coupler/core/vec.h"
 
 namespace sunder {
@@ -33,8 +34,13 @@ class PoseCurve {
   bool empty() const { return times_.empty(); }
   const std::vector<double>& times() const { return times_; }  // of the keys [s]
   PlacedAt at(double t) const;
+  /// At least the angle [rad] that it turns through from time t to time u, between which there is no key; whole turns
+  /// count. It is that angle where the axis stays.
+  double turning(double t, double u) const;
 
  private:
+  Vec3 turned(const HermiteWeights& w) const;  // h, between a key and the next one
+
   std::vector<double> times_;
   std::vector<Vec3> positions_, velocities_;
   std::vector<Quat> orientations_;

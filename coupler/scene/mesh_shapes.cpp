@@ -23,14 +23,15 @@ std::vector<int> points_of(const Surface& surface, const std::vector<Vec3>& poin
 
 // Throws Error where the surface of these corners is not closed or crosses itself.
 void check_shape(const LoadedScene& scene, const std::string& field, const std::string& what,
-                 const std::vector<Vec3>& corners, const Surface& surface) {
+                 const std::vector<Vec3>& corners, const Surface& surface, const std::string& remedy) {
   std::vector<Polygon> polygons;
   for (const auto& t : surface.triangles)
     polygons.push_back({{t[0], t[1], t[2]}, static_cast<int>(polygons.size()) + 1});
   try {
     closed_surface(corners, polygons, "triangle");
   } catch (const Error& e) {
-    scene.fail(field, fmt::format("{} {}", what, e.what()));
+    const std::string told = e.what();  // its remedy is for a file
+    scene.fail(field, fmt::format("{}: {}; {}", what, told.substr(0, told.find(';')), remedy));
   }
 }
 
@@ -54,7 +55,8 @@ void add_inflated(const LoadedScene& scene, const std::string& field, const prot
     for (std::size_t i = 0; i < corners.size(); ++i) corners[i] += d.inflate(k).distance_m() * normals[i];
     if (d.inflate(k).distance_m() != 0.0)
       check_shape(scene, fmt::format("{}.inflate[{}].distance_m", field, k),
-                  fmt::format("is {} m, with which the surface", d.inflate(k).distance_m()), corners, out.surface);
+                  fmt::format("is {} m, too far for this surface", d.inflate(k).distance_m()), corners, out.surface,
+                  "give a smaller distance");
     if (out.times.empty() && d.inflate(k).time_s() > 0.0)
       out.times.push_back(0.0), out.corners.push_back(out.surface.corners);
     out.times.push_back(d.inflate(k).time_s()), out.corners.push_back(std::move(corners));
@@ -101,7 +103,8 @@ SolidShapes read_shapes(const LoadedScene& scene, const std::string& field, cons
     check_faces(first, file);
     std::vector<Vec3> corners;
     for (const int i : point) corners.push_back(file.points[i]);
-    check_shape(scene, at + ".path", fmt::format("'{}'", mesh.path()), corners, out.surface);
+    check_shape(scene, at + ".path", fmt::format("'{}' is no shape of this body", mesh.path()), corners, out.surface,
+                "mend that in the file");
     out.times.push_back(d.shapes(k).time_s()), out.corners.push_back(std::move(corners));
   }
   return out;

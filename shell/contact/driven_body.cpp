@@ -7,6 +7,7 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kFarTurn = 1.0;  // [rad], from which on the chord of an arc tells little of its length
 constexpr int kLooks = 16;  // between two keys: the speed of a cubic is a parabola, whose top they see to a part in 500
 
 }  // namespace
@@ -50,14 +51,17 @@ double DrivenMotion::fastest(double radius, double& when) const {
   std::vector<Vec3> now, then;
   const auto look = [&](double from, double to) {
     const PlacedAt a = at(from), b = at(to);
+    const double turn = path.empty() ? 0.0 : path.turning(from, to);
     double travel = 0.0;
     if (deforms()) {
       shape.at(from, now), shape.at(to, then);
-      for (std::size_t i = 0; i < now.size(); ++i)
-        travel = std::max(travel, (b.position + b.orientation * then[i] - a.position - a.orientation * now[i]).norm());
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        const double least = (b.position + b.orientation * then[i] - a.position - a.orientation * now[i]).norm();
+        const double most = (b.position - a.position).norm() + (then[i] - now[i]).norm() + turn * now[i].norm();
+        travel = std::max(travel, turn > kFarTurn ? most : least);
+      }
     } else {
-      travel =
-          (b.position - a.position).norm() + radius * rotation_vector(b.orientation * a.orientation.conjugate()).norm();
+      travel = (b.position - a.position).norm() + radius * turn;
     }
     if (travel / (to - from) > most) most = travel / (to - from), when = from;
   };

@@ -4,9 +4,16 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <Eigen/Dense>
 
 namespace sunder::shell {
+namespace {
+
+constexpr double kLeastSafety = 0.05;  // a lower time_step_safety is no remedy
+
+}  // namespace
+
 Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass, double friction, double restitution) {
   const double v_n = n.dot(v_rel);
   if (v_n >= 0.0) return Vec3::Zero();  // separating
@@ -26,7 +33,14 @@ Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass,
   return gains ? Vec3(-(1.0 + restitution) * v_n / n.dot(inverse_mass * n) * n) : j;
 }
 
-Proxy::Proxy(RigidBody b, std::shared_ptr<const DrivenMotion> driven) : body(std::move(b)), driven_(std::move(driven)) {
+std::string slow_down(double travel, double wide, double safety) {
+  const double enough = 0.99 * safety * wide / travel;
+  return enough < kLeastSafety ? "slow it down: shells are not solved in steps so short"
+                               : fmt::format("slow it down, or take a time_step_safety of {:.2g}", enough);
+}
+
+Proxy::Proxy(RigidBody b, std::shared_ptr<const DrivenMotion> driven, double arrived)
+    : body(std::move(b)), driven_(std::move(driven)), arrived_(arrived) {
   if (const auto* s = std::get_if<SphereShape>(&body.shape)) radius_ = s->radius;
   if (const auto* s = std::get_if<BoxShape>(&body.shape)) radius_ = s->half_size.norm();
   if (std::holds_alternative<HalfSpaceShape>(body.shape)) radius_ = std::numeric_limits<double>::infinity();

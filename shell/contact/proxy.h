@@ -15,10 +15,14 @@ namespace sunder::shell {
 /// definite. The sample sticks where Coulomb's law allows it; otherwise the impulse acts against v_rel.
 Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass, double friction, double restitution);
 
+/// What to do about a body that moves `travel` [m] in a substep, further than it is wide [m].
+std::string slow_down(double travel, double wide, double safety);
+
 class Proxy {
  public:
   /// `driven`: the motion that the scene prescribes; null: the body moves by impulses, or it is static.
-  explicit Proxy(RigidBody body, std::shared_ptr<const DrivenMotion> driven = nullptr);
+  /// `arrived`: the time to which it has moved [s].
+  explicit Proxy(RigidBody body, std::shared_ptr<const DrivenMotion> driven = nullptr, double arrived = 0.0);
   RigidBody body;
   // Share of an overlap with the shell that contact removes in a substep. Rows of the engine may press a body on after
   // contact has stopped it (link/held_rows.h). Without recovery the body would creep into the shell.
@@ -54,6 +58,8 @@ class Proxy {
   /// A body with a smaller half width than the spacing of samples may pass between them.
   double half_width() const;
   /// True where a driven body has come to the end of its motion.
+  /// Time to which a driven body has moved [s].
+  double arrived() const { return arrived_; }
   bool has_arrived() const { return driven_ && arrived_ >= driven_->last(); }
   /// Speed of the centre now [m/s]; of a driven body the largest of all its points over the whole motion.
   double top_speed() const { return driven_ ? driven_->top_speed : body.motion.velocity.norm(); }

@@ -260,11 +260,13 @@ RunSetup build(const scene::LoadedScene& scene) {
       settle_edges(scene, r.shells[k].model, seamed, fmt::format("shells[{}].cuts[{}]", parts[k].shell, cuts[i].number),
                    cuts[i]);
   }
+  double least_window = 0.0;  // about the stable step [s]
+  for (const ShellSetup& s : r.shells) least_window = std::max(least_window, s.model.spacing / s.model.wave_speed());
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
     RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);
     if (m.bodies(i).has_launch()) launch(scene, r, m.bodies(i), b);
-    r.driven.push_back(make_driven(scene, field, m.bodies(i), b));
+    r.driven.push_back(make_driven(scene, field, m.bodies(i), least_window, b));
     if (r.driven.back()) r.last_change = std::max(r.last_change, r.driven.back()->last());
     groups[b.name] = b.contact_group = static_cast<std::uint32_t>(groups.size());
     for (const ShellSetup& shell : r.shells) {

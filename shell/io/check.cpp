@@ -34,8 +34,8 @@ double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::siz
     scene.check(travel <= body.radius() + m.thickness,
                 fmt::format("bodies[{}].{}", i, body.is_driven() ? "motion" : "twist"),
                 "moves '{}' {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
-                "slow it down, or lower time_step_safety",
-                setup.bodies[i].name, travel, m.name);
+                "{}",
+                setup.bodies[i].name, travel, m.name, slow_down(travel, body.radius() + m.thickness, setup.safety));
   }
   return step;
 }

@@ -62,12 +62,14 @@ void archive_state(A& a, const RunSetup& setup, State& state) {
   archive_all(a, state.random, state.substeps, state.engine_loss, state.driven_work, state.frozen_potential,
               state.kinetic, state.elastic);
   std::vector<RigidBody> bodies;
-  for (const Proxy& p : state.bodies) bodies.push_back(p.body);
-  archive_one(a, bodies);
+  std::vector<double> arrived;  // of bodies with a prescribed motion, and 0
+  for (const Proxy& p : state.bodies) bodies.push_back(p.body), arrived.push_back(p.arrived());
+  archive_all(a, bodies, arrived);
   if constexpr (A::kReading) {
     state.bodies.clear();
     for (std::size_t i = 0; i < bodies.size(); ++i)
-      state.bodies.emplace_back(std::move(bodies[i]), i < setup.driven.size() ? setup.driven[i] : nullptr);
+      state.bodies.emplace_back(std::move(bodies[i]), i < setup.driven.size() ? setup.driven[i] : nullptr,
+                                i < arrived.size() ? arrived[i] : 0.0);
   }
   archive_one(a, state.stitching);
   state.soft.archive_state(a);

@@ -11,7 +11,11 @@ namespace {
 
 using Scheme = CouplingRules::Scheme;
 
-constexpr int kStiffnessEvery = 8;         // windows between two measurements of stiffness
+constexpr int kStiffnessEvery = 8;  // windows between two measurements of stiffness
+// A body that follows its motion is kHeavy times heavier than all that it may push: what gives way takes this share of
+// its speed at most. One that loses more in the engine has met what does not give way: a static body, or another such
+// body.
+constexpr double kGivesWay = 1e-2;
 constexpr int kHeavyEvery = 8;             // windows between two looks for heavy bodies on light ones
 constexpr int kHeldWindows = 64;           // windows for which a body counts as held by the engine, or stays exported
 constexpr std::int64_t kHeldAtFirst = 64;  // windows at the start in which every body counts as held
@@ -169,6 +173,7 @@ void Coupler::open_window(double window) {
         if (moving.count(id)) exported.insert(id);
     }
   }
+  std::erase_if(rows, [&](const link::ContactRow& r) { return !moving.count(r.first) && !moving.count(r.second); });
   std::vector<RigidBody*> bodies;
   for (Proxy& p : state_.bodies) bodies.push_back(&p.body);
   state_.rows.take(rows, joints, bodies);
@@ -211,10 +216,18 @@ std::vector<link::Motion> Coupler::predicted_states(double window, std::size_t c
   return out;
 }
 
+double Coupler::fastest_body(double window) const {
+  double most = setup_.gravity.norm() * window;
+  for (const Proxy& p : state_.bodies)
+    if (!p.body.is_static)
+      most = std::max(most, p.body.motion.velocity.norm() + (p.is_driven() ? p.top_speed() : p.turning_speed()));
+  return most;
+}
+
 void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& births) {
   Stopwatch w(simulation_.scratch.times[Stage::kCoupling]);
   const std::size_t old = state_.bodies.size() - births.size();
-  const double before = simulation_.bodies_energy(), driven = state_.driven_energy();
+  const double before = simulation_.bodies_energy(), driven = state_.driven_energy(), fastest = fastest_body(window);
   std::vector<link::State> states;
   std::vector<link::Motion> given;
   if (!agreed_.empty()) {  // scheme ITERATED has taken the window already; new bodies join now
@@ -230,6 +243,8 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   window_residual_ = 0.0;
   std::size_t k = 0;
   std::vector<BodyMotion> kept;  // of driven bodies
+  BodyId blocked = 0;
+  double most = 0.0;
   for (Proxy& p : state_.bodies) {
     if (p.body.is_static) continue;
     const BodyMotion& now = states[k].motion;
@@ -243,11 +258,18 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
       const bool exported = p.recovery > 0.0 && !state_.rows.empty();
       if (exported || !dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = clock_.windows + kHeldWindows;
     }
-    if (p.is_driven()) kept.push_back(p.body.motion);
+    if (p.is_driven()) {
+      kept.push_back(p.body.motion);
+      const Vec3 turned = p.body.apply_inverse_inertia(now.angular_momentum - p.body.motion.angular_momentum);
+      const double lost = (now.velocity - p.body.motion.velocity).norm() + turned.norm() * p.radius();
+      if (lost > kGivesWay * fastest && (blocked == 0 || lost > most)) blocked = p.body.id, most = lost;
+    }
     p.body.motion = now;
     ++k;
   }
-  const double worked = driven - state_.driven_energy();
+  // Its own work is in what the free bodies gained: what was lost beside that is not known then.
+  const double worked = blocked == 0 ? driven - state_.driven_energy() : simulation_.bodies_energy() - before;
+  if (blocked != 0 && blocked_.first == 0) blocked_ = {blocked, clock_.time()};
   state_.engine_loss += before - simulation_.bodies_energy() + worked, state_.driven_work += worked;
   std::size_t next = 0;  // a driven body goes on as the scene says
   for (Proxy& p : state_.bodies)

@@ -75,6 +75,8 @@ class Coupler {
   const std::vector<double>& released_at() const { return released_at_; }
   /// The worst pair of a heavy body on a light one, where the engine does not hold any.
   const HeavyPair& heavy_pair() const { return heavy_pair_; }
+  /// The first body with a prescribed motion that was pressed on what does not give way, and when [s]; 0: none.
+  const std::pair<BodyId, double>& blocked() const { return blocked_; }
   BirthErrors& birth_errors() { return birth_errors_; }
   const BirthErrors& birth_errors() const { return birth_errors_; }
 
@@ -82,13 +84,16 @@ class Coupler {
   friend void archive(A& a, Coupler& c) {
     archive_all(a, c.window_ticks_, c.shortest_window_, c.held_until_, c.exported_until_, c.ever_exported_, c.released_,
                 c.released_at_, c.exported_windows_, c.passes_, c.most_passes_, c.stiffest_, c.window_residual_,
-                c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_, c.heavy_pair_);
+                c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_, c.heavy_pair_,
+                c.blocked_);
   }
 
  private:
   /// The bodies of the list, in the order of State::bodies, whose shape does not change.
   std::vector<RigidBody> held_by_engine(const std::vector<RigidBody>& bodies) const;
   std::vector<link::Motion> motions() const;
+  /// Largest speed of any point of a moving body in a window [m/s].
+  double fastest_body(double window) const;
   void choose_exported();
   void add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio);  // adds k H^2 / M of each body [-]
   void add_soft_stiffness_ratio(std::vector<double>& ratio) const;
@@ -119,6 +124,7 @@ class Coupler {
   double ledger_linear_ = 0.0, ledger_angular_ = 0.0;
   BirthErrors birth_errors_;
   HeavyPair heavy_pair_;
+  std::pair<BodyId, double> blocked_{0, 0.0};
 };
 
 }  // namespace sunder::shell

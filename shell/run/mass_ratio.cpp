@@ -33,6 +33,11 @@ Eigen::AlignedBox3d box_of(const RigidBody& b) {
   return box;
 }
 
+std::string name_of(const std::vector<Proxy>& bodies, BodyId id) {
+  const auto at = std::find_if(bodies.begin(), bodies.end(), [&](const Proxy& p) { return p.body.id == id; });
+  return at == bodies.end() ? std::string() : at->body.name;
+}
+
 }  // namespace
 
 void look_for_heavy(const std::vector<Proxy>& bodies, std::size_t count, const Vec3& gravity, double window,
@@ -62,16 +67,20 @@ void look_for_heavy(const std::vector<Proxy>& bodies, std::size_t count, const V
   pair = worst;
 }
 
+std::string blocked_warning(const std::vector<Proxy>& bodies, BodyId id, double when) {
+  return fmt::format(
+      "at {:.4g} s '{}', which follows a prescribed motion, pressed on a body that does not give way, or pressed "
+      "another "
+      "one against it: work is booked as what free bodies gained there, and the engine's losses are not known",
+      when, name_of(bodies, id));
+}
+
 std::string heavy_warning(const std::vector<Proxy>& bodies, const HeavyPair& pair, const std::string& engine) {
   if (pair.looks < kLooks) return "";
-  const auto name = [&](BodyId id) {
-    const auto at = std::find_if(bodies.begin(), bodies.end(), [&](const Proxy& p) { return p.body.id == id; });
-    return at == bodies.end() ? std::string() : at->body.name;
-  };
   return fmt::format(
       "'{}' lies on '{}', which is {:.3g} times lighter: in windows as long as these the engine '{}' may let it sink "
       "in or squeeze it out; take --rigid ode, which holds any ratio, or a window_s of {:.2g} s or less",
-      name(pair.heavy), name(pair.light), pair.ratio, engine, pair.window);
+      name_of(bodies, pair.heavy), name_of(bodies, pair.light), pair.ratio, engine, pair.window);
 }
 
 }  // namespace sunder::shell

@@ -1,5 +1,6 @@
 #pragma once
-// Heavy bodies on light ones, which engines that iterate squeeze out.
+// Bodies that an engine does not hold as they are: heavy ones on light ones, which it squeezes out, and bodies with a
+// prescribed motion on what does not give way.
 #include <string>
 #include <vector>
 
@@ -22,5 +23,8 @@ void look_for_heavy(const std::vector<Proxy>& bodies, std::size_t count, const V
 
 /// A sentence for run.json about a pair that was seen often enough; empty where there is none.
 std::string heavy_warning(const std::vector<Proxy>& bodies, const HeavyPair& pair, const std::string& engine);
+
+/// A sentence for run.json about a body with a prescribed motion that met what does not give way, first at `when` [s].
+std::string blocked_warning(const std::vector<Proxy>& bodies, BodyId id, double when);
 
 }  // namespace sunder::shell

@@ -267,6 +267,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   const std::string engine = recorder.peer() ? recorder.peer()->name : "";
   if (std::string heavy = heavy_warning(state.bodies, run.coupler.heavy_pair(), engine); !heavy.empty())
     told.push_back(std::move(heavy));
+  if (const auto& [id, when] = run.coupler.blocked(); id != 0) told.push_back(blocked_warning(state.bodies, id, when));
   j["warnings"] = told;
   j["shards"] = shards_of(run);
   j["stable_step"] = stable_step_of(state);

@@ -168,8 +168,8 @@ void Simulation::start_shells(const std::function<void()>& look) {
       require(
           travel <= p.radius() + m.thickness,
           "body '{}' moves {:.3g} m in a substep, further than it is wide: it would pass through shell '{}' unseen; "
-          "slow it down, or lower time_step_safety",
-          p.body.name, travel, m.name);
+          "{}",
+          p.body.name, travel, m.name, slow_down(travel, p.radius() + m.thickness, setup_.safety));
     }
     const double most = kMostOfStable * (cracks ? setup.cracked_step : 1.0) * stable;
     require(setup_.time_step <= most,

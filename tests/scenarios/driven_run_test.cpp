@@ -98,6 +98,28 @@ joints { name: "string" kind: BALL first: "bob" second: "hand" position { z: 0.5
   EXPECT_LT(at.x(), 0.02) << "the bob lags behind the hand";
 }
 
+TEST(Driven, BodyOnWhatDoesNotGiveWayBooksWhatFreeBodiesGain) {
+  const std::string floor = "bodies { name: \"floor\" half_space {} pose { position { z: -0.1 } } }";
+  const std::string free =
+      "bodies { name: \"free\" material: \"soft\" box { size_m { x: 0.02 y: 0.02 z: 0.02 } } pose { position { x: 0.3 "
+      "z: -0.089 } } }";
+  const std::string press =
+      "bodies { name: \"press\" box { size_m { x: 0.1 y: 0.05 z: 0.02 } } motion { position { x: 0.3 z: -0.068 } } "
+      "motion { time_s: 0.01 position { x: 0.3 z: -0.091 } } }";
+  for (const char* engine : {"bullet", "ode"})
+    for (const std::string& bodies : {floor + press, floor + free + press}) {
+      WatchedRun end;
+      ASSERT_EQ(run_text(
+                    kSheet + bodies, engine, [](double, double, const std::vector<const RigidBody*>&) {}, &end),
+                "");
+      // A box of 8 g that leaves at a hundred times the speed of the press has 0.4 J times ten.
+      EXPECT_LT(std::abs(number(end.summary, "external_work")), 5.0) << engine;
+      EXPECT_NE(end.summary.find("'press', which follows a prescribed motion, pressed on"), std::string::npos)
+          << engine;
+      EXPECT_LT(std::abs(number(end.summary, "residual_relative")), 1e-3) << engine;
+    }
+}
+
 // The arch below a clamped sheet grows into it, by normals or by a mesh of its own.
 std::string grown(const std::string& deformation) {
   return kSheet +

@@ -74,6 +74,11 @@ TEST(PoseCurve, CountsWholeTurnsAboutAnAxisAndTakesTheShorterWayForQuaternions) 
   const PoseCurve twice({key(0, Vec3::Zero(), {0, 0, 0}), key(1, Vec3::Zero(), {0, 0, 2.0 * turn})});
   EXPECT_LT(twice.at(0.5).orientation.angularDistance(rotation_from_vector({0, 0, turn})), 1e-12);
   EXPECT_NEAR(spin(twice, 0.5).z(), 1.5 * 2.0 * turn, 1e-6);  // the middle of a smooth step
+  for (const double t : {0.0, 0.3, 0.9}) {
+    const double to = t + 0.1, s = t * t * (3.0 - 2.0 * t), e = to * to * (3.0 - 2.0 * to);
+    EXPECT_NEAR(twice.turning(t, to), 2.0 * turn * (e - s), 1e-12);
+  }
+  EXPECT_EQ(twice.turning(1.0, 2.0), 0.0);
   PoseKey a = key(0, Vec3::Zero(), {0, 0, 3.0}), b = key(1, Vec3::Zero(), {0, 0, -3.0});
   a.counts_turns = b.counts_turns = false;
   EXPECT_LT(PoseCurve({a, b}).at(0.5).orientation.angularDistance(rotation_from_vector({0, 0, 0.5 * turn})), 1e-12);

@@ -62,6 +62,10 @@ TEST(Motion, ThatJumpsOrStartsInsideAShellIsRefused) {
   const std::string jump = moved("motion { position { z: 0.1 } } motion { time_s: 1e-4 position { z: 0.03 } }");
   expect_refusal(jump, "bodies[0].motion", {"jumps", "further than it is wide, 0.04 m", "or a window_s of 1.9e-05 s"});
   EXPECT_EQ(refusal(jump, {"window_s=1.9e-5"}).kind, "accepted");
+  expect_refusal(moved("motion { position { z: 0.1 } } motion { time_s: 1e-7 position { z: 0.03 } }"),
+                 "bodies[0].motion", {"jumps", "a shell takes no window short enough"});
+  expect_refusal(moved("motion { position { z: 0.1 } } motion { time_s: 1e-7 position { z: 1e305 } }"),
+                 "bodies[0].motion", {"faster than numbers can say"});
   expect_refusal(moved("motion { position { z: 0.01 } } motion { time_s: 0.5 position { z: 0.3 } }"),
                  "bodies[0].motion", {"m inside shell 'pane'; move it away"});
 }
@@ -99,11 +103,42 @@ TEST(Deformation, IsAcceptedAndRefusedWithItsPlace) {
   // The feet are 0.04 m apart, and each grows by 0.025 m towards the other.
   expect_refusal(deforming(files, "inflate { } inflate { time_s: 0.5 distance_m: 0.04 }"),
                  "bodies[0].deformation.inflate[1].distance_m",
-                 {"is 0.04 m, with which the surface", "crosses itself"});
+                 {"is 0.04 m, too far for this surface", "crosses itself", "give a smaller distance"});
   expect_refusal(deforming(files, "inflate { } inflate { time_s: 1e-6 distance_m: 0.005 }"), "bodies[0].deformation",
                  {"jumps"});
   expect_refusal(deforming(files, inflate) + "joints { name: \"j\" kind: BALL first: \"ball\" }\n", "joints[0].first",
                  {"name a body that moves freely"});
+}
+
+TEST(Deformation, IsRefusedWhereItTurnsInsideOutOrCollapsesOnTheWay) {
+  Files files;
+  const arch::Mesh mesh = arch::mesh();
+  files.write("arch.obj", arch::obj(mesh));
+  sunder::Vec3 middle = sunder::Vec3::Zero();
+  for (const sunder::Vec3& p : mesh.points) middle += p / static_cast<double>(mesh.points.size());
+  std::size_t count = 0;
+  const auto expect = [&](const sunder::Mat3& map, const std::string& place, const std::string& word) {
+    arch::Mesh mapped = mesh;
+    for (sunder::Vec3& p : mapped.points) p = middle + map * (p - middle);
+    files.write("mapped" + std::to_string(++count) + ".obj", arch::obj(mapped));
+    const std::string scene = deforming(files, "shapes { time_s: 0.5 path: \"" + files.name(count) + "\" }");
+    if (place.empty())
+      EXPECT_EQ(refusal(scene).kind, "accepted") << refusal(scene).what();
+    else
+      expect_refusal(scene, place, {word});
+  };
+  const auto turn = [](double degrees) {
+    return Eigen::AngleAxisd(degrees * M_PI / 180.0, sunder::Vec3::UnitZ()).toRotationMatrix();
+  };
+  expect(sunder::Vec3(1, 1, -1).asDiagonal(), "bodies[0].deformation.shapes[0]", "inside out");
+  expect(turn(180), "bodies[0].deformation.shapes[0]", "give more shapes between the two, or turn it by motion");
+  expect(turn(150), "bodies[0].deformation.shapes[0]", "give more shapes between the two, or turn it by motion");
+  expect(turn(60), "", "");
+  expect_refusal(deforming(files, "inflate { } inflate { time_s: 0.5 distance_m: -0.08 }"),
+                 "bodies[0].deformation.inflate[1]", {"smaller"});
+  expect_refusal(deforming(files, "inflate { } inflate { time_s: 0.5 distance_m: 1e300 }"),
+                 "bodies[0].deformation.inflate[1].distance_m",
+                 {"too far for this surface", "give a smaller distance"});
 }
 
 TEST(Deformation, ShapesHaveThePointsAndFacesOfTheMesh) {

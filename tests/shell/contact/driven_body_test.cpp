@@ -1,5 +1,6 @@
 // Bodies whose motion and shape are prescribed: places, velocities, and what impulses do to them.
 #include <cmath>
+#include <numbers>
 
 #include <gtest/gtest.h>
 
@@ -112,6 +113,18 @@ TEST(DrivenMotion, TellsItsFastestPoint) {
   EXPECT_GT(fastest, 1.49 * (arc.norm() + 0.3 * 1.2) * 0.95);
   EXPECT_LT(fastest, 1.5 * (0.45 + 0.1 * 1.2 + 0.3 * 1.2));
   EXPECT_NEAR(when, 0.5, 1.0 / 16.0 + 1e-12);
+}
+
+TEST(DrivenMotion, OfManyTurnsBetweenKeysIsAsFastAsOfFew) {
+  for (const double turns : {0.5, 7.5, 8.0, 16.0, 31.0}) {
+    PoseKey a, b;
+    const Vec3 spin(0, 0, 2.0 * std::numbers::pi * turns);
+    b.time = 1.0, b.turn = spin, a.spin = b.spin = spin;
+    DrivenMotion motion;
+    motion.path = PoseCurve({a, b});
+    double when = 0.0;
+    EXPECT_NEAR(motion.fastest(0.3, when), 0.3 * spin.norm(), 1e-9 * spin.norm()) << turns;
+  }
 }
 
 }  // namespace
