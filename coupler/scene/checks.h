@@ -61,4 +61,9 @@ inline bool is_shell(const proto::Scene& m, const std::string& name) {
 /// Cuts and trims of a shell, whose field is `field` (validate_cuts.cpp).
 void validate_cuts(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
 
+/// Regions, lines and map of strength of a shell (validate_strength.cpp).
+void validate_strength(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
+/// Lines of strength in space, and the shells that they name.
+void validate_strength_lines(const LoadedScene& s);
+
 }  // namespace sunder::scene

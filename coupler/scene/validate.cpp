@@ -143,6 +143,16 @@ void support(const Scene& s, const std::string& g, const proto::Support& m) {
     const auto& u = p.displacement();
     return std::isfinite(u.x()) && std::isfinite(u.y()) && std::isfinite(u.z());
   });
+  if (!m.has_until_s()) return;
+  positive(s, g + ".until_s", true, m.until_s(), "s");
+  s.check(!is_static(s.message), g + ".until_s", "is a time, and in this scene nothing moves; leave it out");
+  s.check(m.until_s() < s.message.end_time_s(), g + ".until_s", "is {} s, and the run ends at {} s; leave it out",
+          m.until_s(), s.message.end_time_s());
+  const auto& fracture = s.message.fracture();
+  s.check(!fracture.has_latest_freeze_s() || m.until_s() < fracture.latest_freeze_s(), g + ".until_s",
+          "is {} s, and the shell is frozen at {} s at the latest; give an earlier time, or a later "
+          "fracture.latest_freeze_s",
+          m.until_s(), fracture.latest_freeze_s());
 }
 
 void load(const Scene& s, const std::string& g, const proto::ShellLoad& m) {
@@ -160,27 +170,6 @@ void load(const Scene& s, const std::string& g, const proto::ShellLoad& m) {
   }
   s.check(std::isfinite(m.pressure()), g + ".pressure", "is {}", m.pressure());
   over_time(s, g + ".factor", m.factor(), [](const proto::FactorPoint& p) { return std::isfinite(p.value()); });
-}
-
-void strength_factor(const Scene& s, const std::string& f, bool has, double factor) {
-  positive(s, f, has, factor, "-");
-  s.check(factor >= kLeastFactor && factor <= kMostFactor, f, "is {}; {:.0g} to {:.0g} (a thousand is unbreakable)",
-          factor, kLeastFactor, kMostFactor);
-}
-
-void strength_region(const Scene& s, const std::string& f, const proto::StrengthRegion& r) {
-  strength_factor(s, f + ".factor", r.has_factor(), r.factor());
-  if (r.has_disc()) {
-    s.check(!r.has_low() && !r.has_high(), f + ".disc", "is given, and so is a box; give one of them");
-    s.check(r.disc().has_center(), f + ".disc.center", "is missing; give u and v");
-    finite(s, f + ".disc.center", r.disc().center());
-    positive(s, f + ".disc.radius_m", r.disc().has_radius_m(), r.disc().radius_m(), "m");
-    return;
-  }
-  s.check(r.has_low() && r.has_high(), f, "has no place; give low and high {{ u v }}, or disc {{ center radius_m }}");
-  finite(s, f + ".low", r.low()), finite(s, f + ".high", r.high());
-  s.check(r.low().u() <= r.high().u() && r.low().v() <= r.high().v(), f,
-          "is a box whose low corner is above its high one");
 }
 
 std::string patch_name(const proto::Shell& shell) {  // the field that is set
@@ -276,19 +265,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
   s.check(!shell.has_equilibrium() || !shell.has_velocity(), f + ".velocity",
           "is given, but a shell in equilibrium starts at rest");
   validate_cuts(s, f, shell);
-  for (const auto& m : s.message.materials())
-    s.check(m.name() != shell.material() || m.has_strength() ||
-                (shell.strength_regions_size() == 0 && !shell.has_strength_map()),
-            f + (shell.has_strength_map() ? ".strength_map" : ".strength_regions"),
-            "scales the strength, which material '{}' has not; give it one, or leave this out", m.name());
-  for (int i = 0; i < shell.strength_regions_size(); ++i)
-    strength_region(s, fmt::format("{}.strength_regions[{}]", f, i), shell.strength_regions(i));
-  if (shell.has_strength_map()) {
-    const auto& map = shell.strength_map();
-    s.check(!map.path().empty(), f + ".strength_map.path", "is missing; name a PNG or PGM file beside the scene");
-    strength_factor(s, f + ".strength_map.low_factor", map.has_low_factor(), map.low_factor());
-    if (map.has_high_factor()) strength_factor(s, f + ".strength_map.high_factor", true, map.high_factor());
-  }
+  validate_strength(s, f, shell);
   finite(s, f + ".velocity", shell.velocity());
 }
 
@@ -442,6 +419,7 @@ void validate(const LoadedScene& s) {
   validate_fibres(s);
   validate_motion(s);
   fracture(s);
+  validate_strength_lines(s);
   validate_output(s);
 }
 

@@ -65,6 +65,13 @@ void seams(const LoadedScene& s) {
     s.check(r.first() != r.second(), f + ".second", "is '{}' as well; a seam is between two shells", r.second());
     s.check(pairs.insert(std::minmax(r.first(), r.second())).second, f, "says again how '{}' and '{}' hang together",
             r.first(), r.second());
+    if (!r.has_strength()) continue;
+    positive(s, f + ".strength", true, r.strength(), "N/m");
+    s.check(r.kind() != proto::SeamRule::OPEN, f + ".strength",
+            "is given, and kind is OPEN, which joins nothing; leave one of them out");
+    s.check(s.message.coupling().scheme() != proto::Coupling::ITERATED, f + ".strength",
+            "is given, and coupling.scheme is ITERATED, which would open the seam in a pass that is repeated; take "
+            "PROXY or EXPORTED");
   }
 }
 

@@ -57,6 +57,7 @@ struct Seam {
   std::vector<CreasePoint> crease;  // of a clamped crease
   std::vector<SeamPlace> places{};  // along a trim loop; empty: both are whole edges
   bool closed = false;              // the places go round, and the last one is beside the first
+  double strength = 0.0;            // force per length at which it opens [N/m]; 0: it does not
 
   bool trimmed() const { return !places.empty(); }
 };

@@ -16,6 +16,7 @@
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
 #include "shell/io/cad_parts.h"
+#include "shell/io/strength_factors.h"
 #include "shell/solver/contact/hertz.h"
 
 namespace sunder::shell {
@@ -207,6 +208,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   if (r.steps > 0) r.frame_interval = r.window;
   r.shell_frame_interval =
       m.output().has_shell_frame_interval_s() ? m.output().shell_frame_interval_s() : r.frame_interval;
+  for (const int field : m.output().fields()) r.fields.add(field);
   r.probe_interval = m.output().has_probe_interval_s() ? m.output().probe_interval_s() : r.window;
   r.checkpoint_interval =
       m.output().has_checkpoint_interval_s() ? m.output().checkpoint_interval_s() : r.end_time / 10.0;
@@ -234,11 +236,18 @@ RunSetup build(const scene::LoadedScene& scene) {
                   parameter_range(s.patch));
       scene.check(s.trim.empty() || s.trim.loops.contains(at), fmt::format("output.probes[{}].at", k),
                   "({:.9g}, {:.9g}) lies outside the trims of shell '{}'; take a place inside", at.x(), at.y(), s.name);
-      r.probes.push_back({p.name(), i, at});
+      Probe& probe = r.probes.emplace_back(Probe{p.name(), i, at});
+      for (int b = 0; b < m.bodies_size(); ++b)
+        if (m.bodies(b).name() == p.body()) probe.body = b;
+      for (const int field : p.fields()) probe.fields.add(field);
     }
     r.last_change = std::max(r.last_change, s.loads.last_change());
+    for (const SupportStage& stage : s.releases) r.last_change = std::max(r.last_change, stage.from);
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
   }
+  std::vector<const proto::Shell*> messages;
+  for (const ScenePart& part : parts) messages.push_back(&part.message);
+  check_space_lines(scene, messages, r.models());
   const bool several = r.shells.size() > static_cast<std::size_t>(m.shells_size());
   if (m.has_seams() || several) r.stitches = make_stitches(scene, parts, files, r);
   if (several) check_joined(scene, parts, files, r);
@@ -249,6 +258,8 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (const Seam& seam : r.stitches.seams)
     if (r.shells[seam.first].can_crack() != r.shells[seam.second].can_crack())
       beside.emplace_back(seam.first, seam.second);
+  for (const Seam& seam : r.stitches.seams)
+    if (seam.strength > 0.0) beside.emplace_back(seam.first, seam.second);
   for (const auto& [a, b] : beside) r.shells[a].seam_may_part = r.shells[b].seam_may_part = true;
   for (std::size_t k = 0; k < r.shells.size(); ++k) {
     int seamed = 0;
@@ -297,7 +308,7 @@ RunSetup build(const scene::LoadedScene& scene) {
         r.breaks.push_back(make_break(j.breaks()));
   for (const auto& p : m.output().probes())
     for (int i = 0; i < m.bodies_size(); ++i)
-      if (m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i});
+      if (p.shell().empty() && m.bodies(i).name() == p.body()) r.probes.push_back({p.name(), -1, Vec2::Zero(), i});
   for (ShellSetup& shell : r.shells) shell.hertz.assign(r.bodies.size(), 0.0);
   for (int k = 0; k < m.contacts_size(); ++k)
     if (m.contacts(k).has_hertz()) add_hertz(scene, m.contacts(k), fmt::format("contacts[{}].hertz", k), r);

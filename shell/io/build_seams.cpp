@@ -48,6 +48,43 @@ void check_uncracked(const scene::LoadedScene& scene, const std::vector<ScenePar
     }
 }
 
+// Gives seams the strength of their rule.
+void give_strengths(const scene::LoadedScene& scene, const std::vector<std::string>& names, Stitches& found) {
+  const proto::Seams& m = scene.message.seams();
+  for (int i = 0; i < m.rules_size(); ++i) {
+    const proto::SeamRule& rule = m.rules(i);
+    if (!rule.has_strength()) continue;
+    for (Seam& seam : found.seams) {
+      if (std::minmax(names[seam.first], names[seam.second]) != std::minmax(rule.first(), rule.second())) continue;
+      scene.check(!seam.trimmed(), fmt::format("seams.rules[{}].strength", i),
+                  "is given, and '{}' and '{}' are joined along a trim, which holds as a whole; leave it out",
+                  rule.first(), rule.second());
+      seam.strength = rule.strength();
+    }
+  }
+}
+
+// A support that lets go holds no control point of a seam: what seams join was settled with the support in place.
+void check_releases(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
+                    const RunSetup& r) {
+  for (const Seam& seam : found.seams)
+    for (const bool first : {true, false}) {
+      const int k = first ? seam.first : seam.second, edge = first ? seam.first_edge : seam.second_edge;
+      const ShellModel& m = r.shells[k].model;
+      std::vector<int> joined;
+      for (const int depth : {0, 1})
+        for (const int i : edge_row(m.patch, edge, depth)) joined.push_back(m.tables.slot(i));
+      for (const SupportStage& stage : m.releases) {
+        const auto lets_go = [&](int slot) { return seam.trimmed() || (m.held[slot] && !stage.held[slot]); };
+        scene.check(std::none_of(joined.begin(), joined.end(), lets_go),
+                    fmt::format("shells[{}].supports", parts[k].shell),
+                    "let go at {} s, and hold control points of the seam between '{}' and '{}'; hold a part off the "
+                    "seam, or leave until_s out",
+                    stage.from, r.shells[seam.first].model.name, r.shells[seam.second].model.name);
+      }
+    }
+}
+
 // A rule that joins two shells requires that they meet. Throws Error at the rule otherwise.
 void check_rules(const scene::LoadedScene& scene, const Stitches& found, const std::vector<std::string>& names,
                  double tolerance) {
@@ -164,6 +201,8 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     scene.fail("seams", e.what());
   }
   check_rules(scene, found, names, tolerance);
+  give_strengths(scene, names, found);
+  check_releases(scene, parts, found, r);
   check_uncracked(scene, parts, found, r);
   return found;
 }

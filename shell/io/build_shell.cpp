@@ -121,6 +121,7 @@ Support make_support(const proto::Support& m) {
   for (const int axis : m.axes()) s.axes[axis - proto::Support::X] = true;
   for (const auto& box : m.regions()) s.regions.push_back({to_parameter(box.low()), to_parameter(box.high())});
   for (const auto& p : m.motion()) s.motion.emplace_back(p.time_s(), scene::to_vec(p.displacement()));
+  if (m.has_until_s()) s.until = m.until_s();
   return s;
 }
 

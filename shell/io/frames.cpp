@@ -7,6 +7,7 @@
 #include <limits>
 #include <map>
 #include <numbers>
+#include <optional>
 
 #include "coupler/core/disjoint_sets.h"
 #include "coupler/core/error.h"
@@ -109,15 +110,44 @@ BodyId id_of(const Piece& piece, const std::vector<BodyId>& ids) {
   return count.empty() ? 0 : std::max_element(count.begin(), count.end(), fewer)->first;
 }
 
+// Arrays of the fields that a scene asks for, cell by cell.
+class CellFields {
+ public:
+  CellFields(const ShellModel& m, const ShellState& s, FieldSet set, const ContactOverTime& contact) {
+    for (const FieldArray& a : field_arrays(set))
+      arrays_.push_back({a.with_unit(), static_cast<int>(a.size()), {}, false, a.unit, a.components});
+    if (!arrays_.empty()) sampler_.emplace(m, s, set, contact);
+  }
+  // The next cell, with its centre.
+  void add(const Vec2& centre) {
+    if (!sampler_) return;
+    values_.clear();
+    sampler_->add_values(centre, values_);
+    auto from = values_.begin();
+    for (VtpArray& a : arrays_) {
+      a.values.insert(a.values.end(), from, from + a.components);
+      from += a.components;
+    }
+  }
+  std::vector<VtpArray>& arrays() { return arrays_; }
+
+ private:
+  std::vector<VtpArray> arrays_;
+  std::optional<FieldSampler> sampler_;
+  std::vector<double> values_;
+};
+
 // `ids` are those of the pieces of control points.
-VtpMesh shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids) {
+VtpMesh shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<BodyId>& ids, const FrameFields& fields,
+                   const ContactOverTime& contact) {
   std::vector<Piece> pieces;
   const Triangulation t = partition(m, s, pieces);
   std::vector<BodyId> id;
   for (const Piece& p : pieces) id.push_back(id_of(p, ids));
   VtpMesh mesh;
-  VtpArray velocity{"velocity", 3, {}}, displacement{"displacement", 3, {}};
-  VtpArray damage{"damage", 1, {}}, history{"c_his", 1, {}}, fragment{"fragment", 1, {}};
+  VtpArray velocity{"velocity", 3, {}, false, "m/s"}, displacement{"displacement", 3, {}, false, "m"};
+  VtpArray damage{"damage", 1, {}}, history{"c_his", 1, {}}, fragment{"fragment", 1, {}, true};
+  CellFields asked(m, s, fields.set, contact);
   const auto corner = [&](const Vec2& p, bool near_crack) {
     const Corner c = evaluate(m, s, p, near_crack);
     mesh.points.push_back(c.x);
@@ -166,9 +196,11 @@ VtpMesh shell_mesh(const ShellModel& m, const ShellState& s, const std::vector<B
     const std::size_t g = static_cast<std::size_t>(f) * m.tables.gauss * m.tables.gauss * m.tables.lanes + lane;
     damage.values.push_back(s.layers.c[g]), history.values.push_back(s.layers.c_his[g]),
         fragment.values.push_back(id[t.piece[i]]);
+    asked.add(centre);
   }
   mesh.point_data = {velocity, displacement};
   mesh.cell_data = {damage, history, fragment};
+  for (VtpArray& a : asked.arrays()) mesh.cell_data.push_back(std::move(a));
   return mesh;
 }
 
@@ -185,10 +217,10 @@ Vec2 held_back(const ShellModel& m, Vec2 p, const Vec2& other) {
 
 VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
   VtpMesh mesh;
-  VtpArray crack{"crack", 1, {}}, time{"time", 1, {}};
+  VtpArray crack{"crack", 1, {}, true}, time{"time", 1, {}, false, "s"};
   // Lines lie on the surface at rest with zero displacement, so that they fit any frame. On an interlayer they move
   // with it: it is one surface that no piece leaves.
-  VtpArray displacement{"displacement", 3, {}};
+  VtpArray displacement{"displacement", 3, {}, false, "m"};
   VtpArray parameter{"parameter", 3, {}};  // of the graph itself, also beyond the border; third component 0
   for (const CrackEdge& e : s.cracks.graph.edges()) {
     if (e.is_trim()) continue;
@@ -215,7 +247,7 @@ VtpMesh crack_mesh(const ShellModel& m, const ShellState& s) {
 void append(VtpMesh& all, VtpMesh one, int shell) {
   const int first = static_cast<int>(all.points.size());
   const std::size_t cells = one.polygons.size() + one.lines.size();
-  one.cell_data.push_back({"shell", 1, std::vector<double>(cells, shell)});
+  one.cell_data.push_back({"shell", 1, std::vector<double>(cells, shell), true});
   if (first == 0 && all.cell_data.empty()) {
     all = std::move(one);
     return;
@@ -235,7 +267,10 @@ void append(VtpMesh& all, VtpMesh one, int shell) {
 
 struct BodyMesh {
   VtpMesh mesh;
-  VtpArray body{"body", 1, {}}, kind{"kind", 1, {}};
+  VtpArray body{"body", 1, {}, true}, kind{"kind", 1, {}, true};
+  // where the scene asks for them
+  VtpArray velocity{"velocity", 3, {}, false, "m/s"}, spin{"spin_rad_per_s", 3, {}, false, "rad/s"},
+      mass{"mass_kg", 1, {}, false, "kg"};
   BodyId id = 0;  // of the body that is drawn, and its kind
   int kind_now = 0;
   void cell(std::vector<int> corners) {
@@ -319,8 +354,9 @@ void add_body(BodyMesh& out, const RigidBody& b) {
 // has faces, and `normal` is the sum of their normals.
 VtpMesh soft_mesh(const SoftBodies& soft) {
   VtpMesh mesh;
-  VtpArray velocity{"velocity", 3, {}}, volume{"J", 1, {}}, stress{"von_mises", 1, {}}, radius{"radius", 1, {}},
-      surface{"surface", 1, {}}, normal{"normal", 3, {}}, body{"soft_body", 1, {}};
+  VtpArray velocity{"velocity", 3, {}, false, "m/s"}, volume{"J", 1, {}}, stress{"von_mises", 1, {}, false, "Pa"},
+      radius{"radius", 1, {}, false, "m"}, surface{"surface", 1, {}, true}, normal{"normal", 3, {}},
+      body{"soft_body", 1, {}, true};
   for (std::size_t i = 0; i < soft.models().size(); ++i) {
     const SoftModel& m = soft.models()[i];
     const SoftState& s = soft.states()[i];
@@ -345,6 +381,19 @@ VtpMesh soft_mesh(const SoftBodies& soft) {
   return mesh;
 }
 
+// Adds the motion of a body to the points and cells that it has just got.
+void add_motion(BodyMesh& out, const RigidBody& b) {
+  const Vec3 w = b.is_static ? Vec3(Vec3::Zero()) : b.angular_velocity();
+  for (std::size_t i = out.velocity.values.size() / 3; i < out.mesh.points.size(); ++i) {
+    const Vec3 v = b.motion.velocity + w.cross(out.mesh.points[i] - b.motion.position);
+    out.velocity.values.insert(out.velocity.values.end(), {v.x(), v.y(), v.z()});
+  }
+  while (out.mass.values.size() < out.mesh.polygons.size()) {
+    out.spin.values.insert(out.spin.values.end(), {w.x(), w.y(), w.z()});
+    out.mass.values.push_back(b.mass);
+  }
+}
+
 // Begins each entry of frames.pvd that is of this time.
 std::string moment(double time) { return fmt::format("<DataSet timestep=\"{:.9g}\" ", time); }
 
@@ -360,20 +409,25 @@ FrameWriter::FrameWriter(std::string folder) : folder_(std::move(folder)) {
 
 void FrameWriter::write(double time, const std::vector<ShellView>& shells,
                         const std::vector<std::vector<BodyId>>& pieces, const SoftBodies& soft,
-                        const std::vector<RigidBody>& bodies, BodyId first_shard) {
+                        const std::vector<RigidBody>& bodies, BodyId first_shard, const FrameFields& fields) {
   if (const std::size_t same = index_.find(moment(time)); same != std::string::npos) index_.resize(same), --count_;
-  const auto put = [&](int part, const char* kind, const VtpMesh& mesh) {
+  const auto put = [&](int part, const char* kind, VtpMesh mesh) {
     const std::string name = fmt::format("frames/{}_{:06d}.vtp", kind, count_);
+    mesh.time = time;
     write_vtp(folder_ + "/" + name, mesh);
-    index_ += fmt::format("{}part=\"{}\" file=\"{}\"/>\n", moment(time), part, name);
+    index_ += fmt::format("{}part=\"{}\" name=\"{}\" file=\"{}\"/>\n", moment(time), part, kind, name);
   };
+  const ContactOverTime none;
   if (!shells.empty()) {
     VtpMesh shell, cracks;
     for (std::size_t k = 0; k < shells.size(); ++k) {
-      append(shell, shell_mesh(*shells[k].model, *shells[k].state, pieces[k]), static_cast<int>(k));
+      const ContactOverTime& contact = k < fields.contact.size() ? fields.contact[k] : none;
+      append(shell, shell_mesh(*shells[k].model, *shells[k].state, pieces[k], fields, contact), static_cast<int>(k));
+      shell.shell_names.push_back(shells[k].model->name);
       append(cracks, crack_mesh(*shells[k].model, *shells[k].state), static_cast<int>(k));
     }
-    put(0, "shell", shell), put(1, "cracks", cracks);
+    cracks.shell_names = shell.shell_names;
+    put(0, "shell", std::move(shell)), put(1, "cracks", std::move(cracks));
   }
   BodyMesh out;
   for (const RigidBody& b : bodies) {
@@ -383,9 +437,12 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
       add_mesh(out, b, it->second);
     else
       add_body(out, b);
+    if (fields.set.has(FieldSet::kBodyMotion)) add_motion(out, b);
   }
   out.mesh.cell_data = {out.body, out.kind};
-  put(2, "bodies", out.mesh);
+  if (fields.set.has(FieldSet::kBodyMotion))
+    out.mesh.point_data = {out.velocity}, out.mesh.cell_data.insert(out.mesh.cell_data.end(), {out.spin, out.mass});
+  put(2, "bodies", std::move(out.mesh));
   if (!soft.empty()) put(3, "soft", soft_mesh(soft));
   ++count_;
   write_atomically(folder_ + "/frames.pvd",

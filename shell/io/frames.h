@@ -5,11 +5,18 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "shell/io/fields.h"
 #include "shell/io/probes.h"
 #include "shell/soft/soft_bodies.h"
 #include "shell/solver/parting/handoff.h"
 
 namespace sunder::shell {
+
+/// Fields that a scene asks for, and the contact of each shell since the last frame.
+struct FrameFields {
+  FieldSet set{};
+  std::vector<ContactOverTime> contact{};
+};
 
 /// Writes one frame after another into a folder.
 class FrameWriter {
@@ -19,7 +26,8 @@ class FrameWriter {
   /// Without shells it writes bodies only. Body ids from `first_shard` on are shards. Throws Error (bad_output).
   /// `pieces` is the id of the piece of each control point of each shell: the cell array `fragment`.
   void write(double time, const std::vector<ShellView>& shells, const std::vector<std::vector<BodyId>>& pieces,
-             const SoftBodies& soft, const std::vector<RigidBody>& bodies, BodyId first_shard);
+             const SoftBodies& soft, const std::vector<RigidBody>& bodies, BodyId first_shard,
+             const FrameFields& fields = {});
   bool has_frame_of(double time) const;
   /// Draws the body from now on as this mesh, not as its convex parts, and with the id of the piece that it was.
   void draw_as(BodyId id, BodyId piece, DrawnMesh mesh) { drawn_[id] = std::move(mesh), piece_[id] = piece; }

@@ -1,5 +1,7 @@
 #include "shell/io/probes.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace sunder::shell {
@@ -57,12 +59,61 @@ std::pair<double, double> surface_area(const ShellModel& m, const ShellState& s)
   return {rest, now};
 }
 
+namespace {
+
+// Names of the columns of one array of a point, for example middle_stress_outside_xx [Pa].
+std::string field_columns(const std::string& probe, const FieldArray& a) {
+  std::string out;
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const std::string component = a.components.empty() ? "" : "_" + a.components[k];
+    out += fmt::format(",{}_{}{} [{}]", probe, a.name, component, a.unit.empty() ? "-" : a.unit);
+  }
+  return out;
+}
+
+std::string columns_of(const Probe& p) {
+  if (p.is_pair())
+    return fmt::format(",{0}_impulse_x [N s],{0}_impulse_y [N s],{0}_impulse_z [N s],{0}_x [N],{0}_y [N],{0}_z [N]",
+                       p.name);
+  std::string out = fmt::format(",{0}_x [m],{0}_y [m],{0}_z [m]", p.name);
+  if (p.body >= 0) out += fmt::format(",{0}_vx [m/s],{0}_vy [m/s],{0}_vz [m/s]", p.name);
+  if (p.body >= 0 && !p.soft)
+    out += fmt::format(",{0}_qw [-],{0}_qx [-],{0}_qy [-],{0}_qz [-],{0}_wx [rad/s],{0}_wy [rad/s],{0}_wz [rad/s]",
+                       p.name);
+  for (const FieldArray& a : field_arrays(p.fields)) out += field_columns(p.name, a);
+  return out;
+}
+
+// Values of the columns of one probe; empty where there is no shell any more.
+std::vector<double> values_of(const Probe& p, const ProbeMoment& now) {
+  std::vector<double> out;
+  const auto three = [&](const Vec3& v) { out.insert(out.end(), {v.x(), v.y(), v.z()}); };
+  if (p.is_pair()) {
+    if (now.shells.empty()) return {};
+    const ContactSince& c = now.contacts[p.shell];
+    Vec3 impulse = Vec3::Zero();
+    for (int d = 0; d < 3 && !c.by_body.empty(); ++d) impulse[d] = c.by_body[3 * p.body + d];
+    three(impulse), three(c.on_points.time > 0.0 ? Vec3(impulse / c.on_points.time) : Vec3(Vec3::Zero()));
+  } else if (p.body >= 0) {
+    const BodyMotion& b = p.soft ? now.soft[p.body] : now.bodies[p.body].motion;
+    three(b.position), three(b.velocity);
+    if (p.soft) return out;
+    const Quat& q = b.orientation;
+    out.insert(out.end(), {q.w(), q.x(), q.y(), q.z()}), three(now.bodies[p.body].angular_velocity());
+  } else if (!now.shells.empty()) {
+    const ShellView& s = now.shells[p.shell];
+    three(displacement(*s.model, *s.state, p.at));
+    if (p.fields.empty()) return out;
+    FieldSampler(*s.model, *s.state, p.fields, now.contacts[p.shell].on_points).add_values(p.at, out);
+  }
+  return out;
+}
+
+}  // namespace
+
 std::string probe_header(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models) {
   std::string out = "time [s]";
-  for (const Probe& p : probes) {
-    out += fmt::format(",{0}_x [m],{0}_y [m],{0}_z [m]", p.name);
-    if (p.body >= 0) out += fmt::format(",{0}_vx [m/s],{0}_vy [m/s],{0}_vz [m/s]", p.name);
-  }
+  for (const Probe& p : probes) out += columns_of(p);
   out += ",reaction_x [N],reaction_y [N],reaction_z [N]";
   for (const ShellModel* m : models)
     for (const Constraints::Part& part : m->constraints.parts) {
@@ -74,34 +125,29 @@ std::string probe_header(const std::vector<Probe>& probes, const std::vector<con
 }
 
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models,
-                      const std::vector<ShellView>& shells, const std::vector<BodyMotion>& bodies,
-                      const std::vector<BodyMotion>& soft, double time) {
-  std::string out = fmt::format("{:.9g}", time);
+                      const ProbeMoment& now) {
+  std::string out = fmt::format("{:.9g}", now.time);
   const auto three = [&](const Vec3& v) { out += fmt::format(",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z()); };
   for (const Probe& p : probes) {
-    if (p.body >= 0) {
-      const BodyMotion& b = (p.soft ? soft : bodies)[p.body];
-      three(b.position), three(b.velocity);
-    } else if (!shells.empty()) {
-      three(displacement(*shells[p.shell].model, *shells[p.shell].state, p.at));
-    } else {
-      out += ",,,";
-    }
+    const std::vector<double> values = values_of(p, now);
+    for (const double v : values) out += fmt::format(",{:.9g}", v);
+    const std::string columns = values.empty() ? columns_of(p) : "";
+    out.append(std::count(columns.begin(), columns.end(), ','), ',');
   }
   Vec3 sum = Vec3::Zero();
-  for (const ShellView& s : shells) sum += reaction(*s.model, *s.state, s.gravity);
-  if (!shells.empty())
+  for (const ShellView& s : now.shells) sum += reaction(*s.model, *s.state, s.gravity);
+  if (!now.shells.empty())
     three(sum);
   else
     out += ",,,";
   for (std::size_t k = 0; k < models.size(); ++k)
     for (const Constraints::Part& part : models[k]->constraints.parts) {
-      if (shells.empty()) {
+      if (now.shells.empty()) {
         out += ",,,,,,";
         continue;
       }
-      three(reaction(*models[k], *shells[k].state, shells[k].gravity, part));
-      three(support_impulse(*shells[k].state, part));
+      three(reaction(*models[k], *now.shells[k].state, now.shells[k].gravity, part));
+      three(support_impulse(*now.shells[k].state, part));
     }
   return out + "\n";
 }

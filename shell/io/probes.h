@@ -4,17 +4,20 @@
 #include <vector>
 
 #include "coupler/core/body.h"
+#include "shell/io/fields.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
 
-/// A point of a shell, or a body, that the scene asks to measure.
+/// A point of a shell, a body, or the contact of both, that the scene asks to measure.
 struct Probe {
   std::string name;
   int shell = -1;          // index; -1: the probe is on a body
   Vec2 at = Vec2::Zero();  // parameters [m]
   int body = -1;           // index; -1: the probe is on a shell
   bool soft = false;       // the body is soft
+  FieldSet fields{};       // at the point
+  bool is_pair() const { return shell >= 0 && body >= 0; }
 };
 
 /// Model and present state of a shell, and gravity on it [m/s^2].
@@ -24,15 +27,30 @@ struct ShellView {
   Vec3 gravity = Vec3::Zero();
 };
 
-/// Returns the first line of probes.csv: time, displacement of each point, motion of each body, reaction of all
-/// supports, reaction and impulse of each part of a support. `models` are all shells of the scene.
+/// Contact of a shell since the last row.
+struct ContactSince {
+  ContactOverTime on_points{};    // as for fields
+  std::vector<double> by_body{};  // impulse of each body on the shell [N s]; empty: none
+};
+
+/// What probes look at, at one moment.
+struct ProbeMoment {
+  double time = 0.0;                          // [s]
+  const std::vector<ShellView>& shells;       // all shells of the scene, or none: then their columns stay empty
+  const std::vector<ContactSince>& contacts;  // of each shell
+  const std::vector<RigidBody>& bodies;       // of the scene
+  const std::vector<BodyMotion>& soft;
+};
+
+/// Returns the first line of probes.csv: time; displacement of each point with its fields, motion of each body, contact
+/// of each pair; reaction of all supports, reaction and impulse of each part of a support. `models` are all shells of
+/// the scene.
 std::string probe_header(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models);
-/// Returns a row of probes.csv. `shells` are all shells of the scene, or empty: then their columns stay empty. A
-/// reaction [N] is the force of supports on the shell at the state's forces: minus the sum over held or driven control
-/// points, along each axis. An impulse [N s] is what the part has given to the shell since the last row.
+/// Returns a row of probes.csv. A reaction [N] is the force of supports on the shell at the state's forces: minus the
+/// sum over held or driven control points, along each axis. An impulse [N s] is what the part, or the body of a pair,
+/// has given to the shell since the last row.
 std::string probe_row(const std::vector<Probe>& probes, const std::vector<const ShellModel*>& models,
-                      const std::vector<ShellView>& shells, const std::vector<BodyMotion>& bodies,
-                      const std::vector<BodyMotion>& soft, double time);
+                      const ProbeMoment& now);
 
 /// Displacement [m] of a material point, with the functions of the uncut patch.
 Vec3 displacement(const ShellModel& model, const ShellState& state, const Vec2& at);

@@ -8,10 +8,16 @@
 
 namespace sunder::shell {
 
-/// Returns the strength factor of each Gauss point, [block][lane]: the product of strength_regions and strength_map.
-/// The result is empty where the shell has neither. `field` is the shell's field. Throws Error where a region holds no
-/// Gauss point, a map cannot be read or has the wrong aspect ratio, or a product is out of bounds.
+/// Returns the strength factor of each Gauss point, [block][lane]: the product of strength_regions, strength_lines
+/// (the scene's too) and strength_map. The result is empty where the shell has none. `field` is the shell's field.
+/// Throws Error where a region or a line of the shell holds no Gauss point, a line is narrower than an element, a map
+/// cannot be read or has the wrong aspect ratio, or a product is out of bounds.
 std::vector<float> strength_factors(const scene::LoadedScene& scene, const proto::Shell& shell, const ShellModel& model,
                                     const std::string& field);
+
+/// Throws Error where a line of the scene passes no Gauss point of its shells. `shells` are parts of the scene, in the
+/// order of `models`.
+void check_space_lines(const scene::LoadedScene& scene, const std::vector<const proto::Shell*>& shells,
+                       const std::vector<const ShellModel*>& models);
 
 }  // namespace sunder::shell

@@ -22,9 +22,36 @@ struct Appended {
 };
 
 std::string data_array(Appended& data, const VtpArray& a) {
-  return fmt::format(
-      "<DataArray type=\"Float64\" Name=\"{}\" NumberOfComponents=\"{}\" format=\"appended\" offset=\"{}\"/>\n", a.name,
-      a.components, data.add(a.values));
+  const std::size_t offset =
+      a.integer ? data.add(std::vector<std::int64_t>(a.values.begin(), a.values.end())) : data.add(a.values);
+  std::string head = fmt::format("<DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\"",
+                                 a.integer ? "Int64" : "Float64", a.name, a.components);
+  for (std::size_t k = 0; k < a.component_names.size(); ++k)
+    head += fmt::format(" ComponentName{}=\"{}\"", k, a.component_names[k]);
+  head += fmt::format(" format=\"appended\" offset=\"{}\"", offset);
+  if (a.unit.empty()) return head + "/>\n";
+  return head + fmt::format(
+                    "><InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">{}</InformationKey>"
+                    "</DataArray>\n",
+                    a.unit);
+}
+
+// The time, under the name that ParaView looks for, and names of shells: letters as numbers, a zero after each.
+std::string field_data(const VtpMesh& mesh) {
+  std::string out = fmt::format(
+      "<FieldData>\n<DataArray type=\"Float64\" Name=\"TimeValue\" NumberOfTuples=\"1\" format=\"ascii\">{:.17g}"
+      "</DataArray>\n",
+      mesh.time);
+  if (!mesh.shell_names.empty()) {
+    out += fmt::format("<Array type=\"String\" Name=\"shell_name\" NumberOfTuples=\"{}\" format=\"ascii\">\n",
+                       mesh.shell_names.size());
+    for (const std::string& name : mesh.shell_names) {
+      for (const char c : name) out += fmt::format("{} ", static_cast<int>(static_cast<unsigned char>(c)));
+      out += "0\n";
+    }
+    out += "</Array>\n";
+  }
+  return out + "</FieldData>\n";
 }
 
 std::string cells(Appended& data, const char* tag, const std::vector<std::vector<int>>& cells) {
@@ -47,9 +74,9 @@ void write_vtp(const std::string& path, const VtpMesh& mesh) {
   std::string head = fmt::format(
       "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
       "header_type=\"UInt64\">\n"
-      "<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
+      "<PolyData>\n{}<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" NumberOfStrips=\"0\" "
       "NumberOfPolys=\"{}\">\n",
-      mesh.points.size(), mesh.verts.size(), mesh.lines.size(), mesh.polygons.size());
+      field_data(mesh), mesh.points.size(), mesh.verts.size(), mesh.lines.size(), mesh.polygons.size());
   VtpArray points{"Points", 3, {}};
   for (const Vec3& p : mesh.points) points.values.insert(points.values.end(), {p.x(), p.y(), p.z()});
   head += "<PointData>\n";

@@ -11,6 +11,9 @@ struct VtpArray {
   std::string name;
   int components = 1;
   std::vector<double> values;
+  bool integer = false;                        // written as integers of 64 bits
+  std::string unit{};                          // UNITS_LABEL of the array
+  std::vector<std::string> component_names{};  // empty: VTK's own
 };
 
 struct VtpMesh {
@@ -18,6 +21,8 @@ struct VtpMesh {
   std::vector<std::vector<int>> polygons, lines;
   std::vector<int> verts{};  // points that are cells; they come before lines and polygons
   std::vector<VtpArray> point_data, cell_data;
+  double time = 0.0;                       // [s], in the field data
+  std::vector<std::string> shell_names{};  // by their number in the cell array `shell`; empty: not written
 };
 
 /// Writes the mesh. Throws Error (bad_output) where the file cannot be written completely.

@@ -71,7 +71,7 @@ void archive_state(A& a, const RunSetup& setup, State& state) {
       state.bodies.emplace_back(std::move(bodies[i]), i < setup.driven.size() ? setup.driven[i] : nullptr,
                                 i < arrived.size() ? arrived[i] : 0.0);
   }
-  archive_one(a, state.stitching);
+  archive_all(a, state.stitching, state.seam_strength);
   state.soft.archive_state(a);
   for (ShellPart& part : state.shells) {
     archive_one(a, part);
@@ -144,6 +144,7 @@ void Run::load_checkpoint() {
   std::string caches;
   archive_one(a, caches);
   archive_members(a);
+  simulation_.restore_supports();
   if (a.left() != 0) bad_checkpoint(path, fmt::format("has {} bytes too many", a.left()));
   coupler_.restore(caches);
 }

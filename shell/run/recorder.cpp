@@ -12,6 +12,19 @@ namespace {
 
 constexpr double kProgressInterval = 0.5;  // [s]
 
+// What has come since a mark. A mark without numbers is that of the start.
+std::vector<ContactSince> since(const ContactMark& mark, const ContactMark& now) {
+  const auto less = [](std::vector<double> a, const std::vector<std::vector<double>>& all, std::size_t k) {
+    for (std::size_t i = 0; k < all.size() && i < all[k].size(); ++i) a[i] -= all[k][i];
+    return a;
+  };
+  std::vector<ContactSince> out;
+  for (std::size_t k = 0; k < now.on_points.size(); ++k)
+    out.push_back(
+        {{less(now.on_points[k], mark.on_points, k), now.time - mark.time}, less(now.by_body[k], mark.by_body, k)});
+  return out;
+}
+
 void set_zero(std::vector<double>& values) { std::fill(values.begin(), values.end(), 0.0); }
 
 }  // namespace
@@ -40,6 +53,16 @@ std::vector<ShellView> Recorder::shell_views() const {
   return shells;
 }
 
+ContactMark Recorder::contact_at(double time) const {
+  ContactMark mark{time};
+  for (const ShellPart& part : parts_.simulation.state.shells) {
+    if (!part.state) continue;
+    mark.on_points.push_back(part.state->motion.contact_impulse);
+    mark.by_body.push_back(part.state->motion.body_impulse);
+  }
+  return mark;
+}
+
 void Recorder::write_frame() { write_frame(parts_.clock.time()); }
 
 void Recorder::write_frame(double time) {
@@ -49,8 +72,13 @@ void Recorder::write_frame(double time) {
   const State& state = parts_.simulation.state;
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
+  FrameFields fields{setup.fields};
+  ContactMark now = contact_at(time);
+  if (time > frame_mark_.time) before_frame_ = std::move(frame_mark_);  // a frame may be written anew
+  for (ContactSince& c : since(before_frame_, now)) fields.contact.push_back(std::move(c.on_points));
+  frame_mark_ = std::move(now);
   frames_.write(time, shell_views(), parts_.pieces.ids().of_points(), state.soft, bodies,
-                parts_.pieces.counts().first_shard);
+                parts_.pieces.counts().first_shard, fields);
   const double interval = state.solving() ? setup.shell_frame_interval : setup.frame_interval;
   // A late frame does not delay the next one. A frame that is written anew, or for the end of the run, changes nothing.
   if (frame_is_due()) next_frame_ = std::max(next_frame_ + interval, time + 0.5 * interval);
@@ -71,9 +99,14 @@ void Recorder::write_probes() {
   if (setup.probes.empty() || time < next_probe_ - 1e-6 * setup.tick) return;
   const bool bodies = std::any_of(setup.probes.begin(), setup.probes.end(), [](const Probe& p) { return p.body >= 0; });
   if (!parts_.simulation.state.solving() && !bodies) return;
-  std::vector<BodyMotion> motions;
-  for (const Proxy& p : parts_.simulation.state.bodies) motions.push_back(p.body.motion);
-  probes_ += probe_row(setup.probes, setup.models(), shell_views(), motions, parts_.simulation.soft_motions(), time);
+  std::vector<RigidBody> scene_bodies;
+  for (std::size_t i = 0; i < setup.bodies.size(); ++i) scene_bodies.push_back(parts_.simulation.state.bodies[i].body);
+  ContactMark now = contact_at(time);
+  const std::vector<ContactSince> contacts = since(row_mark_, now);
+  const std::vector<BodyMotion> soft = parts_.simulation.soft_motions();
+  const std::vector<ShellView> shells = shell_views();
+  probes_ += probe_row(setup.probes, setup.models(), {time, shells, contacts, scene_bodies, soft});
+  row_mark_ = std::move(now);
   for (ShellPart& part : parts_.simulation.state.shells)
     if (part.state) set_zero(part.state->motion.support_impulse);
   next_probe_ = std::max(next_probe_ + setup.probe_interval, time + 0.5 * setup.probe_interval);

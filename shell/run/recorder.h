@@ -26,6 +26,18 @@ struct GrowthTime {
   double wall = 0.0, crack_update = 0.0;
 };
 
+/// Contact of all shells up to a moment, from which that of a frame or a row follows.
+struct ContactMark {
+  double time = 0.0;                             // [s]
+  std::vector<std::vector<double>> on_points{};  // of each shell, since the start [N s]
+  std::vector<std::vector<double>> by_body{};
+
+  template <class A>
+  friend void archive(A& a, ContactMark& m) {
+    archive_all(a, m.time, m.on_points, m.by_body);
+  }
+};
+
 /// Writes the records of a run.
 class Recorder {
  public:
@@ -65,12 +77,14 @@ class Recorder {
 
   template <class A>
   friend void archive(A& a, Recorder& r) {
-    archive_all(a, r.frames_, r.next_frame_, r.series_, r.probes_, r.next_probe_, r.growth_);
+    archive_all(a, r.frames_, r.next_frame_, r.series_, r.probes_, r.next_probe_, r.growth_, r.frame_mark_,
+                r.before_frame_, r.row_mark_);
   }
 
  private:
   void write_shards() const;
   std::vector<ShellView> shell_views() const;
+  ContactMark contact_at(double time) const;
 
   RunParts parts_;
   FrameWriter& frames_;
@@ -82,6 +96,8 @@ class Recorder {
   double next_frame_ = 0.0, next_probe_ = 0.0;  // [s]
   double wall_start_ = wall_clock(), last_progress_ = 0.0;
   GrowthTime growth_;
+  // Contact at the last frame, at the one before it, and at the last row of probes.
+  ContactMark frame_mark_, before_frame_, row_mark_;
 };
 
 /// Returns the text of run.json (coupler/README.md explains its keys).

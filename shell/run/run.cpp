@@ -152,7 +152,8 @@ void Run::shell_window() {
   const double start = window_start_ = wall_clock(), update_before = times[Stage::kCrackUpdate];
   const double cracks_before = simulation_.crack_length();
   make_cuts(window);
-  if (simulation_.crack_length() > cracks_before) {
+  const bool released = simulation_.release_supports(clock_.time(), 0.5 * window, last);
+  if (released || simulation_.crack_length() > cracks_before) {
     pieces_.look();
     if (recorder_.has_frame_of_now()) recorder_.write_frame();
   }

@@ -223,12 +223,16 @@ Json models_of(const RunParts& run) {
   models.add(setup.shells_meet, "contact_between_shells", "shells can meet", Stage::kShellContact);
   models.add(state.fibres != nullptr, "fibres", "shells with fibres can meet", Stage::kFibres);
   models.add(!setup.stitches.seams.empty(), "seams", "shells hang together", Stage::kInternalForce);
+  models.add(!state.seam_strength.empty(), "seam_strength", "a rule of seams has a strength", Stage::kInternalForce);
+  models.add(any([](const ShellSetup& s) { return !s.model.releases.empty(); }), "support_release",
+             "a support has until_s", Stage::kKickDrift);
+  models.add(!setup.fields.empty(), "fields", "output.fields are given", Stage::kIo);
   models.add(any([](const ShellSetup& s) { return s.fracture.tips_run(); }), "tip_cracks",
              "a shell's material has a strength", Stage::kCrackUpdate);
   models.add(damage, heals ? "rankine_damage" : "rankine_damage_without_healing", "fracture.mode is DAMAGE",
              Stage::kCrackUpdate);
   models.add(any([](const ShellSetup& s) { return !s.model.strength_factor.empty(); }), "strength_factors",
-             "a shell has strength_regions or a strength_map", Stage::kCrackUpdate);
+             "strength_regions, strength_lines or a strength_map are given", Stage::kCrackUpdate);
   models.add(any([](const ShellSetup& s) { return s.model.material.yield_stress > 0.0; }), "j2_plasticity",
              "a shell's material has a yield stress", Stage::kInternalForce);
   models.add(any([](const ShellSetup& s) { return s.model.laminated(); }), "interlayer", "a shell has an interlayer",

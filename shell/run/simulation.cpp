@@ -9,6 +9,7 @@
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/finite.h"
 #include "shell/solver/forces.h"
+#include "shell/solver/release.h"
 #include "shell/solver/stepping/kick_drift.h"
 #include "shell/solver/stepping/stable_step.h"
 
@@ -97,6 +98,7 @@ void Simulation::prepare() {
   }
   const std::vector<const ShellModel*> models = setup_.models();
   state.stitching = Stitching(setup_.stitches, models);
+  state.seam_strength = SeamStrength(setup_.stitches.seams, models, state.stitching);
   if (setup_.shells_meet) {
     std::vector<std::vector<SurfaceLaw>> laws(models.size(), std::vector<SurfaceLaw>(models.size()));
     for (std::size_t i = 0; i < models.size(); ++i)
@@ -123,6 +125,33 @@ void Simulation::make_state_of(ShellPart& part) const {
   s.layers.brittleness = setup.fracture.damage.brittleness, s.layers.heals = setup.fracture.damage.heals;
   if (setup.transfer.kind != Transfer::kDirect) s.motion.before = s.motion.v;
   if (!setup_.probes.empty() && !m.constraints.parts.empty()) s.motion.support_impulse.assign(s.motion.v.size(), 0.0);
+  const auto any = [&](auto&& wants) { return std::any_of(setup_.probes.begin(), setup_.probes.end(), wants); };
+  if (setup_.fields.has(FieldSet::kContactPressure) ||
+      any([](const Probe& p) { return p.fields.has(FieldSet::kContactPressure); }))
+    s.motion.contact_impulse.assign(s.motion.v.size(), 0.0);
+  if (any([](const Probe& p) { return p.is_pair(); })) s.motion.body_impulse.assign(3 * setup_.bodies.size(), 0.0);
+}
+
+bool Simulation::release_supports(double now, double span, double dt) {
+  bool any = false;
+  for (std::size_t k = 0; k < state.shells.size(); ++k) {
+    ShellPart& part = state.shells[k];
+    ShellModel& m = setup_.shells[k].model;
+    if (!part.state) continue;
+    while (part.state->motion.released < static_cast<int>(m.releases.size()) &&
+           m.releases[part.state->motion.released].from <= now + span) {
+      release(m, *part.state, setup_.gravity, dt), any = true;
+      part.changed.insert(part.changed.end(), m.parameter.begin(), m.parameter.end());
+      part.next_measure = 0;
+    }
+  }
+  return any;
+}
+
+void Simulation::restore_supports() {
+  for (std::size_t k = 0; k < state.shells.size(); ++k)
+    if (ShellPart& part = state.shells[k]; part.state && part.state->motion.released > 0)
+      take_stage(setup_.shells[k].model, part.state->motion.released - 1);
 }
 
 void Simulation::make_states() {
@@ -158,7 +187,7 @@ void Simulation::start_shells(const std::function<void()>& look) {
     if (setup.fracture.tips_run())  // a load must first overcome the prestress of the face
       for (double& strength : s.layers.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
-    double stable = stable_step(m, s, kStepIterations, model.threads, cracks);
+    double stable = stable_step(m, s, kStepIterations, model.threads, cracks || !m.releases.empty());
     if (state.fibres && m.has_fibres()) stable = stable_step_with_fibres(stable, setup_.models());
     part.initial_step = part.smallest_step = stable;
     require(std::isfinite(stable),

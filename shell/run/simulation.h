@@ -15,6 +15,7 @@
 #include "shell/soft/soft_bodies.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/shell_contact.h"
+#include "shell/solver/joining/seam_strength.h"
 
 namespace sunder::shell {
 
@@ -43,6 +44,7 @@ struct Kick {
 struct State {
   std::vector<ShellPart> shells;
   Stitching stitching;                    // of the shells, along seams
+  SeamStrength seam_strength;             // of seams that open at a force
   std::unique_ptr<ShellContact> contact;  // between shells; null where they cannot meet
   std::unique_ptr<Fibres> fibres;         // null where no shell has any
   SoftBodies soft;
@@ -132,6 +134,12 @@ class Simulation {
   /// Returns the whole number of substeps of at most `substep` [s] in a tick. Throws Error (substeps) above
   /// kMostSubsteps in a window.
   double substeps_of_tick(double substep, std::int64_t window) const;
+
+  /// Supports let go that are due up to `span` [s] after `now` [s]; `dt` [s] is the last substep. Returns whether any
+  /// has.
+  bool release_supports(double now, double span, double dt);
+  /// Gives models the supports that states from a checkpoint have. Call it after loading one.
+  void restore_supports();
 
   EnergyBook shell_book();  // of shells and soft bodies that are solved [J]
   double crack_length();    // of shells that are solved [m]

@@ -44,7 +44,9 @@ void internal_force(const Model& model, State& state, Scratch& scratch, double d
   }
   if (state.fibres) state.fibres->add_forces(refs(state, scratch));
   if (!state.stitching.empty()) {
+    if (!state.seam_strength.empty()) state.seam_strength.store_forces(refs(state, scratch));
     state.stitching.move_forces(refs(state, scratch));
+    if (!state.seam_strength.empty()) state.seam_strength.measure(refs(state, scratch), dt);
     apply_force_discontinuity(refs(state, scratch), last);
   }
 }
@@ -142,7 +144,12 @@ void crack_one(ShellPart& part, State& state, Scratch& scratch, const Clock& clo
 
 void crack_update(const Model& model, State& state, Scratch& scratch, const Clock& clock, int k, int n, double dt) {
   for (ShellPart& part : state.shells) crack_one(part, state, scratch, clock, k, n, dt);
-  if (state.stitching.empty() || !model.setup.can_crack()) return;
+  if (state.stitching.empty()) return;
+  if (!state.seam_strength.empty()) {
+    Stopwatch w(scratch.times[Stage::kCrackUpdate]);
+    state.seam_strength.open(refs(state, scratch), model.setup.stitches.seams, state.stitching);
+  }
+  if (!model.setup.can_crack()) return;
   Stopwatch w(scratch.times[Stage::kCrackUpdate]);
   propagate_over_seams(model.setup.stitches.seams, refs(state, scratch), model.tips, state.stitching,
                        clock.time() + (k + 1) * dt);

@@ -218,6 +218,7 @@ void SoftContact::push(const Press& p, const Vec3& j, const std::vector<SoftRef>
   for (const auto& [slot, value] : p.against->functions) {
     s.add_velocity(slot, -value * s.motion.inverse_mass[slot] * j);
     s.pass_to_supports(slot, -value * j);
+    s.count_contact(slot, -value * j);
   }
 }
 

@@ -9,8 +9,49 @@
 namespace sunder::shell {
 
 namespace {
+
 constexpr int kCoreLayers = 2;  // layers of an interlayer
+
+// Finds which slots are held along all axes, and the edges that are held with their slopes.
+void find_held(const ShellModel& m, const Constraints& c, std::vector<char>& held, int& clamped) {
+  const RowTables& t = m.tables;
+  std::vector<int> axes(t.plane, 0);
+  for (const auto& slots : c.held)
+    for (const int slot : slots) ++axes[slot];
+  for (const auto& driven : c.driven)
+    for (const auto& slots : driven.slots)
+      for (const int slot : slots) ++axes[slot];
+  held.assign(t.plane, 0), clamped = 0;
+  for (int i = 0; i < t.plane; ++i) held[i] = axes[i] >= 3;
+  const auto holds = [&](int edge, int depth) {
+    const std::vector<int> row = edge_row(m.patch, edge, depth);
+    const auto stays = [&](int i) { return !m.trim.drops(t.slot(i)); };
+    return std::any_of(row.begin(), row.end(), stays) &&
+           std::all_of(row.begin(), row.end(), [&](int i) { return held[t.slot(i)] != 0 || !stays(i); });
+  };
+  for (const int edge : kEdges)
+    if (holds(edge, 0) && holds(edge, 1)) clamped |= edge;
 }
+
+// Stages of the supports after each time at which some of them let go.
+std::vector<SupportStage> find_releases(const ShellModel& m, const std::vector<Support>& supports) {
+  std::vector<double> times;
+  for (const Support& s : supports)
+    if (std::isfinite(s.until)) times.push_back(s.until);
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+  std::vector<SupportStage> stages;
+  for (const double time : times) {
+    SupportStage& stage = stages.emplace_back();
+    stage.from = time;
+    stage.constraints = make_constraints(m.patch, supports, m.tables.stride, "shell '" + m.name + "'", time);
+    if (!m.trim.empty()) trim_supports(m.trim, stage.constraints);
+    find_held(m, stage.constraints, stage.held, stage.clamped);
+  }
+  return stages;
+}
+
+}  // namespace
 
 double ShellModel::wave_speed() const {
   return std::sqrt(material.youngs_modulus / (1.0 - material.poisson_ratio * material.poisson_ratio) /
@@ -70,21 +111,8 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;
   m.spacing = std::sqrt(m.spacing_u * m.spacing_v);
   if (!trim.empty()) trim_shell(m, trim);
-  std::vector<int> axes(t.plane, 0);
-  for (const auto& slots : m.constraints.held)
-    for (const int slot : slots) ++axes[slot];
-  for (const auto& driven : m.constraints.driven)
-    for (const auto& slots : driven.slots)
-      for (const int slot : slots) ++axes[slot];
-  for (int i = 0; i < t.plane; ++i) m.held[i] = axes[i] >= 3;
-  const auto holds = [&](int edge, int depth) {
-    const std::vector<int> row = edge_row(m.patch, edge, depth);
-    const auto stays = [&](int i) { return !m.trim.drops(t.slot(i)); };
-    return std::any_of(row.begin(), row.end(), stays) &&
-           std::all_of(row.begin(), row.end(), [&](int i) { return m.held[t.slot(i)] != 0 || !stays(i); });
-  };
-  for (const int edge : kEdges)
-    if (holds(edge, 0) && holds(edge, 1)) m.clamped |= edge;
+  find_held(m, m.constraints, m.held, m.clamped);
+  m.releases = find_releases(m, supports);
   std::vector<GatheredFunction> functions;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {

@@ -42,7 +42,16 @@ struct ShellMaterial : ElasticConstants {
   Interlayer interlayer{};
 };
 
-/// Geometry, material, tables, supports and loads of a shell.
+/// Supports from a time on, when some of them have let go.
+struct SupportStage {
+  double from = 0.0;  // [s]
+  Constraints constraints{};
+  std::vector<char> held{};  // as in ShellModel
+  int clamped = 0;
+};
+
+/// Geometry, material, tables, supports and loads of a shell. All of it is constant, but for the supports, which
+/// release_supports() changes at their times.
 struct ShellModel {
   std::string name;
   Patch patch;  // parameters are lengths
@@ -58,6 +67,7 @@ struct ShellModel {
   std::vector<double> rest{};  // positions at rest [m], [3][component stride]
   std::vector<char> held{};    // 1 where a support holds the slot along all axes
   Constraints constraints{};
+  std::vector<SupportStage> releases{};  // in the order of their times
   PreparedLoads loads{};
   std::vector<Vec2> parameter{};          // Greville point of each control point
   std::vector<Vec2> parameter_of_slot{};  // the same for each slot; padding: zero

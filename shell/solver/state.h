@@ -26,12 +26,17 @@ struct Motion {
   std::vector<double> before, kicked, moving, affine;
   // Impulse of supports on control points since it was last set to zero [N s]; empty: it is not measured.
   std::vector<double> support_impulse;
+  // Impulse of contact on control points since the start [N s]; empty: it is not measured.
+  std::vector<double> contact_impulse;
+  // Impulse of each body of the scene on the shell since the start [N s]; empty: it is not measured.
+  std::vector<double> body_impulse;
+  int released = 0;  // number of releases of supports that have been made
 
   /// Calls f with all members that a checkpoint saves.
   template <class F>
   void saved(F&& f) {
     f(x, v, force, time, external, last_force, mass, inverse_mass, detached, before, kicked, moving, affine,
-      support_impulse);
+      support_impulse, contact_impulse, body_impulse, released);
   }
 };
 
@@ -129,6 +134,17 @@ struct ShellState {
     if (sum.empty() || motion.inverse_mass[slot] > 0.0) return;
     const std::size_t plane = sum.size() / 3;
     sum[slot] -= impulse.x(), sum[plane + slot] -= impulse.y(), sum[2 * plane + slot] -= impulse.z();
+  }
+  /// Books an impulse [N s] of contact on a control point, where it is measured.
+  void count_contact(int slot, const Vec3& impulse) {
+    std::vector<double>& sum = motion.contact_impulse;
+    const std::size_t plane = sum.size() / 3;
+    for (int d = 0; d < 3 && plane > 0; ++d) sum[d * plane + slot] += impulse[d];
+  }
+  /// The same of body `id` on the shell.
+  void count_body(std::size_t id, const Vec3& impulse) {
+    std::vector<double>& sum = motion.body_impulse;
+    for (std::size_t d = 0, first = 3 * (id - 1); d < 3 && first + 3 <= sum.size(); ++d) sum[first + d] += impulse[d];
   }
   void add_velocity(int slot, const Vec3& dv) {
     const std::size_t plane = motion.v.size() / 3;

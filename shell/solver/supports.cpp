@@ -33,7 +33,7 @@ Vec3 Constraints::Driven::displacement(double time) const {
 }
 
 Constraints make_constraints(const Patch& p, const std::vector<Support>& supports, int stride,
-                             const std::string& name) {
+                             const std::string& name, double time) {
   const int columns = p.columns(), rows = p.rows(), count = columns * rows;
   const auto slot = [&](int i) { return i / columns * stride + i % columns; };
   Vec3 low = p.control_points[0], high = low;
@@ -67,6 +67,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
       c.parts.push_back({"support_" + std::to_string(number) + "_" + name, {}});
       return static_cast<int>(c.parts.size()) - 1;
     };
+    const bool holds = time < s.until;
     std::vector<Named> points, slopes;
     for (std::size_t e = 0; e < std::size(kEdges); ++e) {
       const int edge = kEdges[e];
@@ -78,7 +79,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
           require(std::abs(p.control_points[i][s.symmetry] - p.control_points[first[0]][s.symmetry]) <= kInPlane * size,
                   "{}: a symmetry edge must lie in a plane across {}; it runs from {:.6g} to {:.6g} m", name,
                   "xyz"[s.symmetry], p.control_points[first[0]][s.symmetry], p.control_points[i][s.symmetry]);
-        for (std::size_t k = 0; k < first.size(); ++k) {
+        for (std::size_t k = 0; k < first.size() && holds; ++k) {
           hold(s.symmetry, {first[k], part});
           c.anchors.push_back(slot(first[k]));
           for (int d = 0; d < 3; ++d)
@@ -106,6 +107,7 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
               "{}: no control point lies in u {:.9g} to {:.9g}, v {:.9g} to {:.9g}; parameters run {}", name,
               box.low.x(), box.high.x(), box.low.y(), box.high.y(), parameter_range(p));
     }
+    if (!holds) continue;
     for (const Named& n : points) c.anchors.push_back(slot(n.point));
     points.insert(points.end(), slopes.begin(), slopes.end());
     if (s.motion.empty()) {

@@ -1,6 +1,7 @@
 #pragma once
 // Supports of a shell: control points that do not move along some axes, move as prescribed, or move together.
 #include <array>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct Support {
   std::vector<ParameterBox> regions{};  // control points with Greville points inside are held
   /// Displacement over time [s], [m]: linear between points, constant outside. Empty: no motion.
   std::vector<std::pair<double, Vec3>> motion{};
+  double until = std::numeric_limits<double>::infinity();  // it lets go at this time [s]
 };
 
 /// The combined effect of all supports, by axis. Tied slots move as one, with the sums of their masses and forces.
@@ -52,10 +54,10 @@ struct Constraints {
   bool partial = false;  // true where some control point is held along some axes only, tied or driven
 };
 
-/// Combines the supports. A control point that one support holds and another moves along the same axis is held. Throws
-/// Error where a symmetry edge does not lie in a plane across its axis, a region holds no control point, or a symmetry
-/// edge moves in two ways.
+/// Combines the supports that hold at `time` [s]. Parts are those of all supports; one that has let go has no slots. A
+/// control point that one support holds and another moves along the same axis is held. Throws Error where a symmetry
+/// edge does not lie in a plane across its axis, a region holds no control point, or a symmetry edge moves in two ways.
 Constraints make_constraints(const Patch& patch, const std::vector<Support>& supports, int stride,
-                             const std::string& name);
+                             const std::string& name, double time = 0.0);
 
 }  // namespace sunder::shell

@@ -279,12 +279,12 @@ void find_points(ShellModel& m) {
     }
 }
 
-// Takes dropped control points out of the supports.
-void trim_supports(ShellModel& m) {
+}  // namespace
+
+void trim_supports(const Trimming& trim, Constraints& c) {
   const auto thin = [&](std::vector<int>& slots) {
-    std::erase_if(slots, [&](int slot) { return m.trim.drops(slot); });
+    std::erase_if(slots, [&](int slot) { return trim.drops(slot); });
   };
-  Constraints& c = m.constraints;
   for (int d = 0; d < 3; ++d) {
     thin(c.held[d]);
     for (auto& group : c.tied[d]) thin(group);
@@ -301,6 +301,8 @@ void trim_supports(ShellModel& m) {
     require(!held || !empty(), "{} holds no control point inside the trims; hold a part that they leave", part.name);
   }
 }
+
+namespace {
 
 // Loads act on what is inside; on an edge, on the samples inside.
 void trim_loads(ShellModel& m) {
@@ -424,7 +426,7 @@ void trim_shell(ShellModel& m, const TrimLoops& loops) {
   move_masses(m, kept);
   hide_light_points(m);
   find_points(m);
-  trim_supports(m);
+  trim_supports(m.trim, m.constraints);
   trim_loads(m);
 }
 

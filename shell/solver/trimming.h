@@ -43,6 +43,9 @@ struct Trimming {
 /// loops leave no Gauss point, where a part is too narrow for the control points in it, and where a load lies outside.
 void trim_shell(ShellModel& model, const TrimLoops& loops);
 
+/// Takes dropped control points out of supports. Throws Error where a part of a support holds none of those that stay.
+void trim_supports(const Trimming& trim, Constraints& constraints);
+
 /// Replaces dropped control points among `functions` by those that stay. The nearest to `p` comes first.
 void without_dropped(const ShellModel& model, const Vec2& p, std::vector<GatheredFunction>& functions);
 

@@ -44,11 +44,13 @@ void apply_impulse(ShellState& s, Proxy& body, const std::vector<GatheredFunctio
   for (const auto& f : functions) {
     s.add_velocity(f.slot, (f.n[0] * s.motion.inverse_mass[f.slot]) * j);
     s.pass_to_supports(f.slot, f.n[0] * j);
+    s.count_contact(f.slot, f.n[0] * j);
     body.shell_linear += f.n[0] * j;
     const Vec3 arm = s.position(f.slot) - body.body.motion.position;
     body.shell_angular += arm.cross(f.n[0] * j);
     body.moment_sum += arm.norm() * std::abs(f.n[0]) * j.norm();
   }
+  s.count_body(body.body.id, j);
   body.impulse_sum += j.norm();
   body.apply(x, -j);
 }

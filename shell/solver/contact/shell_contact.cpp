@@ -21,6 +21,7 @@ double widest(const std::vector<const ShellModel*>& shells) {
 // Applies impulse j [N s] to a control point and books its work.
 void push(ShellState& s, int slot, const Vec3& j, double dt) {
   const double mobility = s.motion.inverse_mass[slot];
+  s.count_contact(slot, j);
   if (mobility == 0.0) s.pass_to_supports(slot, j);
   if (mobility == 0.0 || j.isZero(0.0)) return;
   // Velocity at the time of the positions, half a kick earlier.

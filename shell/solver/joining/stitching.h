@@ -67,6 +67,12 @@ class Stitching {
     return any;
   }
 
+  /// True for a control point that depends on others and has not been released.
+  bool is_dependent(int shell, int slot) const {
+    return std::any_of(dependent_points_.begin(), dependent_points_.end(), [&](const DependentPoint& t) {
+      return t.holds && t.shell == shell && t.slot == slot;
+    });
+  }
   /// Number of crack edges of each shell whose crossing of seams has been decided.
   std::vector<std::int64_t>& edges_seen() { return edges_seen_; }
   /// Releases control points that depend on others beyond a crack. The crack crosses the seam at share `t` of its first
