@@ -1,14 +1,33 @@
-// Draws curves over time on small canvases, with a mark at the shown frame.
+// Curves over time by uPlot, with a mark at the shown frame.
+import uPlot from "uplot";
 
-const COLOURS = ["#2f6f8f", "#c8553d", "#6a8d4e", "#8a5a9e", "#c79a2b", "#4d4d4d", "#5fa8a0", "#b0486f", "#7c7c3a", "#3f5bb0"];
-const MARGIN = { left: 46, right: 6, top: 6, bottom: 16 };
+// Okabe and Ito's palette: colour-blind readers tell its colours apart.
+const COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#7f7f7f"];
+const FONT = '10px system-ui, "DejaVu Sans", sans-serif', INK = "#5a646e", GRID = "#e3e6e9", MARK = "#9a3412";
+const HEIGHT = 150;  // of a plot with its axes [px]
+const PREFIXES = { "-12": "p", "-9": "n", "-6": "\u00b5", "-3": "m", 0: "", 3: "k", 6: "M", 9: "G", 12: "T" };
+
+/** A power of 1000 for numbers up to `most`, from pico to tera. */
+function thousands(most) {
+  if (!(most > 0) || !Number.isFinite(most)) return 0;
+  return 3 * Math.min(Math.max(Math.floor(Math.log10(most) / 3 + 1e-9), -4), 4);
+}
 
 /** A number as '1.2k', '3.4M', '50m' or '7µ', with at most three digits. */
 export function short(value) {
   if (value === 0 || !Number.isFinite(value)) return String(value);
-  const power = Math.min(Math.max(Math.floor(Math.log10(Math.abs(value)) / 3 + 1e-9), -4), 4);
-  return `${Number((value / 1000 ** power).toPrecision(3))}${["p", "n", "\u00b5", "m", "", "k", "M", "G", "T"][power + 4]}`;
+  const power = thousands(Math.abs(value));
+  return `${Number((value / 10 ** power).toPrecision(3))}${PREFIXES[power]}`;
 }
+
+/** The unit of an axis with numbers up to `most`, and what they are divided by: 0.6 m is shown as 600 mm. */
+export function axisUnit(unit, most) {
+  if (!/^(m|s|J|N|W|Pa|Hz)(?![a-z])/.test(unit)) return { label: unit, by: 1 };  // a pure number, or kg, rad ...
+  const power = thousands(most);
+  return { label: PREFIXES[power] + unit, by: 10 ** power };
+}
+
+const plain = (value) => Number(value.toPrecision(3)).toString();
 
 export class Plots {
   #root; #plots = []; #times = [0]; #shown = 0; #byFrame = true; #onPick; #hidden = new Set();
@@ -16,44 +35,103 @@ export class Plots {
   constructor(root, onPick) {
     this.#root = root;
     this.#onPick = onPick;
-    new ResizeObserver(() => this.draw()).observe(root);
+    new ResizeObserver(() => {
+      for (const { chart } of this.#plots) chart.setSize({ width: this.#width(), height: HEIGHT });
+    }).observe(root);
   }
 
   /** Shows `plots`, the reply to /curves. */
   set(plots) {
+    for (const { chart } of this.#plots) chart.destroy();
     this.#root.replaceChildren();
     this.#plots = plots.map((plot) => {
       const div = document.createElement("div"), title = document.createElement("h2");
-      const canvas = document.createElement("canvas"), keys = document.createElement("div");
       div.className = "plot";
-      keys.className = "keys";
       title.textContent = plot.title + (plot.unit ? ` [${plot.unit}]` : "");
-      plot.curves.forEach((curve, k) => keys.append(this.#key(plot, curve, k)));
-      canvas.addEventListener("pointerdown", (event) => this.#pick(canvas, event));
-      div.append(title, canvas, keys);
+      div.append(title);
       this.#root.append(div);
-      return { ...plot, canvas };
+      // one row of times for all curves; a curve goes straight on over times that it has not
+      const data = uPlot.join(plot.curves.map((curve) => [curve.t, curve.y]));
+      const most = Math.max(...plot.curves.flatMap((curve) => curve.y).map((y) => Math.abs(y ?? 0)), 0);
+      const entry = { ...plot, data, scaled: axisUnit(plot.unit, most) };
+      entry.chart = new uPlot(this.#options(entry), this.#values(entry), div);
+      return entry;
     });
-    this.draw();
   }
 
-  setTimes(times) { this.#times = times.length ? times : [0]; this.draw(); }
-  setByFrame(on) { this.#byFrame = on; this.draw(); }
-  setFrame(k) { this.#shown = k; this.draw(); }
+  setTimes(times) { this.#times = times.length ? times : [0]; this.#redraw(); }
+  setByFrame(on) { this.#byFrame = on; this.#redraw(); }
+  setFrame(k) { this.#shown = k; for (const { chart } of this.#plots) chart.redraw(false, false); }
 
-  #key(plot, curve, k) {
-    const key = document.createElement("span"), swatch = document.createElement("span");
-    const id = `${plot.title} ${plot.unit} ${curve.name}`;
-    key.className = this.#hidden.has(id) ? "key off" : "key";
-    swatch.className = "swatch";
-    swatch.style.background = COLOURS[k % COLOURS.length];
-    key.append(swatch, curve.name.replaceAll("_", " "));
-    key.addEventListener("click", () => {
-      if (!this.#hidden.delete(id)) this.#hidden.add(id);
-      key.classList.toggle("off", this.#hidden.has(id));
-      this.draw();
+  #width() { return Math.max(this.#root.clientWidth, 120); }
+
+  #redraw() { for (const entry of this.#plots) entry.chart.setData(this.#values(entry)); }
+
+  /** Data of a chart: places across it in 0..1, then the curves in the unit of the axis. */
+  #values({ data, scaled }) {
+    return [data[0].map((t) => this.#share(t)),
+            ...data.slice(1).map((curve) => curve.map((y) => (y == null ? y : y / scaled.by)))];
+  }
+
+  #options({ title, unit, curves, scaled }) {
+    const time = axisUnit("s", this.#times[this.#times.length - 1]);
+    const axis = { font: FONT, labelFont: FONT, stroke: INK, labelGap: 0, labelSize: 14, ticks: { show: false },
+                   grid: { stroke: GRID, width: 1 } };
+    const idOf = (curve) => `${title} ${unit} ${curve.name}`;
+    return {
+      width: this.#width(), height: HEIGHT,
+      scales: {
+        x: { time: false, range: () => [0, 1] },
+        y: { range: (_, low, high) => {  // it includes zero
+          const [a, b] = [Math.min(low ?? 0, 0), Math.max(high ?? 0, 0)];
+          return a === b ? [a, a + 1] : [a, b];
+        } },
+      },
+      axes: [
+        { ...axis, size: 18, label: `time [${time.label}]`, splits: () => [0, 0.5, 1],
+          values: (_, splits) => splits.map((share) => plain(this.#timeAt(share) / time.by)) },
+        { ...axis, size: 40, label: scaled.label ? `[${scaled.label}]` : undefined,
+          values: (_, splits) => splits.map(plain) },
+      ],
+      series: [
+        { label: "time", value: (_, share) => (share == null ? "" : `${plain(this.#timeAt(share) / time.by)} ${time.label}`) },
+        ...curves.map((curve, k) => ({
+          label: curve.name.replaceAll("_", " "), stroke: COLOURS[k % COLOURS.length], width: 1.2,
+          dash: k < COLOURS.length ? undefined : [4, 3], points: { show: false }, show: !this.#hidden.has(idOf(curve)),
+          value: (_, y) => (y == null ? "" : `${plain(y)} ${scaled.label}`),
+        })),
+      ],
+      cursor: { drag: { x: false, y: false }, points: { size: 5 } },
+      hooks: {
+        draw: [(chart) => this.#mark(chart)],
+        setSeries: [(_, k, change) => {
+          if (k && "show" in change) this.#hidden[change.show ? "delete" : "add"](idOf(curves[k - 1]));
+        }],
+        ready: [(chart) => chart.over.addEventListener("pointerdown", (event) => this.#pick(chart, event))],
+      },
+    };
+  }
+
+  #mark(chart) {
+    const here = this.#times[Math.min(this.#shown, this.#times.length - 1)];
+    const x = chart.valToPos(this.#share(here), "x", true), ink = chart.ctx;
+    ink.save();
+    ink.strokeStyle = MARK;
+    ink.setLineDash([]);
+    ink.beginPath();
+    ink.moveTo(x, chart.bbox.top);
+    ink.lineTo(x, chart.bbox.top + chart.bbox.height);
+    ink.stroke();
+    ink.restore();
+  }
+
+  #pick(chart, event) {
+    const share = Math.min(Math.max(chart.posToVal(event.offsetX, "x"), 0), 1);
+    let best = 0;
+    this.#times.forEach((t, k) => {
+      if (Math.abs(this.#share(t) - share) < Math.abs(this.#share(this.#times[best]) - share)) best = k;
     });
-    return key;
+    this.#onPick(best);
   }
 
   /** Position in 0..1 across the plot: by time, or by the number of the frame, linear between two frames. */
@@ -65,64 +143,11 @@ export class Plots {
     return (low + (t - times[low]) / (times[high] - times[low] || 1)) / last;
   }
 
-  #pick(canvas, event) {
-    const width = canvas.clientWidth - MARGIN.left - MARGIN.right;
-    const share = Math.min(Math.max((event.offsetX - MARGIN.left) / width, 0), 1);
-    let best = 0;
-    this.#times.forEach((t, k) => {
-      if (Math.abs(this.#share(t) - share) < Math.abs(this.#share(this.#times[best]) - share)) best = k;
-    });
-    this.#onPick(best);
-  }
-
-  draw() { for (const plot of this.#plots) this.#drawOne(plot); }
-
-  #drawOne({ title, unit, curves, canvas }) {
-    const width = canvas.clientWidth, height = canvas.clientHeight, ratio = window.devicePixelRatio || 1;
-    if (!width) return;
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(height * ratio);
-    const ink = canvas.getContext("2d");
-    ink.scale(ratio, ratio);
-    const seen = curves.filter((curve) => !this.#hidden.has(`${title} ${unit} ${curve.name}`));
-    let low = 0, high = 0; // the range includes zero
-    for (const curve of seen) for (const y of curve.y) if (y !== null) { low = Math.min(low, y); high = Math.max(high, y); }
-    if (low === high) high = low + 1;
-    const inner = width - MARGIN.left - MARGIN.right, tall = height - MARGIN.top - MARGIN.bottom;
-    const x = (t) => MARGIN.left + inner * this.#share(t), y = (v) => MARGIN.top + tall * (high - v) / (high - low);
-    ink.font = "10px system-ui, sans-serif";
-    ink.fillStyle = "#5a646e";
-    ink.textAlign = "right";
-    ink.textBaseline = "middle";
-    ink.strokeStyle = "#e3e6e9";
-    for (const v of new Set([low, high, 0])) {
-      if (v === 0 && Math.min(Math.abs(y(0) - y(low)), Math.abs(y(0) - y(high))) < 10 && low !== 0 && high !== 0) continue;
-      ink.fillText(short(v), MARGIN.left - 4, y(v));
-      ink.beginPath(); ink.moveTo(MARGIN.left, y(v)); ink.lineTo(width - MARGIN.right, y(v)); ink.stroke();
-    }
-    ink.textBaseline = "top";
-    const last = this.#times.length - 1;
-    for (const [k, align] of [[0, "left"], [last >> 1, "center"], [last, "right"]]) {
-      ink.textAlign = align;
-      ink.fillText(`${short(this.#times[k])}s`, x(this.#times[k]), height - MARGIN.bottom + 3);
-    }
-    ink.save();
-    ink.beginPath(); ink.rect(MARGIN.left, 0, inner, height - MARGIN.bottom + 1); ink.clip();
-    ink.lineWidth = 1.2;
-    for (const curve of seen) {
-      ink.strokeStyle = COLOURS[curves.indexOf(curve) % COLOURS.length];
-      ink.beginPath();
-      let pen = false;
-      curve.t.forEach((t, k) => {
-        const v = curve.y[k];
-        if (v !== null) { if (pen) ink.lineTo(x(t), y(v)); else ink.moveTo(x(t), y(v)); }
-        pen = v !== null;
-      });
-      ink.stroke();
-    }
-    const here = this.#times[Math.min(this.#shown, last)];
-    ink.strokeStyle = "#9a3412";
-    ink.beginPath(); ink.moveTo(x(here), 0); ink.lineTo(x(here), height - MARGIN.bottom); ink.stroke();
-    ink.restore();
+  /** The time at such a position. */
+  #timeAt(share) {
+    const times = this.#times, last = times.length - 1;
+    if (!this.#byFrame || last < 1) return times[0] + share * (times[last] - times[0]);
+    const k = Math.min(Math.floor(share * last), last - 1);
+    return times[k] + (share * last - k) * (times[k + 1] - times[k]);
   }
 }

@@ -32,8 +32,8 @@ Vec3 Constraints::Driven::displacement(double time) const {
   return motion.back().second;
 }
 
-Constraints make_constraints(const Patch& p, const std::vector<Support>& supports, int stride,
-                             const std::string& name, double time) {
+Constraints make_constraints(const Patch& p, const std::vector<Support>& supports, int stride, const std::string& name,
+                             double time) {
   const int columns = p.columns(), rows = p.rows(), count = columns * rows;
   const auto slot = [&](int i) { return i / columns * stride + i % columns; };
   Vec3 low = p.control_points[0], high = low;

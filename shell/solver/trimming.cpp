@@ -282,9 +282,7 @@ void find_points(ShellModel& m) {
 }  // namespace
 
 void trim_supports(const Trimming& trim, Constraints& c) {
-  const auto thin = [&](std::vector<int>& slots) {
-    std::erase_if(slots, [&](int slot) { return trim.drops(slot); });
-  };
+  const auto thin = [&](std::vector<int>& slots) { std::erase_if(slots, [&](int slot) { return trim.drops(slot); }); };
   for (int d = 0; d < 3; ++d) {
     thin(c.held[d]);
     for (auto& group : c.tied[d]) thin(group);

@@ -148,7 +148,7 @@ class Refused(InAFolder):
                 mock.patch.object(node.shutil, "which", lambda _: None), mock.patch.object(node.time, "sleep", lambda _: None):
             self.assertIn("cannot download http://127.0.0.1:1/three/", self.refused(str(self.folder), "--no-browser"))
             self.assertFalse((self.folder / "none").exists())
-            self.assertEqual(view.three(), self.folder / "build" / "viewer" / "node_modules" / "three")
+            self.assertEqual(view.packages(), self.folder / "build" / "viewer" / "node_modules")
 
     def test_a_run_without_frames_can_be_watched(self) -> None:
         (self.folder / "run.json").write_text('{"schema": 1, "status": "running"}')

@@ -13,7 +13,7 @@ import numpy as np
 from sunder_tools.launch.build import ensure_built
 from sunder_tools.launch.run import launch_once
 from sunder_tools.pictures.frames import BODIES, SHELL, list_frames
-from sunder_tools.pictures.view import Server, three
+from sunder_tools.pictures.view import Server, packages
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from tests import REPOSITORY
 from tests.command.synthetic import SyntheticRun
@@ -34,7 +34,7 @@ class InABrowser(unittest.TestCase):
         program = find_browser()
         if program is None:
             raise unittest.SkipTest("no chromium; as root: apt-get install chromium")
-        if not (three() / "build" / "three.module.js").is_file():
+        if not (packages() / "three" / "build" / "three.module.js").is_file():
             raise unittest.SkipTest("no three.js; 'sunder view' or 'sunder test' installs it")
         temporary = tempfile.TemporaryDirectory()
         cls.addClassCleanup(temporary.cleanup)
@@ -168,13 +168,25 @@ class Page(InABrowser):
         self.choose("mesh", "true")
         self.assertGreater(self.differs(before, self.picture()), 1000)
 
+    def test_axes_have_whole_units(self) -> None:
+        unit = "import('./plots.js').then(m => { const u = m.axisUnit(%s); return [u.label, u.by]; })"
+        for asked, wanted in (("'m', 0.613", ["mm", 1e-3]), ("'Pa', 7e7", ["MPa", 1e6]), ("'m/s', 3", ["m/s", 1]),
+                              ("'s', 4e-5", ["\u00b5s", 1e-6]), ("'rad/s', 4e4", ["rad/s", 1]), ("'', 1e-3", ["", 1]),
+                              ("'J', 0", ["J", 1])):
+            label, by = self.browser.evaluate(unit % asked)
+            self.assertEqual(label, wanted[0])
+            self.assertAlmostEqual(by / wanted[1], 1.0, places=12)
+
     def test_plots_stand_beside_it(self) -> None:
         titles = self.browser.wait("[...document.querySelectorAll('.plot h2')].map(h => h.textContent)")
         self.assertEqual(titles, ["energies [J]", "crack length [m]", "impulse per mass [m/s]", "probes: velocity [m/s]"])
         inked = "[...document.querySelectorAll('.plot canvas')].map(c => c.getContext('2d').getImageData(0, 0, c.width, "\
                 "c.height).data.filter((v, i) => i % 4 === 3 && v > 0).length)"
         self.assertGreater(min(self.browser.evaluate(inked)), 300)
-        plot = "(() => { const c = document.querySelector('.plot canvas'); const r = c.getBoundingClientRect(); "\
+        keys = self.browser.evaluate("[...document.querySelectorAll('.plot')].map(p => [...p.querySelectorAll("
+                                     "'.u-series .u-label')].map(l => l.textContent))")
+        self.assertEqual(keys[0], ["time", "kinetic"])  # names and values of the curves, from uPlot
+        plot = "(() => { const c = document.querySelector('.plot .u-over'); const r = c.getBoundingClientRect(); "\
                "c.dispatchEvent(new PointerEvent('pointerdown', {clientX: r.right - 8, clientY: r.top + 40})); })()"
         self.browser.evaluate(plot)
         self.shown(AT_FIRST - 1)  # a click into a plot goes there

@@ -1,6 +1,6 @@
 """Node.js and the packages that the Jolt engine (rigid/jolt) runs with: `python3 -m sunder_tools.launch.node` gets them.
 
-The viewer's page (coupler/viewer) has its three.js the same way, and needs no Node.js.
+The viewer's page (coupler/viewer) has its three.js and uPlot the same way, and needs no Node.js.
 """
 from __future__ import annotations
 

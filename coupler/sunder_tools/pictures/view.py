@@ -25,21 +25,23 @@ HOST = "127.0.0.1"
 PAGE = REPOSITORY / "coupler" / "viewer"
 FILES = {"/": PAGE / "index.html", "/view.css": PAGE / "view.css",
          **{f"/{name}.js": PAGE / f"{name}.js" for name in ("view", "frame", "scene", "colours", "plots")}}
-OF_THREE = {"/three.module.js": "build/three.module.js", "/three.core.js": "build/three.core.js",
-            "/OrbitControls.js": "examples/jsm/controls/OrbitControls.js"}  # below three(); no other file is served
+OF_PACKAGES = {"/three.module.js": "three/build/three.module.js", "/three.core.js": "three/build/three.core.js",
+               "/OrbitControls.js": "three/examples/jsm/controls/OrbitControls.js",
+               "/uplot.js": "uplot/dist/uPlot.esm.js",
+               "/uplot.css": "uplot/dist/uPlot.min.css"}  # below packages(); no other file is served
 KINDS = {".html": "text/html; charset=utf-8", ".js": "text/javascript; charset=utf-8", ".css": "text/css; charset=utf-8"}
 
 
 def ensure_page() -> None:
-    """Downloads three.js from npm's registry, once, to where `npm_folder` says. Raises CommandError."""
+    """Downloads three.js and uPlot from npm's registry, once, to where `npm_folder` says. Raises CommandError."""
     from ..launch.node import ensure_packages  # it needs no Node.js: these files run in the browser
     folder = npm_folder("viewer", PAGE)
     ensure_packages(folder.parent / "viewer.log", PAGE, folder, "the viewer")
 
 
-def three() -> Path:
-    """The folder of three.js."""
-    return npm_folder("viewer", PAGE) / "node_modules" / "three"
+def packages() -> Path:
+    """The folder of the packages that the page loads: three.js draws, uPlot plots."""
+    return npm_folder("viewer", PAGE) / "node_modules"
 
 
 def content_policy(page: bytes) -> str:
@@ -63,8 +65,8 @@ class _Handler(http.server.BaseHTTPRequestHandler):
             return
         path = self.path.partition("?")[0]
         try:
-            if path in FILES or path in OF_THREE:
-                file = FILES[path] if path in FILES else three() / OF_THREE[path]
+            if path in FILES or path in OF_PACKAGES:
+                file = FILES[path] if path in FILES else packages() / OF_PACKAGES[path]
                 self._answer(HTTPStatus.OK, KINDS[file.suffix], file.read_bytes())
             elif path == "/state":
                 self._json(self.server.playback.state())

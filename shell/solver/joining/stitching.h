@@ -69,9 +69,8 @@ class Stitching {
 
   /// True for a control point that depends on others and has not been released.
   bool is_dependent(int shell, int slot) const {
-    return std::any_of(dependent_points_.begin(), dependent_points_.end(), [&](const DependentPoint& t) {
-      return t.holds && t.shell == shell && t.slot == slot;
-    });
+    return std::any_of(dependent_points_.begin(), dependent_points_.end(),
+                       [&](const DependentPoint& t) { return t.holds && t.shell == shell && t.slot == slot; });
   }
   /// Number of crack edges of each shell whose crossing of seams has been decided.
   std::vector<std::int64_t>& edges_seen() { return edges_seen_; }
