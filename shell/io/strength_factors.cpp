@@ -99,7 +99,7 @@ bool is_for(const proto::SpaceLine& line, const proto::Shell& shell, const std::
 
 // Gauss points along a narrower line would leave gaps.
 void check_width(const scene::LoadedScene& scene, const std::string& field, double width, const ShellModel& m) {
-  scene.check(width >= m.longest_element, field + ".width_m",
+  scene.check(width >= m.longest_element * (1.0 - 1e-6), field + ".width_m",
               "is {} m, and the longest element of shell '{}' is {:.4g} m, so the line would have gaps; give {:.4g} m "
               "or more, or take more elements",
               width, m.name, m.longest_element, 1.001 * m.longest_element);

@@ -34,6 +34,7 @@ ELSEWHERE = {
                                            "kBent": ROUND_OFF},
     "shell/solver/joining/stitching.cpp": {"kOnALine": ROUND_OFF, "kOnePlace": ROUND_OFF, "kSweeps": COST,
                                            "kSameLength": ROUND_OFF},
+    "shell/solver/joining/seam_strength.cpp": {"kSameShare": ROUND_OFF},
     "shell/solver/joining/stitching.h": {"kLooseWeight": ROUND_OFF},
     "shell/solver/parting/handoff.cpp": {"kAll": LAYOUT, "kRoundOff": ROUND_OFF},
     "shell/solver/surroundings.cpp": {"kFar": LAYOUT, "kSpare": COST, "kWhole": ROUND_OFF},
