@@ -46,6 +46,37 @@ shells {
   loads { edge_force { edge: U_MAX force_per_length { x: 40 } } }
 }
 """
+# Two sheets on a seam that opens at a force. One of their supports lets go first, and a ball is between both events.
+SEAMS = """name: "seams"
+end_time_s: 2e-3
+window_s: 1e-5
+gravity {}
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 }
+materials { name: "steel" density: 7800 }
+shells {
+  name: "pane"
+  material: "glass"
+  thickness_m: 0.003
+  plate { size_x_m: 0.3 size_y_m: 0.3 elements_x: 12 elements_y: 12 }
+  supports { edges: U_MIN kind: CLAMPED }
+  supports { regions { low { u: 0.1 v: 0.1 } high { u: 0.15 v: 0.15 } } kind: CLAMPED until_s: 4e-4 }
+}
+shells {
+  name: "flap"
+  material: "glass"
+  thickness_m: 0.003
+  plate { size_x_m: 0.2 size_y_m: 0.3 elements_x: 8 elements_y: 12 pose { position { x: 0.25 } } }
+  loads { edge_force { edge: U_MAX force_per_length { x: 3e4 } } factor {} factor { time_s: 1.5e-3 value: 1 } }
+}
+seams { rules { first: "pane" second: "flap" strength: 2e4 } }
+bodies { name: "ball" material: "steel" sphere { radius_m: 0.02 } pose { position { z: 0.0225 } } twist { linear { z: -2 } } }
+output {
+  fields: CONTACT_PRESSURE
+  probes { name: "hit" shell: "pane" body: "ball" }
+  probes { name: "under" shell: "pane" at { u: 0.15 v: 0.15 } fields: [CONTACT_PRESSURE, STRESS] }
+  probe_interval_s: 3e-5
+}
+"""
 # Two linked rods hang from the world. The lower one is released first. Linked bodies overlap, and still do after that.
 JOINTS = """name: "joints"
 end_time_s: 0.1
@@ -213,6 +244,22 @@ class Resume(unittest.TestCase):
         self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)  # of first order in the step
         self.assertIn("fibres", [m["name"] for m in run["models"]])
         self.assertNotIn("contact_between_shells", [m["name"] for m in run["models"]])
+
+    def test_supports_and_seams_that_have_let_go_stay_so(self) -> None:
+        scene = self.here / "seams.textproto"
+        scene.write_text(SEAMS)
+        whole = self.run_to("whole", "2e-3", scene=str(scene))
+        run = json.loads((whole / "run.json").read_text())
+        self.assertEqual(run["counts"]["fragments"], 2)  # the seam has opened
+        self.assertLess(abs(run["energy"]["residual_relative"]), 1e-5)
+        for until in ("3.6e-4", "7e-4", "1.5e-3"):  # before the release, after it, after the seam has opened
+            with self.subTest(until):
+                part = self.run_to(f"part_{until}", until, scene=str(scene))
+                done = sunder("run", "--resume", str(part), "--until", "2e-3", "--quiet")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                self.assertEqual(state(part), state(whole))
+                for name in ("series.csv", "probes.csv"):
+                    self.assertEqual((part / name).read_text(), (whole / name).read_text())
 
     def test_joints_that_have_let_go_stay_so(self) -> None:
         scene = self.here / "joints.textproto"
