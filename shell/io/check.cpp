@@ -24,7 +24,7 @@ constexpr int kTrials = 20;  // timed substeps
 double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::size_t shell, ShellState& s) {
   const ShellSetup& shell_setup = setup.shells[shell];
   const ShellModel& m = shell_setup.model;
-  double step = stable_step(m, s, kStepIterations, 1, shell_setup.can_crack());
+  double step = stable_step(m, s, kStepIterations, 1, shell_setup.can_crack() || !m.releases.empty());
   if (m.has_fibres()) step = stable_step_with_fibres(step, setup.models());
   scene.check(std::isfinite(step), fmt::format("shells[{}].supports", shell),
               "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
