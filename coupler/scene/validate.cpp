@@ -303,8 +303,9 @@ void body(const Scene& s, const std::string& f, const proto::Body& b, const std:
   s.check(std::isfinite(b.launch().angle_deg()) && std::abs(b.launch().angle_deg()) < 90.0, f + ".launch.angle_deg",
           "is {}; less than 90 degrees off the normal", b.launch().angle_deg());
   s.check(std::isfinite(b.launch().azimuth_deg()), f + ".launch.azimuth_deg", "must be finite");
-  if (!names.count(b.launch().target()) || b.launch().target() == b.name())
-    refuse_name(s, f + ".launch.target", b.launch().target(), "other shell or body", things_of(s.message, b.name()));
+  const std::string& target = b.launch().target();
+  if ((!names.count(target) && !is_shell(s.message, target)) || target == b.name())
+    refuse_name(s, f + ".launch.target", target, "other shell or body", things_of(s.message, b.name()));
 }
 
 void contacts(const Scene& s, const std::set<std::string>& names) {
@@ -314,7 +315,9 @@ void contacts(const Scene& s, const std::set<std::string>& names) {
     const std::string f = fmt::format("contacts[{}]", i);
     s.check(c.first().empty() == c.second().empty(), f, "names one side only; name both, or none for the default");
     for (const auto& [side, named] : {std::pair{".first", &c.first()}, std::pair{".second", &c.second()}})
-      if (!named->empty() && !names.count(*named)) refuse_name(s, f + side, *named, "shell or body", things_of(m));
+      if (!named->empty() && !names.count(*named))
+        refuse_name(s, f + side, *named, "shell or body", things_of(m),
+                    is_shell(m, *named) ? "all faces of a shell are one side of a pair" : "");
     for (int j = 0; j < i; ++j) {
       const auto& b = m.contacts(j);
       s.check(

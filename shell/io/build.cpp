@@ -15,12 +15,14 @@
 #include "shell/io/build_seams.h"
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
-#include "shell/io/cad_parts.h"
+#include "shell/io/part_names.h"
 #include "shell/io/strength_factors.h"
 #include "shell/solver/contact/hertz.h"
 
 namespace sunder::shell {
 namespace {
+
+constexpr double kOpenSurface = 1e-2;  // mean of the normals of a surface that is not closed [-]
 
 // Computes mass, centre and inertia of a solid, by tetrahedra from the mean point to its faces.
 void solid_properties(const scene::Solid& solid, double density, RigidBody& b) {
@@ -86,15 +88,38 @@ RigidBody make_body(const scene::LoadedScene& scene, const proto::Body& m, BodyI
   return b;
 }
 
-void launch(const scene::LoadedScene& scene, const RunSetup& setup, const proto::Body& m, RigidBody& b) {
+// The middle of shells, and their mean normal; a closed surface has none and keeps `normal`.
+void aim_at(const RunSetup& setup, const std::vector<int>& shells, Vec3& target, Vec3& normal) {
+  double area = 0.0;
+  Vec3 first = Vec3::Zero(), facing = Vec3::Zero();
+  for (const int k : shells) {
+    const ShellModel& s = setup.shells[k].model;
+    for (int q = 0; q < s.tables.blocks(); ++q)
+      for (int e = 0; e < s.tables.spans_u; ++e) {
+        const GaussPoint g = gauss_point(s.patch, s.tables, q, e);
+        if (g.weight <= 0.0) continue;
+        const SurfacePoint p = s.patch.evaluate(g.parameter);
+        const Vec3 part = g.weight * p.u.cross(p.v);
+        area += part.norm(), first += part.norm() * p.x, facing += part;
+      }
+  }
+  target = first / area;
+  if (facing.norm() > kOpenSurface * area) normal = facing.normalized();
+}
+
+void launch(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const RunSetup& setup,
+            const std::string& field, const proto::Body& m, RigidBody& b) {
   Vec3 target = Vec3::Zero(), normal = Vec3::UnitZ();
-  for (const ShellSetup& shell : setup.shells)
-    if (const ShellModel& s = shell.model; s.name == m.launch().target()) {
-      const Vec2 middle(0.5 * (s.patch.knots_u.begin() + s.patch.knots_u.end()),
-                        0.5 * (s.patch.knots_v.begin() + s.patch.knots_v.end()));
-      const SurfacePoint q = s.patch.evaluate(middle);
-      target = q.x, normal = q.u.cross(q.v).normalized();
-    }
+  const std::vector<int> shells = shells_named(scene, parts, field + ".launch.target", m.launch().target());
+  if (shells.size() == 1) {
+    const Patch& patch = setup.shells[shells[0]].model.patch;
+    const Vec2 middle(0.5 * (patch.knots_u.begin() + patch.knots_u.end()),
+                      0.5 * (patch.knots_v.begin() + patch.knots_v.end()));
+    const SurfacePoint q = patch.evaluate(middle);
+    target = q.x, normal = q.u.cross(q.v).normalized();
+  } else if (!shells.empty()) {
+    aim_at(setup, shells, target, normal);
+  }
   for (const auto& other : scene.message.bodies())
     if (other.name() == m.launch().target())
       target = scene::to_vec(other.motion_size() > 0 ? other.motion(0).position() : other.pose().position());
@@ -229,17 +254,18 @@ RunSetup build(const scene::LoadedScene& scene) {
         groups.try_emplace(m.shells(parts[i].shell).name(), static_cast<std::uint32_t>(groups.size())).first->second;
     for (int k = 0; k < m.output().probes_size(); ++k) {
       const auto& p = m.output().probes(k);
-      if (p.shell() != s.name) continue;
+      const std::string field = fmt::format("output.probes[{}]", k);
+      if (p.shell().empty() || shell_named(scene, parts, field + ".shell", p.shell()) != i) continue;
       const Vec2 at = moved_onto_edges(s.patch, {p.at().u(), p.at().v()});
-      scene.check(s.patch.contains(at), fmt::format("output.probes[{}].at", k),
+      scene.check(s.patch.contains(at), field + ".at",
                   "({:.9g}, {:.9g}) lies outside the patch, whose parameters run {}", at.x(), at.y(),
                   parameter_range(s.patch));
-      scene.check(s.trim.empty() || s.trim.loops.contains(at), fmt::format("output.probes[{}].at", k),
+      scene.check(s.trim.empty() || s.trim.loops.contains(at), field + ".at",
                   "({:.9g}, {:.9g}) lies outside the trims of shell '{}'; take a place inside", at.x(), at.y(), s.name);
       Probe& probe = r.probes.emplace_back(Probe{p.name(), i, at});
       for (int b = 0; b < m.bodies_size(); ++b)
         if (m.bodies(b).name() == p.body()) probe.body = b;
-      for (const int field : p.fields()) probe.fields.add(field);
+      for (const int wanted : p.fields()) probe.fields.add(wanted);
     }
     r.last_change = std::max(r.last_change, s.loads.last_change());
     for (const SupportStage& stage : s.releases) r.last_change = std::max(r.last_change, stage.from);
@@ -276,7 +302,7 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (int i = 0; i < m.bodies_size(); ++i) {
     const std::string field = fmt::format("bodies[{}]", i);
     RigidBody b = make_body(scene, m.bodies(i), static_cast<BodyId>(i + 1), field);
-    if (m.bodies(i).has_launch()) launch(scene, r, m.bodies(i), b);
+    if (m.bodies(i).has_launch()) launch(scene, parts, r, field, m.bodies(i), b);
     r.driven.push_back(make_driven(scene, field, m.bodies(i), least_window, b));
     if (r.driven.back()) r.last_change = std::max(r.last_change, r.driven.back()->last());
     groups[b.name] = b.contact_group = static_cast<std::uint32_t>(groups.size());

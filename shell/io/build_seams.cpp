@@ -9,6 +9,7 @@
 #include "shell/geometry/edges.h"
 #include "shell/geometry/trim_seams.h"
 #include "shell/io/build_shell.h"
+#include "shell/io/part_names.h"
 #include "shell/solver/joining/stitching.h"
 
 namespace sunder::shell {
@@ -164,7 +165,8 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     for (const Vec3& x : s.model.patch.control_points) box.extend(x);
     largest = std::max(largest, box.diagonal().norm());
     scene.check(s.equilibrium == 0.0, fmt::format("shells[{}].equilibrium", parts[i].shell),
-                "is for a shell by itself, and seams are given; leave one of them out");
+                "is found with the stiffness of one shell, and seams carry forces between shells; leave equilibrium "
+                "out and let each load grow by its `factor`, with mass_damping_per_s of the material");
     whole.push_back(whole_edges(s.model));
     scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
   }
@@ -173,12 +175,11 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
   for (std::size_t i = 0; i < parts.size(); ++i)
     for (std::size_t k = 0; k < parts.size(); ++k)
       if (!meet[i][k]) join[i][k] = Join::kOpen;
-  for (const proto::SeamRule& rule : m.rules()) {
-    const auto find = [&](const std::string& name) {
-      return std::find(names.begin(), names.end(), name) - names.begin();
-    };
-    const auto i = find(rule.first()), k = find(rule.second());
-    join[i][k] = join[k][i] = static_cast<Join>(rule.kind());
+  for (int n = 0; n < m.rules_size(); ++n) {
+    const std::string field = fmt::format("seams.rules[{}]", n);
+    const int i = shell_named(scene, parts, field + ".first", m.rules(n).first()),
+              k = shell_named(scene, parts, field + ".second", m.rules(n).second());
+    join[i][k] = join[k][i] = static_cast<Join>(m.rules(n).kind());
   }
   double tolerance = m.has_tolerance_m() ? m.tolerance_m() : kSeamTolerance * largest;
   if (!m.has_tolerance_m())

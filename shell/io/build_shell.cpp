@@ -41,8 +41,8 @@ std::pair<int, int> elements_of(const scene::LoadedScene& scene, const proto::Ca
   const double u = std::ceil((lengths.knots_u.end() - lengths.knots_u.begin()) / c.element_m() - kWholeElement),
                v = std::ceil((lengths.knots_v.end() - lengths.knots_v.begin()) / c.element_m() - kWholeElement);
   scene.check(u * v <= kMostElements, field + ".element_m",
-              "is {} m, and the face would have {:.0f} x {:.0f} elements; at most {:.0f} in all", c.element_m(), u, v,
-              kMostElements);
+              "is {} m, and the face would have {:.0f} x {:.0f} elements; at most {:.0f} in all: give a longer one",
+              c.element_m(), u, v, kMostElements);
   return {std::max(1, static_cast<int>(u)), std::max(1, static_cast<int>(v))};
 }
 

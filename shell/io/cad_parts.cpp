@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <set>
 
+#include "shell/io/part_names.h"
+
 namespace sunder::shell {
 namespace {
 
@@ -14,27 +16,6 @@ bool is_several(const std::vector<ScenePart>& parts, int shell) {
   return std::any_of(parts.begin(), parts.end(), [&](const ScenePart& p) {
     return p.shell == shell && p.message.cad().has_face() && p.message.name().find('.') != std::string::npos;
   });
-}
-
-// Names of single faces are known only now.
-void check_names(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts) {
-  const proto::Scene& m = scene.message;
-  const auto check = [&](const std::string& field, const std::string& name) {
-    if (name.find('.') == std::string::npos) return;
-    const std::string whole = name.substr(0, name.find('.'));
-    int faces = 0;
-    for (const ScenePart& p : parts) {
-      if (p.message.name() == name) return;
-      faces += p.message.name().rfind(whole + ".", 0) == 0;
-    }
-    scene.fail(field, fmt::format("is '{}', but shell '{}' has {} faces, counted from 1", name, whole, faces));
-  };
-  for (int i = 0; i < m.seams().rules_size(); ++i) {
-    check(fmt::format("seams.rules[{}].first", i), m.seams().rules(i).first());
-    check(fmt::format("seams.rules[{}].second", i), m.seams().rules(i).second());
-  }
-  for (int i = 0; i < m.output().probes_size(); ++i)
-    check(fmt::format("output.probes[{}].shell", i), m.output().probes(i).shell());
 }
 
 }  // namespace

@@ -20,13 +20,20 @@ constexpr double kResolvedMirror = 5.0;  // spacings that the length until a div
 
 constexpr int kTrials = 20;  // timed substeps
 
+// Index in the scene of a shell of the run, which may be one of its CAD faces.
+int index_of(const scene::LoadedScene& scene, const std::string& name) {
+  for (int i = 0; i < scene.message.shells_size(); ++i)
+    if (scene.message.shells(i).name() == name.substr(0, name.find('.'))) return i;
+  return 0;
+}
+
 /// Returns the stable step [s] of a shell alone. Throws Error where it has none, or where bodies are too fast for it.
 double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::size_t shell, ShellState& s) {
   const ShellSetup& shell_setup = setup.shells[shell];
   const ShellModel& m = shell_setup.model;
   double step = stable_step(m, s, kStepIterations, 1, shell_setup.can_crack() || !m.releases.empty());
   if (m.has_fibres()) step = stable_step_with_fibres(step, setup.models());
-  scene.check(std::isfinite(step), fmt::format("shells[{}].supports", shell),
+  scene.check(std::isfinite(step), fmt::format("shells[{}].supports", index_of(scene, m.name)),
               "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);
   for (std::size_t i = 0; i < setup.bodies.size(); ++i) {
     const Proxy body = setup.proxy(i);

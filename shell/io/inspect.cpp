@@ -7,7 +7,8 @@
 
 #include "shell/io/build.h"
 #include "shell/io/build_shell.h"
-#include "shell/io/cad_file.h"
+#include "shell/io/cad_parts.h"
+#include "shell/io/element_fit.h"
 
 namespace sunder::shell {
 namespace {
@@ -15,7 +16,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr double kElements = 40.0;       // along the diagonal of a file, by default
-constexpr double kThicknessShare = 0.1;  // of an element: any thickness does
+constexpr double kThicknessShare = 0.2;  // of an element: any thickness does
 
 // A scene with one shell, of which the file is to become the patch.
 scene::LoadedScene scene_of(const std::string& file, double element) {
@@ -32,13 +33,31 @@ scene::LoadedScene scene_of(const std::string& file, double element) {
   return scene;
 }
 
+// What an Error is about, where its text does not say so: "element_m is 1e-6 m, and ...".
+std::string subject_of(const std::string& field) {
+  const std::string last = field.substr(field.rfind('.') + 1);
+  if (last == "element_m") return "--element ";
+  return last.empty() || last == "path" || last == "cad" || last == "shells[0]" || last == "seams" ? "" : last + " ";
+}
+
 // The message of an Error without file and field, which belong to no scene of the user's.
 std::string problem_of(const scene::LoadedScene& scene, const Error& e) {
   std::string text = e.what();
-  for (const std::string& head :
-       {scene.path + ": ", e.field + ": ", "'" + scene.message.shells(0).cad().path() + "': "})
+  for (const std::string& head : {scene.path + ": ", e.field + ": ", "'" + scene.message.shells(0).cad().path() + "': ",
+                                  "'" + scene.message.shells(0).cad().path() + "' "})
     if (text.rfind(head, 0) == 0) text.erase(0, head.size());
-  return text;
+  return subject_of(e.field) + text;
+}
+
+// The file, which has no scene yet: an Error is about the file itself.
+const CadFile& read(const scene::LoadedScene& scene, CadFiles& files, const std::string& file) {
+  try {
+    return files.of(scene, "shells[0].cad", scene.message.shells(0).cad().path());
+  } catch (const Error& e) {
+    Error plain(e.status, "bad_input", file + ": " + problem_of(scene, e));
+    plain.file = file;
+    throw plain;
+  }
 }
 
 Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& files, int face, double element) {
@@ -49,6 +68,7 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
     const std::vector<CadSurface> surfaces = file.surfaces(scene, "shells[0].cad", shell.cad());
     std::ptrdiff_t holes = 0, trimmed = 0;
     double area = 0.0, shortest = element, error = 0.0;
+    ElementFit worst;
     Json widths = Json::array(), elements = Json::array();
     for (std::size_t k = 0; k < surfaces.size(); ++k) {
       const std::vector<CadLoop>& loops = surfaces[k].loops;
@@ -57,6 +77,7 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
       const ShellModel m = build_shell(scene, shell, "shells[0]", files, static_cast<int>(k));
       for (const double part : m.mass) area += part / (m.material.density * m.thickness);
       shortest = std::min(shortest, m.shortest_element);
+      if (const ElementFit fit = element_fit(m, element); k == 0 || fit.step < worst.step) worst = fit;
       error = std::max(error, surfaces[k].error);
       widths.push_back(
           {m.patch.knots_u.end() - m.patch.knots_u.begin(), m.patch.knots_v.end() - m.patch.knots_v.begin()});
@@ -72,6 +93,10 @@ Json face_of(const scene::LoadedScene& scene, const CadFile& file, CadFiles& fil
     out["holes"] = holes;
     out["elements"] = elements[0];
     out["shortest_element_m"] = shortest;
+    out["stable_step_s"] = worst.step;
+    out["unfit"] = worst.unfit;
+    out["doubt"] = worst.doubt.empty() ? Json() : Json(worst.doubt);
+    out["shells"] = Json::array();  // in a scene of all faces that can be taken
     out["refused"] = nullptr;
   } catch (const Error& e) {
     out["refused"] = problem_of(scene, e);
@@ -94,7 +119,7 @@ Json edges_of(const CadFile& file) {
 std::string inspect_report(const std::string& file, double element) {
   const scene::LoadedScene first = scene_of(file, 1.0);
   CadFiles files;
-  const CadFile& cad = files.of(first, "shells[0].cad", first.message.shells(0).cad().path());
+  const CadFile& cad = read(first, files, file);
   const auto [low, high] = cad.box();
   if (element <= 0.0) element = (high - low).norm() / kElements;
   scene::LoadedScene scene = scene_of(file, element);
@@ -102,28 +127,34 @@ std::string inspect_report(const std::string& file, double element) {
   std::vector<int> taken;
   for (int k = 0; k < cad.faces(); ++k) {
     faces.push_back(face_of(scene, cad, files, k, element));
-    if (faces.back()["refused"].is_null()) taken.push_back(k);
+    if (faces.back()["refused"].is_null() && !faces.back()["unfit"].get<bool>()) taken.push_back(k);
   }
+  for (const int k : taken)
+    if (taken.size() < faces.size()) scene.message.mutable_shells(0)->mutable_cad()->add_faces(k);
   const Vec3 size = high - low;
   Json out = {{"file", file},
               {"unit", cad.unit()},
               {"low_m", {low.x(), low.y(), low.z()}},
               {"size_m", {size.x(), size.y(), size.z()}},
               {"element_m", element},
+              {"thickness_m", scene.message.shells(0).thickness_m()},
               {"faces", faces},
+              {"taken", taken},
               {"edges", edges_of(cad)}};
   out["seams"] = nullptr, out["seams_refused"] = nullptr;
-  if (taken.size() > 1 || (taken.size() == 1 && faces[taken[0]]["parts"] > 1)) {
-    for (const int k : taken) scene.message.mutable_shells(0)->mutable_cad()->add_faces(k);
-    try {
-      const RunSetup setup = build(scene);
-      int smooth = 0, along_trims = 0;
-      for (const Seam& s : setup.stitches.seams) smooth += s.smooth, along_trims += s.trimmed();
-      out["seams"] = {{"joined", setup.stitches.seams.size()}, {"smooth", smooth}, {"along_trims", along_trims}};
+  if (!taken.empty()) try {
+      const std::vector<ScenePart> parts = scene_parts(scene, files);
+      for (const ScenePart& part : parts)
+        out["faces"][part.message.cad().face()]["shells"].push_back(part.message.name());
+      if (parts.size() > 1) {
+        const RunSetup setup = build(scene);
+        int smooth = 0, along_trims = 0;
+        for (const Seam& s : setup.stitches.seams) smooth += s.smooth, along_trims += s.trimmed();
+        out["seams"] = {{"joined", setup.stitches.seams.size()}, {"smooth", smooth}, {"along_trims", along_trims}};
+      }
     } catch (const Error& e) {
       out["seams_refused"] = problem_of(scene, e);
     }
-  }
   return out.dump(1) + "\n";
 }
 

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "coupler/core/command_line.h"
 #include "shell/io/inspect.h"
 #include "shell/run/program.h"
@@ -12,7 +14,8 @@ int inspect_program(int argc, char** argv) {
   app.add_option("FILE", file, "The file")->required();
   app.add_option("--element", element, "Spacing of shells [m]; default: a fortieth of the file's size")->take_last();
   if (!read_arguments(app, argc, argv)) return 0;
-  require(element >= 0.0, "--element {}: must be positive", element);
+  require(app.count("--element") == 0 || (element > 0.0 && std::isfinite(element)),
+          "--element {}: must be positive and finite [m]; leave it out for a fortieth of the file's size", element);
   fmt::print("{}", inspect_report(file, element));
   return 0;
 }

@@ -1,22 +1,73 @@
 """`sunder inspect`: its table, the scene that it writes, and what it refuses."""
 from __future__ import annotations
 
+import os
+import re
+import subprocess
 import tempfile
 import unittest
 from pathlib import Path
 from typing import Any
 
-from sunder_tools.command.inspect import report, write_scene
-from sunder_tools.errors import BAD_INPUT, CommandError
+from sunder_tools.command.inspect import checked, report, write_scene
+from sunder_tools.errors import BAD_INPUT, DONE, CommandError
+
+from . import REPOSITORY
+
+BUILD = Path(os.environ.get("SUNDER_BUILD_DIR") or REPOSITORY / "build" / "release").absolute()
+SHELL = BUILD / "shell" / "sunder-shell"
+CACHE = BUILD / "CMakeCache.txt"
+HAS_CAD = CACHE.is_file() and re.search(r"^SUNDER_CAD:BOOL=ON$", CACHE.read_text(), re.M) is not None
+# A sphere of 25 mm: one face, divided into six shells with a pole each.
+SPHERE = """ISO-10303-21;
+HEADER;
+FILE_DESCRIPTION(('sphere'),'2;1');
+FILE_NAME('sphere','2026-01-01T00:00:00',(''),(''),'','','');
+FILE_SCHEMA(('AUTOMOTIVE_DESIGN { 1 0 10303 214 1 1 1 1 }'));
+ENDSEC;
+DATA;
+#1 = APPLICATION_PROTOCOL_DEFINITION('international standard','automotive_design',2000,#2);
+#2 = APPLICATION_CONTEXT('core data for automotive mechanical design processes');
+#3 = SHAPE_DEFINITION_REPRESENTATION(#4,#10);
+#4 = PRODUCT_DEFINITION_SHAPE('','',#5);
+#5 = PRODUCT_DEFINITION('design','',#6,#9);
+#6 = PRODUCT_DEFINITION_FORMATION('','',#7);
+#7 = PRODUCT('sphere','sphere','',(#8));
+#8 = PRODUCT_CONTEXT('',#2,'mechanical');
+#9 = PRODUCT_DEFINITION_CONTEXT('part definition',#2,'design');
+#10 = ADVANCED_BREP_SHAPE_REPRESENTATION('',(#11,#15),#27);
+#11 = AXIS2_PLACEMENT_3D('',#12,#13,#14);
+#12 = CARTESIAN_POINT('',(0.,0.,0.));
+#13 = DIRECTION('',(0.,0.,1.));
+#14 = DIRECTION('',(1.,0.,0.));
+#15 = MANIFOLD_SOLID_BREP('',#16);
+#16 = CLOSED_SHELL('',(#17));
+#17 = ADVANCED_FACE('',(#18),#22,.T.);
+#18 = FACE_BOUND('',#19,.T.);
+#19 = VERTEX_LOOP('',#20);
+#20 = VERTEX_POINT('',#21);
+#21 = CARTESIAN_POINT('',(0.,0.,-25.));
+#22 = SPHERICAL_SURFACE('',#11,25.);
+#27 = ( GEOMETRIC_REPRESENTATION_CONTEXT(3) GLOBAL_UNCERTAINTY_ASSIGNED_CONTEXT((#31))
+GLOBAL_UNIT_ASSIGNED_CONTEXT((#28,#29,#30)) REPRESENTATION_CONTEXT('','3D') );
+#28 = ( LENGTH_UNIT() NAMED_UNIT(*) SI_UNIT(.MILLI.,.METRE.) );
+#29 = ( NAMED_UNIT(*) PLANE_ANGLE_UNIT() SI_UNIT($,.RADIAN.) );
+#30 = ( NAMED_UNIT(*) SI_UNIT($,.STERADIAN.) SOLID_ANGLE_UNIT() );
+#31 = UNCERTAINTY_MEASURE_WITH_UNIT(LENGTH_MEASURE(1.E-07),#28,'distance_accuracy_value','');
+ENDSEC;
+END-ISO-10303-21;
+"""
 
 TOLD: dict[str, Any] = {
     "file": "part.step", "unit": "millimetre", "low_m": [0.0, 0.0, -0.002], "size_m": [0.03, 0.02, 0.004],
-    "element_m": 0.001,
+    "element_m": 0.001, "thickness_m": 0.0002, "taken": [0, 1],
     "faces": [
         {"face": 0, "kind": "plane", "degree": 2, "width_m": [0.03, 0.02], "area_m2": 5.2e-4, "approximated_m": 2e-8, "parts": 3, "parts_trimmed": 0,
-         "holes": 1, "elements": [30, 20], "area_of_shells_m2": 5.2e-4, "shortest_element_m": 0.001, "refused": None},
+         "holes": 1, "elements": [30, 20], "area_of_shells_m2": 5.2e-4, "shortest_element_m": 0.001, "refused": None,
+         "stable_step_s": 1.9e-7, "unfit": False, "doubt": None, "shells": ["part.1", "part.2", "part.3"]},
         {"face": 1, "kind": "plane", "degree": 2, "width_m": [0.02, 0.004], "area_m2": 8e-5, "approximated_m": 0.0, "parts": 1, "parts_trimmed": 1,
-         "holes": 0, "elements": [20, 4], "area_of_shells_m2": 8e-5, "shortest_element_m": 0.001, "refused": None},
+         "holes": 0, "elements": [20, 4], "area_of_shells_m2": 8e-5, "shortest_element_m": 2e-5, "refused": None,
+         "stable_step_s": 2e-9, "unfit": False, "doubt": "an element is 2e-05 m long", "shells": ["part.4"]},
         {"face": 2, "kind": "cylinder", "refused": "face 2 closes on itself along u; split it in the CAD program"}],
     "edges": {"shared": 5, "free": 1, "of_three_faces_or_more": 0, "widest_tolerance_m": 1e-10},
     "seams": {"joined": 1, "smooth": 0, "along_trims": 1}, "seams_refused": None}
@@ -29,9 +80,10 @@ class Inspect(unittest.TestCase):
         text = report(TOLD)
         self.assertIn("part.step: 3 faces, 0.03 x 0.02 x 0.004 m, unit millimetre, elements of 0.001 m", text)
         lines = text.splitlines()
-        self.assertRegex(lines[2], r"^ +0  plane .* 30 x 20  1 hole, in 3 parts, approximated to 2e-08 m$")
-        self.assertRegex(lines[3], r"^ +1  plane .* 20 x 4  border$")
+        self.assertRegex(lines[2], r"^ +0  plane .* 30 x 20 +1.9e-07  part.1 to part.3 +1 hole, in 3 parts, approximated to 2e-08 m$")
+        self.assertRegex(lines[3], r"^ +1  plane .* 20 x 4 +2e-09  part.4 +border$")
         self.assertRegex(lines[4], r"^ +2  cylinder +refused: face 2 closes on itself")
+        self.assertEqual(lines[5], "face 1 is slow: an element is 2e-05 m long")
         self.assertIn("edges: 5 shared, 1 free, 0 of three faces or more; the widest tolerance is 1e-10 m", text)
         self.assertIn("seams: 1 joined, 0 of them smooth, 1 along trims", text)
 
@@ -51,10 +103,18 @@ class Inspect(unittest.TestCase):
                 write_scene(scene, file, TOLD)
             self.assertEqual(caught.exception.status, BAD_INPUT)
 
+    def test_a_face_that_is_unfit_is_told_and_left_out(self) -> None:
+        unfit = {**TOLD["faces"][1], "unfit": True, "shells": []}
+        told = {**TOLD, "faces": [TOLD["faces"][0], unfit], "taken": [0]}
+        self.assertIn("face 1 is unfit: an element is 2e-05 m long\n", report(told))
+        with tempfile.TemporaryDirectory() as folder:
+            write_scene(Path(folder) / "a.textproto", Path(folder) / "part.step", told)
+            self.assertIn("faces: 0 element_m", (Path(folder) / "a.textproto").read_text())
+
     def test_all_faces_need_no_list(self) -> None:
         with tempfile.TemporaryDirectory() as folder:
             scene = Path(folder) / "a.textproto"
-            write_scene(scene, Path(folder) / "part.step", {**TOLD, "faces": TOLD["faces"][:2]})
+            write_scene(scene, Path(folder) / "part.step", {**TOLD, "faces": TOLD["faces"][:2], "taken": [0, 1]})
             self.assertNotIn("faces:", scene.read_text())
 
     def test_a_scene_that_is_not_beside_the_file_is_refused(self) -> None:
@@ -62,7 +122,69 @@ class Inspect(unittest.TestCase):
             with self.assertRaisesRegex(CommandError, "is not beside"):
                 write_scene(Path(other) / "a.textproto", Path(folder) / "part.step", TOLD)
             with self.assertRaisesRegex(CommandError, "no face of .* can be taken"):
-                write_scene(Path(folder) / "a.textproto", Path(folder) / "part.step", {**TOLD, "faces": TOLD["faces"][2:]})
+                write_scene(Path(folder) / "a.textproto", Path(folder) / "part.step", {**TOLD, "faces": TOLD["faces"][2:], "taken": []})
+
+
+class Programs(unittest.TestCase):
+    """Real runs of `sunder inspect` and of the solver that it asks."""
+
+    def setUp(self) -> None:
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = Path(folder.name)
+
+    def inspect(self, *words: str) -> subprocess.CompletedProcess[str]:
+        return subprocess.run([str(REPOSITORY / "coupler" / "sunder"), "inspect", *words], cwd=self.folder, text=True, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, env={**os.environ, "SUNDER_BUILD_DIR": str(BUILD)})
+
+    def test_a_broken_file_is_named_and_no_scene(self) -> None:
+        (self.folder / "broken.step").write_text("ISO-10303-21;\n")
+        done = self.inspect("broken.step", "--scene", "a.textproto")
+        self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
+        self.assertRegex(done.stderr, r"bad_input: broken.step: (is no STEP file that can be read|this build has no OpenCASCADE)")
+        self.assertNotIn("inspect.textproto", done.stderr)
+        self.assertFalse((self.folder / "a.textproto").exists())
+
+    def test_an_element_is_positive_and_finite(self) -> None:
+        for element in ("0", "-1", "inf", "nan"):
+            done = subprocess.run([str(SHELL), "inspect", "a.step", f"--element={element}"], cwd=self.folder, text=True, check=False,
+                                  stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+            self.assertEqual(done.returncode, BAD_INPUT, done.stderr)
+            self.assertIn("must be positive and finite [m]; leave it out", done.stderr)
+
+    def test_a_scene_that_is_written_is_checked(self) -> None:
+        scene = self.folder / "a.textproto"
+        scene.write_text('name: "a" end_time_s: 0.02 window_s: 1e-4 '
+                         'materials { name: "steel" density: 7800 youngs_modulus: 2e11 poisson_ratio: 0.3 } '
+                         'shells { name: "part" material: "steel" thickness_m: 4e-4 '
+                         'plate { size_x_m: 0.02 size_y_m: 0.02 elements_x: 10 elements_y: 10 } }')
+        self.assertRegex(checked(SHELL, scene), r"^  substeps +at most \d+, .*\n  time ")
+        scene.write_text(scene.read_text().replace("1e-4", "1e-9"))
+        with self.assertRaisesRegex(CommandError, "is written, but 'sunder check' refuses it; .*window_s: is 1e-09 s, shorter"
+                                    " than the stable step") as caught:
+            checked(SHELL, scene)
+        self.assertEqual(caught.exception.status, BAD_INPUT)
+
+    @unittest.skipUnless(HAS_CAD, f"{BUILD} is without OpenCASCADE")
+    def test_the_scene_of_a_sphere_passes_the_check(self) -> None:
+        (self.folder / "ball.step").write_text(SPHERE)
+        done = self.inspect("ball.step", "--element", "0.006", "--scene", "ball.textproto")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertRegex(done.stdout, r"(?m)^ +0  sphere .* part\.1 to part\.6 +in 6 parts$")
+        self.assertIn("face 0 is slow: an element is ", done.stdout)
+        self.assertIn("ball.textproto is written, and passes sunder check ball.textproto\n  substeps ", done.stdout)
+        self.assertIn("probes", self.check_with('output { probes { name: "p" shell: "part" } }'))
+        self.assertEqual(self.check_with('output { probes { name: "p" shell: "part.6" } }'), "")
+
+    def check_with(self, more: str) -> str:
+        """What is refused of the sphere's scene with more in it."""
+        scene = self.folder / "more.textproto"
+        scene.write_text((self.folder / "ball.textproto").read_text() + more)
+        try:
+            checked(SHELL, scene)
+        except CommandError as error:
+            return str(error)
+        return ""
 
 
 if __name__ == "__main__":

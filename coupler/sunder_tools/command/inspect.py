@@ -14,7 +14,7 @@ from .parser import Subparsers, add_command, number_within
 
 NAME = "inspect"
 SCENE = """\
-# All faces of {path} as shells, joined along the edges that they share. The part falls on a floor.
+# {which} of {path} as shells, joined along the edges that they share. The part falls on a floor.
 name: "{name}"
 end_time_s: 0.02
 window_s: 1e-4
@@ -22,8 +22,8 @@ materials {{ name: "steel" density: 7800 youngs_modulus: 2e11 poisson_ratio: 0.3
 shells {{
   name: "part"
   material: "steel"
-  thickness_m: {thickness:.3g}
-  cad {{ path: "{path}" {faces}element_m: {element:.3g} }}
+  thickness_m: {thickness:.6g}
+  cad {{ path: "{path}" {faces}element_m: {element:.6g} }}
 }}
 bodies {{ name: "floor" half_space {{}} pose {{ position {{ z: {floor:.6g} }} }} }}
 """
@@ -33,21 +33,23 @@ def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder inspect`."""
     parser = add_command(
         subparsers, NAME, "say what a STEP or IGES file holds",
-        "Lists the faces of a file with kind, size and trims, says which would be refused as shells and why, and\n"
-        "counts the edges that they share. Builds the programs with OpenCASCADE where they are without.",
+        "Lists the faces of a file with kind, size, stable step, trims and the names of their shells, says which would\n"
+        "be refused as shells, or be too slow, and why, and counts the edges that they share. Builds the programs with\n"
+        "OpenCASCADE where they are without.",
         "sunder inspect part.step --element 0.002 --scene part.textproto")
     parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file")
     parser.add_argument("--element", metavar="M", type=_length,
                         help="spacing of shells [m] (default: a fortieth of the size)")
     parser.add_argument("--json", action="store_true", help="print all as JSON")
-    parser.add_argument("--scene", metavar="SCENE", type=Path, help="write a scene of all faces that can be taken")
+    parser.add_argument("--scene", metavar="SCENE", type=Path, help="write a scene of all faces that can be taken, and check it")
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Hands the file to sunder-shell inspect and prints what it says; returns the exit status. Raises CommandError."""
     if not arguments.file.is_file():
         raise CommandError(f"'{arguments.file}' is no file; name a STEP or IGES file", BAD_INPUT)
-    command = [str(ensure_built(cad=True).shell), "inspect", str(arguments.file)]
+    program = ensure_built(cad=True).shell
+    command = [str(program), "inspect", str(arguments.file)]
     if arguments.element is not None:
         command += ["--element", repr(arguments.element)]
     ended = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
@@ -59,8 +61,10 @@ def run(arguments: argparse.Namespace) -> int:
     print(ended.stdout if arguments.json else report(told), end="")
     if arguments.scene is not None:
         write_scene(arguments.scene, arguments.file, told)
+        cost = checked(program, arguments.scene)
         if not arguments.json:
-            print(f"{arguments.scene} is written; check it with: {command_line(['sunder', 'check', arguments.scene])}")
+            print(f"{arguments.scene} is written, and passes {command_line(['sunder', 'check', arguments.scene])}\n{cost}",
+                  end="")
     return DONE
 
 
@@ -69,15 +73,19 @@ def report(told: dict[str, Any]) -> str:
     faces = told["faces"]
     lines = [f"{told['file']}: {_count(len(faces), 'face')}, {' x '.join(f'{x:.4g}' for x in told['size_m'])} m, "
              f"unit {told['unit']}, elements of {told['element_m']:.3g} m",
-             f"{'face':>4}  {'kind':22} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11}  trims"]
+             f"{'face':>4}  {'kind':22} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11} {'step [s]':>9}  {'shells':18} trims"]
     for face in faces:
         head = f"{face['face']:>4}  {face['kind']:22} "
-        if face["refused"] is None:
-            size = " x ".join(f"{x:.4g}" for x in face["width_m"])
-            elements = " x ".join(str(n) for n in face["elements"])
-            lines.append(f"{head}{size:>21} {face['area_m2']:>11.4g} {elements:>11}  {_trims(face)}")
-        else:
+        if face["refused"] is not None:
             lines.append(f"{head}refused: {face['refused']}")
+            continue
+        size = " x ".join(f"{x:.4g}" for x in face["width_m"])
+        elements = " x ".join(str(n) for n in face["elements"])
+        lines.append(f"{head}{size:>21} {face['area_m2']:>11.4g} {elements:>11} {face['stable_step_s']:>9.2g}  "
+                     f"{_names(face['shells']):18} {_trims(face)}")
+    for face in faces:
+        if face["refused"] is None and face["doubt"] is not None:
+            lines.append(f"face {face['face']} {'is unfit' if face['unfit'] else 'is slow'}: {face['doubt']}")
     edges = told["edges"]
     lines.append(f"edges: {edges['shared']} shared, {edges['free']} free, {edges['of_three_faces_or_more']} of three "
                  f"faces or more; the widest tolerance is {edges['widest_tolerance_m']:.2g} m")
@@ -99,15 +107,28 @@ def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:
                            BAD_INPUT) from error
     if scene.exists():
         raise CommandError(f"'{scene}' exists; give another name, or remove it", BAD_INPUT)
-    taken = [face["face"] for face in told["faces"] if face["refused"] is None]
+    taken = told["taken"]
     if not taken:
         raise CommandError(f"no face of '{file}' can be taken, so there is no scene to write", BAD_INPUT)
     faces = "" if len(taken) == len(told["faces"]) else "".join(f"faces: {n} " for n in taken)
     element = told["element_m"]
-    thickness = 0.2 * element
+    thickness = told["thickness_m"]
     name = "".join(c if c.isascii() and c.isalnum() else "_" for c in scene.stem.lower())
-    scene.write_text(SCENE.format(path=path.as_posix(), name=name, thickness=thickness, faces=faces, element=element,
+    scene.write_text(SCENE.format(which="Faces" if faces else "All faces", path=path.as_posix(), name=name, thickness=thickness, faces=faces, element=element,
                                   floor=told["low_m"][2] - thickness))
+
+
+def checked(program: Path, scene: Path) -> str:
+    """What a check says of the cost of a scene. Raises CommandError where it refuses the scene."""
+    ended = subprocess.run([str(program), "--scene", str(scene), "--check"], stdout=subprocess.PIPE,
+                           stderr=subprocess.PIPE, text=True, check=False)
+    if ended.returncode < 0:
+        raise CommandError(f"sunder-shell {how_it_ended(ended.returncode)} while checking {scene}", PEER_LOST)
+    if ended.returncode != DONE:
+        raise CommandError(f"'{scene}' is written, but 'sunder check' refuses it; change it there, or inspect again with "
+                           f"another --element: {ended.stderr.strip().removeprefix('sunder-shell: ')}", BAD_INPUT)
+    lines = [line for line in ended.stdout.splitlines() if line.startswith(("substeps ", "time ", "warning "))]
+    return "".join(f"  {line}\n" for line in lines)
 
 
 def _length(text: str) -> float:
@@ -116,6 +137,10 @@ def _length(text: str) -> float:
 
 def _count(number: int, what: str) -> str:
     return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
+def _names(shells: list[str]) -> str:
+    return " to ".join(dict.fromkeys([*shells[:1], *shells[-1:]])) or "-"
 
 
 def _trims(face: dict[str, Any]) -> str:

@@ -15,6 +15,7 @@
 #include <TopTools_IndexedMapOfShape.hxx>
 #include <TopoDS.hxx>
 
+#include "shell/io/check.h"
 #include "tests/shell/io/cad_fixture.h"
 
 using namespace sunder;
@@ -104,13 +105,74 @@ TEST_F(CadParts, NamesOfFacesCanBeUsedAndAreChecked) {
   };
   EXPECT_EQ(error_of("seams { rules { first: 'pane.1' second: 'pane.3' kind: HINGE } }"), "accepted");
   EXPECT_SAYS(error_of("seams { rules { first: 'pane.1' second: 'pane.7' } }"),
-              "seams.rules[0].second: is 'pane.7', but shell 'pane' has 6 faces, counted from 1");
+              "seams.rules[0].second: is 'pane.7', but 'pane' is 6 shells, pane.1 to pane.6; name one of them");
+  EXPECT_SAYS(error_of("seams { rules { first: 'pane.1' second: 'pane' } }"),
+              "seams.rules[0].second: 'pane' is 6 shells, pane.1 to pane.6; name one");
   EXPECT_SAYS(error_of("seams { rules { first: 'pane.1' second: 'pane.x' } }"), "pane.x");
   EXPECT_SAYS(error_of("seams { rules { first: 'pane.0' second: 'pane.1' } }"), "pane.0");
   EXPECT_EQ(error_of("output { probes { name: 'p' shell: 'pane.2' at { u: 0.01 v: 0.01 } } }"), "accepted");
   EXPECT_SAYS(error_of("output { probes { name: 'p' shell: 'pane.9' at { u: 0.01 v: 0.01 } } }"),
               "output.probes[0].shell: is 'pane.9'");
+  EXPECT_SAYS(error_of("output { probes { name: 'p' shell: 'pane' at { u: 0.01 v: 0.01 } } }"),
+              "output.probes[0].shell: 'pane' is 6 shells, pane.1 to pane.6; name one");
+  EXPECT_SAYS(error_of("contacts { first: 'pane.1' second: 'pane.2' }"), "all faces of a shell are one side of a pair");
   EXPECT_EQ(setup(cad, "seams { rules { first: 'pane.1' second: 'pane.3' kind: OPEN } }").stitches.seams.size(), 11u);
+}
+
+// One face of a cylinder is three shells, whose names are known once it is divided.
+TEST_F(CadParts, PartsOfOneFaceHaveNamesToo) {
+  write_step(BRepPrimAPI_MakeCylinder(25, 40).Shape(), file("a.stp"));
+  const std::string cad = "path: 'a.stp' face: 0 element_m: 0.005";
+  const auto probe = [&](const std::string& name) {
+    return setup(cad, "output { probes { name: 'p' shell: '" + name + "' at { u: 0.01 v: 0.01 } } }").probes;
+  };
+  ASSERT_EQ(probe("pane.2").size(), 1u);
+  EXPECT_EQ(probe("pane.2")[0].shell, 1);
+  try {
+    probe("pane");
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_SAYS(e.what(), "output.probes[0].shell: 'pane' is 3 shells, pane.1 to pane.3; name one");
+  }
+}
+
+// A closed shell has no normal, so the ball comes from above as at a body; one face has its own.
+TEST_F(CadParts, ALaunchAimsAtTheMiddleOfAllFaces) {
+  write_step(BRepPrimAPI_MakeBox(40, 30, 20).Shape(), file("a.stp"));
+  const std::string cad = "path: 'a.stp' element_m: 0.005 pose { position { x: 1 } }";
+  const auto ball = [&](const std::string& target) {
+    return setup(cad,
+                 "bodies { name: 'ball' material: 'glass' sphere { radius_m: 0.01 } pose { position { z: 0.2 } } "
+                 "launch { speed: 5 target: '" +
+                     target + "' } }")
+        .bodies[0];
+  };
+  const Vec3 middle(1.020, 0.015, 0.010);
+  const RigidBody b = ball("pane");
+  EXPECT_LT((b.motion.velocity - Vec3(0, 0, -5)).norm(), 1e-9);
+  EXPECT_NEAR((b.motion.position - middle).cross(b.motion.velocity).norm(), 0.0, 1e-9);
+  EXPECT_NEAR((b.motion.position - middle).norm(), (Vec3(0, 0, 0.2) - middle).norm(), 1e-9);
+  const RigidBody side = ball("pane.1");
+  const Vec3 from = side.motion.position - middle;
+  EXPECT_NEAR(from.cross(side.motion.velocity).norm(), 0.0,
+              1e-9);  // through the middle of the box, along a side's normal
+  EXPECT_NEAR(std::abs(side.motion.velocity.z()), 0.0, 1e-9);
+}
+
+// The second shell of the scene is the fourth of the run.
+TEST_F(CadParts, ACheckNamesTheShellOfTheScene) {
+  write_step(BRepPrimAPI_MakeCylinder(25, 40).Shape(), file("a.stp"));
+  const RunSetup r =
+      setup("path: 'a.stp' face: 0 element_m: 0.005",
+            "shells { name: 'held' material: 'glass' thickness_m: 0.0001 plate { size_x_m: 0.1 size_y_m: "
+            "0.1 elements_x: 2 elements_y: 2 pose { position { z: 1 } } } supports { edges: ALL kind: "
+            "CLAMPED } }");
+  try {
+    check_report(scene::load(file("scene.textproto"), {}), r);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.field, "shells[1].supports");
+  }
 }
 
 // Faces that close on themselves are divided: three parts round a cylinder, six of a sphere, nine of a torus.
