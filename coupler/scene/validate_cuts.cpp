@@ -37,15 +37,19 @@ void cut(const LoadedScene& s, const std::string& g, const proto::Cut& m) {
   const auto& f = s.message.fracture();
   const double last =
       f.has_latest_freeze_s() ? std::min(f.latest_freeze_s(), s.message.end_time_s()) : s.message.end_time_s();
+  const char* limit = last < s.message.end_time_s() ? "fracture.latest_freeze_s" : "end_time_s";
   s.check(m.time_s() < last, g + ".time_s",
-          "is {} s, and the shell is solved until {} s at the latest: it would never be made", m.time_s(), last);
+          "is {0} s, and the shell is solved until {1} s at the latest: the cut would never be made; give time_s below "
+          "{1} s, or a later {2}",
+          m.time_s(), last, limit);
   if (m.has_until_s()) {
     s.check(std::isfinite(m.until_s()) && m.until_s() > m.time_s(), g + ".until_s",
             "is {} s, and the cut begins at {} s; give a later time, or leave it out to cut at once", m.until_s(),
             m.time_s());
     s.check(m.until_s() < last, g + ".until_s",
-            "is {} s, and the shell is solved until {} s at the latest: the cut would not become whole", m.until_s(),
-            last);
+            "is {0} s, and the shell is solved until {1} s at the latest: the cut would not become whole; give until_s "
+            "below {1} s, or a later {2}",
+            m.until_s(), last, limit);
   }
   all_finite(s, g, m.points());
   if (m.has_circle()) circle(s, g + ".circle", m.circle());

@@ -99,7 +99,9 @@ void validate_motion(const LoadedScene& s) {
     if (b.motion_size() == 0 && !b.has_deformation()) continue;
     const auto scheme = m.coupling().scheme();
     s.check(scheme == proto::Coupling::PROXY || scheme == proto::Coupling::EXPORTED, "coupling.scheme",
-            "is for comparison, and '{}' follows a prescribed motion; take PROXY or EXPORTED", b.name());
+            "is {}, by which the engine's impulses move bodies, and '{}' follows a prescribed motion whatever pushes "
+            "it; take PROXY or EXPORTED",
+            proto::Coupling::Scheme_Name(scheme), b.name());
     for (int k = 0; k < m.joints_size(); ++k) {
       const proto::BodyJoint& j = m.joints(k);
       const std::string joint = fmt::format("joints[{}]", k);

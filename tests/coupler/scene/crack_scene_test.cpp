@@ -73,7 +73,8 @@ struct MapFile {
 
 TEST(Cut, ThatWouldNeverBeMadeIsRefused) {
   expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } time_s: 1e3 }"),
-                 "shells[0].cuts[0].time_s", {"is 1000 s", "would never be made"});
+                 "shells[0].cuts[0].time_s",
+                 {"is 1000 s", "would never be made; give time_s below 1 s, or a later end_time_s"});
 }
 
 TEST(BranchRatio, BelowThatOfARunningTipIsRefused) {
@@ -179,7 +180,12 @@ TEST(Cut, GrowsInPiecesThatFollowOneAnother) {
   EXPECT_EQ(cuts.front().lines[0].front(), Vec2(0.1, 0.1));
   EXPECT_EQ(cuts.back().lines[0].back(), Vec2(0.3, 0.25));
   expect_refusal(scene(line + "time_s: 0.2 until_s: 0.2 }"), "shells[0].cuts[0].until_s", {"give a later time"});
-  expect_refusal(scene(line + "until_s: 7e3 }"), "shells[0].cuts[0].until_s", {"would not become whole"});
+  for (const char* late : {"7e3", "1"})
+    expect_refusal(scene(line + "until_s: " + late + " }"), "shells[0].cuts[0].until_s",
+                   {"would not become whole; give until_s below 1 s, or a later end_time_s"});
+  EXPECT_EQ(built(scene(line + "until_s: 0.999999 }")).shells[0].fracture.cuts.size(), 12u);
+  expect_refusal(scene(line + "until_s: 0.5 }", "", "fracture { latest_freeze_s: 0.5 }\n"), "shells[0].cuts[0].until_s",
+                 {"below 0.5 s, or a later fracture.latest_freeze_s"});
 }
 
 TEST(StrengthRegions, MultiplyAndScatterWithTheStrength) {

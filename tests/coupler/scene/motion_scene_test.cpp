@@ -35,7 +35,10 @@ TEST(Motion, ExcludesWhatItMakesMeaningless) {
   expect_refusal(moved(kDown, "is_static: true"), "bodies[0].motion", {"'ball' is static"});
   expect_refusal(replaced("sphere { radius_m: 0.02 }\n  pose { position { z: 0.1 } }", "half_space {}\n  " + kDown),
                  "bodies[0].motion", {"a half space never moves; take a box"});
-  expect_refusal(moved(kDown) + "coupling { scheme: ITERATED }\n", "coupling.scheme", {"take PROXY or EXPORTED"});
+  for (const std::string scheme : {"ITERATED", "STAGGERED", "LAGGED"})
+    expect_refusal(moved(kDown) + "coupling { scheme: " + scheme + " }\n", "coupling.scheme",
+                   {"is " + scheme + ", by which the engine's impulses move bodies", "whatever pushes it",
+                    "take PROXY or EXPORTED"});
   expect_refusal(moved(kDown) + "joints { name: \"j\" kind: BALL first: \"ball\" }\n", "joints[0].first",
                  {"name a body that moves freely"});
 }
