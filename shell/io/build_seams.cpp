@@ -167,6 +167,8 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     scene.check(s.equilibrium == 0.0, fmt::format("shells[{}].equilibrium", parts[i].shell),
                 "is found with the stiffness of one shell, and seams carry forces between shells; leave equilibrium "
                 "out and let each load grow by its `factor`, with mass_damping_per_s of the material");
+    scene.check(!s.model.has_fibres(), fmt::format("shells[{}].fibres", parts[i].shell),
+                "exclude seams, by which CAD faces are joined; leave fibres out, or give a `face` that is not divided");
     whole.push_back(whole_edges(s.model));
     scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
   }

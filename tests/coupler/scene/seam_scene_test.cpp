@@ -56,8 +56,11 @@ TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
 }
 
 TEST(SceneSeams, WithFieldsForSingleShellsAreRefused) {
-  expect_refusal(scene("seams {}", "equilibrium {} supports { edges: ALL kind: CLAMPED }"), "shells[1].equilibrium",
-                 {"leave one of them out"});
+  expect_refusal(
+      scene("seams {}", "equilibrium {} supports { edges: ALL kind: CLAMPED }"), "shells[1].equilibrium",
+      {"is found with the stiffness of one shell", "leave equilibrium out and let each load grow by its `factor`"});
+  const char* grown = "loads { pressure: -10 factor { time_s: 0 value: 0 } factor { time_s: 0.1 value: 1 } }";
+  EXPECT_EQ(refusal(scene("seams {}", grown, 0.5)).kind, "accepted");
   expect_refusal(scene("seams {} transfer { kind: FLIP }"), "transfer", {"cannot go with seams"});
 }
 

@@ -159,6 +159,24 @@ TEST_F(CadParts, ALaunchAimsAtTheMiddleOfAllFaces) {
   EXPECT_NEAR(std::abs(side.motion.velocity.z()), 0.0, 1e-9);
 }
 
+// As seams that a scene gives do.
+TEST_F(CadParts, SeamsBetweenFacesExcludeFibresAndEquilibrium) {
+  write_step(BRepPrimAPI_MakeCylinder(25, 40).Shape(), file("a.stp"));
+  const std::string cad = "path: 'a.stp' face: 0 element_m: 0.005 } ";
+  const auto refused = [&](const std::string& more, const std::string& after) {
+    try {
+      setup(cad + more, after);  // which closes the brace
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_SAYS(
+      refused("fibres { compression_modulus: 1e5 shear_modulus: 1e5", "contacts { first: 'pane' second: 'pane' }"),
+      "shells[0].fibres: exclude seams, by which CAD faces are joined");
+  EXPECT_SAYS(refused("equilibrium {", ""), "shells[0].equilibrium: is found with the stiffness of one shell");
+}
+
 // The second shell of the scene is the fourth of the run.
 TEST_F(CadParts, ACheckNamesTheShellOfTheScene) {
   write_step(BRepPrimAPI_MakeCylinder(25, 40).Shape(), file("a.stp"));
