@@ -54,6 +54,9 @@ MODELS = (
     ("balance", "equilibrium", 'shells { name: "sheet" equilibrium {} loads { pressure: -10 } }'),
     ("seams", "seams", 'shells { name: "flap" material: "cloth" thickness_m: 0.004 plate { size_x_m: 0.2 size_y_m: 0.2 '
                        'elements_x: 10 elements_y: 10 pose { position { x: 0.2 } } } } seams {}'),
+    ("tied", "seams along trims", 'shells { name: "flap" material: "cloth" thickness_m: 0.004 plate { size_x_m: 0.25 size_y_m: 0.2 '
+                                  'elements_x: 12 elements_y: 10 pose { position { x: 0.175 } } } trims { points { u: 0.05 v: 0 } '
+                                  'points { u: 0.25 v: 0 } points { u: 0.25 v: 0.2 } points { u: 0.05 v: 0.2 } points { u: 0.05 v: 0 } } } seams {}'),
     ("trims", "trims", 'shells { name: "sheet" trims { hole: true circle { center { u: 0.12 v: 0.1 } radius_m: 0.04 } } }'),
     ("grid", "transfer", "transfer { kind: APIC }"),
     ("hertz", "contacts.hertz", BALL + ' contacts { first: "sheet" second: "ball" hertz { stiffness: 1e5 } }'),
