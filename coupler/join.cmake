@@ -1,15 +1,14 @@
-option(SUNDER_JOINED "Compile the files of a folder together: all takes a third less time, one change more" ON)
+option(SUNDER_JOINED "Compile files that only read, check and write together: all takes less time, one change more" ON)
 
-# Files of one folder are compiled together, up to eight at a time: headers are then read, and templates made, once. What a
-# file keeps to itself needs a name that no other file of its folder has. A file whose path matches `alone` is compiled by
-# itself: no neighbour decides then what the compiler puts inline in its loops.
-function(sunder_join target alone)
+# The target's files that match `which` are compiled together, up to eight of a folder at a time: headers are then read, and
+# templates made, once. What such a file keeps to itself needs a name that no other file of its folder has. `which` leaves out
+# what computes the state of a run: neighbours decide what the compiler puts inline, and so how products and sums are fused.
+function(sunder_join target which)
   if(NOT SUNDER_JOINED)
     return()
   endif()
   get_target_property(sources ${target} SOURCES)
-  list(FILTER sources INCLUDE REGEX "\\.cpp$")
-  list(FILTER sources EXCLUDE REGEX "${alone}")
+  list(FILTER sources INCLUDE REGEX "${which}")
   foreach(source ${sources})
     get_filename_component(folder ${source} DIRECTORY)
     string(MAKE_C_IDENTIFIER "in_${folder}" folder)

@@ -15,7 +15,7 @@ constexpr int kStiffnessEvery = 8;  // windows between two measurements of stiff
 // A body that follows its motion is kHeavy times heavier than all that it may push: what gives way takes this share of
 // its speed at most. One that loses more in the engine has met what does not give way: a static body, or another such
 // body.
-constexpr double kGivesWay = 1e-2;
+constexpr double kGivesWay = 1e-3;
 constexpr int kHeavyEvery = 8;             // windows between two looks for heavy bodies on light ones
 constexpr int kHeldWindows = 64;           // windows for which a body counts as held by the engine, or stays exported
 constexpr std::int64_t kHeldAtFirst = 64;  // windows at the start in which every body counts as held
