@@ -85,11 +85,11 @@ void check_way(const scene::LoadedScene& scene, const std::string& field, const 
       curve.at(t, corners);
       for (const auto& [p, volume] : volumes(surface, part, corners)) {
         const double least = kLeastOnWay * std::min(std::abs(before.at(p)), std::abs(now.at(p)));
-        scene.check(
-            volume * first.at(p) > 0.0 && std::abs(volume) >= least, name(static_cast<int>(k)),
-            "is reached from the shape before it on straight ways, on which '{}' shrinks to {:.3g} of its volume "
-            "at {:.4g} s; give more shapes between the two, or turn it by motion",
-            m.name(), volume / first.at(p), t);
+        scene.check(volume * first.at(p) > 0.0 && std::abs(volume) >= least, name(static_cast<int>(k)),
+                    "is reached from the shape before it on straight ways, on which '{}' shrinks to {:.3g} of its "
+                    "volume at {:.4g} s; {}",
+                    m.name(), volume / first.at(p), t,
+                    inflated ? give : "give more shapes between the two, or turn it by motion");
       }
     }
     before = now;

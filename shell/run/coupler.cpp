@@ -12,10 +12,11 @@ namespace {
 using Scheme = CouplingRules::Scheme;
 
 constexpr int kStiffnessEvery = 8;  // windows between two measurements of stiffness
-// A body that follows its motion is kHeavy times heavier than all that it may push: what gives way takes this share of
-// its speed at most. One that loses more in the engine has met what does not give way: a static body, or another such
-// body.
-constexpr double kGivesWay = 1e-3;
+// Free bodies take at most the impulse of an elastic impact of all of them from a body that follows its motion, 2 m v,
+// with a margin of as much again. One that loses more in the engine has met what does not give way, or pressed a free
+// body on that.
+constexpr double kGivesWay = 4.0;          // [free masses times the largest speed]
+constexpr double kUntouched = 1e-9;        // [largest speed]: round-off
 constexpr int kHeavyEvery = 8;             // windows between two looks for heavy bodies on light ones
 constexpr int kHeldWindows = 64;           // windows for which a body counts as held by the engine, or stays exported
 constexpr std::int64_t kHeldAtFirst = 64;  // windows at the start in which every body counts as held
@@ -244,7 +245,9 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   std::size_t k = 0;
   std::vector<BodyMotion> kept;  // of driven bodies
   BodyId blocked = 0;
-  double most = 0.0;
+  double most = 0.0, free_mass = 0.0;
+  for (const Proxy& p : state_.bodies)
+    if (p.is_free()) free_mass += p.body.mass;
   for (Proxy& p : state_.bodies) {
     if (p.body.is_static) continue;
     const BodyMotion& now = states[k].motion;
@@ -262,7 +265,8 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
       kept.push_back(p.body.motion);
       const Vec3 turned = p.body.apply_inverse_inertia(now.angular_momentum - p.body.motion.angular_momentum);
       const double lost = (now.velocity - p.body.motion.velocity).norm() + turned.norm() * p.radius();
-      if (lost > kGivesWay * fastest && (blocked == 0 || lost > most)) blocked = p.body.id, most = lost;
+      const double gives = kGivesWay * free_mass / p.body.mass + kUntouched;
+      if (lost > gives * fastest && lost > most) blocked = p.body.id, most = lost;
     }
     p.body.motion = now;
     ++k;
