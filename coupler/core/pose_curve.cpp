@@ -45,8 +45,8 @@ PoseCurve::PoseCurve(const std::vector<PoseKey>& keys) {
     spins[k] = smooth_slope(turns_[k - 1] / h0, turns_[k] / h1, h0, h1);
   }
   for (std::size_t k = 0; k < keys.size(); ++k) {
-    if (keys[k].velocity) velocities_[k] = *keys[k].velocity;
-    if (keys[k].spin) spins[k] = *keys[k].spin;
+    velocities_[k] = keys[k].velocity.value_or(velocities_[k]);
+    spins[k] = keys[k].spin.value_or(spins[k]);
   }
   for (std::size_t k = 0; k < turns_.size(); ++k) {
     turn_from_.push_back(spins[k]);

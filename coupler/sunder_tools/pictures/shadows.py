@@ -37,7 +37,7 @@ class Shadows:
         self._single = self._axes.astype(np.float32)
         self._maps = [(self._map(surface, triangles), dark) for surface, triangles, dark in
                       ((scene.solid, solid, SOLID), (scene.glass, scene.glass.triangles, GLASS)) if len(triangles)]
-        dark = np.zeros((TEXELS + 2, TEXELS + 2), np.float32)
+        dark: np.ndarray = np.zeros((TEXELS + 2, TEXELS + 2), np.float32)
         for nearest, strength in self._maps:
             dark = np.maximum(dark, np.float32(strength) * (nearest.reshape(dark.shape) > -np.inf))
         for axis in (0, 1):  # of three texels each

@@ -7,7 +7,7 @@ USD, and three's USDZExporter knows neither points nor visibility over time, nor
 from __future__ import annotations
 
 import re
-from typing import Iterable, Sequence
+from typing import Any, Iterable, Sequence
 
 import numpy as np
 
@@ -33,9 +33,14 @@ def _number(value: float) -> str:
     return "0" if value == 0.0 else f"{value:.9g}"
 
 
+def _plain(values: np.ndarray) -> Any:
+    """The array as lists of Python's own numbers."""
+    return values.tolist()
+
+
 def _tuples(values: np.ndarray) -> str:
     """An array of vectors, in single precision."""
-    return "[" + ", ".join([f"({x:.8g}, {y:.8g}, {z:.8g})" for x, y, z in values.tolist()]) + "]"
+    return "[" + ", ".join([f"({x:.8g}, {y:.8g}, {z:.8g})" for x, y, z in _plain(values)]) + "]"
 
 
 def _list(values: Iterable[object]) -> str:
@@ -134,7 +139,7 @@ def _linear(colour: tuple[float, ...]) -> list[float]:
 
 def _thing(out: _Text, name: str, thing: Thing, codes: np.ndarray, materials: dict[str, str]) -> None:
     out.open("Xform", name)
-    at = codes[thing.keys].tolist()
+    at = _plain(codes[thing.keys])
     centres = [f"({', '.join(_number(x) for x in centre)})" for centre in thing.centre]
     turns = [f"({', '.join(_number(x) for x in (q[3], *q[:3]))})" for q in thing.turn]  # w first
     out.samples("double3 xformOp:translate", at, _constant(centres))
@@ -154,13 +159,13 @@ def _constant(values: list[str]) -> list[str]:
 
 
 def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dict[str, str]) -> None:
-    at = codes[shape.first:shape.first + len(shape.points)].tolist()
+    at = _plain(codes[shape.first:shape.first + len(shape.points)])
     corners = np.concatenate([slot.first + slot.triangles for slot in shape.slots])
     out.open("Mesh", name, 'prepend apiSchemas = ["MaterialBindingAPI"]')
     out.add("uniform bool doubleSided = 1")
     out.add('uniform token subdivisionScheme = "none"')
     out.add(f"int[] faceVertexCounts = {_list([3] * len(corners))}")
-    out.add(f"int[] faceVertexIndices = {_list(corners.ravel().tolist())}")
+    out.add(f"int[] faceVertexIndices = {_list(_plain(corners.ravel()))}")
     out.samples("float3[] extent", at, [_tuples(np.stack([p.min(axis=0), p.max(axis=0)])) for p in shape.points])
     out.samples("point3f[] points", at, [_tuples(p) for p in shape.points])
     out.add('normal3f[] normals (interpolation = "vertex")')
@@ -175,7 +180,7 @@ def _mesh(out: _Text, name: str, shape: Shape, codes: np.ndarray, materials: dic
         out.add(f'float[] primvars:displayOpacity = {_list(_number(o) for o in opacity)} (interpolation = "uniform")')
     if np.isfinite(shape.rest).all():
         out.add(f'point3f[] primvars:rest = {_tuples(shape.rest)} (interpolation = "vertex")')
-        out.add(f'float[] primvars:damage = {_list(_number(d) for d in shape.damage.tolist())} (interpolation = "vertex")')
+        out.add(f'float[] primvars:damage = {_list(_number(d) for d in _plain(shape.damage))} (interpolation = "vertex")')
     seen = [(0.0, '"invisible"')] if shape.first > 0 else []
     seen.append((float(codes[shape.first]), '"inherited"'))
     if shape.last + 1 < len(codes):
