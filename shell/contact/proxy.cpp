@@ -34,7 +34,7 @@ Vec3 contact_impulse(const Vec3& n, const Vec3& v_rel, const Mat3& inverse_mass,
 }
 
 std::string slow_down(double travel, double wide, double safety) {
-  const double enough = 0.99 * safety * wide / travel;
+  const double enough = 0.9 * safety * wide / travel;  // two digits may say 5 % more
   return enough < kLeastSafety ? "slow it down: shells are not solved in steps so short"
                                : fmt::format("slow it down, or take a time_step_safety of {:.2g}", enough);
 }

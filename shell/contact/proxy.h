@@ -57,9 +57,9 @@ class Proxy {
   /// Half of the middle side of a box, or of the box around a solid that is not convex; `radius` for other shapes [m].
   /// A body with a smaller half width than the spacing of samples may pass between them.
   double half_width() const;
-  /// True where a driven body has come to the end of its motion.
   /// Time to which a driven body has moved [s].
   double arrived() const { return arrived_; }
+  /// True where a driven body has come to the end of its motion.
   bool has_arrived() const { return driven_ && arrived_ >= driven_->last(); }
   /// Speed of the centre now [m/s]; of a driven body the largest of all its points over the whole motion.
   double top_speed() const { return driven_ ? driven_->top_speed : body.motion.velocity.norm(); }

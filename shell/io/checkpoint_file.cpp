@@ -11,7 +11,7 @@ namespace sunder::shell {
 namespace {
 
 // Only the build that wrote a checkpoint reads it: plain structures are stored as they are in memory.
-const std::string kFirstLine = "sunder checkpoint 16, " __VERSION__ "\n";
+const std::string kFirstLine = "sunder checkpoint 17, " __VERSION__ "\n";
 constexpr std::size_t kHashDigits = 64;
 
 std::string digest(const std::string& bytes) {

@@ -61,7 +61,11 @@ void Coupler::load() {
 
 void Coupler::restore(const std::string& caches) {
   std::vector<RigidBody> bodies;
-  for (const Proxy& p : state_.bodies) bodies.push_back(p.body);
+  for (const Proxy& p : state_.bodies) {
+    bodies.push_back(p.body);
+    const auto left = left_.find(p.body.id);
+    if (left != left_.end()) bodies.back().motion = left->second;
+  }
   const bool again = setup_.coupling.scheme == Scheme::kIterated;
   rigid_->load({held_by_engine(bodies), setup_.laws, setup_.joints, clock_.tick, again, setup_.thickness()});
   rigid_->restore(caches);
@@ -225,6 +229,23 @@ double Coupler::fastest_body(double window) const {
   return most;
 }
 
+BodyId Coupler::blocked_body(const std::vector<BodyMotion>& kept, double fastest) const {
+  double free_mass = 0.0, most = 0.0;
+  for (const Proxy& p : state_.bodies)
+    if (p.is_free()) free_mass += p.body.mass;
+  BodyId blocked = 0;
+  std::size_t next = 0;
+  for (const Proxy& p : state_.bodies) {
+    if (!p.is_driven() || p.body.is_static) continue;
+    const BodyMotion &own = kept[next++], &now = p.body.motion;
+    const Vec3 turned = p.body.apply_inverse_inertia(now.angular_momentum - own.angular_momentum);
+    const double lost = (now.velocity - own.velocity).norm() + turned.norm() * p.radius();
+    const double gives = kGivesWay * free_mass / p.body.mass + kUntouched;
+    if (lost > gives * fastest && lost > most) blocked = p.body.id, most = lost;
+  }
+  return blocked;
+}
+
 void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& births) {
   Stopwatch w(simulation_.scratch.times[Stage::kCoupling]);
   const std::size_t old = state_.bodies.size() - births.size();
@@ -244,10 +265,6 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
   window_residual_ = 0.0;
   std::size_t k = 0;
   std::vector<BodyMotion> kept;  // of driven bodies
-  BodyId blocked = 0;
-  double most = 0.0, free_mass = 0.0;
-  for (const Proxy& p : state_.bodies)
-    if (p.is_free()) free_mass += p.body.mass;
   for (Proxy& p : state_.bodies) {
     if (p.body.is_static) continue;
     const BodyMotion& now = states[k].motion;
@@ -261,16 +278,11 @@ void Coupler::exchange(int ticks, double window, const std::vector<RigidBody>& b
       const bool exported = p.recovery > 0.0 && !state_.rows.empty();
       if (exported || !dv.isZero(0.0) || !dw.isZero(0.0)) held_until_[p.body.id] = clock_.windows + kHeldWindows;
     }
-    if (p.is_driven()) {
-      kept.push_back(p.body.motion);
-      const Vec3 turned = p.body.apply_inverse_inertia(now.angular_momentum - p.body.motion.angular_momentum);
-      const double lost = (now.velocity - p.body.motion.velocity).norm() + turned.norm() * p.radius();
-      const double gives = kGivesWay * free_mass / p.body.mass + kUntouched;
-      if (lost > gives * fastest && lost > most) blocked = p.body.id, most = lost;
-    }
+    if (p.is_driven()) kept.push_back(p.body.motion), left_[p.body.id] = now;
     p.body.motion = now;
     ++k;
   }
+  const BodyId blocked = kept.empty() ? 0 : blocked_body(kept, fastest);
   // Its own work is in what the free bodies gained: what was lost beside that is not known then.
   const double worked = blocked == 0 ? driven - state_.driven_energy() : simulation_.bodies_energy() - before;
   if (blocked != 0 && blocked_.first == 0) blocked_ = {blocked, clock_.time()};

@@ -85,7 +85,7 @@ class Coupler {
     archive_all(a, c.window_ticks_, c.shortest_window_, c.held_until_, c.exported_until_, c.ever_exported_, c.released_,
                 c.released_at_, c.exported_windows_, c.passes_, c.most_passes_, c.stiffest_, c.window_residual_,
                 c.residual_sum_, c.residual_max_, c.ledger_linear_, c.ledger_angular_, c.birth_errors_, c.heavy_pair_,
-                c.blocked_);
+                c.blocked_, c.left_);
   }
 
  private:
@@ -94,6 +94,9 @@ class Coupler {
   std::vector<link::Motion> motions() const;
   /// Largest speed of any point of a moving body in a window [m/s].
   double fastest_body(double window) const;
+  /// The body with a prescribed motion that the engine has slowed down most, beyond what free bodies take; 0: none.
+  /// `kept`: motions of such bodies as the scene says, in order. `fastest`: largest speed before [m/s].
+  BodyId blocked_body(const std::vector<BodyMotion>& kept, double fastest) const;
   void choose_exported();
   void add_stiffness_ratio(ShellPart& part, std::vector<double>& ratio);  // adds k H^2 / M of each body [-]
   void add_soft_stiffness_ratio(std::vector<double>& ratio) const;
@@ -125,6 +128,7 @@ class Coupler {
   BirthErrors birth_errors_;
   HeavyPair heavy_pair_;
   std::pair<BodyId, double> blocked_{0, 0.0};
+  std::map<BodyId, BodyMotion> left_;  // of bodies with a prescribed motion: where the engine has left them
 };
 
 }  // namespace sunder::shell

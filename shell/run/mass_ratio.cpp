@@ -69,9 +69,8 @@ void look_for_heavy(const std::vector<Proxy>& bodies, std::size_t count, const V
 
 std::string blocked_warning(const std::vector<Proxy>& bodies, BodyId id, double when) {
   return fmt::format(
-      "at {:.4g} s '{}', which follows a prescribed motion, pressed on a body that does not give way, or pressed "
-      "another "
-      "one against it: work is booked as what free bodies gained there, and the engine's losses are not known",
+      "at {:.4g} s '{}', which follows a prescribed motion, pressed on a body that does not give way, or another one "
+      "against it: work is booked as what free bodies gained there, and the engine's losses are not known",
       when, name_of(bodies, id));
 }
 

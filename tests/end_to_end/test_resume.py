@@ -1,7 +1,9 @@
 """Runs that resume from a checkpoint, and replays of recorded runs, with the real programs."""
 from __future__ import annotations
 
+import csv
 import json
+import math
 import os
 import signal
 import subprocess
@@ -75,6 +77,31 @@ output {
   probes { name: "hit" shell: "pane" body: "ball" }
   probes { name: "under" shell: "pane" at { u: 0.15 v: 0.15 } fields: [CONTACT_PRESSURE, STRESS] }
   probe_interval_s: 3e-5
+}
+"""
+# A cut that grows while a punch with a prescribed motion presses; both end before the sheet freezes. Another such body is
+# beside a free one, so the windows of flight depend on whether it has arrived.
+DRIVEN = """name: "driven"
+end_time_s: 0.5
+window_s: 1e-4
+settle_window_s: 2e-3
+materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 strength: 180e6 fracture_energy: 8 }
+materials { name: "steel" density: 7800 }
+shells {
+  name: "pane"
+  material: "glass"
+  thickness_m: 0.004
+  plate { size_x_m: 0.3 size_y_m: 0.3 elements_x: 16 elements_y: 16 }
+  supports { edges: U_MIN kind: CLAMPED }
+  cuts { points { u: 0.1 v: 0 } points { u: 0.12 v: 0.3 } time_s: 1e-4 until_s: 1e-3 }
+}
+fracture { mode: CUTS latest_freeze_s: 2e-3 }
+bodies { name: "ball" material: "steel" sphere { radius_m: 0.01 } pose { position { x: 0.5 z: 0.06 } } }
+bodies {
+  name: "near"
+  sphere { radius_m: 0.03 }
+  motion { position { x: 0.5 } }
+  motion { time_s: 4e-3 position { x: 0.5 z: 0.01 } rotation { axis { y: 1 } angle_deg: 500 } }
 }
 """
 # Two linked rods hang from the world. The lower one is released first. Linked bodies overlap, and still do after that.
@@ -244,6 +271,26 @@ class Resume(unittest.TestCase):
         self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)  # of first order in the step
         self.assertIn("fibres", [m["name"] for m in run["models"]])
         self.assertNotIn("contact_between_shells", [m["name"] for m in run["models"]])
+
+    def test_driven_bodies_and_growing_cuts_go_on_to_the_bit(self) -> None:
+        scene = self.here / "driven.textproto"
+        scene.write_text(DRIVEN)
+        whole = self.run_to("whole", "0.5", scene=str(scene))
+        with (whole / "series.csv").open() as lines:
+            rows = [(float(row["time [s]"]), float(row["cracks [m]"])) for row in csv.DictReader(lines)]
+        line = math.hypot(0.3, 0.02)
+        beyond = 0.5 * (rows[-1][1] - line)  # both ends of the cut run on beyond the borders
+        for when, length in rows:
+            if 3e-4 < when < 1e-3:  # within an edge of 0.9 elements, and what grows in a window
+                self.assertAlmostEqual(length, beyond + line * (when - 1e-4) / 9e-4, delta=0.9 * 0.3 / 16 + line / 9)
+        for until in ("5e-4", "3e-3", "0.2"):  # while the cut grows, before the body arrives, long after that
+            with self.subTest(until):
+                part = self.run_to(f"part_{until}", until, scene=str(scene))
+                done = sunder("run", "--resume", str(part), "--until", "0.5", "--quiet")
+                self.assertEqual(done.returncode, 0, done.stderr)
+                windows = [json.loads((folder / "run.json").read_text())["time"]["windows"] for folder in (part, whole)]
+                self.assertEqual(windows[0], windows[1])
+                self.assertEqual(state(part), state(whole))
 
     def test_supports_and_seams_that_have_let_go_stay_so(self) -> None:
         scene = self.here / "seams.textproto"

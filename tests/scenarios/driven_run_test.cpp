@@ -120,6 +120,22 @@ TEST(Driven, BodyOnWhatDoesNotGiveWayBooksWhatFreeBodiesGain) {
     }
 }
 
+TEST(Driven, BodyOnAFrozenSheetDoesNoFurtherWork) {
+  const std::string frozen =
+      "fracture { mode: CUTS latest_freeze_s: 2e-3 } bodies { name: \"punch\" sphere { radius_m: 0.03 } "
+      "motion { position { x: 0.05 z: 0.0315 } } motion { time_s: 1e-2 position { x: 0.05 z: 0.019 } } }";
+  std::string scene = kSheet;
+  const std::string held = "supports { edges: ALL kind: CLAMPED }";
+  scene.replace(scene.find(held), held.size(), held + " cuts { points { u: 0.16 v: 0 } points { u: 0.16 v: 0.2 } }");
+  WatchedRun end, early;
+  const auto none = [](double, double, const std::vector<const RigidBody*>&) {};
+  ASSERT_EQ(run_text(scene + frozen, "bullet", none, &end), "");
+  scene.replace(scene.find("end_time_s: 0.02"), 16, "end_time_s: 2e-3");
+  ASSERT_EQ(run_text(scene + frozen, "bullet", none, &early), "");
+  EXPECT_GT(number(early.summary, "external_work"), 0.0);
+  EXPECT_NEAR(number(end.summary, "external_work"), number(early.summary, "external_work"), 1e-6);
+}
+
 // The arch below a clamped sheet grows into it, by normals or by a mesh of its own.
 std::string grown(const std::string& deformation) {
   return kSheet +

@@ -73,6 +73,37 @@ TEST(Motion, ThatJumpsOrStartsInsideAShellIsRefused) {
                  "bodies[0].motion", {"m inside shell 'pane'; move it away"});
 }
 
+// A stiff pane takes long substeps, in which the ball passes it.
+TEST(Motion, FasterThanASubstepIsRefusedWithAStepThatDoes) {
+  const std::string shot =
+      replaced("pose { position { z: 0.1 } }", "pose { position { z: 0.2 } } twist { linear { z: -15000 } }");
+  const auto coarse = [](std::string text) {
+    const std::string fine = "elements_x: 16 elements_y: 16", small = "radius_m: 0.02";
+    text.replace(text.find(small), small.size(), "radius_m: 0.07");
+    return text.replace(text.find(fine), fine.size(), "elements_x: 4 elements_y: 4");
+  };
+  std::string said;
+  try {
+    report(coarse(shot));
+  } catch (const sunder::Error& e) {
+    said = e.what();
+  }
+  const std::string remedy = "slow it down, or take a time_step_safety of ";
+  const std::size_t at = said.find(remedy);
+  ASSERT_NE(at, std::string::npos) << said;
+  const double safety = std::stod(said.substr(at + remedy.size()));
+  EXPECT_GT(safety, 0.05);
+  EXPECT_NO_THROW(report(coarse(shot) + fmt::format("time_step_safety: {}\n", safety)));
+  std::string faster = coarse(shot);
+  faster.replace(faster.find("-15000"), 6, "-1.5e6");
+  try {
+    report(faster);
+    ADD_FAILURE() << "accepted";
+  } catch (const sunder::Error& e) {
+    EXPECT_NE(std::string(e.what()).find("shells are not solved in steps so short"), std::string::npos) << e.what();
+  }
+}
+
 struct Files {
   std::vector<std::string> names;
   void write(const std::string& name, const std::string& text) {
