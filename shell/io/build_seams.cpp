@@ -65,18 +65,36 @@ void give_strengths(const scene::LoadedScene& scene, const std::vector<std::stri
   }
 }
 
+// Slots of the control points of one of the seam's shells that the seam joins.
+std::vector<int> joined_slots(const Seam& seam, bool first, const std::vector<const ShellModel*>& models) {
+  const int shell = first ? seam.first : seam.second;
+  std::vector<int> out;
+  if (seam.trimmed()) {
+    const SeamRows rows = seam_rows(seam, models);
+    for (const auto* kind : {&rows.ties, &rows.creases})
+      for (const auto& row : *kind)
+        for (const WeightedSlot& t : row)
+          if (t.shell == shell) out.push_back(t.slot);
+    return out;
+  }
+  const ShellModel& m = *models[shell];
+  for (const int depth : {0, 1})
+    for (const int i : edge_row(m.patch, first ? seam.first_edge : seam.second_edge, depth))
+      out.push_back(m.tables.slot(i));
+  return out;
+}
+
 // A support that lets go holds no control point of a seam: what seams join was settled with the support in place.
 void check_releases(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
                     const RunSetup& r) {
   for (const Seam& seam : found.seams)
     for (const bool first : {true, false}) {
-      const int k = first ? seam.first : seam.second, edge = first ? seam.first_edge : seam.second_edge;
+      const int k = first ? seam.first : seam.second;
       const ShellModel& m = r.shells[k].model;
-      std::vector<int> joined;
-      for (const int depth : {0, 1})
-        for (const int i : edge_row(m.patch, edge, depth)) joined.push_back(m.tables.slot(i));
+      if (m.releases.empty()) continue;
+      const std::vector<int> joined = joined_slots(seam, first, r.models());
       for (const SupportStage& stage : m.releases) {
-        const auto lets_go = [&](int slot) { return seam.trimmed() || (m.held[slot] && !stage.held[slot]); };
+        const auto lets_go = [&](int slot) { return m.held[slot] && !stage.held[slot]; };
         scene.check(std::none_of(joined.begin(), joined.end(), lets_go),
                     fmt::format("shells[{}].supports", parts[k].shell),
                     "let go at {} s, and hold control points of the seam between '{}' and '{}'; hold a part off the "

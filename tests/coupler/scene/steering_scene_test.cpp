@@ -78,6 +78,29 @@ TEST(SupportsUntilATime, AreRefusedOnASeam) {
       "accepted");
 }
 
+TEST(SupportsUntilATime, MayLetGoBesideATrimmedSeamAndNotOnIt) {
+  const auto trimmed = [](const std::string& support) {
+    std::string text = small_scene::kScene;
+    const std::string plate = "plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 16 elements_y: 16 }\n";
+    const std::size_t at = text.find(plate) + plate.size();
+    const std::string rest =
+        R"(  trims { points {} points { u: 0.3 } points { u: 0.35 v: 0.5 } points { v: 0.5 } points {} }
+)" + support +
+        R"(
+}
+shells {
+  name: "rest" material: "glass" thickness_m: 0.004
+  plate { size_x_m: 0.5 size_y_m: 0.5 elements_x: 14 elements_y: 15 }
+  trims { points { u: 0.3 } points { u: 0.5 } points { u: 0.5 v: 0.5 } points { u: 0.35 v: 0.5 } points { u: 0.3 } }
+)";
+    return text.insert(at, rest) + "seams {}\n";
+  };
+  const std::string far = trimmed("supports { edges: U_MIN kind: CLAMPED until_s: 0.5 }");
+  EXPECT_EQ(refusal(far).kind, "accepted") << refusal(far).what();
+  expect_refusal(trimmed("supports { regions { low { u: 0.25 } high { u: 0.4 v: 0.5 } } kind: CLAMPED until_s: 0.5 }"),
+                 "shells[0].supports", {"let go at 0.5 s", "hold a part off the seam"});
+}
+
 TEST(StrengthLines, WeakenWhatIsWithinHalfTheirWidth) {
   const auto setup = built(
       scene("strength_lines { points { u: 0.1 v: 0 } points { u: 0.1 v: 0.3 } points { u: 0.4 v: 0.3 } width_m: 0.08 "
