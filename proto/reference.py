@@ -45,7 +45,8 @@ A new field takes these steps. There is no field that nothing reads.
    (`shell/io/build.h`), `ShellSetup` (`shell/io/shell_setup.h`), or the rules that it holds. Some defaults depend on other
    fields; they stand in the reader.
 3. **Reader**: `shell/io/build.cpp` for the run, bodies and output, `build_shell.cpp` and `shell_setup.cpp` for shells and
-   fracture, `build_soft.cpp` for soft bodies.
+   fracture, `build_soft.cpp` for soft bodies,
+   `build_driven.cpp` for motions and shapes of bodies, `build_seams.cpp` for seams, `probes.cpp` for probes.
 4. **Check**: of the value alone in `coupler/scene/validate*.cpp`; against the model (spacing, other shells, supports) in its
    reader, by `scene.check`. Fields of the session are checked in `coupler/link/messages.cpp`.
 5. **Test**: a bad value is refused, in `tests/coupler/scene/`.

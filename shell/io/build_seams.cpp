@@ -1,7 +1,10 @@
 #include "shell/io/build_seams.h"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <functional>
+#include <set>
 
 #include <Eigen/Geometry>
 
@@ -15,6 +18,7 @@
 namespace sunder::shell {
 namespace {
 
+constexpr double kLoose = 1e-12;         // a smaller weight of a control point counts for nothing
 constexpr double kSeamTolerance = 1e-6;  // share of the largest shell's size
 
 // EdgeBits of edges that exist over their whole length: trims leave both rows of control points and every place.
@@ -102,6 +106,63 @@ void check_releases(const scene::LoadedScene& scene, const std::vector<ScenePart
                     stage.from, r.shells[seam.first].model.name, r.shells[seam.second].model.name);
       }
     }
+}
+
+// What holds, ties or drives control points of a shell at a time, by axis and slot.
+std::array<std::vector<char>, 3> bound_at(const ShellModel& m, double time) {
+  const Constraints* now = &m.constraints;
+  for (const SupportStage& stage : m.releases)
+    if (stage.from <= time) now = &stage.constraints;
+  std::array<std::vector<char>, 3> bound;
+  for (int d = 0; d < 3; ++d) {
+    bound[d].assign(m.tables.plane, 0);
+    const auto bind = [&](const std::vector<int>& slots) {
+      for (const int slot : slots) bound[d][slot] = 1;
+    };
+    bind(now->held[d]);
+    for (const std::vector<int>& together : now->tied[d]) bind(together);
+    for (const Constraints::Driven& driven : now->driven) bind(driven.slots[d]);
+  }
+  return bound;
+}
+
+// Whether a support of an edge across may bind it: it is at the end of an edge, or in the row beside.
+bool is_at_end(const Patch& patch, int point) {
+  return std::any_of(std::begin(kEdges), std::end(kEdges), [&](int edge) {
+    const std::vector<int> row = edge_row(patch, edge, 0);
+    const auto at = std::find(row.begin(), row.end(), point) - row.begin(), size = std::ssize(row);
+    return at < size && (at < 2 || at + 2 >= size);
+  });
+}
+
+// A control point that follows others across a seam is where they are: a support that binds it along an axis binds them
+// too, or it would do nothing. At its ends a seam may meet a support of one shell.
+void check_axes(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
+                const RunSetup& r) {
+  std::set<double> times{0.0};
+  for (const ShellSetup& s : r.shells)
+    for (const SupportStage& stage : s.model.releases) times.insert(stage.from);
+  for (const double time : times) {
+    std::vector<std::array<std::vector<char>, 3>> bound;
+    for (const ShellSetup& s : r.shells) bound.push_back(bound_at(s.model, time));
+    const auto is_bound = [&](const PatchPoint& p, int d) {
+      return bound[p.patch][d][r.shells[p.patch].model.tables.slot(p.point)] != 0;
+    };
+    const auto other = [](const Dependence& of) {
+      for (const auto& [on, weight] : of.on)
+        if (on.patch != of.point.patch) return on.patch;
+      return of.point.patch;
+    };
+    for (const Dependence& point : found.points)
+      for (int d = 0; d < 3 && !is_at_end(r.shells[point.point.patch].model.patch, point.point.point); ++d)
+        for (const auto& [on, weight] : point.on)
+          scene.check(!is_bound(point.point, d) || std::abs(weight) <= kLoose || is_bound(on, d),
+                      fmt::format("shells[{}].supports", parts[point.point.patch].shell),
+                      "at {} s one binds control points of a seam with shell '{}' along the axis {}, where they follow "
+                      "others that are free; "
+                      "give it to the edges of both and join them by a rule of kind HINGE, or hold all axes there",
+                      time, r.shells[other(point)].model.name, "XYZ"[d]);
+  }
 }
 
 // A rule that joins two shells requires that they meet. Throws Error at the rule otherwise.
@@ -223,6 +284,7 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
   }
   check_rules(scene, found, names, tolerance);
   give_strengths(scene, names, found);
+  check_axes(scene, parts, found, r);
   check_releases(scene, parts, found, r);
   check_uncracked(scene, parts, found, r);
   return found;

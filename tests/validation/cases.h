@@ -34,6 +34,9 @@ struct Case {
   std::function<void(Report&, int threads)> run;
 };
 
+/// x where it is above zero, else zero. Not a number stays so, and its row fails: std::max(0.0, x) would be zero.
+inline double above_zero(double x) { return x <= 0.0 ? 0.0 : x; }
+
 inline double seconds_now() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }

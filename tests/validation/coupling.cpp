@@ -127,7 +127,7 @@ void map_of(Report& report, const std::vector<Hold>& holds, const std::vector<do
           if (scheme == "ITERATED" && n > 100) continue;  // each window takes up to eight passes
           const Watched w = run_coupled(c);
           stiffness_ratio = std::max(stiffness_ratio, w.hardest);
-          const double gain = w.failure.empty() ? std::max(0.0, w.gain()) : std::numeric_limits<double>::infinity();
+          const double gain = w.failure.empty() ? above_zero(w.gain()) : std::numeric_limits<double>::infinity();
           double speed = 0.0;
           for (const BodyMotion& m : w.track) speed = std::max(speed, m.velocity.norm());
           if (hold == Hold::kFree && !w.track.empty())
@@ -176,7 +176,7 @@ void corners(Report& report, int) {
       Coupled c;
       c.hold = hold, c.ratio = ratio, c.substeps = 20, c.windows = 100000;
       const Watched w = run_coupled(c);
-      const double gain = w.failure.empty() ? std::max(0.0, w.gain()) : std::nan("");
+      const double gain = w.failure.empty() ? above_zero(w.gain()) : std::nan("");
       const std::string name = fmt::format("corner_{}_{:g}", kHoldNames[static_cast<int>(hold)], ratio);
       report.add(name, gain, 0.0, kMostGain, w.seconds);
       if (!w.failure.empty())
@@ -231,10 +231,10 @@ void adaptive(Report& report, int) {
       c.hold = Hold::kFloor, c.ratio = ratio, c.substeps = n, c.windows = kSubsteps / n;
       c.scheme = "PROXY export_above: 1e300 " + more;
       const Watched w = run_coupled(c);
-      report.lines.push_back(fmt::format(
-          "adaptive: mass ratio {:g}, {} substeps a window {}: {} windows, energy gained "
-          "{:.2g}, left {:.3f} {}",
-          ratio, n, more, w.track.size(), std::max(0.0, w.gain()), w.end_energy / w.start_energy, w.failure));
+      report.lines.push_back(
+          fmt::format("adaptive: mass ratio {:g}, {} substeps a window {}: {} windows, energy gained "
+                      "{:.2g}, left {:.3f} {}",
+                      ratio, n, more, w.track.size(), above_zero(w.gain()), w.end_energy / w.start_energy, w.failure));
       return w;
     };
     const Watched fixed = run(kLong, ""), halved = run(kLong, "adaptive_window {}");

@@ -97,7 +97,7 @@ void return_map(Report& report) {
   }
   report.add("return_map", worst, 0.0, 1e-15, seconds_now() - start);  // round-off of sine, cosine and division
   report.add("return_map_twice", again, 0.0, 1e-15, 0.0);
-  report.add("return_map_adds_energy", std::max(0.0, made), 0.0, 1e-15, 0.0);
+  report.add("return_map_adds_energy", above_zero(made), 0.0, 1e-15, 0.0);
   report.add("stress_is_gradient", slope, 0.0, 1e-9, 0.0);  // eps^2 / 3, and round-off over eps
 }
 
@@ -143,7 +143,7 @@ void friction(Report& report) {
       const Vec3 before = s.mean(1, true);
       s.go(kTime);
       const double found = (s.mean(1, true).x() - before.x()) / std::round(kTime / s.dt) / s.dt;
-      const double exact = std::max(0.0, share - 1.0) * holds;
+      const double exact = above_zero(share - 1.0) * holds;
       // As a share of the traction.
       report.add(fmt::format("dragged_{:g}_{:.2f}", elements, share), found / (share * holds), exact / (share * holds),
                  share < 1.0 ? 0.001 : 0.005, seconds_now() - start);

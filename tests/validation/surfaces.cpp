@@ -287,8 +287,8 @@ void random_steps(Report& r, int threads) {
       cut_strain = std::max(cut_strain, largest_strain(m, s));
     }
     const std::string name = degree == 2 ? "random_" : "cubic_random_";
-    r.add(name + "step_below_0.8", std::max(0.0, 0.8 - least), 0.0, 0.0, seconds_now() - start);
-    r.add(name + "cut_step_below_0.8", std::max(0.0, 0.8 - least_cut), 0.0, 0.0, 0.0);
+    r.add(name + "step_below_0.8", above_zero(0.8 - least), 0.0, 0.0, seconds_now() - start);
+    r.add(name + "cut_step_below_0.8", above_zero(0.8 - least_cut), 0.0, 0.0, 0.0);
     r.add(name + "rigid_strain", strain, 0.0, 1e-12, 0.0);
     r.add(name + "cut_rigid_strain", cut_strain, 0.0, 1e-11, 0.0);
     r.lines.push_back(

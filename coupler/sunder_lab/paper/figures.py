@@ -104,8 +104,8 @@ FIGURES = {figure.number: figure for figure in (
     Figure(16, "A mannequin that is inflated",
            "The body of a mannequin in a blue dress is inflated at rest. Cracks pass over the borders of patches and tear the "
            "dress into fragments, in several tears.", ("fig16",),
-           ("Figure and dress are made by a script; the paper's are not public. The dress has two straps and stands off the body "
-            "at first by the thickness of the cloth. How far and how fast the body is inflated is chosen.",
+           ("Figure and dress are made by a script; the paper's are not public. The dress has two straps and stands 3.5 mm off "
+            "the body at first. How far and how fast the body is inflated is chosen.",
             "It tears off its straps in front and down both sides. In the small size front and back still hang together by "
             "shreds; the paper's are apart. Strips at a tear are stretched to many times their length and never part, as in "
             "Fig. 15. Some of their points lie in the body: contact is felt at Gauss points, which a torn strip no longer has. "

@@ -130,6 +130,20 @@ TEST(Deformation, IsAcceptedAndRefusedWithItsPlace) {
   EXPECT_EQ(refusal(deforming(files, inflate)).kind, "accepted") << refusal(deforming(files, inflate)).what();
   expect_refusal(deforming(files, inflate, "}"), "bodies[0].deformation", {"surface: EXACT"});
   expect_refusal(deforming(files, ""), "bodies[0].deformation", {"neither inflate nor shapes"});
+  expect_refusal(deforming(files, inflate + " shapes { time_s: 0.5 path: \"x.obj\" }"), "bodies[0].deformation",
+                 {"both inflate and shapes"});
+  expect_refusal(deforming(files, inflate + " } is_static: true #"), "bodies[0].deformation", {"is static"});
+  expect_refusal(deforming(files, inflate + " } twist { linear { z: 1 }"), "bodies[0].twist", {"or give motion"});
+  expect_refusal(deforming(files, inflate + " } launch { speed: 1 target: \"pane\""), "bodies[0].launch",
+                 {"or give motion"});
+  expect_refusal(deforming(files, "inflate {} inflate { time_s: 1 distance_m: nan }"),
+                 "bodies[0].deformation.inflate[1].distance_m", {"must be finite"});
+  expect_refusal(deforming(files, "shapes { time_s: 1 }"), "bodies[0].deformation.shapes[0].path", {"name a mesh"});
+  expect_refusal(
+      deforming(files, inflate) +
+          "bodies { name: \"bob\" material: \"glass\" sphere { radius_m: 0.02 } pose { position { z: 0.5 } } }\n"
+          "joints { name: \"j\" kind: BALL first: \"bob\" second: \"ball\" }\n",
+      "joints[0].second", {"name another body"});
   expect_refusal(deforming(files, "inflate { distance_m: 0.001 } inflate { time_s: 1 }"),
                  "bodies[0].deformation.inflate[0].distance_m", {"it begins at 0"});
   expect_refusal(deforming(files, "inflate { time_s: 1 } inflate { time_s: 0.5 }"),

@@ -49,6 +49,24 @@ TEST(SceneSeams, WithoutACommonEdgeAreRefused) {
             "accepted");
 }
 
+TEST(SceneSeams, WithASupportThatWouldDoNothingAreRefused) {
+  const auto with = [](const std::string& pane, const std::string& wing, const std::string& rule) {
+    std::string text = scene("seams { " + rule + " }", wing);
+    return text.insert(text.find("shells {") + 8, pane);
+  };
+  const std::string hinge = "rules { first: \"pane\" second: \"wing\" kind: HINGE }";
+  const std::string left = " supports { edges: U_MAX kind: SIMPLY_SUPPORTED axes: Z }";
+  const std::string right = " supports { edges: U_MIN kind: SIMPLY_SUPPORTED axes: Z }";
+  const std::vector<std::string> words{"along the axis Z, where they follow others that are free", "kind HINGE"};
+  expect_refusal(with("", right, ""), "shells[1].supports", words);
+  expect_refusal(with(left, right, ""), "shells[0].supports", words);
+  for (const std::string& scene :
+       {with(left, right, hinge),
+        with(" supports { edges: U_MAX kind: CLAMPED }", " supports { edges: U_MIN kind: CLAMPED }", ""),
+        with("", " supports { edges: V_MIN kind: SIMPLY_SUPPORTED axes: Z }", "")})
+    EXPECT_EQ(refusal(scene).kind, "accepted") << refusal(scene).what();
+}
+
 TEST(SceneSeams, OfAToleranceOutOfRangeAreRefused) {
   for (const char* value : {"0", "-1e-6", "2", "nan"})
     expect_refusal(scene(fmt::format("seams {{ tolerance_m: {} }}", value)), "seams.tolerance_m",

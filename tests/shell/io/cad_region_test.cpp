@@ -41,10 +41,13 @@ TEST(CadRegion, PartsOfASquareWithAHoleAddUp) {
       const Region low = part_of(region, axis, at, true), high = part_of(region, axis, at, false);
       EXPECT_NEAR(area(low) + area(high), area(region), 1e-4);  // polygons through 128 points a circle
       EXPECT_GT(area(low), 0.0);
-      for (const Region& part : {low, high})
-        for (const RegionLoop& loop : part)
-          for (std::size_t k = 0; k < loop.size(); ++k)  // closed, and on its side
+      for (const bool below : {true, false})
+        for (const RegionLoop& loop : below ? low : high)
+          for (std::size_t k = 0; k < loop.size(); ++k) {  // closed, and on its side
             EXPECT_LT((loop[k](1.0) - loop[(k + 1) % loop.size()](0.0)).norm(), 1e-12);
+            for (const double t : {0.0, 0.3, 0.5, 0.8, 1.0})
+              EXPECT_LT((loop[k](t)[axis] - at) * (below ? 1.0 : -1.0), 1e-9);
+          }
     }
 }
 
