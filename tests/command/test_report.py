@@ -99,14 +99,16 @@ class Reporting(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.top = Path(temporary.name)
         self.said = io.StringIO()
+        self.cases: list[str | None] = []
         for context in (contextlib.redirect_stderr(self.said), contextlib.redirect_stdout(io.StringIO()),
                         mock.patch.object(report, "circumstances", lambda build: WITH)):
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
 
     def report(self, *suites: str, status: int = 0, found: object = None) -> int:
-        def validate(suite: str, case: None, numbers: Path, plots: None, known: bool) -> int:
+        def validate(suite: str, case: str | None, numbers: Path, plots: None, known: bool) -> int:
             self.assertEqual(known, suite not in ("engines", "extremes"))
+            self.cases.append(case)
             if found is not None:
                 numbers.write_text(json.dumps(found))
             return status
@@ -133,6 +135,25 @@ class Reporting(unittest.TestCase):
         self.assertEqual(sunder(["report", "--no-run", "--json-dir", str(self.top)]), 0)
         self.assertEqual(self.page(), before)
 
+    def test_a_case_is_renewed_alone(self) -> None:
+        self.assertEqual(self.report("shells", found=CASES), 0)
+        roof = {**CASES["cases"][0], "computed": 1.02}
+        made = {"share": {**WITH, "commit": "def", "date": "2000-01-03"}, "roof": WITH}
+        for case in ("roof", "share"):
+            found = {"cases": [roof] if case == "roof" else [{**CASES["cases"][1], "name": f"share_{k}"} for k in (1, 2)]}
+            with mock.patch.object(report, "circumstances", lambda build, case=case: made[case]):
+                self.assertEqual(self.report("shells", "--case", case, found=found), 0)
+        self.assertEqual(self.cases, [None, "roof", "share"])
+        rows = [line.split(" | ")[:2] for line in self.page().splitlines() if " pass " in line or " known " in line or " fail " in line]
+        self.assertEqual(rows[1:], [["| roof", "1.02"], ["| share", "0.5"], ["| gone", "-"], ["| share_1", "0.5"], ["| share_2", "0.5"]])
+        self.assertIn("| all others, roof | abc | 2000-01-02 |", self.page())
+        self.assertIn("| share | def | 2000-01-03 |", self.page())
+        self.assertEqual(results.read_all(self.top / "validation" / "results")[0].newest["commit"], "def")
+        self.assertEqual(self.report("shells", "--case", "share", found={"cases": CASES["cases"][1:2]}), 0)  # its rows have other names now
+        self.assertNotIn("share_1", self.page())
+        self.assertEqual(self.report("shells", found=CASES), 0)  # the whole suite replaces all
+        self.assertIn("| all | abc |", self.page())
+
     def test_all_are_run_where_none_is_named_and_one_that_fails_is_the_status(self) -> None:
         self.assertEqual(self.report(status=1, found=CASES), 1)
         self.assertEqual(len(list(self.top.rglob("results/*.json"))), len(report.SUITES))
@@ -150,7 +171,10 @@ class Reporting(unittest.TestCase):
             self.assertEqual(sunder(["report", "shells", "contact", "--json-dir", str(self.top)]), 2)
 
     def test_refused(self) -> None:
-        for arguments, words in ((["shels"], "did you mean 'shells'"), (["bench", "--no-run"], "leave 'bench' out")):
+        for arguments, words in ((["shels"], "did you mean 'shells'"), (["bench", "--no-run"], "leave 'bench' out"),
+                                 (["--case", "roof"], "goes with one suite"), (["bench", "--case", "x"], "goes with one suite"),
+                                 (["shells", "soft", "--case", "x"], "goes with one suite"),
+                                 (["shells", "--case", "x", "--no-run"], "leave 'shells' out")):
             self.assertEqual(sunder(["report", *arguments, "--json-dir", str(self.top)]), 2)
             self.assertIn(words, self.said.getvalue())
         self.assertEqual(list(self.top.iterdir()), [])

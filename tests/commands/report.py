@@ -16,7 +16,7 @@ from sunder_tools.report.machine import circumstances
 from sunder_tools.words import did_you_mean
 
 from ..validation.measure import VALIDATIONS, bench, validate
-from ..validation.results import BENCH, page, put_status, read_all, replace, result_of, write
+from ..validation.results import BENCH, WHOLE, page, put_status, read_all, replace, result_of, write
 
 NAME = "report"
 SUITES = (*VALIDATIONS, BENCH)
@@ -29,9 +29,11 @@ def add_parser(subparsers: Subparsers) -> None:
         subparsers, NAME, "run suites and write their results as pages",
         "Runs the suites named, all where none is, and keeps the JSON of each in tests/validation/results and\n"
         "tests/benchmarks/results. Writes RESULTS.md beside both and the status lines of README.md, from all JSON\n"
-        "that is there: a suite can be renewed alone. Exit status 1 where a suite fails.",
-        "sunder report shells contact")
+        "that is there: a suite can be renewed alone, and with --case one case of it. Exit status 1 where a suite fails.",
+        "sunder report shells contact\nsunder report cracks --case mirror")
     parser.add_argument("suites", metavar="SUITE", nargs="*", help=", ".join(SUITES))
+    parser.add_argument("--case", metavar="NAME",
+                        help="run this case only, and keep the other rows of the suite; with one SUITE of 'sunder validate'")
     parser.add_argument("--json-dir", metavar="DIR", type=Path,
                         help="keep the JSON in DIR/validation and DIR/benchmarks, the pages beside, and leave README.md alone")
     parser.add_argument("--no-run", action="store_true", help="run nothing: write the pages anew from the JSON")
@@ -44,8 +46,12 @@ def run(arguments: argparse.Namespace) -> int:
             raise CommandError(f"report: no suite '{suite}'; {did_you_mean(suite, SUITES)}", BAD_INPUT)
     if arguments.suites and arguments.no_run:
         raise CommandError(f"report: --no-run runs no suite; leave '{arguments.suites[0]}' out", BAD_INPUT)
+    if arguments.case is not None and (len(arguments.suites) != 1 or arguments.suites == [BENCH]):
+        raise CommandError("report: --case goes with one suite of 'sunder validate', as in 'sunder report cracks --case mirror'",
+                           BAD_INPUT)
     top = arguments.json_dir or REPOSITORY / "tests"
-    failed = [] if arguments.no_run else [s for s in arguments.suites or SUITES if not run_suite(s, folder_of(s, top))]
+    failed = [] if arguments.no_run else [
+        s for s in arguments.suites or SUITES if not run_suite(s, folder_of(s, top), arguments.case)]
     write_pages(top, None if arguments.json_dir else REPOSITORY / "README.md")
     if failed:
         print(f"sunder: these suites fail: {', '.join(failed)}", file=sys.stderr)
@@ -57,15 +63,16 @@ def folder_of(suite: str, top: Path) -> Path:
     return top / ("benchmarks" if suite == BENCH else "validation") / "results"
 
 
-def run_suite(suite: str, folder: Path) -> bool:
-    """Runs a suite and keeps what it gives; returns whether it holds. One that breaks leaves the earlier result."""
-    print(f"sunder: {suite}", file=sys.stderr, flush=True)
+def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
+    """Runs a suite, or one case of it, and keeps what it gives; returns whether it holds. One that breaks leaves the
+    earlier result."""
+    print(f"sunder: {suite}{f', {case}' if case else ''}", file=sys.stderr, flush=True)
     made_with, start = circumstances(build_dir()), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="report-sunder-") as temporary:
         numbers = Path(temporary) / f"{suite}.json"
         try:
             ended = bench(None, numbers) if suite == BENCH else validate(
-                suite, None, numbers, None, known=suite not in WITHOUT_KNOWN)
+                suite, case, numbers, None, known=suite not in WITHOUT_KNOWN)
         except CommandError as error:
             if error.status != PEER_LOST:
                 raise  # it could not begin: a build that fails, a program that is missing
@@ -75,7 +82,9 @@ def run_suite(suite: str, folder: Path) -> bool:
             print(f"sunder: {suite}: ended with status {ended} and wrote no JSON", file=sys.stderr)
             return False
         found = json.loads(numbers.read_text())
-    write(result_of(suite, found, time.monotonic() - start, made_with), folder)
+    result = result_of(suite, found, time.monotonic() - start, made_with, case or WHOLE)
+    earlier = [kept for kept in read_all(folder) if kept.suite == suite] if case else []
+    write(earlier[0].with_case(result) if earlier else result, folder)
     return ended == DONE
 
 
