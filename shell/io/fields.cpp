@@ -71,14 +71,12 @@ std::vector<FieldArray> field_arrays(FieldSet fields) {
 
 FieldSampler::FieldSampler(const ShellModel& model, const ShellState& state, FieldSet fields,
                            const ContactOverTime& contact)
-    : model_(model), state_(state), fields_(fields), contact_(contact) {
-  known_.resize(static_cast<std::size_t>(model.tables.blocks()) * model.tables.lanes);
-}
+    : model_(model), state_(state), fields_(fields), contact_(contact) {}
 
 const FieldSampler::Known& FieldSampler::at_gauss(int block, int lane) {
-  Known& known = known_[static_cast<std::size_t>(block) * model_.tables.lanes + lane];
-  if (!known.asked) compute(block, lane, known), known.asked = true;
-  return known;
+  const auto [at, is_new] = known_.try_emplace(static_cast<std::size_t>(block) * model_.tables.lanes + lane);
+  if (is_new) compute(block, lane, at->second);
+  return at->second;
 }
 
 double FieldSampler::pressure(const GatheredPoint& point, const Vec3& normal) const {
@@ -161,7 +159,7 @@ bool FieldSampler::weights_of(const Vec2& at, int first_block, int lane, std::ve
   return true;
 }
 
-void FieldSampler::add_values(const Vec2& at, std::vector<double>& out) {
+bool FieldSampler::add_values(const Vec2& at, std::vector<double>& out) {
   const RowTables& t = model_.tables;
   const int lane = model_.patch.knots_u.span_of(at.x()), points = t.gauss * t.gauss;
   const int first = model_.patch.knots_v.span_of(at.y()) * points;
@@ -187,6 +185,7 @@ void FieldSampler::add_values(const Vec2& at, std::vector<double>& out) {
     if (fields_.has(FieldSet::kPlasticStrain)) out.push_back(std::max(0.0, sum[kPlastic + k]));
   if (fields_.has(FieldSet::kThickness)) out.push_back(sum[kThickness]);
   if (fields_.has(FieldSet::kContactPressure)) out.push_back(sum[kPressure]);
+  return !blocks.empty();
 }
 
 }  // namespace sunder::shell

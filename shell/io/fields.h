@@ -1,6 +1,7 @@
 #pragma once
 // Fields of shells for engineers: stress, strain, resultants and more, at any place of a shell (scene.proto, Output).
 #include <string>
+#include <unordered_map>
 #include <vector>
 
 #include "coupler/core/vec.h"
@@ -32,8 +33,9 @@ struct ContactOverTime {
 class FieldSampler {
  public:
   FieldSampler(const ShellModel& model, const ShellState& state, FieldSet fields, const ContactOverTime& contact);
-  /// Appends the values of all arrays at a parameter point, components side by side; zeros where nothing bears stress.
-  void add_values(const Vec2& at, std::vector<double>& out);
+  /// Appends the values of all arrays at a parameter point, components side by side. Returns whether anything bears
+  /// stress there; where nothing does, as in a piece that has left, they are zeros.
+  bool add_values(const Vec2& at, std::vector<double>& out);
 
  private:
   // Values that may be averaged: normal; stress, strain of three places, force and moment in world axes; plastic strain
@@ -42,7 +44,7 @@ class FieldSampler {
                        kThickness = 54, kPressure = 55, kValues = 56;
   using Values = Eigen::Matrix<double, kValues, 1>;
   struct Known {
-    bool asked = false, bears = false;
+    bool bears = false;
     Values values = Values::Zero();
   };
   const Known& at_gauss(int block, int lane);
@@ -54,7 +56,7 @@ class FieldSampler {
   const ShellState& state_;
   FieldSet fields_;
   const ContactOverTime& contact_;
-  std::vector<Known> known_;  // [block][lane]
+  std::unordered_map<std::size_t, Known> known_;  // by block and lane, those that were asked for
 };
 
 }  // namespace sunder::shell

@@ -382,10 +382,10 @@ VtpMesh soft_mesh(const SoftBodies& soft) {
 }
 
 // Adds the motion of a body to the points and cells that it has just got.
-void add_motion(BodyMesh& out, const RigidBody& b) {
+void add_motion(BodyMesh& out, const RigidBody& b, std::size_t number, const FrameFields& fields) {
   const Vec3 w = b.is_static ? Vec3(Vec3::Zero()) : b.angular_velocity();
   for (std::size_t i = out.velocity.values.size() / 3; i < out.mesh.points.size(); ++i) {
-    const Vec3 v = b.motion.velocity + w.cross(out.mesh.points[i] - b.motion.position);
+    const Vec3 v = fields.velocity(number, out.mesh.points[i]);
     out.velocity.values.insert(out.velocity.values.end(), {v.x(), v.y(), v.z()});
   }
   while (out.mass.values.size() < out.mesh.polygons.size()) {
@@ -430,14 +430,15 @@ void FrameWriter::write(double time, const std::vector<ShellView>& shells,
     put(0, "shell", std::move(shell)), put(1, "cracks", std::move(cracks));
   }
   BodyMesh out;
-  for (const RigidBody& b : bodies) {
+  for (std::size_t number = 0; number < bodies.size(); ++number) {
+    const RigidBody& b = bodies[number];
     const auto it = drawn_.find(b.id);
     out.id = it != drawn_.end() ? piece_.at(b.id) : b.id, out.kind_now = kind_of(b, first_shard);
     if (it != drawn_.end())
       add_mesh(out, b, it->second);
     else
       add_body(out, b);
-    if (fields.set.has(FieldSet::kBodyMotion)) add_motion(out, b);
+    if (fields.set.has(FieldSet::kBodyMotion)) add_motion(out, b, number, fields);
   }
   out.mesh.cell_data = {out.body, out.kind};
   if (fields.set.has(FieldSet::kBodyMotion))

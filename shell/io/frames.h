@@ -1,5 +1,6 @@
 #pragma once
 // Writes frames: shells, cracks and bodies as .vtp files, listed in frames.pvd.
+#include <functional>
 #include <map>
 #include <string>
 #include <vector>
@@ -16,6 +17,8 @@ namespace sunder::shell {
 struct FrameFields {
   FieldSet set{};
   std::vector<ContactOverTime> contact{};
+  /// Velocity [m/s] of a body's material at a world point on it, by its number among the bodies of the frame.
+  std::function<Vec3(std::size_t body, const Vec3& at)> velocity{};
 };
 
 /// Writes one frame after another into a folder.

@@ -43,6 +43,9 @@ void check_names(const scene::LoadedScene& scene, const std::vector<ScenePart>& 
   for (int i = 0; i < m.output().probes_size(); ++i)
     if (m.output().probes(i).body().empty())
       shell_named(scene, parts, fmt::format("output.probes[{}].shell", i), m.output().probes(i).shell());
+  for (int i = 0; i < m.strength_lines_size(); ++i)
+    for (int k = 0; k < m.strength_lines(i).shells_size(); ++k)
+      shells_named(scene, parts, fmt::format("strength_lines[{}].shells[{}]", i, k), m.strength_lines(i).shells(k));
   for (int i = 0; i < m.bodies_size(); ++i)
     shells_named(scene, parts, fmt::format("bodies[{}].launch.target", i), m.bodies(i).launch().target());
 }

@@ -1,6 +1,7 @@
 #include "shell/io/probes.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -84,7 +85,7 @@ std::string columns_of(const Probe& p) {
   return out;
 }
 
-// Values of the columns of one probe; empty where there is no shell any more.
+// Values of the columns of one probe; none where there is no shell any more, and no numbers where nothing bears stress.
 std::vector<double> values_of(const Probe& p, const ProbeMoment& now) {
   std::vector<double> out;
   const auto three = [&](const Vec3& v) { out.insert(out.end(), {v.x(), v.y(), v.z()}); };
@@ -95,16 +96,18 @@ std::vector<double> values_of(const Probe& p, const ProbeMoment& now) {
     for (int d = 0; d < 3 && !c.by_body.empty(); ++d) impulse[d] = c.by_body[3 * p.body + d];
     three(impulse), three(c.on_points.time > 0.0 ? Vec3(impulse / c.on_points.time) : Vec3(Vec3::Zero()));
   } else if (p.body >= 0) {
-    const BodyMotion& b = p.soft ? now.soft[p.body] : now.bodies[p.body].motion;
+    const BodyMotion& b = p.soft ? now.soft[p.body] : now.bodies[p.body]->motion;
     three(b.position), three(b.velocity);
     if (p.soft) return out;
     const Quat& q = b.orientation;
-    out.insert(out.end(), {q.w(), q.x(), q.y(), q.z()}), three(now.bodies[p.body].angular_velocity());
+    out.insert(out.end(), {q.w(), q.x(), q.y(), q.z()}), three(now.bodies[p.body]->angular_velocity());
   } else if (!now.shells.empty()) {
     const ShellView& s = now.shells[p.shell];
     three(displacement(*s.model, *s.state, p.at));
     if (p.fields.empty()) return out;
-    FieldSampler(*s.model, *s.state, p.fields, now.contacts[p.shell].on_points).add_values(p.at, out);
+    const std::size_t moved = out.size();
+    if (!FieldSampler(*s.model, *s.state, p.fields, now.contacts[p.shell].on_points).add_values(p.at, out))
+      std::fill(out.begin() + moved, out.end(), std::nan(""));
   }
   return out;
 }
@@ -130,7 +133,7 @@ std::string probe_row(const std::vector<Probe>& probes, const std::vector<const 
   const auto three = [&](const Vec3& v) { out += fmt::format(",{:.9g},{:.9g},{:.9g}", v.x(), v.y(), v.z()); };
   for (const Probe& p : probes) {
     const std::vector<double> values = values_of(p, now);
-    for (const double v : values) out += fmt::format(",{:.9g}", v);
+    for (const double v : values) out += std::isnan(v) ? "," : fmt::format(",{:.9g}", v);
     const std::string columns = values.empty() ? columns_of(p) : "";
     out.append(std::count(columns.begin(), columns.end(), ','), ',');
   }

@@ -35,10 +35,10 @@ struct ContactSince {
 
 /// What probes look at, at one moment.
 struct ProbeMoment {
-  double time = 0.0;                          // [s]
-  const std::vector<ShellView>& shells;       // all shells of the scene, or none: then their columns stay empty
-  const std::vector<ContactSince>& contacts;  // of each shell
-  const std::vector<RigidBody>& bodies;       // of the scene
+  double time = 0.0;                            // [s]
+  const std::vector<ShellView>& shells;         // all shells of the scene, or none: then their columns stay empty
+  const std::vector<ContactSince>& contacts;    // of each shell
+  const std::vector<const RigidBody*>& bodies;  // of the scene
   const std::vector<BodyMotion>& soft;
 };
 

@@ -72,7 +72,7 @@ void Recorder::write_frame(double time) {
   const State& state = parts_.simulation.state;
   std::vector<RigidBody> bodies;
   for (const Proxy& p : state.bodies) bodies.push_back(p.body);
-  FrameFields fields{setup.fields};
+  FrameFields fields{setup.fields, {}, [&](std::size_t i, const Vec3& at) { return state.bodies[i].velocity_at(at); }};
   ContactMark now = contact_at(time);
   if (time > frame_mark_.time) before_frame_ = std::move(frame_mark_);  // a frame may be written anew
   for (ContactSince& c : since(before_frame_, now)) fields.contact.push_back(std::move(c.on_points));
@@ -99,8 +99,9 @@ void Recorder::write_probes() {
   if (setup.probes.empty() || time < next_probe_ - 1e-6 * setup.tick) return;
   const bool bodies = std::any_of(setup.probes.begin(), setup.probes.end(), [](const Probe& p) { return p.body >= 0; });
   if (!parts_.simulation.state.solving() && !bodies) return;
-  std::vector<RigidBody> scene_bodies;
-  for (std::size_t i = 0; i < setup.bodies.size(); ++i) scene_bodies.push_back(parts_.simulation.state.bodies[i].body);
+  Stopwatch w(parts_.simulation.scratch.times[Stage::kIo]);
+  std::vector<const RigidBody*> scene_bodies;
+  for (std::size_t i = 0; i < setup.bodies.size(); ++i) scene_bodies.push_back(&parts_.simulation.state.bodies[i].body);
   ContactMark now = contact_at(time);
   const std::vector<ContactSince> contacts = since(row_mark_, now);
   const std::vector<BodyMotion> soft = parts_.simulation.soft_motions();

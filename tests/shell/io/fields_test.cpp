@@ -67,16 +67,16 @@ TEST(Fields, OfAStretchedStripAreExact) {
     auto v = values_at(m, s, at);
     for (const char* place : {"outside", "middle", "inside"}) {
       const std::string name = std::string("stress_") + place;
-      EXPECT_NEAR(v[name + "_xx"], stress, 1e-9 * stress);
-      EXPECT_NEAR(v[name + "_principal_larger"], stress, 1e-9 * stress);
-      EXPECT_NEAR(v[name + "_von_mises"], stress, 1e-9 * stress);
-      EXPECT_NEAR(std::abs(v[name + "_direction_x"]), 1.0, 1e-9);
-      EXPECT_NEAR(v[name + "_yy"], 0.0, 1e-9 * stress);
-      EXPECT_NEAR(v[std::string("strain_") + place + "_xx"], 0.5 * (by * by - 1.0), 1e-12);
+      EXPECT_NEAR(v.at(name + "_xx"), stress, 1e-9 * stress);
+      EXPECT_NEAR(v.at(name + "_principal_larger"), stress, 1e-9 * stress);
+      EXPECT_NEAR(v.at(name + "_von_mises"), stress, 1e-9 * stress);
+      EXPECT_NEAR(std::abs(v.at(name + "_direction_x")), 1.0, 1e-9);
+      EXPECT_NEAR(v.at(name + "_yy"), 0.0, 1e-9 * stress);
+      EXPECT_NEAR(v.at(std::string("strain_") + place + "_xx"), 0.5 * (by * by - 1.0), 1e-12);
     }
-    EXPECT_NEAR(v["membrane_force_xx"], 0.01 * stress, 1e-11 * stress);
-    EXPECT_NEAR(v["bending_moment_xx"], 0.0, 1e-12 * stress);
-    EXPECT_NEAR(v["thickness"], 0.01, 1e-14);
+    EXPECT_NEAR(v.at("membrane_force_xx"), 0.01 * stress, 1e-11 * stress);
+    EXPECT_NEAR(v.at("bending_moment_xx"), 0.0, 1e-12 * stress);
+    EXPECT_NEAR(v.at("thickness"), 0.01, 1e-14);
   }
 }
 
@@ -93,17 +93,17 @@ TEST(Fields, TurnWithTheShell) {
   }
   auto after = values_at(m, s, Vec2(0.4, 0.1));
   Mat3 flat;
-  flat << before["stress_outside_xx"], before["stress_outside_xy"], 0, before["stress_outside_xy"],
-      before["stress_outside_yy"], 0, 0, 0, 0;
+  flat << before.at("stress_outside_xx"), before.at("stress_outside_xy"), 0, before.at("stress_outside_xy"),
+      before.at("stress_outside_yy"), 0, 0, 0, 0;
   const Mat3 turned = turn.toRotationMatrix() * flat * turn.toRotationMatrix().transpose();
-  const double scale = before["stress_outside_von_mises"];
-  const auto near = [&](const char* name, double value) { EXPECT_NEAR(after[name], value, 1e-9 * scale) << name; };
+  const double scale = before.at("stress_outside_von_mises");
+  const auto near = [&](const char* name, double value) { EXPECT_NEAR(after.at(name), value, 1e-9 * scale) << name; };
   near("stress_outside_xx", turned(0, 0)), near("stress_outside_yy", turned(1, 1));
   near("stress_outside_zz", turned(2, 2)), near("stress_outside_xy", turned(0, 1));
   near("stress_outside_yz", turned(1, 2)), near("stress_outside_xz", turned(0, 2));
-  near("stress_outside_principal_larger", before["stress_outside_principal_larger"]);
-  near("stress_outside_principal_smaller", before["stress_outside_principal_smaller"]);
-  EXPECT_LT(after["thickness"], 0.01);  // it contracts across the stretch
+  near("stress_outside_principal_larger", before.at("stress_outside_principal_larger"));
+  near("stress_outside_principal_smaller", before.at("stress_outside_principal_smaller"));
+  EXPECT_LT(after.at("thickness"), 0.01);  // it contracts across the stretch
 }
 
 // An end moment is the moment everywhere, whatever bending is computed by; it stretches the outside where the end turns
@@ -122,11 +122,11 @@ TEST(Fields, MomentOfACantileverIsThatOfItsEnd) {
     in_equilibrium(text, [](const ShellModel& m, const ShellState& s) {
       for (const double u : {1.3, 5.0, 8.9}) {
         auto v = values_at(m, s, Vec2(u, 0.5));
-        EXPECT_NEAR(v["bending_moment_xx"], 0.02, 2e-5);  // 1e-3: of elements
-        EXPECT_NEAR(v["membrane_force_xx"], 0.0, 2e-5);
-        EXPECT_NEAR(v["stress_outside_xx"], 6 * 0.02 / 0.01, 0.02);  // 6 m / t^2
-        EXPECT_NEAR(v["stress_inside_xx"], -6 * 0.02 / 0.01, 0.02);
-        EXPECT_NEAR(v["stress_middle_xx"], 0.0, 0.02);
+        EXPECT_NEAR(v.at("bending_moment_xx"), 0.02, 2e-5);  // 1e-3: of elements
+        EXPECT_NEAR(v.at("membrane_force_xx"), 0.0, 2e-5);
+        EXPECT_NEAR(v.at("stress_outside_xx"), 6 * 0.02 / 0.01, 0.02);  // 6 m / t^2
+        EXPECT_NEAR(v.at("stress_inside_xx"), -6 * 0.02 / 0.01, 0.02);
+        EXPECT_NEAR(v.at("stress_middle_xx"), 0.0, 0.02);
       }
     });
   }
@@ -145,14 +145,14 @@ TEST(Fields, MomentsOfSquarePlatesAreThePublishedOnes) {
   in_equilibrium(plate("supports { edges: ALL kind: SIMPLY_SUPPORTED }\n"),
                  [&](const ShellModel& m, const ShellState& s) {
                    auto v = values_at(m, s, Vec2(0.5, 0.5));
-                   EXPECT_NEAR(-v["bending_moment_xx"] / load, 0.0479, 1e-4);
-                   EXPECT_NEAR(-v["bending_moment_yy"] / load, 0.0479, 1e-4);
-                   EXPECT_NEAR(v["bending_moment_xy"] / load, 0.0, 1e-8);
+                   EXPECT_NEAR(-v.at("bending_moment_xx") / load, 0.0479, 1e-4);
+                   EXPECT_NEAR(-v.at("bending_moment_yy") / load, 0.0479, 1e-4);
+                   EXPECT_NEAR(v.at("bending_moment_xy") / load, 0.0, 1e-8);
                  });
   in_equilibrium(plate("supports { edges: ALL kind: CLAMPED }\n"), [&](const ShellModel& m, const ShellState& s) {
     auto middle = values_at(m, s, Vec2(0.5, 0.5)), edge = values_at(m, s, Vec2(0.0, 0.5));
-    EXPECT_NEAR(-middle["bending_moment_xx"] / load, 0.0231, 2e-4);
-    EXPECT_NEAR(-edge["bending_moment_xx"] / load, -0.0513, 1e-3);  // 2 %: beyond the last Gauss points
+    EXPECT_NEAR(-middle.at("bending_moment_xx") / load, 0.0231, 2e-4);
+    EXPECT_NEAR(-edge.at("bending_moment_xx") / load, -0.0513, 1e-3);  // 2 %: beyond the last Gauss points
   });
 }
 
@@ -177,8 +177,8 @@ TEST(Fields, OfAVaultBalanceItsWeight) {
       const Vec3 normal = x.u.cross(x.v).normalized();
       auto v = values_at(m, s, at);
       const double length = arc / steps * x.u.norm();
-      force += length * v["membrane_force_yy"];
-      moment += length * (v["membrane_force_yy"] * x.x.z() + v["bending_moment_yy"] * normal.z());
+      force += length * v.at("membrane_force_yy");
+      moment += length * (v.at("membrane_force_yy") * x.x.z() + v.at("bending_moment_yy") * normal.z());
     }
     const double half = pressure * arc * 50.0 * 50.0 / 8.0;  // of half the section
     EXPECT_NEAR(-moment, half, 1e-3 * half);
@@ -195,14 +195,14 @@ TEST(Fields, OfAYieldedSheet) {
   stretch(m, s, Vec3(1.02, 1.02, 1));
   compute_forces(m, s, false, 1.0, 1);
   auto v = values_at(m, s, Vec2(0.1, 0.1));
-  EXPECT_NEAR(v["plastic_strain_outside"], 2 * std::log(1.02), 0.15 * 2 * std::log(1.02));  // less what is elastic
+  EXPECT_NEAR(v.at("plastic_strain_outside"), 2 * std::log(1.02), 0.15 * 2 * std::log(1.02));  // less what is elastic
   for (const char* place : {"outside", "middle", "inside"}) {
-    const double limit = 2e8 + 1e9 * v[std::string("plastic_strain_") + place];
+    const double limit = 2e8 + 1e9 * v.at(std::string("plastic_strain_") + place);
     // the stress is that of the strain energy, some per cent beside Hooke's law of the return
-    EXPECT_NEAR(v[std::string("stress_") + place + "_von_mises"], limit, 0.03 * limit) << place;
+    EXPECT_NEAR(v.at(std::string("stress_") + place + "_von_mises"), limit, 0.03 * limit) << place;
   }
-  const double elastic = 2 * (1 - 2 * 0.3) * v["stress_middle_von_mises"] / 70e9;  // growth of the volume
-  EXPECT_NEAR(v["thickness"], 0.004 / (1.02 * 1.02) * (1 + elastic), 2e-4 * 0.004);
+  const double elastic = 2 * (1 - 2 * 0.3) * v.at("stress_middle_von_mises") / 70e9;  // growth of the volume
+  EXPECT_NEAR(v.at("thickness"), 0.004 / (1.02 * 1.02) * (1 + elastic), 2e-4 * 0.004);
 }
 
 // A piece that has moved away as a whole has no stress, on either side of the crack.
@@ -214,8 +214,8 @@ TEST(Fields, BesideACrackAreThoseOfTheirSide) {
     if (m.parameter[i].x() > 0.1) s.motion.x[m.tables.slot(i)] += 1.0;
   for (const double u : {0.0999, 0.1001, 0.05, 0.15}) {
     auto v = values_at(m, s, Vec2(u, 0.101));
-    EXPECT_NEAR(v["stress_outside_von_mises"], 0.0, 70e9 * 1e-8) << u;
-    EXPECT_NEAR(v["thickness"], 0.004, 1e-8) << u;
+    EXPECT_NEAR(v.at("stress_outside_von_mises"), 0.0, 70e9 * 1e-8) << u;
+    EXPECT_NEAR(v.at("thickness"), 0.004, 1e-8) << u;
   }
 }
 
@@ -233,7 +233,7 @@ TEST(Fields, ContactPressureIntegratesToTheForce) {
   for (int q = 0; q < m.tables.blocks(); ++q)
     for (int e = 0; e < m.tables.spans_u; ++e) {
       const GaussPoint g = gauss_point(m.patch, m.tables, q, e);
-      sum += g.weight * values_at(m, s, g.parameter, contact)["contact_pressure"];
+      sum += g.weight * values_at(m, s, g.parameter, contact).at("contact_pressure");
     }
   EXPECT_NEAR(sum, given / 0.5, 1e-9 * given);
 }
