@@ -102,7 +102,7 @@ class Motion:
 
     @property
     def energy_lost(self) -> float:
-        """Returns the kinetic energy of translation, without the work of gravity [J]; probes.csv has no spin."""
+        """Returns the kinetic energy of translation, without the work of gravity and without that of spin [J]."""
         fallen = float(self.gravity @ (self.position[-1] - self.position[0]))
         return self.mass * (0.5 * float((self.velocity[0] ** 2).sum() - (self.velocity[-1] ** 2).sum()) + fallen)
 

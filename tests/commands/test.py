@@ -5,16 +5,18 @@ import argparse
 import os
 import subprocess
 import sys
-from pathlib import Path
+from collections.abc import Callable
 
 from sunder_tools.command.parser import Subparsers, add_command
 from sunder_tools.errors import CHECK_FAILED, DONE, CommandError
 from sunder_tools.launch.build import build_dir, ensure_built
-from sunder_tools.launch.install import BROWSER_PACKAGES, LINT_PACKAGES, PLOT_PACKAGES, SLURM_PACKAGES, ensure_installed
+from sunder_tools.launch.install import (BROWSER_PACKAGES, CAD_PACKAGES, LINT_PACKAGES, PLOT_PACKAGES, SLURM_PACKAGES,
+                                         ensure_installed)
 from sunder_tools.launch.node import ensure_node
 from sunder_tools.places import BUILD_DIR_VARIABLE, REPOSITORY
 
 NAME = "test"
+LOG = REPOSITORY / "build" / "install.log"
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -31,8 +33,9 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.ctest[:1] in (["--help"], ["-h"]):
         arguments.parser.print_help()
         return DONE
-    ensure_built(all_targets=True)
-    if not os.environ.get(BUILD_DIR_VARIABLE):  # nothing is installed then
+    may_install = not os.environ.get(BUILD_DIR_VARIABLE)
+    ensure_built(all_targets=True, cad=may_install and _can_have("CAD files", _install(CAD_PACKAGES)))
+    if may_install:
         _get_packages()
     at_once = len(os.sched_getaffinity(0)) + 1  # some wait: for a process to start, for its peer, for a browser
     command = ["ctest", "--test-dir", str(build_dir()), "--output-on-failure", f"-j{at_once}", *arguments.ctest]
@@ -45,19 +48,28 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _get_packages() -> None:
     """Packages that only tests need. Where they cannot be had, their tests are skipped."""
-    log = REPOSITORY / "build" / "install.log"
-    for what, install in (("the Jolt engine", lambda log: ensure_node()),
-                          ("Slurm", lambda log: ensure_installed(log, SLURM_PACKAGES)),
-                          ("the sources", lambda log: ensure_installed(log, LINT_PACKAGES)),
-                          ("plots", lambda log: ensure_installed(log, PLOT_PACKAGES)),
-                          ("the viewer", _ensure_viewer)):
-        try:
-            install(log)
-        except (CommandError, OSError) as error:
-            print(f"sunder: {error}\nsunder: so the tests of {what} are skipped", file=sys.stderr, flush=True)
+    for what, get in (("the Jolt engine", ensure_node), ("Slurm", _install(SLURM_PACKAGES)),
+                      ("the sources", _install(LINT_PACKAGES)), ("plots", _install(PLOT_PACKAGES)),
+                      ("the viewer", _ensure_viewer)):
+        _can_have(what, get)
 
 
-def _ensure_viewer(log: Path) -> None:
+def _install(packages: tuple[str, ...]) -> Callable[[], object]:
+    return lambda: ensure_installed(LOG, packages)
+
+
+def _can_have(what: str, get: Callable[[], object]) -> bool:
+    """Gets what some tests need; returns whether that worked, and says that they are skipped where it did not."""
+    try:
+        LOG.parent.mkdir(exist_ok=True)
+        get()
+    except (CommandError, OSError) as error:
+        print(f"sunder: {error}\nsunder: so the tests of {what} are skipped", file=sys.stderr, flush=True)
+        return False
+    return True
+
+
+def _ensure_viewer() -> None:
     from sunder_tools.pictures.view import ensure_page  # numpy only once it is installed
-    ensure_installed(log, BROWSER_PACKAGES)
+    ensure_installed(LOG, BROWSER_PACKAGES)
     ensure_page()

@@ -197,7 +197,7 @@ EXPERIMENTS = {"shells": (
                _later("crack_books", "books")),
     Experiment("over_stretch", "stretch beside a crack with healing, with maximum damage, and uncut (paper, Fig. 4)",
                over_stretch),
-    Experiment("round_pane", "the lattice must not show: 32 round panes, struck, the lattice turned",
+    Experiment("round_pane", "the lattice must not show: 64 round panes, struck, the lattice turned",
                _later("impacts", "round_pane")),
     Experiment("impact_speed", "radial cracks against speed (Vandenberghe, Vermorel, Villermaux 2013)",
                _later("impacts", "impact_speed")),

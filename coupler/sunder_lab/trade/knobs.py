@@ -30,8 +30,8 @@ KNOBS = ("elements", "layers", "gauss_points", "bending", "stress_model", "trans
 CONVERGING = ("elements", "layers", "gauss_points", "time_step_safety", "window", "degree", "fidelity")
 # What a user may look for and not find.
 NO_SUCH = {
-    "extraction interval": "there is no such setting: what is fully damaged is cut in the substep in which that completes, "
-                           "and tips advance in every substep",
+    "extraction interval": "there is no such setting: cracks are looked at so often that an edge's travel at the Rayleigh speed "
+                           "takes two looks",
     "precision of tables": "there is no such setting: tables of shape functions are in double precision",
 }
 
