@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import contextlib
 import io
+import json
 import tempfile
 import unittest
 from pathlib import Path
@@ -111,6 +112,15 @@ class Energy(unittest.TestCase):
             with contextlib.redirect_stdout(io.StringIO()):
                 impacts._add_energy(table, "series", residuals)
             self.assertEqual([(row["name"], row["pass"]) for row in table.rows], [("series_energy", good)])
+
+
+class Rows(unittest.TestCase):
+    def test_are_written_whatever_numbers_they_come_from(self) -> None:
+        table = trials.Table()
+        with contextlib.redirect_stdout(io.StringIO()):
+            table.add("share", np.float64(0.5), 0.0, np.float32(0.25), 1.0)
+        self.assertEqual(json.loads(json.dumps(table.rows))[0], {
+            "name": "share", "computed": 0.5, "reference": 0.0, "error": 0.5, "tolerance": 0.25, "pass": False, "seconds": 1.0})
 
 
 class Equivalence(unittest.TestCase):

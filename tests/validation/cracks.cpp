@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "shell/geometry/builders.h"
+#include "shell/mechanics/point_strips.h"
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/forces.h"
@@ -85,10 +86,12 @@ int sight_errors(const ShellModel& m, const ShellState& s) {
           errors += distance(i) < reach && sees(p, i) &&
                     std::none_of(g.functions.begin(), g.functions.end(),
                                  [&](const GatheredFunction& f) { return t.control_point(f.slot) == i; });
-        errors += fresh.functions.size() != g.functions.size();
-        for (std::size_t k = 0; k < g.functions.size() && k < fresh.functions.size(); ++k)
-          errors += t.slot(fresh.functions[k].control_point) != g.functions[k].slot ||
-                    fresh.functions[k].n != g.functions[k].n;
+        std::vector<GatheredFunction> functions;
+        for (const MlsFunction& f : fresh.functions) functions.push_back({t.slot(f.control_point), f.n});
+        round_to_units(functions);
+        errors += functions.size() != g.functions.size();
+        for (std::size_t k = 0; k < g.functions.size() && k < functions.size(); ++k)
+          errors += functions[k].slot != g.functions[k].slot || functions[k].n != g.functions[k].n;
       } else {
         for (const GatheredFunction& f : patch_functions(m.patch, p, t.stride))
           errors += !sees(p, t.control_point(f.slot));

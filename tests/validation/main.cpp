@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iostream>
 #include <map>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -25,6 +26,18 @@ void Report::add(const std::string& name, double computed, double reference, dou
 namespace {
 
 using namespace sunder::validation;
+
+// Cases of each suite that pass within seconds: `--quick`, a test of every change.
+const std::map<std::string, std::set<std::string>> kQuick{
+    {"shells",
+     {"scordelis_lo", "cubic_scordelis_lo", "plastic_moment", "stress_models", "end_shear", "cubic_end_shear",
+      "end_moment"}},
+    {"cracks", {"joints", "block"}},
+    {"coupling", {"closure"}},
+    {"contact", {"collision", "return_map", "fibre_collision", "fibre_step"}},
+    {"soft", {"wave", "bounce", "sag", "collision", "spin"}},
+    {"seams", {"frames"}},
+    {"surfaces", {"disc", "ring", "random", "flight", "tied_17"}}};
 
 std::string number(double x) { return std::isfinite(x) ? fmt::format("{:.17g}", x) : "null"; }
 
@@ -82,21 +95,26 @@ int main(int argc, char** argv) {
   for (Case& more : fibre_cases()) all["contact"].push_back(std::move(more));
   std::vector<Case> cases;
   std::vector<Case> by_name;
+  std::set<std::string> quick;
   if (argc > 1 && all.count(argv[1])) {
+    quick = kQuick.at(argv[1]);
     cases = all[argv[1]];
     if (on_demand.count(argv[1])) by_name = on_demand.at(argv[1]);
     ++argv, --argc;
   }
+  bool only_quick = false;
   for (int i = 1; i < argc; ++i) {
     const std::string option = argv[i];
-    if (i + 1 < argc && option == "--case")
+    if (option == "--quick")
+      only_quick = true;
+    else if (i + 1 < argc && option == "--case")
       only = argv[++i];
     else if (i + 1 < argc && option == "--json")
       json = argv[++i];
     else if (i + 1 < argc && option == "--threads")
       threads = std::max(1, std::atoi(argv[++i]));
     else {
-      std::cerr << "sunder-validate KIND [--case NAME] [--json FILE] [--threads N]\n";
+      std::cerr << "sunder-validate KIND [--case NAME | --quick] [--json FILE] [--threads N]\n";
       for (const auto& [kind, list] : all) {
         std::cerr << kind << ":\n";
         for (const Case& c : list) std::cerr << fmt::format("  {:<18} {}\n", c.name, c.what);
@@ -106,6 +124,14 @@ int main(int argc, char** argv) {
   }
   for (const Case& c : by_name)
     if (c.name == only) cases.push_back(c);
+  if (only_quick) {
+    std::erase_if(cases, [&](const Case& c) { return quick.erase(c.name) == 0; });
+    if (!only.empty() || !quick.empty()) {
+      std::cerr << "sunder-validate: --quick goes with a suite and without --case, and " << quick.size()
+                << " of its cases are none of the suite\n";
+      return 2;
+    }
+  }
   Report report;
   bool found = false;
   fmt::print("{:<34} {:>13} {:>13} {:>10} {:>9} {:>8}\n", "case", "computed", "reference", "error", "tolerance",

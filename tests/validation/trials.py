@@ -34,6 +34,7 @@ class Table:
 
     def add(self, name: str, computed: float, reference: float, tolerance: float, seconds: float) -> None:
         """Adds a row and prints it at once. The error is relative, or absolute where the reference is zero."""
+        computed, reference, tolerance = float(computed), float(reference), float(tolerance)  # JSON knows no numpy
         error = abs(computed / reference - 1.0) if reference != 0.0 else abs(computed)
         good = error <= tolerance  # NaN fails
         self.rows.append({"name": name, "computed": computed, "reference": reference, "error": error,
