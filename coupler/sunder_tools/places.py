@@ -5,7 +5,6 @@ import os
 from pathlib import Path
 
 
-
 def _repository(here: Path = Path(__file__).resolve().parent) -> Path:
     """A checkout, or share/sunder of an installation. `pip install` keeps the place of the checkout in CHECKOUT."""
     told = here / "CHECKOUT"
@@ -18,10 +17,15 @@ def _repository(here: Path = Path(__file__).resolve().parent) -> Path:
     return checkout
 
 
+def _programs(repository: Path) -> Path:
+    """Where an installation has its programs; a checkout may lie right below the root, where nothing is installed."""
+    return repository.parent.parent / "libexec" / "sunder"
+
+
 REPOSITORY = _repository()
 BUILD_DIR_VARIABLE = "SUNDER_BUILD_DIR"
 INSTALLED = REPOSITORY / "coupler" / "VERSION"  # written when the project is installed; a checkout has none
-PROGRAMS = REPOSITORY.parents[1] / "libexec" / "sunder"  # of an installation
+PROGRAMS = _programs(REPOSITORY)
 LOCK_FILE = "package-lock.json"  # of npm: beside the sources, and copied beside packages that are complete
 CHECKOUT_ONLY = "builds from the sources, which an installation does not have; use 'coupler/sunder' of a checkout"
 

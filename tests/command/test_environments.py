@@ -14,6 +14,7 @@ import unittest
 from pathlib import Path
 from unittest import mock
 
+from sunder_tools import places
 from sunder_tools.errors import CommandError
 from sunder_tools.launch.socket_dir import SocketDir
 
@@ -136,6 +137,12 @@ class Environments(unittest.TestCase):
         del self.environment["SUNDER_BUILD_DIR"]
         self.environment.pop("HOME", None)
         self.run_scene(checkout, user=NOBODY)
+
+
+class Place(unittest.TestCase):
+    def test_a_checkout_may_lie_right_below_the_root(self) -> None:
+        self.assertEqual(places._programs(Path("/sunder")), Path("/libexec/sunder"))
+        self.assertEqual(places._programs(Path("/usr/share/sunder")), Path("/usr/libexec/sunder"))
 
 
 class Socket(unittest.TestCase):
