@@ -16,7 +16,7 @@ from unittest import mock
 from sunder_tools.command import build as command
 from sunder_tools.command.main import main
 from sunder_tools.errors import CommandError
-from sunder_tools.launch import build, engines, install, level, logged
+from sunder_tools.launch import build, engines, first_use, install, level, logged
 from sunder_tools.places import BUILD_DIR_VARIABLE
 
 from ..validation import programs
@@ -34,7 +34,7 @@ class Building(unittest.TestCase):
         self.cad = False
         for context in (mock.patch.object(build, "REPOSITORY", self.root), contextlib.redirect_stderr(self.said),
                         mock.patch.object(build, "ensure_installed"), mock.patch.object(build, "run_logged", self.run_fake),
-                        mock.patch.dict(os.environ)):
+                        mock.patch.dict(os.environ), mock.patch.object(first_use, "_built_in", None)):
             context.__enter__()
             self.addCleanup(context.__exit__, None, None, None)
         os.environ.pop(BUILD_DIR_VARIABLE, None)
@@ -81,6 +81,26 @@ class Building(unittest.TestCase):
         self.assertNotIn("--target", self.commands[5])
         build.ensure_built(cad=True)
         self.assertEqual(self.commands[6], ["cmake", "--preset", "release", "-DBUILD_TESTING=ON", "-DSUNDER_CAD=ON"])
+
+    def test_the_times_of_the_first_use_are_kept_and_no_later_ones(self) -> None:
+        kept = self.root / "build" / first_use.FILE
+        first_use.drawn()
+        self.assertFalse(kept.exists(), "no program has been built")
+        build.ensure_built()
+        self.assertEqual(list(first_use.read(kept.parent)), ["first_build_s", "first_build_steps"])
+        self.assertEqual(first_use.read(kept.parent)["first_build_steps"], 2.0)
+        first_use.installed(kept.parent, 24.04)
+        first_use.drawn()
+        before = first_use.read(kept.parent)
+        self.assertEqual((list(before), before["first_install_s"]), (list(first_use.KEYS), 24.0))
+        (self.folder / "CMakeCache.txt").unlink()
+        self.commands.clear()
+        build.ensure_built()
+        first_use.installed(kept.parent, 1.0)
+        first_use.drawn()
+        self.assertEqual(first_use.read(kept.parent), before)
+        kept.write_text("[")
+        self.assertEqual(first_use.read(kept.parent), {})
 
     def test_an_installation_uses_its_own_programs(self) -> None:
         programs = self.root / "libexec"

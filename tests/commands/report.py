@@ -10,6 +10,7 @@ from pathlib import Path
 
 from sunder_tools.command.parser import Subparsers, add_command
 from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError
+from sunder_tools.launch import first_use
 from sunder_tools.launch.build import build_dir
 from sunder_tools.places import REPOSITORY
 from sunder_tools.report.machine import circumstances
@@ -82,6 +83,8 @@ def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
             print(f"sunder: {suite}: ended with status {ended} and wrote no JSON", file=sys.stderr)
             return False
         found = json.loads(numbers.read_text())
+        if suite == BENCH:
+            found |= first_use.read(build_dir().parent)
     result = result_of(suite, found, time.monotonic() - start, made_with, case or WHOLE)
     earlier = [kept for kept in read_all(folder) if kept.suite == suite] if case else []
     write(earlier[0].with_case(result) if earlier else result, folder)

@@ -16,6 +16,7 @@ from typing import Iterator
 from ..errors import CommandError
 from ..places import BUILD_DIR_VARIABLE, CHECKOUT_ONLY, INSTALLED, PROGRAMS, REPOSITORY
 from ..words import command_line
+from . import first_use
 from .install import CAD_PACKAGES, PACKAGES, TEST_PACKAGES, ensure_installed
 from .level import level
 from .logged import run_logged, tail
@@ -160,6 +161,8 @@ def _build(folder: Path, log: Path, targets: list[str], testing: bool, cad: bool
     finally:
         progress.close()
     if progress.worked:
+        if fresh and targets == list(OF_A_RUN):
+            first_use.built(folder.parent, time.monotonic() - start, progress.steps)
         print(f"sunder: built in {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
 
 
@@ -179,6 +182,7 @@ class _Progress:
 
     def __init__(self) -> None:
         self.worked = False
+        self.steps = 0
         self._terminal = sys.stderr.isatty()
         self._open = False
 
@@ -191,7 +195,7 @@ class _Progress:
             self._open = True
         elif not self.worked:
             print(f"sunder: building {count[2]} steps", file=sys.stderr, flush=True)
-        self.worked = True
+        self.worked, self.steps = True, int(count[2])
 
     def close(self) -> None:
         """Ends the line that was being rewritten."""

@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 from ..errors import CommandError
+from . import first_use
 from .logged import run_logged, tail
 
 PACKAGES = (
@@ -114,4 +115,6 @@ def ensure_installed(log: Path, packages: tuple[str, ...] = PACKAGES) -> None:
     still = missing_packages(packages)
     if still:
         raise CommandError(f"apt-get reported success but these are still missing: {' '.join(still)}; see {log}")
+    if not set(missing).isdisjoint(PACKAGES):
+        first_use.installed(log.parent, time.monotonic() - start)
     print(f"sunder: installed in {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)

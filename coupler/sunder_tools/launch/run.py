@@ -18,7 +18,7 @@ from ..errors import BAD_INPUT, DONE, INTERRUPTED, PEER_LOST, CommandError, Inte
 from ..report import run_json
 from ..report.summary import summary
 from ..words import command_line
-from . import engines
+from . import engines, first_use
 from .build import Executables, ensure_built
 from .folder import RunFolder, open_folder, refuse_foreign, refuse_own, reopen_folder
 from .logged import tail
@@ -296,6 +296,7 @@ def _finish(folder: RunFolder, quiet: bool, draw: Draw | None) -> None:
                 print("sunder: drawing the pictures", file=sys.stderr, flush=True)
             start = time.monotonic()
             sheet = draw(folder.path)
+            first_use.drawn()
             if not quiet:
                 print(f"sunder: drew them in {time.monotonic() - start:.0f} s", file=sys.stderr, flush=True)
         except (Interrupted, KeyboardInterrupt):

@@ -1,0 +1,53 @@
+"""What the first use of a checkout takes: installing, building, and all until the first picture.
+
+Kept in FILE of the folder that builds are made in, for `sunder report`. What is there already stays.
+"""
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+
+FILE = "first_use.json"
+KEYS = ("first_install_s", "first_build_s", "first_build_steps", "first_picture_s")  # s: seconds
+_start = time.monotonic()  # of this process, nearly
+_built_in: Path | None = None  # by this process
+
+
+def installed(folder: Path, seconds: float) -> None:
+    """Keeps how long the packages of a run took."""
+    _keep(folder, first_install_s=seconds)
+
+
+def built(folder: Path, seconds: float, steps: int) -> None:
+    """Keeps how long the programs took, from nothing."""
+    global _built_in
+    _built_in = folder if _keep(folder, first_build_s=seconds, first_build_steps=steps) else None
+
+
+def drawn() -> None:
+    """Keeps how long all took until a picture of a run was there, where the same command has built the programs."""
+    if _built_in is not None:
+        _keep(_built_in, first_picture_s=time.monotonic() - _start)
+
+
+def read(folder: Path) -> dict[str, float]:
+    """What is kept, by KEYS; nothing where there is no such file."""
+    try:
+        kept = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        return {key: float(kept[key]) for key in KEYS if key in kept}
+    except (OSError, ValueError, TypeError):
+        return {}
+
+
+def _keep(folder: Path, **numbers: float) -> bool:
+    """Adds numbers that are not there yet; returns whether any was new. A folder that cannot be written loses them."""
+    before = read(folder)
+    after = {key: round(value, 1) for key, value in numbers.items()} | before
+    if after == before:
+        return False
+    try:
+        (folder / FILE).write_text(json.dumps(after, indent=1) + "\n", encoding="utf-8")
+    except OSError:
+        return False
+    return True
