@@ -14,7 +14,6 @@ from pathlib import Path
 from tests.docs.snippets import TOP, readmes
 
 MOST_BYTES, MOST_LINES, MOST_IN_A_LINE = 10240, 160, 1200
-GENERATED = ("tests/validation/RESULTS.md", "tests/benchmarks/RESULTS.md")  # by `coupler/sunder report`
 NUMBER = r"\d[\d.,]*(?:e[-+]?\d+)?"
 MEASURED = (
     rf"{NUMBER} ± {NUMBER}",                                            # scatter of a series
@@ -66,9 +65,7 @@ def broken_links(page: Path, text: str) -> list[str]:
             path = (page.parent / target).resolve() if target else page
             if "://" in target:
                 continue
-            if str(path.relative_to(TOP)) in GENERATED:
-                good = "coupler/sunder report" in line
-            elif heading:
+            if heading:
                 good = path == page or path.is_file()
                 good = good and heading in anchors(text if path == page else path.read_text())
             else:
@@ -103,7 +100,6 @@ class Pages(unittest.TestCase):
             self.assertEqual(figures(given), [], given)
 
     def test_links_lead_somewhere(self) -> None:
-        """Files that `sunder report` writes may be missing until it has run; what links there says so."""
         pages = [page for page in sorted(TOP.rglob("*.md"))
                  if not {"build", "node_modules", "runs"} & set(page.relative_to(TOP).parts)]
         self.assertGreater(len(pages), len(readmes()))
@@ -112,9 +108,9 @@ class Pages(unittest.TestCase):
     def test_broken_links_are_found(self) -> None:
         page = TOP / "tests" / "README.md"
         for good in ("[a](../README.md)", "[a](validation/README.md#cracks)", "[a](https://x.org/y)", "[a](#kinds)",
-                     "[a](validation/RESULTS.md) (written by `coupler/sunder report`)", "```text\n[a](none.md)\n```"):
+                     "[a](validation/RESULTS.md)", "```text\n[a](none.md)\n```"):
             self.assertEqual(broken_links(page, "## Kinds\n" + good), [], good)
-        for bad in ("[a](none.md)", "[a](RESULTS.md) (written by `coupler/sunder report`)", "[a](validation/RESULTS.md)",
+        for bad in ("[a](none.md)", "[a](RESULTS.md)",
                     "[a](validation/README.md#none)", "[a](#none)"):
             self.assertEqual(len(broken_links(page, "## Kinds\n" + bad)), 1, bad)
 
