@@ -58,6 +58,9 @@ TEST(Motion, OfWrongTimesOrPosesIsRefused) {
       "bodies[0].motion[1].twist", {"in the last key, after which it rests", "end_time_s or later"});
   expect_refusal(moved("motion { time_s: 0.1 position { z: 0.1 } twist { linear { z: 1 } } }"),
                  "bodies[0].motion[0].twist", {"before which it rests; begin at time_s 0"});
+  std::string many;
+  for (int k = 0; k <= 100000; ++k) many += fmt::format("motion {{ time_s: {} position {{ z: 0.1 }} }} ", k * 1e-5);
+  expect_refusal(moved(many), "bodies[0].motion", {"has 100001 keys; at most 100000"});
 }
 
 TEST(Motion, ThatJumpsOrStartsInsideAShellIsRefused) {
@@ -138,6 +141,9 @@ TEST(Deformation, IsAcceptedAndRefusedWithItsPlace) {
                  {"or give motion"});
   expect_refusal(deforming(files, "inflate {} inflate { time_s: 1 distance_m: nan }"),
                  "bodies[0].deformation.inflate[1].distance_m", {"must be finite"});
+  std::string many;
+  for (int k = 0; k <= 1000; ++k) many += fmt::format("shapes {{ time_s: {} path: \"x.obj\" }} ", k + 1);
+  expect_refusal(deforming(files, many), "bodies[0].deformation.shapes", {"has 1001 entries; at most 1000"});
   expect_refusal(deforming(files, "shapes { time_s: 1 }"), "bodies[0].deformation.shapes[0].path", {"name a mesh"});
   expect_refusal(
       deforming(files, inflate) +

@@ -1,5 +1,6 @@
 // Supports that let go, lines of strength, seams with a strength, and fields: refusals, and the built model.
 #include <cmath>
+#include <cstring>
 #include <map>
 
 #include "tests/coupler/small_scene.h"
@@ -62,6 +63,20 @@ TEST(SupportsUntilATime, AreRefusedWhereTheTimeIsWrong) {
   expect_refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.4 }"), "shells[0].supports[0].until_s",
                  {"frozen at 0.4 s", "a later fracture.latest_freeze_s"});
   EXPECT_EQ(refusal(scene(kept_until("0.5"), "fracture { latest_freeze_s: 0.6 }")).kind, "accepted");
+  // windows last 1e-4 s, and a support lets go at the one that begins nearest
+  expect_refusal(scene(kept_until("4e-5")), "shells[0].supports[0].until_s",
+                 {"it would never hold", "give 5e-05 s or more"});
+  expect_refusal(scene(kept_until("0.99996")), "shells[0].supports[0].until_s",
+                 {"it would never let go", "leave it out"});
+  EXPECT_EQ(refusal(scene(kept_until("5e-5"))).kind, "accepted");
+  EXPECT_EQ(refusal(scene(kept_until("0.9999"))).kind, "accepted");
+}
+
+TEST(SupportsUntilATime, AreRefusedWhereNothingMoves) {
+  std::string text = scene(kept_until("0.5") + " equilibrium {}");
+  text.erase(text.find("bodies {"));
+  for (const char* moving : {"end_time_s: 1\n", "window_s: 1e-4\n"}) text.erase(text.find(moving), strlen(moving));
+  expect_refusal(text, "shells[0].supports[0].until_s", {"in this scene nothing moves", "leave it out"});
 }
 
 TEST(SupportsUntilATime, AreRefusedOnASeam) {
@@ -228,4 +243,20 @@ TEST(OutputFields, AreRefusedWhereNothingHasThem) {
   refused("probes { name: \"a\" shell: \"pane\" body: \"ball\" at { u: 0.1 } }", "probes[0].at",
           "leave one of them out");
   refused("probes { name: \"a\" shell: \"pain\" body: \"ball\" }", "probes[0].shell", "is no shell of this scene");
+  const std::string lump =
+      "materials { name: \"rubber\" density: 1000 youngs_modulus: 1e6 poisson_ratio: 0.45 }\n"
+      "soft_bodies { name: \"lump\" material: \"rubber\" sphere { radius_m: 0.05 } spacing_m: 0.01 "
+      "pose { position { x: 0.3 z: 0.1 } } }\n";
+  expect_refusal(scene("", lump + "output { probes { name: \"a\" shell: \"pane\" body: \"lump\" } }\n"),
+                 "output.probes[0].body", {"a soft body, whose contact with a shell is not measured"});
+}
+
+TEST(OutputFields, AreRefusedInScenesThatHaveNoShellOrNoBody) {
+  const std::string pane = kScene.substr(kScene.find("shells {"), kScene.find("bodies {") - kScene.find("shells {"));
+  std::string bodies = kScene, shells = kScene;
+  bodies.erase(bodies.find(pane), pane.size()), shells.erase(shells.find("bodies {"));
+  expect_refusal(bodies + "output { fields: STRESS }\n", "output.fields[0]",
+                 {"the scene has no shell", "leave it out"});
+  expect_refusal(shells + "output { fields: BODY_MOTION }\n", "output.fields[0]",
+                 {"no rigid body and no shell that breaks"});
 }
