@@ -164,11 +164,12 @@ std::vector<Region> connected(const Region& region) {
     if (area_of(loop) > 0.0) out.push_back({loop});
   for (const RegionLoop& loop : region) {
     if (area_of(loop) > 0.0) continue;
-    for (Region& part : out)
-      if (holds(part[0], loop[0](0.0))) {
-        part.push_back(loop);
-        break;
-      }
+    const auto around = std::find_if(out.begin(), out.end(), [&](const Region& part) {
+      // one of its points may lie on the border, where another loop touches it
+      return std::any_of(loop.begin(), loop.end(), [&](const RegionCurve& c) { return holds(part[0], c(0.5)); });
+    });
+    ensure(around != out.end(), "a hole of a trimmed face lies outside of the face's borders");
+    around->push_back(loop);
   }
   return out;
 }

@@ -70,6 +70,11 @@ TEST(CadRegion, PiecesThatAreApartAreSeveral) {
   for (const Region& leg : legs) EXPECT_NEAR(area(leg), leg.size() > 1 ? 0.8 - std::numbers::pi * 0.04 : 0.8, 1e-4);
 }
 
+TEST(CadRegion, AHoleOutsideOfAllBordersIsRefused) {
+  const Region square{polygon({{0, 0}, {1, 0}, {1, 1}, {0, 1}}), circle({3, 0.5}, 0.2, -1)};
+  EXPECT_THROW(connected(square), Error);
+}
+
 TEST(CadRegion, LinesNearCornersAreNotClean) {
   const Region region{polygon({{0, 0}, {2, 0}, {2, 1}, {0, 1}})};
   EXPECT_TRUE(crosses_cleanly(region, 0, 1.0, 0.01));
