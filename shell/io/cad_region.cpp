@@ -168,7 +168,7 @@ std::vector<Region> connected(const Region& region) {
       // one of its points may lie on the border, where another loop touches it
       return std::any_of(loop.begin(), loop.end(), [&](const RegionCurve& c) { return holds(part[0], c(0.5)); });
     });
-    ensure(around != out.end(), "a hole of a trimmed face lies outside of the face's borders");
+    require(around != out.end(), "a hole lies outside of the outer border; mend the face in the CAD program");
     around->push_back(loop);
   }
   return out;
