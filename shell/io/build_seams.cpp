@@ -228,10 +228,11 @@ Stitches stitched(const std::vector<ScenePart>& parts, const std::vector<const P
   }
 }
 
-// Charts of a mesh meet where it says, but for whole edges that are stitched already. `join` is open for them afterwards.
+// Charts of a mesh meet where it says, but for whole edges that are stitched already. `join` is open for them
+// afterwards.
 void add_mesh_seams(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
                     const std::vector<BorderedPatch>& bordered, std::vector<std::vector<Join>>& join, Stitches& found) {
-  std::vector<KnownBorder> borders = mesh_borders(scene, parts, files, bordered);
+  std::vector<KnownBorder> borders = mesh_borders(scene, parts, files);
   std::erase_if(borders, [&](const KnownBorder& b) {
     return std::any_of(found.seams.begin(), found.seams.end(), [&](const Seam& s) {
       return !s.trimmed() && std::minmax(s.first, s.second) == std::minmax(b.first, b.second);
@@ -263,7 +264,8 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
                 "is found with the stiffness of one shell, and seams carry forces between shells; leave equilibrium "
                 "out and let each load grow by its `factor`, with mass_damping_per_s of the material");
     scene.check(!s.model.has_fibres(), fmt::format("shells[{}].fibres", parts[i].shell),
-                "exclude seams, by which CAD faces and charts of meshes are joined; leave fibres out, or give a `face` or mesh that "
+                "exclude seams, by which CAD faces and charts of meshes are joined; leave fibres out, or give a `face` "
+                "or mesh that "
                 "is not divided");
     whole.push_back(whole_edges(s.model));
     scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");

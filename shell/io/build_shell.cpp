@@ -256,10 +256,15 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
              [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
   const TrimLoops trims = make_trims(scene, s, scaled, field, scaled_loops(loops, patch, scaled));
   if (!loops.empty()) check_with_loops(scene, s, field);
-  ShellModel model = at_field(scene, trims.empty() ? field : field + (loops.empty() ? ".trims" : s.has_mesh() ? ".mesh" : ".cad"), [&] {
-    return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2, gauss, supports,
-                      loads, trims);
-  });
+  ShellModel model = at_field(scene,
+                              trims.empty() ? field
+                                            : field + (loops.empty()  ? ".trims"
+                                                       : s.has_mesh() ? ".mesh"
+                                                                      : ".cad"),
+                              [&] {
+                                return make_shell(s.name(), patch, s.thickness_m(), material,
+                                                  s.has_layers() ? s.layers() : 2, gauss, supports, loads, trims);
+                              });
   model.strength_factor = strength_factors(scene, s, model, field);
   for (int q = 0; q < model.tables.blocks(); ++q)
     for (int e = 0; e < model.tables.spans_u; ++e) {

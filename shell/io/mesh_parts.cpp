@@ -13,14 +13,6 @@ constexpr double kDegreeOfMesh = std::numbers::pi / 180.0;
 
 double crease_of(const proto::SurfaceMesh& m) { return m.has_crease_deg() ? m.crease_deg() : kDefaultCrease; }
 
-// The curve in the parameters of a patch whose domain is another one.
-PlaneCurve scaled_curve(const PlaneCurve& curve, const Patch& from, const Patch& to) {
-  const Vec2 a(from.knots_u.begin(), from.knots_v.begin()), b(to.knots_u.begin(), to.knots_v.begin());
-  const Vec2 scale(Vec2(to.knots_u.end(), to.knots_v.end()).cwiseQuotient(Vec2(from.knots_u.end(), from.knots_v.end())));
-  return {[at = curve.at, a, b, scale](double t) { return Vec2(b + scale.cwiseProduct(at(t) - a)); },
-          curve.length * scale.maxCoeff(), curve.closed};
-}
-
 }  // namespace
 
 TriangleMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& m,
@@ -43,8 +35,7 @@ std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, c
   auto out = std::make_shared<MeshShells>();
   out->mesh = read_shell_mesh(scene, field, m, out->faces);
   try {
-    out->charts =
-        patches_of(out->mesh, {m.element_m(), crease_of(m) * kDegreeOfMesh, m.has_degree() ? m.degree() : 2});
+    out->charts = patches_of(out->mesh, {m.element_m(), crease_of(m) * kDegreeOfMesh, m.has_degree() ? m.degree() : 2});
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}': {}", m.path(), e.what()));
   }
@@ -69,22 +60,24 @@ const MeshShells& CadFiles::mesh(const scene::LoadedScene& scene, const std::str
 void check_one_patch(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field, int charts) {
   if (charts < 2) return;
   const auto refuse = [&](bool given, const std::string& own, const char* remedy) {
-    scene.check(!given, field + "." + own, "is for a shell of one patch, and the mesh becomes {} shells, {}.1 to {}.{}; {}",
-                charts, s.name(), s.name(), charts, remedy);
+    scene.check(!given, field + "." + own,
+                "is for a shell of one patch, and the mesh becomes {} shells, {}.1 to {}.{}; {}", charts, s.name(),
+                s.name(), charts, remedy);
   };
   refuse(s.supports_size() > 0, "supports", "leave supports out, or let the shell rest on bodies");
   refuse(s.cuts_size() > 0, "cuts", "leave cuts out");
   refuse(s.trims_size() > 0, "trims", "leave trims out, and cut the mesh in the program that made it");
   refuse(s.strength_regions_size() > 0, "strength_regions", "leave them out");
   refuse(s.has_strength_map(), "strength_map", "leave it out");
-  refuse(s.strength_lines_size() > 0, "strength_lines", "leave them out, or give strength_lines of the scene, in space");
+  refuse(s.strength_lines_size() > 0, "strength_lines",
+         "leave them out, or give strength_lines of the scene, in space");
   for (int i = 0; i < s.loads_size(); ++i)
     refuse(s.loads(i).has_point() || s.loads(i).has_edge_force() || s.loads(i).has_edge_moment(),
            fmt::format("loads[{}]", i), "leave it out, or give a pressure");
 }
 
 std::vector<KnownBorder> mesh_borders(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts,
-                                      CadFiles& files, const std::vector<BorderedPatch>& patches) {
+                                      CadFiles& files) {
   std::vector<KnownBorder> out;
   for (std::size_t first = 0; first < parts.size();) {
     std::size_t end = first + 1;
@@ -93,13 +86,8 @@ std::vector<KnownBorder> mesh_borders(const scene::LoadedScene& scene, const std
       const MeshShells& mesh =
           files.mesh(scene, fmt::format("shells[{}].mesh", parts[first].shell), parts[first].message.mesh());
       for (const MeshSeam& seam : mesh.charts.seams) {
-        const std::size_t a = first + seam.first, b = first + seam.second;
-        KnownBorder border{static_cast<int>(a), static_cast<int>(b), {}, {}, seam.closed, !seam.crease};
-        for (const PlaneCurve& c : seam.on_first)
-          border.on_first.push_back(scaled_curve(c, mesh.surfaces[seam.first].patch, *patches[a].patch));
-        for (const PlaneCurve& c : seam.on_second)
-          border.on_second.push_back(scaled_curve(c, mesh.surfaces[seam.second].patch, *patches[b].patch));
-        out.push_back(std::move(border));
+        out.push_back({static_cast<int>(first) + seam.first, static_cast<int>(first) + seam.second, seam.on_first,
+                       seam.on_second, seam.closed, !seam.crease});
       }
     }
     first = end;

@@ -32,8 +32,8 @@ std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, c
 /// Throws Error where a shell of several charts has what is for one patch only. `field` is the shell's.
 void check_one_patch(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field, int charts);
 
-/// Borders of charts along which the shells of meshes meet. `patches` are those of all parts, without trims.
+/// Borders of charts along which the shells of meshes meet.
 std::vector<KnownBorder> mesh_borders(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts,
-                                      CadFiles& files, const std::vector<BorderedPatch>& patches);
+                                      CadFiles& files);
 
 }  // namespace sunder::shell

@@ -15,11 +15,11 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kCorner = 25.0 * std::numbers::pi / 180.0;  // a border that turns by more has a corner there
-constexpr double kSmoothedOver = 0.75;   // elements over which a border is smoothed
-constexpr double kSmoothedEdges = 2.0;   // edges of the mesh, where those are longer
-constexpr double kPlacesApart = 0.25;    // of points of curves [elements]
-constexpr int kFewestPlaces = 8;         // of a border
-constexpr int kMostSmoothing = 4000;     // rounds
+constexpr double kSmoothedOver = 0.75;                       // elements over which a border is smoothed
+constexpr double kSmoothedEdges = 2.0;                       // edges of the mesh, where those are longer
+constexpr double kPlacesApart = 0.25;                        // of points of curves [elements]
+constexpr int kFewestPlaces = 8;                             // of a border
+constexpr int kMostSmoothing = 4000;                         // rounds
 
 using Creases = std::vector<std::array<char, 3>>;
 
@@ -205,7 +205,8 @@ PlaneCurve curve_through(std::vector<Vec2> points, bool closed, std::vector<doub
     if (t >= 1.0) return table->p.back();
     const double at = t * table->at.back();
     const std::size_t k = std::min<std::size_t>(
-        n - 1, std::max<std::ptrdiff_t>(1, std::upper_bound(table->at.begin(), table->at.end(), at) - table->at.begin()) - 1);
+        n - 1,
+        std::max<std::ptrdiff_t>(1, std::upper_bound(table->at.begin(), table->at.end(), at) - table->at.begin()) - 1);
     const double length = table->at[k + 1] - table->at[k];
     if (length <= 0.0) return table->p[k];
     const double s = (at - table->at[k]) / length, r = 1.0 - s;
@@ -264,7 +265,7 @@ ChainCurves curves_of(const TriangleMesh& m, const BorderChain& c, const std::ve
   if (c.closed && !corners.empty()) stretches.push_back({corners.back()});
   for (std::size_t s = 0; s < stretches.size(); ++s) {
     std::vector<std::size_t>& own = stretches[s];
-    const std::size_t begin = own[0], end = corners.empty()        ? n
+    const std::size_t begin = own[0], end = corners.empty()          ? n
                                             : s + 1 < corners.size() ? corners[s + 1]
                                                                      : corners[0] + n;
     double since = 0.0;

@@ -15,12 +15,12 @@ namespace {
 
 using Creases = std::vector<std::array<char, 3>>;
 
-constexpr double kShareAbove = 0.01;       // of a chart's area that may be stretched more than asked for
-constexpr double kOverstretched = 4.0;     // the most of any triangle, overlap included
-constexpr int kRecentred = 6;              // rounds that move the seeds of both halves to their middles
-constexpr int kSmoothed = 12;              // rounds that take spikes off a border
-constexpr double kAvoid = 20.0;            // how much longer a way is where it is near the one that it shall avoid
-constexpr double kTouches = 1e-9;          // of the size: borders of a chart in the plane are further apart
+constexpr double kShareAbove = 0.01;    // of a chart's area that may be stretched more than asked for
+constexpr double kOverstretched = 4.0;  // the most of any triangle, overlap included
+constexpr int kRecentred = 6;           // rounds that move the seeds of both halves to their middles
+constexpr int kSmoothed = 12;           // rounds that take spikes off a border
+constexpr double kAvoid = 20.0;         // how much longer a way is where it is near the one that it shall avoid
+constexpr double kTouches = 1e-9;       // of the size: borders of a chart in the plane are further apart
 
 // Shortest ways over triangles, from middle to middle, within a part.
 class Ways {
@@ -51,8 +51,8 @@ class Ways {
         const int other = m_.beside[t][k];
         if (other < 0 || !inside_[other] || creases_[t][k]) continue;
         const Vec3 gate = 0.5 * (m_.points[m_.triangles[t][k]] + m_.points[m_.triangles[t][(k + 1) % 3]]);
-        const double to = length + factor(t) * (gate - m_.middle(t)).norm() +
-                          factor(other) * (m_.middle(other) - gate).norm();
+        const double to =
+            length + factor(t) * (gate - m_.middle(t)).norm() + factor(other) * (m_.middle(other) - gate).norm();
         if (to >= out.length[other] || to > most) continue;
         out.length[other] = to, out.from[other] = t, out.source[other] = out.source[t];
         next.emplace(to, other);
@@ -149,8 +149,8 @@ class Divider {
       : m_(m), creases_(creases), rules_(rules) {}
 
   std::vector<Chart> all() const {
-    std::vector<std::vector<int>> left =
-        connected_parts(m_, creases_, all_of(m_), std::vector<int>(m_.triangles.size(), 0));
+    std::vector<std::vector<int>> left = connected_parts(
+        m_, creases_, all_of(m_), rules_.parts.empty() ? std::vector<int>(m_.triangles.size(), 0) : rules_.parts);
     std::reverse(left.begin(), left.end());
     std::vector<Chart> out;
     while (!left.empty()) {
@@ -306,7 +306,9 @@ std::vector<int> with_neighbours(const TriangleMesh& m, const Creases& creases, 
                                  double reach) {
   std::vector<int> out = triangles;
   if (reach <= 0.0) return out;
-  const Ways::Found found = Ways(m, creases, all_of(m)).from({triangles}, [](int) { return 1.0; }, reach);
+  const Ways::Found found = Ways(m, creases, all_of(m))
+                                .from(
+                                    {triangles}, [](int) { return 1.0; }, reach);
   for (std::size_t t = 0; t < m.triangles.size(); ++t)
     if (found.length[t] > 0.0 && std::isfinite(found.length[t])) out.push_back(static_cast<int>(t));
   return out;

@@ -9,6 +9,7 @@ namespace sunder::shell {
 struct ChartRules {
   double overlap = 0.0;       // how far a chart knows its neighbours over smooth borders [m]
   double most_stretch = 1.7;  // of a triangle of a chart, or its inverse [-]
+  std::vector<int> parts{};   // [triangle]: charts are within one part; empty: all are one
 };
 
 /// A part of the surface in the plane.

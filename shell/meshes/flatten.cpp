@@ -11,8 +11,8 @@
 namespace sunder::shell {
 namespace {
 
-constexpr int kRigidSteps = 40;         // of alternating turns and places; then changes are small
-constexpr double kRigidDone = 1e-9;     // change of a place, over the size
+constexpr int kRigidSteps = 40;           // of alternating turns and places; then changes are small
+constexpr double kRigidDone = 1e-9;       // change of a place, over the size
 constexpr double kLeastCotangent = 1e-3;  // weights stay positive, so that the equations have one solution
 constexpr double kOverturned = 1e9;
 

@@ -12,16 +12,16 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kOverlap = 2.5;          // elements that a chart knows of its neighbours
-constexpr double kOverlapEdges = 2.0;     // edges of the mesh, where those are longer
-constexpr double kMargin = 1.0;           // elements of the rectangle beyond the chart
-constexpr double kMarginEdges = 1.0;      // edges of the mesh, where those are longer
-constexpr double kAlongSide = 1e-3;       // elements: a border this near a side of the rectangle runs on it
-constexpr double kSampled = 0.8;          // longest distance of points that a spline passes [elements]
-constexpr int kMostSamples = 200;         // along the edge of a triangle
+constexpr double kOverlap = 2.5;            // elements that a chart knows of its neighbours
+constexpr double kOverlapEdges = 2.0;       // edges of the mesh, where those are longer
+constexpr double kMargin = 1.0;             // elements of the rectangle beyond the chart
+constexpr double kMarginEdges = 1.0;        // edges of the mesh, where those are longer
+constexpr double kAlongSide = 1e-3;         // elements: a border this near a side of the rectangle runs on it
+constexpr double kSampled = 0.8;            // longest distance of points that a spline passes [elements]
+constexpr int kMostSamples = 200;           // along the edge of a triangle
 constexpr double kMostPatchElements = 1e6;  // of all patches
-constexpr double kFarFromMesh = 0.25;     // elements: a patch that is further away loses what the mesh has
-constexpr double kSmallChart = 2.0;       // squared elements of a chart at least
+constexpr double kFarFromMesh = 0.25;       // elements: a patch that is further away loses what the mesh has
+constexpr double kSmallChart = 2.0;         // squared elements of a chart at least
 
 using Creases = std::vector<std::array<char, 3>>;
 
@@ -48,16 +48,13 @@ std::vector<Vec2> border_points(const TriangleMesh& m, const Chart& c, const std
 }
 
 std::vector<Vec2> hull_of_places(std::vector<Vec2> p) {
-  std::sort(p.begin(), p.end(), [](const Vec2& a, const Vec2& b) {
-    return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y());
-  });
+  std::sort(p.begin(), p.end(),
+            [](const Vec2& a, const Vec2& b) { return a.x() < b.x() || (a.x() == b.x() && a.y() < b.y()); });
   std::vector<Vec2> out;
   for (int side = 0; side < 2; ++side) {
     const std::size_t start = out.size();
     for (const Vec2& q : p) {
-      while (out.size() >= start + 2 &&
-             cross(out.back() - out[out.size() - 2], q - out.back()) <= 0.0)
-        out.pop_back();
+      while (out.size() >= start + 2 && cross(out.back() - out[out.size() - 2], q - out.back()) <= 0.0) out.pop_back();
       out.push_back(q);
     }
     out.pop_back();
@@ -134,7 +131,9 @@ std::vector<FitPoint> fit_points(const TriangleMesh& m, const Chart& c, const Fr
       const int l = c.flat.local[corners[k]];
       x[k] = m.points[corners[k]], normal[k] = normals[l], at[k] = frame.place(c.flat.at[l]);
     }
-    const auto beside = [&](int i, int j) { return Vec3((2.0 * x[i] + x[j] - (x[j] - x[i]).dot(normal[i]) * normal[i]) / 3.0); };
+    const auto beside = [&](int i, int j) {
+      return Vec3((2.0 * x[i] + x[j] - (x[j] - x[i]).dot(normal[i]) * normal[i]) / 3.0);
+    };
     std::array<std::array<Vec3, 3>, 3> edge;
     Vec3 mean = Vec3::Zero();
     for (int i = 0; i < 3; ++i)
@@ -154,14 +153,36 @@ std::vector<FitPoint> fit_points(const TriangleMesh& m, const Chart& c, const Fr
         between.push_back({d * at[0] + a * at[1] + b * at[2], p, on_edge ? 0.5 * weight : weight});
       }
   }
-  for (std::size_t k = 0; k < c.flat.points.size(); ++k)
-  {
+  for (std::size_t k = 0; k < c.flat.points.size(); ++k) {
     const Vec2 at = frame.place(c.flat.at[k]);
     const double weight = between.empty() ? share[k] : std::max(share[k], 0.5);
     out.push_back({at, m.points[c.flat.points[k]], frame.whole || inside(at) ? weight : 0.0});
   }
-  std::copy_if(between.begin(), between.end(), std::back_inserter(out), [&](const FitPoint& p) { return inside(p.at); });
+  std::copy_if(between.begin(), between.end(), std::back_inserter(out),
+               [&](const FitPoint& p) { return inside(p.at); });
   return out;
+}
+
+// The curve in the parameters of a patch whose domain begins at 0 too.
+PlaneCurve scaled(const PlaneCurve& curve, const Vec2& factor) {
+  return {[at = curve.at, factor](double t) { return Vec2(factor.cwiseProduct(at(t))); },
+          curve.length * factor.maxCoeff(), curve.closed};
+}
+
+// Makes the parameters of all patches lengths.
+void measure_parameters(MeshPatches& all) {
+  std::vector<Vec2> factor;
+  for (MeshPatch& p : all.patches) {
+    Patch lengths = with_parameters_as_lengths(p.patch);
+    factor.emplace_back(lengths.knots_u.end() / p.patch.knots_u.end(), lengths.knots_v.end() / p.patch.knots_v.end());
+    p.patch = std::move(lengths);
+    for (PatchLoop& loop : p.loops)
+      for (PlaneCurve& curve : loop.curves) curve = scaled(curve, factor.back());
+  }
+  for (MeshSeam& seam : all.seams) {
+    for (PlaneCurve& curve : seam.on_first) curve = scaled(curve, factor[seam.first]);
+    for (PlaneCurve& curve : seam.on_second) curve = scaled(curve, factor[seam.second]);
+  }
 }
 
 }  // namespace
@@ -175,10 +196,11 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
               (3.0 * static_cast<double>(m.triangles.size()));
   }
   require(area <= kMostPatchElements * rules.element * rules.element,
-          "element_m is {} m, and the mesh would have {:.3g} elements; at most {:.0g}: give a longer one", rules.element,
-          area / (rules.element * rules.element), kMostPatchElements);
+          "element_m is {} m, and the mesh would have {:.3g} elements; at most {:.0g}: give a longer one",
+          rules.element, area / (rules.element * rules.element), kMostPatchElements);
   const Creases creases = creases_of(m, rules.crease);
   ChartRules how;
+  how.parts = rules.parts;
   how.overlap = std::max(kOverlap * rules.element, kOverlapEdges * edge);
   const std::vector<Chart> charts = charts_of(m, creases, how);
   const int count = static_cast<int>(charts.size());
@@ -195,13 +217,15 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
     for (std::size_t k = 0; k < one.triangles.size(); ++k)
       own.area += m.area(one.triangles[k]), own.stretch = std::max(own.stretch, one.flat.most[k]);
     const Vec3 where = m.middle(one.triangles[0]);
-    require(own.area >= kSmallChart * rules.element * rules.element,
-            "element_m is {} m, and a part of the mesh about ({:.4g}, {:.4g}, {:.4g}) m, between creases and borders, has "
-            "{:.3g} m^2 only; give one below {:.3g} m, or a larger crease_deg",
-            rules.element, where.x(), where.y(), where.z(), own.area, std::sqrt(own.area / kSmallChart));
+    require(
+        own.area >= kSmallChart * rules.element * rules.element,
+        "element_m is {} m, and a part of the mesh about ({:.4g}, {:.4g}, {:.4g}) m, between creases and borders, has "
+        "{:.3g} m^2 only; give one below {:.3g} m, or a larger crease_deg",
+        rules.element, where.x(), where.y(), where.z(), own.area, std::sqrt(own.area / kSmallChart));
     bool may_be_whole = true;
     const std::vector<Vec2> border = border_points(m, one, chart, c, may_be_whole, creases);
-    const Frame frame = frame_of(border, may_be_whole, rules.element, std::max(kMargin * rules.element, kMarginEdges * edge));
+    const Frame frame =
+        frame_of(border, may_be_whole, rules.element, std::max(kMargin * rules.element, kMarginEdges * edge));
     whole.push_back(frame.whole);
     std::array<int, 2> elements{};
     for (int d = 0; d < 2; ++d)
@@ -250,6 +274,7 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
       loop.hole = area_twice < 0.0;
       if (!whole[c] || loop.hole) out.patches[c].loops.push_back(std::move(loop));
     }
+  measure_parameters(out);
   return out;
 }
 

@@ -12,6 +12,7 @@ struct MeshPatchRules {
   double element = 0.0;  // wanted spacing [m]
   double crease = 0.0;   // smooth edges turn by this at most [rad]
   int degree = 2;
+  std::vector<int> parts{};  // [triangle]: charts are within one part; empty: all are one
 };
 
 /// A closed loop of curves in the parameters of a patch, each beginning where the one before ends.
@@ -22,7 +23,7 @@ struct PatchLoop {
 
 /// A chart as a patch.
 struct MeshPatch {
-  Patch patch;                   // [m]
+  Patch patch;                   // [m]; its parameters are lengths
   std::vector<PatchLoop> loops;  // empty: the whole patch
   int triangles = 0;             // of the file
   double area = 0.0;             // of these triangles [m^2]
@@ -37,7 +38,7 @@ struct MeshSeam {
   double length = 0.0;  // [m]
   double gap = 0.0;     // largest distance of both patches along it [m]
   Vec3 middle = Vec3::Zero();
-  bool closed = false;                            // it goes round
+  bool closed = false;                              // it goes round
   std::vector<PlaneCurve> on_first{}, on_second{};  // in the parameters of both patches, at the same places for each t
 };
 

@@ -11,9 +11,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kSmooth = 1e-4;     // weight of third differences against points; their bias is of order h^6
-constexpr double kHeld = 1e-12;      // weight of places that nothing else decides
-constexpr int kFitRounds = 3;        // of fits and nearest places
+constexpr double kSmooth = 1e-4;  // weight of third differences against points; their bias is of order h^6
+constexpr double kHeld = 1e-12;   // weight of places that nothing else decides
+constexpr int kFitRounds = 3;     // of fits and nearest places
 constexpr int kNewtonSteps = 30;
 constexpr double kPlaceDone = 1e-12;  // of the size of the patch
 constexpr double kLongestStep = 0.1;  // of the size of the patch
@@ -50,8 +50,10 @@ Patch solved(const std::vector<FitPoint>& points, const KnotVector& u, const Kno
   }
   add_squares(terms, columns, rows, kSmooth, {{0, 0, -1}, {1, 0, 3}, {2, 0, -3}, {3, 0, 1}});
   add_squares(terms, columns, rows, kSmooth, {{0, 0, -1}, {0, 1, 3}, {0, 2, -3}, {0, 3, 1}});
-  add_squares(terms, columns, rows, 3.0 * kSmooth, {{0, 0, 1}, {1, 0, -2}, {2, 0, 1}, {0, 1, -1}, {1, 1, 2}, {2, 1, -1}});
-  add_squares(terms, columns, rows, 3.0 * kSmooth, {{0, 0, 1}, {0, 1, -2}, {0, 2, 1}, {1, 0, -1}, {1, 1, 2}, {1, 2, -1}});
+  add_squares(terms, columns, rows, 3.0 * kSmooth,
+              {{0, 0, 1}, {1, 0, -2}, {2, 0, 1}, {0, 1, -1}, {1, 1, 2}, {2, 1, -1}});
+  add_squares(terms, columns, rows, 3.0 * kSmooth,
+              {{0, 0, 1}, {0, 1, -2}, {0, 2, 1}, {1, 0, -1}, {1, 1, 2}, {1, 2, -1}});
   // Short rows of control points have no third differences: they are nearly straight then.
   for (const auto& [n, step] : {std::pair{columns, 1}, std::pair{rows, columns}})
     if (n == 3) {

@@ -22,8 +22,8 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> beside;     // triangle across edge k; -1: none, a border
   std::vector<int> component;                 // of each triangle
   int components = 0;
-  int turned = 0;   // triangles that the file had the other way round
-  int welded = 0;   // points that were merged with others
+  int turned = 0;  // triangles that the file had the other way round
+  int welded = 0;  // points that were merged with others
 
   Vec3 area_vector(int t) const {
     const auto& [a, b, c] = triangles[t];

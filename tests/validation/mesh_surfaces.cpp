@@ -1,0 +1,219 @@
+// Surfaces of triangles as tied patches, against exact frequencies and the same surface in one patch.
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "shell/io/cad_loop.h"
+#include "shell/meshes/mesh_patches.h"
+#include "tests/validation/tied.h"
+#include "tests/validation/tied_system.h"
+
+namespace sunder::validation {
+namespace {
+
+using namespace sunder::shell;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kCrease = 40.0 * kPi / 180.0;
+constexpr double kYoung = 2e11, kPoisson = 0.3, kDensity = 7800.0;
+constexpr int kFree = 6;  // rigid motions
+
+ShellMaterial steel() {
+  ShellMaterial m;
+  m.density = kDensity, m.youngs_modulus = kYoung, m.poisson_ratio = kPoisson;
+  return m;
+}
+
+/// Triangles as a file would have them.
+struct Triangles {
+  std::vector<Vec3> points;
+  std::vector<FileTriangle> faces;
+
+  TriangleMesh mesh() const { return make_triangle_mesh(points, faces, 0.0, "line"); }
+  void add(int a, int b, int c) { faces.push_back({{a, b, c}, static_cast<int>(faces.size()) + 1}); }
+};
+
+// A lattice of `columns` x `rows` cells, divided by diagonals that change at random; places are shares of a rectangle,
+// moved at random by a quarter of a cell inside. `round`: the first column follows the last one.
+template <class F>
+Triangles lattice(int columns, int rows, bool round, F&& place) {
+  std::mt19937_64 random(7);
+  const auto chance = [&] { return static_cast<double>(random() >> 11) * 0x1.0p-53 - 0.5; };
+  Triangles out;
+  const int across = round ? columns : columns + 1;
+  for (int j = 0; j <= rows; ++j)
+    for (int i = 0; i < across; ++i) {
+      const double du = round || (i > 0 && i < columns) ? 0.5 * chance() : 0.0,
+                   dv = j > 0 && j < rows ? 0.5 * chance() : 0.0;
+      out.points.push_back(place((i + du) / columns, (j + dv) / rows));
+    }
+  const auto at = [&](int i, int j) { return j * across + (round ? i % columns : i); };
+  for (int j = 0; j < rows; ++j)
+    for (int i = 0; i < columns; ++i) {
+      const bool other = chance() > 0.0;
+      const int a = at(i, j), b = at(i + 1, j), c = at(i + 1, j + 1), d = at(i, j + 1);
+      other ? (out.add(a, b, c), out.add(a, c, d)) : (out.add(a, b, d), out.add(b, c, d));
+    }
+  return out;
+}
+
+// An icosahedron whose faces are divided into `parts` squared triangles, on a sphere.
+Triangles ball(double radius, int parts) {
+  const double g = std::numbers::phi;
+  const std::array<Vec3, 12> v{Vec3(-1, g, 0), Vec3(1, g, 0), Vec3(-1, -g, 0), Vec3(1, -g, 0),
+                               Vec3(0, -1, g), Vec3(0, 1, g), Vec3(0, -1, -g), Vec3(0, 1, -g),
+                               Vec3(g, 0, -1), Vec3(g, 0, 1), Vec3(-g, 0, -1), Vec3(-g, 0, 1)};
+  constexpr std::array<std::array<int, 3>, 20> faces{{{0, 11, 5}, {0, 5, 1},  {0, 1, 7},   {0, 7, 10}, {0, 10, 11},
+                                                      {1, 5, 9},  {5, 11, 4}, {11, 10, 2}, {10, 7, 6}, {7, 1, 8},
+                                                      {3, 9, 4},  {3, 4, 2},  {3, 2, 6},   {3, 6, 8},  {3, 8, 9},
+                                                      {4, 9, 5},  {2, 4, 11}, {6, 2, 10},  {8, 6, 7},  {9, 8, 1}}};
+  Triangles out;
+  std::map<std::array<long, 3>, int> known;
+  for (const auto& f : faces) {
+    const auto at = [&](int i, int j) {
+      const Vec3 x = radius * ((parts - i - j) * v[f[0]] + i * v[f[1]] + j * v[f[2]]).normalized();
+      std::array<long, 3> key{};
+      for (int d = 0; d < 3; ++d) key[d] = std::lround(1e9 * x[d] / radius);
+      const auto [place, fresh] = known.try_emplace(key, static_cast<int>(out.points.size()));
+      if (fresh) out.points.push_back(x);
+      return place->second;
+    };
+    for (int i = 0; i < parts; ++i)
+      for (int j = 0; i + j < parts; ++j) {
+        out.add(at(i, j), at(i + 1, j), at(i, j + 1));
+        if (i + j + 1 < parts) out.add(at(i + 1, j), at(i + 1, j + 1), at(i, j + 1));
+      }
+  }
+  return out;
+}
+
+Pieces pieces_of(const TriangleMesh& mesh, const MeshPatchRules& rules, double thickness) {
+  const MeshPatches charts = patches_of(mesh, rules);
+  Pieces out;
+  for (const MeshPatch& p : charts.patches) {
+    const Patch lengths = with_parameters_as_lengths(p.patch);
+    const Vec2 low(lengths.knots_u.begin(), lengths.knots_v.begin()),
+        high(lengths.knots_u.end(), lengths.knots_v.end());
+    const double spacing = std::sqrt((high - low).prod() / (lengths.knots_u.spans() * lengths.knots_v.spans()));
+    std::vector<TrimLoop> loops;
+    for (const PatchLoop& loop : p.loops) {
+      CadLoop own{{}, loop.hole};
+      for (const PlaneCurve& curve : loop.curves) own.borders.push_back({curve, 0});
+      loops.push_back(cad_loop(own, lengths, spacing));
+    }
+    const TrimLoops trims = loops.empty() ? TrimLoops() : TrimLoops(low, high, std::move(loops));
+    out.patches.push_back(lengths);
+    out.models.push_back(make_shell(fmt::format("part.{}", out.models.size() + 1), p.patch, thickness, steel(), 2,
+                                    p.patch.degree(), {}, {}, trims));
+  }
+  std::vector<KnownBorder> borders;
+  for (const MeshSeam& s : charts.seams)
+    borders.push_back({s.first, s.second, s.on_first, s.on_second, s.closed, !s.crease});
+  const std::size_t n = out.models.size();
+  out.stitches.seams =
+      known_seams(out.bordered(), borders, std::vector<std::vector<Join>>(n, std::vector<Join>(n, Join::kClamped)));
+  return out;
+}
+
+double mass_of(const Pieces& p) {
+  double sum = 0.0;
+  for (const ShellModel& m : p.models)
+    for (const double part : m.mass) sum += part;
+  return sum;
+}
+
+void add_smooth_seams(Report& r, const std::string& name, const Pieces& p, int seams) {
+  int smooth = 0;
+  double angle = 0.0;
+  for (const Seam& s : p.stitches.seams) smooth += s.smooth, angle = std::max(angle, s.angle);
+  r.add(name + "_smooth_seams", smooth, seams, 0.0, 0.0);
+  r.lines.push_back(fmt::format("{}: {} charts, {} seams, largest angle {:.2g}", name, p.models.size(),
+                                p.stitches.seams.size(), angle));
+}
+
+void add_exact(Report& r, const std::string& name, TiedSystem& system, double held, const std::vector<double>& wanted) {
+  const std::vector<double> found = system.frequencies(held, kFree);
+  for (int k = 0; k < kTiedModes; ++k)
+    r.add(fmt::format("{}_frequency_{}", name, k + 1), found[k], wanted[k], 0.02, 0.0);
+}
+
+// A square plate: one chart, and several whose borders are ragged.
+void mesh_plate(Report& r, int, int divided) {
+  constexpr double kThickness = 0.004;
+  constexpr int kElements = 24;
+  const std::string name = fmt::format("mesh_plate_{}", divided * divided);
+  const TriangleMesh mesh = lattice(31, 31, false, [](double u, double v) { return Vec3(u, v, 0.0); }).mesh();
+  MeshPatchRules rules{1.0 / kElements, kCrease, 2, {}};
+  for (std::size_t t = 0; t < mesh.triangles.size() && divided > 1; ++t) {
+    const Vec3 x = mesh.middle(static_cast<int>(t));
+    const double u = x.x() + 0.06 * std::sin(2.0 * kPi * x.y()), v = x.y() + 0.06 * std::sin(2.0 * kPi * x.x());
+    rules.parts.push_back((u > 0.52 ? 1 : 0) + (v > 0.47 ? 2 : 0));
+  }
+  const double start = seconds_now();
+  const Pieces tied = pieces_of(mesh, rules, kThickness);
+  rules.parts.clear(), rules.element *= 0.5;
+  const Pieces one = pieces_of(mesh, rules, kThickness);
+  const double bending = kYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kPoisson * kPoisson));
+  const double slow = 100.0 * bending / (kDensity * kThickness);
+  add_smooth_seams(r, name, tied, divided == 1 ? 0 : 4);
+  r.add(name + "_mass", mass_of(tied), kDensity * kThickness, 1e-6, 0.0);
+  TiedSystem system(tied), whole(one);
+  add_frequencies(r, name, system, whole, 0.1 * slow, kFree);
+  r.lines.push_back(fmt::format("{}: {:.1f} s", name, seconds_now() - start));
+}
+
+// A tube with free ends: modes without stretch, the same all along or growing from the middle (Rayleigh; Love 1888).
+void mesh_tube(Report& r, int) {
+  constexpr double kRadius = 0.2, kLength = 0.5, kThickness = 0.001;
+  const Pieces tied = pieces_of(lattice(60, 24, true,
+                                        [&](double u, double v) {
+                                          return Vec3(kRadius * std::cos(2.0 * kPi * u),
+                                                      kRadius * std::sin(2.0 * kPi * u), kLength * v);
+                                        })
+                                    .mesh(),
+                                {0.02, kCrease, 2, {}}, kThickness);
+  add_smooth_seams(r, "mesh_tube", tied, 2);
+  r.add("mesh_tube_mass", mass_of(tied), kDensity * kThickness * 2.0 * kPi * kRadius * kLength, 1e-3, 0.0);
+  const double bending = kYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kPoisson * kPoisson));
+  const auto ring = [&](double n) {
+    return std::sqrt(bending / (kDensity * kThickness)) / (kRadius * kRadius) * n * (n * n - 1.0) /
+           std::sqrt(n * n + 1.0) / (2.0 * kPi);
+  };
+  const auto twisted = [&](double n) {
+    const double l = std::pow(kRadius / kLength, 2);
+    return ring(n) *
+           std::sqrt((1.0 + 24.0 * (1.0 - kPoisson) * l / (n * n)) / (1.0 + 12.0 * l / (n * n * (n * n + 1.0))));
+  };
+  TiedSystem system(tied);
+  add_exact(r, "mesh_tube", system, 0.1 * std::pow(2.0 * kPi * ring(2.0), 2),
+            {ring(2.0), ring(2.0), twisted(2.0), twisted(2.0)});
+}
+
+// A sphere: five equal modes of two waves (Lamb 1882), which stretch; bending adds a hundredth of a thousandth.
+void mesh_sphere(Report& r, int) {
+  constexpr double kRadius = 0.2, kThickness = 0.001;
+  const Pieces tied = pieces_of(ball(kRadius, 12).mesh(), {0.02, kCrease, 2, {}}, kThickness);
+  add_smooth_seams(r, "mesh_sphere", tied, 1);
+  r.add("mesh_sphere_mass", mass_of(tied), kDensity * kThickness * 4.0 * kPi * kRadius * kRadius, 1e-3, 0.0);
+  constexpr double kTwice = 6.0;  // n (n + 1)
+  const double b = kTwice + 1.0 + 3.0 * kPoisson, c = (kTwice - 2.0) * (1.0 - kPoisson * kPoisson);
+  const double square = 0.5 * (b - std::sqrt(b * b - 4.0 * c));
+  const double lowest = std::sqrt(square * kYoung / (kDensity * (1.0 - kPoisson * kPoisson))) / (2.0 * kPi * kRadius);
+  TiedSystem system(tied);
+  add_exact(r, "mesh_sphere", system, 0.1 * std::pow(2.0 * kPi * lowest, 2), std::vector<double>(kTiedModes, lowest));
+}
+
+}  // namespace
+
+std::vector<Case> mesh_cases() {
+  return {{"mesh_plate", "a plate of triangles as one chart, and as four",
+           [](Report& r, int threads) { mesh_plate(r, threads, 1), mesh_plate(r, threads, 2); }},
+          {"mesh_tube", "a tube of triangles with free ends", mesh_tube},
+          {"mesh_sphere", "a sphere of triangles", mesh_sphere}};
+}
+
+}  // namespace sunder::validation
