@@ -20,16 +20,41 @@ constexpr double kLongestStep = 0.1;  // of the size of the patch
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-// Adds the square of a sum of control points, given as offsets and factors, at every place where all are there.
-void add_squares(std::vector<Eigen::Triplet<double>>& terms, int columns, int rows, double weight,
-                 const std::vector<std::array<int, 3>>& stencil) {
-  int wide = 0, high = 0;
-  for (const auto& [i, j, f] : stencil) wide = std::max(wide, i), high = std::max(high, j);
-  for (int j = 0; j + high < rows; ++j)
-    for (int i = 0; i + wide < columns; ++i)
-      for (const auto& [a, b, f] : stencil)
-        for (const auto& [c, d, g] : stencil)
-          terms.emplace_back((j + b) * columns + i + a, (j + d) * columns + i + c, weight * f * g);
+// A sum of the control points of one direction: index and factor.
+using Sum = std::vector<std::pair<int, double>>;
+
+// Coefficients of the derivatives of order 0 to 3 of a spline over spans of length 1, as sums of its control points.
+// The third ones of a quadratic spline are the jumps of its second derivative.
+std::array<std::vector<Sum>, 4> derivatives(const KnotVector& knots) {
+  std::array<std::vector<Sum>, 4> out;
+  for (int i = 0; i < knots.control_points(); ++i) out[0].push_back({{i, 1.0}});
+  const std::vector<double>& t = knots.knots();
+  const double h = (knots.end() - knots.begin()) / knots.spans();
+  for (int order = 1; order <= 3; ++order) {
+    const int degree = knots.degree() - order + 1;
+    for (std::size_t i = 0; i + 1 < out[order - 1].size(); ++i) {
+      const double over = degree > 0 ? degree * h / (t[i + order + degree] - t[i + order]) : 1.0;
+      Sum sum;
+      for (const auto& [k, f] : out[order - 1][i + 1]) sum.emplace_back(k, over * f);
+      for (const auto& [k, f] : out[order - 1][i]) sum.emplace_back(k, -over * f);
+      out[order].push_back(std::move(sum));
+    }
+  }
+  return out;
+}
+
+// Adds the squares of all products of sums along u and v.
+void add_squares(std::vector<Eigen::Triplet<double>>& terms, int columns, double weight, const std::vector<Sum>& u,
+                 const std::vector<Sum>& v) {
+  std::vector<std::pair<int, double>> product;
+  for (const Sum& b : v)
+    for (const Sum& a : u) {
+      product.clear();
+      for (const auto& [j, g] : b)
+        for (const auto& [i, f] : a) product.emplace_back(j * columns + i, f * g);
+      for (const auto& [k, f] : product)
+        for (const auto& [l, g] : product) terms.emplace_back(k, l, weight * f * g);
+    }
 }
 
 Patch solved(const std::vector<FitPoint>& points, const KnotVector& u, const KnotVector& v) {
@@ -48,21 +73,14 @@ Patch solved(const std::vector<FitPoint>& points, const KnotVector& u, const Kno
         terms.emplace_back(one, s.row(l) * columns + s.column(l), p.weight * s.value[k] * s.value[l]);
     }
   }
-  add_squares(terms, columns, rows, kSmooth, {{0, 0, -1}, {1, 0, 3}, {2, 0, -3}, {3, 0, 1}});
-  add_squares(terms, columns, rows, kSmooth, {{0, 0, -1}, {0, 1, 3}, {0, 2, -3}, {0, 3, 1}});
-  add_squares(terms, columns, rows, 3.0 * kSmooth,
-              {{0, 0, 1}, {1, 0, -2}, {2, 0, 1}, {0, 1, -1}, {1, 1, 2}, {2, 1, -1}});
-  add_squares(terms, columns, rows, 3.0 * kSmooth,
-              {{0, 0, 1}, {0, 1, -2}, {0, 2, 1}, {1, 0, -1}, {1, 1, 2}, {1, 2, -1}});
-  // Short rows of control points have no third differences: they are nearly straight then.
-  for (const auto& [n, step] : {std::pair{columns, 1}, std::pair{rows, columns}})
-    if (n == 3) {
-      const int other = step == 1 ? rows : columns, jump = step == 1 ? columns : 1;
-      for (int k = 0; k < other; ++k)
-        for (const auto& [a, f] : {std::pair{0, 1.0}, std::pair{1, -2.0}, std::pair{2, 1.0}})
-          for (const auto& [b, g] : {std::pair{0, 1.0}, std::pair{1, -2.0}, std::pair{2, 1.0}})
-            terms.emplace_back(k * jump + a * step, k * jump + b * step, kSmooth * kSmooth * f * g);
-    }
+  const auto du = derivatives(u), dv = derivatives(v);
+  add_squares(terms, columns, kSmooth, du[3], dv[0]);
+  add_squares(terms, columns, kSmooth, du[0], dv[3]);
+  add_squares(terms, columns, 3.0 * kSmooth, du[2], dv[1]);
+  add_squares(terms, columns, 3.0 * kSmooth, du[1], dv[2]);
+  // A row of one span has no third derivatives: it is nearly straight where points do not decide.
+  if (du[3].empty()) add_squares(terms, columns, kSmooth * kSmooth, du[2], dv[0]);
+  if (dv[3].empty()) add_squares(terms, columns, kSmooth * kSmooth, du[0], dv[2]);
   Vec3 mean = Vec3::Zero();
   for (const FitPoint& p : points) mean += p.x / static_cast<double>(points.size());
   for (int k = 0; k < count; ++k) terms.emplace_back(k, k, kHeld), right.row(k) += kHeld * mean.transpose();

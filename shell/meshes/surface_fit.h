@@ -18,8 +18,8 @@ struct SurfaceFit {
   std::vector<FitPoint> points;  // with their nearest places
 };
 
-/// Least squares over splines of `elements` equal spans on a rectangle of `size` [m]. Third differences of control
-/// points are kept small, so that the surface goes on smoothly where there are no points: as a polynomial of degree 2
+/// Least squares over splines of `elements` equal spans on a rectangle of `size` [m]. Third derivatives are
+/// kept small, so that the surface goes on smoothly where there are no points: as a polynomial of degree 2
 /// at most. Nearest places and splines are found in turn. Throws Error where the equations have no solution.
 SurfaceFit fit_surface(std::vector<FitPoint> points, const Vec2& size, const std::array<int, 2>& elements, int degree);
 
