@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include <Eigen/Geometry>
 
 #include "coupler/core/error.h"
 #include "shell/meshes/chart_borders.h"
+#include "shell/meshes/smooth_normals.h"
 #include "shell/meshes/surface_fit.h"
 
 namespace sunder::shell {
@@ -33,17 +35,34 @@ struct Frame {
   Vec2 place(const Vec2& p) const { return turn * p - low; }
 };
 
-// Border points of a chart's own triangles, in the plane.
-std::vector<Vec2> border_points(const TriangleMesh& m, const Chart& c, const std::vector<int>& chart, int own,
-                                bool& may_be_whole, const Creases& creases) {
-  std::vector<Vec2> out;
+// The outline of a chart in the plane, without its holes. `may_be_whole` is false where a neighbour goes on smoothly.
+std::vector<Vec2> outline_of(const TriangleMesh& m, const Chart& c, const std::vector<int>& chart, int own,
+                             const Creases& creases, bool& may_be_whole) {
+  struct Next {
+    int point;
+    bool smooth;
+  };
+  std::map<int, Next> next;
   for (const int t : c.triangles)
     for (int k = 0; k < 3; ++k) {
       const int other = m.beside[t][k];
-      if (other >= 0 && chart[other] == own) continue;
-      if (other >= 0 && !creases[t][k]) may_be_whole = false;
-      out.push_back(c.flat.at[c.flat.local[m.triangles[t][k]]]);
+      if (other < 0 || chart[other] != own)
+        next[m.triangles[t][k]] = {m.triangles[t][(k + 1) % 3], other >= 0 && !creases[t][k]};
     }
+  std::vector<Vec2> out;
+  double largest = -1.0;
+  while (!next.empty()) {
+    std::vector<Vec2> loop;
+    bool smooth = false;
+    double area = 0.0;
+    for (int at = next.begin()->first; next.count(at) != 0;) {
+      const Next to = next[at];
+      loop.push_back(c.flat.at[c.flat.local[at]]), smooth = smooth || to.smooth;
+      next.erase(at), at = to.point;
+    }
+    for (std::size_t k = 1; k + 1 < loop.size(); ++k) area += 0.5 * cross(loop[k] - loop[0], loop[k + 1] - loop[0]);
+    if (area > largest) largest = area, out = std::move(loop), may_be_whole = !smooth;
+  }
   return out;
 }
 
@@ -91,28 +110,13 @@ Frame frame_of(const std::vector<Vec2>& border, bool may_be_whole, double elemen
   return best;
 }
 
-// Normals of a part's points, the mean of those of its triangles about each by their angles.
-std::vector<Vec3> normals_of(const TriangleMesh& m, const Flat& f) {
-  std::vector<Vec3> out(f.points.size(), Vec3::Zero());
-  for (const int t : f.triangles) {
-    const Vec3 normal = m.normal(t);
-    for (int k = 0; k < 3; ++k) {
-      const Vec3 &x = m.points[m.triangles[t][k]], a = m.points[m.triangles[t][(k + 1) % 3]] - x,
-                 b = m.points[m.triangles[t][(k + 2) % 3]] - x;
-      out[f.local[m.triangles[t][k]]] += std::atan2(a.cross(b).norm(), a.dot(b)) * normal;
-    }
-  }
-  for (Vec3& n : out) n.normalize();
-  return out;
-}
-
 // Points for the spline: those of the mesh and, where they are far apart, some on triangles that are curved as their
 // normals say (cubic: Vlachos et al. 2001).
 std::vector<FitPoint> fit_points(const TriangleMesh& m, const Chart& c, const Frame& frame, double element) {
   std::vector<FitPoint> out;
   std::vector<double> share(c.flat.points.size(), 0.0);
   std::vector<FitPoint> between;
-  const std::vector<Vec3> normals = normals_of(m, c.flat);
+  const std::vector<Vec3> normals = smooth_normals(m, c.flat);
   const auto inside = [&](const Vec2& p) {
     return (p.array() >= 0.0).all() && (p.array() <= frame.size.array()).all();
   };
@@ -223,7 +227,7 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
         "{:.3g} m^2 only; give one below {:.3g} m, or a larger crease_deg",
         rules.element, where.x(), where.y(), where.z(), own.area, std::sqrt(own.area / kSmallChart));
     bool may_be_whole = true;
-    const std::vector<Vec2> border = border_points(m, one, chart, c, may_be_whole, creases);
+    const std::vector<Vec2> border = outline_of(m, one, chart, c, creases, may_be_whole);
     const Frame frame =
         frame_of(border, may_be_whole, rules.element, std::max(kMargin * rules.element, kMarginEdges * edge));
     whole.push_back(frame.whole);

@@ -154,12 +154,16 @@ TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vect
   }
   for (std::size_t k = 0; k < points.size(); ++k) m.welded += used[k] && same[k] != static_cast<int>(k);
   MeshEdgeMap edges = edge_map(m);
-  for (const auto& [ends, sides] : edges)
+  const auto crowded = [](const auto& edge) { return edge.second.size() > 2; };
+  if (const auto first = std::find_if(edges.begin(), edges.end(), crowded); first != edges.end()) {
+    const auto& [ends, sides] = *first;
     check(
-        sides.size() <= 2,
-        "has an edge of {} faces, from {} to {}, the last of them of {} {}; an edge of a shell belongs to two at most: "
-        "leave a face out, or make the parts shells of their own files",
-        sides.size(), at(m.points[ends.first]), at(m.points[ends.second]), word, lines[sides.back().triangle]);
+        false,
+        "has {} edges of three faces or more, the first of {} faces, from {} to {}, the last of them of {} {}; an edge "
+        "of a shell belongs to two at most: leave a face out, or make the parts files of their own",
+        std::count_if(edges.begin(), edges.end(), crowded), sides.size(), at(m.points[ends.first]),
+        at(m.points[ends.second]), word, lines[sides.back().triangle]);
+  }
   turn_alike(m, edges, lines, word);
   edges = edge_map(m);
   m.beside.assign(m.triangles.size(), {-1, -1, -1});

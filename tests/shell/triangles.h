@@ -44,6 +44,18 @@ Triangles lattice(int columns, int rows, bool round, F&& place) {
   return out;
 }
 
+// A torus of radii 1 and 0.4.
+inline Triangles ring() {
+  Triangles out = lattice(36, 18, true, [](double u, double v) {
+    const double a = 2.0 * std::numbers::pi * u, b = 2.0 * std::numbers::pi * v, r = 1.0 + 0.4 * std::cos(b);
+    return Vec3(r * std::cos(a), r * std::sin(a), 0.4 * std::sin(b));
+  });
+  out.points.resize(out.points.size() - 36);
+  for (FileTriangle& f : out.faces)
+    for (int& c : f.corners) c %= static_cast<int>(out.points.size());
+  return out;
+}
+
 // An icosahedron whose faces are divided into `parts` squared triangles, on a sphere.
 inline Triangles ball(double radius, int parts) {
   const double g = std::numbers::phi;

@@ -58,21 +58,7 @@ TEST(Flatten, ShapesOfParts) {
   std::vector<int> without = all_triangles(sphere);
   without.erase(without.begin());
   EXPECT_EQ(shape_of(sphere, without).loops, 1);
-  const TriangleMesh torus =
-      lattice(20, 9, true, [](double u, double v) {
-        const double a = 2.0 * M_PI * u, b = 2.0 * M_PI * v;
-        return Vec3((3.0 + std::cos(b)) * std::cos(a), (3.0 + std::cos(b)) * std::sin(a), std::sin(b));
-      }).mesh();
-  EXPECT_EQ(shape_of(torus, all_triangles(torus)).loops, 2);  // its first and last rows are not one yet
-  EXPECT_EQ(shape_of(torus, all_triangles(torus)).handles, 0);
-  const TriangleMesh whole = make_triangle_mesh(
-      torus.points,
-      [&] {
-        std::vector<FileTriangle> f;
-        for (const auto& t : torus.triangles) f.push_back({t, 1});
-        return f;
-      }(),
-      0.05, "line");
+  const TriangleMesh whole = ring().mesh();
   EXPECT_EQ(shape_of(whole, all_triangles(whole)).loops, 0);
   EXPECT_EQ(shape_of(whole, all_triangles(whole)).handles, 2);
 }

@@ -70,9 +70,9 @@ TEST(MeshPatches, CoarseTrianglesOfASphereAreRound) {
 
 TEST(MeshPatches, AMeshOfTooManyElementsOrTooLongOnesIsRefused) {
   const TriangleMesh m = lattice(10, 10, false, [](double u, double v) { return Vec3(u, v, 0.0); }).mesh();
-  const auto refusal = [&](const TriangleMesh& mesh, double element) -> std::string {
+  const auto refusal = [&](const TriangleMesh& mesh, double element, double crease = kSharp) -> std::string {
     try {
-      patches_of(mesh, {element, kSharp, 2, {}});
+      patches_of(mesh, {element, crease, 2, {}});
     } catch (const Error& e) {
       return e.what();
     }
@@ -83,7 +83,7 @@ TEST(MeshPatches, AMeshOfTooManyElementsOrTooLongOnesIsRefused) {
   const TriangleMesh wavy = lattice(60, 60, false, [](double u, double v) {
                               return Vec3(u, v, 0.05 * std::sin(40.0 * u) * std::sin(40.0 * v));
                             }).mesh();
-  EXPECT_NE(refusal(wavy, 0.12).find("give a shorter one"), std::string::npos) << refusal(wavy, 0.12);
+  EXPECT_NE(refusal(wavy, 0.12, 3.0).find("give a shorter one"), std::string::npos) << refusal(wavy, 0.12, 3.0);
 }
 
 }  // namespace

@@ -30,7 +30,7 @@ TEST_P(SurfaceFitOfDegree, AQuadraticSurfaceIsExactAndGoesOnBeyondItsPoints) {
   const SurfaceFit fit = fit_surface(points_on(quadratic, 0.6), {1.0, 0.7}, {8, 6}, GetParam());
   for (const FitPoint& p : fit.points) EXPECT_LT((fit.patch.evaluate(p.at).x - p.x).norm(), 1e-9);
   const Vec2 corner(1.0, 0.7);
-  EXPECT_LT((fit.patch.evaluate(corner).x - quadratic(corner)).norm(), 1e-6);  // kHeld draws what points do not hold
+  EXPECT_LT((fit.patch.evaluate(corner).x - quadratic(corner)).norm(), 1e-5);  // kHeld draws what points do not hold
 }
 
 TEST_P(SurfaceFitOfDegree, ASphereIsFittedToThirdOrderAtLeast) {

@@ -76,7 +76,7 @@ TEST(TriangleMesh, AnEdgeOfThreeFacesIsRefusedWithItsPlace) {
   Triangles t = square();
   t.points.push_back({0.5, 0.5, 1}), t.faces.push_back({{0, 2, 4}, 7});
   const std::string text = refusal(t);
-  expect_part(text, "an edge of 3 faces, from (0, 0, 0) to (1, 1, 0)");
+  expect_part(text, "has 1 edges of three faces or more, the first of 3 faces, from (0, 0, 0) to (1, 1, 0)");
   expect_part(text, "line 7");
 }
 
