@@ -6,6 +6,7 @@
 
 #include "shell/io/cad_loop.h"
 #include "shell/meshes/mesh_patches.h"
+#include "shell/meshes/surface_fit.h"
 #include "tests/shell/triangles.h"
 #include "tests/validation/tied.h"
 #include "tests/validation/tied_system.h"
@@ -77,13 +78,51 @@ void add_exact(Report& r, const std::string& name, TiedSystem& system, double he
     r.add(fmt::format("{}_frequency_{}", name, k + 1), found[k], wanted[k], 0.02, 0.0);
 }
 
+// The shell on which a place of the plate lies, and its parameters there.
+std::pair<int, Vec2> place_on(const Pieces& p, const Vec3& x) {
+  std::pair<int, Vec2> best{0, Vec2::Zero()};
+  double least = 1e300;
+  for (std::size_t k = 0; k < p.models.size(); ++k) {
+    const Patch& patch = p.patches[k];
+    const Vec2 at = nearest_place(patch, x, 0.5 * Vec2(patch.knots_u.end(), patch.knots_v.end()));
+    const TrimLoops& trims = p.models[k].trim.loops;
+    const double away = (patch.evaluate(at).x - x).norm();
+    const double inside = trims.empty() ? 0.0 : (trims.moved_inside(at, 0.0) - at).norm();
+    if (away + inside < least) least = away + inside, best = {static_cast<int>(k), at};
+  }
+  return best;
+}
+
+// Deflection of the middle against the corners, which bear a force on it.
+double deflection(TiedSystem& system, const Pieces& p, double held) {
+  const std::vector<std::pair<Vec3, double>> forces{{{0.5, 0.5, 0.0}, 1.0},
+                                                    {{0.0, 0.0, 0.0}, -0.25},
+                                                    {{1.0, 0.0, 0.0}, -0.25},
+                                                    {{0.0, 1.0, 0.0}, -0.25},
+                                                    {{1.0, 1.0, 0.0}, -0.25}};
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(system.count());
+  for (const auto& [x, force] : forces) {
+    const auto [k, at] = place_on(p, x);
+    for (const GatheredFunction& f : shell_functions(p.models[k], at))
+      if (const int n = system.degree(k, f.slot, 2); n >= 0) load[n] += force * f.n[0];
+  }
+  const Eigen::VectorXd u = system.solve(load, held);
+  double sum = 0.0;
+  for (const auto& [x, force] : forces) {
+    const auto [k, at] = place_on(p, x);
+    sum += force * system.value(u, k, at, 2);
+  }
+  return sum;
+}
+
 // A square plate: one chart, and several whose borders are ragged.
-void mesh_plate(Report& r, int, int divided) {
-  constexpr double kThickness = 0.004;
+void mesh_plate(Report& r, int threads, int divided) {
+  constexpr double kThickness = 0.004, kHeld = 1e-4;
   constexpr int kElements = 24;
   const std::string name = fmt::format("mesh_plate_{}", divided * divided);
   const TriangleMesh mesh = lattice(31, 31, false, [](double u, double v) { return Vec3(u, v, 0.0); }).mesh();
   MeshPatchRules rules{1.0 / kElements, kCrease, 2, {}};
+  const Pieces alike = pieces_of(mesh, rules, kThickness);
   for (std::size_t t = 0; t < mesh.triangles.size() && divided > 1; ++t) {
     const Vec3 x = mesh.middle(static_cast<int>(t));
     const double u = x.x() + 0.06 * std::sin(2.0 * kPi * x.y()), v = x.y() + 0.06 * std::sin(2.0 * kPi * x.x());
@@ -98,8 +137,12 @@ void mesh_plate(Report& r, int, int divided) {
   add_charts(r, name, tied, divided * divided);
   r.add(name + "_mass", mass_of(tied), kDensity * kThickness, 1e-6, 0.0);
   TiedSystem system(tied), whole(one);
+  r.add(name + "_deflection", deflection(system, tied, kHeld * slow), deflection(whole, one, kHeld * slow), 0.005,
+        seconds_now() - start);
   add_frequencies(r, name, system, whole, 0.1 * slow, kFree);
-  r.lines.push_back(fmt::format("{}: {:.1f} s", name, seconds_now() - start));
+  const double step = step_of(tied, threads) / step_of(alike, threads);
+  r.add(name + "_step_below_0.8", above_zero(0.8 - step), 0.0, 0.0, 0.0);
+  r.lines.push_back(fmt::format("{}: stable step {:.3f} of one chart's", name, step));
 }
 
 // A tube with free ends: modes without stretch, the same all along or growing from the middle (Rayleigh; Love 1888).
