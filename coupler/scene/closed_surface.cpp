@@ -26,41 +26,6 @@ void check(bool good, fmt::format_string<Args...> format, Args&&... args) {
 
 std::string place(const Vec3& x) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", x.x(), x.y(), x.z()); }
 
-// Triangles of a polygon that may be concave, by ear clipping in the plane of its mean normal.
-std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, const Polygon& polygon,
-                                             const std::string& word) {
-  std::vector<int> left = polygon.corners;
-  Vec3 normal = Vec3::Zero();
-  for (std::size_t i = 0; i < left.size(); ++i)
-    normal += (points[left[i]] - points[left[0]]).cross(points[left[(i + 1) % left.size()]] - points[left[0]]);
-  std::vector<std::array<int, 3>> out;
-  const auto side = [&](int a, int b, int c) {
-    return normal.dot((points[b] - points[a]).cross(points[c] - points[a]));
-  };
-  while (left.size() > 3) {
-    const std::size_t n = left.size();
-    std::size_t best = n;
-    double roundest = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      const int a = left[(i + n - 1) % n], b = left[i], c = left[(i + 1) % n];
-      const double area = side(a, b, c);
-      if (area <= 0.0) continue;
-      const bool clear = std::none_of(left.begin(), left.end(), [&](int p) {
-        return p != a && p != b && p != c && side(a, b, p) >= 0.0 && side(b, c, p) >= 0.0 && side(c, a, p) >= 0.0;
-      });
-      const double longest = std::max({(points[b] - points[a]).squaredNorm(), (points[c] - points[b]).squaredNorm(),
-                                       (points[a] - points[c]).squaredNorm()});
-      if (clear && area / longest > roundest) best = i, roundest = area / longest;
-    }
-    check(best < n, "{} {}: the face of {} corners crosses or touches itself; divide it into triangles", word,
-          polygon.line, polygon.corners.size());
-    out.push_back({left[(best + n - 1) % n], left[best], left[(best + 1) % n]});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
-  }
-  out.push_back({left[0], left[1], left[2]});
-  return out;
-}
-
 struct Side {
   int triangle;
   bool forward;  // the triangle runs from the lower corner to the higher
@@ -203,6 +168,46 @@ void turn_outwards(Surface& s, const std::vector<int>& component) {
 
 }  // namespace
 
+std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, const Polygon& polygon,
+                                             const std::string& word) {
+  const auto count = polygon.corners.size();
+  check(count >= 3 && count <= kMostCorners, "{} {}: a face has {} corners; 3 to {}", word, polygon.line, count,
+        kMostCorners);
+  for (const int c : polygon.corners)
+    check(c >= 0 && c < static_cast<int>(points.size()), "{} {}: the face names point {}, and there are {}", word,
+          polygon.line, c, points.size());
+  std::vector<int> left = polygon.corners;
+  Vec3 normal = Vec3::Zero();
+  for (std::size_t i = 0; i < left.size(); ++i)
+    normal += (points[left[i]] - points[left[0]]).cross(points[left[(i + 1) % left.size()]] - points[left[0]]);
+  std::vector<std::array<int, 3>> out;
+  const auto side = [&](int a, int b, int c) {
+    return normal.dot((points[b] - points[a]).cross(points[c] - points[a]));
+  };
+  while (left.size() > 3) {
+    const std::size_t n = left.size();
+    std::size_t best = n;
+    double roundest = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const int a = left[(i + n - 1) % n], b = left[i], c = left[(i + 1) % n];
+      const double area = side(a, b, c);
+      if (area <= 0.0) continue;
+      const bool clear = std::none_of(left.begin(), left.end(), [&](int p) {
+        return p != a && p != b && p != c && side(a, b, p) >= 0.0 && side(b, c, p) >= 0.0 && side(c, a, p) >= 0.0;
+      });
+      const double longest = std::max({(points[b] - points[a]).squaredNorm(), (points[c] - points[b]).squaredNorm(),
+                                       (points[a] - points[c]).squaredNorm()});
+      if (clear && area / longest > roundest) best = i, roundest = area / longest;
+    }
+    check(best < n, "{} {}: the face of {} corners crosses or touches itself; divide it into triangles", word,
+          polygon.line, polygon.corners.size());
+    out.push_back({left[(best + n - 1) % n], left[best], left[(best + 1) % n]});
+    left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+  }
+  out.push_back({left[0], left[1], left[2]});
+  return out;
+}
+
 Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygon>& polygons, const std::string& word) {
   Surface s;
   std::vector<int> lines, corner_of;
@@ -224,8 +229,6 @@ Surface closed_surface(const std::vector<Vec3>& points, const std::vector<Polygo
             polygon.line, c, points.size());
       mine.corners.push_back(corner_of[c]);
     }
-    check(mine.corners.size() >= 3 && mine.corners.size() <= kMostCorners, "{} {}: a face has {} corners; 3 to {}",
-          word, polygon.line, mine.corners.size(), kMostCorners);
     for (const auto& t : triangulated(s.corners, mine, word)) {
       const double area = 0.5 * (s.corners[t[1]] - s.corners[t[0]]).cross(s.corners[t[2]] - s.corners[t[0]]).norm();
       check(area > kNoArea * box.diagonal().squaredNorm(), "{} {}: the face at {} has no area; leave it out", word,

@@ -43,6 +43,25 @@ struct Polygon {
   std::vector<int> corners;  // indices of the file's points, from 0
   int line = 0;              // of the file, or its number among the faces, from 1
 };
+/// Triangles of a polygon that may be concave, by ear clipping in the plane of its mean normal. Throws Error (bad_mesh)
+/// where it has too few or too many corners, names a point that is not there, or crosses itself. `word` says what
+/// Polygon::line counts.
+std::vector<std::array<int, 3>> triangulated(const std::vector<Vec3>& points, const Polygon& polygon,
+                                             const std::string& word);
+
+constexpr int kMostSurfaceTriangles = 300000;  // of a mesh that becomes shells
+
+/// The faces of a file as triangles, nothing merged or turned.
+struct FileSurface {
+  std::vector<Vec3> points;                   // [m]
+  std::vector<std::array<int, 3>> triangles;  // indices of points
+  std::vector<int> lines;                     // of the face of each triangle
+  std::string word;                           // what lines count
+  int faces = 0;
+};
+/// Reads the faces of a file; `unit` is its unit of length [m], `field` the mesh. Throws Error (bad_scene).
+FileSurface read_surface(const LoadedScene& scene, const std::string& field, const std::string& path, double unit);
+
 /// Triangles of a closed surface that does not cross itself. They are counter-clockwise seen from outside, whatever the
 /// file's order. A component inside another one is a hollow. Throws Error (bad_mesh) with place, line and remedy.
 /// `word` says what Polygon::line counts.

@@ -62,7 +62,6 @@ MeshFile read_mesh_file(const LoadedScene& scene, const std::string& field, cons
     out.fail(
         fmt::format("ends in '{}'; files that end in .off, .obj, .ply or .stl are read: export one of them", suffix));
   format->read(out);
-  if (out.points.size() < 4) out.fail(fmt::format("has {} points; a body has at least 4", out.points.size()));
   return out;
 }
 
@@ -86,6 +85,7 @@ Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto:
   scene.check(!mesh.has_scale() || (std::isfinite(mesh.scale()) && mesh.scale() > 0.0), field + ".scale",
               "is {}; must be positive", mesh.scale());
   const MeshFile file = read_mesh_file(scene, field, mesh);
+  if (file.points.size() < 4) file.fail(fmt::format("has {} points; a body has at least 4", file.points.size()));
   Solid solid;
   try {
     if (mesh.surface() == proto::Mesh::HULL) return hull_solid(file.points);

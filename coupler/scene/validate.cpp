@@ -106,6 +106,20 @@ void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
   pose(s, f + ".pose", c.pose());
 }
 
+void surface_mesh(const Scene& s, const std::string& f, const proto::SurfaceMesh& m) {
+  s.check(!m.path().empty(), f + ".path", "is missing; name an .obj, .off, .ply or .stl file beside the scene");
+  if (m.has_unit_m()) positive(s, f + ".unit_m", true, m.unit_m(), "m");
+  positive(s, f + ".element_m", m.has_element_m(), m.element_m(), "m");
+  s.check(!m.has_crease_deg() || (m.crease_deg() >= 5.0 && m.crease_deg() <= 180.0), f + ".crease_deg",
+          "is {}; 5 to 180, where 180 means that there are no creases", m.crease_deg());
+  not_negative(s, f + ".weld_m", true, m.weld_m());
+  s.check(m.weld_m() < m.element_m(), f + ".weld_m", "is {} m, and element_m is {} m; weld less than an element",
+          m.weld_m(), m.element_m());
+  s.check(m.up() == proto::SurfaceMesh::Z || m.up() == proto::SurfaceMesh::Y, f + ".up", "is {}; Z or Y",
+          static_cast<int>(m.up()));
+  pose(s, f + ".pose", m.pose());
+}
+
 void known_edge(const Scene& s, const std::string& f, int edge) {
   s.check(edge >= proto::Support::ALL && edge <= proto::Support::V_MAX, f,
           "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
@@ -224,7 +238,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
             "needs layers: 3 or more, which see the parabola of stress");
   }
   s.check(shell.patch_case() != proto::Shell::PATCH_NOT_SET, f,
-          "has no patch; give plate, cylinder, sphere, cone, nurbs or cad {{...}}");
+          "has no patch; give plate, cylinder, sphere, cone, nurbs, cad or mesh {{...}}");
   const int degree = patch_degree(shell), gauss = shell.has_gauss_points() ? shell.gauss_points() : degree;
   s.check(degree == 2 || degree == 3, fmt::format("{}.{}.degree", f, patch_name(shell)),
           "is {}; 2 (quadratic) or 3 (cubic)", degree);
@@ -263,6 +277,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
     sector(s, f + ".cone", c);
   }
   if (shell.has_cad()) cad_face(s, f + ".cad", shell.cad());
+  if (shell.has_mesh()) surface_mesh(s, f + ".mesh", shell.mesh());
   if (shell.has_nurbs()) refinement(s, f + ".nurbs", shell.nurbs());
   for (int i = 0; i < shell.supports_size(); ++i) support(s, fmt::format("{}.supports[{}]", f, i), shell.supports(i));
   for (int i = 0; i < shell.loads_size(); ++i) load(s, fmt::format("{}.loads[{}]", f, i), shell.loads(i));
@@ -381,6 +396,7 @@ int patch_degree(const proto::Shell& s) {
          : s.has_cylinder() ? given(s.cylinder())
          : s.has_sphere()   ? given(s.sphere())
          : s.has_cone()     ? given(s.cone())
+         : s.has_mesh()     ? given(s.mesh())
                             : given(s.nurbs());
 }
 

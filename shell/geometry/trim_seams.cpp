@@ -151,6 +151,27 @@ Across across(const BorderedPatch& of, const Vec2& p, const Vec3& along) {
   return out;
 }
 
+// Finds the angle, and whether the seam is smooth: up to the angle `smooth` [rad].
+void finish(const BorderedPatch& a, const BorderedPatch& b, double smooth, Seam& seam) {
+  const auto side = [](const Patch& patch, const Vec2& p, const Vec2& into, Vec3& normal) {
+    const SurfacePoint s = patch.evaluate(p);
+    normal = s.u.cross(s.v).normalized();
+    return (into.x() * s.u + into.y() * s.v).normalized();
+  };
+  for (const SeamPlace& place : seam.places) {
+    Vec3 normal_a, normal_b;
+    const Vec3 into_a = side(*a.patch, place.first, place.into_first, normal_a),
+               into_b = side(*b.patch, place.second, place.into_second, normal_b);
+    const double angle = std::atan2(into_a.cross(into_b).norm(), -into_a.dot(into_b));
+    seam.angle = std::max(seam.angle, angle);
+    require(angle > 0.5 * std::numbers::pi || normal_a.dot(normal_b) > -kAskewBorder,
+            "shells '{}' and '{}' meet along their borders, but their normals u x v are on opposite sides; turn one "
+            "of the patches over (reverse its u or v)",
+            a.name, b.name);
+  }
+  seam.smooth = seam.join == Join::kClamped && seam.angle <= smooth;
+}
+
 // A stretch of the first border, from t to t, along which the second one runs.
 struct Stretch {
   double from, to;
@@ -171,7 +192,7 @@ class Pair {
       Seam seam = along(s);
       if (seam.length < kShortest * least_) continue;
       seam.first = first, seam.second = second, seam.join = join_;
-      finish(seam);
+      finish(*a_.of, *b_.of, kSmoothAngle, seam);
       out.push_back(std::move(seam));
     }
     return out;
@@ -267,27 +288,6 @@ class Pair {
     return seam;
   }
 
-  // Finds the angle, and whether the seam is smooth.
-  void finish(Seam& seam) const {
-    const auto side = [](const Patch& patch, const Vec2& p, const Vec2& into, Vec3& normal) {
-      const SurfacePoint s = patch.evaluate(p);
-      normal = s.u.cross(s.v).normalized();
-      return (into.x() * s.u + into.y() * s.v).normalized();
-    };
-    for (const SeamPlace& place : seam.places) {
-      Vec3 normal_a, normal_b;
-      const Vec3 a = side(*a_.of->patch, place.first, place.into_first, normal_a),
-                 b = side(*b_.of->patch, place.second, place.into_second, normal_b);
-      const double angle = std::atan2(a.cross(b).norm(), -a.dot(b));
-      seam.angle = std::max(seam.angle, angle);
-      require(angle > 0.5 * std::numbers::pi || normal_a.dot(normal_b) > -kAskewBorder,
-              "shells '{}' and '{}' meet along their borders, but their normals u x v are on opposite sides; turn one "
-              "of the patches over (reverse its u or v)",
-              a_.of->name, b_.of->name);
-    }
-    seam.smooth = join_ == Join::kClamped && seam.angle <= kSmoothAngle;
-  }
-
   const Border &a_, &b_;
   double tolerance_;
   Join join_;
@@ -301,6 +301,41 @@ Eigen::AlignedBox3d box_of(const Border& b, double pad) {
 }
 
 }  // namespace
+
+std::vector<Seam> known_seams(const std::vector<BorderedPatch>& patches, const std::vector<KnownBorder>& borders,
+                              const std::vector<std::vector<Join>>& join) {
+  std::vector<Seam> out;
+  for (const KnownBorder& known : borders) {
+    if (join[known.first][known.second] == Join::kOpen) continue;
+    const BorderedPatch &a = patches[known.first], &b = patches[known.second];
+    const double step = std::min(spacing_of(*a.patch), spacing_of(*b.patch)) / kPlacesPerElement;
+    Seam seam;
+    seam.first = known.first, seam.second = known.second, seam.join = join[known.first][known.second];
+    seam.closed = known.closed;
+    for (std::size_t k = 0; k < known.on_first.size(); ++k) {
+      const auto &on_a = known.on_first[k], &on_b = known.on_second[k];
+      const int pieces = std::clamp(static_cast<int>(std::ceil(on_a.length / step)), kFewestPieces, kMostPieces);
+      for (int i = 0; i < pieces; ++i) {
+        const double t0 = static_cast<double>(i) / pieces, t1 = (i + 1.0) / pieces, middle = 0.5 * (t0 + t1);
+        const Vec3 from = a.patch->evaluate(on_a.at(t0)).x, to = a.patch->evaluate(on_a.at(t1)).x;
+        SeamPlace place;
+        place.first = on_a.at(middle), place.second = on_b.at(middle);
+        const Vec3 x = a.patch->evaluate(place.first).x;
+        place.length = (x - from).norm() + (to - x).norm();
+        if (place.length <= 0.0) continue;
+        place.along = seam.length + 0.5 * place.length;
+        place.into_first = across(a, place.first, to - from).parameter;
+        place.into_second = across(b, place.second, to - from).parameter;
+        seam.length += place.length;
+        seam.places.push_back(place);
+      }
+    }
+    if (seam.length < kShortest * kPlacesPerElement * step) continue;
+    finish(a, b, known.smooth ? kNearlySmooth : kSmoothAngle, seam);
+    out.push_back(std::move(seam));
+  }
+  return out;
+}
 
 std::vector<Seam> find_trim_seams(const std::vector<BorderedPatch>& patches, double tolerance,
                                   const std::vector<std::vector<Join>>& join) {

@@ -12,6 +12,7 @@
 #include "shell/geometry/edges.h"
 #include "shell/geometry/trim_seams.h"
 #include "shell/io/build_shell.h"
+#include "shell/io/mesh_parts.h"
 #include "shell/io/part_names.h"
 #include "shell/solver/joining/stitching.h"
 
@@ -206,7 +207,7 @@ double angle_inside(const Seam& seam, const Patch& first, const Patch& second) {
 Stitches stitched(const std::vector<ScenePart>& parts, const std::vector<const Patch*>& patches,
                   const std::vector<std::string>& names, double tolerance, const std::vector<std::vector<Join>>& join,
                   const std::function<bool(const PatchPoint&)>& held, std::vector<int>& whole) {
-  const auto of_file = [&](int part) { return parts[part].message.has_cad(); };
+  const auto of_file = [&](int part) { return parts[part].message.has_cad() || parts[part].message.has_mesh(); };
   for (;;) {
     bool again = false;
     Stitches found;
@@ -225,6 +226,22 @@ Stitches stitched(const std::vector<ScenePart>& parts, const std::vector<const P
     }
     if (!again) return found;
   }
+}
+
+// Charts of a mesh meet where it says, but for whole edges that are stitched already. `join` is open for them
+// afterwards.
+void add_mesh_seams(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
+                    const std::vector<BorderedPatch>& bordered, std::vector<std::vector<Join>>& join, Stitches& found) {
+  std::vector<KnownBorder> borders = mesh_borders(scene, parts, files);
+  std::erase_if(borders, [&](const KnownBorder& b) {
+    return std::any_of(found.seams.begin(), found.seams.end(), [&](const Seam& s) {
+      return !s.trimmed() && std::minmax(s.first, s.second) == std::minmax(b.first, b.second);
+    });
+  });
+  for (Seam& seam : known_seams(bordered, borders, join)) found.seams.push_back(std::move(seam));
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    for (std::size_t k = 0; k < parts.size(); ++k)
+      if (parts[i].message.has_mesh() && parts[i].shell == parts[k].shell) join[i][k] = Join::kOpen;
 }
 
 }  // namespace
@@ -247,7 +264,9 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
                 "is found with the stiffness of one shell, and seams carry forces between shells; leave equilibrium "
                 "out and let each load grow by its `factor`, with mass_damping_per_s of the material");
     scene.check(!s.model.has_fibres(), fmt::format("shells[{}].fibres", parts[i].shell),
-                "exclude seams, by which CAD faces are joined; leave fibres out, or give a `face` that is not divided");
+                "exclude seams, by which CAD faces and charts of meshes are joined; leave fibres out, or give a `face` "
+                "or mesh that "
+                "is not divided");
     whole.push_back(whole_edges(s.model));
     scene.check(s.transfer.kind == Transfer::kDirect, "transfer", "cannot go with seams; leave one of them out");
   }
@@ -277,6 +296,7 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
     std::vector<BorderedPatch> bordered;
     for (std::size_t i = 0; i < patches.size(); ++i)
       bordered.push_back({&untrimmed[i], &models[i]->trim.loops, whole[i], names[i]});
+    add_mesh_seams(scene, parts, files, bordered, join, found);
     for (Seam& seam : find_trim_seams(bordered, tolerance, join)) found.seams.push_back(std::move(seam));
     Stitching(found, models);  // throws where supports do not fit the seams
   } catch (const Error& e) {

@@ -8,6 +8,7 @@
 #include "shell/geometry/builders.h"
 #include "shell/io/cad_file.h"
 #include "shell/io/cad_loop.h"
+#include "shell/io/mesh_parts.h"
 #include "shell/io/strength_factors.h"
 #include "shell/io/trims.h"
 
@@ -87,6 +88,11 @@ Patch make_patch(const scene::LoadedScene& scene, const proto::Shell& s, const s
       return posed(refined_at_least(face.patch, u, v), c);
     });
   }
+  if (s.has_mesh()) {
+    const CadSurface& chart = files.mesh(scene, field + ".mesh", s.mesh()).surfaces.at(part);
+    loops = chart.loops;
+    return posed(chart.patch, s.mesh());
+  }
   const auto& n = s.nurbs();
   const auto knots = [&](const auto& list, const char* name) {
     return at_field(scene, field + ".nurbs." + name, [&] {
@@ -142,11 +148,12 @@ Load make_load(const proto::ShellLoad& m) {
   return l;
 }
 
-// A face that is trimmed has the exclusions of `trims`.
+// A face or chart that is trimmed has the exclusions of `trims`.
 void check_with_loops(const scene::LoadedScene& scene, const proto::Shell& s, const std::string& field) {
   const auto go = [&](bool good, const char* what) {
-    scene.check(good, field + ".cad.path", "'{}': the face is trimmed, which cannot go with {}; leave that out",
-                s.cad().path(), what);
+    scene.check(good, field + (s.has_mesh() ? ".mesh.path" : ".cad.path"),
+                "'{}': the {} is trimmed, which cannot go with {}; leave that out",
+                s.has_mesh() ? s.mesh().path() : s.cad().path(), s.has_mesh() ? "surface" : "face", what);
   };
   go(!s.has_interlayer(), "an interlayer");
   go(!s.has_fibres(), "fibres");
@@ -249,10 +256,15 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
              [&] { return prepare_loads(scaled, RowTables{}, {loads[i]}, name); });
   const TrimLoops trims = make_trims(scene, s, scaled, field, scaled_loops(loops, patch, scaled));
   if (!loops.empty()) check_with_loops(scene, s, field);
-  ShellModel model = at_field(scene, trims.empty() ? field : field + (loops.empty() ? ".trims" : ".cad"), [&] {
-    return make_shell(s.name(), patch, s.thickness_m(), material, s.has_layers() ? s.layers() : 2, gauss, supports,
-                      loads, trims);
-  });
+  ShellModel model = at_field(scene,
+                              trims.empty() ? field
+                                            : field + (loops.empty()  ? ".trims"
+                                                       : s.has_mesh() ? ".mesh"
+                                                                      : ".cad"),
+                              [&] {
+                                return make_shell(s.name(), patch, s.thickness_m(), material,
+                                                  s.has_layers() ? s.layers() : 2, gauss, supports, loads, trims);
+                              });
   model.strength_factor = strength_factors(scene, s, model, field);
   for (int q = 0; q < model.tables.blocks(); ++q)
     for (int e = 0; e < model.tables.spans_u; ++e) {

@@ -66,7 +66,9 @@ class CadFile {
   std::shared_ptr<const Shape> shape_;
 };
 
-/// The files of a scene. Each is read once.
+struct MeshShells;
+
+/// The files of a scene, CAD and meshes. Each is read once.
 class CadFiles {
  public:
   const CadFile& of(const scene::LoadedScene& scene, const std::string& field, const std::string& path) {
@@ -74,8 +76,12 @@ class CadFiles {
     return known != files_.end() ? known->second : files_.emplace(path, CadFile(scene, field, path)).first->second;
   }
 
+  /// The shells of a mesh (mesh_parts.h); `field` is that of the mesh.
+  const MeshShells& mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& mesh);
+
  private:
   std::map<std::string, CadFile> files_;
+  std::map<std::string, std::shared_ptr<const MeshShells>> meshes_;
 };
 
 }  // namespace sunder::shell

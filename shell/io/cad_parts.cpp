@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "shell/io/mesh_parts.h"
 #include "shell/io/part_names.h"
 
 namespace sunder::shell {
@@ -18,6 +19,18 @@ bool is_several(const std::vector<ScenePart>& parts, int shell) {
   });
 }
 
+// A shell for each chart of a mesh.
+void add_charts(const scene::LoadedScene& scene, int shell, CadFiles& files, std::vector<ScenePart>& out) {
+  const proto::Shell& m = scene.message.shells(shell);
+  const std::string field = fmt::format("shells[{}]", shell);
+  const int charts = static_cast<int>(files.mesh(scene, field + ".mesh", m.mesh()).surfaces.size());
+  check_one_patch(scene, m, field, charts);
+  for (int k = 0; k < charts; ++k) {
+    ScenePart& part = out.emplace_back(ScenePart{shell, m, k, 0.0});
+    if (charts > 1) part.message.set_name(fmt::format("{}.{}", m.name(), k + 1));
+  }
+}
+
 }  // namespace
 
 std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& files) {
@@ -26,6 +39,10 @@ std::vector<ScenePart> scene_parts(const scene::LoadedScene& scene, CadFiles& fi
     const proto::Shell& shell = scene.message.shells(i);
     const auto& cad = shell.cad();
     const std::string field = fmt::format("shells[{}].cad", i);
+    if (shell.has_mesh()) {
+      add_charts(scene, i, files, out);
+      continue;
+    }
     if (!shell.has_cad()) {
       out.push_back({i, shell, 0, 0.0});
       continue;
@@ -67,6 +84,15 @@ std::vector<std::vector<char>> may_meet(const scene::LoadedScene& scene, const s
                                         CadFiles& files) {
   std::vector<std::vector<char>> out(parts.size(), std::vector<char>(parts.size(), 1));
   for (int i = 0; i < scene.message.shells_size(); ++i) {
+    if (scene.message.shells(i).has_mesh()) {
+      const MeshShells& mesh = files.mesh(scene, fmt::format("shells[{}].mesh", i), scene.message.shells(i).mesh());
+      std::set<std::pair<int, int>> beside;
+      for (const MeshSeam& s : mesh.charts.seams) beside.insert(std::minmax(s.first, s.second));
+      for (std::size_t a = 0; a < parts.size(); ++a)
+        for (std::size_t b = 0; b < parts.size(); ++b)
+          if (parts[a].shell == i && parts[b].shell == i)
+            out[a][b] = beside.count(std::minmax(parts[a].part, parts[b].part)) != 0;
+    }
     if (!is_several(parts, i)) continue;
     const auto edges = files.of(scene, fmt::format("shells[{}].cad", i), scene.message.shells(i).cad().path()).edges();
     std::set<std::pair<int, int>> beside;

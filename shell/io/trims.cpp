@@ -174,9 +174,11 @@ TrimLoops make_trims(const scene::LoadedScene& scene, const proto::Shell& shell,
   const Domain d(patch);
   std::vector<NamedLoop> loops;
   for (std::size_t i = 0; i < of_file.size(); ++i) {
-    const std::string name = of_file[i].hole ? fmt::format("hole {} of the face", i) : std::string("the face's border");
-    loops.push_back({cad_loop(of_file[i], patch, d.spacing), field + ".cad.path",
-                     fmt::format("'{}': {} ", shell.cad().path(), name), name});
+    const bool mesh = shell.has_mesh();
+    const std::string name = of_file[i].hole ? fmt::format("hole {} of the {}", i, mesh ? "surface" : "face")
+                                             : fmt::format("the {}'s border", mesh ? "surface" : "face");
+    loops.push_back({cad_loop(of_file[i], patch, d.spacing), field + (mesh ? ".mesh.path" : ".cad.path"),
+                     fmt::format("'{}': {} ", mesh ? shell.mesh().path() : shell.cad().path(), name), name});
   }
   for (int i = 0; i < shell.trims_size(); ++i) {
     const std::string own = fmt::format("{}.trims[{}]", field, i);

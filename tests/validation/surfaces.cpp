@@ -347,6 +347,7 @@ std::vector<Case> surface_cases() {
       {"random", "stable step of 200 loops at random places, with a cut too, and strain in rigid motion", random_steps},
       {"flight", "momenta and energy of a ring in flight", flight}};
   for (Case& c : tied_cases()) out.push_back(std::move(c));
+  for (Case& c : mesh_cases()) out.push_back(std::move(c));
   return out;
 }
 

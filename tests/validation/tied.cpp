@@ -4,187 +4,22 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 
 #include <fmt/format.h>
-#include <Eigen/Dense>
-#include <Eigen/SparseLU>
+#include <Eigen/Geometry>
 
-#include "coupler/core/error.h"
 #include "shell/geometry/builders.h"
 #include "shell/geometry/trim_seams.h"
 #include "shell/io/cad_loop.h"
-#include "shell/solver/forces.h"
-#include "shell/solver/joining/stitching.h"
-#include "shell/solver/statics/tangent.h"
-#include "shell/solver/stepping/stable_step.h"
+#include "tests/validation/tied_system.h"
 
 namespace sunder::validation {
 namespace {
 
 using namespace sunder::shell;
-using Matrix = Eigen::SparseMatrix<double>;
 
 constexpr double kPi = std::numbers::pi;
-constexpr int kModes = 4, kRigid = 6;
-constexpr int kIterations = 60;      // of subspaces, which converge in fewer
-constexpr double kTolerance = 1e-7;  // of places where borders meet [m]
-
-/// A surface in pieces, one patch each, whose parameters are lengths.
-struct Pieces {
-  std::vector<ShellModel> models;
-  std::vector<Patch> patches;  // before trims move control points beside them
-  Stitches stitches;
-
-  std::vector<const ShellModel*> all() const {
-    std::vector<const ShellModel*> out;
-    for (const ShellModel& m : models) out.push_back(&m);
-    return out;
-  }
-  void find_seams() {
-    std::vector<BorderedPatch> bordered;
-    for (std::size_t k = 0; k < models.size(); ++k)
-      bordered.push_back({&patches[k], &models[k].trim.loops, 0, models[k].name});
-    stitches.seams = find_trim_seams(
-        bordered, kTolerance,
-        std::vector<std::vector<Join>>(models.size(), std::vector<Join>(models.size(), Join::kClamped)));
-  }
-};
-
-/// The system of all pieces: stiffness, lumped mass and ties.
-class System {
- public:
-  explicit System(const Pieces& pieces) : pieces_(pieces) {
-    std::vector<Eigen::Triplet<double>> stiffness;
-    for (const ShellModel& m : pieces.models) {
-      ShellState s = make_state(m, Vec3::Zero(), 0);
-      free_.push_back(free_degrees(m, s));
-      first_.push_back(count_);
-      Matrix k = tangent_stiffness(m, s, free_.back(), Differences::kFourthOrder,
-                                   [&] { compute_forces(m, s, false, 0.0, 1); });
-      k = (0.5 * (k + Matrix(k.transpose()))).eval();
-      for (int c = 0; c < k.outerSize(); ++c)
-        for (Matrix::InnerIterator it(k, c); it; ++it)
-          stiffness.emplace_back(count_ + static_cast<int>(it.row()), count_ + static_cast<int>(it.col()), it.value());
-      mass_.conservativeResize(count_ + free_.back().count);
-      load_.conservativeResize(count_ + free_.back().count);
-      for (std::size_t i = 0; i < free_.back().number.size(); ++i)
-        if (const int n = free_.back().number[i]; n >= 0) {
-          mass_[count_ + n] = s.motion.mass[i % m.tables.plane];
-          load_[count_ + n] = s.motion.external.empty() ? 0.0 : s.motion.external[i];
-        }
-      count_ += free_.back().count;
-    }
-    stiffness_.resize(count_, count_);
-    stiffness_.setFromTriplets(stiffness.begin(), stiffness.end());
-    for (const Seam& seam : pieces.stitches.seams)
-      for (const auto& row : seam_rows(seam, pieces.all()).ties)
-        for (int d = 0; d < 3; ++d) {
-          bool any = false;
-          for (const WeightedSlot& t : row)
-            if (const int n = degree(t.shell, t.slot, d); n >= 0) ties_.emplace_back(rows_, n, t.weight), any = true;
-          rows_ += any;
-        }
-  }
-
-  int degree(int shell, int slot, int axis) const {
-    const int n = free_[shell].number[static_cast<std::size_t>(axis) * pieces_.models[shell].tables.plane + slot];
-    return n < 0 ? -1 : first_[shell] + n;
-  }
-  int count() const { return count_; }
-  const Eigen::VectorXd& mass() const { return mass_; }
-  const Eigen::VectorXd& load() const { return load_; }
-
-  /// Small displacements under loads; `held` [1/s^2] is stiffness in proportion to the mass, which holds rigid motions.
-  Eigen::MatrixXd solve(const Eigen::MatrixXd& loads, double held) {
-    if (held != held_) factorise(held);
-    Eigen::MatrixXd right = Eigen::MatrixXd::Zero(count_ + rows_, loads.cols());
-    right.topRows(count_) = loads;
-    return Eigen::MatrixXd(factors_.solve(right)).topRows(count_);
-  }
-
-  /// Lowest frequencies above rigid motions [Hz], by Rayleigh's quotient with the consistent mass (subspace iteration).
-  std::vector<double> frequencies(double held, int rigid) {
-    const int vectors = kModes + rigid + 8;
-    std::mt19937_64 random(3);
-    Eigen::MatrixXd x(count_, vectors);
-    for (Eigen::Index k = 0; k < x.size(); ++k) x.data()[k] = static_cast<double>(random() >> 11) * 0x1.0p-53 - 0.5;
-    Eigen::VectorXd values = Eigen::VectorXd::Zero(vectors);
-    for (int it = 0; it < kIterations; ++it) {
-      x = solve(mass_.asDiagonal() * x, held);
-      const Eigen::MatrixXd k = x.transpose() * (stiffness_ * x), m = x.transpose() * (mass_.asDiagonal() * x);
-      const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> reduced(0.5 * (k + k.transpose()),
-                                                                              0.5 * (m + m.transpose()));
-      x = (x * reduced.eigenvectors()).eval();
-      const double change = (reduced.eigenvalues() - values).head(kModes + rigid).cwiseAbs().maxCoeff();
-      values = reduced.eigenvalues();
-      if (change <= 1e-9 * values[kModes + rigid - 1]) break;
-      require(it + 1 < kIterations, "frequencies still change by {:.3g} of their squares",
-              change / values[kModes + rigid - 1]);
-    }
-    std::vector<double> out;
-    for (int k = rigid; k < rigid + kModes; ++k) {
-      const Eigen::VectorXd shape = x.col(k);
-      out.push_back(std::sqrt(values[k] * shape.dot(mass_.cwiseProduct(shape)) / consistent(shape)) / (2.0 * kPi));
-    }
-    return out;
-  }
-
-  double value(const Eigen::VectorXd& u, int shell, const Vec2& at, int axis) const {
-    double w = 0.0;
-    for (const GatheredFunction& f : shell_functions(pieces_.models[shell], at))
-      if (const int n = degree(shell, f.slot, axis); n >= 0) w += f.n[0] * u[n];
-    return w;
-  }
-
- private:
-  void factorise(double held) {
-    std::vector<Eigen::Triplet<double>> all;
-    for (int c = 0; c < stiffness_.outerSize(); ++c)
-      for (Matrix::InnerIterator it(stiffness_, c); it; ++it)
-        all.emplace_back(static_cast<int>(it.row()), static_cast<int>(it.col()), it.value());
-    for (int k = 0; k < count_; ++k) all.emplace_back(k, k, held * mass_[k]);
-    const double scale = stiffness_.diagonal().maxCoeff();
-    for (const auto& t : ties_)
-      all.emplace_back(count_ + t.row(), t.col(), scale * t.value()),
-          all.emplace_back(t.col(), count_ + t.row(), scale * t.value());
-    Matrix whole(count_ + rows_, count_ + rows_);
-    whole.setFromTriplets(all.begin(), all.end());
-    factors_.compute(whole);
-    require(factors_.info() == Eigen::Success, "the system of tied pieces cannot be factorised");
-    held_ = held;
-  }
-
-  double consistent(const Eigen::VectorXd& u) const {
-    double sum = 0.0;
-    std::vector<GatheredFunction> functions;
-    for (std::size_t k = 0; k < pieces_.models.size(); ++k) {
-      const ShellModel& m = pieces_.models[k];
-      for (int q = 0; q < m.tables.blocks(); ++q)
-        for (int e = 0; e < m.tables.spans_u; ++e) {
-          const double area = m.tables.metric[m.tables.at(q, kMetricFields, kArea, e)];
-          if (area == 0.0) continue;
-          shell_functions(m, q, e, functions);
-          Vec3 at = Vec3::Zero();
-          for (const GatheredFunction& f : functions)
-            for (int d = 0; d < 3; ++d)
-              if (const int n = degree(static_cast<int>(k), f.slot, d); n >= 0) at[d] += f.n[0] * u[n];
-          sum += m.material.density * m.thickness * area * at.squaredNorm();
-        }
-    }
-    return sum;
-  }
-
-  const Pieces& pieces_;
-  std::vector<FreeDegrees> free_;
-  std::vector<int> first_;
-  int count_ = 0, rows_ = 0;
-  Matrix stiffness_;
-  Eigen::VectorXd mass_, load_;
-  std::vector<Eigen::Triplet<double>> ties_;
-  double held_ = -1.0;
-  Eigen::SparseLU<Matrix> factors_;
-};
+constexpr int kRigid = 6;
 
 PlaneCurve line(const Vec2& a, const Vec2& b) {
   return {[a, b](double t) { return Vec2(a + t * (b - a)); }, (b - a).norm(), false};
@@ -282,22 +117,6 @@ Pieces whole_plate(int elements, int degree) {
   return out;
 }
 
-double step_of(const Pieces& pieces, int threads) {
-  std::vector<ShellState> states;
-  for (const ShellModel& m : pieces.models) states.push_back(make_state(m, Vec3::Zero(), 0));
-  if (states.size() == 1) return stable_step(pieces.models[0], states[0], kStepIterations, threads, true);
-  std::vector<ShellRef> refs;
-  for (std::size_t k = 0; k < states.size(); ++k) refs.push_back({&pieces.models[k], &states[k]});
-  Stitching stitching(pieces.stitches, pieces.all());
-  stitching.move_masses(refs);
-  return stable_step(refs, stitching, 4 * kJoinedIterations, threads, std::vector<char>(refs.size(), 1));
-}
-
-void add_frequencies(Report& r, const std::string& name, System& tied, System& whole, double held, int rigid) {
-  const std::vector<double> found = tied.frequencies(held, rigid), wanted = whole.frequencies(held, rigid);
-  for (int k = 0; k < kModes; ++k) r.add(fmt::format("{}_frequency_{}", name, k + 1), found[k], wanted[k], 0.01, 0.0);
-}
-
 void tied_plate(Report& r, int threads, double degrees, int degree) {
   constexpr int kElements = 24;
   constexpr double kHeld = 1e-4;  // of the lowest eigenvalue: stiffness in proportion to the mass holds rigid motions
@@ -307,7 +126,7 @@ void tied_plate(Report& r, int threads, double degrees, int degree) {
   const double slow = 100.0 * bending / (steel().density * kThickness);
   const Pieces pieces = plate_pieces(kElements, degrees, degree), one = whole_plate(2 * kElements, degree);
   r.add(name + "_seams", static_cast<double>(pieces.stitches.seams.size()), 1.0, 0.0, 0.0);
-  System tied(pieces), whole(one);
+  TiedSystem tied(pieces), whole(one);
   double mass = 0.0;
   for (const ShellModel& m : pieces.models)
     for (const double part : m.mass) mass += part;
@@ -365,7 +184,7 @@ Pieces roof(bool divided, int elements) {
 }
 
 // Sag of the middle of a free edge, that of the first or of the last shell.
-double sag(System& system, const Pieces& p, bool first) {
+double sag(TiedSystem& system, const Pieces& p, bool first) {
   constexpr double kSlow = 1e-6;  // [1/s^2]: far below all modes; it holds the motion along the axis
   const double gravity = kWeight / (p.models[0].material.density * kRoofThickness);
   Eigen::VectorXd load = Eigen::VectorXd::Zero(system.count());
@@ -384,7 +203,7 @@ void tied_roof(Report& r, int threads) {
   const double start = seconds_now();
   const Pieces pieces = roof(true, kElements), one = roof(false, 2 * kElements);
   r.add("tied_roof_seams", static_cast<double>(pieces.stitches.seams.size()), 1.0, 0.0, 0.0);
-  System tied(pieces), whole(one);
+  TiedSystem tied(pieces), whole(one);
   const double wanted = sag(whole, one, true);
   r.add("tied_roof_sag_left", sag(tied, pieces, true), wanted, 0.005, seconds_now() - start);
   r.add("tied_roof_sag_right", sag(tied, pieces, false), wanted, 0.005, 0.0);

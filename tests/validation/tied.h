@@ -7,5 +7,7 @@
 namespace sunder::validation {
 
 std::vector<Case> tied_cases();
+/// Surfaces of triangles (mesh_surfaces.cpp).
+std::vector<Case> mesh_cases();
 
 }  // namespace sunder::validation

@@ -1,4 +1,4 @@
-"""`sunder inspect`: what a STEP or IGES file holds, before there is a scene."""
+"""`sunder inspect`: what a STEP, IGES or mesh file holds, before there is a scene."""
 from __future__ import annotations
 
 import argparse
@@ -13,8 +13,9 @@ from ..words import command_line
 from .parser import Subparsers, add_command, number_within
 
 NAME = "inspect"
+MESHES = (".obj", ".off", ".ply", ".stl")
 SCENE = """\
-# {which} of {path} as shells, joined along the edges that they share. The part falls on a floor.
+# {which} of {path} as {shells}. The part falls on a floor.
 name: "{name}"
 end_time_s: 0.02
 window_s: 1e-4
@@ -23,7 +24,7 @@ shells {{
   name: "part"
   material: "steel"
   thickness_m: {thickness:.6g}
-  cad {{ path: "{path}" {faces}element_m: {element:.6g} }}
+  {kind} {{ path: "{path}" {faces}element_m: {element:.6g} }}
 }}
 bodies {{ name: "floor" half_space {{}} pose {{ position {{ z: {floor:.6g} }} }} }}
 """
@@ -32,12 +33,12 @@ bodies {{ name: "floor" half_space {{}} pose {{ position {{ z: {floor:.6g} }} }}
 def add_parser(subparsers: Subparsers) -> None:
     """Arguments of `sunder inspect`."""
     parser = add_command(
-        subparsers, NAME, "say what a STEP or IGES file holds",
+        subparsers, NAME, "say what a STEP, IGES or mesh file holds",
         "Lists the faces of a file with kind, size, stable step, trims and the names of their shells, says which would\n"
         "be refused as shells, or be too slow, and why, and counts the edges that they share. Builds the programs with\n"
-        "OpenCASCADE where they are without.",
+        "OpenCASCADE where they are without. Of a mesh it tells counts, borders, size and the charts that become shells.",
         "sunder inspect part.step --element 0.002 --scene part.textproto")
-    parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file")
+    parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file,\nor a mesh: .obj, .off, .ply or .stl")
     parser.add_argument("--element", metavar="M", type=_length,
                         help="spacing of shells [m] (default: a fortieth of the size)")
     parser.add_argument("--json", action="store_true", help="print all as JSON")
@@ -47,8 +48,8 @@ def add_parser(subparsers: Subparsers) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Hands the file to sunder-shell inspect and prints what it says; returns the exit status. Raises CommandError."""
     if not arguments.file.is_file():
-        raise CommandError(f"'{arguments.file}' is no file; name a STEP or IGES file", BAD_INPUT)
-    program = ensure_built(cad=True).shell
+        raise CommandError(f"'{arguments.file}' is no file; name a STEP, IGES or mesh file", BAD_INPUT)
+    program = ensure_built(cad=arguments.file.suffix.lower() not in MESHES).shell
     command = [str(program), "inspect", str(arguments.file)]
     if arguments.element is not None:
         command += ["--element", repr(arguments.element)]
@@ -70,6 +71,8 @@ def run(arguments: argparse.Namespace) -> int:
 
 def report(told: dict[str, Any]) -> str:
     """The text of what sunder-shell says of a file."""
+    if "charts" in told:
+        return mesh_report(told)
     faces = told["faces"]
     lines = [f"{told['file']}: {_count(len(faces), 'face')}, {' x '.join(f'{x:.4g}' for x in told['size_m'])} m, "
              f"unit {told['unit']}, elements of {told['element_m']:.3g} m",
@@ -98,6 +101,32 @@ def report(told: dict[str, Any]) -> str:
     return "\n".join(lines) + "\n"
 
 
+def mesh_report(told: dict[str, Any]) -> str:
+    """The text of what sunder-shell says of a mesh."""
+    edges = told["edges"]
+    lines = [f"{told['file']}: {_count(told['faces'], 'face')}, {_count(told['triangles'], 'triangle')}, "
+             f"{_count(told['points'], 'point')}, {' x '.join(f'{x:.4g}' for x in told['size_m'])} m where its unit is the "
+             f"metre, area {told['area_m2']:.4g} m^2, elements of {told['element_m']:.3g} m",
+             f"{_count(told['components'], 'component')}, {_count(edges['borders'], 'border')} of "
+             f"{_count(edges['on_borders'], 'edge')}, {told['points_merged']} points merged, "
+             f"{told['triangles_turned']} triangles turned over"]
+    if told["refused"] is not None:
+        return "\n".join([*lines, f"refused: {told['refused']}"]) + "\n"
+    lines.append(f"{'shell':12} {'triangles':>9} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11} {'stretch':>8} "
+                 f"{'off by [m]':>10} {'step [s]':>9}  trims")
+    for chart in told["charts"]:
+        trims = (["border"] if chart["trimmed"] else []) + ([_count(chart["holes"], "hole")] if chart["holes"] else [])
+        size = " x ".join(f"{x:.4g}" for x in chart["width_m"])
+        elements = " x ".join(str(n) for n in chart["elements"])
+        lines.append(f"{chart['shell']:12} {chart['triangles']:>9} {size:>21} {chart['area_m2']:>11.4g} {elements:>11} "
+                     f"{chart['stretch']:>8.3f} {chart['error_m']:>10.2g} {chart['stable_step_s']:>9.2g}  "
+                     f"{', '.join(trims) or '-'}")
+    lines += [f"{chart['shell']} is slow: {chart['doubt']}" for chart in told["charts"] if chart["doubt"] is not None]
+    if told["seams"]["joined"]:
+        lines.append(f"seams: {told['seams']['joined']} joined, {told['seams']['smooth']} of them smooth")
+    return "\n".join(lines) + "\n"
+
+
 def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:
     """Writes a scene of all faces that can be taken. Raises CommandError where the file is not below its folder."""
     try:
@@ -107,14 +136,17 @@ def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:
                            BAD_INPUT) from error
     if scene.exists():
         raise CommandError(f"'{scene}' exists; give another name, or remove it", BAD_INPUT)
-    taken = told["taken"]
-    if not taken:
+    mesh = "charts" in told
+    if told["refused"] is not None if mesh else not told["taken"]:
         raise CommandError(f"no face of '{file}' can be taken, so there is no scene to write", BAD_INPUT)
-    faces = "" if len(taken) == len(told["faces"]) else "".join(f"faces: {n} " for n in taken)
+    faces = "" if mesh or len(told["taken"]) == len(told["faces"]) else "".join(f"faces: {n} " for n in told["taken"])
     element = told["element_m"]
     thickness = told["thickness_m"]
     name = "".join(c if c.isascii() and c.isalnum() else "_" for c in scene.stem.lower())
-    scene.write_text(SCENE.format(which="Faces" if faces else "All faces", path=path.as_posix(), name=name, thickness=thickness, faces=faces, element=element,
+    scene.write_text(SCENE.format(which="Faces" if faces else "All faces", path=path.as_posix(), name=name, thickness=thickness,
+                                  faces=faces, element=element, kind="mesh" if mesh else "cad",
+                                  shells="charts that are joined" if mesh else
+                                  "shells, joined along the edges that they share",
                                   floor=told["low_m"][2] - thickness))
 
 

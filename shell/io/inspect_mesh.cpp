@@ -1,0 +1,122 @@
+#include "shell/io/inspect_mesh.h"
+
+#include <algorithm>
+#include <filesystem>
+
+#include <Eigen/Geometry>
+#include <nlohmann/json.hpp>
+
+#include "shell/io/build.h"
+#include "shell/io/element_fit.h"
+#include "shell/io/mesh_parts.h"
+
+namespace sunder::shell {
+namespace {
+
+using MeshJson = nlohmann::ordered_json;
+
+constexpr double kMeshElements = 40.0;  // along the diagonal of a file, by default
+constexpr double kMeshThickness = 0.2;  // of an element: any thickness does
+
+scene::LoadedScene mesh_scene(const std::string& file, double element) {
+  scene::LoadedScene scene;
+  const std::filesystem::path path = std::filesystem::absolute(file);
+  scene.path = path.parent_path() / "inspect.textproto";
+  scene.message.set_end_time_s(1.0), scene.message.set_window_s(1e-3);
+  proto::Material& material = *scene.message.add_materials();
+  material.set_name("steel"), material.set_density(7800.0);
+  material.set_youngs_modulus(2e11), material.set_poisson_ratio(0.3);
+  proto::Shell& shell = *scene.message.add_shells();
+  shell.set_name("part"), shell.set_material("steel"), shell.set_thickness_m(kMeshThickness * element);
+  shell.mutable_mesh()->set_path(path.filename()), shell.mutable_mesh()->set_element_m(element);
+  return scene;
+}
+
+// The message of an Error without file and field, which belong to no scene of the user's.
+std::string mesh_problem(const scene::LoadedScene& scene, const Error& e) {
+  std::string text = e.what();
+  const std::string quoted = "'" + scene.message.shells(0).mesh().path() + "'";
+  for (const std::string& head : {scene.path + ": ", e.field + ": ", quoted + ": ", quoted + " "})
+    if (text.rfind(head, 0) == 0) text.erase(0, head.size());
+  return text;
+}
+
+MeshJson chart_of(const ShellModel& m, const MeshPatch& p, double element) {
+  const auto holes = std::count_if(p.loops.begin(), p.loops.end(), [](const PatchLoop& l) { return l.hole; });
+  double area = 0.0;
+  for (const double part : m.mass) area += part / (m.material.density * m.thickness);
+  const ElementFit fit = element_fit(m, element);
+  return {
+      {"shell", m.name},
+      {"triangles", p.triangles},
+      {"width_m", {m.patch.knots_u.end() - m.patch.knots_u.begin(), m.patch.knots_v.end() - m.patch.knots_v.begin()}},
+      {"elements", {m.tables.spans_u, m.tables.spans_v}},
+      {"area_m2", p.area},
+      {"area_of_shell_m2", area},
+      {"stretch", p.stretch},
+      {"error_m", p.error},
+      {"trimmed", static_cast<std::ptrdiff_t>(p.loops.size()) > holes},
+      {"holes", holes},
+      {"stable_step_s", fit.step},
+      {"doubt", fit.doubt.empty() ? MeshJson() : MeshJson(fit.doubt)}};
+}
+
+}  // namespace
+
+bool is_mesh_file(const std::string& file) {
+  std::string end = std::filesystem::path(file).extension();
+  for (char& c : end) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return end == ".obj" || end == ".off" || end == ".ply" || end == ".stl";
+}
+
+std::string inspect_mesh_report(const std::string& file, double element) {
+  const scene::LoadedScene first = mesh_scene(file, 1.0);
+  TriangleMesh mesh;
+  int faces = 0;
+  try {
+    mesh = read_shell_mesh(first, "shells[0].mesh", first.message.shells(0).mesh(), faces);
+  } catch (const Error& e) {
+    Error plain(e.status, "bad_input", file + ": " + mesh_problem(first, e));
+    plain.file = file;
+    throw plain;
+  }
+  Eigen::AlignedBox3d box;
+  for (const Vec3& x : mesh.points) box.extend(x);
+  if (element <= 0.0) element = box.diagonal().norm() / kMeshElements;
+  double area = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += mesh.area(static_cast<int>(t));
+  const MeshEdges edges = edges_of(mesh);
+  const Vec3 low = box.min(), size = box.sizes();
+  const scene::LoadedScene scene = mesh_scene(file, element);
+  MeshJson out = {{"file", file},
+                  {"low_m", {low.x(), low.y(), low.z()}},
+                  {"size_m", {size.x(), size.y(), size.z()}},
+                  {"element_m", element},
+                  {"thickness_m", scene.message.shells(0).thickness_m()},
+                  {"faces", faces},
+                  {"points", mesh.points.size()},
+                  {"triangles", mesh.triangles.size()},
+                  {"points_merged", mesh.welded},
+                  {"triangles_turned", mesh.turned},
+                  {"components", mesh.components},
+                  {"edges", {{"all", edges.all}, {"on_borders", edges.border}, {"borders", edges.loops}}},
+                  {"area_m2", area},
+                  {"charts", MeshJson::array()},
+                  {"seams", nullptr},
+                  {"refused", nullptr}};
+  try {
+    CadFiles files;
+    const MeshShells& shells = files.mesh(scene, "shells[0].mesh", scene.message.shells(0).mesh());
+    const RunSetup setup = build(scene);
+    for (std::size_t k = 0; k < setup.shells.size(); ++k)
+      out["charts"].push_back(chart_of(setup.shells[k].model, shells.charts.patches[k], element));
+    int smooth = 0;
+    for (const Seam& s : setup.stitches.seams) smooth += s.smooth;
+    out["seams"] = {{"joined", setup.stitches.seams.size()}, {"smooth", smooth}};
+  } catch (const Error& e) {
+    out["refused"] = mesh_problem(scene, e);
+  }
+  return out.dump(1) + "\n";
+}
+
+}  // namespace sunder::shell

@@ -1,0 +1,39 @@
+#pragma once
+// Shells of a mesh file: a chart each.
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "coupler/scene/load.h"
+#include "shell/geometry/trim_seams.h"
+#include "shell/io/cad_file.h"
+#include "shell/io/cad_parts.h"
+#include "shell/meshes/mesh_patches.h"
+
+namespace sunder::shell {
+
+/// A mesh that has been read, as patches where the file has it.
+struct MeshShells {
+  TriangleMesh mesh;
+  MeshPatches charts;
+  std::vector<CadSurface> surfaces;  // [chart]
+  int faces = 0;                     // of the file
+};
+
+/// Reads the file, with `up` and unit applied, but not the pose. `field` is that of the mesh. Throws Error with file,
+/// place and remedy where the surface is no shell.
+TriangleMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& mesh,
+                             int& faces);
+
+/// The shells of a mesh. Throws Error as read_shell_mesh, and where no patches can be fitted.
+std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, const std::string& field,
+                                              const proto::SurfaceMesh& mesh);
+
+/// Throws Error where a shell of several charts has what is for one patch only. `field` is the shell's.
+void check_one_patch(const scene::LoadedScene& scene, const proto::Shell& shell, const std::string& field, int charts);
+
+/// Borders of charts along which the shells of meshes meet.
+std::vector<KnownBorder> mesh_borders(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts,
+                                      CadFiles& files);
+
+}  // namespace sunder::shell

@@ -1,0 +1,198 @@
+// Surfaces of triangles as tied patches, against exact frequencies and the same surface in one patch.
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+
+#include "shell/io/cad_loop.h"
+#include "shell/meshes/mesh_patches.h"
+#include "shell/meshes/surface_fit.h"
+#include "tests/shell/triangles.h"
+#include "tests/validation/tied.h"
+#include "tests/validation/tied_system.h"
+
+namespace sunder::validation {
+namespace {
+
+using namespace sunder::shell;
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kCrease = 40.0 * kPi / 180.0;
+constexpr double kYoung = 2e11, kPoisson = 0.3, kDensity = 7800.0;
+constexpr int kFree = 6;  // rigid motions
+
+ShellMaterial steel() {
+  ShellMaterial m;
+  m.density = kDensity, m.youngs_modulus = kYoung, m.poisson_ratio = kPoisson;
+  return m;
+}
+
+Pieces pieces_of(const TriangleMesh& mesh, const MeshPatchRules& rules, double thickness) {
+  const MeshPatches charts = patches_of(mesh, rules);
+  Pieces out;
+  for (const MeshPatch& p : charts.patches) {
+    const Patch lengths = with_parameters_as_lengths(p.patch);
+    const Vec2 low(lengths.knots_u.begin(), lengths.knots_v.begin()),
+        high(lengths.knots_u.end(), lengths.knots_v.end());
+    const double spacing = std::sqrt((high - low).prod() / (lengths.knots_u.spans() * lengths.knots_v.spans()));
+    std::vector<TrimLoop> loops;
+    for (const PatchLoop& loop : p.loops) {
+      CadLoop own{{}, loop.hole};
+      for (const PlaneCurve& curve : loop.curves) own.borders.push_back({curve, 0});
+      loops.push_back(cad_loop(own, lengths, spacing));
+    }
+    const TrimLoops trims = loops.empty() ? TrimLoops() : TrimLoops(low, high, std::move(loops));
+    out.patches.push_back(lengths);
+    out.models.push_back(make_shell(fmt::format("part.{}", out.models.size() + 1), p.patch, thickness, steel(), 2,
+                                    p.patch.degree(), {}, {}, trims));
+  }
+  std::vector<KnownBorder> borders;
+  for (const MeshSeam& s : charts.seams)
+    borders.push_back({s.first, s.second, s.on_first, s.on_second, s.closed, !s.crease});
+  const std::size_t n = out.models.size();
+  out.stitches.seams =
+      known_seams(out.bordered(), borders, std::vector<std::vector<Join>>(n, std::vector<Join>(n, Join::kClamped)));
+  return out;
+}
+
+double mass_of(const Pieces& p) {
+  double sum = 0.0;
+  for (const ShellModel& m : p.models)
+    for (const double part : m.mass) sum += part;
+  return sum;
+}
+
+// Counts charts, and seams that are not smooth.
+void add_charts(Report& r, const std::string& name, const Pieces& p, int charts) {
+  int rough = 0;
+  double angle = 0.0;
+  for (const Seam& s : p.stitches.seams) rough += !s.smooth, angle = std::max(angle, s.angle);
+  r.add(name + "_charts", static_cast<double>(p.models.size()), charts, 0.0, 0.0);
+  r.add(name + "_rough_seams", rough, 0.0, 0.0, 0.0);
+  r.lines.push_back(fmt::format("{}: {} seams, largest angle {:.2g}", name, p.stitches.seams.size(), angle));
+}
+
+void add_exact(Report& r, const std::string& name, TiedSystem& system, double held, const std::vector<double>& wanted) {
+  const std::vector<double> found = system.frequencies(held, kFree);
+  for (int k = 0; k < kTiedModes; ++k)
+    r.add(fmt::format("{}_frequency_{}", name, k + 1), found[k], wanted[k], 0.02, 0.0);
+}
+
+// The shell on which a place of the plate lies, and its parameters there.
+std::pair<int, Vec2> place_on(const Pieces& p, const Vec3& x) {
+  std::pair<int, Vec2> best{0, Vec2::Zero()};
+  double least = 1e300;
+  for (std::size_t k = 0; k < p.models.size(); ++k) {
+    const Patch& patch = p.patches[k];
+    const Vec2 at = nearest_place(patch, x, 0.5 * Vec2(patch.knots_u.end(), patch.knots_v.end()));
+    const TrimLoops& trims = p.models[k].trim.loops;
+    const double away = (patch.evaluate(at).x - x).norm();
+    const double inside = trims.empty() ? 0.0 : (trims.moved_inside(at, 0.0) - at).norm();
+    if (away + inside < least) least = away + inside, best = {static_cast<int>(k), at};
+  }
+  return best;
+}
+
+// Deflection of the middle against the corners, which bear a force on it.
+double deflection(TiedSystem& system, const Pieces& p, double held) {
+  const std::vector<std::pair<Vec3, double>> forces{{{0.5, 0.5, 0.0}, 1.0},
+                                                    {{0.0, 0.0, 0.0}, -0.25},
+                                                    {{1.0, 0.0, 0.0}, -0.25},
+                                                    {{0.0, 1.0, 0.0}, -0.25},
+                                                    {{1.0, 1.0, 0.0}, -0.25}};
+  Eigen::VectorXd load = Eigen::VectorXd::Zero(system.count());
+  for (const auto& [x, force] : forces) {
+    const auto [k, at] = place_on(p, x);
+    for (const GatheredFunction& f : shell_functions(p.models[k], at))
+      if (const int n = system.degree(k, f.slot, 2); n >= 0) load[n] += force * f.n[0];
+  }
+  const Eigen::VectorXd u = system.solve(load, held);
+  double sum = 0.0;
+  for (const auto& [x, force] : forces) {
+    const auto [k, at] = place_on(p, x);
+    sum += force * system.value(u, k, at, 2);
+  }
+  return sum;
+}
+
+// A square plate: one chart, and several whose borders are ragged.
+void mesh_plate(Report& r, int threads, int divided) {
+  constexpr double kThickness = 0.004, kHeld = 1e-4;
+  constexpr int kElements = 24;
+  const std::string name = fmt::format("mesh_plate_{}", divided * divided);
+  const TriangleMesh mesh = lattice(31, 31, false, [](double u, double v) { return Vec3(u, v, 0.0); }).mesh();
+  MeshPatchRules rules{1.0 / kElements, kCrease, 2, {}};
+  const Pieces alike = pieces_of(mesh, rules, kThickness);
+  for (std::size_t t = 0; t < mesh.triangles.size() && divided > 1; ++t) {
+    const Vec3 x = mesh.middle(static_cast<int>(t));
+    const double u = x.x() + 0.06 * std::sin(2.0 * kPi * x.y()), v = x.y() + 0.06 * std::sin(2.0 * kPi * x.x());
+    rules.parts.push_back((u > 0.52 ? 1 : 0) + (v > 0.47 ? 2 : 0));
+  }
+  const double start = seconds_now();
+  const Pieces tied = pieces_of(mesh, rules, kThickness);
+  rules.parts.clear(), rules.element *= 0.5;
+  const Pieces one = pieces_of(mesh, rules, kThickness);
+  const double bending = kYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kPoisson * kPoisson));
+  const double slow = 100.0 * bending / (kDensity * kThickness);
+  add_charts(r, name, tied, divided * divided);
+  r.add(name + "_mass", mass_of(tied), kDensity * kThickness, 1e-6, 0.0);
+  TiedSystem system(tied), whole(one);
+  r.add(name + "_deflection", deflection(system, tied, kHeld * slow), deflection(whole, one, kHeld * slow), 0.005,
+        seconds_now() - start);
+  add_frequencies(r, name, system, whole, 0.1 * slow, kFree);
+  const double step = step_of(tied, threads) / step_of(alike, threads);
+  r.add(name + "_step_below_0.8", above_zero(0.8 - step), 0.0, 0.0, 0.0);
+  r.lines.push_back(fmt::format("{}: stable step {:.3f} of one chart's", name, step));
+}
+
+// A tube with free ends: modes without stretch, the same all along or growing from the middle (Rayleigh; Love 1888).
+void mesh_tube(Report& r, int) {
+  constexpr double kRadius = 0.2, kLength = 0.5, kThickness = 0.001;
+  const Pieces tied = pieces_of(lattice(60, 24, true,
+                                        [&](double u, double v) {
+                                          return Vec3(kRadius * std::cos(2.0 * kPi * u),
+                                                      kRadius * std::sin(2.0 * kPi * u), kLength * v);
+                                        })
+                                    .mesh(),
+                                {0.02, kCrease, 2, {}}, kThickness);
+  add_charts(r, "mesh_tube", tied, 2);
+  r.add("mesh_tube_mass", mass_of(tied), kDensity * kThickness * 2.0 * kPi * kRadius * kLength, 1e-3, 0.0);
+  const double bending = kYoung * std::pow(kThickness, 3) / (12.0 * (1.0 - kPoisson * kPoisson));
+  const auto ring = [&](double n) {
+    return std::sqrt(bending / (kDensity * kThickness)) / (kRadius * kRadius) * n * (n * n - 1.0) /
+           std::sqrt(n * n + 1.0) / (2.0 * kPi);
+  };
+  const auto twisted = [&](double n) {
+    const double l = std::pow(kRadius / kLength, 2);
+    return ring(n) *
+           std::sqrt((1.0 + 24.0 * (1.0 - kPoisson) * l / (n * n)) / (1.0 + 12.0 * l / (n * n * (n * n + 1.0))));
+  };
+  TiedSystem system(tied);
+  add_exact(r, "mesh_tube", system, 0.1 * std::pow(2.0 * kPi * ring(2.0), 2),
+            {ring(2.0), ring(2.0), twisted(2.0), twisted(2.0)});
+}
+
+// A sphere: five equal modes of two waves (Lamb 1882), which stretch; bending adds about a thousandth.
+void mesh_sphere(Report& r, int) {
+  constexpr double kRadius = 0.2, kThickness = 0.004;
+  const Pieces tied = pieces_of(ball(kRadius, 12).mesh(), {0.02, kCrease, 2, {}}, kThickness);
+  add_charts(r, "mesh_sphere", tied, 2);
+  r.add("mesh_sphere_mass", mass_of(tied), kDensity * kThickness * 4.0 * kPi * kRadius * kRadius, 1e-3, 0.0);
+  constexpr double kTwice = 6.0;  // n (n + 1)
+  const double b = kTwice + 1.0 + 3.0 * kPoisson, c = (kTwice - 2.0) * (1.0 - kPoisson * kPoisson);
+  const double square = 0.5 * (b - std::sqrt(b * b - 4.0 * c));
+  const double lowest = std::sqrt(square * kYoung / (kDensity * (1.0 - kPoisson * kPoisson))) / (2.0 * kPi * kRadius);
+  TiedSystem system(tied);
+  add_exact(r, "mesh_sphere", system, 0.1 * std::pow(2.0 * kPi * lowest, 2), std::vector<double>(kTiedModes, lowest));
+}
+
+}  // namespace
+
+std::vector<Case> mesh_cases() {
+  return {{"mesh_plate", "a plate of triangles as one chart, and as four",
+           [](Report& r, int threads) { mesh_plate(r, threads, 1), mesh_plate(r, threads, 2); }},
+          {"mesh_tube", "a tube of triangles with free ends", mesh_tube},
+          {"mesh_sphere", "a sphere of triangles", mesh_sphere}};
+}
+
+}  // namespace sunder::validation
