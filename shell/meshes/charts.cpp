@@ -302,6 +302,43 @@ class Divider {
 
 }  // namespace
 
+std::vector<std::array<char, 3>> without_small_parts(const TriangleMesh& m, Creases creases, double area) {
+  const std::vector<int> one(m.triangles.size(), 0);
+  for (bool again = true; again;) {
+    again = false;
+    const std::vector<std::vector<int>> parts = connected_parts(m, creases, all_of(m), one);
+    std::vector<int> part_of(m.triangles.size(), -1);
+    std::vector<double> size(parts.size(), 0.0);
+    for (std::size_t p = 0; p < parts.size(); ++p)
+      for (const int t : parts[p]) part_of[t] = static_cast<int>(p), size[p] += m.area(t);
+    std::vector<char> joined(parts.size(), 0);
+    for (std::size_t p = 0; p < parts.size(); ++p) {
+      if (size[p] >= area || joined[p]) continue;
+      std::map<int, double> beside;  // length of border with other parts
+      const auto each_border = [&](auto&& f) {
+        for (const int t : parts[p])
+          for (int k = 0; k < 3; ++k)
+            if (const int other = m.beside[t][k]; other >= 0 && part_of[other] != static_cast<int>(p)) f(t, k, other);
+      };
+      each_border([&](int t, int k, int other) {
+        beside[part_of[other]] += (m.points[m.triangles[t][(k + 1) % 3]] - m.points[m.triangles[t][k]]).norm();
+      });
+      if (beside.empty()) continue;
+      const int to = std::max_element(beside.begin(), beside.end(), [](const auto& a, const auto& b) {
+                       return a.second < b.second;
+                     })->first;
+      each_border([&](int t, int k, int other) {
+        if (part_of[other] != to) return;
+        creases[t][k] = 0;
+        for (int e = 0; e < 3; ++e)
+          if (m.beside[other][e] == t) creases[other][e] = 0;
+      });
+      joined[p] = joined[to] = 1, again = true;
+    }
+  }
+  return creases;
+}
+
 std::vector<int> with_neighbours(const TriangleMesh& m, const Creases& creases, const std::vector<int>& triangles,
                                  double reach) {
   std::vector<int> out = triangles;

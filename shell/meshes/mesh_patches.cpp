@@ -23,6 +23,7 @@ constexpr double kSampled = 0.8;            // longest distance of points that a
 constexpr int kMostSamples = 200;           // along the edge of a triangle
 constexpr double kMostPatchElements = 1e6;  // of all patches
 constexpr double kFarFromMesh = 0.25;       // elements: a patch that is further away loses what the mesh has
+constexpr double kSmallPart = 6.0;          // squared elements: a smaller part between creases joins a neighbour
 constexpr double kSmallChart = 2.0;         // squared elements of a chart at least
 
 using Creases = std::vector<std::array<char, 3>>;
@@ -202,7 +203,8 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
   require(area <= kMostPatchElements * rules.element * rules.element,
           "element_m is {} m, and the mesh would have {:.3g} elements; at most {:.0g}: give a longer one",
           rules.element, area / (rules.element * rules.element), kMostPatchElements);
-  const Creases creases = creases_of(m, rules.crease);
+  const Creases creases =
+      without_small_parts(m, creases_of(m, rules.crease), kSmallPart * rules.element * rules.element);
   ChartRules how;
   how.parts = rules.parts;
   how.overlap = std::max(kOverlap * rules.element, kOverlapEdges * edge);

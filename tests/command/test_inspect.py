@@ -73,6 +73,22 @@ TOLD: dict[str, Any] = {
     "seams": {"joined": 1, "smooth": 0, "along_trims": 1}, "seams_refused": None}
 
 
+def octahedron(parts: int, radius: float) -> tuple[list[tuple[float, ...]], list[tuple[int, int, int]]]:
+    """Points on a sphere, and triangles between them."""
+    number: dict[tuple[int, ...], int] = {}
+    faces = []
+    for sign in ((x, y, z) for x in (1, -1) for y in (1, -1) for z in (1, -1)):
+        def at(i: int, j: int, sign: tuple[int, ...] = sign) -> int:
+            return number.setdefault((sign[0] * i, sign[1] * j, sign[2] * (parts - i - j)), len(number))
+        for i in range(parts):
+            for j in range(parts - i):
+                faces.append((at(i, j), at(i + 1, j), at(i, j + 1)))
+                if i + j + 1 < parts:
+                    faces.append((at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)))
+    points = [tuple(radius * c / sum(d * d for d in key) ** 0.5 for c in key) for key in number]
+    return points, faces
+
+
 class Inspect(unittest.TestCase):
     """The text and the scene, of what sunder-shell says."""
 
@@ -164,6 +180,33 @@ class Programs(unittest.TestCase):
                                     " than the stable step") as caught:
             checked(SHELL, scene)
         self.assertEqual(caught.exception.status, BAD_INPUT)
+
+    def test_the_scene_of_a_mesh_passes_the_check(self) -> None:
+        # an octahedron's faces, divided and moved onto a sphere of 5 cm
+        corners, faces = octahedron(8, 0.05)
+        (self.folder / "ball.obj").write_text("".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in corners) +
+                                              "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
+        done = self.inspect("ball.obj", "--element", "0.008", "--scene", "ball.textproto")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn(f"ball.obj: {len(faces)} faces, {len(faces)} triangles, {len(corners)} points, 0.1 x 0.1 x 0.1 m", done.stdout)
+        self.assertIn("1 component, 0 borders of 0 edges, 0 points merged, 0 triangles turned over", done.stdout)
+        self.assertRegex(done.stdout, r"(?m)^part\.2 .* border$")
+        self.assertIn("seams: 1 joined, 1 of them smooth", done.stdout)
+        self.assertIn("ball.textproto is written, and passes sunder check ball.textproto\n  substeps ", done.stdout)
+        self.assertIn('mesh { path: "ball.obj" element_m: 0.008 }', (self.folder / "ball.textproto").read_text())
+
+    def test_a_mesh_that_is_refused_is_told_and_has_no_scene(self) -> None:
+        (self.folder / "a.off").write_text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
+        done = self.inspect("a.off", "--element", "5", "--scene", "a.textproto")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertIn("refused: element_m is 5 m, and a part of the mesh", done.stdout)
+        self.assertIn("so there is no scene to write", done.stderr)
+        self.assertFalse((self.folder / "a.textproto").exists())
+        (self.folder / "b.off").write_text("OFF\n4 1 0\n0 0 0\n")
+        done = self.inspect("b.off")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertRegex(done.stderr, r"bad_input: b\.off: ")
+        self.assertNotIn("inspect.textproto", done.stderr)
 
     @unittest.skipUnless(HAS_CAD, f"{BUILD} is without OpenCASCADE")
     def test_the_scene_of_a_sphere_passes_the_check(self) -> None:

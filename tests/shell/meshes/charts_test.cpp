@@ -68,6 +68,28 @@ TEST(Charts, AClosedSurfaceWithAHandleIsDivided) {
   expect_charts(m, count);
 }
 
+TEST(Charts, ASmallPartBetweenCreasesJoinsItsNeighbour) {
+  const TriangleMesh m = lattice(10, 10, false, [](double u, double v) {
+                           return Vec3(u, v, (u - 0.5) * (u - 0.5) + (v - 0.5) * (v - 0.5) < 0.02 ? 0.3 : 0.0);
+                         }).mesh();
+  const auto sharp = creases_of(m, kSharp);
+  const auto parts = [&](const std::vector<std::array<char, 3>>& creases) {
+    const std::vector<Chart> charts = charts_of(m, creases, {0.0, 4.0, {}});
+    double least = 1e300;
+    for (const Chart& c : charts) {
+      double area = 0.0;
+      for (const int t : c.triangles) area += m.area(t);
+      least = std::min(least, area);
+    }
+    return std::pair(charts.size(), least);
+  };
+  EXPECT_LT(parts(sharp).second, 0.1);
+  const auto [count, least] = parts(without_small_parts(m, sharp, 0.1));
+  EXPECT_LT(count, parts(sharp).first);
+  EXPECT_GT(least, 0.1);
+  EXPECT_EQ(without_small_parts(m, sharp, 0.0), sharp);
+}
+
 TEST(Charts, PartsStayApart) {
   const TriangleMesh m = lattice(12, 12, false, [](double u, double v) { return Vec3(u, v, 0.0); }).mesh();
   ChartRules rules{0.1, 1.7, {}};
