@@ -132,21 +132,31 @@ class Testing(unittest.TestCase):
         said = io.StringIO()
         with mock.patch.object(command, "ensure_node", side_effect=errors.CommandError("no network")) as ensure, \
                 mock.patch.object(command, "ensure_installed", side_effect=errors.CommandError("no rights")) as install, \
-                mock.patch.object(command, "ensure_built"), contextlib.redirect_stderr(said), \
+                mock.patch.object(command, "ensure_built") as built, contextlib.redirect_stderr(said), \
                 mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ):
             os.environ.pop(BUILD_DIR_VARIABLE, None)
             run.return_value.returncode = 0
             self.assertEqual(sunder(["test", "-R", "vtp"]), 0)
             self.assertEqual(run.call_count, 1)
             self.assertIn("no network\nsunder: so the tests of the Jolt engine are skipped", said.getvalue())
-            for what in ("Slurm", "plots", "the viewer"):
+            for what in ("CAD files", "Slurm", "plots", "the viewer"):
                 self.assertIn(f"no rights\nsunder: so the tests of {what} are skipped", said.getvalue())
             self.assertEqual([call.args[1] for call in install.call_args_list],
-                             [command.SLURM_PACKAGES, command.LINT_PACKAGES, command.PLOT_PACKAGES,
+                             [command.CAD_PACKAGES, command.SLURM_PACKAGES, command.LINT_PACKAGES, command.PLOT_PACKAGES,
                               command.BROWSER_PACKAGES])
+            built.assert_called_once_with(all_targets=True, cad=False)
             os.environ[BUILD_DIR_VARIABLE] = str(REPOSITORY)
             self.assertEqual(sunder(["test"]), 0)
-            self.assertEqual((ensure.call_count, install.call_count), (1, 4))  # no more: nothing is installed then
+            self.assertEqual((ensure.call_count, install.call_count), (1, 5))  # no more: nothing is installed then
+
+    def test_builds_with_cad_where_its_packages_can_be_had(self) -> None:
+        with mock.patch.object(command, "ensure_node"), mock.patch.object(command, "ensure_installed"), \
+                mock.patch.object(command, "_ensure_viewer"), mock.patch.object(command, "ensure_built") as built, \
+                mock.patch.object(command.subprocess, "run") as run, mock.patch.dict(os.environ):
+            os.environ.pop(BUILD_DIR_VARIABLE, None)
+            run.return_value.returncode = 0
+            self.assertEqual(sunder(["test"]), 0)
+            built.assert_called_once_with(all_targets=True, cad=True)
 
 
 class KnownFailures(unittest.TestCase):

@@ -32,6 +32,7 @@ class Shortened:
 
 SHIPPED = (
     Shortened("acrylic", 2e-4, True, False),
+    Shortened("bowl", 3e-4, True, True),
     Shortened("bullet_sheet", 0.03, True, True),
     Shortened("cut_pane", 0.01, False, True),
     Shortened("dent", 2e-3, True, False),
