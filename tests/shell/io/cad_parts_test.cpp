@@ -174,7 +174,7 @@ TEST_F(CadParts, SeamsBetweenFacesExcludeFibresAndEquilibrium) {
   };
   EXPECT_SAYS(
       refused("fibres { compression_modulus: 1e5 shear_modulus: 1e5", "contacts { first: 'pane' second: 'pane' }"),
-      "shells[0].fibres: exclude seams, by which CAD faces are joined");
+      "shells[0].fibres: exclude seams, by which CAD faces and charts of meshes are joined");
   EXPECT_SAYS(refused("equilibrium {", ""), "shells[0].equilibrium: is found with the stiffness of one shell");
 }
 
