@@ -18,7 +18,7 @@ using MeshJson = nlohmann::ordered_json;
 constexpr double kMeshElements = 40.0;  // along the diagonal of a file, by default
 constexpr double kMeshThickness = 0.2;  // of an element: any thickness does
 
-scene::LoadedScene mesh_scene(const std::string& file, double element) {
+scene::LoadedScene mesh_scene(const std::string& file, const MeshQuestion& asked) {
   scene::LoadedScene scene;
   const std::filesystem::path path = std::filesystem::absolute(file);
   scene.path = path.parent_path() / "inspect.textproto";
@@ -27,8 +27,10 @@ scene::LoadedScene mesh_scene(const std::string& file, double element) {
   material.set_name("steel"), material.set_density(7800.0);
   material.set_youngs_modulus(2e11), material.set_poisson_ratio(0.3);
   proto::Shell& shell = *scene.message.add_shells();
-  shell.set_name("part"), shell.set_material("steel"), shell.set_thickness_m(kMeshThickness * element);
-  shell.mutable_mesh()->set_path(path.filename()), shell.mutable_mesh()->set_element_m(element);
+  shell.set_name("part"), shell.set_material("steel"), shell.set_thickness_m(kMeshThickness * asked.element);
+  proto::SurfaceMesh& mesh = *shell.mutable_mesh();
+  mesh.set_path(path.filename()), mesh.set_element_m(asked.element);
+  mesh.set_unit_m(asked.unit), mesh.set_weld_m(asked.weld);
   return scene;
 }
 
@@ -69,8 +71,8 @@ bool is_mesh_file(const std::string& file) {
   return end == ".obj" || end == ".off" || end == ".ply" || end == ".stl";
 }
 
-std::string inspect_mesh_report(const std::string& file, double element) {
-  const scene::LoadedScene first = mesh_scene(file, 1.0);
+std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
+  const scene::LoadedScene first = mesh_scene(file, asked);
   TriangleMesh mesh;
   int faces = 0;
   try {
@@ -82,22 +84,25 @@ std::string inspect_mesh_report(const std::string& file, double element) {
   }
   Eigen::AlignedBox3d box;
   for (const Vec3& x : mesh.points) box.extend(x);
-  if (element <= 0.0) element = box.diagonal().norm() / kMeshElements;
+  if (asked.element <= 0.0) asked.element = box.diagonal().norm() / kMeshElements;
   double area = 0.0;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) area += mesh.area(static_cast<int>(t));
   const MeshEdges edges = edges_of(mesh);
   const Vec3 low = box.min(), size = box.sizes();
-  const scene::LoadedScene scene = mesh_scene(file, element);
+  const scene::LoadedScene scene = mesh_scene(file, asked);
   MeshJson out = {{"file", file},
                   {"low_m", {low.x(), low.y(), low.z()}},
                   {"size_m", {size.x(), size.y(), size.z()}},
-                  {"element_m", element},
+                  {"element_m", asked.element},
+                  {"unit_m", asked.unit},
+                  {"weld_m", asked.weld},
                   {"thickness_m", scene.message.shells(0).thickness_m()},
                   {"faces", faces},
                   {"points", mesh.points.size()},
                   {"triangles", mesh.triangles.size()},
                   {"points_merged", mesh.welded},
                   {"triangles_turned", mesh.turned},
+                  {"triangles_dropped", mesh.dropped},
                   {"components", mesh.components},
                   {"edges", {{"all", edges.all}, {"on_borders", edges.border}, {"borders", edges.loops}}},
                   {"area_m2", area},
@@ -109,7 +114,7 @@ std::string inspect_mesh_report(const std::string& file, double element) {
     const MeshShells& shells = files.mesh(scene, "shells[0].mesh", scene.message.shells(0).mesh());
     const RunSetup setup = build(scene);
     for (std::size_t k = 0; k < setup.shells.size(); ++k)
-      out["charts"].push_back(chart_of(setup.shells[k].model, shells.charts.patches[k], element));
+      out["charts"].push_back(chart_of(setup.shells[k].model, shells.charts.patches[k], asked.element));
     int smooth = 0;
     for (const Seam& s : setup.stitches.seams) smooth += s.smooth;
     out["seams"] = {{"joined", setup.stitches.seams.size()}, {"smooth", smooth}};

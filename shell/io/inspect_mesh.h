@@ -7,9 +7,15 @@ namespace sunder::shell {
 /// Whether the name is that of a mesh file, by its end.
 bool is_mesh_file(const std::string& file);
 
-/// As JSON: counts, borders, size, area, and charts with size, stretch, error and stable step. `element` [m] is their
-/// spacing; 0: a fortieth of the file's size. What a scene would be refused for is its member "refused". Throws Error
-/// where the file cannot be read.
-std::string inspect_mesh_report(const std::string& file, double element);
+/// What is asked of a mesh, as in a scene.
+struct MeshQuestion {
+  double element = 0.0;  // spacing [m]; 0: a fortieth of the file's size
+  double unit = 1.0;     // of the file [m]
+  double weld = 0.0;     // points no further apart become one [m]
+};
+
+/// As JSON: counts, borders, size, area, and charts with size, stretch, error and stable step. What a scene would be
+/// refused for is its member "refused". Throws Error where the file cannot be read.
+std::string inspect_mesh_report(const std::string& file, MeshQuestion asked);
 
 }  // namespace sunder::shell

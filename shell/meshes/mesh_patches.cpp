@@ -24,6 +24,8 @@ constexpr int kMostSamples = 200;           // along the edge of a triangle
 constexpr double kMostPatchElements = 1e6;  // of all patches
 constexpr double kFarFromMesh = 0.25;       // elements: a patch that is further away loses what the mesh has
 constexpr double kSmallPart = 6.0;          // squared elements: a smaller part between creases joins a neighbour
+constexpr int kMostComponents = 200;        // more are faces that do not know their neighbours, not parts
+constexpr double kMostGap = 0.5;            // elements between two patches: as far as both may be from the mesh
 constexpr double kSmallChart = 2.0;         // squared elements of a chart at least
 
 using Creases = std::vector<std::array<char, 3>>;
@@ -203,6 +205,11 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
   require(area <= kMostPatchElements * rules.element * rules.element,
           "element_m is {} m, and the mesh would have {:.3g} elements; at most {:.0g}: give a longer one",
           rules.element, area / (rules.element * rules.element), kMostPatchElements);
+  require(
+      m.components <= kMostComponents,
+      "has {} parts that share no edge, of {:.3g} triangles on the average; at most {}: join their points by weld_m, "
+      "or take fewer parts into a file",
+      m.components, static_cast<double>(m.triangles.size()) / m.components, kMostComponents);
   const Creases creases =
       without_small_parts(m, creases_of(m, rules.crease), kSmallPart * rules.element * rules.element);
   ChartRules how;
@@ -213,9 +220,24 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
   std::vector<int> chart(m.triangles.size(), -1);
   for (int c = 0; c < count; ++c)
     for (const int t : charts[c].triangles) chart[t] = c;
+  double smallest = 1e300;
+  int small = 0, at_small = 0;
+  for (int c = 0; c < count; ++c) {
+    double own = 0.0;
+    for (const int t : charts[c].triangles) own += m.area(t);
+    small += own < kSmallChart * rules.element * rules.element;
+    if (own < smallest) smallest = own, at_small = c;
+  }
+  const Vec3 place = m.middle(charts[at_small].triangles[0]);
+  require(small == 0,
+          "element_m is {} m, and {} of {} parts, between borders, creases and divisions, are too small for it, the "
+          "smallest of {:.3g} m^2 about ({:.4g}, {:.4g}, {:.4g}) m; give one below {:.3g} m{}",
+          rules.element, small, count, smallest, place.x(), place.y(), place.z(), std::sqrt(smallest / kSmallChart),
+          m.components > 1 ? ", or leave small parts out of the file" : ", or smooth the mesh");
   MeshPatches out;
   std::vector<ChartPatch> placed;
   std::vector<char> whole;
+  double asked = 0.0;  // elements of all rectangles
   for (int c = 0; c < count; ++c) {
     const Chart& one = charts[c];
     MeshPatch own{{KnotVector::uniform(1, 1.0), KnotVector::uniform(1, 1.0), {}, {}}, {}, 0, 0.0, 0.0, 1.0};
@@ -223,11 +245,6 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
     for (std::size_t k = 0; k < one.triangles.size(); ++k)
       own.area += m.area(one.triangles[k]), own.stretch = std::max(own.stretch, one.flat.most[k]);
     const Vec3 where = m.middle(one.triangles[0]);
-    require(
-        own.area >= kSmallChart * rules.element * rules.element,
-        "element_m is {} m, and a part of the mesh about ({:.4g}, {:.4g}, {:.4g}) m, between creases and borders, has "
-        "{:.3g} m^2 only; give one below {:.3g} m, or a larger crease_deg",
-        rules.element, where.x(), where.y(), where.z(), own.area, std::sqrt(own.area / kSmallChart));
     bool may_be_whole = true;
     const std::vector<Vec2> border = outline_of(m, one, chart, c, creases, may_be_whole);
     const Frame frame =
@@ -235,7 +252,12 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
     whole.push_back(frame.whole);
     std::array<int, 2> elements{};
     for (int d = 0; d < 2; ++d)
-      elements[d] = std::max(1, static_cast<int>(std::ceil(frame.size[d] / rules.element - 1e-9)));
+      elements[d] = static_cast<int>(std::clamp(std::ceil(frame.size[d] / rules.element - 1e-9), 1.0, 1e6));
+    asked += static_cast<double>(elements[0]) * elements[1];
+    require(asked <= kMostPatchElements,
+            "element_m is {} m, and the rectangles around the charts have more than {:.0g} elements, of which the mesh "
+            "covers {:.3g}: give a longer one, or divide the surface into files",
+            rules.element, kMostPatchElements, area / (rules.element * rules.element));
     SurfaceFit fit = fit_surface(fit_points(m, one, frame, rules.element), frame.size, elements, rules.degree);
     ChartPatch at{std::move(fit.patch), std::vector<Vec2>(m.points.size(), Vec2::Zero())};
     for (std::size_t k = 0; k < one.flat.points.size(); ++k) at.at[one.flat.points[k]] = fit.points[k].at;
@@ -254,6 +276,11 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
   std::vector<ChainCurves> curves;
   for (const BorderChain& chain : borders.chains) {
     curves.push_back(curves_of(m, chain, placed, rules.element));
+    const Vec3 middle = m.points[chain.points[chain.points.size() / 2]];
+    require(curves.back().gap <= kMostGap * rules.element,
+            "element_m is {} m, and two patches of such elements are up to {:.3g} m apart along their border about "
+            "({:.4g}, {:.4g}, {:.4g}) m: give a shorter one, or smooth the mesh",
+            rules.element, curves.back().gap, middle.x(), middle.y(), middle.z());
     if (chain.right >= 0)
       out.seams.push_back({chain.left, chain.right, chain.crease, chain.length, curves.back().gap,
                            m.points[chain.points[chain.points.size() / 2]], chain.closed, curves.back().left,

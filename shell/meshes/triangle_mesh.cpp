@@ -139,19 +139,36 @@ TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vect
   TriangleMesh m;
   std::vector<int> number(points.size(), -1), lines;
   std::vector<char> used(points.size(), 0);
+  std::map<std::array<int, 3>, int> line_of;  // by sorted corners
+  std::vector<std::pair<int, Vec3>> flat;     // line and place of triangles without area
   for (const FileTriangle& t : triangles) {
     std::array<int, 3> own{};
     for (int k = 0; k < 3; ++k) own[k] = same[t.corners[k]], used[t.corners[k]] = 1;
+    if (own[0] == own[1] || own[1] == own[2] || own[2] == own[0]) {
+      ++m.dropped;
+      continue;
+    }
     const Vec3 a = points[own[0]], b = points[own[1]], c = points[own[2]];
     const double longest = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-    check((b - a).cross(c - a).norm() > kNoMeshArea * longest, "{} {}: the face at {} has no area; leave it out{}",
-          word, t.line, at(a), weld > 0.0 ? ", or weld less" : "");
+    if ((b - a).cross(c - a).norm() <= kNoMeshArea * longest) {
+      flat.emplace_back(t.line, a);
+      continue;
+    }
+    std::array<int, 3> sorted = own;
+    std::sort(sorted.begin(), sorted.end());
+    const auto [known, is_new] = line_of.try_emplace(sorted, t.line);
+    check(is_new, "{} {}: the face at {} has the corners of the one of {} {}; leave one of them out", word, t.line,
+          at(a), word, known->second);
     for (int k = 0; k < 3; ++k) {
       if (number[own[k]] < 0) number[own[k]] = static_cast<int>(m.points.size()), m.points.push_back(points[own[k]]);
       own[k] = number[own[k]];
     }
     m.triangles.push_back(own), lines.push_back(t.line);
   }
+  check(flat.empty(), "{} {}: the face at {} has no area, the first of {}; leave them out", word,
+        flat.empty() ? 0 : flat[0].first, at(flat.empty() ? Vec3() : flat[0].second), flat.size());
+  check(!m.triangles.empty(), "has no face with an area: all {} have two corners in one place{}", m.dropped,
+        weld > 0.0 ? "; weld less" : "");
   for (std::size_t k = 0; k < points.size(); ++k) m.welded += used[k] && same[k] != static_cast<int>(k);
   MeshEdgeMap edges = edge_map(m);
   const auto crowded = [](const auto& edge) { return edge.second.size() > 2; };

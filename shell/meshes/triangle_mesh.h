@@ -22,8 +22,9 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> beside;     // triangle across edge k; -1: none, a border
   std::vector<int> component;                 // of each triangle
   int components = 0;
-  int turned = 0;  // triangles that the file had the other way round
-  int welded = 0;  // points that were merged with others
+  int turned = 0;   // triangles that the file had the other way round
+  int welded = 0;   // points that were merged with others
+  int dropped = 0;  // triangles of the file that have two corners in one place, as at the poles of a sphere
 
   Vec3 area_vector(int t) const {
     const auto& [a, b, c] = triangles[t];
@@ -38,8 +39,9 @@ struct TriangleMesh {
 };
 
 /// Makes a mesh of a file's triangles. Points no further apart than `weld` [m] become one; 0: only equal ones. `word`
-/// says what FileTriangle::line counts. Throws Error with place, line and remedy where a triangle has no area, an edge
-/// has three triangles, the surface touches itself in a point, or has one side only.
+/// says what FileTriangle::line counts. Triangles with two corners in one place are left out. Throws Error with place,
+/// line and remedy where others have no area, two have the same corners, an edge has three triangles, the surface
+/// touches itself in a point, or has one side only.
 TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vector<FileTriangle>& triangles,
                                 double weld, const std::string& word);
 

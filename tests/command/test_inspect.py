@@ -195,6 +195,20 @@ class Programs(unittest.TestCase):
         self.assertIn("ball.textproto is written, and passes sunder check ball.textproto\n  substeps ", done.stdout)
         self.assertIn('mesh { path: "ball.obj" element_m: 0.008 }', (self.folder / "ball.textproto").read_text())
 
+    def test_a_mesh_in_millimetres_is_taken_by_its_unit(self) -> None:
+        corners, faces = octahedron(8, 50.0)
+        (self.folder / "ball.obj").write_text("".join(f"v {x:.9g} {y:.9g} {z:.9g}\n" for x, y, z in corners) +
+                                              "".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces))
+        done = self.inspect("ball.obj", "--unit", "0.001", "--weld", "1e-6", "--element", "0.008", "--scene", "ball.textproto")
+        self.assertEqual(done.returncode, DONE, done.stderr)
+        self.assertIn("0.1 x 0.1 x 0.1 m where its unit is 0.001 m", done.stdout)
+        self.assertIn("ball.textproto is written, and passes sunder check", done.stdout)
+        self.assertIn('mesh { path: "ball.obj" unit_m: 0.001 weld_m: 1e-06 element_m: 0.008 }', (self.folder / "ball.textproto").read_text())
+        (self.folder / "part.step").write_text("ISO-10303-21;\n")
+        done = self.inspect("part.step", "--unit", "0.001")
+        self.assertEqual(done.returncode, BAD_INPUT)
+        self.assertIn("--unit: is for mesh files", done.stderr)
+
     def test_a_mesh_that_is_refused_is_told_and_has_no_scene(self) -> None:
         (self.folder / "a.off").write_text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
         done = self.inspect("a.off", "--element", "5", "--scene", "a.textproto")

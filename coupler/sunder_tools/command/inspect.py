@@ -24,7 +24,7 @@ shells {{
   name: "part"
   material: "steel"
   thickness_m: {thickness:.6g}
-  {kind} {{ path: "{path}" {faces}element_m: {element:.6g} }}
+  {kind} {{ path: "{path}" {more}element_m: {element:.6g} }}
 }}
 bodies {{ name: "floor" half_space {{}} pose {{ position {{ z: {floor:.6g} }} }} }}
 """
@@ -41,6 +41,9 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("file", metavar="FILE", type=Path, help="a .step, .stp, .igs or .iges file,\nor a mesh: .obj, .off, .ply or .stl")
     parser.add_argument("--element", metavar="M", type=_length,
                         help="spacing of shells [m] (default: a fortieth of the size)")
+    parser.add_argument("--unit", metavar="M", type=_length, help="unit of a mesh [m], 0.001 for millimetres (default: 1)")
+    parser.add_argument("--weld", metavar="M", type=_length,
+                        help="points of a mesh no further apart become one (default: only equal ones)")
     parser.add_argument("--json", action="store_true", help="print all as JSON")
     parser.add_argument("--scene", metavar="SCENE", type=Path, help="write a scene of all faces that can be taken, and check it")
 
@@ -51,8 +54,9 @@ def run(arguments: argparse.Namespace) -> int:
         raise CommandError(f"'{arguments.file}' is no file; name a STEP, IGES or mesh file", BAD_INPUT)
     program = ensure_built(cad=arguments.file.suffix.lower() not in MESHES).shell
     command = [str(program), "inspect", str(arguments.file)]
-    if arguments.element is not None:
-        command += ["--element", repr(arguments.element)]
+    for name in ("element", "unit", "weld"):
+        if getattr(arguments, name) is not None:
+            command += [f"--{name}", repr(getattr(arguments, name))]
     ended = subprocess.run(command, stdout=subprocess.PIPE, text=True, check=False)
     if ended.returncode < 0:
         raise CommandError(f"sunder-shell {how_it_ended(ended.returncode)} while it read {arguments.file}", PEER_LOST)
@@ -105,11 +109,11 @@ def mesh_report(told: dict[str, Any]) -> str:
     """The text of what sunder-shell says of a mesh."""
     edges = told["edges"]
     lines = [f"{told['file']}: {_count(told['faces'], 'face')}, {_count(told['triangles'], 'triangle')}, "
-             f"{_count(told['points'], 'point')}, {' x '.join(f'{x:.4g}' for x in told['size_m'])} m where its unit is the "
-             f"metre, area {told['area_m2']:.4g} m^2, elements of {told['element_m']:.3g} m",
+             f"{_count(told['points'], 'point')}, {' x '.join(f'{x:.4g}' for x in told['size_m'])} m where its unit is "
+             f"{told['unit_m']:.6g} m, area {told['area_m2']:.4g} m^2, elements of {told['element_m']:.3g} m",
              f"{_count(told['components'], 'component')}, {_count(edges['borders'], 'border')} of "
              f"{_count(edges['on_borders'], 'edge')}, {told['points_merged']} points merged, "
-             f"{told['triangles_turned']} triangles turned over"]
+             f"{told['triangles_turned']} triangles turned over, {told['triangles_dropped']} with two corners in one place"]
     if told["refused"] is not None:
         return "\n".join([*lines, f"refused: {told['refused']}"]) + "\n"
     lines.append(f"{'shell':12} {'triangles':>9} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11} {'stretch':>8} "
@@ -139,12 +143,15 @@ def write_scene(scene: Path, file: Path, told: dict[str, Any]) -> None:
     mesh = "charts" in told
     if told["refused"] is not None if mesh else not told["taken"]:
         raise CommandError(f"no face of '{file}' can be taken, so there is no scene to write", BAD_INPUT)
-    faces = "" if mesh or len(told["taken"]) == len(told["faces"]) else "".join(f"faces: {n} " for n in told["taken"])
+    if mesh:
+        more = "".join(f"{name}: {told[name]:.6g} " for name, usual in (("unit_m", 1.0), ("weld_m", 0.0)) if told[name] != usual)
+    else:
+        more = "" if len(told["taken"]) == len(told["faces"]) else "".join(f"faces: {n} " for n in told["taken"])
     element = told["element_m"]
     thickness = told["thickness_m"]
     name = "".join(c if c.isascii() and c.isalnum() else "_" for c in scene.stem.lower())
-    scene.write_text(SCENE.format(which="Faces" if faces else "All faces", path=path.as_posix(), name=name, thickness=thickness,
-                                  faces=faces, element=element, kind="mesh" if mesh else "cad",
+    scene.write_text(SCENE.format(which="Faces" if more and not mesh else "All faces", path=path.as_posix(), name=name, thickness=thickness,
+                                  more=more, element=element, kind="mesh" if mesh else "cad",
                                   shells="charts that are joined" if mesh else
                                   "shells, joined along the edges that they share",
                                   floor=told["low_m"][2] - thickness))

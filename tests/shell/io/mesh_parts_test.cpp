@@ -159,7 +159,7 @@ TEST_F(MeshParts, FilesThatAreNoSurfaceAreRefusedWithTheirLine) {
   expect_part(refusal("path: 'b.obj' element_m: 0.2"), "line 4");
   write("b.obj", "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nf 1 2 4\nf 1 2 3\n");
   expect_part(refusal("path: 'b.obj' element_m: 0.2"),
-              "'b.obj' line 6: the face at (0, 0, 0) has no area; leave it out");
+              "'b.obj' line 6: the face at (0, 0, 0) has no area, the first of 1; leave them out");
   write("b.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 -1 0\nv 0 0 1\nf 1 2 3\nf 2 1 4\nf 1 2 5\n");
   expect_part(refusal("path: 'b.obj' element_m: 0.2"), "has 1 edges of three faces or more");
   const std::string whole = kSquare;
@@ -194,11 +194,11 @@ TEST_F(MeshParts, WhatIsForOnePatchIsRefusedForSeveral) {
 
 TEST_F(MeshParts, InspectTellsChartsAndWhatIsRefused) {
   write("a.obj", ball(0.5, 8));
-  const std::string told = inspect_mesh_report(folder.path + "/a.obj", 0.08);
+  const std::string told = inspect_mesh_report(folder.path + "/a.obj", {0.08});
   for (const char* part :
        {"\"components\": 1", "\"borders\": 0", "\"shell\": \"part.2\"", "\"smooth\": 1", "\"refused\": null"})
     expect_part(told, part);
-  expect_part(inspect_mesh_report(folder.path + "/a.obj", 1e-5), "\"refused\": \"element_m is 1e-05 m");
+  expect_part(inspect_mesh_report(folder.path + "/a.obj", {1e-5}), "\"refused\": \"element_m is 1e-05 m");
   EXPECT_TRUE(is_mesh_file("x/Y.STL"));
   EXPECT_FALSE(is_mesh_file("x/y.step"));
 }

@@ -84,6 +84,20 @@ TEST(MeshPatches, AMeshOfTooManyElementsOrTooLongOnesIsRefused) {
                               return Vec3(u, v, 0.05 * std::sin(40.0 * u) * std::sin(40.0 * v));
                             }).mesh();
   EXPECT_NE(refusal(wavy, 0.12, 3.0).find("give a shorter one"), std::string::npos) << refusal(wavy, 0.12, 3.0);
+  Triangles soup;  // of faces that share no point, as STL files have them where points are rounded
+  for (int k = 0; k < 300; ++k) {
+    for (const Vec3& x : {Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(0, 1, 0)}) soup.points.push_back(Vec3(2.0 * k, 0, 0) + x);
+    soup.add(3 * k, 3 * k + 1, 3 * k + 2);
+  }
+  EXPECT_NE(refusal(soup.mesh(), 0.1).find("has 300 parts that share no edge, of 1 triangles"), std::string::npos);
+  EXPECT_NE(refusal(soup.mesh(), 0.1).find("weld_m"), std::string::npos);
+  // a flat ring whose elements are few, and many in the square around it
+  const TriangleMesh hoop = lattice(200, 1, true, [](double u, double v) {
+                              const double a = 2.0 * std::numbers::pi * u, r = 1.0 + 0.008 * v;
+                              return Vec3(r * std::cos(a), r * std::sin(a), 0.0);
+                            }).mesh();
+  EXPECT_NE(refusal(hoop, 0.001).find("the rectangles around the charts have more than"), std::string::npos)
+      << refusal(hoop, 0.001);
 }
 
 }  // namespace

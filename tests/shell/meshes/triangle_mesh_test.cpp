@@ -83,9 +83,25 @@ TEST(TriangleMesh, AnEdgeOfThreeFacesIsRefusedWithItsPlace) {
 TEST(TriangleMesh, AFaceWithoutAreaIsRefusedWithItsLine) {
   Triangles t = square();
   t.points.push_back({2, 1, 0}), t.faces.push_back({{3, 2, 4}, 9});
-  expect_part(refusal(t), "line 9: the face at (0, 1, 0) has no area");
-  t = square(), t.faces[1].corners = {0, 2, 2};
-  expect_part(refusal(t), "line 6");
+  expect_part(refusal(t), "line 9: the face at (0, 1, 0) has no area, the first of 1");
+}
+
+TEST(TriangleMesh, FacesWithTwoCornersInOnePlaceAreLeftOut) {
+  Triangles t = square();
+  t.faces.push_back({{0, 2, 2}, 7});
+  t.points.push_back(t.points[1]), t.faces.push_back({{1, static_cast<int>(t.points.size()) - 1, 2}, 8});
+  const TriangleMesh m = t.mesh();
+  EXPECT_EQ(m.triangles.size(), 2u);
+  EXPECT_EQ(m.dropped, 2);
+  t = square(), t.faces = {{{0, 2, 2}, 7}};
+  expect_part(refusal(t), "no face with an area: all 1 have two corners in one place");
+}
+
+TEST(TriangleMesh, AFaceThatIsThereTwiceIsRefused) {
+  Triangles t = square();
+  t.faces.push_back({{2, 1, 0}, 11});  // the first one, turned over
+  expect_part(refusal(t), "line 11: the face at");
+  expect_part(refusal(t), "has the corners of the one of line 5; leave one of them out");
 }
 
 TEST(TriangleMesh, ASurfaceThatTouchesItselfInAPointIsRefused) {
