@@ -213,7 +213,7 @@ class Programs(unittest.TestCase):
         (self.folder / "a.off").write_text("OFF\n4 1 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n4 0 1 2 3\n")
         done = self.inspect("a.off", "--element", "5", "--scene", "a.textproto")
         self.assertEqual(done.returncode, BAD_INPUT)
-        self.assertIn("refused: element_m is 5 m, and a part of the mesh", done.stdout)
+        self.assertIn("refused: element_m is 5 m, and 1 of 1 parts", done.stdout)
         self.assertIn("so there is no scene to write", done.stderr)
         self.assertFalse((self.folder / "a.textproto").exists())
         (self.folder / "b.off").write_text("OFF\n4 1 0\n0 0 0\n")
