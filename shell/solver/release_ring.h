@@ -1,6 +1,7 @@
 #pragma once
 // What the energy release of a tip looks at: the Gauss points around it, with all that stays while the tip does.
 #include <array>
+#include <cstdint>
 #include <vector>
 
 #include "shell/mechanics/gathered_point.h"
@@ -16,28 +17,46 @@ struct ReleaseLook {
   bool operator==(const ReleaseLook&) const = default;
 };
 
-/// The virtual advance at a point: chi, its first and its second derivatives.
-struct VirtualAdvance {
-  double value = 1.0;
-  Vec2 slope = Vec2::Zero();
-  double uu = 0.0, vv = 0.0, uv = 0.0;
+template <class T>
+struct Vector2 {
+  T u, v;
+};
+
+/// As many points as a pack has lanes, with all of them that stays while the tip does. Lanes beyond `count` repeat the
+/// first with no area.
+struct ReleasePack {
+  int count = 0;
+  std::size_t begin = 0, functions = 0;  // in ReleaseRing::functions; a point with fewer has zeros at the end
+  Pack area{};                           // [m^2]
+  Vector2<Pack> offset{};                // from the tip [m]
+  // The virtual advance, its first and its second derivatives.
+  Pack chi{}, chi_uu{}, chi_vv{}, chi_uv{};
+  Vector2<Pack> slope{};
+  ReferenceMetric<Pack> rest{};
+  IntPack linear{};  // a linear basis has no bending
+  // Of an advance along the direction, and of one across it: contravariant components at rest, and the component along
+  // the normal.
+  std::array<Vector2<Pack>, 2> along{};
+  std::array<Pack, 2> up{};
 };
 
 /// Not part of checkpoints: it can be found again.
 struct ReleaseRing {
-  struct Point {
-    GatheredPoint own;  // functions and forms at rest
-    int gathered = -1;  // its number among the gathered points; -1: the rows sum it
-    Vec2 offset;        // from the tip [m]
-    VirtualAdvance chi;
-    // Of an advance along the direction, and of one across it: contravariant components at rest, and the component
-    // along the normal.
-    std::array<Vec2, 2> along;
-    std::array<double, 2> up{};
+  /// A point that a crack has touched: its number among the gathered points, and its stamp.
+  struct Gathered {
+    int number;
+    std::uint64_t stamp;
+  };
+  /// A shape function of each lane.
+  struct Function {
+    std::array<int, kLanes> slot{};
+    std::array<Pack, 6> n{};  // value, u, v, uu, vv, uv
   };
   ReleaseLook look;
   int edges = 0;  // of the crack graph at that time
-  std::vector<Point> points;
+  std::vector<Gathered> gathered;
+  std::vector<ReleasePack> packs;
+  std::vector<Function> functions;
 };
 
 }  // namespace sunder::shell

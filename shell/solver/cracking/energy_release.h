@@ -33,7 +33,7 @@ std::optional<Vec2> tip_release(const ShellModel& model, const ShellState& state
 
 /// Distance between the faces behind a tip along the mean of their normals [m]: of the means over either side of the
 /// ring.
-double faces_apart(const ShellModel& model, const ShellState& state, const ReleaseRing& ring);
+double faces_apart(const ShellState& state, const ReleaseRing& ring);
 
 /// Energy release of a tip that turns by `turn` [rad], over that of one that runs straight on. The turn tells the share
 /// of shear by maximum hoop stress, and so the opening of the kink (Erdogan and Sih 1963): 1 at 0, 4/3 at 70.5 degrees.

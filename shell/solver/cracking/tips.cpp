@@ -207,7 +207,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
     Drive drive = drive_at(m, s, r, start, s.caches.surroundings.of_tip[i]);
     ReleaseRing& ring = s.caches.surroundings.ring_of_tip[i];
     if (const auto energy = tip_release(m, s, tip, ring))
-      follow_release(drive, {*energy, drive.twisted ? faces_apart(m, s, ring) : 0.0}, m, tip, share, start.most_turn);
+      follow_release(drive, {*energy, drive.twisted ? faces_apart(s, ring) : 0.0}, m, tip, share, start.most_turn);
     return drive;
   };
   std::vector<Drive> drives(count);
