@@ -76,6 +76,9 @@ constexpr double kLookShare = 0.5;
 /// [edges]: lengths tried in turn, where a shorter one would add energy.
 /// numerical: what changes around a tip costs the same for any length
 constexpr double kEdgesTried[] = {1.0, 1.5, 2.0, 3.0, 4.0};
+/// [attempts]: a tip that was refused tries the longer ones at every such attempt.
+/// numerical: cost; most tips that are refused once are refused again and again
+constexpr int kLongerTried = 5;
 /// [edges]: pending length that a refused tip keeps.
 /// numerical: cost of trying again
 constexpr double kRefusedPending = 0.25;

@@ -26,6 +26,7 @@ struct Tip {
   double weight = 0.0, turn = 0.0, ratio = 0.0;
   double owed = 0.0;      // what its edges have cost beyond what they released, so far [J]
   double release = -1.0;  // mean of its energy release over the response time [J/m^2]; below 0: not known yet
+  int refused = 0;        // edges that it was refused since its last one
   bool alive = true;
   bool seam_decided = false;  // dead, and its propagation over a seam has been decided
 };
@@ -38,6 +39,13 @@ struct FacePoint {
   double depth = 0.0;        // depth of closing, where above the least depth [m]
 };
 
+/// Values and first derivatives of the functions of one side of an edge, as strips of consecutive slots with zeros at
+/// slots that it does not use (mechanics/point_strips.h).
+struct FaceStrips {
+  std::vector<int> slot;  // first slot of each strip
+  std::vector<std::array<Pack, 3>> n;
+};
+
 /// Contact of the two faces of a fresh crack edge, at its middle (solver/interlock.h).
 struct Interlock {
   int edge = 0;
@@ -46,9 +54,10 @@ struct Interlock {
   std::vector<GatheredFunction> plus, minus;
   // Caches, computed again after a checkpoint: control points visible from each side, and those that its functions use.
   std::array<Visibility, 2> visibility{}, uses{};
-  bool looked = false;                // the caches are valid
-  std::array<FacePoint, 2> points{};  // at the lower and the upper face
-  Vec3 origin = Vec3::Zero();         // gap at the middle of the sheet as the faces were born [m]
+  bool looked = false;                 // the caches are valid
+  std::array<FaceStrips, 2> strips{};  // of `plus` and `minus`; empty: not packed yet
+  std::array<FacePoint, 2> points{};   // at the lower and the upper face
+  Vec3 origin = Vec3::Zero();          // gap at the middle of the sheet as the faces were born [m]
   // Area of the tangents' parallelogram of each side at the start of contact.
   std::array<double, 2> rest_area{1.0, 1.0};
   bool holds = true;

@@ -25,17 +25,10 @@ Vec2 direction(const ShellState& s, const Interlock& lock) {
   return (e.b - e.a).normalized();
 }
 
-// `position`: position of a slot.
-template <class At>
-Gap gap_of(const ShellState& s, const Interlock& lock, At&& position) {
-  Gap r;
+// The frame of a gap whose positions and tangents of the sides are known.
+void find_frame(const ShellState& s, const Interlock& lock, Gap& r) {
   r.tu = r.tv = Vec3::Zero();
   for (int side = 0; side < 2; ++side) {
-    r.at[side] = r.side_tu[side] = r.side_tv[side] = Vec3::Zero();
-    for (const auto& f : side == 0 ? lock.plus : lock.minus) {
-      const Vec3 x = position(f.slot);
-      r.at[side] += f.n[0] * x, r.side_tu[side] += f.n[1] * x, r.side_tv[side] += f.n[2] * x;
-    }
     r.tu += 0.5 * r.side_tu[side], r.tv += 0.5 * r.side_tv[side];
     const Vec3 c = r.side_tu[side].cross(r.side_tv[side]);
     r.side_c[side] = c.norm(), r.side[side] = c / r.side_c[side];
@@ -44,10 +37,68 @@ Gap gap_of(const ShellState& s, const Interlock& lock, At&& position) {
   const Vec3 c = r.tu.cross(r.tv), d = p.x() * r.tu + p.y() * r.tv;
   r.c = c.norm(), r.d = d.norm();
   r.normal = c / r.c, r.along = d / r.d, r.across = r.normal.cross(r.along);
+}
+
+Gap gap_of(const ShellState& s, const Interlock& lock) {
+  Gap r;
+  for (int side = 0; side < 2; ++side) {
+    r.at[side] = r.side_tu[side] = r.side_tv[side] = Vec3::Zero();
+    for (const auto& f : side == 0 ? lock.plus : lock.minus) {
+      const Vec3 x = s.position(f.slot);
+      r.at[side] += f.n[0] * x, r.side_tu[side] += f.n[1] * x, r.side_tv[side] += f.n[2] * x;
+    }
+  }
+  find_frame(s, lock, r);
   return r;
 }
-Gap gap_of(const ShellState& s, const Interlock& lock) {
-  return gap_of(s, lock, [&](int slot) { return s.position(slot); });
+
+double sum_of(const Pack& a) {
+  double sum = 0.0;
+  for (int i = 0; i < kLanes; ++i) sum += a[i];
+  return sum;
+}
+
+// The same with packed functions. `x`: [3][plane].
+Gap gap_of(const ShellState& s, const Interlock& lock, const double* x, std::size_t plane) {
+  Gap r;
+  for (int side = 0; side < 2; ++side) {
+    const FaceStrips& strips = lock.strips[side];
+    Pack sum[3][3] = {};
+    for (std::size_t i = 0; i < strips.slot.size(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        const Pack at = load<Pack>(x + c * plane + strips.slot[i]);
+        for (int k = 0; k < 3; ++k) sum[k][c] += strips.n[i][k] * at;
+      }
+    for (int c = 0; c < 3; ++c) {
+      r.at[side][c] = sum_of(sum[0][c]);
+      r.side_tu[side][c] = sum_of(sum[1][c]), r.side_tv[side][c] = sum_of(sum[2][c]);
+    }
+  }
+  find_frame(s, lock, r);
+  return r;
+}
+
+// Asks for the packed functions before they are used: their memory is scattered, and waiting for it takes longer than
+// the sums.
+void fetch_ahead(const Interlock& lock) {
+  if (!lock.holds) return;
+  for (const FaceStrips& strips : lock.strips)
+    for (const auto& n : strips.n)
+      for (const Pack& k : n) __builtin_prefetch(&k);
+}
+
+FaceStrips packed(std::vector<GatheredFunction> functions, int plane) {
+  std::sort(functions.begin(), functions.end(), [](const auto& a, const auto& b) { return a.slot < b.slot; });
+  FaceStrips r;
+  int first = -kLanes;
+  for (const GatheredFunction& f : functions) {
+    if (f.slot >= first + kLanes) {
+      first = std::min(f.slot, plane - kLanes);
+      r.slot.push_back(first), r.n.push_back({});
+    }
+    for (int k = 0; k < 3; ++k) r.n.back()[k][f.slot - first] += f.n[k];
+  }
+  return r;
 }
 
 // Faces that have turned against one another, or whose surroundings are crushed, bear no more.
@@ -160,18 +211,26 @@ bool attach(const ShellModel& m, const ShellState& s, Interlock& lock) {
     for (const MlsFunction& f : mls.functions) sides[side]->push_back({m.tables.slot(f.control_point), f.n});
     lock.uses[side] = visibility;
     note_uses(m, *sides[side], lock.uses[side]);
+    lock.strips[side] = {};
   }
   lock.looked = true;
   lock.stiffness = std::min(lock.stiffness, stable_stiffness(m, s, lock));
   return true;
 }
 
-// Adds the forces of the springs of one point of contact, times `times`. `add`: adds to the force on a slot.
-template <class Add>
+// Forces on the gap, on the tangents of the plus side, and on those of the minus side.
+struct FaceForces {
+  bool none = true;
+  Vec3 gap = Vec3::Zero();
+  std::array<Vec3, 2> u{Vec3::Zero(), Vec3::Zero()}, v{Vec3::Zero(), Vec3::Zero()};
+};
+
+// Adds the forces of the springs of one point of contact, times `times`.
 void push(const ShellModel& m, const ShellState& s, const Interlock& lock, const Gap& gap, int face,
-          const Springs& springs, double times, Add&& add) {
+          const Springs& springs, double times, FaceForces& to) {
   const Vec3& e = springs.bear;
   if (e.isZero(0.0)) return;
+  to.none = false;
   const double z = height(m, face), k = 0.5 * times * lock.stiffness * lock.area;
   const Vec3 g = gap.at_height(z);
   // dE = k (e . (dg in the frame) + g . (turn of the frame)); across = normal x along, so
@@ -183,14 +242,37 @@ void push(const ShellModel& m, const ShellState& s, const Interlock& lock, const
   const Vec3 b = (on_along - gap.along * gap.along.dot(on_along)) / gap.d;
   const Vec2 p = direction(s, lock);
   const Vec3 u = 0.5 * (gap.tv.cross(a) + p.x() * b), v = 0.5 * (a.cross(gap.tu) + p.y() * b);
+  to.gap -= on_gap;
   for (int side = 0; side < 2; ++side) {
     const double sign = side == 0 ? 1.0 : -1.0;
     // the side's own normal: d n = (1 - n n) (d tu x tv + tu x d tv) / |tu x tv|
     const Vec3& n = gap.side[side];
     const Vec3 c = sign * z * (on_gap - n * n.dot(on_gap)) / gap.side_c[side];
-    const Vec3 on_u = u + gap.side_tv[side].cross(c), on_v = v + c.cross(gap.side_tu[side]);
+    to.u[side] -= u + gap.side_tv[side].cross(c), to.v[side] -= v + c.cross(gap.side_tu[side]);
+  }
+}
+
+// Forces on control points. `add`: adds to the force on a slot.
+template <class Add>
+void spread(const Interlock& lock, const FaceForces& on, Add&& add) {
+  if (on.none) return;
+  for (int side = 0; side < 2; ++side)
     for (const auto& f : side == 0 ? lock.plus : lock.minus)
-      add(f.slot, Vec3(-(sign * f.n[0] * on_gap + f.n[1] * on_u + f.n[2] * on_v)));
+      add(f.slot, Vec3((side == 0 ? f.n[0] : -f.n[0]) * on.gap + f.n[1] * on.u[side] + f.n[2] * on.v[side]));
+}
+
+// The same with packed functions, to `force` [3][plane].
+void spread(const Interlock& lock, const FaceForces& on, std::size_t plane, double* force) {
+  if (on.none) return;
+  for (int side = 0; side < 2; ++side) {
+    const FaceStrips& strips = lock.strips[side];
+    const Vec3 gap = side == 0 ? on.gap : Vec3(-on.gap);
+    for (std::size_t i = 0; i < strips.slot.size(); ++i)
+      for (int c = 0; c < 3; ++c) {
+        double* to = force + c * plane + strips.slot[i];
+        const auto& n = strips.n[i];
+        store<Pack>(to, load<Pack>(to) + n[0] * gap[c] + n[1] * on.u[side][c] + n[2] * on.v[side][c]);
+      }
   }
 }
 
@@ -238,11 +320,10 @@ bool loses_visibility(const ShellModel& m, const ShellState& s, Interlock& lock,
 Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
   Refastened r;
   const auto bear = [&](const Gap& gap, double times) {
+    FaceForces on;
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), times,
-           [&](int slot, const Vec3& on) {
-             r.force_change.push_back({slot, on});
-           });
+      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), times, on);
+    spread(lock, on, [&](int slot, const Vec3& force) { r.force_change.push_back({slot, force}); });
   };
   const Gap before = gap_of(s, lock);
   const double held = energy_of(m, before, lock);
@@ -269,21 +350,22 @@ Refastened refasten(const ShellModel& m, const ShellState& s, Interlock& lock) {
 void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chunk, int chunks, const double* x,
                       double* force) {
   const std::size_t plane = m.tables.plane;
-  const auto position = [&](int slot) { return Vec3(x[slot], x[plane + slot], x[2 * plane + slot]); };
-  const auto add = [&](int slot, const Vec3& on) {
-    for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
-  };
   const std::size_t end = s.cracks.interlocks.size() * (chunk + 1) / chunks;
   for (std::size_t i = s.cracks.interlocks.size() * chunk / chunks; i < end; ++i) {
     Interlock& lock = s.cracks.interlocks[i];
     if (!lock.holds) continue;
-    const Gap gap = gap_of(s, lock, position);
+    if (i + 1 < end) fetch_ahead(s.cracks.interlocks[i + 1]);
+    for (int side = 0; side < 2; ++side)
+      if (lock.strips[side].slot.empty())
+        lock.strips[side] = packed(side == 0 ? lock.plus : lock.minus, static_cast<int>(plane));
+    const Gap gap = gap_of(s, lock, x, plane);
     lock.sound = sound(lock, gap);
     lock.energy = 0.0;
     if (!(std::min(gap.side_c[0] / lock.rest_area[0], gap.side_c[1] / lock.rest_area[1]) > kNoFrame)) continue;
     const Vec3 offset = gap.in_frame(gap.at_height(0.0)) - lock.origin;
     lock.along = std::abs(offset[1]), lock.height = std::abs(offset[2]);
     double opening = 1e300, held = 0.0;
+    FaceForces on;
     for (int face = 0; face < 2; ++face) {
       FacePoint& point = lock.points[face];
       const Vec3 at = gap_at(m, gap, face);
@@ -296,8 +378,9 @@ void interlock_forces(const ShellModel& m, ShellState& s, bool advance, int chun
       }
       const Springs springs = springs_at(m, at, point);
       held += springs.hold;
-      push(m, s, lock, gap, face, springs, 1.0, add);
+      push(m, s, lock, gap, face, springs, 1.0, on);
     }
+    spread(lock, on, plane, force);
     lock.opening = opening;
     lock.energy = 0.5 * lock.stiffness * lock.area * held;
   }
@@ -329,11 +412,12 @@ void release_interlocks(const ShellModel& m, ShellState& s, const InterlockLaw& 
     s.release_by_faces(held);
     std::vector<double>& force = s.discontinuity();
     const std::size_t plane = force.size() / 3;
+    FaceForces on;
     for (int face = 0; face < 2; ++face)
-      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), 1.0,
-           [&](int slot, const Vec3& on) {
-             for (int d = 0; d < 3; ++d) force[d * plane + slot] += on[d];
-           });
+      push(m, s, lock, gap, face, springs_at(m, gap_at(m, gap, face), lock.points[face]), 1.0, on);
+    spread(lock, on, [&](int slot, const Vec3& by_face) {
+      for (int d = 0; d < 3; ++d) force[d * plane + slot] += by_face[d];
+    });
     s.motion.last_force.clear();
   }
 }

@@ -134,7 +134,10 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
   int first = -1;
   double length = r.advance;
   const double taken = s.cracks.taken;
+  // a tip that was refused tries longer edges now and then: little has changed since the last look
+  const bool all = tips.front().first->refused % kLongerTried == 0;
   for (const double longer : kEdgesTried) {
+    if (longer > kEdgesTried[0] && !all) break;
     length = longer * r.advance;
     ways.clear();
     std::vector<NewEdge> edges;
@@ -154,6 +157,7 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     tip.edge = first + static_cast<int>(k), tip.vertex = s.cracks.graph.edges()[tip.edge].to;
     tip.direction = ways[k].along.value_or(step.normalized()), tip.p = b;
     tip.weight = tip.turn = tip.ratio = 0.0;
+    tip.refused = 0;
     tip.pending -= length - r.advance;
     if (!ways[k].ends) continue;
     tip.alive = false;
@@ -245,7 +249,7 @@ int grow_tips(const ShellModel& m, ShellState& s, const CrackRules& r, double ti
         if (edges > 0) s.cracks.graph.new_crack(), tip = one, s.cracks.tips.push_back(twin);
       }
       if (edges == 0) edges = advance(m, s, r, {{&tip, d}}, resistance(drive * drive), time);
-      if (edges == 0) tip.pending = kRefusedPending * r.advance;
+      if (edges == 0) tip.pending = kRefusedPending * r.advance, ++tip.refused;
       inserted += edges;
     }
     s.cracks.tips[i] = tip;
