@@ -117,7 +117,8 @@ class Reporting(unittest.TestCase):
             numbers.write_text('{"kernel_ns": 11.5}')
             return 0
 
-        with mock.patch.object(report, "validate", validate), mock.patch.object(report, "bench", bench):
+        with mock.patch.object(report, "validate", validate), mock.patch.object(report, "bench", bench), \
+                mock.patch.object(report, "case_names", lambda suite: ("roof", "share", "long", "longer")):
             return sunder(["report", *suites, "--json-dir", str(self.top)])
 
     def page(self, room: str = "validation") -> str:
@@ -153,6 +154,19 @@ class Reporting(unittest.TestCase):
         self.assertNotIn("share_1", self.page())
         self.assertEqual(self.report("shells", found=CASES), 0)  # the whole suite replaces all
         self.assertIn("| all | abc |", self.page())
+
+    def test_cases_that_no_run_has_had_are_named(self) -> None:
+        self.assertEqual(self.report("shells", "--case", "roof", found={"cases": CASES["cases"][:1]}), 0)
+        self.assertIn("\nNot run yet: share, long, longer.\n", self.page())
+        self.assertEqual(self.report("shells", "--case", "long", found={"cases": CASES["cases"][2:]}), 0)
+        self.assertIn("1 pass, 1 fail; 2 cases not run in ", self.page())
+        self.assertIn("\nNot run yet: share, longer.\n", self.page())
+        kept = results.read_all(self.top / "validation" / "results")[0]
+        self.assertEqual(kept.left, ["share", "longer"])
+        self.assertEqual(self.report("shells", found=CASES), 0)
+        self.assertNotIn("Not run yet", self.page())
+        self.assertEqual(self.report("shells", "--case", "roof", found={"cases": CASES["cases"][:1]}), 0)  # the rest is there
+        self.assertNotIn("Not run yet", self.page())
 
     def test_all_are_run_where_none_is_named_and_one_that_fails_is_the_status(self) -> None:
         self.assertEqual(self.report(status=1, found=CASES), 1)

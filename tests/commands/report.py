@@ -16,7 +16,7 @@ from sunder_tools.places import REPOSITORY
 from sunder_tools.report.machine import circumstances
 from sunder_tools.words import did_you_mean
 
-from ..validation.measure import VALIDATIONS, bench, validate
+from ..validation.measure import VALIDATIONS, bench, case_names, validate
 from ..validation.results import BENCH, WHOLE, page, put_status, read_all, replace, result_of, write
 
 NAME = "report"
@@ -85,7 +85,8 @@ def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
         found = json.loads(numbers.read_text())
         if suite == BENCH:
             found |= first_use.read(build_dir().parent)
-    result = result_of(suite, found, time.monotonic() - start, made_with, case or WHOLE)
+    seconds = time.monotonic() - start
+    result = result_of(suite, found, seconds, made_with, case or WHOLE, case_names(suite) if case else ())
     earlier = [kept for kept in read_all(folder) if kept.suite == suite] if case else []
     write(earlier[0].with_case(result) if earlier else result, folder)
     return ended == DONE

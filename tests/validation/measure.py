@@ -1,9 +1,11 @@
 """`validate` and `bench`: run the measuring programs, judge their rows, write tables and plots."""
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import os
+import subprocess
 import sys
 import tempfile
 import time
@@ -91,6 +93,18 @@ def validate(what: str, case: str | None, report: Path | None, plots: Path | Non
             raise CommandError(f"cannot write {plots}: {error}", BAD_INPUT) from None
         print(f"plots            {plots}")
     return status
+
+
+def case_names(what: str) -> tuple[str, ...]:
+    """Returns the names of all cases of a suite; empty for `engines` and `extremes`, whose rows are their cases. Raises
+    CommandError."""
+    if what in ("engines", "extremes"):
+        return ()
+    told = subprocess.run([str(program("sunder-validate")), "--help"], stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          text=True, check=False).stdout
+    part = told.partition(f"\n{what}:\n")[2].splitlines()
+    compiled = [line.split()[0] for line in itertools.takewhile(lambda line: line.startswith("  "), part)]
+    return (*compiled, *(e.name for e in EXPERIMENTS.get(what, ())))
 
 
 def _engines(case: str | None, report: Path | None, rigid: str | None) -> int:

@@ -36,6 +36,7 @@ class Result:
     runs: dict[str, Run]  # by case; WHOLE for a run of all cases
     rows: list[Row] = field(default_factory=list)  # of a validation, each with the run that it comes from; empty for `bench`
     numbers: dict[str, object] = field(default_factory=dict)  # of `bench`
+    left: list[str] = field(default_factory=list)  # cases that no run has had, where the suite was run in parts
 
     @property
     def seconds(self) -> float:
@@ -54,21 +55,24 @@ class Result:
         place = stays.index(False) if False in stays else len(stays)
         kept = [row for row, stay in zip(self.rows, stays) if stay]
         runs = {case: run for case, run in self.runs.items() if any(row["run"] == case for row in kept)}
-        return Result(self.suite, runs | other.runs, kept[:place] + other.rows + kept[place:])
+        known = {*self.runs, *other.runs}
+        left = [] if WHOLE in known else [case for case in other.left or self.left if case not in known]
+        return Result(self.suite, runs | other.runs, kept[:place] + other.rows + kept[place:], left=left)
 
     def count(self, verdict: str) -> int:
         """Returns the rows with that verdict."""
         return sum(row["verdict"] == verdict for row in self.rows)
 
     def in_words(self) -> str:
-        """Returns counts such as '20 pass, 1 known'."""
+        """Returns counts such as '20 pass, 1 known; 2 cases not run'."""
         counts = [f"{self.count(verdict)} {verdict}" for verdict in VERDICTS if self.count(verdict)]
-        return ", ".join(counts) or f"{len(self.numbers)} numbers"
+        left = f"; {len(self.left)} case{'s' if len(self.left) > 1 else ''} not run" if self.left else ""
+        return (", ".join(counts) or f"{len(self.numbers)} numbers") + left
 
 
 def result_of(suite: str, found: dict[str, object], seconds: float, circumstances: dict[str, object],
-              case: str = WHOLE) -> Result:
-    """Reads the JSON that `validate SUITE --json` or `bench --json` writes. Raises CommandError for anything else."""
+              case: str = WHOLE, cases: tuple[str, ...] = ()) -> Result:
+    """`cases` are all of the suite, where one was run. Reads the JSON that `validate SUITE --json` or `bench --json` writes. Raises CommandError for anything else."""
     runs = {case: Run(seconds, circumstances)}
     if suite == BENCH:
         return Result(suite, runs, numbers=found)
@@ -80,7 +84,7 @@ def result_of(suite: str, found: dict[str, object], seconds: float, circumstance
             rows = [_row(row, case) for row in found["cases"]]  # type: ignore[attr-defined]
     except (KeyError, TypeError, AttributeError) as error:
         raise CommandError(f"report: the JSON of '{suite}' has no cases: {error!r}", BAD_INPUT) from None
-    return Result(suite, runs, rows)
+    return Result(suite, runs, rows, left=[other for other in cases if other != case])
 
 
 def _row(row: Row, run: str, before: str = "") -> Row:
@@ -93,7 +97,7 @@ def _row(row: Row, run: str, before: str = "") -> Row:
 def write(result: Result, folder: Path) -> None:
     """Writes FOLDER/<suite>.json atomically. Raises CommandError where it cannot be written."""
     runs = {case: {"seconds": round(run.seconds, 1), "circumstances": run.circumstances} for case, run in result.runs.items()}
-    kept = {"suite": result.suite, "runs": runs, "rows": result.rows, "numbers": result.numbers}
+    kept = {"suite": result.suite, "runs": runs, "rows": result.rows, "numbers": result.numbers, "left": result.left}
     replace(folder / f"{result.suite}.json", json.dumps(kept, indent=1) + "\n")
 
 
@@ -104,7 +108,8 @@ def read_all(folder: Path) -> list[Result]:
         try:
             kept = json.loads(path.read_text())
             runs = {str(case): Run(float(run["seconds"]), dict(run["circumstances"])) for case, run in kept["runs"].items()}
-            found.append(Result(str(kept["suite"]), runs, [dict(row) for row in kept["rows"]], dict(kept["numbers"])))
+            found.append(Result(str(kept["suite"]), runs, [dict(row) for row in kept["rows"]], dict(kept["numbers"]),
+                                [str(case) for case in kept.get("left", ())]))
         except (OSError, ValueError, KeyError, TypeError, AttributeError) as error:
             raise CommandError(f"{path}: is no result of a suite: {error!r}; remove it and run "
                                f"'sunder report {path.stem}' again", BAD_INPUT) from None
@@ -119,6 +124,7 @@ def page(title: str, results: list[Result]) -> str:
         lines += ["", f"## {result.suite}", "", f"{result.in_words()} in {result.seconds:.0f} s.", "",
                   f"| cases | {' | '.join(CIRCUMSTANCES)} |", "| --- | " + " | ".join("---" for _ in CIRCUMSTANCES) + " |",
                   *_circumstances(result), ""]
+        lines += [f"Not run yet: {', '.join(result.left)}.", ""] if result.left else []
         lines += _numbers(result) if result.suite == BENCH else _table(result)
     return "\n".join(lines) + "\n"
 
