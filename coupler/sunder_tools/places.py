@@ -23,6 +23,7 @@ def _programs(repository: Path) -> Path:
 
 
 REPOSITORY = _repository()
+COUPLER = REPOSITORY / "coupler"
 BUILD_DIR_VARIABLE = "SUNDER_BUILD_DIR"
 INSTALLED = REPOSITORY / "coupler" / "VERSION"  # written when the project is installed; a checkout has none
 PROGRAMS = _programs(REPOSITORY)

@@ -54,9 +54,8 @@ constexpr double kMostTurn = 10.0 * (std::numbers::pi / 180.0);
 /// [rad]: the same for the first edge of a crack that starts at the end of a cut.
 /// published: above 70.5 degrees, the kink in pure mode II (Erdogan and Sih 1963); the margin is chosen
 constexpr double kFirstTurn = 80.0 * std::numbers::pi / 180.0;
-/// [h, h, of the outer radius]: outer radius of the ring over which J is integrated; the smallest one, below which the
-/// mean stress drives; and where the virtual advance begins to fall.
-/// numerical: J scatters by 2 % over places and angles of a tip at 4, by 10 % at 2 (`energy_release`)
+/// [h, h, of the outer]: radius of the ring of J; the least, below which mean stress drives; where the advance falls.
+/// numerical: the wider the ring, the less J depends on the place of a tip in the grid (`energy_release`)
 constexpr double kReleaseOuter = 4.0, kReleaseLeast = 2.5, kReleaseInner = 0.25;
 /// [rad, h]: an edge within this angle and margin behind a tip is its own course, over which J changes little.
 /// numerical: a sharp kink behind a tip keeps its ring; the arms of a division do not
@@ -76,11 +75,9 @@ constexpr double kLookShare = 0.5;
 /// [edges]: lengths tried in turn, where a shorter one would add energy.
 /// numerical: what changes around a tip costs the same for any length
 constexpr double kEdgesTried[] = {1.0, 1.5, 2.0, 3.0, 4.0};
-/// [attempts]: a tip that was refused tries the longer ones at every such attempt.
+/// [-]: a refused tip tries the longer ones at every such attempt, and keeps this pending length [edges].
 /// numerical: cost; most tips that are refused once are refused again and again
 constexpr int kLongerTried = 5;
-/// [edges]: pending length that a refused tip keeps.
-/// numerical: cost of trying again
 constexpr double kRefusedPending = 0.25;
 /// g_b [G_f]: energy release above which a tip divides, of a material that gives no `branch_drive`.
 /// derived: two arms need twice the fracture energy, a necessary condition

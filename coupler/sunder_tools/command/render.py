@@ -9,6 +9,7 @@ from ..errors import BAD_INPUT, CommandError
 from .parser import Subparsers, add_choice, add_command, add_run_folder, count, number_above_zero, positive
 
 NAME = "render"
+SAMPLES = 128  # rays a pixel of Cycles
 
 
 def add_parser(subparsers: Subparsers) -> None:
@@ -31,6 +32,9 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--close", action="store_true", help="fill the picture with the shell alone")
     add_choice(parser, "--colour", ("part", "damage", "fragment", "speed"),
                "quantity that colours the shell (default: part)", "part")
+    parser.add_argument("--cycles", metavar="N", type=count, nargs="?", const=SAMPLES,
+                        help="draw with Blender's Cycles: glass, metal and cloth by the\nscene's materials; N rays a pixel "
+                             f"(default: {SAMPLES}); takes\nminutes a picture")
     parser.add_argument("--no-caption", action="store_true", help="no time in the corner")
     parser.add_argument("--rate", "--fps", metavar="FPS", type=positive,
                         help="pictures a second of the film (default: it lasts six\nseconds, within 4 to 30; with --speed 24)")
@@ -46,10 +50,12 @@ def run(arguments: argparse.Namespace) -> int:
     from ..pictures.render import Shot, render
     if arguments.sheet and (arguments.film or arguments.frames or arguments.out):
         raise CommandError("--sheet goes with none of --film, --frames and --out", BAD_INPUT)
+    if arguments.sheet and arguments.cycles:
+        raise CommandError("--sheet: goes without --cycles", BAD_INPUT)
     if arguments.speed is not None and not arguments.film:
         raise CommandError("--speed: goes with --film only", BAD_INPUT)
     shot = Shot(arguments.size, arguments.view, arguments.zoom, arguments.close, not arguments.no_caption,
-                Look(arguments.colour))
+                Look(arguments.colour), arguments.cycles)
     return render(arguments.folder, arguments.out, arguments.film, arguments.sheet, arguments.frames, shot,
                   arguments.rate, arguments.jobs, arguments.speed)
 

@@ -23,6 +23,7 @@ LINT_PACKAGES = ("clang-format", "clang-tidy", "mypy", "pyflakes3")  # for a tes
 SLURM_PACKAGES = ("munge", "slurmctld", "slurmd", "slurm-client")  # for a test only, which brings up one of its own
 BROWSER_PACKAGES = ("chromium",)  # for a test only, of the viewer's page
 FILM_PACKAGES = ("ffmpeg",)  # for `sunder render --film`
+BLENDER_PACKAGES = ("blender",)  # for `sunder render --cycles`
 PLOT_PACKAGES = ("python3-matplotlib",)  # for plots of series, trades and validations
 CAD_PACKAGES = ("libocct-data-exchange-dev", "libtbb-dev")  # OpenCASCADE; its CMake files ask for TBB's too
 LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades

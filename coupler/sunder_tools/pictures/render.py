@@ -23,6 +23,7 @@ from ..places import BUILD_DIR_VARIABLE, work_folder
 from ..replacing import replacing
 from .between import FPS, film_frames
 from .contact_sheet import SAMPLES, boxes, ground_of, moment_text, stand, towards_what_is_hit, write_contact_sheet
+from .cycles import Cycles, drawn
 from .frames import BODIES, SHELL, SOFT, Frame, choose_frames, list_frames
 from .ground import Ground
 from .lettering import draw_text
@@ -54,6 +55,7 @@ class Shot:
     close: bool = False  # the shell fills the picture instead of the whole scene
     caption: bool = True
     look: Look = Look()
+    samples: int | None = None  # rays a pixel of Blender's Cycles; None: drawn by the contact sheet's rasteriser
 
 
 @dataclass(frozen=True)
@@ -111,6 +113,7 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
     With `speed` a film has pictures between frames, so that time runs evenly.
     """
     frames = frames_of(folder, "render")
+    _check_cycles(shot, film, spec, speed)
     if sheet:
         with telling(folder / "contact_sheet.png"):
             print(write_contact_sheet(folder))
@@ -125,21 +128,42 @@ def render(folder: Path, out: Path | None, film: bool, sheet: bool, spec: str | 
     if film and speed is not None:
         frames, _ = film_frames([frames[k] for k in numbers], rate, speed)
         numbers, rate = list(range(len(frames))), rate or FPS
+    fps = rate or FPS
     if film:
         target = _film_file(out if out is not None else folder / "film.mp4", given=out is not None, size=shot.size)
     else:
         target = out if out is not None else folder / "stills"
     with telling(target):
         stage = _set_stage(folder, frames, numbers, shot)
+        pictures = _drawn(stage, numbers, jobs) if shot.samples is None else _by_cycles(
+            folder, stage, numbers, Cycles(shot.samples, fps, speed, jobs))
         if film:
             seconds_each = 1.0 / (rate or float(np.clip(len(numbers) / FILM_S, *FRAMES_A_SECOND)))
-            _write_film(target, _drawn(stage, numbers, jobs), shot.size, seconds_each)
+            _write_film(target, pictures, shot.size, seconds_each)
         else:
             target.mkdir(parents=True, exist_ok=True)
-            for k, picture in zip(numbers, _drawn(stage, numbers, jobs)):
+            for k, picture in zip(numbers, pictures):
                 put_in_place(target / f"still_{k:06d}.png", partial(picture.save, format="PNG"))
     print(target)
     return DONE
+
+
+def _check_cycles(shot: Shot, film: bool, spec: str | None, speed: float | None) -> None:
+    """Refuses what Cycles does not draw."""
+    if shot.samples is None:
+        return
+    if shot.look.by != "part":
+        raise CommandError(f"--colour {shot.look.by}: Cycles draws materials as they are; leave --cycles or --colour out")
+    if film and spec is not None and speed is not None:
+        raise CommandError("--frames with --speed and --cycles: leave --frames out; the film then has the whole run")
+
+
+def _by_cycles(folder: Path, stage: _Stage, numbers: Sequence[int], how: Cycles) -> Iterator[Image.Image]:
+    camera = perspective_camera(stage.low, stage.high, stage.direction, *stage.shot.size)
+    for done, picture in enumerate(drawn(folder, how, numbers, camera, stage.ground, stage.shot.size), start=1):
+        print(f"sunder: {done} of {len(numbers)} pictures", file=sys.stderr, flush=True)
+        _write_caption(picture, stage, numbers[done - 1])
+        yield picture
 
 
 class telling:  # noqa: N801: reads as a word in `with telling(target)`
@@ -218,10 +242,14 @@ def draw_one(stage: _Stage, k: int) -> np.ndarray:
     stand(scene, stage.ground)
     camera = perspective_camera(stage.low, stage.high, stage.direction, width, height)
     image = Image.fromarray(as_bytes(draw_scene(scene, camera, width, height))).reduce(SAMPLES)
-    if shot.caption:
-        draw_text(image, (shot.size[1] // 40, shot.size[1] // 60), moment_text(stage.frames[k]),
-                  max(shot.size[1] // 32, 8))
+    _write_caption(image, stage, k)
     return np.asarray(image)
+
+
+def _write_caption(image: Image.Image, stage: _Stage, k: int) -> None:
+    if stage.shot.caption:
+        height = stage.shot.size[1]
+        draw_text(image, (height // 40, height // 60), moment_text(stage.frames[k]), max(height // 32, 8))
 
 
 def _drawn(stage: _Stage, numbers: Sequence[int], jobs: int) -> Iterator[Image.Image]:

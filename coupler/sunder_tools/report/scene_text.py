@@ -18,7 +18,13 @@ from .run_json import read_run
 SCENE_COPY = "scene_as_run.textproto"  # in a run folder, with the settings of the run: shell/io/scene_copy.cpp
 
 Message = dict[str, list[Any]]  # field: its values in order; a message, a number, a word or a string each
-CLEAR = ("glass", "acrylic", "perspex", "plexiglas", "pmma")  # materials with such a word in their name are seen through
+# What a material looks like, by a word in its name, by its preset, and then by its numbers.
+CLEAR = ("glass", "acrylic", "perspex", "plexiglas", "pmma")  # seen through
+METALS = ("steel", "iron", "alumin", "copper", "brass", "metal", "titanium", "lead")
+CLOTHS = ("cloth", "fabric", "silk", "cotton", "linen", "wool", "denim")
+CLEAR_PRESETS = ("SODA_LIME_GLASS", "ACRYLIC")
+LEAST_METAL = 6500.0  # [kg/m^3], above stone and ceramics
+MOST_CLOTH = 1e6      # [Pa], below rubber
 STANDARD_GRAVITY = (0.0, 0.0, -9.81)  # [m/s^2], proto/scene.proto
 TOKEN = re.compile(r"""\s+|\#[^\n]*|("(?:[^"\\\n]|\\.)*"|'(?:[^'\\\n]|\\.)*')|([{}<>\[\]:,;])|([^\s{}<>\[\]:,;#"']+)""")
 PAIRS = {"{": "}", "<": ">"}
@@ -100,7 +106,7 @@ class Words:
     """What the scene calls things; all empty where it was not found."""
     shells: tuple[str, ...] = ()          # by number
     materials: tuple[str, ...] = ()       # of each shell
-    glass: tuple[bool, ...] = ()          # of each shell: its material is seen through, by its name
+    glass: tuple[bool, ...] = ()          # of each shell: its material is seen through
     breaks: tuple[bool, ...] = ()         # of each shell: its material has a strength
     surface_density: tuple[float, ...] = ()  # of each shell [kg/m^2]; NaN where not given
     thickness: tuple[float, ...] = ()     # of each shell [m]; NaN where not known
@@ -109,6 +115,7 @@ class Words:
     probes: tuple[tuple[str, str], ...] = ()  # (probe, body) where a body moves under a probe
     masses: tuple[tuple[str, float], ...] = ()  # (body, [kg]) of spheres and boxes
     gravity: tuple[float, float, float] = STANDARD_GRAVITY
+    kinds: tuple[tuple[str, str], ...] = ()  # (material, kind): glass, metal, cloth or plain
     speeds: tuple[tuple[str, float], ...] = ()  # (body, [m/s] at the start) of bodies that move
 
     def mass_under(self, probe: str) -> float | None:
@@ -185,11 +192,23 @@ def words_of(scene: Message, settings: list[str]) -> Words:
     if any(s.startswith("gravity") for s in settings):
         masses = []  # the impulse of weight would be a wrong one
     return Words(tuple(str(_one(s, "name", default="")) for s in shells), tuple(of),
-                 tuple(any(word in m.lower() for word in CLEAR) for m in of),
+                 tuple(_kind(m, materials.get(m)) == "glass" for m in of),
                  tuple(_one(materials.get(m), "strength") is not None for m in of), tuple(density), tuple(thickness),
                  tuple(str(_one(b, "name", default="")) for b in bodies),
                  tuple(str(_one(b, "material", default="")) for b in bodies), tuple(probes), tuple(masses), (x, y, z),
-                 tuple(speeds))
+                 tuple((str(name), _kind(str(name), m)) for name, m in materials.items()), tuple(speeds))
+
+
+def _kind(name: str, material: Any) -> str:
+    """What a material looks like: 'glass', 'metal', 'cloth' or 'plain'."""
+    named = [kind for kind, known in (("glass", CLEAR), ("metal", METALS), ("cloth", CLOTHS)) if any(w in name.lower() for w in known)]
+    if named:
+        return named[0]
+    if _one(material, "preset") in CLEAR_PRESETS:
+        return "glass"
+    if _one(material, "yield_stress") is not None or _number(_one(material, "density")) >= LEAST_METAL:
+        return "metal"
+    return "cloth" if _number(_one(material, "youngs_modulus")) <= MOST_CLOTH else "plain"
 
 
 def _number(value: Any) -> float:

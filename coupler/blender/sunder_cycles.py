@@ -1,0 +1,182 @@
+"""Draws frames of a run with Cycles, in Blender without a window:
+
+    blender --background --factory-startup --python sunder_cycles.py -- JOB.json
+
+`sunder render --cycles` writes the job and reads the pictures (sunder_tools/pictures/cycles.py, which says what is in it).
+Each picture that is done is told by a line DRAWN on standard output.
+"""
+from __future__ import annotations
+
+import json
+import sys
+from pathlib import Path
+from typing import Any
+
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+import bpy  # noqa: E402
+import sunder_run  # noqa: E402
+from mathutils import Matrix, Vector  # noqa: E402
+
+DRAWN = "sunder-drawn "
+BOUNCES = 16          # of light: a pane of pieces is many sheets of glass, one behind another
+SENSOR_MM = 36.0
+SUN_SIZE = 0.12       # [rad]: soft shadows
+# Colours of the sky from the horizon to the zenith, by the height of a direction. Glass shows its edges where bright and
+# dark stand side by side.
+SKY = ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36, 0.44)), (0.62, (0.55, 0.66, 0.82)),
+       (0.80, (1.9, 1.9, 1.85)))
+BRIGHTEST = 4.0       # of light that comes by glass or metal: single grains brighter than that would not average out
+LEVEL = 1e-3          # [of the size of the scene] within which a body that is flat lies on the ground
+
+
+def main() -> None:
+    """Draws what the job asks for."""
+    job = json.loads(Path(sys.argv[sys.argv.index("--") + 1]).read_text(encoding="utf-8"))
+    for thing in list(bpy.data.objects):
+        bpy.data.objects.remove(thing)
+    sunder_run.load(job["folder"], job["fps"], job["speed"])
+    for material in bpy.data.materials:
+        _dress(material, job["kinds"])
+    _hide_floors(job["ground"])
+    _ground(job["ground"])
+    _light(job["light"])
+    _camera(job["camera"])
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.cycles.device = "CPU"
+    scene.cycles.samples, scene.cycles.seed = job["samples"], 0
+    scene.cycles.use_adaptive_sampling, scene.cycles.adaptive_threshold = True, 0.02
+    # the release of Debian 12 is built without a denoiser
+    scene.cycles.use_denoising = bool(getattr(bpy.app.build_options, "openimagedenoise", False))
+    scene.cycles.max_bounces = scene.cycles.transmission_bounces = scene.cycles.transparent_max_bounces = BOUNCES
+    scene.cycles.caustics_reflective = scene.cycles.caustics_refractive = False
+    scene.cycles.blur_glossy, scene.cycles.sample_clamp_indirect = 1.0, BRIGHTEST
+    scene.render.use_persistent_data = True
+    if job["threads"]:
+        scene.render.threads_mode, scene.render.threads = "FIXED", job["threads"]
+    scene.view_settings.view_transform = "Filmic"
+    scene.view_settings.look = "Medium High Contrast" if bpy.app.version < (4, 0, 0) else "None"
+    scene.render.image_settings.file_format = "PNG"
+    scene.render.image_settings.color_mode = "RGB"
+    for number, path in zip(job["frames"], job["pictures"]):
+        scene.frame_set(number)
+        scene.render.filepath = path
+        bpy.ops.render.render(write_still=True)
+        print(f"{DRAWN}{path}", flush=True)
+
+
+def _dress(material: Any, kinds: dict[str, str]) -> None:
+    """Gives a material the look of its kind, which is that of the scene's material whose name it begins with."""
+    names = [name for name in kinds if material.name == name or material.name.startswith(f"{name}_")]
+    kind = kinds[max(names, key=len)] if names else "plain"
+    tree = material.node_tree
+    shader = next((node for node in tree.nodes if node.type == "BSDF_PRINCIPLED"), None) if tree is not None else None
+    if shader is None:
+        return
+    if kind == "glass":
+        _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": 0.0, "IOR": 1.52,
+                      "Base Color": (0.90, 0.97, 0.94, 1.0)})
+        _let_light_through(tree, shader)
+    elif kind == "metal":
+        _put(shader, {"Metallic": 1.0, "Roughness": 0.28})
+    elif kind == "cloth":
+        _put(shader, {"Roughness": 0.9, "Sheen": 0.6, "Sheen Weight": 0.6, "Specular": 0.1, "Specular IOR Level": 0.1})
+    else:
+        _put(shader, {"Roughness": 0.45, "Specular": 0.4, "Specular IOR Level": 0.4})
+
+
+def _put(shader: Any, values: dict[str, Any]) -> None:
+    """Sets those inputs that this release has: some were renamed in 4.0."""
+    for name, value in values.items():
+        if name in shader.inputs:
+            shader.inputs[name].default_value = value
+
+
+def _let_light_through(tree: Any, shader: Any) -> None:
+    """Glass casts a light shadow: without caustics it would cast one like a stone's."""
+    output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
+    path, clear, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("LightPath", "BsdfTransparent", "MixShader"))
+    clear.inputs["Color"].default_value = (0.92, 0.96, 0.94, 1.0)
+    tree.links.new(path.outputs["Is Shadow Ray"], mix.inputs[0])
+    tree.links.new(shader.outputs[0], mix.inputs[1])
+    tree.links.new(clear.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], output.inputs["Surface"])
+
+
+def _hide_floors(ground: dict[str, Any]) -> None:
+    """Hides meshes that lie flat on the ground's height over all of the picture: the ground takes their place."""
+    for thing in bpy.data.objects:
+        if thing.type != "MESH" or thing.parent is None:
+            continue
+        box = [thing.matrix_world @ Vector(corner) for corner in thing.bound_box]
+        flat = all(abs(corner.z - ground["z"]) < LEVEL * ground["size"] for corner in box)
+        wide = all(max(c[k] for c in box) - min(c[k] for c in box) > ground["size"] for k in (0, 1))
+        if flat and wide:
+            thing.hide_render = True
+            if thing.animation_data is not None:
+                thing.animation_data_clear()
+
+
+def _ground(ground: dict[str, Any]) -> None:
+    """Adds a matt plane that reaches to where the sky hides its end."""
+    reach = 60.0 * ground["size"]
+    x, y = ground["centre"]
+    mesh = bpy.data.meshes.new("ground")
+    mesh.from_pydata([(x + a * reach, y + b * reach, ground["z"]) for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], [],
+                     [(0, 1, 2, 3)])
+    material = bpy.data.materials.new("ground")
+    material.use_nodes = True
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    _put(shader, {"Base Color": (0.16, 0.165, 0.17, 1.0), "Roughness": 0.6, "Specular": 0.2, "Specular IOR Level": 0.2})
+    mesh.materials.append(material)
+    bpy.context.scene.collection.objects.link(bpy.data.objects.new("ground", mesh))
+
+
+def _light(towards: list[float]) -> None:
+    """Adds a sun in the direction `towards`, and a sky that is bright at the horizon."""
+    lamp = bpy.data.lights.new("sun", "SUN")
+    lamp.energy, lamp.angle = 3.2, SUN_SIZE
+    thing = bpy.data.objects.new("sun", lamp)
+    thing.rotation_mode = "QUATERNION"
+    thing.rotation_quaternion = Vector(towards).to_track_quat("Z", "Y")
+    bpy.context.scene.collection.objects.link(thing)
+    world = bpy.data.worlds.new("sky")
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    place, split, ramp = (nodes.new(f"ShaderNode{kind}") for kind in ("TexCoord", "SeparateXYZ", "ValToRGB"))
+    links.new(place.outputs["Generated"], split.inputs[0])
+    links.new(split.outputs["Z"], ramp.inputs[0])
+    stops = ramp.color_ramp.elements
+    for k, (height, colour) in enumerate(SKY):
+        stop = stops[k] if k in (0, 1) else stops.new(height)
+        stop.position, stop.color = height, (*colour, 1.0)
+    back = next(node for node in nodes if node.type == "BACKGROUND")
+    back.inputs["Strength"].default_value = 1.0
+    links.new(ramp.outputs[0], back.inputs[0])
+    bpy.context.scene.world = world
+
+
+def _camera(told: dict[str, Any]) -> None:
+    """Adds the camera of `sunder render`: pixels with a focal length, from an eye along three axes."""
+    camera = bpy.data.cameras.new("camera")
+    width, height = told["size"]
+    camera.sensor_fit, camera.sensor_width = "HORIZONTAL", SENSOR_MM
+    camera.lens = told["focal"] / width * SENSOR_MM
+    camera.clip_start, camera.clip_end = told["near"], told["far"]
+    thing = bpy.data.objects.new("camera", camera)
+    right, down, forward = (Vector(axis) for axis in told["axes"])
+    turn = Matrix((right, -down, -forward)).transposed()  # a camera looks along -z, and y is up
+    thing.matrix_world = Matrix.Translation(Vector(told["eye"])) @ turn.to_4x4()
+    scene = bpy.context.scene
+    scene.collection.objects.link(thing)
+    scene.camera = thing
+    scene.render.resolution_x, scene.render.resolution_y, scene.render.resolution_percentage = width, height, 100
+
+
+try:
+    main()
+except Exception as error:  # noqa: BLE001: Blender would end with status 0
+    print(f"sunder-failed {type(error).__name__}: {error}", flush=True)
+    sys.exit(1)

@@ -1,0 +1,113 @@
+"""Pictures by Blender's Cycles: what the script is told, what it draws, and what is refused."""
+from __future__ import annotations
+
+import os
+import shutil
+import tempfile
+import unittest
+from pathlib import Path
+from unittest import mock
+
+import numpy as np
+from PIL import Image
+
+from sunder_tools.errors import CommandError
+from sunder_tools.pictures import cycles
+from sunder_tools.pictures.ground import Ground
+from sunder_tools.pictures.raster import perspective_camera
+from sunder_tools.report.scene_text import SCENE_COPY, parse_text, words_of
+
+from .test_render import OfARun
+
+SCENE = """
+materials { name: "window" preset: SODA_LIME_GLASS }
+materials { name: "hull" density: 7800 }
+materials { name: "sheet" density: 2700 yield_stress: 2e8 }
+materials { name: "plaster" density: 1200 youngs_modulus: 2e9 }
+materials { name: "flag" density: 20 youngs_modulus: 3.2e3 }
+materials { name: "Silk" density: 1000 youngs_modulus: 1e9 }
+shells { name: "pane" material: "window" thickness_m: 0.01 }"""
+HAS_BLENDER = shutil.which("blender") is not None
+SIZE = "160x96"
+SAME = 0.8  # share of the pixels of either picture that show the pane in both; our pictures draw dark lines along edges
+
+
+class Kinds(unittest.TestCase):
+    def test_a_material_looks_like_its_name_preset_or_numbers(self) -> None:
+        words = words_of(parse_text(SCENE), [])
+        self.assertEqual(dict(words.kinds), {"window": "glass", "hull": "metal", "sheet": "metal", "plaster": "plain",
+                                             "flag": "cloth", "Silk": "cloth"})
+        self.assertEqual(words.glass, (True,))
+
+
+class Jobs(OfARun):
+    def test_the_script_is_told_what_the_rasteriser_would_draw(self) -> None:
+        (self.folder / SCENE_COPY).write_text(SCENE)
+        camera = perspective_camera(np.zeros(3), np.ones(3), np.array([1.0, 0.2, -0.5]), 320, 240)
+        told = cycles.job_of(self.folder, cycles.Cycles(7, 25.0, None, 3), [2, 4], [Path("a"), Path("b")], camera,
+                             Ground(-0.5, np.array([1.0, 2.0]), 3.0), (320, 240))
+        self.assertEqual((told["frames"], told["samples"], told["fps"], told["speed"], told["threads"]), ([2, 4], 7, 25.0, 0.0, 3))
+        self.assertEqual(told["ground"], {"z": -0.5, "centre": [1.0, 2.0], "size": 3.0})
+        kinds, view = told["kinds"], told["camera"]
+        assert isinstance(kinds, dict) and isinstance(view, dict)
+        self.assertEqual(kinds["hull"], "metal")
+        self.assertEqual((view["focal"], view["size"]), (camera.scale[0], [320, 240]))
+
+
+class Refused(OfARun):
+    def refused(self, *arguments: str) -> str:
+        status, said = self.sunder("render", "--cycles", "1", *arguments)
+        self.assertEqual(status, 2, said)
+        return said
+
+    def test_what_it_does_not_draw(self) -> None:
+        self.assertIn("--colour speed: Cycles draws materials as they are", self.refused("--colour", "speed"))
+        self.assertIn("--sheet: goes without --cycles", self.refused("--sheet"))
+        self.assertIn("leave --frames out", self.refused("--film", "--speed", "0.1", "--frames", "0"))
+
+    def test_without_blender_nothing_is_installed_into_a_build_of_the_users_own(self) -> None:
+        with mock.patch.dict(os.environ, {"SUNDER_BUILD_DIR": str(self.folder)}), \
+                mock.patch.object(cycles.shutil, "which", lambda name: None):
+            with self.assertRaisesRegex(CommandError, "apt-get install --no-install-recommends blender"):
+                cycles.find_blender()
+
+    def test_a_blender_that_fails_is_told_with_its_last_words(self) -> None:
+        camera = perspective_camera(np.zeros(3), np.ones(3), np.array([1.0, 0.2, -0.5]), 32, 32)
+        ground = Ground(0.0, np.zeros(2), 1.0)
+        with tempfile.TemporaryDirectory() as name:
+            for text, wanted in (("echo torch; exit 7", r"(?s)ended with status 7 after 0 of 1 pictures.*torch"),
+                                 ("echo sunder-failed OSError: no frames; exit 1", "Blender: OSError: no frames"),
+                                 ("kill -9 $$", "was killed by SIGKILL")):
+                program = Path(name) / "blender"
+                program.write_text(f"#!/bin/sh\n{text}\n")
+                program.chmod(0o755)
+                with mock.patch.object(cycles, "find_blender", lambda program=program: str(program)):
+                    with self.assertRaisesRegex(CommandError, wanted):
+                        list(cycles.drawn(self.folder, cycles.Cycles(1, 24.0, None), [0], camera, ground, (32, 32)))
+
+
+@unittest.skipUnless(HAS_BLENDER, "Blender is not installed; apt-get install --no-install-recommends blender")
+class Drawn(OfARun):
+    def still(self, *arguments: str) -> np.ndarray:
+        status, said = self.sunder("render", "--size", SIZE, "--jobs", "1", "--frames", "4", "--no-caption", *arguments)
+        self.assertEqual(status, 0, said)
+        with Image.open(self.folder / "stills" / "still_000004.png") as image:
+            return np.asarray(image.convert("RGB"), float) / 255.0
+
+    def test_things_stand_where_the_rasteriser_has_them(self) -> None:
+        (self.folder / SCENE_COPY).write_text('materials { name: "paint" density: 1 }\n'
+                                              'shells { name: "pane" material: "paint" thickness_m: 1e-3 }')
+        for view in ("30,40", "top"):
+            masks = []
+            for arguments in ((), ("--cycles", "16")):
+                picture = self.still("--view", view, *arguments)
+                blue = picture[..., 2] - picture[..., 0]  # the pane is the only thing with a colour
+                smooth = sum(np.roll(blue, (a, b), (0, 1)) for a in (-1, 0, 1) for b in (-1, 0, 1)) / 9.0
+                masks.append(smooth > 0.5 * np.percentile(smooth, 95))
+            both, either = (masks[0] & masks[1]).sum(), (masks[0] | masks[1]).sum()
+            self.assertGreater(both, 800)
+            self.assertGreater(both / either, SAME, view)
+
+
+if __name__ == "__main__":
+    unittest.main()
