@@ -26,7 +26,7 @@ SUN_SIZE = 0.12       # [rad]: soft shadows
 # Colours of the sky from the horizon to the zenith, by the height of a direction. Glass shows its edges where bright and
 # dark stand side by side.
 SKY = ((0.0, (0.20, 0.22, 0.25)), (0.10, (0.62, 0.66, 0.70)), (0.28, (0.30, 0.36, 0.44)), (0.62, (0.55, 0.66, 0.82)),
-       (0.80, (1.9, 1.9, 1.85)))
+       (0.80, (1.1, 1.1, 1.08)))
 BRIGHTEST = 4.0       # of light that comes by glass or metal: single grains brighter than that would not average out
 LEVEL = 1e-3          # [of the size of the scene] within which a body that is flat lies on the ground
 
@@ -129,7 +129,7 @@ def _ground(ground: dict[str, Any]) -> None:
     material = bpy.data.materials.new("ground")
     material.use_nodes = True
     shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    _put(shader, {"Base Color": (0.16, 0.165, 0.17, 1.0), "Roughness": 0.6, "Specular": 0.2, "Specular IOR Level": 0.2})
+    _put(shader, {"Base Color": (0.20, 0.205, 0.21, 1.0), "Roughness": 0.6, "Specular": 0.2, "Specular IOR Level": 0.2})
     mesh.materials.append(material)
     bpy.context.scene.collection.objects.link(bpy.data.objects.new("ground", mesh))
 
@@ -137,7 +137,7 @@ def _ground(ground: dict[str, Any]) -> None:
 def _light(towards: list[float]) -> None:
     """Adds a sun in the direction `towards`, and a sky that is bright at the horizon."""
     lamp = bpy.data.lights.new("sun", "SUN")
-    lamp.energy, lamp.angle = 3.2, SUN_SIZE
+    lamp.energy, lamp.angle = 4.2, SUN_SIZE
     thing = bpy.data.objects.new("sun", lamp)
     thing.rotation_mode = "QUATERNION"
     thing.rotation_quaternion = Vector(towards).to_track_quat("Z", "Y")

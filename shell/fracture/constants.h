@@ -75,9 +75,11 @@ constexpr double kLookShare = 0.5;
 /// [edges]: lengths tried in turn, where a shorter one would add energy.
 /// numerical: what changes around a tip costs the same for any length
 constexpr double kEdgesTried[] = {1.0, 1.5, 2.0, 3.0, 4.0};
-/// [-]: a refused tip tries the longer ones at every such attempt, and keeps this pending length [edges].
+/// [attempts]: a refused tip tries the longer ones at every such attempt.
 /// numerical: cost; most tips that are refused once are refused again and again
 constexpr int kLongerTried = 5;
+/// [edges]: pending length that a refused tip keeps.
+/// numerical: cost of trying again
 constexpr double kRefusedPending = 0.25;
 /// g_b [G_f]: energy release above which a tip divides, of a material that gives no `branch_drive`.
 /// derived: two arms need twice the fracture energy, a necessary condition
@@ -90,10 +92,7 @@ constexpr double kBranchAngle = 28.0 * (std::numbers::pi / 180.0);
 constexpr double kWholeCrack = 2.0;
 /// [h]: no division with another crack within kBranchRoom of the point this far ahead.
 /// numerical: room for two arms
-constexpr double kBranchLook = 2.0;
-/// [h]: see kBranchLook.
-/// numerical: room for two arms
-constexpr double kBranchRoom = 1.5;
+constexpr double kBranchLook = 2.0, kBranchRoom = 1.5;
 /// [h]: edges of the tip's own crack that end so near behind it do not take that room.
 /// numerical: the last two edges
 constexpr double kBranchOwn = 2.0;
