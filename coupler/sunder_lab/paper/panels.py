@@ -8,9 +8,10 @@ from typing import Sequence
 import numpy as np
 from PIL import Image, ImageDraw
 
-from sunder_tools.pictures.contact_sheet import DIRECTION, moment_text
+from sunder_tools.pictures.contact_sheet import DIRECTION, moment_text, stand
 from sunder_tools.pictures.flat import along_normal
 from sunder_tools.pictures.frames import CRACKS, SHELL, Frame, list_frames
+from sunder_tools.pictures.ground import Ground
 from sunder_tools.pictures.lettering import draw_text
 from sunder_tools.pictures.look import Look
 from sunder_tools.pictures.meshes import Scene, fragment_edges, load_scene, reference_points
@@ -132,6 +133,9 @@ def view_panels(folder: Path, frames: list[Frame], size: tuple[int, int], box: B
     if box is None:
         box = Box.around([points for scene in scenes for points in (
             scene.glass.points, scene.solid.points[np.unique(scene.solid.triangles[~scene.solid.is_floor])], scene.moving)])
+    floors = [scene.floor_z for scene in scenes if scene.floor_z is not None]
+    for scene in scenes if floors else ():  # the floor of these scenes has no end, that in frames has
+        stand(scene, Ground(min(floors), 0.5 * (box.low + box.high)[:2], 0.5 * float(np.linalg.norm((box.high - box.low)[:2]))))
     width, height = size[0] * SAMPLES, size[1] * SAMPLES
     camera = perspective_camera(box.low, box.high, np.asarray(direction, float), width, height)
     return [Image.fromarray(as_bytes(draw_scene(scene, camera, width, height))).reduce(SAMPLES) for scene in scenes]
