@@ -251,6 +251,7 @@ class Told(unittest.TestCase):
             found = measured(runs, "fig13")
             self.assertEqual(found, {"points": 16000.0, "steps": 1000.0, "step_s": 2e-3, "threads": 2.0, "core_s": 3e-3})
             rows = [re.findall(r"<td>(.*?)</td>", line) for line in table(runs) if line.startswith("<tr><td>13<")]
+            self.assertEqual(rows[0][7:10], [f"{CORES * 1.23 * 8000:,.0f}", "3", f"{CORES * 1.23 * 8000 / 3.0:,.0f}"])  # in all
             self.assertEqual(rows[0][-4], f"{CORES * 1.23 / 3e-3:,.0f}")          # a step
             self.assertEqual(rows[0][-1], f"{CORES * 1.23 / 160e3 / (3e-3 / 16e3):,.0f}")  # a step and point
             self.assertEqual(measured(runs, "fig12"), {})
