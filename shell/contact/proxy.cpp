@@ -104,7 +104,7 @@ Proxy::Distance Proxy::distance(const Vec3& world) const {
     const double r = d.norm();
     return {r - s->radius, r > 0.0 ? Vec3(d / r) : Vec3(Vec3::UnitZ())};
   }
-  const Vec3 local = q.conjugate() * (world - body.motion.position);
+  const Vec3 local = this->local(world);
   if (std::holds_alternative<HalfSpaceShape>(body.shape)) return {local.z(), q * Vec3::UnitZ()};
   if (const auto* s = std::get_if<BoxShape>(&body.shape)) {
     const Vec3 over = local.cwiseAbs() - s->half_size;
@@ -132,6 +132,15 @@ Proxy::Distance Proxy::distance(const Vec3& world) const {
   }
   best.normal = q * best.normal;
   return best;
+}
+
+Proxy::Known Proxy::known(const Vec3& world, double distance) const {
+  return {local(world), distance, solid_ ? solid_->moved() : 0.0};
+}
+
+bool Proxy::surely_beyond(const Vec3& world, const Known& k, double least, double slack) const {
+  const double spare = k.value - least - slack - (solid_ ? solid_->moved() - k.moved : 0.0);
+  return spare > 0.0 && (local(world) - k.local).squaredNorm() < spare * spare;
 }
 
 Vec3 Proxy::velocity_at(const Vec3& world) const {

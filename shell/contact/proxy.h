@@ -1,5 +1,6 @@
 #pragma once
 // Copies of rigid bodies for the shell: true mass and inertia, a signed distance. An impulse moves a copy at once.
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -52,6 +53,15 @@ class Proxy {
     Vec3 normal;   // outward, world
   };
   Distance distance(const Vec3& world) const;
+  /// A distance that was computed: no other point is nearer to the body by more than the way to it.
+  struct Known {
+    Vec3 local = Vec3::Zero();  // in body coordinates
+    double value = -std::numeric_limits<double>::infinity();
+    double moved = 0.0;  // of the shape, until then [m]
+  };
+  Known known(const Vec3& world, double distance) const;
+  /// True where `known` tells that the distance is larger than `least`. `slack` covers round-off [m].
+  bool surely_beyond(const Vec3& world, const Known& known, double least, double slack) const;
   /// Radius of a sphere about the centre that holds the body [m]; infinite for a half space.
   double radius() const { return radius_; }
   /// Half of the middle side of a box, or of the box around a solid that is not convex; `radius` for other shapes [m].
@@ -79,6 +89,8 @@ class Proxy {
   std::shared_ptr<const DrivenMotion> driven_;
   Vec3 spin_ = Vec3::Zero();  // of a driven body [rad/s]
   double arrived_ = 0.0;      // [s]
+
+  Vec3 local(const Vec3& world) const { return body.motion.orientation.conjugate() * (world - body.motion.position); }
 };
 
 }  // namespace sunder::shell

@@ -70,6 +70,10 @@ Vec3 SolidDistance::corner_normal(std::int32_t number, int k) const {
 }
 
 void SolidDistance::move(const std::vector<Vec3>& corners) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < corners.size(); ++i)
+    squared = std::max(squared, (corners[i] - corners_[i]).squaredNorm());
+  moved_ += std::sqrt(squared);
   corners_ = corners;
   for (Triangle& t : triangles_) t = made(corners, t.number);
   for (std::size_t k = nodes_.size(); k-- > 0;) {  // children come after their parent

@@ -26,6 +26,8 @@ class SolidDistance {
   /// Velocity of the surface at its point nearest to x [m/s].
   Vec3 velocity_at(const Vec3& x) const;
   bool moves() const { return !velocities_.empty(); }
+  /// No point of the surface has moved further than this changed meanwhile [m].
+  double moved() const { return moved_; }
   /// Sides of the box around the surface, along the body's axes [m].
   const Vec3& extent() const { return extent_; }
 
@@ -62,6 +64,7 @@ class SolidDistance {
   std::vector<std::vector<int>> around_;
   std::vector<std::int32_t> place_;  // of each triangle in triangles_
   std::vector<Vec3> velocities_;
+  double moved_ = 0.0;
 };
 
 }  // namespace sunder::shell

@@ -14,20 +14,24 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+from PIL import Image
 
 from . import REPOSITORY
 from sunder_lab.paper import skeleton
-from sunder_lab.paper.catalogue import CASES, CORES, SIZES, TABLE_2
+from sunder_lab.paper.catalogue import CASES, CORES, SIZES, TABLE_2, scaled
 from sunder_lab.paper.depth import outside
 from sunder_lab.paper.figures import FIGURES
 from sunder_lab.paper.page import command, measured, state, table
+from sunder_lab.paper.panels import GAP, HEAD, shell_frames
 from sunder_lab.paper.runs import Record, Runs, about, left
-from sunder_lab.paper.views import hanging_together
-from sunder_lab.scene import SCENES
+from sunder_lab.paper.views import TALL, _off_body, figure_16, hanging_together
+from sunder_lab.scene import SCENES, Scene
 from sunder_tools.command import paper as subcommand
-from sunder_tools.errors import CommandError
-from sunder_tools.launch.run import COMMAND_FILE, USAGE_FILE
+from sunder_tools.errors import DONE, CommandError
+from sunder_tools.launch.run import COMMAND_FILE, USAGE_FILE, Job, run_scene
+from sunder_tools.pictures.frames import BODIES, SHELL
 from sunder_tools.pictures.vtp import PolyData
+from sunder_tools.report.run_json import read_run
 
 PAPER = SCENES / "paper"
 sys.path.append(str(PAPER))
@@ -186,6 +190,47 @@ class Pieces(unittest.TestCase):
         np.testing.assert_array_equal(found[0::2], found[1::2])
 
 
+class Mannequin(unittest.TestCase):
+    """Figure 16 of a run with few elements, until the dress tears."""
+
+    def test_dress_pieces_and_depths_are_those_of_the_run(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            runs = Runs(Path(name), "small", "1", True)
+            runs.open()
+            scene = PAPER / "fig16.textproto"
+            settings = (*scaled(Scene.load(scene), 0.1), "end_time_s=0.36", "output.frame_interval_s=0.04")
+            folder = runs.place("fig16")
+            self.assertEqual(run_scene(Job(scene, settings=settings, threads="1"), folder, quiet=True), DONE)
+            drawn = figure_16(runs)
+            self.assertEqual([picture for picture, _ in drawn.pictures], ["fig16.png"])
+            with Image.open(runs.folder / "fig16.png") as image:
+                width, height = TALL[0] + GAP, TALL[1] + HEAD + GAP
+                self.assertEqual(image.size, (6 * width + GAP, 2 * height + GAP))
+                panels = [[np.asarray(image.convert("RGB").crop((GAP + k * width, GAP + HEAD + row * height, (k + 1) * width,
+                                                                 (row + 1) * height)), float) for k in range(6)] for row in (0, 1)]
+            spread = [[np.ptp(panel, axis=2).max() for panel in row] for row in panels]
+            for row in spread:
+                self.assertGreater(row[0], 25.0)  # patches have colours; body, sky and ground are grey
+            self.assertGreater(np.abs(panels[0][4] - panels[0][5]).max(), 40.0)  # by patch, by piece
+            self.assertGreater(np.abs(panels[0][0] - panels[1][0]).max(), 40.0)  # from the front, from behind
+            run, frames = read_run(folder), shell_frames(folder)
+            self.assertGreater(run["cracks"]["length_m"], 0.1)
+            self.assertIn(f"{run['cracks']['length_m']:.2f} m long", drawn.found[0])
+            told = re.match(r"(\d+) pieces of a hundredth of the cloth or more; cracks in (\d+) of 12 patches", drawn.found[0])
+            assert told is not None, drawn.found
+            self.assertGreaterEqual(int(told[1]), 1)
+            self.assertLessEqual(int(told[2]), 12)
+            depth = re.search(r"deepest point of the dress is (-?[\d.]+) mm in the body.* at ([\d.]+) s", drawn.found[1])
+            assert depth is not None, drawn.found
+            half = 0.5 * Scene.load(scene).message.shells[0].thickness_m
+            at = min(frames, key=lambda frame: abs(frame.time_s - float(depth[2])))
+            shell, bodies = at.read(SHELL), at.read(BODIES)
+            assert shell is not None and bodies is not None
+            far = outside(shell.points[np.unique(shell.triangles)], bodies.points, bodies.triangles)
+            self.assertAlmostEqual(float(depth[1]), 1e3 * (half - far.min()), delta=0.06)
+            self.assertGreater(_off_body(frames[0]).min(), half)  # the dress starts off the body
+
+
 class Told(unittest.TestCase):
     def test_time_left_follows_the_run_once_it_is_under_way(self) -> None:
         self.assertEqual(left(10.0, 0.0, 60.0), 50.0)
@@ -206,6 +251,7 @@ class Told(unittest.TestCase):
             found = measured(runs, "fig13")
             self.assertEqual(found, {"points": 16000.0, "steps": 1000.0, "step_s": 2e-3, "threads": 2.0, "core_s": 3e-3})
             rows = [re.findall(r"<td>(.*?)</td>", line) for line in table(runs) if line.startswith("<tr><td>13<")]
+            self.assertEqual(rows[0][7:10], [f"{CORES * 1.23 * 8000:,.0f}", "3", f"{CORES * 1.23 * 8000 / 3.0:,.0f}"])  # in all
             self.assertEqual(rows[0][-4], f"{CORES * 1.23 / 3e-3:,.0f}")          # a step
             self.assertEqual(rows[0][-1], f"{CORES * 1.23 / 160e3 / (3e-3 / 16e3):,.0f}")  # a step and point
             self.assertEqual(measured(runs, "fig12"), {})

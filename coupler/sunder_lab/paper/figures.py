@@ -115,8 +115,9 @@ FIGURES = {figure.number: figure for figure in (
     Figure(17, "A marble on glass",
            "A ball hits a thin glass. Cracks start at the contact and form several circles outwards, with angular pieces. A "
            "rigid-body solver moves the fragments.", ("fig17",),
-           ("Size and thickness of the pane, the marble and the fracture energy are chosen; the strength scatters, as that of "
-            "glass does.", "It runs in mode TIPS, in which cracks are driven by the fracture energy. The paper's law would "
+           ("The pane has a side of 3.95 m: so wide is one with the spacing and the points of Table 2. Its thickness, the marble and the "
+            "fracture energy are chosen; the strength scatters, as that of glass does.",
+            "It runs in mode TIPS, in which cracks are driven by the fracture energy. The paper's law would "
             "need at least 131 J/m2 on its grid, sixteen times that of glass."), views.figure_17),
     Figure(18, "Shares of time",
            "Of the time of the garment's simulation, elasto-dynamics takes some 85 %, the four parts of fracture 15 %.",

@@ -97,8 +97,11 @@ def command(case: str, size: str) -> str:
     return command_line(words)
 
 
-HEADS = ("figure", "points, paper", "here", "steps, paper", "here", "s a step, paper", "here", "threads, paper", "here",
+HEADS = ("figure", "points, paper", "here", "steps, paper", "here", "s a step, paper", "here",
+         "core-s in all, paper", "here", "ratio", "threads, paper", "here",
          "core-s a step, paper", "here", "ratio", "core-µs a point and step, paper", "here", "ratio")
+FORMS = (",.0f", ",.0f", ".3g", ",.0f", ".0f", ".3g", ".3g")  # of points, steps, ...
+COMPARED = (3, 5, 6)  # those that have a ratio
 
 
 def table(runs: Runs) -> list[str]:
@@ -108,7 +111,8 @@ def table(runs: Runs) -> list[str]:
     return [f"<p>Points are those in layers (type IV). The paper's processor has {CORES} cores, which run {THREADS} threads; its "
             f"core-seconds are {CORES} times the seconds of its clock. Core-seconds here are the processor time of both "
             "processes, with contact, cracks, rigid shards and writing, over the substeps. A ratio is the paper's over ours. "
-            "The steps differ in length, and a small size has fewer points: the last ratio is the one that compares.</p>",
+            "The steps differ in length, and a small size has fewer points: the last ratio is the one that compares. In all counts "
+            "the whole run, which for Fig. 1 and Fig. 15 is not as long as the paper's.</p>",
             "<div style='overflow-x:auto'><table><tr>" + "".join(f"<th>{_text(h)}</th>" for h in HEADS) + "</tr>", *cells,
             "</table></div>"]
 
@@ -132,15 +136,12 @@ def measured(runs: Runs, case: str) -> dict[str, float]:
 
 def _row(row: Row, ours: dict[str, float]) -> list[str]:
     core_s = CORES * row.step_s
-    point = 1e6 * core_s / row.points
-    paper = [f"{row.points:,.0f}", f"{row.steps:,}", f"{row.step_s:.3g}", f"{THREADS}", f"{core_s:.3g}", f"{point:.3g}"]
-    if not ours:
-        return [str(row.figure), paper[0], "–", paper[1], "–", paper[2], "–", paper[3], "–", paper[4], "–", "–", paper[5], "–", "–"]
-    mine = 1e6 * ours["core_s"] / ours["points"]
-    here = [f"{ours['points']:,.0f}", f"{ours['steps']:,.0f}", f"{ours['step_s']:.3g}", f"{ours['threads']:.0f}",
-            f"{ours['core_s']:.3g}", f"{mine:.3g}"]
-    ratios = (f"{core_s / ours['core_s']:,.0f}", f"{point / mine:,.0f}")
+    theirs = (row.points, row.steps, row.step_s, core_s * row.steps, THREADS, core_s, 1e6 * core_s / row.points)
+    mine = (ours["points"], ours["steps"], ours["step_s"], ours["core_s"] * ours["steps"], ours["threads"], ours["core_s"],
+            1e6 * ours["core_s"] / ours["points"]) if ours else None
     out = [str(row.figure)]
-    for k in range(6):
-        out += [paper[k], here[k]] + ([ratios[0]] if k == 4 else [ratios[1]] if k == 5 else [])
+    for k, (form, paper) in enumerate(zip(FORMS, theirs)):
+        out += [format(paper, form), format(mine[k], form) if mine else "–"]
+        if k in COMPARED:
+            out.append(format(paper / mine[k], ",.0f") if mine else "–")
     return out

@@ -8,9 +8,10 @@ from typing import Sequence
 import numpy as np
 from PIL import Image, ImageDraw
 
-from sunder_tools.pictures.contact_sheet import DIRECTION, moment_text
+from sunder_tools.pictures.contact_sheet import DIRECTION, moment_text, stand
 from sunder_tools.pictures.flat import along_normal
 from sunder_tools.pictures.frames import CRACKS, SHELL, Frame, list_frames
+from sunder_tools.pictures.ground import Ground
 from sunder_tools.pictures.lettering import draw_text
 from sunder_tools.pictures.look import Look
 from sunder_tools.pictures.meshes import Scene, fragment_edges, load_scene, reference_points
@@ -18,6 +19,7 @@ from sunder_tools.pictures.raster import Camera, line_pixels, orthographic_camer
 from sunder_tools.pictures.views import as_bytes, draw_scene
 from sunder_tools.pictures.vtp import PolyData
 from sunder_tools.replacing import replacing
+from sunder_tools.report.scene_text import SCENE_COPY
 
 SAMPLES = 2                 # per pixel and direction
 GAP, HEAD = 8, 26           # [px] between panels, and of the line over each
@@ -132,9 +134,19 @@ def view_panels(folder: Path, frames: list[Frame], size: tuple[int, int], box: B
     if box is None:
         box = Box.around([points for scene in scenes for points in (
             scene.glass.points, scene.solid.points[np.unique(scene.solid.triangles[~scene.solid.is_floor])], scene.moving)])
+    stand_on_floor(folder, scenes, box)
     width, height = size[0] * SAMPLES, size[1] * SAMPLES
     camera = perspective_camera(box.low, box.high, np.asarray(direction, float), width, height)
     return [Image.fromarray(as_bytes(draw_scene(scene, camera, width, height))).reduce(SAMPLES) for scene in scenes]
+
+
+def stand_on_floor(folder: Path, scenes: list[Scene], box: Box) -> None:
+    """Puts scenes whose floor is a half space on a ground as wide as the box: frames have only a part of that floor."""
+    heights = [scene.floor_z for scene in scenes if scene.floor_z is not None]
+    if heights and "half_space" in (folder / SCENE_COPY).read_text(encoding="utf-8"):
+        size = 0.5 * float(np.linalg.norm((box.high - box.low)[:2]))
+        for scene in scenes:
+            stand(scene, Ground(min(heights), 0.5 * (box.low + box.high)[:2], size))
 
 
 def _on_sheets(scene: Scene, frame: Frame) -> Scene:

@@ -26,7 +26,9 @@ from .runs import Runs
 VIEW = (470, 352)  # [px]
 TALL = (380, 560)
 CAR_VIEW = (0.80, 0.50, -0.42)  # from the front, the left side and above
+BULLET_VIEW = (0.80, 0.52, -0.28)
 BULLET_S = (1e-3, 2e-3, 4e-3)  # instants [s]
+FALLING = (0.35, 1.0)  # shares of the time
 PIECE = 0.01       # share of the area from which a piece of the garment is counted
 GREY = np.array([0.76, 0.77, 0.78])
 
@@ -76,8 +78,8 @@ def figure_12(runs: Runs) -> Drawn:
     sheet = Box.around([shells(with_shell[:1])[0].points])
     middle, half = 0.5 * (sheet.low + sheet.high), 0.15 * float((sheet.high - sheet.low).max())
     close = Box(middle - half, middle + half * np.array([0.6, 1.0, 1.0]))
-    made = view_panels(folder, at_times(with_shell, BULLET_S), VIEW, close, direction=(-0.80, 0.52, -0.28))
-    made += view_panels(folder, with_shell[-1:], VIEW, sheet, direction=(-0.80, 0.52, -0.28))
+    made = view_panels(folder, at_times(with_shell, BULLET_S), VIEW, close, direction=BULLET_VIEW)
+    made += view_panels(folder, with_shell[-1:], VIEW, sheet, direction=BULLET_VIEW)
     out.add(runs, "fig12", board(made, captions([*at_times(with_shell, BULLET_S), with_shell[-1]]), 4),
             "The bullet comes through the sheet towards the eye; at the end the whole sheet.")
     run = read_run(folder)
@@ -250,7 +252,7 @@ def figure_17(runs: Runs) -> Drawn:
     folder, out = runs.place("fig17"), Drawn()
     frames = list_frames(folder)
     with_shell = shell_frames(folder)
-    breaking, falling = growing(with_shell, (0.3, 1.0)), at_times(frames, (0.05, min(0.15, frames[-1].time_s)))
+    breaking, falling = growing(with_shell, (0.3, 1.0)), at_times(frames, [share * frames[-1].time_s for share in FALLING])
     near = near_shell(frames[:1], 0.2)
     made = view_panels(folder, breaking, VIEW, near, direction=DIRECTION)
     made += view_panels(folder, falling, VIEW, Box(np.array([near.low[0], near.low[1], 0.0]), near.high), direction=DIRECTION)

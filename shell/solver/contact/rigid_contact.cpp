@@ -12,7 +12,8 @@ namespace {
 
 // speed [m/s] at which an overlap is taken back: a body born in overlap gains no energy
 constexpr double kFastestRecovery = 0.01;
-constexpr int kTile = 8;  // elements per side of a tile, the coarse unit of the search
+constexpr double kSlack = 1e-9;  // of the thickness: round-off of distances
+constexpr int kTile = 8;         // elements per side of a tile, the coarse unit of the search
 
 Vec3 position(const ShellState& s, const std::vector<GatheredFunction>& functions) {
   Vec3 x = Vec3::Zero();
@@ -113,14 +114,14 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
             if (gap >= margin) continue;
             const double free = std::max(0.0, gap - 0.5 * m.thickness);
             const int first = static_cast<int>(std::min(free / travel, static_cast<double>(kContactRefresh)));
-            list.push_back({block, lane, first});
+            list.push_back({block, lane, first, body.known(q.x, gap)});
           }
     }
   }
 }
 
 int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
-            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt,
+            const std::vector<ContactCoefficients>& coefficients, ContactCandidates& candidates, double dt,
             double kicked) {
   int touching = 0;
   thread_local std::vector<GatheredFunction> functions;
@@ -131,12 +132,14 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       touching += hertz_contact(m, s, body, coefficients[b].hertz, candidates.of_body[b], kicked);
       continue;
     }
-    for (const auto& candidate : candidates.of_body[b]) {
+    for (auto& candidate : candidates.of_body[b]) {
       if (candidates.age <= candidate.first) continue;
       sample_functions(m, s, candidate.block, candidate.lane, functions);  // a crack may have changed them
       if (functions.empty() || s.motion.detached[functions[0].slot]) continue;
       const Vec3 x = position(s, functions);
+      if (body.surely_beyond(x, candidate.known, 0.5 * m.thickness, kSlack * m.thickness)) continue;
       const Proxy::Distance middle = body.distance(x);
+      candidate.known = body.known(x, middle.value);
       if (middle.value > 0.5 * m.thickness) continue;
       // The face towards the body is half a thickness from the mid-surface, along the shell's own normal.
       Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();

@@ -18,6 +18,7 @@ struct ContactCandidates {
   struct Sample {
     int block, lane;
     int first = 0;  // number of substeps after the refresh in which it cannot touch
+    Proxy::Known known{};
   };
   std::vector<std::vector<Sample>> of_body;
   // Scratch of the search: positions of samples, computed once for all bodies.
@@ -49,7 +50,7 @@ void apply_impulse(ShellState& state, Proxy& body, const std::vector<GatheredFun
 /// with Hertz stiffness is treated by Hertz's law (solver/contact/hertz.h), a force that acts for `kicked` [s] as the
 /// forces of the kick did.
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
-            const std::vector<ContactCoefficients>& coefficients, const ContactCandidates& candidates, double dt,
+            const std::vector<ContactCoefficients>& coefficients, ContactCandidates& candidates, double dt,
             double kicked);
 
 }  // namespace sunder::shell

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "shell/mechanics/principal.h"
+#include "shell/mechanics/row_force.h"
 #include "shell/solver/cracking/damage_lattice.h"
 #include "shell/solver/cracking/insertion.h"
 
@@ -241,28 +242,53 @@ void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
   }
 }
 
+// Whether the points of a pack, whose six fields are `lanes` apart, are surely below the stress from which they are
+// listed: a bound says so without a root.
+bool surely_calm(const double* stress, int lanes, const double* strength, double at_rest) {
+  const auto field = [&](int k) { return load<Pack>(stress + k * lanes); };
+  const Pack one = most_tension(field(0), field(1), field(2)), other = most_tension(field(3), field(4), field(5));
+  const Pack most = select(one > other, one, other), limit = kSurelyBelow * kWatched * load<Pack>(strength);
+  const Pack tension = select(most > 0.0, most, Pack{});
+  return !any(tension + at_rest > limit);
+}
+
+// Whether none of the points of a pack is listed: its number is -1 then.
+bool none_listed(const int* point_of) {
+  int both = -1;
+  for (int lane = 0; lane < kLanes; ++lane) both &= point_of[lane];
+  return both < 0;
+}
+
 }  // namespace
 
 void watch_stress(const ShellModel& m, ShellState& s) {
   const RowTables& t = m.tables;
-  for (int q = 0; q < t.blocks(); ++q)
-    for (int e = 0; e < t.spans_u; ++e) {
-      const std::size_t g = static_cast<std::size_t>(q) * t.lanes + e;
-      const int point = s.cracked.point_of[g];
-      if (point >= 0) {
-        s.layers.c[g] = s.cracked.damage[point].damage(), s.layers.c_his[g] = s.cracked.damage[point].worst();
+  // stress at rest is not in the resultants: its tension in the middle is added
+  const double at_rest = kTemperedMiddle * m.material.surface_compression;
+  for (int q = 0; q < t.blocks(); ++q) {
+    const std::size_t start = static_cast<std::size_t>(q) * t.lanes;
+    const double* stress = &s.layers.surface_stress[t.at(q, 6, 0, 0)];
+    for (int first = 0; first < t.spans_u; first += kLanes) {
+      if (surely_calm(stress + first, t.lanes, &s.layers.strength[start + first], at_rest) &&
+          none_listed(&s.cracked.point_of[start + first]))
         continue;
+      for (int e = first; e < std::min(t.spans_u, first + kLanes); ++e) {
+        const int point = s.cracked.point_of[start + e];
+        if (point >= 0) {
+          const PointDamage& d = s.cracked.damage[point];
+          s.layers.c[start + e] = d.damage(), s.layers.c_his[start + e] = d.worst();
+          continue;
+        }
+        const double* f = stress + e;
+        double high = 0.0;
+        for (int face = 0; face < 2; ++face, f += 3 * t.lanes) {
+          const double half = 0.5 * (f[0] - f[t.lanes]);
+          high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::hypot(half, f[2 * t.lanes]));
+        }
+        if (high + at_rest > kWatched * s.layers.strength[start + e]) watch_point(m, s, q, e);
       }
-      const double* f = &s.layers.surface_stress[t.at(q, 6, 0, e)];
-      double high = 0.0;
-      for (int face = 0; face < 2; ++face, f += 3 * t.lanes) {
-        const double half = 0.5 * (f[0] - f[t.lanes]);
-        high = std::max(high, 0.5 * (f[0] + f[t.lanes]) + std::hypot(half, f[2 * t.lanes]));
-      }
-      // stress at rest is not in the resultants: its tension in the middle is added
-      high += kTemperedMiddle * m.material.surface_compression;
-      if (high > kWatched * s.layers.strength[g]) watch_point(m, s, q, e);
     }
+  }
 }
 
 int extract_cracks(const ShellModel& m, ShellState& s, double time, const DamageRules& r) {
