@@ -78,6 +78,9 @@ def _dress(material: Any, kinds: dict[str, str]) -> None:
     if kind == "glass":
         _put(shader, {"Transmission": 1.0, "Transmission Weight": 1.0, "Roughness": 0.0, "IOR": 1.52,
                       "Base Color": (0.90, 0.97, 0.94, 1.0)})
+        if material.name.endswith("_edge"):  # light that has gone through the sheet lengthwise is green, and scattered
+            _put(shader, {"Base Color": (0.45, 0.78, 0.62, 1.0), "Roughness": 0.3, "Transmission": 0.6,
+                          "Transmission Weight": 0.6})
         _let_light_through(tree, shader)
     elif kind == "metal":
         _put(shader, {"Metallic": 1.0, "Roughness": 0.28})
