@@ -74,6 +74,7 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
     s.cracks.graph.near(b, b, snap, [&](int e) {
       const CrackEdge& c = s.cracks.graph.edges()[e];
       if (e == tip.edge || c.from == tip.vertex || c.to == tip.vertex) return true;
+      if (c.crack == CrackEdge::kTiedTrim) return true;  // it runs beside a tied border as within a shell
       const bool own = c.crack == tip.crack || (c.crack == tip.sibling && tip.since_branch < kOwnEdges * m.spacing);
       if (own && ((c.a - a).norm() < kOwnEdges * m.spacing || (c.b - a).norm() < kOwnEdges * m.spacing)) return true;
       const double distance = s.cracks.graph.distance(b, e, foot);
