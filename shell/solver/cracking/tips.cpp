@@ -61,7 +61,10 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
       return true;
     }
     const double along = (q.x() * o.y() - o.x() * q.y()) / det, across = (far.x() * o.y() - o.x() * far.y()) / det;
-    if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest) nearest = along, hit = e;
+    // onto a tied border it runs by edges as elsewhere: it has not arrived there
+    const bool far_off = c.crack == CrackEdge::kTiedTrim && along * reach > std::max(length, kFirstEdge * m.spacing);
+    if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest && !far_off)
+      nearest = along, hit = e;
     return true;
   });
   const double past = kJoinPast * m.spacing;  // joins go past the crack, so that nothing sees between
