@@ -463,6 +463,9 @@ constexpr double kSmoothSeam = 1e-3;
 /// [h]: a crack beside a seam parts it so far beyond its ends.
 /// numerical: visibility is blocked just beyond an end
 constexpr double kSeamPad = 1.0;
+/// [-]: sine of the angle to a trimmed seam at which a crack goes on beyond it, at least.
+/// numerical: a flatter way would stay within an element of the seam; 14.5 degrees
+constexpr double kLeastCrossing = 0.25;
 
 // ---- Stable step
 

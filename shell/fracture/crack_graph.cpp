@@ -39,8 +39,9 @@ int CrackGraph::add_edge(int from, int to, int crack, double time, int face, dou
   return index;
 }
 
-void CrackGraph::add_trim(int from, int to) {
-  trims_ += add_edge(from, to, CrackEdge::kTrim, std::numeric_limits<double>::lowest(), 0) >= 0;
+void CrackGraph::add_trim(int from, int to, bool tied) {
+  trims_ +=
+      add_edge(from, to, tied ? CrackEdge::kTiedTrim : CrackEdge::kTrim, std::numeric_limits<double>::lowest(), 0) >= 0;
 }
 
 void CrackGraph::undo_edge() {

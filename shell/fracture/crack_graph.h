@@ -35,9 +35,11 @@ struct CrackEdge {
   int face = 0;             // tension side that opened it: -1, +1; 0: cut
   double resistance = 1.0;  // what its area takes, over the fracture energy of the material
 
-  bool is_trim() const { return crack == kTrim; }
+  bool is_trim() const { return crack == kTrim || crack == kTiedTrim; }
   // Crack of an edge that parts nothing: of a trim loop, or outside of it where a crack ends.
   static constexpr int kTrim = -1;
+  // The same of a trim loop where the shell is tied to another one: stress goes on beyond it.
+  static constexpr int kTiedTrim = -2;
 };
 
 class CrackGraph {
@@ -50,8 +52,9 @@ class CrackGraph {
   int add_edge(int from, int to, int crack, double time, int face, double resistance = 1.0);
   int new_crack() { return cracks_++; }
   int next_crack() const { return cracks_; }
-  /// Adds an edge of a trim loop, before all cracks. The region that exists lies on its left.
-  void add_trim(int from, int to);
+  /// Adds an edge of a trim loop, before all cracks. The region that exists lies on its left. `tied`: another shell is
+  /// tied to this one there.
+  void add_trim(int from, int to, bool tied = false);
   /// Number of edges of trim loops; they are the first ones.
   int trims() const { return trims_; }
   bool has_cracks() const { return static_cast<int>(edges_.size()) > trims_; }

@@ -280,6 +280,9 @@ RunSetup build(const scene::LoadedScene& scene) {
   for (const Seam& seam : r.stitches.seams)
     if (seam.join == Join::kClamped)
       r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;
+  std::vector<ShellModel*> models;
+  for (ShellSetup& shell : r.shells) models.push_back(&shell.model);
+  note_ties(r.stitches.seams, models);
   std::vector<std::pair<int, int>> beside;
   for (const Seam& seam : r.stitches.seams)
     if (r.shells[seam.first].can_crack() != r.shells[seam.second].can_crack())

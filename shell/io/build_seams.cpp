@@ -37,23 +37,6 @@ int whole_edges(const ShellModel& m) {
   return whole;
 }
 
-// Ties along trims hold until a whole shell leaves: they do not part with cracks.
-void check_uncracked(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
-                     const RunSetup& r) {
-  for (const Seam& seam : found.seams)
-    for (const int k : {seam.first, seam.second}) {
-      const ShellSetup& shell = r.shells[k];
-      const int other = k == seam.first ? seam.second : seam.first;
-      if (!seam.trimmed()) continue;
-      scene.check(
-          !shell.can_crack(), fmt::format("shells[{}]", parts[k].shell),
-          "'{}' can crack, and is joined to '{}' along a trim, which cracks cannot part; take a material without "
-          "strength and no cuts, or add to seams: rules {{ first: \"{}\" second: \"{}\" kind: OPEN }}",
-          shell.model.name, r.shells[other].model.name, r.shells[seam.first].model.name,
-          r.shells[seam.second].model.name);
-    }
-}
-
 // Gives seams the strength of their rule.
 void give_strengths(const scene::LoadedScene& scene, const std::vector<std::string>& names, Stitches& found) {
   const proto::Seams& m = scene.message.seams();
@@ -306,7 +289,6 @@ Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<SceneP
   give_strengths(scene, names, found);
   check_axes(scene, parts, found, r);
   check_releases(scene, parts, found, r);
-  check_uncracked(scene, parts, found, r);
   return found;
 }
 

@@ -7,7 +7,7 @@
 namespace sunder::shell {
 
 /// Finds the seams between the shells of `setup`, which are made of `parts`. Throws Error where shells nearly meet, a
-/// rule joins shells that do not meet, a support does not fit, or a shell that is joined along a trim can crack.
+/// rule joins shells that do not meet, or a support does not fit.
 Stitches make_stitches(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, CadFiles& files,
                        const RunSetup& setup);
 

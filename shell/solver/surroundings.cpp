@@ -179,6 +179,7 @@ double EnergyReleaseZone::share(const ShellModel& m, const CrackGraph& cracks, c
     const Vec2 far = Vec2::Constant(2.0 * asked_);
     cracks.near_since(p - far, p + far, known_, [&](int e) {
       const CrackEdge& c = cracks.edges()[e];
+      if (c.crack == CrackEdge::kTiedTrim) return;
       if (c.face == 0)
         end_at_cut(c.long_a - p, c.long_b - p, rays_);
       else
@@ -224,6 +225,7 @@ const std::vector<SeenEdge>& NearCracks::seen(const CrackGraph& cracks, const Ve
   for (const int e : around) {
     Vec2 foot;
     const double distance = cracks.distance(p, e, foot);
+    if (cracks.edges()[e].crack == CrackEdge::kTiedTrim) continue;  // stress goes on beyond it
     if (distance >= reach || !cracks.visible(p, foot + kShortOfEdge * (p - foot), e)) continue;
     const CrackEdge& c = cracks.edges()[e];
     edges_.push_back({distance, foot, (c.b - c.a).normalized()});

@@ -95,7 +95,8 @@ class EnergyReleaseZone {
 
   /// The share of a circle about p, of `radius` [m], that is the zone of p, by sectors: what lies nearer to p than to
   /// any crack, and before cuts and the border of the patch. Cracks relieve the rest. Beyond an edge that is joined to
-  /// another patch the zone goes on whatever cracks there. Earlier calls do not change the answer.
+  /// another patch, or a loop that is tied to one, the zone goes on whatever cracks there. Earlier calls do not change
+  /// the answer.
   double share(const ShellModel& model, const CrackGraph& cracks, const Vec2& p, double radius);
   /// Of the zone of the last share(): whether an offset from p [m] lies in it, and how far it reaches [m].
   bool holds(const Vec2& offset) const;

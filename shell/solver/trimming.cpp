@@ -8,6 +8,7 @@
 #include <Eigen/Dense>
 
 #include "coupler/core/error.h"
+#include "shell/geometry/seams.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -25,7 +26,8 @@ constexpr double kOnPatchEdge = 1e-9;     // distance over the size of the patch
 constexpr double kLeastMass = 0.03;
 constexpr double kLightMass = 0.2;  // share of its mass below which functions beside cracks leave a control point out
 constexpr double kHomeInside =
-    1e-3;  // distance from a loop at which a control point outside of it is at home [spacings]
+    1e-3;                        // distance from a loop at which a control point outside of it is at home [spacings]
+constexpr double kOnTied = 0.1;  // distance from the places of a tie at which an edge of a loop is tied [spacings]
 
 // Coefficients of the monomials up to the degree, about `centre` in units of `size`, at a control point: the blossom
 // of t^k at its inner knots, an elementary symmetric polynomial over its number of terms.
@@ -140,6 +142,17 @@ bool on_one_edge(const Patch& p, const Vec2& a, const Vec2& b) {
   for (int d = 0; d < 2; ++d)
     for (const double at : {low[d], high[d]})
       if (std::max(std::abs(a[d] - at), std::abs(b[d] - at)) <= near) return true;
+  return false;
+}
+
+// Whether a stretch of a loop at which ties hold another shell passes p.
+bool on_tied(const ShellModel& m, const Vec2& p) {
+  for (const std::vector<Vec2>& line : m.trim.tied)
+    for (std::size_t k = 0; k + 1 < line.size(); ++k) {
+      const Vec2 d = line[k + 1] - line[k];
+      const double share = std::clamp((p - line[k]).dot(d) / std::max(d.squaredNorm(), 1e-300), 0.0, 1.0);
+      if ((p - line[k] - share * d).norm() < kOnTied * m.spacing) return true;
+    }
   return false;
 }
 
@@ -281,6 +294,18 @@ void find_points(ShellModel& m) {
 
 }  // namespace
 
+void note_ties(const std::vector<Seam>& seams, const std::vector<ShellModel*>& models) {
+  for (ShellModel* m : models) m->trim.tied.clear();
+  for (const Seam& seam : seams)
+    for (const bool first : {true, false}) {
+      if (!seam.trimmed() || seam.join != Join::kClamped) continue;
+      std::vector<Vec2> line;
+      for (const SeamPlace& place : seam.places) line.push_back(first ? place.first : place.second);
+      if (seam.closed) line.push_back(line.front());
+      models[first ? seam.first : seam.second]->trim.tied.push_back(std::move(line));
+    }
+}
+
 void trim_supports(const Trimming& trim, Constraints& c) {
   const auto thin = [&](std::vector<int>& slots) { std::erase_if(slots, [&](int slot) { return trim.drops(slot); }); };
   for (int d = 0; d < 3; ++d) {
@@ -398,7 +423,8 @@ void trim_state(const ShellModel& m, ShellState& s) {
         const bool ends = k + 2 == loop.points.size() && i + 1 == pieces;
         if (first < 0) first = last = graph.add_vertex(a);
         const int to = ends ? first : graph.add_vertex(a + (b - a) * ((i + 1.0) / pieces));
-        if (!on_one_edge(m.patch, graph.vertices()[last], graph.vertices()[to])) graph.add_trim(last, to);
+        const Vec2 &from = graph.vertices()[last], &end = graph.vertices()[to];
+        if (!on_one_edge(m.patch, from, end)) graph.add_trim(last, to, on_tied(m, 0.5 * (from + end)));
         last = to;
       }
     }

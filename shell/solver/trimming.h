@@ -10,6 +10,7 @@
 
 namespace sunder::shell {
 
+struct Seam;
 struct ShellModel;
 struct ShellState;
 
@@ -29,10 +30,11 @@ struct Trimming {
   std::vector<char> absent;
   // Place of each control point inside the loops, or just inside for one that stays outside. The piece there owns it.
   std::vector<Vec2> home;
-  std::vector<int> outside;           // control points that stay outside of the loops
-  std::vector<GatheredPoint> points;  // Gauss points in cut elements, and those that a dropped control point moves
-  std::vector<int> point_of;          // [block][lane]: index into `points`; -1: none
-  int reach = 0;                      // most columns or rows between two control points of one Gauss point
+  std::vector<int> outside;             // control points that stay outside of the loops
+  std::vector<GatheredPoint> points;    // Gauss points in cut elements, and those that a dropped control point moves
+  std::vector<int> point_of;            // [block][lane]: index into `points`; -1: none
+  std::vector<std::vector<Vec2>> tied;  // stretches of the loops at which ties hold another shell
+  int reach = 0;                        // most columns or rows between two control points of one Gauss point
 
   bool empty() const { return loops.empty(); }
   bool drops(int slot) const { return !dropped_of.empty() && dropped_of[slot] >= 0; }
@@ -42,6 +44,10 @@ struct Trimming {
 /// the functions of Gauss points beside loops. Supports and loads lose what is outside. Throws Error where the
 /// loops leave no Gauss point, where a part is too narrow for the control points in it, and where a load lies outside.
 void trim_shell(ShellModel& model, const TrimLoops& loops);
+
+/// Notes where seams tie trimmed shells to others in position and angle, once all are known. `models` are the patches
+/// of the seams.
+void note_ties(const std::vector<Seam>& seams, const std::vector<ShellModel*>& models);
 
 /// Takes dropped control points out of supports. Throws Error where a part of a support holds none of those that stay.
 void trim_supports(const Trimming& trim, Constraints& constraints);

@@ -64,6 +64,9 @@ struct Stitched : Rig {
         },
         whole);
     for (Seam& seam : find_trim_seams(bordered, tolerance, joins)) out.stitches.seams.push_back(std::move(seam));
+    std::vector<ShellModel*> tied;
+    for (ShellSetup& s : out.shells) tied.push_back(&s.model);
+    note_ties(out.stitches.seams, tied);
     return out;
   }
   Stitching& stitching() { return now().stitching; }

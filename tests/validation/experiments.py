@@ -215,6 +215,8 @@ EXPERIMENTS = {"shells": (
     Experiment("crack", "a crack over a seam runs as in the single patch", _later("seam_runs", "crack")),
     Experiment("follow", "a crack along a seam runs as in the single patch", _later("seam_runs", "follow")),
     Experiment("piece", "a piece over a seam leaves as one body", _later("seam_runs", "piece")),
+    Experiment("trim_crack", "a crack over a tie along a trim runs as in the single patch", _later("trim_runs", "trim_crack")),
+    Experiment("trim_piece", "a piece over such a tie leaves as one body", _later("trim_runs", "trim_piece")),
 )}
 
 

@@ -61,7 +61,10 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
       return true;
     }
     const double along = (q.x() * o.y() - o.x() * q.y()) / det, across = (far.x() * o.y() - o.x() * far.y()) / det;
-    if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest) nearest = along, hit = e;
+    // onto a tied border it runs by edges as elsewhere: it has not arrived there
+    const bool far_off = c.crack == CrackEdge::kTiedTrim && along * reach > std::max(length, kFirstEdge * m.spacing);
+    if (along > 1e-6 && along <= 1.0 && across >= 0.0 && across <= 1.0 && along < nearest && !far_off)
+      nearest = along, hit = e;
     return true;
   });
   const double past = kJoinPast * m.spacing;  // joins go past the crack, so that nothing sees between
@@ -74,6 +77,7 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
     s.cracks.graph.near(b, b, snap, [&](int e) {
       const CrackEdge& c = s.cracks.graph.edges()[e];
       if (e == tip.edge || c.from == tip.vertex || c.to == tip.vertex) return true;
+      if (c.crack == CrackEdge::kTiedTrim) return true;  // it runs beside a tied border as within a shell
       const bool own = c.crack == tip.crack || (c.crack == tip.sibling && tip.since_branch < kOwnEdges * m.spacing);
       if (own && ((c.a - a).norm() < kOwnEdges * m.spacing || (c.b - a).norm() < kOwnEdges * m.spacing)) return true;
       const double distance = s.cracks.graph.distance(b, e, foot);

@@ -6,6 +6,7 @@
 #include "shell/solver/cracking/insertion.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/cracking/tips.h"
+#include "shell/solver/joining/trim_cracks.h"
 
 namespace sunder::shell {
 namespace {
@@ -94,8 +95,12 @@ int propagate_over_seams(const std::vector<Seam>& seams, const std::vector<Shell
       tip.seam_decided = true;
       const CrackEdge& last = shells[k].state->cracks.graph.edges()[tip.edge];
       const Tip from = tip;  // a copy, since tips are added below
+      const Vec2 before = from.vertex == last.to ? last.a : last.b;
       Exit exit;
-      if (!exit_of(m, from.vertex == last.to ? last.a : last.b, from.p, exit)) continue;
+      const bool leaves = exit_of(m, before, from.p, exit);
+      count += propagate_over_trims(seams, shells, can_crack, k, from, leaves ? exit.at : from.p,
+                                    (from.p - before).normalized(), time);
+      if (!leaves) continue;
       each_seam(seams, k, exit, [&](const Seam& seam, int other, double) {
         if (!can_crack[other]) return;
         const ShellModel& n = *shells[other].model;
@@ -109,26 +114,13 @@ int propagate_over_seams(const std::vector<Seam>& seams, const std::vector<Shell
         Eigen::Matrix<double, 3, 2> tangents;
         tangents << there.u, there.v;
         const Vec2 way = (tangents.transpose() * tangents).ldlt().solve(tangents.transpose() * way_on).normalized();
-        ShellState& s = *shells[other].state;
-        const int before = static_cast<int>(s.cracks.graph.edges().size());
-        insert_polyline(n, s, {at, at + kFirstEdge * n.spacing * way}, time);
-        const std::size_t first = s.cracks.tips.size();
-        start_at_ends(n, s, before, static_cast<int>(s.cracks.graph.edges().size()));
-        for (std::size_t t = first; t < s.cracks.tips.size(); ++t) {
-          Tip& on = s.cracks.tips[t];
-          // it has run on at once, and waits as long as that would have taken it
-          on.pending = -kFirstEdge * n.spacing - (from.p - exit.at).norm();
-          // shorter than a whole crack: no less so; else it may turn as sharply as one that starts, which rights the
-          // edge that it has run blindly
-          if (from.grown < kWholeCrack * from.flaw)
-            on.strength = from.strength, on.flaw = from.flaw, on.grown = from.grown,
-            on.since_branch = from.since_branch;
-        }
+        start_beyond(n, *shells[other].state, at, kFirstEdge * n.spacing * way, from, (from.p - exit.at).norm(), time);
         ++count;
       });
     }
   }
   // Cracks of any origin release what a seam joins across them, also cracks that have just crossed one.
+  const std::vector<int> seen_before(stitching.edges_seen().begin(), stitching.edges_seen().end());
   bool parted = false;
   for (int k = 0; k < static_cast<int>(shells.size()); ++k) {
     const auto& edges = shells[k].state->cracks.graph.edges();
@@ -147,7 +139,25 @@ int propagate_over_seams(const std::vector<Seam>& seams, const std::vector<Shell
     }
   }
   if (parted) stitching.release_corners(shells, seams);
+  stitching.renew_ties(shells, seams, seen_before);
   return count;
+}
+
+void start_beyond(const ShellModel& n, ShellState& s, const Vec2& at, const Vec2& edge, const Tip& from, double behind,
+                  double time) {
+  const int before = static_cast<int>(s.cracks.graph.edges().size());
+  insert_polyline(n, s, {at, at + edge}, time);
+  const std::size_t first = s.cracks.tips.size();
+  start_at_ends(n, s, before, static_cast<int>(s.cracks.graph.edges().size()));
+  for (std::size_t t = first; t < s.cracks.tips.size(); ++t) {
+    Tip& on = s.cracks.tips[t];
+    // it has run on at once, and waits as long as that would have taken it
+    on.pending = -edge.norm() - behind;
+    // shorter than a whole crack: no less so; else it may turn as sharply as one that starts, which rights the
+    // edge that it has run blindly
+    if (from.grown < kWholeCrack * from.flaw)
+      on.strength = from.strength, on.flaw = from.flaw, on.grown = from.grown, on.since_branch = from.since_branch;
+  }
 }
 
 void release_seams(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, Stitching& stitching, int shell,

@@ -16,20 +16,20 @@
 namespace sunder::shell {
 namespace {
 
-constexpr double kTieSpacing = 1.0;  // of hat functions [elements of the coarser side]
-constexpr int kFewestClosed = 3;     // hat functions on a seam that goes round
-constexpr double kNoWeight = 1e-13;  // of the largest weight of a row
-constexpr double kMostChange = 0.1;  // of the largest weight: changes of weights that close a gap
-constexpr double kFlat = 1e-12;      // least over largest spread of control points that make a direction
-constexpr double kRidge = 1e-12;     // of the diagonal: rows may say nearly the same
-constexpr int kPasses = 3;           // of solutions, each of which takes away the round-off of the one before
-constexpr int kBendSteps = 6;        // of Newton's method for all creases; three suffice
-constexpr double kBent = 1e-12;      // of a length: round-off
-constexpr double kAligned = 1e-14;   // of the velocities: round-off
+constexpr double kTieSpacing = 1.0;   // of hat functions [elements of the coarser side]
+constexpr double kNoWeight = 1e-13;   // of the largest weight of a row
+constexpr double kMostChange = 0.1;   // of the largest weight: changes of weights that close a gap
+constexpr double kMostRenewed = 0.5;  // the same of a row that cracks have changed
+constexpr double kFlat = 1e-12;       // least over largest spread of control points that make a direction
+constexpr double kRidge = 1e-12;      // of the diagonal: rows may say nearly the same
+constexpr int kPasses = 3;            // of solutions, each of which takes away the round-off of the one before
+constexpr int kBendSteps = 6;         // of Newton's method for all creases; three suffice
+constexpr double kBent = 1e-12;       // of a length: round-off
+constexpr double kAligned = 1e-14;    // of the velocities: round-off
 
-using Row = std::map<std::pair<int, int>, double>;
+using TermMap = std::map<std::pair<int, int>, double>;
 
-void add(Row& row, int shell, const std::vector<GatheredFunction>& functions, double value, const Vec2& slope) {
+void add(TermMap& row, int shell, const std::vector<GatheredFunction>& functions, double value, const Vec2& slope) {
   for (const GatheredFunction& f : functions)
     row[{shell, f.slot}] += value * f.n[0] + slope.x() * f.n[1] + slope.y() * f.n[2];
 }
@@ -39,40 +39,41 @@ Vec3 rest_of(const ShellModel& m, int slot) {
   return {m.rest[slot], m.rest[plane + slot], m.rest[2 * plane + slot]};
 }
 
-Vec3 sum_of(const Row& row, const std::vector<const ShellModel*>& shells) {
-  Vec3 sum = Vec3::Zero();
-  for (const auto& [at, weight] : row) sum += weight * rest_of(*shells[at.first], at.second);
-  return sum;
-}
-
-// Changes the weights as little as possible, so that their sum stays and the sum at rest is zero. Borders are apart by
-// tolerances, or by the sag of polygons. Where all control points are in one plane, a gap across it stays.
-void close_gap(Row& row, const std::vector<const ShellModel*>& shells) {
+// Changes the weights as little as possible, so that their sum stays and the sum of the places x(shell, slot) is zero.
+// Borders are apart by tolerances, or by the sag of polygons; functions that cracks leave differ from those before.
+// Where all control points are in one plane, a gap across it stays; so does one along an axis on which they spread too
+// little to close it with changes below `most`, a share of the largest weight.
+template <class F>
+void close_gap(TermMap& row, double most_change, F&& x) {
   for (int pass = 0; pass < 2; ++pass) {  // the second takes away the round-off of the first
-    const Vec3 gap = sum_of(row, shells);
-    Vec3 middle = Vec3::Zero();
-    for (const auto& [at, weight] : row)
-      middle += rest_of(*shells[at.first], at.second) / static_cast<double>(row.size());
-    Mat3 spread = Mat3::Zero();
+    Vec3 middle = Vec3::Zero(), gap = Vec3::Zero();
     double most = 0.0;
     for (const auto& [at, weight] : row) {
-      const Vec3 d = rest_of(*shells[at.first], at.second) - middle;
-      spread += d * d.transpose(), most = std::max(most, std::abs(weight));
+      middle += x(at) / static_cast<double>(row.size()), gap += weight * x(at);
+      most = std::max(most, std::abs(weight));
     }
+    Mat3 spread = Mat3::Zero();
+    for (const auto& [at, weight] : row) spread += (x(at) - middle) * (x(at) - middle).transpose();
     const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
-    Vec3 way = Vec3::Zero();
-    for (int d = 0; d < 3; ++d)
-      if (axes.eigenvalues()[d] > kFlat * axes.eigenvalues()[2])
-        way -= axes.eigenvectors().col(d).dot(gap) / axes.eigenvalues()[d] * axes.eigenvectors().col(d);
-    double change = 0.0;
-    for (const auto& [at, weight] : row)
-      change = std::max(change, std::abs(way.dot(rest_of(*shells[at.first], at.second) - middle)));
-    if (change > kMostChange * most) return;
-    for (auto& [at, weight] : row) weight += way.dot(rest_of(*shells[at.first], at.second) - middle);
+    for (int flattest = 0; flattest < 3; ++flattest) {
+      Vec3 way = Vec3::Zero();
+      for (int d = flattest; d < 3; ++d)
+        if (axes.eigenvalues()[d] > kFlat * axes.eigenvalues()[2])
+          way -= axes.eigenvectors().col(d).dot(gap) / axes.eigenvalues()[d] * axes.eigenvectors().col(d);
+      double change = 0.0;
+      for (const auto& [at, weight] : row) change = std::max(change, std::abs(way.dot(x(at) - middle)));
+      if (change > most_change * most) continue;
+      for (auto& [at, weight] : row) weight += way.dot(x(at) - middle);
+      break;
+    }
   }
 }
 
-std::vector<WeightedSlot> listed(const Row& row) {
+void close_gap(TermMap& row, const std::vector<const ShellModel*>& shells) {
+  close_gap(row, kMostChange, [&](const std::pair<int, int>& at) { return rest_of(*shells[at.first], at.second); });
+}
+
+std::vector<WeightedSlot> listed(const TermMap& row) {
   double most = 0.0;
   for (const auto& [at, weight] : row) most = std::max(most, std::abs(weight));
   std::vector<WeightedSlot> out;
@@ -81,41 +82,48 @@ std::vector<WeightedSlot> listed(const Row& row) {
   return out;
 }
 
+// The sum of differences of position, or of slope over `element` [m], at the places of a hat. of_a, of_b: [place].
+template <class Functions>
+TermMap weighed(const Seam& seam, const Hat& hat, const Functions& of_a, const Functions& of_b, double element,
+                bool slope) {
+  TermMap row;
+  const bool sharp = seam.angle >= kSharpCrease;
+  for (std::size_t k = 0; k < hat.places.size(); ++k) {
+    const SeamPlace& place = seam.places[hat.places[k]];
+    const double weight = hat.weights[k];
+    const auto &a = of_a.at(hat.places[k]).functions, &b = of_b.at(hat.places[k]).functions;
+    if (slope) {
+      // Directions into the patches are opposite on a smooth seam; their difference tells the angle of a sharp crease.
+      add(row, seam.first, a, 0.0, weight * element * place.into_first);
+      add(row, seam.second, b, 0.0, (sharp ? -weight : weight) * element * place.into_second);
+    } else {
+      add(row, seam.first, a, weight, Vec2::Zero());
+      add(row, seam.second, b, -weight, Vec2::Zero());
+    }
+  }
+  return row;
+}
+
 }  // namespace
 
 SeamRows seam_rows(const Seam& seam, const std::vector<const ShellModel*>& shells) {
   const ShellModel &a = *shells[seam.first], &b = *shells[seam.second];
   const double element = std::max(a.spacing, b.spacing);
-  const int spans = std::max(seam.closed ? kFewestClosed : 1, static_cast<int>(seam.length / (kTieSpacing * element)));
-  const int count = seam.closed ? spans : spans + 1;
-  const bool sharp = seam.angle >= kSharpCrease, clamped = seam.join == Join::kClamped;
-  std::vector<Row> position(count), slope(count);
-  std::vector<double> all(count, 0.0);
-  for (const SeamPlace& place : seam.places) {
-    const auto of_a = shell_functions(a, place.first), of_b = shell_functions(b, place.second);
-    const double at = place.along / seam.length * spans;
-    const int before = std::min(spans - 1, static_cast<int>(at));
-    for (const int k : {before, before + 1}) {
-      const double weight = place.length * (1.0 - std::abs(at - k));
-      const int row = k % count;
-      all[row] += weight;
-      add(position[row], seam.first, of_a, weight, Vec2::Zero());
-      add(position[row], seam.second, of_b, -weight, Vec2::Zero());
-      if (!clamped) continue;
-      // Directions into the patches are opposite on a smooth seam; their difference tells the angle of a sharp crease.
-      add(slope[row], seam.first, of_a, 0.0, weight * element * place.into_first);
-      add(slope[row], seam.second, of_b, 0.0, (sharp ? -weight : weight) * element * place.into_second);
-    }
-  }
+  const bool clamped = seam.join == Join::kClamped;
+  const std::vector<char> none(seam.places.size(), 0);
   SeamRows out;
-  for (int k = 0; k < count; ++k) {
-    for (auto& [at, weight] : position[k]) weight /= all[k];
-    for (auto& [at, weight] : slope[k]) weight /= all[k];
-    close_gap(position[k], shells);
-    out.ties.push_back(listed(position[k]));
+  std::vector<PlaceFunctions> of_a, of_b;
+  for (const SeamPlace& place : seam.places)
+    of_a.push_back({shell_functions(a, place.first)}), of_b.push_back({shell_functions(b, place.second)});
+  for (const Hat& hat : hats_along(seam, kTieSpacing * element, none, none)) {
+    TermMap position = weighed(seam, hat, of_a, of_b, element, false);
+    close_gap(position, shells);
+    out.ties.push_back(listed(position)), out.of_ties.push_back({-1, false, hat});
     if (!clamped) continue;
-    if (seam.smooth) close_gap(slope[k], shells);
-    (seam.smooth ? out.ties : out.creases).push_back(listed(slope[k]));
+    TermMap slope = weighed(seam, hat, of_a, of_b, element, true);
+    if (seam.smooth) close_gap(slope, shells);
+    (seam.smooth ? out.ties : out.creases).push_back(listed(slope));
+    (seam.smooth ? out.of_ties : out.of_creases).push_back({-1, true, hat});
   }
   return out;
 }
@@ -157,7 +165,10 @@ SeamTies::Row SeamTies::row_of(std::vector<WeightedSlot> terms, const std::vecto
 }
 
 SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std::vector<WeightedSlot>> creases,
-                   const std::vector<const ShellModel*>& shells) {
+                   const std::vector<const ShellModel*>& shells)
+    : SeamTies({std::move(rows), std::move(creases), {}, {}}, {}, shells) {}
+
+SeamTies::SeamTies(SeamRows rows, const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells) {
   for (const ShellModel* m : shells) {
     auto& fixed = fixed_.emplace_back();
     for (int d = 0; d < 3; ++d) {
@@ -165,8 +176,82 @@ SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std:
       for (const int slot : m->constraints.held[d]) fixed[d][slot] = m->held[slot] == 0;
     }
   }
-  for (auto& terms : rows) rows_.push_back(row_of(std::move(terms), shells));
-  for (auto& terms : creases) creases_.push_back(row_of(std::move(terms), shells));
+  for (auto& terms : rows.ties) rows_.push_back(row_of(std::move(terms), shells));
+  for (auto& terms : rows.creases) creases_.push_back(row_of(std::move(terms), shells));
+  for (std::size_t k = 0; k < rows.of_ties.size(); ++k) rows_[k].origin = std::move(rows.of_ties[k]);
+  for (std::size_t k = 0; k < rows.of_creases.size(); ++k) creases_[k].origin = std::move(rows.of_creases[k]);
+  for (const Seam& seam : seams) places_.emplace_back(seam);
+}
+
+SeamTies::Row SeamTies::renewed(const Seam& seam, const std::vector<ShellRef>& shells, RowOrigin origin,
+                                const Substitute& independent) const {
+  const TiePlaces& places = places_[origin.seam];
+  const std::vector<const ShellModel*> models = [&] {
+    std::vector<const ShellModel*> out;
+    for (const ShellRef& r : shells) out.push_back(r.model);
+    return out;
+  }();
+  std::map<int, PlaceFunctions> of_a, of_b;
+  bool bends = true;
+  for (const int i : origin.hat.places) {
+    of_a[i] = places.at(seam, models, i, true), of_b[i] = places.at(seam, models, i, false);
+    bends = bends && of_a[i].bends != 0 && of_b[i].bends != 0;
+  }
+  Row out;
+  out.origin = std::move(origin);
+  if (out.origin.slope && !bends) return out;  // nothing there has a slope of its own
+  const double element = std::max(models[seam.first]->spacing, models[seam.second]->spacing);
+  TermMap row;
+  for (const WeightedSlot& t :
+       independent(listed(weighed(seam, out.origin.hat, of_a, of_b, element, out.origin.slope))))
+    row[{t.shell, t.slot}] += t.weight;
+  const auto present = [&](const std::pair<int, int>& at) { return shells[at.first].state->position(at.second); };
+  if (!out.origin.slope || seam.smooth) close_gap(row, kMostRenewed, present);
+  out.terms = listed(row);
+  for (const WeightedSlot& t : out.terms) out.rest += t.weight * present({t.shell, t.slot});
+  return out;
+}
+
+void SeamTies::renew_kind(const Seam& seam, const std::vector<ShellRef>& shells, int number, bool slope,
+                          const std::vector<Hat>& hats, const Substitute& independent) {
+  std::vector<Row>& rows = slope && !seam.smooth ? creases_ : rows_;
+  const auto own = [&](const Row& row) { return row.origin.seam == number && row.origin.slope == slope; };
+  std::vector<Row> now;
+  for (const Hat& hat : hats) {
+    const bool changed =
+        std::any_of(hat.places.begin(), hat.places.end(), [&](int place) { return places_[number].changed(place); });
+    const auto old =
+        std::find_if(rows.begin(), rows.end(), [&](const Row& row) { return own(row) && row.origin.hat.same_as(hat); });
+    now.push_back(old != rows.end() && !changed ? *old : renewed(seam, shells, {number, slope, hat}, independent));
+    if (now.back().terms.empty()) now.pop_back();
+  }
+  std::erase_if(rows, own);
+  rows.insert(rows.end(), now.begin(), now.end());
+}
+
+bool SeamTies::renew(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, const std::vector<int>& first,
+                     const Substitute& independent) {
+  bool any = false;
+  for (int k = 0; k < static_cast<int>(places_.size()); ++k) {
+    const Seam& seam = seams[k];
+    if (!seam.trimmed() || !places_[k].look(seam, shells, first)) continue;
+    const double element = std::max(shells[seam.first].model->spacing, shells[seam.second].model->spacing);
+    const std::vector<Hat> hats = hats_along(seam, kTieSpacing * element, places_[k].apart(), places_[k].gone());
+    renew_kind(seam, shells, k, false, hats, independent);
+    if (seam.join == Join::kClamped) renew_kind(seam, shells, k, true, hats, independent);
+    any = true;
+  }
+  if (any) solver_.reset(), cracked_ = true;
+  return any;
+}
+
+void SeamTies::check() const {
+  for (const auto* kind : {&rows_, &creases_})
+    for (const Row& row : *kind)
+      for (const WeightedSlot& t : row.terms)
+        if (t.shell < 0 || t.shell >= static_cast<int>(fixed_.size()) || t.slot < 0 ||
+            t.slot >= static_cast<int>(fixed_[t.shell][0].size()))
+          throw Error(Exit::kBadInput, "bad_checkpoint", "a tie names a control point that is none");
 }
 
 const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {

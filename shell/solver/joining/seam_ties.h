@@ -2,11 +2,13 @@
 // Ties along trimmed seams: linear constraints between control points of two shells, and impulses that keep them.
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <memory>
 #include <vector>
 
 #include "coupler/core/archive.h"
 #include "shell/geometry/seams.h"
+#include "shell/solver/joining/tie_places.h"
 #include "shell/solver/state.h"
 
 namespace sunder::shell {
@@ -17,10 +19,23 @@ struct WeightedSlot {
   double weight = 0.0;
 };
 
+/// What a row was made of. Without a seam it stays as it is when cracks come.
+struct RowOrigin {
+  int seam = -1;
+  bool slope = false;  // of the differences of slope, not of position
+  Hat hat;
+
+  template <class A>
+  friend void archive(A& a, RowOrigin& r) {
+    archive_all(a, r.seam, r.slope, r.hat);
+  }
+};
+
 /// The rows of the constraints of one seam. Each is a sum of weighted control points that stays as it is at rest.
 struct SeamRows {
   std::vector<std::vector<WeightedSlot>> ties;     // the sum is zero: position, and slope where the seam is smooth
   std::vector<std::vector<WeightedSlot>> creases;  // the length of the sum stays: the angle of a crease
+  std::vector<RowOrigin> of_ties, of_creases;      // their `seam` is for the caller to set
 };
 
 /// Makes the rows of a trimmed seam. Hat functions along it, an element of the coarser side apart, weigh differences of
@@ -36,6 +51,8 @@ class SeamTies {
   /// them, or ties it to others.
   SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std::vector<WeightedSlot>> creases,
            const std::vector<const ShellModel*>& shells);
+  /// The same with the origins of rows and creases, which let cracks change them. `seams`: to which origins refer.
+  SeamTies(SeamRows rows, const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells);
 
   bool empty() const { return rows_.empty(); }
   /// Adds the forces of ties to `field`, so that tied control points accelerate alike.
@@ -59,6 +76,13 @@ class SeamTies {
     if (any) solver_.reset();
     return any;
   }
+  using Substitute = std::function<std::vector<WeightedSlot>(const std::vector<WeightedSlot>&)>;
+  /// Makes rows anew that the cracks' edges from first[k] on, by shells, concern: no row reaches over a crack, and the
+  /// functions beside a crack are those that it leaves. A new row holds at the present positions: the least change of
+  /// its weights closes the gap that other functions make. `independent` replaces dependent control points. Returns
+  /// whether any row has changed; velocities may then not fit.
+  bool renew(const std::vector<Seam>& seams, const std::vector<ShellRef>& shells, const std::vector<int>& first,
+             const Substitute& independent);
   /// Calls back (shell, slot, shell, slot) for pairs of control points that connect all of each row.
   template <class F>
   void each_link(F&& callback) const {
@@ -67,14 +91,15 @@ class SeamTies {
         callback(row.terms[0].shell, row.terms[0].slot, row.terms[k].shell, row.terms[k].slot);
   }
   bool parted() const {
-    return std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return !row.holds; });
+    return cracked_ || std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return !row.holds; });
   }
 
   template <class A>
   friend void archive(A& a, SeamTies& s) {
-    for (Row& row : s.rows_) archive_one(a, row.holds);
-    for (Row& row : s.creases_) archive_one(a, row.holds);
+    archive_all(a, s.rows_, s.creases_, s.cracked_);
+    for (TiePlaces& places : s.places_) archive_one(a, places);
     s.solver_.reset();
+    if constexpr (A::kReading) s.check();
   }
 
  private:
@@ -82,13 +107,26 @@ class SeamTies {
     std::vector<WeightedSlot> terms;
     Vec3 rest = Vec3::Zero();  // of the sum, where no change of the weights makes it zero
     bool holds = true;
+    RowOrigin origin{};
+
+    template <class A>
+    friend void archive(A& a, Row& r) {
+      archive_all(a, r.terms, r.rest, r.holds, r.origin);
+    }
   };
   struct Solver;
   const Solver& solver(const std::vector<ShellRef>& shells);
 
   static Row row_of(std::vector<WeightedSlot> terms, const std::vector<const ShellModel*>& shells);
+  Row renewed(const Seam& seam, const std::vector<ShellRef>& shells, RowOrigin origin,
+              const Substitute& independent) const;
+  void renew_kind(const Seam& seam, const std::vector<ShellRef>& shells, int number, bool slope,
+                  const std::vector<Hat>& hats, const Substitute& independent);
+  void check() const;  // throws Error (bad_checkpoint) where rows name control points that are none
 
   std::vector<Row> rows_, creases_;
+  std::vector<TiePlaces> places_;                        // [seam]
+  bool cracked_ = false;                                 // cracks have changed rows
   std::vector<std::array<std::vector<char>, 3>> fixed_;  // [shell][axis][slot]: a support holds it along this axis only
   std::shared_ptr<const Solver> solver_;                 // for the masses of now; made anew where they change
 };

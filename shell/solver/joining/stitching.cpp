@@ -96,40 +96,49 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
 }
 
 // Replaces dependent control points by those that they depend on.
-std::vector<Stitching::Term> Stitching::independent_terms(const std::vector<Term>& from) const {
+std::vector<WeightedSlot> Stitching::independent_terms(const std::vector<WeightedSlot>& from) const {
   std::map<std::pair<int, int>, double> terms;
-  for (const Term& t : from) {
-    const auto it = std::find_if(dependent_points_.begin(), dependent_points_.end(),
-                                 [&](const DependentPoint& d) { return d.shell == t.shell && d.slot == t.slot; });
+  for (const WeightedSlot& t : from) {
+    const auto it = std::find_if(dependent_points_.begin(), dependent_points_.end(), [&](const DependentPoint& d) {
+      return d.holds && d.shell == t.shell && d.slot == t.slot;
+    });
     if (it == dependent_points_.end())
       terms[{t.shell, t.slot}] += t.weight;
     else
       for (const IndependentPoint& m : it->on) terms[{m.shell, m.slot}] += t.weight * m.weight;
   }
-  std::vector<Term> out;
+  std::vector<WeightedSlot> out;
   for (const auto& [at, weight] : terms)
     if (std::abs(weight) > kLooseWeight) out.push_back({at.first, at.second, weight});
   return out;
 }
 
 void Stitching::tie_trims(const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells) {
-  std::vector<std::vector<WeightedSlot>> ties, creases;
-  const auto independent = [&](const std::vector<WeightedSlot>& row) {
-    std::vector<Term> terms;
-    for (const WeightedSlot& w : row) terms.push_back({w.shell, w.slot, w.weight});
-    std::vector<WeightedSlot> out;
-    for (const Term& t : independent_terms(terms)) out.push_back({t.shell, t.slot, t.weight});
-    return out;
+  SeamRows all;
+  const auto take = [&](int seam, const std::vector<std::vector<WeightedSlot>>& rows, std::vector<RowOrigin>& origins,
+                        std::vector<std::vector<WeightedSlot>>& into, std::vector<RowOrigin>& of) {
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+      std::vector<WeightedSlot> own = independent_terms(rows[k]);
+      if (own.empty()) continue;
+      origins[k].seam = seam;
+      into.push_back(std::move(own)), of.push_back(std::move(origins[k]));
+    }
   };
-  for (const Seam& seam : seams) {
-    if (!seam.trimmed()) continue;
-    const SeamRows rows = seam_rows(seam, shells);
-    for (const auto& row : rows.ties)
-      if (auto tie = independent(row); !tie.empty()) ties.push_back(std::move(tie));
-    for (const auto& row : rows.creases)
-      if (auto crease = independent(row); !crease.empty()) creases.push_back(std::move(crease));
+  for (std::size_t k = 0; k < seams.size(); ++k) {
+    if (!seams[k].trimmed()) continue;
+    SeamRows rows = seam_rows(seams[k], shells);
+    take(static_cast<int>(k), rows.ties, rows.of_ties, all.ties, all.of_ties);
+    take(static_cast<int>(k), rows.creases, rows.of_creases, all.creases, all.of_creases);
   }
-  ties_ = SeamTies(std::move(ties), std::move(creases), shells);
+  if (!all.ties.empty() || !all.creases.empty()) ties_ = SeamTies(std::move(all), seams, shells);
+}
+
+void Stitching::renew_ties(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams,
+                           const std::vector<int>& first) {
+  const auto independent = [&](const std::vector<WeightedSlot>& terms) { return independent_terms(terms); };
+  if (ties_.empty() || !ties_.renew(seams, shells, first, independent)) return;
+  book_lost(shells, 0, ties_.align(shells, 0.0, true));
+  update_dependent_velocities(shells);
 }
 
 void Stitching::move_masses(const std::vector<ShellRef>& shells) {

@@ -82,6 +82,9 @@ class Stitching {
   void release_beside(const std::vector<ShellRef>& shells, const Seam& seam, int shell, double low, double high);
   /// Releases all control points that a seam joins from share `low` of its first edge to share `high`.
   void open(const std::vector<ShellRef>& shells, const Seam& seam, double low, double high);
+  /// Makes the ties along trims anew that edges of cracks from first[k] on, by shells, concern, and books the kinetic
+  /// energy that is lost.
+  void renew_ties(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams, const std::vector<int>& first);
   /// Releases corner points, after the functions above. At a corner of patches, shells stay joined while the seams from
   /// that corner still join them at their nearest control points.
   void release_corners(const std::vector<ShellRef>& shells, const std::vector<Seam>& seams);
@@ -144,7 +147,7 @@ class Stitching {
   double release_dependent(const std::vector<ShellRef>& shells, DependentPoint& dependent);
   static double turn(const std::vector<ShellRef>& shells, const DependentPoint& dependent, const Vec3& turning);
   static void refresh(const std::vector<ShellRef>& shells, const DependentPoint& dependent);
-  std::vector<Term> independent_terms(const std::vector<Term>& terms) const;
+  std::vector<WeightedSlot> independent_terms(const std::vector<WeightedSlot>& terms) const;
   void tie_trims(const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells);
 
   std::vector<DependentPoint> dependent_points_;
