@@ -303,10 +303,7 @@ constexpr double kEyeShare = 0.01;
 constexpr double kOffLattice = 0.013;
 /// [-]: direction in which lines are moved off lattice lines.
 /// numerical: along neither axis nor diagonal
-constexpr double kNudgeU = 1.0;
-/// [-]: see kNudgeU.
-/// numerical: along neither axis nor diagonal
-constexpr double kNudgeV = 1.3;
+constexpr double kNudgeU = 1.0, kNudgeV = 1.3;
 /// [1/h]: samples along a way of which the damaged share is taken.
 /// numerical: resolution
 constexpr double kWaySamples = 4.0;
@@ -463,8 +460,8 @@ constexpr double kSmoothSeam = 1e-3;
 /// [h]: a crack beside a seam parts it so far beyond its ends.
 /// numerical: visibility is blocked just beyond an end
 constexpr double kSeamPad = 1.0;
-/// [-]: sine of the angle to a trimmed seam at which a crack goes on beyond it, at least.
-/// numerical: a flatter way would stay within an element of the seam; 14.5 degrees
+/// [-]: least sine of the angle to a trimmed seam at which a crack goes on beyond it.
+/// numerical: a flatter way would stay within an element of the seam
 constexpr double kLeastCrossing = 0.25;
 
 // ---- Stable step
