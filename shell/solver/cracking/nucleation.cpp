@@ -262,9 +262,8 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
     const FirstEnd end = end_towards(m, s.cracks.graph, join_foot, join_foot + kFirstEdge * m.spacing * d);
     return start_crack(m, s, r, s.cracks.graph.add_vertex(join_foot - kJoinPast * m.spacing * d), end, kind, time);
   }
-  const Vec2 half = 0.5 * kFirstEdge * m.spacing * along;
-  const FirstEnd first = end_towards(m, s.cracks.graph, p, p - half),
-                 last = end_towards(m, s.cracks.graph, p, p + half);
+  const FirstEnd first = end_towards(m, s.cracks.graph, p, p - 0.5 * kFirstEdge * m.spacing * along),
+                 last = end_towards(m, s.cracks.graph, p, p + 0.5 * kFirstEdge * m.spacing * along);
   const int a = s.cracks.graph.add_vertex(first.at);
   const int inserted = start_crack(m, s, r, a, last, kind, time);
   if (inserted > 0) {
