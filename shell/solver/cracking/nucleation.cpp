@@ -126,10 +126,34 @@ double mean_resistance(const ShellModel& m, const FlawLine& line) {
   return sum / steps;
 }
 
-// Starts a crack from vertex `from` to the point `to`; its open end lives on.
-int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int from, const Vec2& to, const Tip& kind,
+// The end of a crack that starts at p towards `to`: there, or on a border before it at which ties hold another shell.
+struct FirstEnd {
+  Vec2 at;
+  bool on_tie = false;
+};
+
+FirstEnd end_towards(const ShellModel& m, const CrackGraph& cracks, const Vec2& p, const Vec2& to) {
+  const Vec2 way = to - p;
+  double nearest = 2.0;
+  cracks.near(p, to, 0.0, [&](int e) {
+    const CrackEdge& c = cracks.edges()[e];
+    if (c.crack != CrackEdge::kTiedTrim || !segments_meet(p, to, c.long_a, c.long_b)) return true;
+    const Vec2 edge = c.long_b - c.long_a, from = c.long_a - p;
+    const double across = way.x() * edge.y() - way.y() * edge.x();
+    if (across != 0.0) nearest = std::min(nearest, (from.x() * edge.y() - from.y() * edge.x()) / across);
+    return true;
+  });
+  if (nearest > 1.0) return {to};
+  return {p + nearest * way + kJoinPast * m.spacing * way.normalized(), true};
+}
+
+// Starts a crack from vertex `from` to the point `to`; its open end lives on, but on a tie, where the next shell may
+// continue it.
+int start_crack(const ShellModel& m, ShellState& s, const CrackRules& r, int from, const FirstEnd& end, const Tip& kind,
                 double time) {
+  const Vec2& to = end.at;
   Tip tip = kind;
+  tip.alive = !end.on_tie;
   tip.edge = extend_cracks(m, s, {{from, to, tip.crack, tip.face}}, time, r.interlock, r.threads);
   if (tip.edge < 0) {
     s.cracks.graph.undo_vertex();  // the other end is new as well
@@ -235,14 +259,17 @@ int nucleate_at(const ShellModel& m, ShellState& s, const CrackRules& r, const s
   kind.crack = s.cracks.graph.new_crack();
   if (joins) {
     const Vec2 d = (p - join_foot).dot(along) > 0.0 ? along : Vec2(-along);
-    return start_crack(m, s, r, s.cracks.graph.add_vertex(join_foot - kJoinPast * m.spacing * d),
-                       join_foot + kFirstEdge * m.spacing * d, kind, time);
+    const FirstEnd end = end_towards(m, s.cracks.graph, join_foot, join_foot + kFirstEdge * m.spacing * d);
+    return start_crack(m, s, r, s.cracks.graph.add_vertex(join_foot - kJoinPast * m.spacing * d), end, kind, time);
   }
-  const int a = s.cracks.graph.add_vertex(p - 0.5 * kFirstEdge * m.spacing * along);
-  const int inserted = start_crack(m, s, r, a, p + 0.5 * kFirstEdge * m.spacing * along, kind, time);
+  const FirstEnd first = end_towards(m, s.cracks.graph, p, p - 0.5 * kFirstEdge * m.spacing * along),
+                 last = end_towards(m, s.cracks.graph, p, p + 0.5 * kFirstEdge * m.spacing * along);
+  const int a = s.cracks.graph.add_vertex(first.at);
+  const int inserted = start_crack(m, s, r, a, last, kind, time);
   if (inserted > 0) {
     Tip back = s.cracks.tips.back();
     back.vertex = a, back.p = s.cracks.graph.vertices()[a], back.direction = -along;
+    back.alive = !first.on_tie;
     s.cracks.tips.push_back(back);
   }
   return inserted;

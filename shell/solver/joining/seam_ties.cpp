@@ -205,6 +205,9 @@ SeamTies::Row SeamTies::renewed(const Seam& seam, const std::vector<ShellRef>& s
   for (const WeightedSlot& t :
        independent(listed(weighed(seam, out.origin.hat, of_a, of_b, element, out.origin.slope))))
     row[{t.shell, t.slot}] += t.weight;
+  double sum = 0.0;  // of round-off, and of what `independent` leaves out
+  for (const auto& [at, weight] : row) sum += weight;
+  for (auto& [at, weight] : row) weight -= sum / static_cast<double>(row.size());
   const auto present = [&](const std::pair<int, int>& at) { return shells[at.first].state->position(at.second); };
   if (!out.origin.slope || seam.smooth) close_gap(row, kMostRenewed, present);
   out.terms = listed(row);

@@ -85,7 +85,9 @@ int propagate_over_trims(const std::vector<Seam>& seams, const std::vector<Shell
   };
   double length = kFirstEdge * n.spacing;
   while (length > kShortestFirst * n.spacing && !inside(foot->beyond + length * way)) length *= 0.5;
-  start_beyond(n, s, foot->beyond, length * way, tip, (tip.p - at).norm(), time);
+  // The last edge has been cut once a whole one was due, whatever its length.
+  const CrackEdge& last = shells[shell].state->cracks.graph.edges()[tip.edge];
+  start_beyond(n, s, foot->beyond, length * way, tip, (last.b - last.a).norm() - kEdgeLength * m.spacing, time);
   return 1;
 }
 

@@ -72,8 +72,12 @@ TEST(TiePlaces, NoHatReachesOverACrackOrWeighsWhatIsGone) {
       for (const Hat& hat : hats) {
         const std::set<int> in(hat.places.begin(), hat.places.end());
         EXPECT_FALSE(in.contains(cut) && in.contains(cut + 1)) << closed << " " << cut;
-        // hats that are left are no slivers, but for a stretch that is one itself
-        if (std::abs(cut - (cut + 17) % 40) > 4) EXPECT_GE(in.size(), 2u) << closed << " " << cut;
+        // hats that are left are no slivers, where stretches are none: of the line's ends, the cut and the gap
+        const int gap = (cut + 17) % 40, ends[] = {0, 40, cut + 1, gap, gap + 1};
+        bool wide = true;
+        for (const int a : ends)
+          for (const int b : ends) wide = wide && (a == b || std::abs(a - b) > 3 || std::min(a, b) == gap);
+        EXPECT_GE(in.size(), wide ? 2u : 1u) << closed << " " << cut;
       }
     }
 }
@@ -94,9 +98,10 @@ TEST(TiePlaces, FunctionsBesideACrackAreThoseOfTheSurface) {
     for (const GatheredFunction& f : found.functions) {
       const Vec3 rest(m.rest[f.slot], m.rest[m.tables.plane + f.slot], m.rest[2 * m.tables.plane + f.slot]);
       x += f.n[0] * rest, u += f.n[1] * rest;
-      if (std::abs(v - 0.5) < 0.3 && std::abs(v - 0.5) > 1e-3)
+      if (std::abs(v - 0.5) < 0.3 && std::abs(v - 0.5) > 1e-3) {
         EXPECT_TRUE((m.trim.home[m.tables.control_point(f.slot)].y() > 0.5) == (v > 0.5) || std::abs(v - 0.5) > 0.2)
             << v;
+      }
     }
     const SurfacePoint at = m.patch.evaluate(p);
     EXPECT_LT((x - at.x).norm(), 1e-9) << v;

@@ -66,8 +66,9 @@ TEST(TrimCracks, GoOnFromTheSamePlaceInTheSameDirection) {
       const Tip& on = s.state(1).cracks.tips[0];
       EXPECT_TRUE(on.alive);
       EXPECT_LT(on.pending, 0.0);
-      const CrackEdge& e = s.state(1).cracks.graph.edges()[on.edge];
-      const Vec3 start = place(s, 1, e.a), end = place(s, 1, e.b), met(seam_at(kCross), kCross, 0.0);
+      const CrackGraph& cracks = s.state(1).cracks.graph;
+      const Vec3 start = place(s, 1, cracks.edges()[cracks.trims()].a), end = place(s, 1, on.p),
+                 met(seam_at(kCross), kCross, 0.0);
       const Vec3 way = (end - start).normalized(), before(tip.direction.x(), tip.direction.y(), 0.0);
       EXPECT_LT((start - met).norm(), 0.03 * s.model(1).spacing) << times;
       EXPECT_LT((way - before).norm(), 1e-3) << times;
@@ -132,8 +133,8 @@ TEST(TrimCracks, PartTiesAcrossThemAndNoOthers) {
       across += (height(a, i) > 0.0) != (height(b, j) > 0.0);
     });
     EXPECT_EQ(across, 0) << times;
-    EXPECT_EQ(after, before) << times;
-    EXPECT_GT(left, before);  // beside the crack, too
+    EXPECT_GE(after, before) << times;  // functions beside a crack reach further
+    EXPECT_GT(left, before);            // beside the crack, too
     // What is above moves on by itself: it loses nothing to what is below.
     Vec3 own = Vec3::Zero(), later = Vec3::Zero();
     const auto above = [&](Vec3& sum) {
@@ -182,7 +183,10 @@ TEST(TrimCracks, NewTiesKeepMomentaAndPlaces) {
   EXPECT_LT((after.momentum - before.momentum).norm(), 1e-12 * before.momentum_scale);
   EXPECT_LT((after.angular - before.angular).norm(), 1e-12 * before.angular_scale);
   const double now = s.forces(true) + s.kinetic(dt);
-  EXPECT_LT(now, energy * (1.0 + 1e-9));  // cutting takes energy, and so does what no longer fits
+  // cutting takes energy, and so does what no longer fits; else it is booked
+  const double injected = s.state(0).book.injected + s.state(1).book.injected;
+  EXPECT_LT(now, energy * (1.0 + 1e-9) + injected);
+  EXPECT_LT(injected, 1e-3 * energy);
   EXPECT_GT(now, cut * (1.0 - 0.02));
   s.run(400, dt);
   const auto end = s.sums();
