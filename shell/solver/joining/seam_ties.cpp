@@ -297,7 +297,7 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
     }
     for (int e = 0; e < d && !s->factors[d]; ++e)
       if (s->mobility[e] == s->mobility[d]) s->factors[d] = s->factors[e];
-    if (s->factors[d]) continue;
+    if (s->factors[d] || s->rows.empty()) continue;
     Eigen::SparseMatrix<double> matrix = s->weights * s->mobility[d].asDiagonal() * s->weights.transpose();
     for (Eigen::Index k = 0; k < matrix.rows(); ++k) {
       double& own = matrix.coeffRef(k, k);
@@ -312,8 +312,11 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
     for (const WeightedSlot& t : creases_[s->creases[k]].terms) s->bends(k, number.at({t.shell, t.slot})) += t.weight;
   for (int d = 0; d < 3 && bends > 0; ++d) {
     const Eigen::MatrixXd free = s->mobility[d].asDiagonal() * s->bends.transpose();
-    const Eigen::MatrixXd held = s->factors[d]->solve(Eigen::MatrixXd(s->weights * free));
-    s->response[d] = free - s->mobility[d].asDiagonal() * Eigen::MatrixXd(s->weights.transpose() * held);
+    s->response[d] = free;
+    if (!s->rows.empty()) {
+      const Eigen::MatrixXd held = s->factors[d]->solve(Eigen::MatrixXd(s->weights * free));
+      s->response[d] -= s->mobility[d].asDiagonal() * Eigen::MatrixXd(s->weights.transpose() * held);
+    }
     s->coupling[d] = s->bends * s->response[d];
   }
   solver_ = s;
@@ -323,6 +326,7 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
 void SeamTies::add_forces(const std::vector<ShellRef>& shells, std::vector<double>& (*field)(ShellState&)) {
   if (rows_.empty()) return;
   const Solver& s = solver(shells);
+  if (s.rows.empty()) return;
   const auto count = static_cast<Eigen::Index>(s.points.size());
   Eigen::VectorXd force(count);
   for (int d = 0; d < 3; ++d) {
@@ -341,6 +345,7 @@ void SeamTies::add_forces(const std::vector<ShellRef>& shells, std::vector<doubl
 double SeamTies::align(const std::vector<ShellRef>& shells, double dt, bool pass) {
   if (rows_.empty()) return 0.0;
   const Solver& s = solver(shells);
+  if (s.rows.empty()) return 0.0;
   const auto count = static_cast<Eigen::Index>(s.points.size());
   double lost = 0.0;
   Eigen::VectorXd v(count), x(count), rest(static_cast<Eigen::Index>(s.rows.size()));

@@ -194,3 +194,19 @@ TEST(TrimCracks, NewTiesKeepMomentaAndPlaces) {
   EXPECT_LT((end.angular - before.angular).norm(), 1e-11 * before.angular_scale);
   EXPECT_LT(s.forces(true) + s.kinetic(dt), now * (1.0 + 1e-3));
 }
+
+// Once all ties have parted, nothing is left to keep.
+TEST(TrimCracks, NothingIsKeptWhereAllHasParted) {
+  Stitched s = plates(0);
+  s.stitching().release(s.refs(), [](int shell, int) { return shell == 1; });
+  int left = 0;
+  s.stitching().each_link([&](int, int, int, int) { ++left; });
+  EXPECT_EQ(left, 0);
+  for (std::size_t i = 0; i < s.state(1).motion.mass.size(); ++i)
+    if (s.state(1).motion.inverse_mass[i] > 0.0) s.state(1).add_velocity(static_cast<int>(i), Vec3(1.0, 0.2, 0.3));
+  const auto before = s.sums();
+  s.run(20, 0.5 * s.stable());
+  EXPECT_LT((s.sums().momentum - before.momentum).norm(), 1e-13 * before.momentum_scale);
+  for (std::size_t i = 0; i < s.state(0).motion.mass.size(); ++i)
+    EXPECT_EQ(s.state(0).velocity(static_cast<int>(i)), Vec3(Vec3::Zero()));
+}
