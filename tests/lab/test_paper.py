@@ -12,6 +12,7 @@ import tempfile
 import time
 import unittest
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 from PIL import Image
@@ -257,6 +258,17 @@ class Told(unittest.TestCase):
             self.assertEqual(measured(runs, "fig12"), {})
             (folder / "run.json").write_text('{"status": "failed"}')
             self.assertEqual(measured(runs, "fig13"), {})
+
+    def test_a_scene_that_is_edited_while_it_runs_is_run_again(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            runs = Runs(Path(name), "small", "1", True)
+            runs.open()
+            scene = ["as it ran"]
+            with mock.patch.object(Runs, "identity", lambda self, case: scene[0]):
+                with mock.patch.object(Runs, "_one", lambda self, case: (scene.append(scene.pop() + ", edited"), (DONE, ""))[1]):
+                    self.assertTrue(runs.run(("fig13",)))
+                self.assertEqual(runs.record.cases["fig13"]["identity"], "as it ran")
+                self.assertFalse(runs.done("fig13"))
 
     def test_a_record_that_cannot_be_read_is_begun_anew(self) -> None:
         with tempfile.TemporaryDirectory() as name:

@@ -108,6 +108,7 @@ class Runs:
             expected_s = self._expected.pop(name, 0.0)
             told = _Progress(f"{name}, run {self._number} of {in_all}", self.place(name), CASES[name].made(self.size), expected_s,
                              sum(self._expected.values()), self._quiet)
+            identity = self.identity(name)  # before the run: its scene may be edited meanwhile
             with told:
                 start = time.monotonic()
                 status, failure = self._one(name)
@@ -116,7 +117,7 @@ class Runs:
                 return False
             if failure:
                 print(f"sunder: {name} failed: {failure}", file=sys.stderr, flush=True)
-            self.record.cases[name] = {"identity": self.identity(name), "wall_s": wall_s, "failed": failure}
+            self.record.cases[name] = {"identity": identity, "wall_s": wall_s, "failed": failure}
             self.record.write()
         return True
 
