@@ -256,6 +256,8 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   if (error) j["error"] = error_of(*error);
   if (recorder.peer()) j["engine"] = {{"name", recorder.peer()->name}, {"version", recorder.peer()->version}};
   j["counts"] = counts_of(run);
+  j["shells"] = Json::array();
+  for (const ShellPart& part : state.shells) j["shells"].push_back(part.model().name);
   j["time"] = time_of(run, recorder);
   j["energy"] = energy_of(run);
   j["cracks"] = cracks_of(run);

@@ -25,7 +25,7 @@ from sunder_tools.pictures.motion import body_velocity
 from sunder_tools.pictures.playback import Playback, impulses
 from sunder_tools.places import BUILD_DIR_VARIABLE
 from sunder_tools.report.columns import read_columns, thin
-from sunder_tools.report.scene_text import SceneTextError, Words, parse_text, scene_words, words_of
+from sunder_tools.report.scene_text import SCENE_COPY, SceneTextError, Words, parse_text, scene_words, words_of
 
 from . import REPOSITORY
 from .synthetic import SyntheticRun
@@ -241,6 +241,19 @@ class SceneText(InAFolder):
         scene = parse_text((REPOSITORY / "scenes" / "impactor.textproto").read_text())
         self.assertIsNone(words_of(scene, ["materials[concrete].density=1"]).mass_under("impactor"))
         self.assertIsNotNone(words_of(scene, ["end_time_s=1"]).mass_under("impactor"))
+
+    def test_a_mesh_that_became_several_shells_has_their_names(self) -> None:
+        (self.folder / SCENE_COPY).write_text("""materials { name: "clay" density: 2000 strength: 1 } materials { name: "glass" }
+            shells { name: "vase" material: "clay" thickness_m: 0.01 } shells { name: "lid" material: "glass" thickness_m: 0.02 }""")
+        told = {"schema": 1, "counts": {"patches": 4}, "shells": ["vase.1", "vase.2.1", "vase.2.2", "lid"]}
+        (self.folder / "run.json").write_text(json.dumps(told))
+        words = scene_words(self.folder)
+        self.assertEqual((words.shells, words.materials), (tuple(told["shells"]), ("clay", "clay", "clay", "glass")))
+        self.assertEqual((words.glass, words.thickness), ((False, False, False, True), (0.01, 0.01, 0.01, 0.02)))
+        self.assertEqual(words.surface_density[:3], (20.0,) * 3)
+        for shells in (["vase.1", "vase.2", "jug.1", "lid"], ["vase.1", "lid"], "lid", None):  # of no shell, too few, no list
+            (self.folder / "run.json").write_text(json.dumps({**told, "shells": shells}))
+            self.assertEqual(scene_words(self.folder), Words())
 
     def test_names_of_another_scene_are_not_taken(self) -> None:
         (self.folder / "run.json").write_text('{"schema": 1, "scene": "impactor", "counts": {"patches": 3}}')

@@ -8,7 +8,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -149,11 +149,34 @@ def _words_of_run(folder: Path) -> Words:
         words = words_of(parse_text(path.read_text()), settings)
     except (OSError, ValueError) as error:
         raise SceneTextError(f"{path} cannot be read ({error})") from None
-    counts = read_run(folder).get("counts")
+    run = read_run(folder)
+    counts = run.get("counts")
     patches = counts.get("patches") if isinstance(counts, dict) else None
+    names = run.get("shells")
+    if isinstance(names, list) and len(names) == patches:
+        words = _of_parts(words, [str(name) for name in names])
     if patches not in (None, len(words.shells)):
         raise SceneTextError(f"{path} has {len(words.shells)} shells, the run {patches}")
     return words
+
+
+def _of_parts(words: Words, names: list[str]) -> Words:
+    """The same for the shells of a run: a mesh or a CAD file becomes several, NAME.1, NAME.2, …, and each of these may
+    again. `words` as they are where a name is of no shell of the scene."""
+    index = []
+    for name in names:
+        whole = name
+        while whole not in words.shells and "." in whole:
+            whole = whole.rpartition(".")[0]
+        if whole not in words.shells:
+            return words
+        index.append(words.shells.index(whole))
+
+    def of(field: tuple[Any, ...]) -> tuple[Any, ...]:
+        return tuple(field[k] for k in index)
+
+    return replace(words, shells=tuple(names), materials=of(words.materials), glass=of(words.glass), breaks=of(words.breaks),
+                   surface_density=of(words.surface_density), thickness=of(words.thickness))
 
 
 def _scene_file(folder: Path) -> tuple[Path, list[str]]:
