@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 
 #include "coupler/link/messages.h"
@@ -168,9 +169,19 @@ DisjointSets Pieces::sewn(const std::vector<PartPieces>& now, std::vector<int>& 
     const int own = now[shell].owner(state_.shells[shell].model().tables.control_point(slot));
     return own < 0 ? -1 : first[shell] + own;
   };
-  state_.stitching.each_link([&](int shell, int slot, int other, int other_slot) {
+  state_.stitching.each_dependence([&](int shell, int slot, int other, int other_slot) {
     const int a = piece_of(shell, slot), b = piece_of(other, other_slot);
     if (a >= 0 && b >= 0) together.join(a, b);
+  });
+  // A tie joins one piece of each shell, that of most of its weight: it reaches over no crack.
+  state_.stitching.each_tie([&](const std::vector<WeightedSlot>& terms) {
+    std::map<std::pair<int, int>, double> weight;  // shell, piece
+    for (const WeightedSlot& t : terms)
+      if (const int own = piece_of(t.shell, t.slot); own >= 0) weight[{t.shell, own}] += std::abs(t.weight);
+    std::map<int, std::pair<double, int>> most;  // by shell: weight, piece
+    for (const auto& [at, sum] : weight)
+      if (auto& own = most.try_emplace(at.first, 0.0, -1).first->second; sum > own.first) own = {sum, at.second};
+    for (const auto& [shell, own] : most) together.join(most.begin()->second.second, own.second);
   });
   return together;
 }

@@ -90,6 +90,12 @@ class SeamTies {
       for (std::size_t k = 1; row.holds && k < row.terms.size(); ++k)
         callback(row.terms[0].shell, row.terms[0].slot, row.terms[k].shell, row.terms[k].slot);
   }
+  /// Calls back the control points of each row, with their weights.
+  template <class F>
+  void each_row(F&& callback) const {
+    for (const Row& row : rows_)
+      if (row.holds) callback(row.terms);
+  }
   bool parted() const {
     return cracked_ || std::any_of(rows_.begin(), rows_.end(), [](const Row& row) { return !row.holds; });
   }

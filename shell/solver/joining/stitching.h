@@ -44,10 +44,20 @@ class Stitching {
   /// Calls back (shell, slot, shell, slot) for each pair of control points that is still joined.
   template <class F>
   void each_link(F&& callback) const {
+    each_dependence(callback);
+    ties_.each_link(callback);
+  }
+  /// The same without ties along trims.
+  template <class F>
+  void each_dependence(F&& callback) const {
     for (const DependentPoint& t : dependent_points_)
       for (std::size_t k = 0; t.holds && k < t.on.size(); ++k)
         if (std::abs(t.on[k].weight) > kLooseWeight) callback(t.shell, t.slot, t.on[k].shell, t.on[k].slot);
-    ties_.each_link(callback);
+  }
+  /// Calls back the control points (WeightedSlot) of each tie that holds.
+  template <class F>
+  void each_tie(F&& callback) const {
+    ties_.each_row(callback);
   }
   /// Releases the control points for which `leaves(shell, slot)` is true, and those that depend on them. Each takes
   /// back its mass with its velocity. This conserves momentum and angular momentum and loses some kinetic energy.
