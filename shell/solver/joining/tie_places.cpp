@@ -13,7 +13,10 @@ namespace {
 constexpr double kSameWeight = 1e-9;  // of hats: round-off
 constexpr double kLeastHat = 0.4;     // of a whole hat: one of which less is left goes to the one beside it
 constexpr int kFewestClosed = 3;      // hat functions on a seam that goes round
-constexpr double kEyeInside = 0.02;   // from the border, of the point that looks at control points [spacings]
+// Of an element: a stretch between two cracks that is shorter ties nothing. Cracks of both shells that are one may meet
+// the seam a little apart, and what lies between them would join their sides.
+constexpr double kLeastStretch = 0.3;
+constexpr double kEyeInside = 0.02;  // from the border, of the point that looks at control points [spacings]
 constexpr double kReach = kLargestSupport + 1.0;  // beyond it an edge hides nothing that a place uses [spacings]
 
 // Whether no crack stands between two points; trim loops do not count.
@@ -101,7 +104,12 @@ std::vector<Hat> hats_along(const Seam& seam, double element, const std::vector<
   };
   const double least = kLeastHat * seam.length / spans;
   std::vector<Hat> out;
-  for (auto& stretch : stretches) {
+  for (std::size_t part = 0; part < stretches.size(); ++part) {
+    auto& stretch = stretches[part];
+    double whole = 0.0;
+    for (const auto& [n, hat] : stretch) whole += size(hat);
+    const bool between = seam.closed ? !round : part > 0 && part + 1 < stretches.size();
+    if (between && whole < kLeastStretch * seam.length / spans) continue;
     const auto merge = [&](auto small, auto into) {
       for (std::size_t k = 0; k < small->second.places.size(); ++k) {
         Hat& hat = into->second;

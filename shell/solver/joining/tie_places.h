@@ -26,7 +26,7 @@ struct Hat {
 
 /// Hat functions along a trimmed seam, about `element` [m] apart. Between place i and the next one they end where
 /// apart[i]; at a place where gone[i] they end too, and do not weigh it. A hat of which little is left is added to the
-/// one beside it.
+/// one beside it; a short stretch between two such ends has none.
 std::vector<Hat> hats_along(const Seam& seam, double element, const std::vector<char>& apart,
                             const std::vector<char>& gone);
 

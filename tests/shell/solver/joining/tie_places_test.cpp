@@ -82,6 +82,20 @@ TEST(TiePlaces, NoHatReachesOverACrackOrWeighsWhatIsGone) {
     }
 }
 
+// Cracks of both shells that meet the seam a place apart are one crack.
+TEST(TiePlaces, NothingIsTiedBetweenCracksThatMeet) {
+  for (const bool closed : {false, true})
+    for (const int wide : {1, 12}) {
+      const Seam seam = line(closed);
+      std::vector<char> apart(40, 0);
+      apart[19] = apart[19 + wide] = 1;
+      int in = 0;
+      for (const Hat& hat : hats_along(seam, kElement, apart, std::vector<char>(40, 0)))
+        in += std::any_of(hat.places.begin(), hat.places.end(), [&](int i) { return i > 19 && i <= 19 + wide; });
+      EXPECT_EQ(in > 0, wide == 12) << closed;
+    }
+}
+
 // A crack that ends on the border: functions on both of its sides have the places and tangents of the surface at rest,
 // and no control point of the other side.
 TEST(TiePlaces, FunctionsBesideACrackAreThoseOfTheSurface) {
