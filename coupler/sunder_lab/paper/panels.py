@@ -97,7 +97,11 @@ def at_sheet(lines: np.ndarray, shell: PolyData) -> np.ndarray:
         return np.ones(len(lines), bool)
     sides = np.linalg.norm(shell.points[shell.triangles[:, 0]] - shell.points[shell.triangles[:, 1]], axis=1)
     reach, points = AWAY * float(np.median(sides)), shell.points[np.unique(shell.triangles)]
-    return np.array([bool((np.abs(points - middle).max(axis=1) < reach).any()) for middle in lines.mean(axis=1)])
+    points, middles = points[np.argsort(points[:, 0])], lines.mean(axis=1)
+    wide = reach * (1.0 + 1e-6)
+    begin, end = (np.searchsorted(points[:, 0], middles[:, 0] + side * wide) for side in (-1.0, 1.0))
+    return np.array([bool((np.abs(points[b:e] - middle).max(axis=1, initial=0.0) < reach).any())
+                     for b, e, middle in zip(begin, end, middles)])
 
 
 def crack_length(frame: Frame) -> float:

@@ -104,6 +104,34 @@ TEST(DrivenBody, MovedSurfaceIsThatOfANewOne) {
   }
 }
 
+TEST(DrivenBody, ThatGrowsIsSurelyBeyondOnlyWhatItIsBeyond) {
+  Proxy p = growing();
+  p.drive(0.0, 0.0);
+  const auto world = [&](int k) {
+    const Vec3 x(0.19 * std::fmod(0.618 * k, 1.0) - 0.05, 0.15 * std::fmod(0.381 * k, 1.0) - 0.05,
+                 0.18 * std::fmod(0.7548 * k, 1.0) - 0.05);
+    return Vec3(p.body.motion.position + p.body.motion.orientation * x);
+  };
+  std::vector<Proxy::Known> known;
+  for (int k = 0; k < 500; ++k) known.push_back(p.known(world(k), p.distance(world(k)).value));
+  const double least = 1e-3;
+  EXPECT_FALSE(p.surely_beyond(world(0), Proxy::Known{}, least, 1e-12));  // nothing is known
+  for (const double t : {0.0, 0.4, 0.8, 2.0}) {
+    p.drive(t, 1e-4);
+    int sure = 0, beyond = 0;
+    for (int k = 0; k < 500; ++k) {
+      const Vec3 x = world(k) + t * Vec3(2e-3, -1e-3, 3e-3);  // points move as well
+      const bool far = p.distance(x).value > least;
+      beyond += far;
+      if (!p.surely_beyond(x, known[k], least, 1e-12)) continue;
+      ++sure;
+      EXPECT_TRUE(far) << k << " at " << t;
+    }
+    EXPECT_LE(sure, beyond);
+    EXPECT_GE(sure, t == 0.0 ? beyond : t < 1.0 ? beyond / 2 : 0);  // it is of use
+  }
+}
+
 TEST(DrivenMotion, TellsItsFastestPoint) {
   const auto motion = swing();
   double when = 0.0;
