@@ -31,7 +31,6 @@ struct Way {
   Vec2 to;
   bool ends;                  // it ends on another crack or past the border
   std::optional<Vec2> along;  // direction of a clamped border that it follows
-  bool onto_tie = false;      // it ends on a border at which ties hold another shell
 };
 
 // The next edge of a tip along `wanted`, `length` long; it ends on a crack or the border within reach.
@@ -93,8 +92,7 @@ Way way_ahead(const ShellModel& m, const ShellState& s, const CrackRules& r, con
   const bool lands = clamp && std::abs(clamp->along.dot(d)) < 1.0 - 1e-9;
   const Vec2 beyond = lands ? b : clamp ? Vec2(b + r.join * clamp->along) : Vec2(a + reach * d);
   if (!ends && hit < 0 && !m.patch.contains(beyond)) b = a + (reach + kRunOut * m.spacing) * d, ends = true;
-  const bool onto_tie = hit >= 0 && s.cracks.graph.edges()[hit].crack == CrackEdge::kTiedTrim;
-  return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt, onto_tie};
+  return {b, ends, clamp ? std::optional(clamp->along) : std::nullopt};
 }
 
 // The energy release of a tip along its course and across it [J/m^2], and the distance of its faces along their normals
@@ -153,14 +151,6 @@ int advance(const ShellModel& m, ShellState& s, const CrackRules& r, const std::
     }
     first = extend_cracks(m, s, edges, time, r.interlock, r.threads);
     if (first >= 0) break;
-  }
-  // The edge onto a tied border is cut as the first one beyond it is: energies of one side alone do not decide there.
-  if (first < 0 && tips.size() == 1 && ways.front().onto_tie) {
-    const Tip& tip = *tips.front().first;
-    const std::size_t vertices = s.cracks.graph.vertices().size();
-    first = insert_edge(m, s, tip.vertex, s.cracks.graph.add_vertex(ways.front().to), tip.crack, time, tip.face,
-                        r.interlock);
-    if (first < 0 && s.cracks.graph.vertices().size() > vertices) s.cracks.graph.undo_vertex();
   }
   if (first < 0) return 0;
   settle(m, s, tips, first, s.cracks.taken - taken);
