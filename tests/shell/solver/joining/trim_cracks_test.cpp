@@ -208,5 +208,5 @@ TEST(TrimCracks, NothingIsKeptWhereAllHasParted) {
   s.run(20, 0.5 * s.stable());
   EXPECT_LT((s.sums().momentum - before.momentum).norm(), 1e-13 * before.momentum_scale);
   for (std::size_t i = 0; i < s.state(0).motion.mass.size(); ++i)
-    EXPECT_EQ(s.state(0).velocity(static_cast<int>(i)), Vec3(Vec3::Zero()));
+    EXPECT_LT(s.state(0).velocity(static_cast<int>(i)).norm(), 1e-9);  // round-off of the shape at rest
 }
