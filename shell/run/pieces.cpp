@@ -227,6 +227,7 @@ std::map<int, Pieces::Group> Pieces::groups_of(const std::vector<PartPieces>& no
       g.bends = g.bends || now[k].whole ||
                 (!p.control_points.empty() && p.area > kSmallPiece * std::pow(state_.shells[k].model().spacing, 2));
       g.empty = g.empty && p.control_points.empty() && !now[k].whole;
+      g.sliver = g.sliver && g.empty && p.area < kSliver * std::pow(state_.shells[k].model().spacing, 2);
       const int own = now[k].group[i];
       g.torn = g.torn || p.parted || in_another(k, own);
       for (std::size_t other = 0; other < were_one.size() && !g.torn; ++other)
@@ -239,6 +240,7 @@ bool Pieces::is_to_leave(const std::vector<PartPieces>& now, const Group& g, boo
   const auto [front, number] = g.members.front();
   const Piece& p = now[front].pieces[number];
   if (p.held || p.gone || p.interlocked) return false;
+  if (g.sliver) return false;  // two slivers between cracks and a trim: without mass, and as a body without inertia
   if (all) return true;
   if (!g.torn) return false;  // nothing has separated: a free shell stays a shell
   if (g.empty || !g.bends) return true;

@@ -74,6 +74,7 @@ class Pieces {
   struct Group {
     std::vector<std::pair<std::size_t, std::size_t>> members;
     bool empty = true;   // none has a control point
+    bool sliver = true;  // smaller than what joins a neighbour in a triangulation
     bool bends = false;  // large enough to bend
     bool torn = false;   // of a shell that is in pieces, or detached from a shell that it was joined to
   };
