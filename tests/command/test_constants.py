@@ -13,11 +13,11 @@ FOLDERS = ("shell/fracture", "shell/solver/cracking", "shell/solver/joining", "s
 FILES = ("shell/solver/interlock.cpp", "shell/solver/interlock.h", "shell/solver/state.cpp", "shell/solver/surroundings.cpp",
          "shell/solver/surroundings.h")
 ROUND_OFF, COST, LAYOUT = "round-off of comparisons", "time or memory, no result", "size of an array, a number of a bit or of infinity"
-TIES = "of ties along trims, where nothing cracks"
+TIES = "of ties along trims: where they hold, and where a crack meets one; numerical"
 ELSEWHERE = {
     "shell/fracture/conditioning.cpp": {"kMargin": ROUND_OFF, "kProduct": LAYOUT},
     "shell/fracture/conditioning.h": {"kChoices": LAYOUT},
-    "shell/fracture/crack_graph.h": {"kTrim": LAYOUT},
+    "shell/fracture/crack_graph.h": {"kTiedTrim": LAYOUT, "kTrim": LAYOUT},
     "shell/fracture/crack_loops.cpp": {"kBorder": LAYOUT},
     "shell/fracture/mls.cpp": {"kLanes": LAYOUT, "kMostSeen": LAYOUT, "kMostPacks": LAYOUT, "kSmallSteps": LAYOUT,
                                "kTried": LAYOUT, "kLinearTried": LAYOUT},
@@ -28,10 +28,13 @@ ELSEWHERE = {
     "shell/solver/cracking/nucleation.cpp": {"kRoundOff": ROUND_OFF},
     "shell/solver/cracking/tips.cpp": {"kFewTips": COST},
     "shell/solver/joining/seam_cracks.cpp": {"kAtEnds": ROUND_OFF},
-    "shell/solver/joining/seam_ties.cpp": {"kTieSpacing": TIES, "kFewestClosed": TIES, "kMostChange": TIES,
+    "shell/solver/joining/seam_ties.cpp": {"kTieSpacing": TIES, "kMostRenewed": TIES, "kMostChange": TIES,
                                            "kNoWeight": ROUND_OFF, "kFlat": ROUND_OFF, "kRidge": ROUND_OFF,
                                            "kPasses": COST, "kAligned": ROUND_OFF, "kBendSteps": COST,
                                            "kBent": ROUND_OFF},
+    "shell/solver/joining/tie_places.cpp": {"kSameWeight": ROUND_OFF, "kLeastHat": TIES, "kFewestClosed": TIES,
+                                            "kLeastStretch": TIES, "kEyeInside": TIES, "kReach": COST},
+    "shell/solver/joining/trim_cracks.cpp": {"kOnTrim": TIES, "kCrossedBefore": TIES, "kShortestFirst": TIES},
     "shell/solver/joining/stitching.cpp": {"kOnALine": ROUND_OFF, "kOnePlace": ROUND_OFF, "kSweeps": COST,
                                            "kSameLength": ROUND_OFF},
     "shell/solver/joining/seam_strength.cpp": {"kSameShare": ROUND_OFF},

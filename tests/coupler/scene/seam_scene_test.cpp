@@ -95,7 +95,7 @@ TEST(SceneSeams, ThatNearlyMeetOrAreHeldOnOneSideAreRefused) {
 }
 
 // Two plates that overlap, each trimmed along one slanted line.
-TEST(SceneSeams, AlongTrimsJoinShellsThatCannotCrack) {
+TEST(SceneSeams, AlongTrimsJoinShellsThatMayCrack) {
   const auto slanted = [](const std::string& seams, double shift, const std::string& more = "") {
     std::string text = scene(seams,
                              fmt::format("trims {{ points {{ u: {0} }} points {{ u: 0.5 }} points {{ u: 0.5 v: 0.5 }} "
@@ -111,11 +111,7 @@ TEST(SceneSeams, AlongTrimsJoinShellsThatCannotCrack) {
   expect_refusal(slanted("seams {}", 0.001), "seams", {"nearly meet", "0.000997 m apart", "seams.tolerance_m"});
   EXPECT_EQ(refusal(slanted("seams { tolerance_m: 0.001 }", 0.001)).kind, "accepted");
   const std::string cut = "cuts { points { u: 0.1 v: 0.1 } points { u: 0.1 v: 0.3 } }";
-  expect_refusal(slanted("seams {}", 0.0, cut), "shells[0]",
-                 {"'pane' can crack, and is joined to 'wing' along a trim",
-                  "rules { first: \"pane\" second: \"wing\" kind: OPEN }"});
-  EXPECT_EQ(refusal(slanted("seams { rules { first: \"pane\" second: \"wing\" kind: OPEN } }", 0.0, cut)).kind,
-            "accepted");
+  EXPECT_EQ(refusal(slanted("seams {}", 0.0, cut)).kind, "accepted");
 }
 
 // The energy-release zone of a flaw continues over such an edge.
