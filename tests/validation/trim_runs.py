@@ -132,8 +132,10 @@ def trim_piece(table: Table, executables: Executables) -> None:
             rows = (folder / "shards.csv").read_text().splitlines()
         areas = sorted(float(row.split(",")[2]) for row in rows[1:])
         table.add(f"{what}_bodies", len(areas), 2.0, 0.0, seconds)  # the remaining part leaves too
-        # An end of a cut moves to a corner of the loop's polygon that is within a fiftieth of a spacing.
-        table.add(f"{what}_area_m2", areas[0] if areas else math.nan, (near - far) * (high - low), 1e-3, 0.0)
+        # An end of a cut moves to a corner of the loop's polygon that is within a fiftieth of a spacing (kCutOnCrack). The
+        # straight border has no corner there.
+        moved = 1e-3 if inset.turned else 1e-9
+        table.add(f"{what}_area_m2", areas[0] if areas else math.nan, (near - far) * (high - low), moved, 0.0)
         for key in ("mass_error_max", "momentum_error_max", "angular_momentum_error_max"):
             table.add(f"{what}_{key}", run["handoff"][key], 0.0, 1e-12, 0.0)
         table.add(f"{what}_energy_residual", run["energy"]["residual_relative"], 0.0, 0.01, 0.0)
