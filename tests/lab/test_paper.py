@@ -385,6 +385,22 @@ class Folder(unittest.TestCase):
             (runs.folder / "paper.json").mkdir()
             with self.assertRaisesRegex(CommandError, "cannot write .*paper.json"):
                 runs.record.write()
+            runs.close()
+
+    def test_belongs_to_one_process_at_a_time(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            first, second, other = (Runs(Path(name), size, None, True) for size in ("small", "small", "full"))
+            first.open()
+            with self.assertRaisesRegex(CommandError, "another 'paper' is at work on the small size there; wait for it"):
+                second.open()
+            other.open()
+            first.record.cases["fig12"] = {"identity": "x"}
+            first.record.write()
+            first.close()
+            second.open()
+            self.assertIn("fig12", second.record.cases)  # what the first one wrote meanwhile
+            for runs in (second, other):
+                runs.close()
 
 
 if __name__ == "__main__":

@@ -21,6 +21,13 @@ def paper(options: argparse.Namespace) -> int:
     wanted = [FIGURES[number] for number in options.figures or FIGURES]
     runs = Runs(options.out or OUT, options.size, options.threads, options.quiet)
     runs.open()
+    try:
+        return _run_and_draw(options, wanted, runs)
+    finally:
+        runs.close()
+
+
+def _run_and_draw(options: argparse.Namespace, wanted: list[Figure], runs: Runs) -> int:
     status = DONE
     for figure in wanted:
         if figure.draw is None and options.figures:

@@ -1,7 +1,9 @@
 """Runs the cases of the paper's figures, each once: what is done with the same scene and size stays."""
 from __future__ import annotations
 
+import fcntl
 import json
+import os
 import re
 import sys
 import threading
@@ -61,9 +63,11 @@ class Runs:
         self.record = Record.read(self.folder)
         self._expected: dict[str, float] = {}  # seconds of the runs that are still to be made
         self._number = 0                       # of the present run
+        self._lock = -1                        # descriptor of the folder, which this process holds
 
     def open(self) -> None:
-        """Makes the folder. Raises CommandError where it cannot be made or written to."""
+        """Makes the folder and holds it until close(). Raises CommandError where it cannot be made or written to, or
+        another process holds it."""
         probe = self.folder / f".{RECORD}.probe"
         try:
             self.folder.mkdir(parents=True, exist_ok=True)
@@ -72,6 +76,20 @@ class Runs:
         except OSError as error:
             raise CommandError(f"--out {self.folder.parent}: cannot be written: {error.strerror}; name a folder that you may "
                                "write to") from None
+        self._lock = os.open(self.folder, os.O_RDONLY | os.O_DIRECTORY)
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self.close()
+            raise CommandError(f"--out {self.folder.parent}: another 'paper' is at work on the {self.size} size there; wait "
+                               "for it, or name another folder") from None
+        self.record = Record.read(self.folder)  # it may have been written since
+
+    def close(self) -> None:
+        """Lets go of the folder."""
+        if self._lock >= 0:
+            os.close(self._lock)
+        self._lock = -1
 
     def place(self, name: str) -> Path:
         """The run folder of a case."""
