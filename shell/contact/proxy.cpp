@@ -97,7 +97,7 @@ double Proxy::half_width() const {
   return half[1];
 }
 
-Proxy::Distance Proxy::distance(const Vec3& world) const {
+Proxy::Distance Proxy::distance(const Vec3& world, std::int32_t guess) const {
   const Quat& q = body.motion.orientation;
   if (const auto* s = std::get_if<SphereShape>(&body.shape)) {
     const Vec3 d = world - body.motion.position;
@@ -118,8 +118,8 @@ Proxy::Distance Proxy::distance(const Vec3& world) const {
     return {over[axis], q * n};
   }
   if (solid_) {
-    const SolidDistance::Found found = solid_->at(local);
-    return {found.value, q * found.normal};
+    const SolidDistance::Found found = solid_->at(local, guess);
+    return {found.value, q * found.normal, found.point, found.triangle};
   }
   Distance best{std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
   for (const auto& planes : parts_) {  // exact inside a part; outside a lower bound that is not negative
@@ -134,8 +134,12 @@ Proxy::Distance Proxy::distance(const Vec3& world) const {
   return best;
 }
 
-Proxy::Known Proxy::known(const Vec3& world, double distance) const {
-  return {local(world), distance, solid_ ? solid_->moved() : 0.0};
+Proxy::Known Proxy::known(const Vec3& world, const Distance& distance) const {
+  return {local(world), distance.value, solid_ ? solid_->moved() : 0.0, distance.triangle};
+}
+
+double Proxy::change_since(const Vec3& world, const Known& k) const {
+  return (local(world) - k.local).norm() + (solid_ ? solid_->moved() - k.moved : 0.0);
 }
 
 bool Proxy::surely_beyond(const Vec3& world, const Known& k, double least, double slack) const {
@@ -143,16 +147,21 @@ bool Proxy::surely_beyond(const Vec3& world, const Known& k, double least, doubl
   return spare > 0.0 && (local(world) - k.local).squaredNorm() < spare * spare;
 }
 
+Vec3 Proxy::rigid_velocity_at(const Vec3& world) const {
+  const Vec3 arm = world - body.motion.position;
+  if (driven_) return body.motion.velocity + spin_.cross(arm);
+  return body.is_static ? Vec3(Vec3::Zero()) : Vec3(body.motion.velocity + body.angular_velocity().cross(arm));
+}
+
 Vec3 Proxy::velocity_at(const Vec3& world) const {
-  if (driven_) {
-    const Vec3 arm = world - body.motion.position;
-    const Vec3 rigid = body.motion.velocity + spin_.cross(arm);
-    if (!deforms()) return rigid;
-    const Quat& q = body.motion.orientation;
-    return rigid + q * solid_->velocity_at(q.conjugate() * arm);
-  }
-  if (body.is_static) return Vec3::Zero();
-  return body.motion.velocity + body.angular_velocity().cross(world - body.motion.position);
+  const Vec3 rigid = rigid_velocity_at(world);
+  return deforms() ? Vec3(rigid + body.motion.orientation * solid_->velocity_at(local(world))) : rigid;
+}
+
+Vec3 Proxy::velocity_at(const Vec3& world, const Distance& there) const {
+  const Vec3 rigid = rigid_velocity_at(world);
+  if (!deforms()) return rigid;
+  return rigid + body.motion.orientation * solid_->velocity_at(there.nearest, there.triangle);
 }
 
 Mat3 Proxy::inverse_mass_at(const Vec3& world) const {

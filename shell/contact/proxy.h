@@ -39,6 +39,8 @@ class Proxy {
   /// True where impulses change the motion of the body.
   bool is_free() const { return !body.is_static && !driven_; }
   bool is_driven() const { return driven_ != nullptr; }
+  /// Triangles that a distance has to search; 0: none, the shape is convex or has parts that are.
+  std::size_t triangles() const { return solid_ ? solid_->triangles() : 0; }
   /// True where the shape changes with time. The engine does not hold such a body.
   bool deforms() const { return driven_ && driven_->deforms(); }
   /// Moves a driven body to its place at time t, with the velocities that lead to its place at t + dt.
@@ -49,17 +51,23 @@ class Proxy {
   double work(const Vec3& world, const Vec3& j) const { return driven_ ? j.dot(velocity_at(world)) : 0.0; }
 
   struct Distance {
-    double value;  // [m], negative inside
-    Vec3 normal;   // outward, world
+    double value;                 // [m], negative inside
+    Vec3 normal;                  // outward, world
+    Vec3 nearest = Vec3::Zero();  // point of a solid that is not convex, in body coordinates
+    std::int32_t triangle = -1;   // of such a solid, that holds the point; -1: another shape
   };
-  Distance distance(const Vec3& world) const;
+  /// `guess`: the triangle of a point nearby. The distance is the same, and found sooner.
+  Distance distance(const Vec3& world, std::int32_t guess = -1) const;
   /// A distance that was computed: no other point is nearer to the body by more than the way to it.
   struct Known {
     Vec3 local = Vec3::Zero();  // in body coordinates
     double value = -std::numeric_limits<double>::infinity();
-    double moved = 0.0;  // of the shape, until then [m]
+    double moved = 0.0;          // of the shape, until then [m]
+    std::int32_t triangle = -1;  // as in Distance
   };
-  Known known(const Vec3& world, double distance) const;
+  Known known(const Vec3& world, const Distance& distance) const;
+  /// How far the distance may be from a known one of this body [m].
+  double change_since(const Vec3& world, const Known& known) const;
   /// True where `known` tells that the distance is larger than `least`. `slack` covers round-off [m].
   bool surely_beyond(const Vec3& world, const Known& known, double least, double slack) const;
   /// Radius of a sphere about the centre that holds the body [m]; infinite for a half space.
@@ -77,6 +85,8 @@ class Proxy {
   double turning_speed() const;
   /// Velocity of the body's material at a world point [m/s].
   Vec3 velocity_at(const Vec3& world) const;
+  /// The same where the distance of that point is known.
+  Vec3 velocity_at(const Vec3& world, const Distance& there) const;
   /// Change of the material's velocity at a world point per impulse there [1/kg].
   Mat3 inverse_mass_at(const Vec3& world) const;
   /// Applies impulse j [N s] at a world point and books it.
@@ -90,6 +100,7 @@ class Proxy {
   Vec3 spin_ = Vec3::Zero();  // of a driven body [rad/s]
   double arrived_ = 0.0;      // [s]
 
+  Vec3 rigid_velocity_at(const Vec3& world) const;
   Vec3 local(const Vec3& world) const { return body.motion.orientation.conjugate() * (world - body.motion.position); }
 };
 

@@ -11,8 +11,9 @@
 namespace sunder::shell {
 namespace {
 
-constexpr std::size_t kLeaf = 4;     // triangles
-constexpr double kOnSurface = 1e-9;  // of the extent; nearer points have a direction of round-off only
+constexpr std::size_t kLeaf = 4;         // triangles
+constexpr double kOnSurface = 1e-9;      // of the extent; nearer points have a direction of round-off only
+constexpr double kAsNear = 1.0 - 1e-12;  // round-off of squared distances
 
 double angle_between(const Vec3& a, const Vec3& b) { return std::atan2(a.cross(b).norm(), a.dot(b)); }
 
@@ -142,17 +143,20 @@ void SolidDistance::look(const Triangle& t, std::int32_t index, const Vec3& x, N
   else
     to = ap - t.normal.dot(ap) * t.normal;
   const double squared = (ap - to).squaredNorm();
-  if (squared < best.squared) best = {squared, t.a + to, index, feature};
+  // of triangles as near as each other the first: then the way of the search decides nothing
+  if (squared < best.squared || (squared == best.squared && index < best.triangle))
+    best = {squared, t.a + to, index, feature};
 }
 
-SolidDistance::Nearest SolidDistance::nearest(const Vec3& x) const {
+SolidDistance::Nearest SolidDistance::nearest(const Vec3& x, std::int32_t guess) const {
   Nearest best{std::numeric_limits<double>::infinity(), Vec3::Zero(), 0, 0};
+  if (guess >= 0) look(triangles_[guess], guess, x, best);
   std::pair<std::int32_t, double> stack[64];  // nodes and squared distances; a tree of halves is less deep
   int left = 0;
   stack[left++] = {0, 0.0};
   while (left > 0) {
     const auto [index, near] = stack[--left];
-    if (near >= best.squared) continue;
+    if (kAsNear * near > best.squared) continue;
     const Node& node = nodes_[index];
     if (node.count > 0) {
       for (std::int32_t k = node.first; k < node.first + node.count; ++k) look(triangles_[k], k, x, best);
@@ -169,30 +173,35 @@ SolidDistance::Nearest SolidDistance::nearest(const Vec3& x) const {
 
 Vec3 SolidDistance::velocity_at(const Vec3& x) const {
   if (velocities_.empty()) return Vec3::Zero();
-  const Nearest near = nearest(x);
-  const Triangle& t = triangles_[near.triangle];
-  // Barycentric coordinates of the nearest point; the triangle has an area.
-  const Vec3 to = near.point - t.a;
+  const Nearest near = nearest(x, -1);
+  return velocity_at(near.point, near.triangle);
+}
+
+Vec3 SolidDistance::velocity_at(const Vec3& point, std::int32_t triangle) const {
+  if (velocities_.empty()) return Vec3::Zero();
+  const Triangle& t = triangles_[triangle];
+  // Barycentric coordinates; the triangle has an area.
+  const Vec3 to = point - t.a;
   const double bb = t.ab.dot(t.ab), bc = t.ab.dot(t.ac), cc = t.ac.dot(t.ac), pb = to.dot(t.ab), pc = to.dot(t.ac);
   const double whole = bb * cc - bc * bc, b = (cc * pb - bc * pc) / whole, c = (bb * pc - bc * pb) / whole;
   const auto& corner = corners_of_[t.number];
   return (1.0 - b - c) * velocities_[corner[0]] + b * velocities_[corner[1]] + c * velocities_[corner[2]];
 }
 
-SolidDistance::Found SolidDistance::at(const Vec3& x) const {
-  const Nearest best = nearest(x);
+SolidDistance::Found SolidDistance::at(const Vec3& x, std::int32_t guess) const {
+  const Nearest best = nearest(x, guess);
   const Triangle& t = triangles_[best.triangle];
   if (best.feature == 0) {
     const double height = t.normal.dot(x - t.a);
-    return {height, t.normal};
+    return {height, t.normal, best.point, best.triangle};
   }
   const Vec3 normal =
       best.feature <= 3 ? corner_normal(t.number, best.feature - 1) : edge_normal(t.number, best.feature - 4);
   const Vec3 away = x - best.point;
   const double distance = std::sqrt(best.squared);
   const double sign = normal.dot(away) >= 0.0 ? 1.0 : -1.0;
-  if (distance <= kOnSurface * extent_.maxCoeff()) return {sign * distance, normal};
-  return {sign * distance, sign / distance * away};
+  if (distance <= kOnSurface * extent_.maxCoeff()) return {sign * distance, normal, best.point, best.triangle};
+  return {sign * distance, sign / distance * away, best.point, best.triangle};
 }
 
 }  // namespace sunder::shell

@@ -15,17 +15,22 @@ class SolidDistance {
  public:
   explicit SolidDistance(const Surface& surface);
   struct Found {
-    double value;  // [m], negative inside
-    Vec3 normal;   // gradient of the distance, unit
+    double value;           // [m], negative inside
+    Vec3 normal;            // gradient of the distance, unit
+    Vec3 point;             // of the surface, nearest to x
+    std::int32_t triangle;  // that holds it, by its place in the tree
   };
-  Found at(const Vec3& x) const;
+  /// `guess`: the triangle of a point nearby, which makes the search short; -1: none is known.
+  Found at(const Vec3& x, std::int32_t guess = -1) const;
   /// Moves the corners. Triangles stay as they were; the tree keeps its shape.
   void move(const std::vector<Vec3>& corners);
   /// `velocities` of the corners [m/s], for velocity_at(); empty: at rest.
   void set_velocities(std::vector<Vec3> velocities) { velocities_ = std::move(velocities); }
-  /// Velocity of the surface at its point nearest to x [m/s].
+  /// Velocity of the surface at its point nearest to x, and at a point of it [m/s].
   Vec3 velocity_at(const Vec3& x) const;
+  Vec3 velocity_at(const Vec3& point, std::int32_t triangle) const;
   bool moves() const { return !velocities_.empty(); }
+  std::size_t triangles() const { return triangles_.size(); }
   /// No point of the surface has moved further than this changed meanwhile [m].
   double moved() const { return moved_; }
   /// Sides of the box around the surface, along the body's axes [m].
@@ -52,7 +57,7 @@ class SolidDistance {
   Vec3 edge_normal(std::int32_t number, int k) const;
   Vec3 corner_normal(std::int32_t number, int k) const;
   void build(std::vector<Triangle>& triangles, std::size_t begin, std::size_t end);
-  Nearest nearest(const Vec3& x) const;
+  Nearest nearest(const Vec3& x, std::int32_t guess) const;
   void look(const Triangle& t, std::int32_t index, const Vec3& x, Nearest& best) const;
 
   std::vector<Triangle> triangles_;  // in the order of the tree's leaves

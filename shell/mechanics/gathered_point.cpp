@@ -34,12 +34,18 @@ void patch_functions(const Patch& patch, const Vec2& p, int stride, std::vector<
 }
 
 Derivatives<double> gather(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
-  double d[5][3] = {};
-  for (const GatheredFunction& f : p.functions)
-    for (int c = 0; c < 3; ++c)
-      for (int k = 0; k < 5; ++k) d[k][c] += f.n[k + 1] * x[static_cast<std::size_t>(c) * t.plane + f.slot];
-  const auto vector = [&](int k) { return Vector<double>{d[k][0], d[k][1], d[k][2]}; };
-  return {vector(0), vector(1), vector(2), vector(3), vector(4)};
+  // u v uu vv as a pack, uv beside it: each sum has the order of the functions
+  Pack4 four[3] = {};
+  double uv[3] = {};
+  for (const GatheredFunction& f : p.functions) {
+    const Pack4 n = load<Pack4>(&f.n[1]);
+    for (int c = 0; c < 3; ++c) {
+      const double at = x[static_cast<std::size_t>(c) * t.plane + f.slot];
+      four[c] += n * at, uv[c] += f.n[5] * at;
+    }
+  }
+  const auto vector = [&](int k) { return Vector<double>{four[0][k], four[1][k], four[2][k]}; };
+  return {vector(0), vector(1), vector(2), vector(3), {uv[0], uv[1], uv[2]}};
 }
 
 namespace {

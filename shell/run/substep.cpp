@@ -59,16 +59,16 @@ void kick_all(const Model& model, State& state, Scratch& scratch, double dt, dou
     if (p.is_free()) p.body.motion.velocity += dt * gravity;
 }
 
-void rigid_contact(const Model&, State& state, Scratch& scratch, double dt, double kicked) {
+void rigid_contact(const Model& model, State& state, Scratch& scratch, double dt, double kicked) {
   Stopwatch w(scratch.times[Stage::kRigidContact]);
   if (!state.stitching.empty()) state.stitching.store_velocities(refs(state, scratch));
   for (ShellPart& part : state.shells) {
     ContactCandidates& candidates = part.candidates;
     if (candidates.age++ % kContactRefresh == 0) {
-      refresh_candidates(part.model(), *part.state, state.bodies, part.coefficients, dt, candidates);
+      refresh_candidates(part.model(), *part.state, state.bodies, part.coefficients, dt, candidates, model.threads);
       candidates.age = 1;
     }
-    contact(part.model(), *part.state, state.bodies, part.coefficients, candidates, dt, kicked);
+    contact(part.model(), *part.state, state.bodies, part.coefficients, candidates, dt, kicked, model.threads);
   }
   const double before = state.driven_energy();
   state.engine_loss += state.rows.solve(dt);

@@ -14,6 +14,11 @@ namespace {
 constexpr double kFastestRecovery = 0.01;
 constexpr double kSlack = 1e-9;  // of the thickness: round-off of distances
 constexpr int kTile = 8;         // elements per side of a tile, the coarse unit of the search
+constexpr int kLongEnough = 4;   // substeps without a touch for which a known distance need not be found anew
+constexpr std::size_t kShortSearch = 2000;  // triangles up to which a search costs less than to remember its result
+// Work for which one thread is faster than several, and the parts that threads share.
+constexpr int kFewTiles = 64;
+constexpr std::size_t kFewSamples = 8192, kPartsOfThread = 8;
 
 Vec3 position(const ShellState& s, const std::vector<GatheredFunction>& functions) {
   Vec3 x = Vec3::Zero();
@@ -26,16 +31,80 @@ Vec3 velocity(const ShellState& s, const std::vector<GatheredFunction>& function
   return v;
 }
 
-// Applies an impulse and books its work.
-void push(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x, const Vec3& before,
-          const Vec3& j, double dt) {
+// Applies an impulse at a place with this distance, and books its work.
+void push(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x,
+          const Proxy::Distance& there, const Vec3& before, const Vec3& j, double dt) {
+  const Vec3 driven = body.is_driven() ? body.velocity_at(x, there) : Vec3(Vec3::Zero());
   apply_impulse(s, body, functions, x, j);
-  const Vec3 after = velocity(s, functions) - body.velocity_at(x);
+  const Vec3 after = velocity(s, functions) - body.velocity_at(x, there);
   Vec3 back = Vec3::Zero();  // change of the sample's velocity by half a kick
   for (const auto& f : functions)
     back += (f.n[0] * 0.5 * dt * s.motion.inverse_mass[f.slot]) * s.at(s.motion.force, f.slot);
   s.book.contact -= j.dot(0.5 * (before + after) - back);
-  s.book.external += body.work(x, j);
+  s.book.external += j.dot(driven);
+}
+
+// The tiles of a shell.
+struct Tiles {
+  explicit Tiles(const RowTables& t)
+      : across((t.spans_u + kTile - 1) / kTile), along((t.spans_v + kTile - 1) / kTile) {}
+  int count() const { return across * along; }
+
+  int across, along;
+};
+
+using Samples = std::vector<ContactCandidates::Sample>;
+
+// A search for the samples near a body.
+struct Search {
+  const ShellModel& m;
+  const ShellState& s;
+  const Proxy& body;
+  double margin, travel;              // [m]: of a candidate; in one substep
+  std::vector<Proxy::Known>* before;  // distances of all samples, as they were last computed; null: they cost little
+
+  int substeps_without_touch(double gap) const {
+    const double free = std::max(0.0, gap - 0.5 * m.thickness);
+    return static_cast<int>(std::min(free / travel, static_cast<double>(kContactRefresh)));
+  }
+};
+
+// Candidates of a tile. Where a distance from before tells that a sample is beyond the margin, or that it cannot touch
+// for some substeps, it is not computed.
+void look_at_tile(const Search& k, int tile, int across, ContactCandidates& c, Samples& found) {
+  const RowTables& t = k.m.tables;
+  thread_local std::vector<GatheredFunction> functions;
+  found.clear();
+  const Vec3 centre = k.body.body.motion.position;
+  const int tu = tile % across, tv = tile / across, points = t.gauss * t.gauss;
+  for (int f = tv * kTile; f < std::min(t.spans_v, (tv + 1) * kTile); ++f)
+    for (int lane = tu * kTile; lane < std::min(t.spans_u, (tu + 1) * kTile); ++lane)
+      for (int sub = 0; sub < points; ++sub) {
+        const int block = f * points + sub;
+        if (t.metric[t.at(block, kMetricFields, kArea, lane)] == 0.0) continue;
+        const std::size_t sample = static_cast<std::size_t>(block) * t.lanes + lane;
+        ContactCandidates::Place& q = c.places[sample];
+        if (q.refresh != c.refresh) {
+          sample_functions(k.m, k.s, block, lane, functions);
+          q.refresh = c.refresh, q.there = !functions.empty() && !k.s.motion.detached[functions[0].slot];
+          if (q.there) q.x = position(k.s, functions);
+        }
+        if (!q.there || (q.x - centre).norm() > k.body.radius() + k.margin) continue;
+        Proxy::Known known = k.before ? (*k.before)[sample] : Proxy::Known{};
+        if (std::isfinite(known.value)) {
+          const double change = k.body.change_since(q.x, known) + kSlack * k.m.thickness;
+          const double least = known.value - change, most = known.value + change;
+          if (least >= k.margin) continue;
+          const int first = k.substeps_without_touch(least);
+          if (most < k.margin && first >= kLongEnough) {
+            found.push_back({block, lane, first, known});
+            continue;
+          }
+        }
+        known = k.body.known(q.x, k.body.distance(q.x, known.triangle));
+        if (k.before) (*k.before)[sample] = known;
+        if (known.value < k.margin) found.push_back({block, lane, k.substeps_without_touch(known.value), known});
+      }
 }
 
 }  // namespace
@@ -57,26 +126,25 @@ void apply_impulse(ShellState& s, Proxy& body, const std::vector<GatheredFunctio
 }
 
 void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vector<Proxy>& bodies,
-                        const std::vector<ContactCoefficients>& coefficients, double dt, ContactCandidates& c) {
+                        const std::vector<ContactCoefficients>& coefficients, double dt, ContactCandidates& c,
+                        int threads) {
   const RowTables& t = m.tables;
   c.age = 0;
-  c.of_body.resize(bodies.size());
+  c.of_body.resize(bodies.size()), c.known.resize(bodies.size()), c.ids.resize(bodies.size());
   if (bodies.empty()) return;
   double speed = 0.0;
   for (int i = 0; i < m.control_points(); ++i) speed = std::max(speed, s.velocity(t.slot(i)).squaredNorm());
   speed = std::sqrt(speed);
-  const int tiles_u = (t.spans_u + kTile - 1) / kTile, tiles_v = (t.spans_v + kTile - 1) / kTile;
+  const Tiles tiles(t);
   std::vector<Eigen::AlignedBox3d>& boxes = c.boxes;
-  boxes.assign(static_cast<std::size_t>(tiles_u) * tiles_v, Eigen::AlignedBox3d());
-  for (int tv = 0; tv < tiles_v; ++tv)
-    for (int tu = 0; tu < tiles_u; ++tu)
+  boxes.assign(tiles.count(), Eigen::AlignedBox3d());
+  for (int tv = 0; tv < tiles.along; ++tv)
+    for (int tu = 0; tu < tiles.across; ++tu)
       for (int j = tv * kTile; j < std::min(t.rows, (tv + 1) * kTile + t.degree); ++j)
         for (int i = tu * kTile; i < std::min(t.columns, (tu + 1) * kTile + t.degree); ++i)
-          if (!s.motion.detached[j * t.stride + i]) boxes[tv * tiles_u + tu].extend(s.position(j * t.stride + i));
+          if (!s.motion.detached[j * t.stride + i]) boxes[tv * tiles.across + tu].extend(s.position(j * t.stride + i));
   if (++c.refresh == 0) c.places.assign(c.places.size(), {}), c.refresh = 1;
   for (std::size_t b = 0; b < bodies.size(); ++b) {
-    auto& list = c.of_body[b];
-    list.clear();
     const Proxy& body = bodies[b];
     const double reach = body.turning_speed();
     // The margin is twice the travel until the next refresh, since control points may speed up.
@@ -84,7 +152,8 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
     double margin = m.thickness + kContactRefresh * travel;
     if (coefficients[b].hertz > 0.0) margin += m.longest_element;  // Hertz contact acts between samples
     const Vec3 centre = body.body.motion.position;
-    for (int tile = 0; tile < tiles_u * tiles_v; ++tile) {
+    c.near.clear();
+    for (int tile = 0; tile < tiles.count(); ++tile) {
       if (boxes[tile].isEmpty()) continue;
       const double pad = margin + 2.0 * m.spacing;  // cracked samples may lie outside their control points
       if (std::isfinite(body.radius())) {
@@ -96,33 +165,95 @@ void refresh_candidates(const ShellModel& m, const ShellState& s, const std::vec
           low = std::min(low, body.distance(boxes[tile].corner(static_cast<Eigen::AlignedBox3d::CornerType>(k))).value);
         if (low > pad) continue;
       }
-      c.places.resize(static_cast<std::size_t>(t.blocks()) * t.lanes);  // allocated when a body first comes near
-      const int tu = tile % tiles_u, tv = tile / tiles_u;
-      for (int f = tv * kTile; f < std::min(t.spans_v, (tv + 1) * kTile); ++f)
-        for (int lane = tu * kTile; lane < std::min(t.spans_u, (tu + 1) * kTile); ++lane)
-          for (int sub = 0; sub < t.gauss * t.gauss; ++sub) {
-            const int block = f * t.gauss * t.gauss + sub;
-            if (t.metric[t.at(block, kMetricFields, kArea, lane)] == 0.0) continue;
-            ContactCandidates::Place& q = c.places[static_cast<std::size_t>(block) * t.lanes + lane];
-            if (q.refresh != c.refresh) {
-              sample_functions(m, s, block, lane, c.functions);
-              q.refresh = c.refresh, q.there = !c.functions.empty() && !s.motion.detached[c.functions[0].slot];
-              if (q.there) q.x = position(s, c.functions);
-            }
-            if (!q.there || (q.x - centre).norm() > body.radius() + margin) continue;
-            const double gap = body.distance(q.x).value;
-            if (gap >= margin) continue;
-            const double free = std::max(0.0, gap - 0.5 * m.thickness);
-            const int first = static_cast<int>(std::min(free / travel, static_cast<double>(kContactRefresh)));
-            list.push_back({block, lane, first, body.known(q.x, gap)});
-          }
+      c.near.push_back(tile);
     }
+    Samples& list = c.of_body[b];
+    if (c.near.empty()) {
+      list.clear();
+      continue;
+    }
+    c.places.resize(static_cast<std::size_t>(t.blocks()) * t.lanes);  // allocated when a body first comes near
+    const bool keeps = body.triangles() > kShortSearch;
+    if (keeps) {
+      if (c.ids[b] != body.body.id) c.known[b].clear();  // they were of another body
+      c.known[b].resize(c.places.size());
+    }
+    c.ids[b] = body.body.id;
+    const Search search{m, s, body, margin, travel, keeps ? &c.known[b] : nullptr};
+    const int count = static_cast<int>(c.near.size());
+    if (c.of_tile.size() < c.near.size()) c.of_tile.resize(count);
+    const auto look = [&](int k) { look_at_tile(search, c.near[k], tiles.across, c, c.of_tile[k]); };
+    if (threads == 1 || count <= kFewTiles) {
+      for (int k = 0; k < count; ++k) look(k);
+    } else {
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+      for (int k = 0; k < count; ++k) look(k);
+    }
+    list.clear();
+    for (int k = 0; k < count; ++k) list.insert(list.end(), c.of_tile[k].begin(), c.of_tile[k].end());
   }
 }
 
+namespace {
+
+// Normal of the shell at a sample, unit.
+Vec3 normal_at(const ShellModel& m, const ShellState& s, const ContactCandidates::Sample& q,
+               const std::vector<GatheredFunction>& functions) {
+  Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
+  if (functions.front().n[1] != 0.0 || functions.size() != m.patch.functions()) {  // gathered
+    for (const auto& f : functions) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
+  } else {
+    const ShapeFunctions n = m.patch.shape_functions(gauss_point(m.patch, m.tables, q.block, q.lane).parameter);
+    for (int k = 0; k < n.count(); ++k) {
+      const Vec3 x = s.position(n.row(k) * m.tables.stride + n.column(k));
+      tu += n.u[k] * x, tv += n.v[k] * x;
+    }
+  }
+  return tu.cross(tv).normalized();
+}
+
+// Notes a candidate that overlaps with the body. Impulses change velocities only, so all may be asked beforehand.
+void note_overlap(const ShellModel& m, const ShellState& s, const Proxy& body, Samples& all, std::size_t k,
+                  std::vector<GatheredFunction>& functions, std::vector<ContactCandidates::Overlap>& found) {
+  ContactCandidates::Sample& q = all[k];
+  sample_functions(m, s, q.block, q.lane, functions);  // a crack may have changed them
+  if (functions.empty() || s.motion.detached[functions[0].slot]) return;
+  const Vec3 x = position(s, functions);
+  if (body.surely_beyond(x, q.known, 0.5 * m.thickness, kSlack * m.thickness)) return;
+  const Proxy::Distance middle = body.distance(x, q.known.triangle);
+  q.known = body.known(x, middle);
+  if (middle.value > 0.5 * m.thickness) return;
+  // The face towards the body is half a thickness from the mid-surface, along the shell's own normal.
+  Vec3 normal = normal_at(m, s, q, functions);
+  if (normal.dot(middle.normal) > 0.0) normal = -normal;
+  const Proxy::Distance gap = body.distance(x + 0.5 * m.thickness * normal, middle.triangle);
+  if (gap.value < 0.0) found.push_back({k, x, middle, gap});
+}
+
+// Finds the overlaps with body b, in the order of its candidates.
+void find_overlaps(const ShellModel& m, const ShellState& s, const Proxy& body, std::size_t b, ContactCandidates& c,
+                   int threads) {
+  Samples& all = c.of_body[b];
+  const auto look = [&](std::size_t first, std::size_t end, std::vector<ContactCandidates::Overlap>& found) {
+    thread_local std::vector<GatheredFunction> functions;
+    for (std::size_t k = first; k < end; ++k)
+      if (c.age > all[k].first) note_overlap(m, s, body, all, k, functions, found);
+  };
+  const std::size_t parts = threads == 1 || all.size() <= kFewSamples ? 1 : kPartsOfThread * threads;
+  if (c.overlaps.size() < parts) c.overlaps.resize(parts);
+  c.parts = parts;
+  for (std::size_t part = 0; part < parts; ++part) c.overlaps[part].clear();
+  if (parts == 1) return look(0, all.size(), c.overlaps[0]);
+#pragma omp parallel for schedule(dynamic, 1) num_threads(threads)
+  for (std::size_t part = 0; part < parts; ++part)
+    look(all.size() * part / parts, all.size() * (part + 1) / parts, c.overlaps[part]);
+}
+
+}  // namespace
+
 int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, ContactCandidates& candidates, double dt,
-            double kicked) {
+            double kicked, int threads) {
   int touching = 0;
   thread_local std::vector<GatheredFunction> functions;
   for (std::size_t b = 0; b < candidates.of_body.size(); ++b) {
@@ -132,50 +263,28 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       touching += hertz_contact(m, s, body, coefficients[b].hertz, candidates.of_body[b], kicked);
       continue;
     }
-    for (auto& candidate : candidates.of_body[b]) {
-      if (candidates.age <= candidate.first) continue;
-      sample_functions(m, s, candidate.block, candidate.lane, functions);  // a crack may have changed them
-      if (functions.empty() || s.motion.detached[functions[0].slot]) continue;
-      const Vec3 x = position(s, functions);
-      if (body.surely_beyond(x, candidate.known, 0.5 * m.thickness, kSlack * m.thickness)) continue;
-      const Proxy::Distance middle = body.distance(x);
-      candidate.known = body.known(x, middle.value);
-      if (middle.value > 0.5 * m.thickness) continue;
-      // The face towards the body is half a thickness from the mid-surface, along the shell's own normal.
-      Vec3 tu = Vec3::Zero(), tv = Vec3::Zero();
-      const bool gathered = functions.front().n[1] != 0.0 || functions.size() != m.patch.functions();
-      if (gathered) {
-        for (const auto& f : functions) tu += f.n[1] * s.position(f.slot), tv += f.n[2] * s.position(f.slot);
-      } else {
-        const ShapeFunctions n =
-            m.patch.shape_functions(gauss_point(m.patch, m.tables, candidate.block, candidate.lane).parameter);
-        for (int k = 0; k < n.count(); ++k) {
-          const Vec3 x = s.position(n.row(k) * m.tables.stride + n.column(k));
-          tu += n.u[k] * x, tv += n.v[k] * x;
-        }
+    const Samples& samples = candidates.of_body[b];
+    find_overlaps(m, s, body, b, candidates, threads);
+    for (std::size_t part = 0; part < candidates.parts; ++part)
+      for (const ContactCandidates::Overlap& k : candidates.overlaps[part]) {
+        sample_functions(m, s, samples[k.candidate].block, samples[k.candidate].lane, functions);
+        ++touching;
+        // The impulse acts on both sides at the mid-surface point, where the shape functions place it. Linear and
+        // angular momentum then close to round-off.
+        const Vec3 before = velocity(s, functions) - body.velocity_at(k.x, k.middle);
+        Mat3 inverse = body.inverse_mass_at(k.x);
+        for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
+        if (inverse.trace() <= 0.0) continue;
+        // A bouncing sample leaves the overlap by itself. A recovery speed on top would add energy, most to slow ones.
+        const double recovered = std::min(body.recovery * -k.gap.value / dt, kFastestRecovery);
+        const double bounce = -coefficients[b].restitution * k.gap.normal.dot(before);
+        const Vec3 wanted =
+            bounce >= recovered ? Vec3::Zero() : Vec3(recovered * k.gap.normal);  // of the velocity afterwards
+        const Vec3 j = contact_impulse(k.gap.normal, before - wanted, inverse, coefficients[b].friction,
+                                       coefficients[b].restitution);
+        if (j.isZero(0.0)) continue;
+        push(s, body, functions, k.x, k.middle, before, j, dt);
       }
-      Vec3 normal = tu.cross(tv).normalized();
-      if (normal.dot(middle.normal) > 0.0) normal = -normal;  // towards the body
-      const Vec3 face = x + 0.5 * m.thickness * normal;
-      const Proxy::Distance gap = body.distance(face);
-      if (gap.value >= 0.0) continue;
-      ++touching;
-      // The impulse acts on both sides at the mid-surface point, where the shape functions place it. Linear and angular
-      // momentum then close to round-off.
-      const Vec3 before = velocity(s, functions) - body.velocity_at(x);
-      Mat3 inverse = body.inverse_mass_at(x);
-      for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
-      if (inverse.trace() <= 0.0) continue;
-      // A bouncing sample leaves the overlap by itself. A recovery speed on top would add energy, most to slow ones.
-      const double recovered = std::min(body.recovery * -gap.value / dt, kFastestRecovery);
-      const double bounce = -coefficients[b].restitution * gap.normal.dot(before);
-      const Vec3 wanted =
-          bounce >= recovered ? Vec3::Zero() : Vec3(recovered * gap.normal);  // of the velocity afterwards
-      const Vec3 j =
-          contact_impulse(gap.normal, before - wanted, inverse, coefficients[b].friction, coefficients[b].restitution);
-      if (j.isZero(0.0)) continue;
-      push(s, body, functions, x, before, j, dt);
-    }
   }
   return touching;
 }

@@ -29,15 +29,29 @@ struct ContactCandidates {
   };
   std::vector<Place> places;
   std::vector<Eigen::AlignedBox3d> boxes;
-  std::vector<GatheredFunction> functions;
+  std::vector<int> near;                     // tiles
+  std::vector<std::vector<Sample>> of_tile;  // of these
+  // Distances of all samples to each body of many triangles, as they were last computed; and which bodies these were.
+  std::vector<std::vector<Proxy::Known>> known;
+  std::vector<BodyId> ids;
   std::uint32_t refresh = 0;
   int age = 0;  // substeps since the refresh
+  // Scratch of contact(): samples that overlap with a body, in parts that threads share.
+  struct Overlap {
+    std::size_t candidate;
+    Vec3 x;                       // of the mid-surface
+    Proxy::Distance middle, gap;  // there, and at the face towards the body
+  };
+  std::vector<std::vector<Overlap>> overlaps;
+  std::size_t parts = 0;
 };
 constexpr int kContactRefresh = 16;  // substeps
 
-/// Finds the candidates for the next kContactRefresh substeps of `dt` [s].
+/// Finds the candidates for the next kContactRefresh substeps of `dt` [s]. Results are the same for any number of
+/// threads, here and in contact().
 void refresh_candidates(const ShellModel& model, const ShellState& state, const std::vector<Proxy>& bodies,
-                        const std::vector<ContactCoefficients>& coefficients, double dt, ContactCandidates& candidates);
+                        const std::vector<ContactCoefficients>& coefficients, double dt, ContactCandidates& candidates,
+                        int threads = 1);
 
 /// Applies impulse j [N s] to the shell at x, by `functions`, and its negative to the body. Both sides of the body's
 /// ledger are updated.
@@ -51,6 +65,6 @@ void apply_impulse(ShellState& state, Proxy& body, const std::vector<GatheredFun
 /// forces of the kick did.
 int contact(const ShellModel& model, ShellState& state, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, ContactCandidates& candidates, double dt,
-            double kicked);
+            double kicked, int threads = 1);
 
 }  // namespace sunder::shell

@@ -113,7 +113,7 @@ TEST(DrivenBody, ThatGrowsIsSurelyBeyondOnlyWhatItIsBeyond) {
     return Vec3(p.body.motion.position + p.body.motion.orientation * x);
   };
   std::vector<Proxy::Known> known;
-  for (int k = 0; k < 500; ++k) known.push_back(p.known(world(k), p.distance(world(k)).value));
+  for (int k = 0; k < 500; ++k) known.push_back(p.known(world(k), p.distance(world(k))));
   const double least = 1e-3;
   EXPECT_FALSE(p.surely_beyond(world(0), Proxy::Known{}, least, 1e-12));  // nothing is known
   for (const double t : {0.0, 0.4, 0.8, 2.0}) {

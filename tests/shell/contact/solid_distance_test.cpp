@@ -77,6 +77,23 @@ TEST(SolidDistance, GrowsAlongItsNormal) {
   EXPECT_GT(smooth, 1900);
 }
 
+TEST(SolidDistance, IsTheSameWhateverIsGuessed) {
+  const Surface surface = surface_of(arch::mesh());
+  const SolidDistance solid(surface);
+  std::mt19937 random(4);
+  const int last = static_cast<int>(surface.triangles.size()) - 1;
+  for (int k = 0; k < 2000; ++k) {
+    const Vec3 x = anywhere(random, {-0.02, -0.02, -0.02}, {0.08, 0.05, 0.07});
+    const SolidDistance::Found found = solid.at(x);
+    const int guess = std::uniform_int_distribution(0, last)(random);
+    const SolidDistance::Found guessed = solid.at(x, guess);
+    EXPECT_EQ(guessed.value, found.value) << x.transpose();
+    EXPECT_LT((guessed.normal - found.normal).norm(), 1e-12) << x.transpose();
+    EXPECT_LT((guessed.point - found.point).norm(), 1e-12) << x.transpose();
+    EXPECT_NEAR((x - found.point).norm(), std::abs(found.value), 1e-15);
+  }
+}
+
 TEST(SolidDistance, HasTheSignOfTheWindingNumberBesideSharpEdges) {
   // a star of eight thin rays, each of them sharper than a right angle: where a nearest face's plane tells nothing
   std::vector<std::array<double, 2>> star;

@@ -1,12 +1,15 @@
 // Impulses between a shell and rigid bodies.
 #include <cmath>
+#include <map>
 #include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
 
+#include "coupler/scene/mesh.h"
 #include "shell/solver/contact/rigid_contact.h"
 #include "shell/solver/parting/handoff.h"
+#include "tests/coupler/arch.h"
 #include "tests/shell/fixtures.h"
 
 using namespace sunder;
@@ -34,7 +37,84 @@ std::size_t candidates_near(const ShellModel& m, const ShellState& s, const Rigi
   return c.of_body[0].size();
 }
 
+// The same surface with each triangle in four, `times` times.
+Surface divided(Surface s, int times) {
+  for (; times > 0; --times) {
+    Surface next;
+    next.corners = s.corners;
+    std::map<std::pair<int, int>, int> middle;
+    const auto between = [&](int a, int b) {
+      const auto [at, fresh] = middle.try_emplace(std::minmax(a, b), static_cast<int>(next.corners.size()));
+      if (fresh) next.corners.push_back(0.5 * (s.corners[a] + s.corners[b]));
+      return at->second;
+    };
+    for (const auto& [a, b, c] : s.triangles) {
+      const int ab = between(a, b), bc = between(b, c), ca = between(c, a);
+      next.triangles.insert(next.triangles.end(), {{a, ab, ca}, {ab, b, bc}, {ca, bc, c}, {ab, bc, ca}});
+    }
+    s = next;
+  }
+  return s;
+}
+
+// A solid that is not convex, of some 7,000 triangles.
+RigidBody arch_body(const Vec3& at) {
+  RigidBody b;
+  b.id = 2, b.name = "arch", b.mass = 0.2, b.principal_inertia = Vec3::Constant(3e-5);
+  std::vector<scene::Polygon> faces;
+  const arch::Mesh mesh = arch::mesh();
+  for (const auto& face : mesh.faces) faces.push_back({face, 0});
+  ConvexShape shape;
+  shape.surface = std::make_shared<Surface>(divided(scene::closed_surface(mesh.points, faces), 4));
+  shape.parts = scene::convex_parts(scene::closed_surface(mesh.points, faces));
+  b.shape = shape;
+  b.motion.position = at, b.motion.velocity = Vec3(3.0, -2.0, 1.0), b.motion.angular_momentum = Vec3(2e-3, -1e-3, 3e-3);
+  return b;
+}
+
 }  // namespace
+
+TEST(RigidContact, FindsTheSameCandidatesWhateverIsKnownFromBefore) {
+  const ShellModel m = brittle_sheet(240);
+  const ShellState s = make_state(m, Vec3::Zero(), 0);
+  const double dt = 1e-6;
+  std::vector<Proxy> bodies{Proxy(arch_body(Vec3(-0.03, -0.01, -0.0535)))};
+  ContactCandidates kept;
+  std::size_t most = 0;
+  for (int k = 0; k < 24; ++k) {
+    Proxy& p = bodies[0];
+    p.body.motion.position += 10.0 * kContactRefresh * dt * p.body.motion.velocity;
+    if (k % 8 == 7) p.body.id += 1, p.body.motion.position.z() -= 0.0005, p.body.motion.velocity.x() *= -1.0;
+    ContactCandidates fresh;
+    refresh_candidates(m, s, bodies, {{}}, dt, kept, 1 + k % 2), refresh_candidates(m, s, bodies, {{}}, dt, fresh);
+    ASSERT_EQ(kept.of_body[0].size(), fresh.of_body[0].size()) << k;
+    most = std::max(most, fresh.of_body[0].size());
+    for (std::size_t i = 0; i < fresh.of_body[0].size(); ++i) {
+      const auto &a = kept.of_body[0][i], &b = fresh.of_body[0][i];
+      ASSERT_TRUE(a.block == b.block && a.lane == b.lane) << k;
+      ASSERT_LE(a.first, b.first) << k;  // a bound is no further away
+    }
+  }
+  EXPECT_GT(most, 9000u);
+}
+
+TEST(RigidContact, PushesTheSameWithAnyNumberOfThreads) {
+  const ShellModel m = brittle_sheet(240);
+  std::vector<double> v;
+  for (const int threads : {1, 2}) {
+    ShellState s = make_state(m, Vec3::Zero(), 0);
+    std::vector<Proxy> bodies{Proxy(arch_body(Vec3(-0.03, -0.01, -0.0515)))};
+    bodies[0].body.motion.velocity.z() = 20.0;
+    ContactCandidates c;
+    refresh_candidates(m, s, bodies, {{}}, 1e-6, c, threads);
+    c.age = kContactRefresh + 1;
+    ASSERT_GT(contact(m, s, bodies, {{}}, c, 1e-6, 1e-6, threads), 8192);
+    if (threads == 1)
+      v = s.motion.v;
+    else
+      EXPECT_EQ(s.motion.v, v);
+  }
+}
 
 // Without forces in between: what is booked is what both have lost, to round-off, whatever friction and restitution.
 TEST(RigidContact, BooksWhatShellAndBodyLoseAndKeepsTheirMomenta) {
