@@ -24,7 +24,7 @@ from .soft import RUBBER, balls
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_sheet_body, vertex_normals
 from .vtp import PolyData
 
-MOST_STEPS = 60  # positions of one shape: weights of morph targets grow with the square
+MOST_STEPS = 60  # positions of one shape: weights of morph targets grow with the square; point caches have no such limit
 
 
 @dataclass
@@ -128,8 +128,8 @@ class _Sheets:
 class Story:
     """Reads frames one after another into `things`, in the order in which they are seen first."""
 
-    def __init__(self, words: Words, part_of: dict[int, int], middle: bool = False) -> None:
-        self._words, self._part_of = words, part_of
+    def __init__(self, words: Words, part_of: dict[int, int], middle: bool = False, most_steps: int = MOST_STEPS) -> None:
+        self._words, self._part_of, self._most_steps = words, part_of, most_steps
         self._thickness = () if middle else words.thickness
         self._things: dict[Key, Thing] = {}
         self._open: dict[Key, Shape] = {}
@@ -163,7 +163,7 @@ class Story:
         if before is None or before.shell is None:
             return
         ending = [key for key in before.pieces if key in self._open and (
-            self._open[key].state != now.state(key) or len(self._open[key].points) > MOST_STEPS)]
+            self._open[key].state != now.state(key) or len(self._open[key].points) > self._most_steps)]
         if not ending:
             return
         arriving = ends(before.shell, now.shell, bodies, now.time_s - before.time_s)
@@ -268,7 +268,7 @@ class Story:
             thing.place(k, centre)
             shape, normals = self._open.get(key), vertex_normals(at, local)
             state = (particle[body == one].tobytes(),)
-            if shape is not None and shape.state == state and len(shape.points) <= MOST_STEPS:
+            if shape is not None and shape.state == state and len(shape.points) <= self._most_steps:
                 shape.points.append(at - centre)
                 shape.normals.append(normals)
                 shape.last = k
@@ -301,9 +301,10 @@ def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
                sort)
 
 
-def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False) -> list[Thing]:
+def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False,
+             most_steps: int = MOST_STEPS) -> list[Thing]:
     """Returns all things of these frames. Raises VtpError, OSError."""
-    story = Story(words, part_of, middle)
+    story = Story(words, part_of, middle, most_steps)
     for k, frame in enumerate(frames):
         story.read(k, frame)
     return story.things
