@@ -40,7 +40,10 @@ def play_session(session: Path, rigid: str, tolerance: float | None, report: Pat
     played, ended = _played(player, rigid)
     print(told(path, rigid, played, ended), flush=True)
     if report is not None:
-        report.write_text(json.dumps(as_json(path, played, ended), indent=1) + "\n")
+        try:
+            report.write_text(json.dumps(as_json(path, played, ended), indent=1) + "\n")
+        except OSError as error:
+            raise CommandError(f"cannot write {report}: {error.strerror}", BAD_INPUT) from None
     return CHECK_FAILED if played.first is not None or played.refused or ended else DONE
 
 
