@@ -22,6 +22,10 @@ class Refusal(Exception):
     """The session cannot be played to this engine; the message says why and what to do."""
 
 
+class _Wrong(Exception):
+    """A reply with which the session cannot go on."""
+
+
 class Connection(Protocol):
     """What a session is played over."""
 
@@ -73,7 +77,7 @@ class Played:
     recorded: str = ""
     tolerance: float = 0.0
     replies: list[Reply] = field(default_factory=list)
-    refused: str = ""      # the Error with which the engine ended the session
+    stopped: str = ""      # why the engine ended the session before its time: its Error, or a reply that cannot be
     skipped: int = 0       # requests for caches that it does not have
 
     @property
@@ -95,16 +99,21 @@ class Player:
         self._predicted: dict[int, Any] = {}
 
     def play(self, engine: Connection) -> Played:
-        """Plays all requests. Raises Refusal, and what the connection raises."""
+        """Plays all requests, or as many as the engine answers. Raises Refusal, and what the connection raises."""
+        try:
+            self._play(engine)
+        except _Wrong as error:
+            self.played.stopped = f"{self.asked}: {error}"
+        return self.played
+
+    def _play(self, engine: Connection) -> None:
         ended = False
         for one in exchanges(self._path):
             if one.kind == "save" and "save_restore" not in self.played.capabilities:
                 self.played.skipped += 1
                 continue
             answer = self._ask(engine, one.request, one.number)
-            ended = answer is None or one.kind == "bye"
-            if answer is None:
-                break
+            ended = one.kind == "bye"
             if one.kind == "hello":
                 self._greeted(one, answer)
             else:
@@ -112,11 +121,10 @@ class Player:
         if not ended:  # the recorded run was interrupted or failed
             bye = exchange().Request()
             bye.bye.SetInParent()
-            self._ask(engine, bye, 0)
-        return self.played
+            self._ask(engine, bye, self._sequence + 1)
 
     def _ask(self, engine: Connection, request: Any, number: int) -> Any:
-        """The reply; None where it is an Error, which is kept."""
+        """The reply. Raises _Wrong."""
         self._sequence += 1
         kind = request.WhichOneof("kind")
         request.sequence = self._sequence
@@ -128,13 +136,12 @@ class Player:
         try:
             reply = exchange().Reply.FromString(answer)
         except Exception:  # noqa: BLE001: of the library's own kinds
-            raise Refusal(f"{self.asked}: the engine sent bytes that are no Reply") from None
+            raise _Wrong("bytes that are no Reply") from None
         if reply.WhichOneof("kind") == "error":
-            self.played.refused = f"{self.asked}: {reply.error.kind}: {reply.error.message}"
-            return None
+            raise _Wrong(f"refused with {reply.error.kind}: {reply.error.message}")
         if reply.WhichOneof("kind") != kind or reply.sequence != self._sequence:
-            raise Refusal(f"{self.asked}: the engine answers {reply.WhichOneof('kind')} with sequence {reply.sequence}; "
-                          f"{kind} with {self._sequence} is due")
+            raise _Wrong(f"a reply of kind {reply.WhichOneof('kind')} and sequence {reply.sequence}; {kind} and {self._sequence} "
+                         "are due")
         return reply
 
     def _greeted(self, one: Exchange, reply: Any) -> None:
@@ -142,7 +149,7 @@ class Player:
         hello, played, summary = reply.hello, self.played, self.summary
         played.engine, played.version, played.capabilities = hello.engine_name, hello.engine_version, list(hello.capabilities)
         if hello.scene_hash != one.request.hello.scene_hash:
-            raise Refusal("request 1 (hello): scene_hash does not come back as it was sent")
+            raise _Wrong("scene_hash does not come back as it was sent")
         lacking = [f"{word} (request {number})" for word, number in summary.needs.items() if word not in played.capabilities]
         if lacking:
             raise Refusal(f"the session needs {', '.join(lacking)}, which {hello.engine_name} does not declare; record one with an "

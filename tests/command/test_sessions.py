@@ -177,7 +177,7 @@ class Playing(Sessions):
         self.assertEqual(self.verdicts(found), ["same"] * WINDOWS)
         self.assertIn(f"{WINDOWS} windows: {WINDOWS} the same to the bit, 0 within the tolerance, 0 differ", said)
         self.assertEqual((found["recorded_with"], found["engine"], found["tolerance"]), ("floor 1", "floor", 1e-9))
-        self.assertEqual((found["first_that_differs"], found["refused"], found["ended"]), (None, "", ""))
+        self.assertEqual((found["first_that_differs"], found["stopped"], found["ended"]), (None, "", ""))
         self.assertEqual([reply["bodies"] for reply in found["replies"]], [2] * 3 + [3] * 10)  # of Load, and of windows
 
     def test_round_off_is_within_the_tolerance(self) -> None:
@@ -236,7 +236,7 @@ class Playing(Sessions):
         self.recorded()
         fault = 'if self.window == 5: raise Refused("bad_handback", "too far", BAD_INPUT)'
         status, said, found = self.validate(fault)
-        self.assertEqual((status, found["refused"]), (1, "request 7 (window): bad_handback: too far"), said)
+        self.assertEqual((status, found["stopped"]), (1, "request 7 (window): refused with bad_handback: too far"), said)
         self.assertEqual(self.verdicts(found), ["same"] * 4)
 
     def test_an_engine_that_dies_is_lost(self) -> None:
@@ -248,6 +248,53 @@ class Playing(Sessions):
         self.assertEqual(status, 0, said)
         status, said, found = self.validate(end=" or 7")
         self.assertEqual((status, found["ended"]), (1, "it ended with status 7 after Bye; 0 is due"), said)
+
+    def test_a_reply_that_cannot_be_stops_the_session(self) -> None:
+        self.recorded()
+        space: dict[str, Any] = {"__name__": "floor"}
+        exec(compile(engine_text(), "floor", "exec"), space)  # noqa: S102
+
+        class Wrong:
+            """An engine in this process; its fifth reply is spoilt."""
+
+            def __init__(self, spoil: Any, at: int) -> None:
+                self._session, self._spoil, self._at, self._count = Session(space["Floor"]()), spoil, at, 0
+
+            def send(self, message: bytes) -> None:
+                self._answer = self._session.answer(message)
+
+            def receive(self) -> bytes:
+                self._count += 1
+                reply = exchange().Reply.FromString(self._answer)
+                return bytes(self._spoil(reply) if self._count == self._at else self._answer)
+
+        def late(reply: Any) -> bytes:
+            reply.sequence -= 1
+            return bytes(reply.SerializeToString())
+
+        def other(reply: Any) -> bytes:
+            reply.save.SetInParent()
+            return bytes(reply.SerializeToString())
+
+        def lost(reply: Any) -> bytes:
+            reply.hello.scene_hash = b""
+            return bytes(reply.SerializeToString())
+
+        def fewer(reply: Any) -> bytes:
+            del reply.window.states[0]
+            return bytes(reply.SerializeToString())
+
+        for spoil, at, told in ((late, 5, "request 5 (window): a reply of kind window and sequence 4; window and 5 are due"),
+                                (other, 5, "request 5 (window): a reply of kind save and sequence 5"),
+                                (lambda reply: b"\xff", 5, "request 5 (window): bytes that are no Reply"),
+                                (lost, 1, "request 1 (hello): scene_hash does not come back")):
+            played = Player(self.path).play(Wrong(spoil, at))
+            self.assertTrue(played.stopped.startswith(told), played.stopped)
+            self.assertEqual(len(played.replies), max(at - 2, 0))
+        played = Player(self.path).play(Wrong(fewer, 5))
+        assert played.first is not None
+        self.assertEqual((played.stopped, played.first.window, played.first.notes),
+                         ("", 3, ["states of other bodies: missing [2], not due []"]))
 
     def test_caches_are_no_matter_of_an_engine_without_them(self) -> None:
         self.recorded(capabilities=[*WORDS, "save_restore"], save=True)

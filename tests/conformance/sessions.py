@@ -37,14 +37,19 @@ def play_session(session: Path, rigid: str, tolerance: float | None, report: Pat
                            "--record", BAD_INPUT) from None
     except RuntimeError as error:  # no protoc
         raise CommandError(str(error), BAD_INPUT) from None
-    played, ended = _played(player, rigid)
+    try:
+        played, ended = _played(player, rigid)
+    except CommandError as error:
+        if error.status == PEER_LOST and player.played.replies:
+            print(told(path, rigid, player.played, ""), flush=True)
+        raise
     print(told(path, rigid, played, ended), flush=True)
     if report is not None:
         try:
             report.write_text(json.dumps(as_json(path, played, ended), indent=1) + "\n")
         except OSError as error:
             raise CommandError(f"cannot write {report}: {error.strerror}", BAD_INPUT) from None
-    return CHECK_FAILED if played.first is not None or played.refused or ended else DONE
+    return CHECK_FAILED if played.first is not None or played.stopped or ended else DONE
 
 
 def _played(player: Player, rigid: str) -> tuple[Played, str]:
@@ -98,7 +103,7 @@ def _ended_late(process: subprocess.Popen[bytes] | None) -> str:
 
 
 def _wrong_end(process: subprocess.Popen[bytes] | None, played: Played) -> str:
-    if process is None or played.refused or process.returncode == DONE:
+    if process is None or played.stopped or process.returncode == DONE:
         return ""
     return f"it {how_it_ended(process.returncode)} after Bye; {DONE} is due"
 
@@ -120,8 +125,8 @@ def told(path: Path, rigid: str, played: Played, ended: str) -> str:
     first = played.first
     if first is not None:
         lines.append(f"first that differs: {_name(first)}")
-    if played.refused:
-        lines.append(f"the engine refuses {played.refused}")
+    if played.stopped:
+        lines.append(f"stopped at {played.stopped}")
     if ended:
         lines.append(f"the engine's process: {ended}")
     return "\n".join(lines)
@@ -151,7 +156,7 @@ def as_json(path: Path, played: Played, ended: str) -> dict[str, object]:
     first = played.first
     return {"session": str(path), "recorded_with": played.recorded, "engine": played.engine, "version": played.version,
             "capabilities": played.capabilities, "tolerance": played.tolerance,
-            "first_that_differs": first.request if first is not None else None, "refused": played.refused, "ended": ended,
+            "first_that_differs": first.request if first is not None else None, "stopped": played.stopped, "ended": ended,
             "replies": [_finite(asdict(reply)) for reply in played.replies]}
 
 
