@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Iterable, Protocol
 
 from .engine import MOTION
-from .messages import exchange
+from .messages import exchange, parsed
 from .recording import Body, Exchange, Summary, exchanges
 
 DOUBLE, SINGLE = 1e-9, 1e-4  # tolerances of engines with double_precision and without (rigid/README.md)
@@ -134,9 +134,9 @@ class Player:
         engine.send(request.SerializeToString())
         answer = engine.receive()
         try:
-            reply = exchange().Reply.FromString(answer)
-        except Exception:  # noqa: BLE001: of the library's own kinds
-            raise _Wrong("bytes that are no Reply") from None
+            reply = parsed("Reply", answer)
+        except ValueError as error:
+            raise _Wrong(str(error)) from None
         if reply.WhichOneof("kind") == "error":
             raise _Wrong(f"refused with {reply.error.kind}: {reply.error.message}")
         if reply.WhichOneof("kind") != kind or reply.sequence != self._sequence:

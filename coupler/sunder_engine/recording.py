@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, BinaryIO, Iterator
 
-from .messages import exchange
+from .messages import parsed
 from .session import SHAPES
 
 FIRST_LINE = b"sunder recording 1\n"
@@ -94,8 +94,8 @@ def _record(path: Path, file: BinaryIO) -> tuple[int, bytes, bytes] | None:
 
 def _message(path: Path, at: int, content: bytes, name: str) -> Any:
     try:
-        return getattr(exchange(), name).FromString(content)
-    except Exception:  # noqa: BLE001: of the library's own kinds
+        return parsed(name, content)
+    except ValueError:
         raise BadRecording(path, at, f"the record holds no {name}") from None
 
 

@@ -1,7 +1,9 @@
 """Point caches of a run: bytes read back by another reader, the same things in the same places as in the animated glTF."""
 from __future__ import annotations
 
+import contextlib
 import csv
+import io
 import unittest
 from pathlib import Path
 from unittest import mock
@@ -13,7 +15,8 @@ from sunder_tools.pictures.frames import list_frames
 from sunder_tools.pictures.pc2 import COLUMNS, caches_of
 from sunder_tools.pictures.story import Thing, story_of
 
-from .mesh_files import read_obj, read_pc2
+from .mesh_files import Animated, read_obj, read_pc2
+from .synthetic import BALL_RADIUS_M, HEIGHT_M
 from .test_animated import SCENE, SINGLE, Parting
 from .test_render import OfARun
 
@@ -52,8 +55,12 @@ class Written(Parting):
         super().setUp()
         (self.folder / "run.json").write_text('{"schema": 1}')
         (self.folder / "scene_as_run.textproto").write_text(SCENE)
-        self.assertEqual(one_file.export_one(self.folder, "pc2", self.folder / "caches", None, None, None, False), 0)
-        self.written = Folder(self.folder / "caches")
+        self.written = self.export("caches")
+
+    def export(self, name: str) -> Folder:
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(one_file.export_one(self.folder, "pc2", self.folder / name, None, None, None, False), 0)
+        return Folder(self.folder / name)
 
 
 class HandOff(Written):
@@ -69,7 +76,7 @@ class HandOff(Written):
 
     def test_the_table_names_every_object(self) -> None:
         rows = {row["object"]: row for row in self.written.rows}
-        self.assertEqual(list(rows), [f"pane_piece_{p}_shape_{s}" for p, s in ((1, 0), (1, 1), (2, 0), (2, 1))])
+        self.assertEqual(list(rows), [f"pane_piece_{p}_shape_{s}" for p, s in ((1, 0), (1, 1), (1, 2), (2, 0), (2, 1))])
         self.assertEqual({row["shell"] for row in rows.values()}, {"pane"})
         body = rows["pane_piece_2_shape_1"]  # the shard: there from frame 3 to the last, and drawn together in frame 2
         self.assertEqual([body[c] for c in ("name", "start", "samples", "first_frame", "last_frame", "points", "triangles")],
@@ -94,8 +101,7 @@ class HandOff(Written):
     def test_long_shapes_are_not_cut(self) -> None:
         """Morph targets have a limit, caches have none."""
         with mock.patch.object(one_file, "MOST_STEPS", 1):
-            one_file.export_one(self.folder, "pc2", self.folder / "more", None, None, None, False)
-        self.assertEqual(Folder(self.folder / "more").rows, self.written.rows)
+            self.assertEqual(self.export("more").rows, self.written.rows)
         cut = story_of(self.frames, self.words, {}, most_steps=1)
         self.assertGreater(sum(len(thing.shapes) for thing in cut), len(self.written.rows))
 
@@ -115,9 +121,17 @@ class WholeRuns(OfARun):
     def test_bodies_have_one_object_and_what_rests_one_sample(self) -> None:
         written, count = self.caches(), len(list_frames(self.folder))
         rows = {row["object"]: row for row in written.rows}
-        self.assertEqual([rows[name]["samples"] for name in ("body_0", "body_1")], [str(count), "1"])  # a ball that flies, a floor
-        pieces = [row for row in written.rows if row["name"].startswith("pane_piece_")]
-        self.assertGreater(len({row["name"] for row in pieces}), 20)
+        self.assertEqual(rows["body_1"]["samples"], "1")  # the floor
+        for k, frame in enumerate(list_frames(self.folder)):
+            height = max(BALL_RADIUS_M, HEIGHT_M + BALL_RADIUS_M + 0.003 - 20 * frame.time_s)
+            points = written.points("body_0", k)[:, 2]
+            self.assertAlmostEqual(0.5 * (points.min() + points.max()), height, places=6)
+        self.assertEqual(int(rows["body_0"]["last_frame"]), count - 1)  # it lies there from the last sample on
+        self.assertLess(int(rows["body_0"]["samples"]), count)
+        self.sunder("export", "--gltf", str(self.folder / "run.glb"))
+        nodes = {name for name in Animated((self.folder / "run.glb").read_bytes()).names if "_shape_" not in name}
+        self.assertEqual({row["name"] for row in written.rows}, nodes - {"pane"})
+        self.assertGreater(len(nodes), 10)
         self.assertEqual(sorted(p.stem for p in written.folder.glob("*.pc2")), sorted(rows))
 
     def test_speed_resamples_in_time(self) -> None:
