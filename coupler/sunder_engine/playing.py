@@ -104,6 +104,11 @@ class Player:
             self._play(engine)
         except _Wrong as error:
             self.played.stopped = f"{self.asked}: {error}"
+        except Refusal as error:
+            told = exchange().Request(sequence=self._sequence + 1)
+            told.error.kind, told.error.message = "bad_recording", str(error)
+            engine.send(told.SerializeToString())
+            raise
         return self.played
 
     def _play(self, engine: Connection) -> None:
@@ -196,7 +201,7 @@ class Player:
             if state.id not in recorded:
                 continue
             body, other = self.summary.bodies[state.id], recorded[state.id]
-            if state.mass != other.mass:
+            if _share(abs(state.mass - other.mass), self.played.tolerance * other.mass) > 1.0:
                 found.notes.append(f"{body.name}: its mass is {state.mass:g} kg, and {other.mass:g} kg as loaded")
             if all(getattr(state, part) == getattr(other, part) for part in MOTION):
                 continue

@@ -66,6 +66,7 @@ class Floor(Engine):
 if __name__ == "__main__":
     sys.exit(main(Floor){end})
 '''
+SHIPPED = REPOSITORY / "tests" / "conformance" / "free_flight.rec"
 WORDS = ["spheres", "half_spaces", "contact", "deterministic", "double_precision"]
 
 
@@ -351,6 +352,26 @@ class Playing(Sessions):
             with contextlib.redirect_stderr(said):
                 self.assertEqual(sunder(["validate", *arguments]), 2, arguments)
             self.assertIn(words, said.getvalue())
+
+
+class Shipped(unittest.TestCase):
+    def test_the_engine_that_is_written_for_a_start_plays_it_to_the_bit(self) -> None:
+        with tempfile.TemporaryDirectory() as name, contextlib.redirect_stdout(io.StringIO()) as said:
+            engine, report = Path(name) / "my_engine", Path(name) / "windows.json"
+            self.assertEqual(sunder(["engine", "new", str(engine)]), 0)
+            self.assertEqual(sunder(["validate", "engines", "--rigid", str(engine), "--session", str(SHIPPED), "--json", str(report)]),
+                             0, said.getvalue())
+            found = json.loads(report.read_text())
+        self.assertEqual({reply["verdict"] for reply in found["replies"]}, {"same"})
+        self.assertEqual([found["replies"][k]["bodies"] for k in (0, -1)], [0, 1])  # a shard is born
+
+    def test_it_is_of_the_scene_that_the_page_names(self) -> None:
+        page = (REPOSITORY / "rigid" / "README.md").read_text()
+        self.assertRegex(page, r"run scenes/cut_pane\.textproto --rigid freeflight --until 3e-3 --record")
+        summary = Summary(SHIPPED)
+        self.assertRegex(summary.engine, "^freeflight ")
+        self.assertTrue(any(body.name.startswith("shard_") for body in summary.bodies.values()))
+        self.assertLessEqual(set(summary.needs), {"convex_hulls", "compound", "half_spaces", "spheres", "boxes"})
 
 
 class Reading(Sessions):

@@ -85,16 +85,16 @@ Key = tuple[str, int]  # "piece", "body" or "soft", and the number
 
 
 class _Sheets:
-    """The shells of a frame, piece by piece."""
+    """The shells of a frame, piece by piece. `size` [m]: of the shells in the first frame that has any; 0: this one is it."""
 
-    def __init__(self, frame: Frame, thickness: tuple[float, ...]) -> None:
-        self.time_s, self.shell = frame.time_s, frame.read(SHELL)
+    def __init__(self, frame: Frame, thickness: tuple[float, ...], size: float) -> None:
+        self.time_s, self.shell, self.size = frame.time_s, frame.read(SHELL), size
         self.pieces: dict[Key, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}  # points, triangles from these, their numbers
         shell = self.shell
         if shell is None or not len(shell.triangles):
             return
         self.rest, self.part = reference_points(shell), part_of_points(shell)
-        self._size = float(np.ptp(self.rest, axis=0).max()) or 1.0
+        self.size = size or float(np.ptp(self.rest, axis=0).max()) or 1.0
         thick = thickness_of_points(shell, thickness)
         self._half = None if thick is None else 0.5 * thick
         damage = shell.of_triangles("damage", 0.0)
@@ -115,7 +115,7 @@ class _Sheets:
         if key not in self.pieces:
             return ()
         used, triangles, _ = self.pieces[key]
-        return triangles.tobytes(), np.round(self.rest[used] / (1e-7 * self._size)).astype(np.int64).tobytes()
+        return triangles.tobytes(), np.round(self.rest[used] / (1e-7 * self.size)).astype(np.int64).tobytes()
 
     def damage(self, key: Key) -> np.ndarray:
         """Returns the largest damage (n,) of the triangles at each point of a piece."""
@@ -135,6 +135,7 @@ class Story:
         self._open: dict[Key, Shape] = {}
         self._rigid: dict[Key, _Rigid] = {}
         self._before: _Sheets | None = None
+        self._size = 0.0
 
     @property
     def things(self) -> list[Thing]:
@@ -143,7 +144,8 @@ class Story:
 
     def read(self, k: int, frame: Frame) -> None:
         """Adds frame k. Raises VtpError, OSError."""
-        now, bodies, soft = _Sheets(frame, self._thickness), frame.read(BODIES), frame.read(SOFT)
+        now, bodies, soft = _Sheets(frame, self._thickness, self._size), frame.read(BODIES), frame.read(SOFT)
+        self._size = now.size
         moving = list(_bodies(bodies))
         self._end_shapes(k, now, bodies, moving)
         for key in now.pieces:
