@@ -239,7 +239,8 @@ class Player:
                       "restitution": (abs(a.restitution - b.restitution), 1.0),
                       "allowance_m": (abs(a.allowance_m - b.allowance_m), size)}
             if (a.first, a.second) != (b.first, b.second):
-                found.notes.append(f"contact row {number} is of bodies {b.first} and {b.second} instead of {a.first} and {a.second}")
+                found.notes.append(f"contact row {number} is of bodies {b.first} and {b.second} instead of {a.first} and "
+                                   f"{a.second}")
             for name, (value, scale) in values.items():
                 if _share(value, self.played.tolerance * scale) > 1.0:
                     found.notes.append(f"contact row {number} (bodies {a.first} and {a.second}): {name} differs by {value:.2g}")

@@ -83,7 +83,7 @@ class HandOff(Written):
                          ["pane_piece_2", "2", "4", "3", "5", "36", "12"])
         for name, row in rows.items():
             start, _, samples = self.written.caches[name]
-            self.assertEqual((int(start), len(samples), samples.shape[1]), (int(row["start"]), int(row["samples"]), int(row["points"])))
+            self.assertEqual([int(start), *samples.shape[:2]], [int(row[column]) for column in ("start", "samples", "points")])
             self.assertEqual(sum(map(len, self.written.meshes[name]["f"].values())), int(row["triangles"]))
 
     def test_a_mesh_is_a_sample_of_its_cache(self) -> None:

@@ -119,7 +119,8 @@ def told(path: Path, rigid: str, played: Played, ended: str) -> str:
     if len(differing) > MOST_LINES:
         lines.append(f"... and {len(differing) - MOST_LINES} more; --json FILE has all")
     count = {verdict: sum(reply.verdict == verdict for reply in windows) for verdict in (SAME, CLOSE, DIFFERS)}
-    lines.append(f"{len(windows)} windows: {count[SAME]} the same to the bit, {count[CLOSE]} within the tolerance, {count[DIFFERS]} differ")
+    lines.append(f"{len(windows)} windows: {count[SAME]} the same to the bit, {count[CLOSE]} within the tolerance, "
+                 f"{count[DIFFERS]} differ")
     if played.skipped:
         lines.append(f"{played.skipped} requests for caches were left out: the engine has none")
     first = played.first
@@ -134,7 +135,8 @@ def told(path: Path, rigid: str, played: Played, ended: str) -> str:
 
 def _name(reply: Reply) -> str:
     if reply.kind == "window":
-        return f"window {reply.window} (request {reply.request}, tick {reply.tick} to {reply.tick + reply.ticks}, {reply.window_s:g} s)"
+        ticks = f"tick {reply.tick} to {reply.tick + reply.ticks}"
+        return f"window {reply.window} (request {reply.request}, {ticks}, {reply.window_s:g} s)"
     return f"{reply.kind} (request {reply.request})"
 
 
@@ -146,8 +148,8 @@ def _line(reply: Reply) -> str:
 
 
 def _numbers(worst: Difference) -> str:
-    return (f"{worst.body}: position by {worst.position_m:.2g} m, turn {worst.turn_rad:.2g} rad, velocity {worst.velocity_m_per_s:.2g} "
-            f"m/s; impulse {worst.impulse_N_s:.4g} N s instead of {worst.recorded_impulse_N_s:.4g}, angular "
+    return (f"{worst.body}: position by {worst.position_m:.2g} m, turn {worst.turn_rad:.2g} rad, velocity "
+            f"{worst.velocity_m_per_s:.2g} m/s; impulse {worst.impulse_N_s:.4g} N s instead of {worst.recorded_impulse_N_s:.4g}, angular "
             f"{worst.angular_impulse_N_m_s:.4g} N m s instead of {worst.recorded_angular_impulse_N_m_s:.4g}")
 
 
