@@ -3,9 +3,11 @@ from __future__ import annotations
 
 import os
 import subprocess
+import warnings
 from functools import lru_cache
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 
@@ -31,3 +33,17 @@ def exchange() -> SimpleNamespace:
     factory = message_factory.MessageFactory(pool)
     found = pool.FindFileByName("exchange.proto").message_types_by_name
     return SimpleNamespace(**{name: factory.GetPrototype(kind) for name, kind in found.items()})
+
+
+def parsed(name: str, data: bytes) -> Any:
+    """The message of this kind in `data`. Raises ValueError where there is none, or something after it."""
+    message = getattr(exchange(), name)()
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # protobuf warns of an end in the middle, and takes what was before
+            read = message.MergeFromString(data)
+    except Exception:  # noqa: BLE001: of the library's own kinds
+        read = None
+    if read != len(data):
+        raise ValueError(f"bytes that are no {name}")
+    return message

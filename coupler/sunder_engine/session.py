@@ -7,7 +7,7 @@ import traceback
 from typing import Any, Iterable, Iterator, Sequence
 
 from .engine import BAD_INPUT, ENGINE_FAILED, MOTION, PEER_LOST, Engine, Refused
-from .messages import exchange
+from .messages import exchange, parsed
 
 PROTOCOL = 2
 UNIT = 1e-9  # deviation of a quaternion from unit length: round-off of a window
@@ -77,8 +77,8 @@ class Session:
 
     def _reply(self, data: bytes) -> Any:
         try:
-            request = exchange().Request.FromString(data)
-        except Exception:  # noqa: BLE001: of the library's own kinds
+            request = parsed("Request", data)
+        except ValueError:
             raise Refused("bad_message", "bytes that are no request") from None
         need(request.sequence == self._sequence, f"request {request.sequence}, expected {self._sequence}")
         kind = request.WhichOneof("kind")

@@ -1,4 +1,4 @@
-"""The binding side of a ZeroMQ PAIR socket for one session on this machine: ZMTP 3.0 without keys, by sockets alone."""
+"""Both sides of a ZeroMQ PAIR socket for one session on this machine: ZMTP 3.0 without keys, by sockets alone."""
 from __future__ import annotations
 
 import os
@@ -12,6 +12,7 @@ READY = b"\x05READY" + b"\x0bSocket-Type" + (4).to_bytes(4, "big") + b"PAIR"
 MORE, LONG, COMMAND = 1, 2, 4  # flags of a frame
 MOST_BYTES = 256 << 20         # of a message
 CONNECT_S = 120.0              # for the other side to come
+RETRY_S = 0.02                 # between two tries to connect
 LOOK_S = 0.5                   # between two looks at whether to go on waiting
 LAST_WORDS_S = 1.0             # for the other side to read the last reply and to close
 
@@ -20,30 +21,29 @@ class Lost(Exception):
     """The other side is gone, did not come, or is none of ours."""
 
 
-class Wire:
-    """Accepts one connection and keeps it. `go_on` is asked while it waits: False ends the waiting."""
+def _address(endpoint: str) -> tuple[str, int]:
+    """The path of ipc://PATH and 0, or '' and the port of tcp://127.0.0.1:PORT. Raises ValueError."""
+    tcp = re.fullmatch(r"tcp://127\.0\.0\.1:([0-9]{1,5})", endpoint)
+    if not endpoint.startswith("ipc://") and not tcp:
+        raise ValueError(f"--endpoint {endpoint}: use ipc://PATH or tcp://127.0.0.1:PORT")
+    return ("", int(tcp[1])) if tcp else (endpoint.removeprefix("ipc://"), 0)
 
-    def __init__(self, endpoint: str, go_on: Callable[[], bool] = lambda: True) -> None:
-        """Binds. Raises ValueError for an address that cannot be, OSError where it cannot be bound."""
-        self._go_on = go_on
-        self._path = ""
+
+class _Messages:
+    """Messages over one connection. `go_on` is asked while it waits: False ends the waiting, for which `gone` says why."""
+
+    def __init__(self, other: str, gone: str, go_on: Callable[[], bool]) -> None:
+        self._other, self._gone, self._go_on = other, gone, go_on
         self._connection: socket.socket | None = None
-        tcp = re.fullmatch(r"tcp://127\.0\.0\.1:([0-9]{1,5})", endpoint)
-        if endpoint.startswith("ipc://"):
-            self._path = endpoint.removeprefix("ipc://")
-            self._listener = socket.socket(socket.AF_UNIX)
-            self._listener.bind(self._path)
-        elif tcp:
-            self._listener = socket.create_server(("127.0.0.1", int(tcp[1])))
-        else:
-            raise ValueError(f"--endpoint {endpoint}: use ipc://PATH or tcp://127.0.0.1:PORT")
-        self._listener.listen(4)
-        self._listener.settimeout(LOOK_S)
+
+    def _open(self) -> None:
+        """Gets the connection where there is none yet. Raises Lost."""
+        raise NotImplementedError
 
     def receive(self) -> bytes:
         """The next message. Raises Lost."""
         while self._connection is None:
-            self._accept()
+            self._open()
         while True:
             flags, payload = self._frame(self._connection)
             if flags & MORE:
@@ -55,8 +55,75 @@ class Wire:
 
     def send(self, message: bytes) -> None:
         """Sends a message. Raises Lost."""
-        assert self._connection is not None
+        while self._connection is None:
+            self._open()
         self._write(self._connection, 0, message)
+
+    def _shake_hands(self, connection: socket.socket) -> None:
+        """Raises Lost where the other side is no PAIR socket without keys."""
+        connection.settimeout(LOOK_S)
+        self._put(connection, GREETING)
+        greeting = self._read(connection, len(GREETING))
+        if greeting[0] != 0xFF or greeting[9] & 1 == 0 or greeting[10] < 3 or greeting[12:32].rstrip(b"\0") != b"NULL":
+            raise Lost("it does not speak ZMTP 3 without keys")
+        self._write(connection, COMMAND, READY)
+        flags, payload = self._frame(connection)
+        if not flags & COMMAND or not payload.startswith(b"\x05READY"):
+            raise Lost("a handshake without READY")
+
+    def _frame(self, connection: socket.socket) -> tuple[int, bytes]:
+        flags = self._read(connection, 1)[0]
+        size = int.from_bytes(self._read(connection, 8 if flags & LONG else 1), "big")
+        if size > MOST_BYTES or flags > MORE | LONG | COMMAND:
+            raise Lost(f"a message of {size} bytes; {MOST_BYTES} at most")
+        return flags, self._read(connection, size)
+
+    def _read(self, connection: socket.socket, size: int) -> bytes:
+        got = bytearray()
+        while len(got) < size:
+            try:
+                more = connection.recv(min(size - len(got), 1 << 20))
+            except TimeoutError:
+                if not self._go_on():
+                    raise Lost(self._gone) from None
+                continue
+            except OSError:
+                more = b""
+            if not more:
+                raise Lost(f"{self._other} is gone: its connection closed without a goodbye")
+            got += more
+        return bytes(got)
+
+    def _write(self, connection: socket.socket, flags: int, payload: bytes) -> None:
+        head = bytes([flags, len(payload)]) if len(payload) < 256 else bytes([flags | LONG]) + len(payload).to_bytes(8, "big")
+        self._put(connection, head + payload)
+
+    def _put(self, connection: socket.socket, data: bytes) -> None:
+        left = memoryview(data)
+        while left:
+            try:
+                left = left[connection.send(left):]
+            except TimeoutError:
+                if not self._go_on():
+                    raise Lost(self._gone) from None
+            except OSError:
+                raise Lost(f"{self._other} is gone: it takes no messages") from None
+
+
+class Wire(_Messages):
+    """The binding side: an engine's. Accepts one connection and keeps it."""
+
+    def __init__(self, endpoint: str, go_on: Callable[[], bool] = lambda: True) -> None:
+        """Binds. Raises ValueError for an address that cannot be, OSError where it cannot be bound."""
+        super().__init__("the shell process", "the process that started this one is gone", go_on)
+        self._path, port = _address(endpoint)
+        if self._path:
+            self._listener = socket.socket(socket.AF_UNIX)
+            self._listener.bind(self._path)
+        else:
+            self._listener = socket.create_server(("127.0.0.1", port))
+        self._listener.listen(4)
+        self._listener.settimeout(LOOK_S)
 
     def close(self) -> None:
         """Waits until the other side has read all and closes, and takes the socket's file away."""
@@ -77,7 +144,7 @@ class Wire:
             except FileNotFoundError:
                 pass
 
-    def _accept(self) -> None:
+    def _open(self) -> None:
         """One try to get a connection. One that leaves during the handshake is not the shell's: another may come."""
         for _ in range(int(CONNECT_S / LOOK_S)):  # looks are counted: while this process is stopped, no time passes
             try:
@@ -85,19 +152,11 @@ class Wire:
                 break
             except TimeoutError:
                 if not self._go_on():
-                    raise Lost("the process that started this one is gone") from None
+                    raise Lost(self._gone) from None
         else:
             raise Lost(f"the shell process did not connect within {CONNECT_S:.0f} s")
-        connection.settimeout(LOOK_S)
         try:
-            self._put(connection, GREETING)
-            greeting = self._read(connection, len(GREETING))
-            if greeting[0] != 0xFF or greeting[9] & 1 == 0 or greeting[10] < 3 or greeting[12:32].rstrip(b"\0") != b"NULL":
-                raise Lost("it does not speak ZMTP 3 without keys")
-            self._write(connection, COMMAND, READY)
-            flags, payload = self._frame(connection)
-            if not flags & COMMAND or not payload.startswith(b"\x05READY"):
-                raise Lost("a handshake without READY")
+            self._shake_hands(connection)
         except Lost:
             connection.close()
             if not self._go_on():
@@ -105,40 +164,34 @@ class Wire:
             return
         self._connection = connection
 
-    def _frame(self, connection: socket.socket) -> tuple[int, bytes]:
-        flags = self._read(connection, 1)[0]
-        size = int.from_bytes(self._read(connection, 8 if flags & LONG else 1), "big")
-        if size > MOST_BYTES or flags > MORE | LONG | COMMAND:
-            raise Lost(f"a message of {size} bytes; {MOST_BYTES} at most")
-        return flags, self._read(connection, size)
 
-    def _read(self, connection: socket.socket, size: int) -> bytes:
-        got = bytearray()
-        while len(got) < size:
+class Caller(_Messages):
+    """The connecting side: the shell process's. Sends first."""
+
+    def __init__(self, endpoint: str, go_on: Callable[[], bool] = lambda: True) -> None:
+        """Raises ValueError for an address that cannot be."""
+        super().__init__("the engine", "the engine's process has ended", go_on)
+        self._path, self._port = _address(endpoint)
+
+    def close(self) -> None:
+        """Closes the connection."""
+        if self._connection is not None:
+            self._connection.close()
+
+    def _open(self) -> None:
+        for _ in range(int(CONNECT_S / RETRY_S)):
+            connection = socket.socket(socket.AF_UNIX if self._path else socket.AF_INET)
             try:
-                more = connection.recv(min(size - len(got), 1 << 20))
-            except TimeoutError:
-                if not self._go_on():
-                    raise Lost("the process that started this one is gone") from None
-                continue
-            except OSError:
-                more = b""
-            if not more:
-                raise Lost("the shell process is gone: its connection closed without a goodbye")
-            got += more
-        return bytes(got)
-
-    def _write(self, connection: socket.socket, flags: int, payload: bytes) -> None:
-        head = bytes([flags, len(payload)]) if len(payload) < 256 else bytes([flags | LONG]) + len(payload).to_bytes(8, "big")
-        self._put(connection, head + payload)
-
-    def _put(self, connection: socket.socket, data: bytes) -> None:
-        left = memoryview(data)
-        while left:
-            try:
-                left = left[connection.send(left):]
-            except TimeoutError:
-                if not self._go_on():
-                    raise Lost("the process that started this one is gone") from None
-            except OSError:
-                raise Lost("the shell process is gone: it takes no messages") from None
+                connection.connect(self._path or ("127.0.0.1", self._port))
+                self._shake_hands(connection)
+                self._connection = connection
+                return
+            except OSError:  # it has not bound yet
+                connection.close()
+            except Lost:
+                connection.close()
+                raise
+            if not self._go_on():
+                raise Lost(self._gone)
+            time.sleep(RETRY_S)
+        raise Lost(f"the engine did not bind its endpoint within {CONNECT_S:.0f} s")

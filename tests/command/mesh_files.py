@@ -3,6 +3,7 @@ from __future__ import annotations
 
 import json
 import struct
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,34 @@ def read_ply(raw: bytes) -> dict[str, np.ndarray]:
                 out.setdefault(f"{name}.{words[-1]}", []).append(value)
     assert at == len(body), "bytes are left"
     return {key: np.array(values) for key, values in out.items()}
+
+
+def read_pc2(raw: bytes) -> tuple[float, float, np.ndarray]:
+    """First frame, frames a sample, and samples (s, n, 3) of a point cache."""
+    assert raw[:12] == b"POINTCACHE2\0"
+    version, points, start, rate, samples = struct.unpack_from("<iiffi", raw, 12)
+    assert version == 1 and len(raw) == 32 + 12 * points * samples
+    return start, rate, np.array(struct.unpack_from(f"<{3 * points * samples}f", raw, 32)).reshape(samples, points, 3)
+
+
+def read_obj(text: str) -> dict[str, Any]:
+    """`name`, points `v` (n, 3), normals `vn` (n, 3), and triangles (m, 3) from 0 by material in `f`."""
+    out: dict[str, Any] = {"v": [], "vn": [], "f": {}}
+    material = ""
+    for kind, *words in (line.split(" ") for line in text.splitlines() if not line.startswith("#")):
+        if kind in ("v", "vn"):
+            out[kind].append([float(word) for word in words])
+        elif kind == "f":
+            corners = [tuple(map(int, word.split("//"))) for word in words]
+            assert len(corners) == 3 and all(a == b >= 1 for a, b in corners)
+            out["f"].setdefault(material, []).append([a - 1 for a, _ in corners])
+        elif kind == "usemtl":
+            material, = words
+        else:
+            assert kind in ("o", "mtllib"), kind
+            out["name" if kind == "o" else kind], = words
+    return {"v": np.array(out["v"]), "vn": np.array(out["vn"]), "name": out["name"], "mtllib": out["mtllib"],
+            "f": {m: np.array(f) for m, f in out["f"].items()}}
 
 
 def glb_parts(raw: bytes) -> tuple[dict, bytes]:

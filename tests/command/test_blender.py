@@ -13,7 +13,7 @@ import numpy as np
 from sunder_tools.pictures.animated import animated_glb
 from sunder_tools.pictures.story import story_of
 
-from . import REPOSITORY
+from . import REPOSITORY, test_pc2
 from .synthetic import write_vtp
 from .test_animated import SCENE, Parting
 
@@ -107,6 +107,42 @@ class Blender(Parting):
         self.assertEqual((more["transmission"], more["damage"]), (1.0, [0.0]))
         self.assertGreater(more["gltf"], 3)
         self.assertRegex(refused, "frames.pvd")
+
+
+# Corners of what each object shows in each frame, after the script of coupler/README.md has made them.
+CACHES = """
+import json
+import bpy
+scene, told = bpy.context.scene, {{}}
+for frame in range(6):
+    scene.frame_set(frame)
+    depsgraph, told[frame] = bpy.context.evaluated_depsgraph_get(), {{}}
+    for thing in bpy.data.objects:
+        if thing.modifiers:
+            mesh = thing.evaluated_get(depsgraph).to_mesh()
+            told[frame][thing.name] = [list(thing.matrix_world @ v.co) for v in mesh.vertices]
+open({out!r}, "w").write(json.dumps(told))
+"""
+
+
+@unittest.skipUnless(shutil.which("blender"), "Blender is not installed; apt-get install --no-install-recommends blender")
+class MeshCache(test_pc2.Written):
+    def test_the_script_of_the_page_plays_point_caches(self) -> None:
+        """Points are those of the frames, and objects that are not to be seen are drawn together into a point."""
+        page = (REPOSITORY / "coupler" / "README.md").read_text()
+        script, = [block for block in re.findall(r"^```python\n(.*?)^```", page, re.MULTILINE | re.DOTALL) if "MESH_CACHE" in block]
+        folder, out = self.written.folder, self.folder / "told.json"
+        self.assertIn("/path/to/pane_caches", script)
+        (self.folder / "script.py").write_text(script.replace("/path/to/pane_caches", str(folder)) + CACHES.format(out=str(out)))
+        done = subprocess.run(["blender", "--background", "--factory-startup", "--python-exit-code", "3", "--python",
+                               str(self.folder / "script.py")], cwd=self.folder, stdin=subprocess.DEVNULL, capture_output=True,
+                              text=True, check=False)
+        self.assertEqual(done.returncode, 0, done.stdout[-3000:] + done.stderr[-2000:])
+        told = json.loads(out.read_text())
+        for frame in range(6):
+            self.assertEqual(set(told[str(frame)]), set(self.written.meshes))
+            for name, points in told[str(frame)].items():
+                np.testing.assert_allclose(points, self.written.points(name, frame), atol=1e-6, err_msg=f"{name} in frame {frame}")
 
 
 class Source(unittest.TestCase):

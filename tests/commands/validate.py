@@ -4,7 +4,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
-from sunder_tools.command.parser import Subparsers, add_command
+from sunder_tools.command.parser import Subparsers, add_command, number_above_zero
+from sunder_tools.errors import BAD_INPUT, CommandError
 
 from ..validation.measure import VALIDATIONS, validate
 
@@ -22,6 +23,11 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--known", action="store_true",
                         help="exit status 0 where nothing fails but what is known to, as far as tests/validation/known allows")
     parser.add_argument("--rigid", metavar="ENGINE", help="with engines: this one only, as 'run' takes it")
+    parser.add_argument("--session", metavar="RUN", type=Path,
+                        help="with engines --rigid: play the recorded session of this run (or session.rec)\nto the engine, and "
+                             "compare its replies window by window")
+    parser.add_argument("--tolerance", metavar="F", type=number_above_zero,
+                        help="with --session (default: 1e-9 for an engine with double_precision, else\n1e-4)")
     parser.add_argument("--json", metavar="FILE", type=Path, dest="report", help="the table as JSON")
     parser.add_argument("--plots", metavar="FILE.png", type=Path, help="plots of convergence")
     parser.add_argument("--pictures", metavar="DIR", type=Path, help="pictures of the runs, into this folder")
@@ -29,5 +35,19 @@ def add_parser(subparsers: Subparsers) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Runs the cases; returns the exit status. Raises CommandError."""
+    if arguments.session is not None:
+        return _play(arguments)
+    if arguments.tolerance is not None:
+        raise CommandError("--tolerance: is for --session; leave it out", BAD_INPUT)
     return validate(arguments.what, arguments.case, arguments.report, arguments.plots, arguments.pictures,
                     arguments.rigid, arguments.full, arguments.known)
+
+
+def _play(arguments: argparse.Namespace) -> int:
+    if arguments.what != "engines" or not arguments.rigid:
+        raise CommandError("--session: only 'validate engines --rigid ENGINE' takes it", BAD_INPUT)
+    for name in ("case", "full", "known", "plots", "pictures"):
+        if getattr(arguments, name):
+            raise CommandError(f"--{name}: not with --session, which has no cases; leave it out", BAD_INPUT)
+    from ..conformance.sessions import play_session
+    return play_session(arguments.session, arguments.rigid, arguments.tolerance, arguments.report)

@@ -1,4 +1,4 @@
-"""`sunder export --gltf FILE` and `--usd FILE`: a whole run in one animated file."""
+"""`sunder export --gltf FILE`, `--usd FILE` and `--pc2 DIR`: a whole run as things that move."""
 from __future__ import annotations
 
 from pathlib import Path
@@ -6,35 +6,48 @@ from pathlib import Path
 from ..errors import BAD_INPUT, DONE, CommandError
 from ..report.scene_text import known_words
 from .animated import animated_glb
-from .between import FPS, film_frames
+from .between import FPS, MOST_FRAMES, film_frames
 from .look import origins
+from .pc2 import write_caches
 from .render import frames_of, pick, put_in_place, telling
-from .story import story_of
+from .story import MOST_STEPS, story_of
 from .usda import usda_text
 
 ENDINGS = {"gltf": ".glb", "usd": ".usda"}
+CACHES = "pc2"  # a folder, with a sample a picture
 
 
 def export_one(folder: Path, kind: str, target: Path, spec: str | None, fps: float | None, speed: float | None,
                middle: bool) -> int:
-    """Writes the file and prints its path; returns the exit status. Raises CommandError."""
-    if target.suffix != ENDINGS[kind]:
-        raise CommandError(f"--{kind} {target}: end it in {ENDINGS[kind]}", BAD_INPUT)
+    """Writes the file or the folder and prints its path; returns the exit status. Raises CommandError."""
+    _check(kind, target)
     frames = frames_of(folder, "export")
     if spec is not None:
         frames = [frames[k] for k in pick(spec, len(frames))]
-    frames, times = film_frames(frames, fps, speed, to_the_end=True)
+    frames, times = film_frames(frames, fps, speed, to_the_end=kind != CACHES)
     words = known_words(folder, "export")
     with telling(target):
         target.parent.mkdir(parents=True, exist_ok=True)
-        things = story_of(frames, words, origins(folder, words), middle)
-        if kind == "usd":
-            text = usda_text(things, times, fps or FPS, speed)
-            put_in_place(target, lambda path: path.write_text(text, encoding="ascii"))
-            print(target)
-            return DONE
-        extras = {"fps": fps or FPS, "speed": speed, "times_s": [frame.time_s for frame in frames]}
-        content = animated_glb(things, times, extras)
-        put_in_place(target, lambda path: path.write_bytes(content))
+        things = story_of(frames, words, origins(folder, words), middle, MOST_FRAMES if kind == CACHES else MOST_STEPS)
+        if kind == CACHES:
+            write_caches(target, things, len(frames), _put)
+        elif kind == "usd":
+            _put(target, usda_text(things, times, fps or FPS, speed).encode("ascii"))
+        else:
+            extras = {"fps": fps or FPS, "speed": speed, "times_s": [frame.time_s for frame in frames]}
+            _put(target, animated_glb(things, times, extras))
     print(target)
     return DONE
+
+
+def _check(kind: str, target: Path) -> None:
+    """Raises CommandError for a target that cannot be."""
+    if kind == CACHES:
+        if target.exists() and not target.is_dir():
+            raise CommandError(f"--{kind} {target}: is a file; name a folder", BAD_INPUT)
+    elif target.suffix != ENDINGS[kind]:
+        raise CommandError(f"--{kind} {target}: end it in {ENDINGS[kind]}", BAD_INPUT)
+
+
+def _put(target: Path, content: bytes) -> None:
+    put_in_place(target, lambda path: path.write_bytes(content))

@@ -24,7 +24,7 @@ from .soft import RUBBER, balls
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_sheet_body, vertex_normals
 from .vtp import PolyData
 
-MOST_STEPS = 60  # positions of one shape: weights of morph targets grow with the square
+MOST_STEPS = 60  # positions of one shape: weights of morph targets grow with the square; point caches have no such limit
 
 
 @dataclass
@@ -85,16 +85,16 @@ Key = tuple[str, int]  # "piece", "body" or "soft", and the number
 
 
 class _Sheets:
-    """The shells of a frame, piece by piece."""
+    """The shells of a frame, piece by piece. `size` [m]: of the shells in the first frame that has any; 0: this one is it."""
 
-    def __init__(self, frame: Frame, thickness: tuple[float, ...]) -> None:
-        self.time_s, self.shell = frame.time_s, frame.read(SHELL)
+    def __init__(self, frame: Frame, thickness: tuple[float, ...], size: float) -> None:
+        self.time_s, self.shell, self.size = frame.time_s, frame.read(SHELL), size
         self.pieces: dict[Key, tuple[np.ndarray, np.ndarray, np.ndarray]] = {}  # points, triangles from these, their numbers
         shell = self.shell
         if shell is None or not len(shell.triangles):
             return
         self.rest, self.part = reference_points(shell), part_of_points(shell)
-        self._size = float(np.ptp(self.rest, axis=0).max()) or 1.0
+        self.size = size or float(np.ptp(self.rest, axis=0).max()) or 1.0
         thick = thickness_of_points(shell, thickness)
         self._half = None if thick is None else 0.5 * thick
         damage = shell.of_triangles("damage", 0.0)
@@ -115,7 +115,7 @@ class _Sheets:
         if key not in self.pieces:
             return ()
         used, triangles, _ = self.pieces[key]
-        return triangles.tobytes(), np.round(self.rest[used] / (1e-7 * self._size)).astype(np.int64).tobytes()
+        return triangles.tobytes(), np.round(self.rest[used] / (1e-7 * self.size)).astype(np.int64).tobytes()
 
     def damage(self, key: Key) -> np.ndarray:
         """Returns the largest damage (n,) of the triangles at each point of a piece."""
@@ -128,13 +128,14 @@ class _Sheets:
 class Story:
     """Reads frames one after another into `things`, in the order in which they are seen first."""
 
-    def __init__(self, words: Words, part_of: dict[int, int], middle: bool = False) -> None:
-        self._words, self._part_of = words, part_of
+    def __init__(self, words: Words, part_of: dict[int, int], middle: bool = False, most_steps: int = MOST_STEPS) -> None:
+        self._words, self._part_of, self._most_steps = words, part_of, most_steps
         self._thickness = () if middle else words.thickness
         self._things: dict[Key, Thing] = {}
         self._open: dict[Key, Shape] = {}
         self._rigid: dict[Key, _Rigid] = {}
         self._before: _Sheets | None = None
+        self._size = 0.0
 
     @property
     def things(self) -> list[Thing]:
@@ -143,7 +144,8 @@ class Story:
 
     def read(self, k: int, frame: Frame) -> None:
         """Adds frame k. Raises VtpError, OSError."""
-        now, bodies, soft = _Sheets(frame, self._thickness), frame.read(BODIES), frame.read(SOFT)
+        now, bodies, soft = _Sheets(frame, self._thickness, self._size), frame.read(BODIES), frame.read(SOFT)
+        self._size = now.size
         moving = list(_bodies(bodies))
         self._end_shapes(k, now, bodies, moving)
         for key in now.pieces:
@@ -163,7 +165,7 @@ class Story:
         if before is None or before.shell is None:
             return
         ending = [key for key in before.pieces if key in self._open and (
-            self._open[key].state != now.state(key) or len(self._open[key].points) > MOST_STEPS)]
+            self._open[key].state != now.state(key) or len(self._open[key].points) > self._most_steps)]
         if not ending:
             return
         arriving = ends(before.shell, now.shell, bodies, now.time_s - before.time_s)
@@ -268,7 +270,7 @@ class Story:
             thing.place(k, centre)
             shape, normals = self._open.get(key), vertex_normals(at, local)
             state = (particle[body == one].tobytes(),)
-            if shape is not None and shape.state == state and len(shape.points) <= MOST_STEPS:
+            if shape is not None and shape.state == state and len(shape.points) <= self._most_steps:
                 shape.points.append(at - centre)
                 shape.normals.append(normals)
                 shape.last = k
@@ -301,9 +303,10 @@ def _bodies(bodies: PolyData | None) -> Iterator[_Moving]:
                sort)
 
 
-def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False) -> list[Thing]:
+def story_of(frames: list[Frame], words: Words, part_of: dict[int, int], middle: bool = False,
+             most_steps: int = MOST_STEPS) -> list[Thing]:
     """Returns all things of these frames. Raises VtpError, OSError."""
-    story = Story(words, part_of, middle)
+    story = Story(words, part_of, middle, most_steps)
     for k, frame in enumerate(frames):
         story.read(k, frame)
     return story.things
