@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 #include <utility>
 
 #include "shell/solver/contact/hertz.h"
@@ -12,6 +13,10 @@ namespace {
 
 // speed [m/s] at which an overlap is taken back: a body born in overlap gains no energy
 constexpr double kFastestRecovery = 0.01;
+// Sweeps over the samples that press on a body, at most, and the share of the largest impulse below which changes end
+// them.
+constexpr int kSweeps = 8;
+constexpr double kSettled = 0.02;
 constexpr double kSlack = 1e-9;  // of the thickness: round-off of distances
 constexpr int kTile = 8;         // elements per side of a tile, the coarse unit of the search
 constexpr int kLongEnough = 4;   // substeps without a touch for which a known distance need not be found anew
@@ -20,26 +25,32 @@ constexpr std::size_t kShortSearch = 2000;  // triangles up to which a search co
 constexpr int kFewTiles = 64;
 constexpr std::size_t kFewSamples = 8192, kPartsOfThread = 8;
 
-Vec3 position(const ShellState& s, const std::vector<GatheredFunction>& functions) {
+using Functions = std::span<const GatheredFunction>;
+
+Vec3 position(const ShellState& s, Functions functions) {
   Vec3 x = Vec3::Zero();
   for (const auto& f : functions) x += f.n[0] * s.position(f.slot);
   return x;
 }
-Vec3 velocity(const ShellState& s, const std::vector<GatheredFunction>& functions) {
+Vec3 velocity(const ShellState& s, Functions functions) {
   Vec3 v = Vec3::Zero();
   for (const auto& f : functions) v += f.n[0] * s.velocity(f.slot);
   return v;
 }
+// Change of a sample's velocity by half a kick: its velocity less this is that at the time of the positions [m/s].
+Vec3 half_kick(const ShellState& s, Functions functions, double dt) {
+  Vec3 sum = Vec3::Zero();
+  for (const auto& f : functions)
+    sum += (f.n[0] * 0.5 * dt * s.motion.inverse_mass[f.slot]) * s.at(s.motion.force, f.slot);
+  return sum;
+}
 
-// Applies an impulse at a place with this distance, and books its work.
-void push(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x,
-          const Proxy::Distance& there, const Vec3& before, const Vec3& j, double dt) {
+// Applies an impulse at a place with this distance, and books its work. `back` is half a kick.
+void push(ShellState& s, Proxy& body, Functions functions, const Vec3& x, const Proxy::Distance& there,
+          const Vec3& before, const Vec3& back, const Vec3& j) {
   const Vec3 driven = body.is_driven() ? body.velocity_at(x, there) : Vec3(Vec3::Zero());
   apply_impulse(s, body, functions, x, j);
   const Vec3 after = velocity(s, functions) - body.velocity_at(x, there);
-  Vec3 back = Vec3::Zero();  // change of the sample's velocity by half a kick
-  for (const auto& f : functions)
-    back += (f.n[0] * 0.5 * dt * s.motion.inverse_mass[f.slot]) * s.at(s.motion.force, f.slot);
   s.book.contact -= j.dot(0.5 * (before + after) - back);
   s.book.external += j.dot(driven);
 }
@@ -109,7 +120,7 @@ void look_at_tile(const Search& k, int tile, int across, ContactCandidates& c, S
 
 }  // namespace
 
-void apply_impulse(ShellState& s, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x,
+void apply_impulse(ShellState& s, Proxy& body, std::span<const GatheredFunction> functions, const Vec3& x,
                    const Vec3& j) {
   for (const auto& f : functions) {
     s.add_velocity(f.slot, (f.n[0] * s.motion.inverse_mass[f.slot]) * j);
@@ -249,13 +260,74 @@ void find_overlaps(const ShellModel& m, const ShellState& s, const Proxy& body, 
     look(all.size() * part / parts, all.size() * (part + 1) / parts, c.overlaps[part]);
 }
 
+// Relative velocity that contact leaves a sample. `before` [m/s] is that without contact.
+//
+// A bouncing sample leaves the overlap by itself. A recovery speed on top would add energy, most to slow ones. A kick
+// may turn a sample that leaves. To stop it in the same substep would do work on its way out: as much as it had left
+// with. So it may come back as fast as it left, and the next substep stops it. With j the impulse and v the velocity
+// before the kick, contact does the work j (v + after) / 2.
+Vec3 wanted_velocity(const Proxy& body, const ContactCoefficients& law, const Proxy::Distance& gap, const Vec3& before,
+                     const Vec3& back, double dt) {
+  const double left = gap.normal.dot(before - 2.0 * back);
+  if (left > 0.0) return -left * gap.normal;
+  const double recovered = std::min(body.recovery * -gap.value / dt, kFastestRecovery);
+  return std::max(recovered, -law.restitution * gap.normal.dot(before)) * gap.normal;
+}
+
+// Lists the overlaps with body b that impulses can change. Returns the number of overlaps.
+int list_pressed(const ShellModel& m, const ShellState& s, const Proxy& body, const ContactCoefficients& law,
+                 std::size_t b, double dt, ContactCandidates& c) {
+  int touching = 0;
+  thread_local std::vector<GatheredFunction> functions;
+  c.pressed.clear(), c.functions.clear();
+  for (std::size_t part = 0; part < c.parts; ++part)
+    for (const ContactCandidates::Overlap& k : c.overlaps[part]) {
+      const ContactCandidates::Sample& q = c.of_body[b][k.candidate];
+      sample_functions(m, s, q.block, q.lane, functions);
+      ++touching;
+      ContactCandidates::Pressed p{&k, c.functions.size(), functions.size(), body.inverse_mass_at(k.x), {}, {}};
+      for (const auto& f : functions) p.inverse.diagonal().array() += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
+      if (p.inverse.trace() <= 0.0) continue;
+      p.back = half_kick(s, functions, dt);
+      p.wanted =
+          wanted_velocity(body, law, k.gap, velocity(s, functions) - body.velocity_at(k.x, k.middle), p.back, dt);
+      c.pressed.push_back(p);
+      c.functions.insert(c.functions.end(), functions.begin(), functions.end());
+    }
+  return touching;
+}
+
+// Applies the impulses of all samples that press on a body. Samples share control points, so each is looked at again
+// after the others (projected Gauss-Seidel): it may take back what they have made too much. The impulse acts on both
+// sides at the mid-surface point, where the shape functions place it. Linear and angular momentum then close to
+// round-off.
+void press(ShellState& s, Proxy& body, const ContactCoefficients& law, ContactCandidates& c) {
+  double largest = 0.0, counted = 0.0;
+  for (int sweep = 0; sweep < kSweeps; ++sweep) {
+    double change = 0.0;
+    for (ContactCandidates::Pressed& p : c.pressed) {
+      const Functions functions(c.functions.data() + p.first, p.count);
+      const Vec3 before = velocity(s, functions) - body.velocity_at(p.at->x, p.at->middle);
+      const Vec3 j =
+          contact_impulse(p.at->gap.normal, before - p.inverse * p.j - p.wanted, p.inverse, law.friction, 0.0);
+      const Vec3 more = j - p.j;
+      if (more.isZero(0.0)) continue;
+      change = std::max(change, more.norm()), largest = std::max(largest, j.norm()), counted += more.norm();
+      p.j = j;
+      push(s, body, functions, p.at->x, p.at->middle, before, p.back, more);
+    }
+    if (change <= kSettled * largest) break;
+  }
+  for (const ContactCandidates::Pressed& p : c.pressed) counted -= p.j.norm();
+  body.impulse_sum -= counted;  // of what was taken back
+}
+
 }  // namespace
 
 int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
             const std::vector<ContactCoefficients>& coefficients, ContactCandidates& candidates, double dt,
             double kicked, int threads) {
   int touching = 0;
-  thread_local std::vector<GatheredFunction> functions;
   for (std::size_t b = 0; b < candidates.of_body.size(); ++b) {
     if (candidates.of_body[b].empty()) continue;
     Proxy& body = bodies[b];
@@ -263,28 +335,9 @@ int contact(const ShellModel& m, ShellState& s, std::vector<Proxy>& bodies,
       touching += hertz_contact(m, s, body, coefficients[b].hertz, candidates.of_body[b], kicked);
       continue;
     }
-    const Samples& samples = candidates.of_body[b];
     find_overlaps(m, s, body, b, candidates, threads);
-    for (std::size_t part = 0; part < candidates.parts; ++part)
-      for (const ContactCandidates::Overlap& k : candidates.overlaps[part]) {
-        sample_functions(m, s, samples[k.candidate].block, samples[k.candidate].lane, functions);
-        ++touching;
-        // The impulse acts on both sides at the mid-surface point, where the shape functions place it. Linear and
-        // angular momentum then close to round-off.
-        const Vec3 before = velocity(s, functions) - body.velocity_at(k.x, k.middle);
-        Mat3 inverse = body.inverse_mass_at(k.x);
-        for (const auto& f : functions) inverse.diagonal().array() += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
-        if (inverse.trace() <= 0.0) continue;
-        // A bouncing sample leaves the overlap by itself. A recovery speed on top would add energy, most to slow ones.
-        const double recovered = std::min(body.recovery * -k.gap.value / dt, kFastestRecovery);
-        const double bounce = -coefficients[b].restitution * k.gap.normal.dot(before);
-        const Vec3 wanted =
-            bounce >= recovered ? Vec3::Zero() : Vec3(recovered * k.gap.normal);  // of the velocity afterwards
-        const Vec3 j = contact_impulse(k.gap.normal, before - wanted, inverse, coefficients[b].friction,
-                                       coefficients[b].restitution);
-        if (j.isZero(0.0)) continue;
-        push(s, body, functions, k.x, k.middle, before, j, dt);
-      }
+    touching += list_pressed(m, s, body, coefficients[b], b, dt, candidates);
+    press(s, body, coefficients[b], candidates);
   }
   return touching;
 }

@@ -1,5 +1,7 @@
 #pragma once
 // Contact of a shell with rigid bodies, by impulses at surface samples.
+#include <span>
+
 #include <Eigen/Geometry>
 
 #include "shell/contact/proxy.h"
@@ -36,12 +38,22 @@ struct ContactCandidates {
   std::vector<BodyId> ids;
   std::uint32_t refresh = 0;
   int age = 0;  // substeps since the refresh
-  // Scratch of contact(): samples that overlap with a body, in parts that threads share.
+  // Scratch of contact(): samples that overlap with a body, in parts that threads share; those of all parts, and their
+  // functions, one after another.
   struct Overlap {
     std::size_t candidate;
     Vec3 x;                       // of the mid-surface
     Proxy::Distance middle, gap;  // there, and at the face towards the body
   };
+  struct Pressed {
+    const Overlap* at;
+    std::size_t first, count;  // functions
+    Mat3 inverse;              // change of the relative velocity per impulse [1/kg]
+    Vec3 wanted, back;         // relative velocity afterwards; half a kick [m/s]
+    Vec3 j = Vec3::Zero();     // impulse so far [N s]
+  };
+  std::vector<Pressed> pressed;
+  std::vector<GatheredFunction> functions;
   std::vector<std::vector<Overlap>> overlaps;
   std::size_t parts = 0;
 };
@@ -55,7 +67,7 @@ void refresh_candidates(const ShellModel& model, const ShellState& state, const 
 
 /// Applies impulse j [N s] to the shell at x, by `functions`, and its negative to the body. Both sides of the body's
 /// ledger are updated.
-void apply_impulse(ShellState& state, Proxy& body, const std::vector<GatheredFunction>& functions, const Vec3& x,
+void apply_impulse(ShellState& state, Proxy& body, std::span<const GatheredFunction> functions, const Vec3& x,
                    const Vec3& j);
 
 /// Applies contact impulses at the Gauss points' surface, body by body and sample by sample (Gauss-Seidel), after a

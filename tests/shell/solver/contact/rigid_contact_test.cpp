@@ -162,6 +162,62 @@ TEST(RigidContact, PushesNeitherWhatIsApartNorWhatSeparates) {
   }
 }
 
+// A sheet lies on a block that does not move. Its control points have a velocity along the normal, which `force` turned
+// or slowed down in the last kick. Returns the velocities of the samples above the block, and what contact has taken.
+std::pair<std::vector<double>, double> on_a_block(double v, double kick) {
+  const ShellModel m = brittle_sheet(24);
+  ShellState s = make_state(m, Vec3(0, 0, v + kick), 0);
+  const double dt = 1e-7;
+  for (int i = 0; i < m.control_points(); ++i) {
+    const int slot = m.tables.slot(i);
+    s.motion.force[2 * m.tables.plane + slot] = kick * s.motion.mass[slot] / dt;
+  }
+  RigidBody block;
+  block.id = 1, block.is_static = true, block.shape = BoxShape{{0.05, 0.04, 0.02}};
+  block.motion.position = Vec3(0, 0, -0.02 - 0.5 * m.thickness + 1e-5);
+  std::vector<Proxy> bodies{Proxy(block)};
+  const std::vector<ContactCoefficients> law{{0.0, 0.0, 0.0}};
+  ContactCandidates c;
+  refresh_candidates(m, s, bodies, law, dt, c);
+  c.age = 1;
+  EXPECT_GT(contact(m, s, bodies, law, c, dt, dt), 100);
+  std::vector<double> after;
+  for (const ContactCandidates::Pressed& p : c.pressed) {
+    after.push_back(0.0);
+    for (std::size_t k = p.first; k < p.first + p.count; ++k)
+      after.back() += c.functions[k].n[0] * s.velocity(c.functions[k].slot).z();
+  }
+  return {after, s.book.contact};
+}
+
+TEST(RigidContact, StopsSamplesThatShareControlPoints) {
+  const double resting = 0.5 * 0.1 * 0.08 * 0.004 * 2500.0;  // energy of what lies on the block at 1 m/s [J]
+  for (const auto& [v, kick] : {std::pair(-1.0, 0.0), {0.0, -1.0}, {-1.0, -1.0}}) {
+    const auto& [after, taken] = on_a_block(v, kick);
+    double mean = 0.0;
+    for (const double a : after) {
+      EXPECT_GT(a, 0.1 * (v + kick)) << v << " " << kick;
+      mean += a / static_cast<double>(after.size());
+    }
+    EXPECT_NEAR(mean, 0.0, 0.05 * std::abs(v + kick)) << v << " " << kick;  // a single look throws them back at 0.7
+    if (v < 0.0)
+      EXPECT_GT(taken, 0.5 * resting * v * v);
+    else
+      EXPECT_NEAR(taken, 0.0, 0.02 * resting);  // what rests on the block does no work
+  }
+}
+
+TEST(RigidContact, GivesNothingToWhatAKickTurns) {
+  const auto& [after, taken] = on_a_block(0.7, -1.0);  // it left at 0.7 m/s and would come back at 0.3
+  for (const double a : after) EXPECT_NEAR(a, -0.3, 1e-12);
+  EXPECT_EQ(taken, 0.0);
+  const auto& [slowed, given] = on_a_block(0.3, -1.0);  // it may come back as fast as it left
+  double mean = 0.0;
+  for (const double a : slowed) mean += a / static_cast<double>(slowed.size());
+  EXPECT_NEAR(mean, -0.3, 0.02);
+  EXPECT_NEAR(given, 0.0, 1e-3 * 0.04);
+}
+
 TEST(RigidContact, LooksOnlyAtSamplesThatABodyMayReachInTime) {
   const ShellModel m = brittle_sheet(24);
   const ShellState s = make_state(m, Vec3::Zero(), 0);
