@@ -1,0 +1,108 @@
+// Finds the contacts that bodies may have in a window.
+import * as m from '../jolt/algebra.mjs';
+import { kLength } from './mujoco_model.mjs';
+
+/** Beyond the way of a window, bodies this close are found as well. */
+const kSkin = 5e-5; // [m]
+/** The faces that MuJoCo finds at the end of a window count where their normal is within 45 degrees of that at its begin. */
+const kSameSide = 0.7;
+
+/** A contact: `normal` from the first body to the second, points on both surfaces in body coordinates, `gap` [m]. */
+function meeting(first, second, normal, firstPoint, secondPoint) {
+  const local = (held, point) =>
+    m.rotate(m.conjugate(held.at.orientation), m.subtract(point, held.at.position));
+  return { first, second, normal, firstPoint: local(first, firstPoint), secondPoint: local(second, secondPoint) };
+}
+
+/** Radius about a body's centre that holds it [m]. */
+export function reach({ shape: { sphere, box, parts } }) {
+  if (sphere) return sphere;
+  if (box) return m.norm(box);
+  return parts ? Math.max(...parts.flat().map(m.norm)) : Infinity;
+}
+
+/** Corners of a body [m], or the centre of a sphere. */
+export function corners({ shape: { sphere, box, parts } }) {
+  if (sphere) return [[0, 0, 0]];
+  if (box)
+    return [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => [-1, 1].map((z) => [x * box[0], y * box[1], z * box[2]])));
+  return parts.flat();
+}
+
+/** Contacts that MuJoCo finds at the poses that Model.place() has set. `ways`: by moving body, how far it comes in the
+ * window [m]; 0 for bodies that overlap alone, with all corners of touching faces. */
+function detect(model, ways) {
+  const { mujoco, model: mj, data, layout, contacts: base } = model;
+  const margins = mj.geom_margin, wide = mj.body_margin, bodies = mj.geom_bodyid;
+  const margin = model.bodies.map((held) => (held && held.slot >= 0 && ways ? kLength * (ways[held.slot] + kSkin) : 0));
+  wide.set(margin);
+  for (let g = 0; g < bodies.length; ++g) margins[g] = margin[bodies[g]];
+  const single = mujoco.mjtDisableBit.mjDSBL_MULTICCD.value;
+  const option = mj.opt;
+  option.disableflags = ways ? single : 0;
+  option.delete();
+  mujoco.mj_kinematics(mj, data);
+  mujoco.mj_collision(mj, data);
+  model.checkRoom();
+  const { doubles, integers } = model.memory(), found = [];
+  for (let k = 0; k < data.ncon; ++k) {
+    const begin = base + k * layout.size, real = (name) => (begin + layout[name]) / 8;
+    const dist = doubles[real('dist')] / kLength;
+    const point = Array.from(doubles.subarray(real('pos'), real('pos') + 3), (c) => c / kLength);
+    const normal = Array.from(doubles.subarray(real('frame'), real('frame') + 3));
+    const geoms = integers.subarray((begin + layout.geom) / 4, (begin + layout.geom) / 4 + 2);
+    const first = model.owner[geoms[0]], second = model.owner[geoms[1]];
+    const half = m.scale(0.5 * dist, normal);
+    found.push({
+      ...meeting(first, second, normal, m.subtract(point, half), m.add(point, half)),
+      pair: geoms[0] * bodies.length + geoms[1],
+    });
+  }
+  return found;
+}
+
+/** Contacts of convex bodies. Those at the begin of the window see fast bodies come, with one point for a pair of hulls.
+ * Where a pair overlaps at the end, all corners of its touching faces take the place of that point. */
+function convex(model, ways, begin, end) {
+  model.place(begin);
+  const early = detect(model, ways);
+  if (early.length === 0) return early;
+  model.place(end);
+  const late = detect(model, null);
+  model.place(begin);
+  const first = new Map();
+  for (const one of early) if (!first.has(one.pair)) first.set(one.pair, one.normal);
+  const better = late.filter(({ pair, normal }) => {
+    const other = first.get(pair);
+    return other === undefined || m.dot(normal, other) > kSameSide;
+  });
+  const replaced = new Set(better.map(({ pair }) => pair));
+  return [...early.filter(({ pair }) => !replaced.has(pair)), ...better];
+}
+
+/** Contacts with half spaces: every corner that can come down to the plane. MuJoCo's own finder gives three at most. */
+function planes(model, ways) {
+  const found = [];
+  for (const plane of model.bodies) {
+    if (!plane?.body.shape.half_space) continue;
+    const { position, orientation } = plane.motion, up = m.rotate(orientation, [0, 0, 1]);
+    model.moving.forEach((held, k) => {
+      const way = ways[k] + kSkin, above = m.dot(up, m.subtract(held.at.position, position));
+      if (above > held.reach + way) return;
+      const radius = held.body.shape.sphere ?? 0;
+      for (const corner of held.corners) {
+        const point = m.subtract(m.add(held.at.position, m.rotate(held.at.orientation, corner)), m.scale(radius, up));
+        const height = m.dot(up, m.subtract(point, position));
+        if (height > way) continue;
+        found.push(meeting(plane, held, up, m.subtract(point, m.scale(height, up)), point));
+      }
+    });
+  }
+  return found;
+}
+
+/** Contacts that may act within the window. begin(held), end(held): poses; ways: see detect(). All bodies are at their
+ * begin afterwards. */
+export function findContacts(model, ways, begin, end) {
+  return [...convex(model, ways, begin, end), ...planes(model, ways)];
+}

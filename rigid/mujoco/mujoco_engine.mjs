@@ -1,0 +1,195 @@
+// Rigid bodies in MuJoCo, taken through windows (rigid/README.md "A window"). Motions are kept here. MuJoCo finds contacts
+// and solves them; a body without contacts ends in its predicted state, to the bit.
+import * as m from '../jolt/algebra.mjs';
+import { corners, findContacts, reach } from './mujoco_contacts.mjs';
+import { Model, prepare } from './mujoco_model.mjs';
+import { Solver } from './mujoco_solver.mjs';
+
+/** Turn per window above which the average angular velocity is not used, because its logarithm is ambiguous from pi on.
+ * The solver then gets the predicted angular velocity. */
+const kFastTurn = 0.7; // [rad]
+/** Contacts that close more slowly do not bounce: a resting body closes with g H per window. */
+const kImpactSpeed = 0.05; // [m/s]
+/** Overlap that stays. MuJoCo finds all corners of touching faces only where bodies overlap. */
+const kSlack = 5e-6; // [m]
+const kPushShare = 0.2; // of the rest of an overlap, removed in a window
+const kOtherPairs = { friction: 0.5, restitution: 0 };
+
+/** The engine that a session asks; its calls are those of link::Engine (coupler/link/engine.h). */
+export class MuJoCoEngine {
+  constructor(mujoco) {
+    this.mujoco = mujoco;
+    this.held = []; // by ascending id
+    this.moving = []; // by ascending id
+    this.laws = new Map(); // by contact group: a map from the other group to coefficients
+    this.model = null; // null: bodies came since it was compiled
+    this.info = {
+      name: 'mujoco',
+      version: mujoco.mj_versionString(),
+      capabilities: [
+        'spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution',
+        'deterministic', 'double_precision',
+      ],
+    };
+  }
+
+  /** Frees MuJoCo's memory. */
+  close() {
+    this.model?.close();
+    this.model = null;
+  }
+
+  /** Replaces all contact laws. */
+  setContactLaws(laws) {
+    this.laws.clear();
+    const put = (a, b, law) => {
+      if (!this.laws.has(a)) this.laws.set(a, new Map());
+      this.laws.get(a).set(b, law);
+    };
+    for (const law of laws) {
+      put(law.first_group, law.second_group, law);
+      put(law.second_group, law.first_group, law);
+    }
+  }
+
+  /** Adds a body with a new id. Throws Failure (bad_body). */
+  add(body) {
+    const text = prepare(this.mujoco, body);
+    this.held.push({
+      id: body.id, group: body.contact_group, mass: body.mass, motion: body.motion, body, text, reach: reach(body),
+      corners: corners(body),
+    });
+    this.held.sort((a, b) => a.id - b.id);
+    this.moving = this.held.filter((held) => !held.body.is_static);
+    this.close();
+  }
+
+  /** State of every body that is not static, by ascending id. */
+  states() {
+    return this.moving.map(({ id, mass, motion }) => ({ id, mass, ...motion }));
+  }
+
+  /** One window [s]. `predicted`: one state for each moving body, by ascending id (checked by the session). `solved`:
+   * ids of bodies whose contacts are left out. */
+  advance(window, predicted, solved) {
+    this.moving.forEach((held, index) => this.depart(held, predicted[index], window));
+    const meetings = this.meet(window, new Set(solved));
+    if (meetings.length && this.solve(window, meetings)) {
+      this.push(window, meetings);
+      this.relax(meetings);
+    }
+    for (const held of this.moving) held.motion = held.end;
+  }
+
+  /** Average velocities of the window. */
+  depart(held, predicted, window) {
+    const start = held.motion, principal = held.body.principal_inertia;
+    const turn = m.multiply(predicted.orientation, m.conjugate(start.orientation));
+    let spin = m.scale(1 / window, m.vectorOf(turn));
+    const endSpin = m.applyInverseInertia(predicted.orientation, principal, predicted.angular_momentum);
+    if (Math.max(m.norm(endSpin), m.norm(spin)) * window > kFastTurn) spin = endSpin;
+    held.angular = spin;
+    held.linear = m.scale(1 / window, m.subtract(predicted.position, start.position));
+    held.way = window * (m.norm(held.linear) + m.norm(spin) * held.reach);
+    held.end = {
+      position: predicted.position, orientation: predicted.orientation, velocity: predicted.velocity,
+      angular_momentum: predicted.angular_momentum,
+    };
+  }
+
+  /** Contacts of the window, without those of `solved` bodies. */
+  meet(window, solved) {
+    if (this.moving.length === 0) return [];
+    if (this.model === null) {
+      this.model = new Model(this.mujoco, this.held);
+      this.solver = new Solver(this.model);
+    }
+    const ways = this.moving.map((held) => held.way);
+    const found = findContacts(this.model, ways, (held) => held.motion, (held) => held.end)
+      .filter(({ first, second }) => !(solved.has(first.id) || solved.has(second.id)));
+    for (const one of found) {
+      one.law = this.laws.get(one.first.group)?.get(one.second.group) ?? kOtherPairs;
+      const speed = (held, local) => (held.slot < 0 ? [0, 0, 0] :
+        m.add(held.linear, m.cross(held.angular, m.rotate(held.motion.orientation, local))));
+      one.approach = m.dot(one.normal, m.subtract(speed(one.first, one.firstPoint), speed(one.second, one.secondPoint)));
+    }
+    return found;
+  }
+
+  /** Gap [m] and middle of a contact at the present poses. */
+  place(meeting) {
+    const point = (held, local) => m.add(held.at.position, m.rotate(held.at.orientation, local));
+    const first = point(meeting.first, meeting.firstPoint), second = point(meeting.second, meeting.secondPoint);
+    return {
+      gap: m.dot(meeting.normal, m.subtract(second, first)) + kSlack, point: m.scale(0.5, m.add(first, second)),
+    };
+  }
+
+  /** First solve, on the average velocities: contacts may close their gaps. False where nothing changes. */
+  solve(window, meetings) {
+    const contacts = meetings.map(({ first, second, normal, law, ...rest }) => {
+      const { gap, point } = this.place({ first, second, normal, ...rest });
+      return { first, second, normal, point, friction: law.friction, target: -Math.max(0, gap) / window };
+    });
+    const impulses = this.solver.solve(contacts, ({ linear, angular }) => ({ linear, angular }));
+    contacts.forEach(({ acted }, k) => { meetings[k].acted = acted; });
+    for (const [held, { linear, angular }] of impulses) {
+      const start = held.motion, principal = held.body.principal_inertia, { end } = held;
+      const dv = m.scale(1 / held.mass, linear), dw = m.applyInverseInertia(start.orientation, principal, angular);
+      // Turn the predicted pose by the difference between two free flights, with and without the change of angular
+      // velocity. A turn with constant angular velocity would give energy to a thin shard that an impact sets spinning.
+      const without = m.freeTurn(start.orientation, principal, held.angular, window);
+      const withIt = m.freeTurn(start.orientation, principal, m.add(held.angular, dw), window);
+      held.end = {
+        position: m.add(end.position, m.scale(window, dv)),
+        orientation: m.normalized(m.multiply(m.multiply(withIt, m.conjugate(without)), end.orientation)),
+        velocity: m.add(end.velocity, dv),
+        angular_momentum: m.add(end.angular_momentum, angular),
+      };
+    }
+    return impulses.size > 0;
+  }
+
+  /** Moves poses out of overlaps. Velocities do not change. */
+  push(window, meetings) {
+    this.model.place((held) => held.end);
+    const contacts = meetings.map(({ first, second, normal, ...rest }) => {
+      const { gap, point } = this.place({ first, second, normal, ...rest });
+      return { first, second, normal, point, friction: 0, target: gap > 0 ? -gap / window : (-kPushShare * gap) / window };
+    });
+    if (!contacts.some(({ target }) => target > 0)) return;
+    const impulses = this.solver.solve(contacts, () => ({ linear: [0, 0, 0], angular: [0, 0, 0] }));
+    for (const [held, { linear, angular }] of impulses) {
+      const { end } = held, spin = m.applyInverseInertia(end.orientation, held.body.principal_inertia, angular);
+      held.end = {
+        ...end,
+        position: m.add(end.position, m.scale(window / held.mass, linear)),
+        orientation: m.normalized(m.multiply(m.turnOf(m.scale(window, spin)), end.orientation)),
+      };
+    }
+  }
+
+  /** Second solve, of velocities only, at the new poses. Contacts that acted or touch now do not close; without it bodies
+   * squeezed between shell and floor gain energy. */
+  relax(meetings) {
+    this.model.place((held) => held.end);
+    const contacts = [];
+    for (const { first, second, normal, law, acted, approach, ...rest } of meetings) {
+      const { gap, point } = this.place({ first, second, normal, ...rest });
+      if (!acted && gap > 0) continue;
+      const target = acted && approach > kImpactSpeed ? law.restitution * approach : 0;
+      contacts.push({ first, second, normal, point, friction: law.friction, target });
+    }
+    const velocity = (held) => ({
+      linear: held.end.velocity,
+      angular: m.applyInverseInertia(held.end.orientation, held.body.principal_inertia, held.end.angular_momentum),
+    });
+    for (const [held, { linear, angular }] of this.solver.solve(contacts, velocity)) {
+      const { end } = held;
+      held.end = {
+        ...end, velocity: m.add(end.velocity, m.scale(1 / held.mass, linear)),
+        angular_momentum: m.add(end.angular_momentum, angular),
+      };
+    }
+  }
+}
