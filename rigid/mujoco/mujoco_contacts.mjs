@@ -26,7 +26,7 @@ export function corners({ shape: { sphere, box, parts } }) {
   if (sphere) return [[0, 0, 0]];
   if (box)
     return [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => [-1, 1].map((z) => [x * box[0], y * box[1], z * box[2]])));
-  return parts.flat();
+  return parts ? parts.flat() : [];
 }
 
 /** Contacts that MuJoCo finds at the poses that Model.place() has set. `ways`: by moving body, how far it comes in the
@@ -38,9 +38,7 @@ function detect(model, ways) {
   wide.set(margin);
   for (let g = 0; g < bodies.length; ++g) margins[g] = margin[bodies[g]];
   const single = mujoco.mjtDisableBit.mjDSBL_MULTICCD.value;
-  const option = mj.opt;
-  option.disableflags = ways ? single : 0;
-  option.delete();
+  model.option.disableflags = ways ? single : 0;
   mujoco.mj_kinematics(mj, data);
   mujoco.mj_collision(mj, data);
   model.checkRoom();

@@ -2,6 +2,7 @@
 // and solves them; a body without contacts ends in its predicted state, to the bit.
 import * as m from '../jolt/algebra.mjs';
 import { corners, findContacts, reach } from './mujoco_contacts.mjs';
+import { makeJoint } from './mujoco_joints.mjs';
 import { Model, prepare } from './mujoco_model.mjs';
 import { Solver } from './mujoco_solver.mjs';
 
@@ -15,20 +16,25 @@ const kSlack = 5e-6; // [m]
 const kPushShare = 0.2; // of the rest of an overlap, removed in a window
 const kOtherPairs = { friction: 0.5, restitution: 0 };
 
+/** Key of a pair of bodies, in either order. */
+const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`);
+
 /** The engine that a session asks; its calls are those of link::Engine (coupler/link/engine.h). */
 export class MuJoCoEngine {
   constructor(mujoco) {
     this.mujoco = mujoco;
     this.held = []; // by ascending id
     this.moving = []; // by ascending id
+    this.joints = new Map(); // by id
+    this.linked = new Set(); // pairs of bodies that do not collide: pair()
     this.laws = new Map(); // by contact group: a map from the other group to coefficients
     this.model = null; // null: bodies came since it was compiled
     this.info = {
       name: 'mujoco',
       version: mujoco.mj_versionString(),
       capabilities: [
-        'spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution',
-        'deterministic', 'double_precision',
+        'spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution', 'joints',
+        'release_joints', 'deterministic', 'double_precision',
       ],
     };
   }
@@ -64,6 +70,18 @@ export class MuJoCoEngine {
     this.close();
   }
 
+  /** Adds a joint between bodies that the engine holds. Throws Failure (bad_joint). */
+  addJoint(joint) {
+    this.joints.set(joint.id, makeJoint(joint, new Map(this.held.map((held) => [held.id, held]))));
+    this.linked.add(pair(joint.first, joint.second));
+    this.close();
+  }
+
+  /** Releases a joint; its bodies still do not collide. */
+  releaseJoint(id) {
+    this.joints.get(id).holds = false;
+  }
+
   /** State of every body that is not static, by ascending id. */
   states() {
     return this.moving.map(({ id, mass, motion }) => ({ id, mass, ...motion }));
@@ -73,10 +91,13 @@ export class MuJoCoEngine {
    * ids of bodies whose contacts are left out. */
   advance(window, predicted, solved) {
     this.moving.forEach((held, index) => this.depart(held, predicted[index], window));
-    const meetings = this.meet(window, new Set(solved));
-    if (meetings.length && this.solve(window, meetings)) {
-      this.push(window, meetings);
-      this.relax(meetings);
+    const out = new Set(solved);
+    const meetings = this.meet(out);
+    const joints = [...this.joints.values()]
+      .filter(({ holds, first, second }) => holds && !out.has(first.id) && !(second && out.has(second.id)));
+    if (meetings.length + joints.length > 0 && this.solve(window, meetings, joints)) {
+      this.push(window, meetings, joints);
+      this.relax(meetings, joints);
     }
     for (const held of this.moving) held.motion = held.end;
   }
@@ -98,15 +119,16 @@ export class MuJoCoEngine {
   }
 
   /** Contacts of the window, without those of `solved` bodies. */
-  meet(window, solved) {
+  meet(solved) {
     if (this.moving.length === 0) return [];
     if (this.model === null) {
-      this.model = new Model(this.mujoco, this.held);
+      this.model = new Model(this.mujoco, this.held, [...this.joints.values()]);
       this.solver = new Solver(this.model);
     }
     const ways = this.moving.map((held) => held.way);
     const found = findContacts(this.model, ways, (held) => held.motion, (held) => held.end)
-      .filter(({ first, second }) => !(solved.has(first.id) || solved.has(second.id)));
+      .filter(({ first, second }) => !(solved.has(first.id) || solved.has(second.id) ||
+        this.linked.has(pair(first.id, second.id))));
     for (const one of found) {
       one.law = this.laws.get(one.first.group)?.get(one.second.group) ?? kOtherPairs;
       const speed = (held, local) => (held.slot < 0 ? [0, 0, 0] :
@@ -126,12 +148,12 @@ export class MuJoCoEngine {
   }
 
   /** First solve, on the average velocities: contacts may close their gaps. False where nothing changes. */
-  solve(window, meetings) {
+  solve(window, meetings, joints) {
     const contacts = meetings.map(({ first, second, normal, law, ...rest }) => {
       const { gap, point } = this.place({ first, second, normal, ...rest });
       return { first, second, normal, point, friction: law.friction, target: -Math.max(0, gap) / window };
     });
-    const impulses = this.solver.solve(contacts, ({ linear, angular }) => ({ linear, angular }));
+    const impulses = this.solver.solve(contacts, joints, 1 / window, ({ linear, angular }) => ({ linear, angular }));
     contacts.forEach(({ acted }, k) => { meetings[k].acted = acted; });
     for (const [held, { linear, angular }] of impulses) {
       const start = held.motion, principal = held.body.principal_inertia, { end } = held;
@@ -151,14 +173,14 @@ export class MuJoCoEngine {
   }
 
   /** Moves poses out of overlaps. Velocities do not change. */
-  push(window, meetings) {
+  push(window, meetings, joints) {
     this.model.place((held) => held.end);
     const contacts = meetings.map(({ first, second, normal, ...rest }) => {
       const { gap, point } = this.place({ first, second, normal, ...rest });
       return { first, second, normal, point, friction: 0, target: gap > 0 ? -gap / window : (-kPushShare * gap) / window };
     });
     if (!contacts.some(({ target }) => target > 0)) return;
-    const impulses = this.solver.solve(contacts, () => ({ linear: [0, 0, 0], angular: [0, 0, 0] }));
+    const impulses = this.solver.solve(contacts, joints, 0, () => ({ linear: [0, 0, 0], angular: [0, 0, 0] }));
     for (const [held, { linear, angular }] of impulses) {
       const { end } = held, spin = m.applyInverseInertia(end.orientation, held.body.principal_inertia, angular);
       held.end = {
@@ -171,7 +193,7 @@ export class MuJoCoEngine {
 
   /** Second solve, of velocities only, at the new poses. Contacts that acted or touch now do not close; without it bodies
    * squeezed between shell and floor gain energy. */
-  relax(meetings) {
+  relax(meetings, joints) {
     this.model.place((held) => held.end);
     const contacts = [];
     for (const { first, second, normal, law, acted, approach, ...rest } of meetings) {
@@ -184,7 +206,7 @@ export class MuJoCoEngine {
       linear: held.end.velocity,
       angular: m.applyInverseInertia(held.end.orientation, held.body.principal_inertia, held.end.angular_momentum),
     });
-    for (const [held, { linear, angular }] of this.solver.solve(contacts, velocity)) {
+    for (const [held, { linear, angular }] of this.solver.solve(contacts, joints, 0, velocity)) {
       const { end } = held;
       held.end = {
         ...end, velocity: m.add(end.velocity, m.scale(1 / held.mass, linear)),

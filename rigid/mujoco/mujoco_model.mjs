@@ -41,13 +41,13 @@ function texts(body) {
   }
   const moving = body.is_static ? '' : '<freejoint/><inertial pos="0 0 0" mass="1" diaginertia="1 1 1"/>';
   return {
-    meshes, body: `<body pos="${lengths(position)}" quat="${numbers(orientation)}">${moving}${geoms}</body>\n`,
+    meshes, body: `<body name="${body.id}" pos="${lengths(position)}" quat="${numbers(orientation)}">${moving}${geoms}</body>\n`,
   };
 }
 
-const compile = (mujoco, all, memory_MB) => mujoco.MjModel.from_xml_string(
+const compile = (mujoco, all, joints, memory_MB) => mujoco.MjModel.from_xml_string(
   `${kHead(memory_MB)}<asset>\n${all.map((t) => t.meshes).join('')}</asset>\n<worldbody>\n${
-    all.map((t) => t.body).join('')}</worldbody>\n</mujoco>\n`);
+    all.map((t) => t.body).join('')}</worldbody>\n<equality>\n${joints.join('')}</equality>\n</mujoco>\n`);
 
 /** Volume of the hull of a compiled mesh, and the diagonal of its bounds, in MuJoCo's units. */
 function measure(model, mesh) {
@@ -77,7 +77,7 @@ export function prepare(mujoco, body) {
     `is no hull (${parts[index].length} corners): ${said}; leave flat parts out, thin fine ones`);
   let alone = null;
   try {
-    alone = compile(mujoco, [text], 1);
+    alone = compile(mujoco, [text], [], 1);
     parts.forEach((_, k) => {
       const { volume, diagonal } = measure(alone, k);
       if (!(volume > kFlatShare * diagonal ** 3)) refuse(k, 'it is flat');
@@ -106,14 +106,18 @@ function contactLayout(contact) {
   return layout;
 }
 
-/** A compiled model of bodies (`held` of mujoco_engine.mjs, each with `text` of prepare()). */
+/** A compiled model of bodies (`held` of mujoco_engine.mjs, each with `text` of prepare()) and joints of
+ * mujoco_joints.mjs. */
 export class Model {
-  constructor(mujoco, all) {
+  constructor(mujoco, all, joints) {
     this.mujoco = mujoco;
+    this.joints = joints;
     this.moving = all.filter(({ body }) => !body.is_static);
-    this.model = compile(mujoco, all.map((held) => held.text), kArena_MB + kArenaOfBody_MB * all.length);
+    this.model = compile(mujoco, all.map((held) => held.text), joints.map((joint) => joint.text), kArena_MB + kArenaOfBody_MB * all.length);
     this.data = new mujoco.MjData(this.model);
     this.scratch = new mujoco.MjContact();
+    this.option = this.model.opt; // these two are parts of theirs: to delete them deletes the parts
+    this.warnings = this.data.warning;
     const masses = this.model.body_mass, inertias = this.model.body_inertia;
     all.forEach((held, k) => { // MuJoCo's body 0 is the world
       held.slot = -1;
@@ -131,7 +135,7 @@ export class Model {
     this.contacts = this.findContacts();
   }
 
-  /** Address of MuJoCo's contacts, checked against what its own bindings say of them. */
+  /** Address of MuJoCo's contacts, checked with two of them. Its bindings give copies. */
   findContacts() {
     const { mujoco, model, data, scratch, layout } = this;
     data.ncon = 0;
@@ -139,10 +143,8 @@ export class Model {
       scratch.dist = dist;
       mujoco.mj_addContact(model, data, scratch);
     }
-    const all = data.contact, second = all.get(1);
-    const address = all.get(0).pos.byteOffset - kDouble;
-    const good = second.dist === -2 && second.pos.byteOffset - kDouble === address + layout.size;
-    second.delete(), all.delete();
+    const address = data.arena.byteOffset, { doubles } = this.memory();
+    const good = doubles[address / kDouble] === -1 && doubles[(address + layout.size) / kDouble] === -2;
     data.ncon = 0;
     if (!good)
       throw new Failure(Exit.badInput, 'bad_engine', `MuJoCo ${mujoco.mj_versionString()} keeps its contacts in a way ` +
@@ -177,8 +179,8 @@ export class Model {
   checkRoom() {
     const { mjtWarning } = this.mujoco;
     for (const kind of [mjtWarning.mjWARN_CONTACTFULL, mjtWarning.mjWARN_CNSTRFULL]) {
-      const all = this.data.warning, one = all.get(kind.value), full = one.number > 0;
-      one.delete(), all.delete();
+      const one = this.warnings.get(kind.value), full = one.number > 0;
+      one.delete();
       if (full)
         throw new Failure(Exit.physics, 'contacts',
           'more contacts in a window than MuJoCo has room for, and it drops the others; shorten window_s');

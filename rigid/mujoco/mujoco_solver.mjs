@@ -2,6 +2,7 @@
 // "second" is one solution: its accelerations are the changes of velocity, and each contact says with which speed its
 // bodies part.
 import * as m from '../jolt/algebra.mjs';
+import { fillRows, kRows } from './mujoco_joints.mjs';
 import { kLength, kMass } from './mujoco_model.mjs';
 
 /** MuJoCo's contacts give way by a share of the unconstrained motion: 1 - 0.9999 of it at the hardest. This share of that
@@ -29,10 +30,10 @@ export class Solver {
   }
 
   /** Solves for contacts { first, second: bodies, normal: from the first to the second, point [m], friction, target: least
-   * speed of parting [m/s] }; velocity(held): linear [m/s] and angular [rad/s]. Sets `acted` of contacts that had an
-   * impulse. Returns a map from each body that has one to its impulse and the angular one about its centre [kg m/s,
-   * kg m^2/s]. */
-  solve(contacts, velocity) {
+   * speed of parting [m/s] } and joints (mujoco_joints.mjs); velocity(held): linear [m/s] and angular [rad/s]. `rate`:
+   * share of the joints' errors that is undone in a second [1/s]. Sets `acted` of contacts that had an impulse. Returns a
+   * map from each body that has one to its impulse and the angular one about its centre [kg m/s, kg m^2/s]. */
+  solve(contacts, joints, rate, velocity) {
     const { model } = this;
     const { mujoco, model: mj, data } = model;
     const given = model.moving.map(velocity);
@@ -40,6 +41,7 @@ export class Solver {
     this.speeds(given);
     mujoco.mj_makeConstraint(mj, data);
     model.checkRoom();
+    const errors = fillRows(model, joints);
     const rows = data.efc_R.length, softness = data.efc_R, stiffness = data.efc_D;
     for (let i = 0; i < rows; ++i) softness[i] *= kSoftness, stiffness[i] /= kSoftness;
     mujoco.mj_island(mj, data);
@@ -51,7 +53,7 @@ export class Solver {
     const lifts = new Float64Array(contacts.length);
     let impulses;
     for (let pass = 0; pass < kMostPasses; ++pass) {
-      this.ask(contacts, lifts);
+      this.ask(contacts, lifts, errors, rate);
       mujoco.mj_fwdConstraint(mj, data);
       impulses = this.impulses(contacts);
       if (!this.lift(contacts, given, impulses, lifts)) break;
@@ -73,7 +75,7 @@ export class Solver {
     doubles.set(kImpedance, real('solimp'));
     doubles.set([-1, -1], real('solref')); // not used: ask() says what is wanted
     integers.fill(-1, whole('geom') + 2, whole('geom') + 8); // no flexible bodies
-    let row = 0;
+    let row = kRows * model.joints.length;
     for (const contact of contacts) {
       const { first, second, normal, point, friction } = contact;
       contact.row = row;
@@ -98,9 +100,10 @@ export class Solver {
     });
   }
 
-  /** Sets the changes of velocity that contacts want. */
-  ask(contacts, lifts) {
+  /** Sets the changes of velocity that contacts and joints want. */
+  ask(contacts, lifts, errors, rate) {
     const { efc_aref: wanted, efc_vel: speeds } = this.model.data;
+    errors.forEach((error, row) => { wanted[row] = -rate * error - speeds[row]; });
     contacts.forEach(({ row, rows, target }, k) => {
       wanted[row] = kLength * target - lifts[k] - speeds[row];
       for (let i = 1; i < rows; ++i) wanted[row + i] = -speeds[row + i];
