@@ -7,12 +7,18 @@ const kSkin = 5e-5; // [m]
 /** The faces that MuJoCo finds at the end of a window count where their normal is within 45 degrees of that at its begin. */
 const kSameSide = 0.7;
 
-/** A contact: `normal` from the first body to the second, points on both surfaces in body coordinates, `gap` [m]. */
-function meeting(first, second, normal, firstPoint, secondPoint) {
-  const local = (held, point) =>
-    m.rotate(m.conjugate(held.at.orientation), m.subtract(point, held.at.position));
-  return { first, second, normal, firstPoint: local(first, firstPoint), secondPoint: local(second, secondPoint) };
+/** A contact: `normal` from the first body to the second, points on both surfaces, `share`: where between them the bodies
+ * touch as they slide. A corner or a ball has its point, and the face takes it from there. */
+function meeting(first, second, normal, firstPoint, secondPoint, share) {
+  const local = (held, point) => {
+    const offset = m.subtract(point, held.at.position);
+    return held.body.shape.sphere ? offset : m.rotate(m.conjugate(held.at.orientation), offset);
+  };
+  return { first, second, normal, firstPoint: local(first, firstPoint), secondPoint: local(second, secondPoint), share };
 }
+
+/** Where a point of meeting() is now, relative to the body's centre [m]. Points of balls do not turn with them. */
+export const armOf = (held, local) => (held.body.shape.sphere ? local : m.rotate(held.at.orientation, local));
 
 /** Radius about a body's centre that holds it [m]. */
 export function reach({ shape: { sphere, box, parts } }) {
@@ -51,8 +57,10 @@ function detect(model, ways) {
     const geoms = integers.subarray((begin + layout.geom) / 4, (begin + layout.geom) / 4 + 2);
     const first = model.owner[geoms[0]], second = model.owner[geoms[1]];
     const half = m.scale(0.5 * dist, normal);
+    const ball = (held) => (held.body.shape.sphere ? 1 : 0);
     found.push({
-      ...meeting(first, second, normal, m.subtract(point, half), m.add(point, half)),
+      ...meeting(first, second, normal, m.subtract(point, half), m.add(point, half),
+        0.5 + 0.5 * (ball(second) - ball(first))),
       pair: geoms[0] * bodies.length + geoms[1],
     });
   }
@@ -92,7 +100,7 @@ function planes(model, ways) {
         const point = m.subtract(m.add(held.at.position, m.rotate(held.at.orientation, corner)), m.scale(radius, up));
         const height = m.dot(up, m.subtract(point, position));
         if (height > way) continue;
-        found.push(meeting(plane, held, up, m.subtract(point, m.scale(height, up)), point));
+        found.push(meeting(plane, held, up, m.subtract(point, m.scale(height, up)), point, 1));
       }
     });
   }

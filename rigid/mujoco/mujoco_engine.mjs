@@ -1,7 +1,8 @@
 // Rigid bodies in MuJoCo, taken through windows (rigid/README.md "A window"). Motions are kept here. MuJoCo finds contacts
 // and solves them; a body without contacts ends in its predicted state, to the bit.
 import * as m from '../jolt/algebra.mjs';
-import { corners, findContacts, reach } from './mujoco_contacts.mjs';
+import { armOf, corners, findContacts, reach } from './mujoco_contacts.mjs';
+import { takeGainBack } from './mujoco_energy.mjs';
 import { makeJoint } from './mujoco_joints.mjs';
 import { Model, prepare } from './mujoco_model.mjs';
 import { Solver } from './mujoco_solver.mjs';
@@ -98,6 +99,8 @@ export class MuJoCoEngine {
     if (meetings.length + joints.length > 0 && this.solve(window, meetings, joints)) {
       this.push(window, meetings, joints);
       this.relax(meetings, joints);
+      takeGainBack([...meetings.filter(({ met }) => met), ...joints],
+        new Map(this.moving.map((held, k) => [held, predicted[k]])));
     }
     for (const held of this.moving) held.motion = held.end;
   }
@@ -132,29 +135,31 @@ export class MuJoCoEngine {
     for (const one of found) {
       one.law = this.laws.get(one.first.group)?.get(one.second.group) ?? kOtherPairs;
       const speed = (held, local) => (held.slot < 0 ? [0, 0, 0] :
-        m.add(held.linear, m.cross(held.angular, m.rotate(held.motion.orientation, local))));
+        m.add(held.linear, m.cross(held.angular, armOf(held, local))));
       one.approach = m.dot(one.normal, m.subtract(speed(one.first, one.firstPoint), speed(one.second, one.secondPoint)));
     }
     return found;
   }
 
-  /** Gap [m] and middle of a contact at the present poses. */
-  place(meeting) {
-    const point = (held, local) => m.add(held.at.position, m.rotate(held.at.orientation, local));
-    const first = point(meeting.first, meeting.firstPoint), second = point(meeting.second, meeting.secondPoint);
+  /** A contact for the solver at the present poses, and its gap [m] but for the overlap that stays. */
+  place({ first, second, normal, firstPoint, secondPoint, share, law }) {
+    const a = m.add(first.at.position, armOf(first, firstPoint)), b = m.add(second.at.position, armOf(second, secondPoint));
     return {
-      gap: m.dot(meeting.normal, m.subtract(second, first)) + kSlack, point: m.scale(0.5, m.add(first, second)),
+      first, second, normal, point: m.add(m.scale(1 - share, a), m.scale(share, b)), friction: law.friction,
+      gap: m.dot(normal, m.subtract(b, a)) + kSlack,
     };
   }
 
   /** First solve, on the average velocities: contacts may close their gaps. False where nothing changes. */
   solve(window, meetings, joints) {
-    const contacts = meetings.map(({ first, second, normal, law, ...rest }) => {
-      const { gap, point } = this.place({ first, second, normal, ...rest });
-      return { first, second, normal, point, friction: law.friction, target: -Math.max(0, gap) / window };
+    const contacts = meetings.map((meeting) => {
+      const contact = this.place(meeting);
+      return { ...contact, target: -Math.max(0, contact.gap) / window };
     });
-    const impulses = this.solver.solve(contacts, joints, 1 / window, ({ linear, angular }) => ({ linear, angular }));
-    contacts.forEach(({ acted }, k) => { meetings[k].acted = acted; });
+    const velocity = ({ linear, angular }) => ({ linear, angular });
+    const impulses = this.solver.solve(contacts, joints, 1 / window, velocity);
+    contacts.forEach(({ acted }, k) => { meetings[k].acted = meetings[k].met = acted; });
+    const final = this.bounce(window, meetings, contacts, joints, velocity) ?? impulses;
     for (const [held, { linear, angular }] of impulses) {
       const start = held.motion, principal = held.body.principal_inertia, { end } = held;
       const dv = m.scale(1 / held.mass, linear), dw = m.applyInverseInertia(start.orientation, principal, angular);
@@ -163,24 +168,44 @@ export class MuJoCoEngine {
       const without = m.freeTurn(start.orientation, principal, held.angular, window);
       const withIt = m.freeTurn(start.orientation, principal, m.add(held.angular, dw), window);
       held.end = {
+        ...end,
         position: m.add(end.position, m.scale(window, dv)),
         orientation: m.normalized(m.multiply(m.multiply(withIt, m.conjugate(without)), end.orientation)),
-        velocity: m.add(end.velocity, dv),
+      };
+    }
+    for (const [held, { linear, angular }] of final) {
+      const { end } = held;
+      held.end = {
+        ...end, velocity: m.add(end.velocity, m.scale(1 / held.mass, linear)),
         angular_momentum: m.add(end.angular_momentum, angular),
       };
     }
     return impulses.size > 0;
   }
 
+  /** Impulses of the first solve with rebounds, which change velocities and no poses; null where nothing bounces. */
+  bounce(window, meetings, contacts, joints, velocity) {
+    let any = false;
+    const bouncing = contacts.map((contact, k) => {
+      const { acted, approach, law } = meetings[k];
+      if (!(acted && approach > kImpactSpeed && law.restitution > 0)) return contact;
+      any = true;
+      return { ...contact, target: law.restitution * approach };
+    });
+    return any ? this.solver.solve(bouncing, joints, 1 / window, velocity) : null;
+  }
+
   /** Moves poses out of overlaps. Velocities do not change. */
   push(window, meetings, joints) {
     this.model.place((held) => held.end);
-    const contacts = meetings.map(({ first, second, normal, ...rest }) => {
-      const { gap, point } = this.place({ first, second, normal, ...rest });
-      return { first, second, normal, point, friction: 0, target: gap > 0 ? -gap / window : (-kPushShare * gap) / window };
+    for (const held of this.moving) held.unturned = held.end.orientation;
+    const contacts = meetings.map((meeting) => {
+      const contact = this.place(meeting), { gap } = contact;
+      return { ...contact, friction: 0, target: (gap > 0 ? -gap : -kPushShare * gap) / window };
     });
     if (!contacts.some(({ target }) => target > 0)) return;
     const impulses = this.solver.solve(contacts, joints, 0, () => ({ linear: [0, 0, 0], angular: [0, 0, 0] }));
+    contacts.forEach(({ acted }, k) => { meetings[k].met ||= acted; });
     for (const [held, { linear, angular }] of impulses) {
       const { end } = held, spin = m.applyInverseInertia(end.orientation, held.body.principal_inertia, angular);
       held.end = {
@@ -196,17 +221,17 @@ export class MuJoCoEngine {
   relax(meetings, joints) {
     this.model.place((held) => held.end);
     const contacts = [];
-    for (const { first, second, normal, law, acted, approach, ...rest } of meetings) {
-      const { gap, point } = this.place({ first, second, normal, ...rest });
-      if (!acted && gap > 0) continue;
-      const target = acted && approach > kImpactSpeed ? law.restitution * approach : 0;
-      contacts.push({ first, second, normal, point, friction: law.friction, target });
+    for (const meeting of meetings) {
+      const contact = this.place(meeting);
+      if (meeting.acted || contact.gap <= 0) contacts.push({ ...contact, target: 0, meeting });
     }
     const velocity = (held) => ({
       linear: held.end.velocity,
       angular: m.applyInverseInertia(held.end.orientation, held.body.principal_inertia, held.end.angular_momentum),
     });
-    for (const [held, { linear, angular }] of this.solver.solve(contacts, joints, 0, velocity)) {
+    const impulses = this.solver.solve(contacts, joints, 0, velocity);
+    for (const { meeting, acted } of contacts) meeting.met ||= acted;
+    for (const [held, { linear, angular }] of impulses) {
       const { end } = held;
       held.end = {
         ...end, velocity: m.add(end.velocity, m.scale(1 / held.mass, linear)),

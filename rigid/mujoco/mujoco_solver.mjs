@@ -140,13 +140,10 @@ export class Solver {
       return m.add(linear, m.cross(angular, m.subtract(point, position)));
     };
     contacts.forEach((contact, k) => {
-      const { first, second, point, friction, rows, acted } = contact;
+      const { first, second, point, friction, rows } = contact;
       if (rows === 1) return;
-      let lift = 0;
-      if (acted) {
-        const slip = m.subtract(moves(second, point), moves(first, point));
-        lift = kLength * friction * Math.hypot(...contact.tangents.map((t) => m.dot(t, slip)));
-      }
+      const slip = m.subtract(moves(second, point), moves(first, point));
+      const lift = kLength * friction * Math.hypot(...contact.tangents.map((t) => m.dot(t, slip)));
       if (Math.abs(lift - lifts[k]) > kLiftTolerance) changed = true;
       lifts[k] = lift;
     });
