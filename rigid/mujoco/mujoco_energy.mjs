@@ -26,35 +26,50 @@ function groups(links) {
 }
 
 /** In each group that has more energy than its predicted states (by body), takes back turns out of overlaps (`unturned`:
- * orientation before), then a share of the impulses. The share is one for the group, so momentum stays. */
+ * orientation before), then a share of the impulses, and their turns where that is not enough. The share is one for the
+ * group, so momentum stays. */
 export function takeGainBack(links, predicted) {
   for (const group of groups(links)) {
     const allowed = group.reduce((sum, held) => sum + energy(held, predicted.get(held)), 0);
     const now = () => group.reduce((sum, held) => sum + energy(held, held.end), 0);
-    if (now() <= allowed) continue;
-    for (const held of group) held.end = { ...held.end, orientation: held.unturned };
-    if (now() <= allowed) continue;
-    const whole = group.map((held) => held.end);
-    const at = (share) => { // energy with this share of the impulses
-      group.forEach((held, k) => {
-        const { velocity, angular_momentum: momentum } = predicted.get(held), end = whole[k];
-        held.end = {
-          ...end,
-          velocity: m.add(velocity, m.scale(share, m.subtract(end.velocity, velocity))),
-          angular_momentum: m.add(momentum, m.scale(share, m.subtract(end.angular_momentum, momentum))),
-        };
-      });
-      return now();
+    const orient = (of) => {
+      for (const held of group) held.end = { ...held.end, orientation: of(held) };
     };
-    // a quadratic function of the share; the share that is looked for lies between its least value and 1
-    const none = at(0), half = at(0.5), full = at(1), curve = 2 * (none + full - 2 * half);
-    let good = Math.min(1, Math.max(0, -(full - none - curve) / (2 * curve))), bad = 1;
-    for (let round = 0; round < kMostRounds; ++round) {
-      const middle = 0.5 * (good + bad);
-      if (middle <= good || middle >= bad) break;
-      if (at(middle) <= allowed) good = middle;
-      else bad = middle;
-    }
-    at(good);
+    if (now() <= allowed) continue;
+    orient((held) => held.unturned);
+    if (now() <= allowed || scaleDown(group, predicted, now, allowed)) continue;
+    orient((held) => predicted.get(held).orientation);
+    scaleDown(group, predicted, now, allowed);
   }
+}
+
+/** Leaves the largest share of the impulses with which the energy now() is at most `allowed`; false where there is none. */
+function scaleDown(group, predicted, now, allowed) {
+  const whole = group.map((held) => held.end);
+  const at = (share) => {
+    group.forEach((held, k) => {
+      const { velocity, angular_momentum: momentum } = predicted.get(held), end = whole[k];
+      held.end = {
+        ...held.end,
+        velocity: m.add(velocity, m.scale(share, m.subtract(end.velocity, velocity))),
+        angular_momentum: m.add(momentum, m.scale(share, m.subtract(end.angular_momentum, momentum))),
+      };
+    });
+    return now();
+  };
+  // a quadratic function of the share; the share that is looked for lies between its least value and 1
+  const none = at(0), half = at(0.5), full = at(1), curve = 2 * (none + full - 2 * half);
+  let good = curve > 0 ? Math.min(1, Math.max(0, -(full - none - curve) / (2 * curve))) : 0, bad = 1;
+  if (at(good) > allowed) {
+    at(1);
+    return false;
+  }
+  for (let round = 0; round < kMostRounds; ++round) {
+    const middle = 0.5 * (good + bad);
+    if (middle <= good || middle >= bad) break;
+    if (at(middle) <= allowed) good = middle;
+    else bad = middle;
+  }
+  at(good);
+  return true;
 }
