@@ -1,9 +1,12 @@
 // Finds the contacts that bodies may have in a window.
 import * as m from '../jolt/algebra.mjs';
+import { cornersOver, kFarther } from './mujoco_corners.mjs';
 import { kLength } from './mujoco_model.mjs';
 
 /** Beyond the way of a window, bodies this close are found as well. */
 const kSkin = 5e-5; // [m]
+/** Pairs of hulls that come less far in a window are slow: their faces are those at its end. */
+const kSlow = 5e-4; // [m]
 /** The faces that MuJoCo finds at the end of a window count where their normal is within 45 degrees of that at its begin. */
 const kSameSide = 0.7;
 
@@ -56,34 +59,50 @@ function detect(model, ways) {
     const normal = Array.from(doubles.subarray(real('frame'), real('frame') + 3));
     const geoms = integers.subarray((begin + layout.geom) / 4, (begin + layout.geom) / 4 + 2);
     const first = model.owner[geoms[0]], second = model.owner[geoms[1]];
-    const half = m.scale(0.5 * dist, normal);
+    const half = m.scale(0.5 * dist, normal), surfaces = [m.subtract(point, half), m.add(point, half)];
     const ball = (held) => (held.body.shape.sphere ? 1 : 0);
     found.push({
-      ...meeting(first, second, normal, m.subtract(point, half), m.add(point, half),
-        0.5 + 0.5 * (ball(second) - ball(first))),
-      pair: geoms[0] * bodies.length + geoms[1],
+      ...meeting(first, second, normal, ...surfaces, 0.5 + 0.5 * (ball(second) - ball(first))),
+      surfaces, geoms: [geoms[0], geoms[1]], pair: geoms[0] * bodies.length + geoms[1],
     });
   }
   return found;
 }
 
-/** Contacts of convex bodies. Those at the begin of the window see fast bodies come, with one point for a pair of hulls.
- * Where a pair overlaps at the end, all corners of its touching faces take the place of that point. */
+/** True for pairs of hulls, or of a hull and a box. Pairs of boxes have all their points from MuJoCo, balls one. */
+const hulls = ({ first, second }) => ![first, second].some(({ body: { shape } }) => shape.sphere) &&
+  [first, second].some(({ body: { shape } }) => shape.parts);
+
+/** Contacts of convex bodies. Those at the begin of the window see fast bodies come, with one point for a pair of hulls and
+ * the corners around it. Where a slow pair overlaps at the end, all corners of its touching faces take their place. */
 function convex(model, ways, begin, end) {
   model.place(begin);
   const early = detect(model, ways);
   if (early.length === 0) return early;
-  model.place(end);
-  const late = detect(model, null);
-  model.place(begin);
-  const first = new Map();
-  for (const one of early) if (!first.has(one.pair)) first.set(one.pair, one.normal);
-  const better = late.filter(({ pair, normal }) => {
-    const other = first.get(pair);
-    return other === undefined || m.dot(normal, other) > kSameSide;
-  });
+  const wayOf = ({ first, second }) => [first, second].reduce((sum, held) => sum + (held.slot < 0 ? 0 : ways[held.slot]), 0);
+  const slow = new Map(); // normals of pairs
+  for (const one of early) if (hulls(one) && wayOf(one) < kSlow) slow.set(one.pair, one.normal);
+  let better = [];
+  if (slow.size) {
+    model.place(end);
+    const sameSide = ({ pair, normal }) => slow.has(pair) && m.dot(normal, slow.get(pair)) > kSameSide;
+    better = detect(model, null).filter(sameSide);
+    model.place(begin);
+  }
   const replaced = new Set(better.map(({ pair }) => pair));
-  return [...early.filter(({ pair }) => !replaced.has(pair)), ...better];
+  const kept = early.filter(({ pair }) => !replaced.has(pair));
+  return [...kept, ...kept.flatMap((one) => around(model, one, wayOf(one) + kSkin)), ...better];
+}
+
+/** Corners of both hulls of a pair that come down on the other one. */
+function around(model, pair, way) {
+  if (!hulls(pair)) return [];
+  const { first, second, normal, geoms: [a, b], surfaces } = pair;
+  const down = m.scale(-1, normal);
+  return [
+    ...cornersOver(model, b, a, normal, surfaces[0], way).map(({ corner, foot }) => meeting(first, second, normal, foot, corner, 1)),
+    ...cornersOver(model, a, b, down, surfaces[1], way).map(({ corner, foot }) => meeting(first, second, normal, corner, foot, 0)),
+  ];
 }
 
 /** Contacts with half spaces: every corner that can come down to the plane. MuJoCo's own finder gives three at most. */
@@ -96,12 +115,16 @@ function planes(model, ways) {
       const way = ways[k] + kSkin, above = m.dot(up, m.subtract(held.at.position, position));
       if (above > held.reach + way) return;
       const radius = held.body.shape.sphere ?? 0;
+      const heights = [];
       for (const corner of held.corners) {
         const point = m.subtract(m.add(held.at.position, m.rotate(held.at.orientation, corner)), m.scale(radius, up));
         const height = m.dot(up, m.subtract(point, position));
-        if (height > way) continue;
-        found.push(meeting(plane, held, up, m.subtract(point, m.scale(height, up)), point, 1));
+        heights.push({ point, height });
       }
+      if (!heights.some(({ height }) => height <= way)) return;
+      for (const { point, height } of heights)
+        if (height <= kFarther * way)
+          found.push(meeting(plane, held, up, m.subtract(point, m.scale(height, up)), point, 1));
     });
   }
   return found;

@@ -14,7 +14,7 @@ const kFastTurn = 0.7; // [rad]
 const kImpactSpeed = 0.05; // [m/s]
 /** Overlap that stays. MuJoCo finds all corners of touching faces only where bodies overlap. */
 const kSlack = 5e-6; // [m]
-const kPushShare = 0.2; // of the rest of an overlap, removed in a window
+const kPushShare = 0.2; // of an overlap from before, removed in a window; what turning bodies add in it goes at once
 const kOtherPairs = { friction: 0.5, restitution: 0 };
 
 /** Key of a pair of bodies, in either order. */
@@ -154,6 +154,7 @@ export class MuJoCoEngine {
   solve(window, meetings, joints) {
     const contacts = meetings.map((meeting) => {
       const contact = this.place(meeting);
+      meeting.before = contact.gap;
       return { ...contact, target: -Math.max(0, contact.gap) / window };
     });
     const velocity = ({ linear, angular }) => ({ linear, angular });
@@ -200,8 +201,8 @@ export class MuJoCoEngine {
     this.model.place((held) => held.end);
     for (const held of this.moving) held.unturned = held.end.orientation;
     const contacts = meetings.map((meeting) => {
-      const contact = this.place(meeting), { gap } = contact;
-      return { ...contact, friction: 0, target: (gap > 0 ? -gap : -kPushShare * gap) / window };
+      const contact = this.place(meeting), { gap } = contact, old = Math.max(gap, Math.min(0, meeting.before));
+      return { ...contact, friction: 0, target: (gap > 0 ? -gap : old - gap - kPushShare * old) / window };
     });
     if (!contacts.some(({ target }) => target > 0)) return;
     const impulses = this.solver.solve(contacts, joints, 0, () => ({ linear: [0, 0, 0], angular: [0, 0, 0] }));
