@@ -48,9 +48,10 @@ function detect(model, ways) {
   for (let g = 0; g < bodies.length; ++g) margins[g] = margin[bodies[g]];
   const single = mujoco.mjtDisableBit.mjDSBL_MULTICCD.value;
   model.option.disableflags = ways ? single : 0;
-  mujoco.mj_kinematics(mj, data);
-  mujoco.mj_collision(mj, data);
-  model.checkRoom();
+  model.run(() => {
+    mujoco.mj_kinematics(mj, data);
+    mujoco.mj_collision(mj, data);
+  });
   const { doubles, integers } = model.memory(), found = [];
   for (let k = 0; k < data.ncon; ++k) {
     const begin = base + k * layout.size, real = (name) => (begin + layout[name]) / 8;

@@ -35,7 +35,7 @@ export class MuJoCoEngine {
       version: mujoco.mj_versionString(),
       capabilities: [
         'spheres', 'boxes', 'half_spaces', 'convex_hulls', 'compound', 'contact', 'friction', 'restitution', 'joints',
-        'release_joints', 'deterministic', 'double_precision',
+        'release_joints', 'mass_ratios', 'deterministic', 'double_precision',
       ],
     };
   }

@@ -7,8 +7,9 @@ import { Exit, Failure, rejectBody } from '../jolt/failure.mjs';
 export const kLength = 100; // [1/m]
 export const kMass = 1000; // [1/kg]
 
-/** Memory for contacts and their equations. MuJoCo drops contacts where it ends. */
-const kArena_MB = 48, kArenaOfBody_MB = 0.1;
+/** Memory for contacts and their equations, about 2 kB each. It grows in steps, so that models which follow one another fit
+ * in the place of the last one. */
+const kArena_MB = 128, kBodiesOfArena = 1000;
 /** Bytes of integers behind the arrays of a contact: exclude and efc_address. */
 const kContactTail = 8;
 const kDouble = 8, kInteger = 4;
@@ -113,7 +114,8 @@ export class Model {
     this.mujoco = mujoco;
     this.joints = joints;
     this.moving = all.filter(({ body }) => !body.is_static);
-    this.model = compile(mujoco, all.map((held) => held.text), joints.map((joint) => joint.text), kArena_MB + kArenaOfBody_MB * all.length);
+    this.model = compile(mujoco, all.map((held) => held.text), joints.map((joint) => joint.text),
+      kArena_MB * Math.ceil(all.length / kBodiesOfArena));
     this.data = new mujoco.MjData(this.model);
     this.scratch = new mujoco.MjContact();
     this.option = this.model.opt; // these two are parts of theirs: to delete them deletes the parts
@@ -175,15 +177,20 @@ export class Model {
     });
   }
 
-  /** Throws Failure (contacts) where MuJoCo had no room and dropped some. */
-  checkRoom() {
+  /** Lets MuJoCo work. Throws Failure (contacts) where its memory ends; it would drop the contacts beyond. */
+  run(work) {
     const { mjtWarning } = this.mujoco;
+    const tooMany = () => new Failure(Exit.physics, 'contacts',
+      `more contacts in a window than MuJoCo has room for (${this.data.ncon} found); shorten window_s`);
+    try {
+      work();
+    } catch (error) {
+      throw /out of memory/.test(error.message) ? tooMany() : error;
+    }
     for (const kind of [mjtWarning.mjWARN_CONTACTFULL, mjtWarning.mjWARN_CNSTRFULL]) {
       const one = this.warnings.get(kind.value), full = one.number > 0;
       one.delete();
-      if (full)
-        throw new Failure(Exit.physics, 'contacts',
-          'more contacts in a window than MuJoCo has room for, and it drops the others; shorten window_s');
+      if (full) throw tooMany();
     }
   }
 }

@@ -37,16 +37,19 @@ export class Solver {
     const { model } = this;
     const { mujoco, model: mj, data } = model;
     const given = model.moving.map(velocity);
-    this.take(contacts);
-    this.speeds(given);
-    mujoco.mj_makeConstraint(mj, data);
-    model.checkRoom();
+    model.run(() => {
+      this.take(contacts);
+      this.speeds(given);
+      mujoco.mj_makeConstraint(mj, data);
+    });
     const errors = fillRows(model, joints);
     const rows = data.efc_R.length, softness = data.efc_R, stiffness = data.efc_D;
     for (let i = 0; i < rows; ++i) softness[i] *= kSoftness, stiffness[i] /= kSoftness;
-    mujoco.mj_island(mj, data);
-    mujoco.mj_projectConstraint(mj, data);
-    mujoco.mj_referenceConstraint(mj, data);
+    model.run(() => {
+      mujoco.mj_island(mj, data);
+      mujoco.mj_projectConstraint(mj, data);
+      mujoco.mj_referenceConstraint(mj, data);
+    });
     data.qacc_smooth.fill(0);
     data.qfrc_smooth.fill(0);
     data.qacc_warmstart.fill(0);
@@ -54,7 +57,7 @@ export class Solver {
     let impulses;
     for (let pass = 0; pass < kMostPasses; ++pass) {
       this.ask(contacts, lifts, errors, rate);
-      mujoco.mj_fwdConstraint(mj, data);
+      model.run(() => mujoco.mj_fwdConstraint(mj, data));
       impulses = this.impulses(contacts);
       if (!this.lift(contacts, given, impulses, lifts)) break;
       data.qacc_warmstart.set(data.qacc);
