@@ -68,3 +68,13 @@ export function freeTurn(start, principal, w, h) {
   const spin = applyInverseInertia(middle, principal, momentum);
   return normalized(multiply(turnOf(scale(h, spin)), start));
 }
+
+/** Two unit vectors across a unit vector. */
+export function tangents(n) {
+  const least = n.map(Math.abs);
+  const k = least.indexOf(Math.min(...least));
+  const axis = [0, 0, 0];
+  axis[k] = 1;
+  const across = cross(n, axis), first = scale(1 / norm(across), across);
+  return [first, cross(n, first)];
+}

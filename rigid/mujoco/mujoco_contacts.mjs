@@ -7,6 +7,9 @@ import { kLength } from './mujoco_model.mjs';
 const kSkin = 5e-5; // [m]
 /** Pairs of hulls that come less far in a window are slow: their faces are those at its end. */
 const kSlow = 5e-4; // [m]
+/** Contacts of two bodies belong to one plane where their normals are the same in such steps; so many directions in it have
+ * an outermost point each. */
+const kNormalSteps = 32, kMostOfPlane = 16;
 /** The faces that MuJoCo finds at the end of a window count where their normal is within 45 degrees of that at its begin. */
 const kSameSide = 0.7;
 
@@ -30,12 +33,12 @@ export function reach({ shape: { sphere, box, parts } }) {
   return parts ? Math.max(...parts.flat().map(m.norm)) : Infinity;
 }
 
-/** Corners of a body [m], or the centre of a sphere. */
+/** Corners of a body [m], each once, or the centre of a sphere. */
 export function corners({ shape: { sphere, box, parts } }) {
   if (sphere) return [[0, 0, 0]];
   if (box)
     return [-1, 1].flatMap((x) => [-1, 1].flatMap((y) => [-1, 1].map((z) => [x * box[0], y * box[1], z * box[2]])));
-  return parts ? parts.flat() : [];
+  return parts ? [...new Map(parts.flat().map((corner) => [corner.join(' '), corner])).values()] : [];
 }
 
 /** Contacts that MuJoCo finds at the poses that Model.place() has set. `ways`: by moving body, how far it comes in the
@@ -106,7 +109,7 @@ function around(model, pair, way) {
   ];
 }
 
-/** Contacts with half spaces: every corner that can come down to the plane. MuJoCo's own finder gives three at most. */
+/** Contacts with half spaces: corners that can come down to the plane. MuJoCo's own finder gives three at most. */
 function planes(model, ways) {
   const found = [];
   for (const plane of model.bodies) {
@@ -116,23 +119,46 @@ function planes(model, ways) {
       const way = ways[k] + kSkin, above = m.dot(up, m.subtract(held.at.position, position));
       if (above > held.reach + way) return;
       const radius = held.body.shape.sphere ?? 0;
-      const heights = [];
-      for (const corner of held.corners) {
+      const level = m.rotate(m.conjugate(held.at.orientation), up), near = above - radius;
+      const low = held.corners.filter((corner) => near + m.dot(level, corner) <= kFarther * way);
+      if (!low.some((corner) => near + m.dot(level, corner) <= way)) return;
+      for (const corner of low) {
         const point = m.subtract(m.add(held.at.position, m.rotate(held.at.orientation, corner)), m.scale(radius, up));
         const height = m.dot(up, m.subtract(point, position));
-        heights.push({ point, height });
+        found.push(meeting(plane, held, up, m.subtract(point, m.scale(height, up)), point, 1));
       }
-      if (!heights.some(({ height }) => height <= way)) return;
-      for (const { point, height } of heights)
-        if (height <= kFarther * way)
-          found.push(meeting(plane, held, up, m.subtract(point, m.scale(height, up)), point, 1));
     });
   }
   return found;
 }
 
+/** The contacts without those in the middle of a plane along which two bodies of many parts touch. */
+function outermost(meetings) {
+  const groups = new Map();
+  for (const one of meetings) {
+    const key = [one.first.id, one.second.id, ...one.normal.map((c) => Math.round(c * kNormalSteps))].join(' ');
+    if (!groups.has(key)) groups.set(key, []);
+    groups.get(key).push(one);
+  }
+  return [...groups.values()].flatMap((group) => {
+    if (group.length <= kMostOfPlane) return group;
+    const { second, normal } = group[0], [u, v] = m.tangents(normal);
+    const points = group.map((one) => m.add(second.at.position, armOf(second, one.secondPoint)));
+    const gaps = group.map((one, k) =>
+      m.dot(one.normal, m.subtract(points[k], m.add(one.first.at.position, armOf(one.first, one.firstPoint)))));
+    const kept = new Set([gaps.indexOf(Math.min(...gaps))]);
+    for (let k = 0; k < kMostOfPlane; ++k) {
+      const angle = (2 * Math.PI * k) / kMostOfPlane;
+      const way = m.add(m.scale(Math.cos(angle), u), m.scale(Math.sin(angle), v));
+      const places = points.map((point) => m.dot(way, point));
+      kept.add(places.indexOf(Math.max(...places)));
+    }
+    return group.filter((_, k) => kept.has(k));
+  });
+}
+
 /** Contacts that may act within the window. begin(held), end(held): poses; ways: see detect(). All bodies are at their
  * begin afterwards. */
 export function findContacts(model, ways, begin, end) {
-  return [...convex(model, ways, begin, end), ...planes(model, ways)];
+  return outermost([...convex(model, ways, begin, end), ...planes(model, ways)]);
 }

@@ -13,16 +13,6 @@ const kImpedance = [0.9999, 0.9999, 0.001, 0.5, 2];
 const kMostPasses = 12;
 const kLiftTolerance = 1e-4; // [cm/s]
 
-/** Two unit vectors across a unit vector. */
-function tangents(n) {
-  const least = n.map(Math.abs);
-  const k = least.indexOf(Math.min(...least));
-  const axis = [0, 0, 0];
-  axis[k] = 1;
-  const across = m.cross(n, axis), first = m.scale(1 / m.norm(across), across);
-  return [first, m.cross(n, first)];
-}
-
 /** Contacts and bodies at the poses that Model.place() has set. */
 export class Solver {
   constructor(model) {
@@ -84,7 +74,7 @@ export class Solver {
       contact.row = row;
       contact.rows = friction > 0 ? 3 : 1;
       row += contact.rows;
-      contact.tangents = tangents(normal);
+      contact.tangents = m.tangents(normal);
       doubles.set(m.scale(kLength, point), real('pos'));
       doubles.set([...normal, ...contact.tangents[0], ...contact.tangents[1]], real('frame'));
       doubles.fill(friction, real('friction'), real('friction') + 5);
