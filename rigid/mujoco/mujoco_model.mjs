@@ -115,7 +115,7 @@ export class Model {
     this.joints = joints;
     this.moving = all.filter(({ body }) => !body.is_static);
     this.model = compile(mujoco, all.map((held) => held.text), joints.map((joint) => joint.text),
-      kArena_MB * Math.ceil(all.length / kBodiesOfArena));
+      kArena_MB * Math.ceil((all.length + 1) / kBodiesOfArena));
     this.data = new mujoco.MjData(this.model);
     this.scratch = new mujoco.MjContact();
     this.option = this.model.opt; // these two are parts of theirs: to delete them deletes the parts

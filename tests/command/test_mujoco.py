@@ -1,10 +1,12 @@
 """Sessions with the MuJoCo engine. Skipped where node or its packages are missing; sunder_tools.launch.node gets them."""
 from __future__ import annotations
 
+import subprocess
 import unittest
 
 import numpy as np
 
+from . import REPOSITORY
 from .node_session import (PROTOCOL, Flight, Message, Session, Sessions, ball, body, floor, quaternion, rotate, slab, vector,
                            why_not, xyz)
 
@@ -148,6 +150,72 @@ class Engine(MuJoCoCase):
         flight.run(1)  # and no longer than they are named
         self.assertGreater(flight.at(1, "velocity")[2], -1.0)
 
+    def test_a_body_of_many_parts_lies_as_one_of_few(self) -> None:
+        # where two touch along a plane, the outermost points stand for all
+        plates = [slab(i + 1, (0.05, 0.04, 0.0015), (0.2, 0.1, 0.0015 + 0.003 * i), parts=24) for i in range(3)]
+        flight = self.flight([*plates, floor(99)])
+        flight.run(100)
+        for i in range(3):
+            self.assertAlmostEqual(flight.at(i + 1)[2], 0.0015 + 0.003 * i, delta=1.5e-5 * (i + 1))
+            self.assertLess(np.linalg.norm(flight.at(i + 1, "velocity")), 1e-5)
+
+    def test_a_fast_hull_meets_a_wall_with_all_its_corners(self) -> None:
+        cube = slab(1, (0.1, 0.1, 0.1), (-2, 0.013, -0.021), parts=1, velocity=(200, 0, 0), orientation=(1, 0.15, 0.25, -0.1))
+        wall = {**slab(2, (0.1, 2, 2), (0, 0, 0), parts=1), "is_static": True}
+        flight = self.flight([cube, wall], gravity=0.0, window_s=1 / 60, laws=[{"friction": 0.0, "restitution": 0.0}])
+        flight.run(6)
+        corners = [np.array([x, y, z]) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]
+        q = quaternion(flight.states[1]["orientation"])
+        self.assertLess(max((flight.at(1) + rotate(q, c))[0] for c in corners), -0.1 + 0.01)
+
+    def test_joints_hold_what_they_hold(self) -> None:
+        kinds = {"BALL": 1, "HINGE": 2, "SLIDER": 3, "FIXED": 4}
+        # z of the joint, horizontal in the world: across gravity
+        frame = {"w": np.sqrt(0.5), "x": np.sqrt(0.5)}
+        for kind, number in kinds.items():
+            beam = slab(1, (0.05, 0.01, 0.01), (0.05, 0, 1), momentum=(0, 0, 1e-4))
+            joint = {"id": 1, "name": kind, "kind": number, "first": 1, "second": 0,
+                     "first_frame": {"position": xyz((-0.05, 0, 0)), "orientation": frame},
+                     "second_frame": {"position": xyz((0, 0, 1)), "orientation": frame}}
+            flight = self.flight([beam], joints=[joint])
+            flight.run(200)
+            q = quaternion(flight.states[1]["orientation"])
+            end = flight.at(1) + rotate(q, np.array([-0.05, 0, 0]))
+            axis = rotate(q, np.array([0, -1, 0]))
+            turned = 2 * np.arccos(min(1.0, abs(q[0])))
+            self.assertLess(np.linalg.norm((end - (0, 0, 1))[[0, 2]]), 1e-4, kind)  # the slider slides along y
+            if kind in ("BALL", "HINGE"):
+                self.assertGreater(turned, 0.5, kind)
+                self.assertLess(abs(end[1]), 1e-4, kind)
+            if kind != "BALL":
+                self.assertGreater(axis @ (0, -1, 0), 1 - 1e-8, kind)
+            if kind in ("SLIDER", "FIXED"):
+                self.assertLess(turned, 1e-4, kind)
+
+    def test_a_slider_between_two_moving_bodies_keeps_momentum(self) -> None:
+        frame = {"w": np.sqrt(0.5), "y": np.sqrt(0.5)}  # z of the joint along x
+        rail = slab(1, (0.1, 0.01, 0.01), (0, 0, 0), velocity=(0, 0.3, 0))
+        block = slab(2, (0.02, 0.02, 0.02), (0.03, 0, 0.05), velocity=(0.5, 0, 0.2))
+        joint = {"id": 1, "kind": 3, "first": 1, "second": 2, "first_frame": {"orientation": frame},
+                 "second_frame": {"position": xyz((0, 0, -0.05)), "orientation": frame}}
+        flight = self.flight([rail, block], gravity=0.0, joints=[joint])
+        mass = {k: flight.bodies[k]["mass"] for k in (1, 2)}
+        def momenta() -> np.ndarray:
+            linear = [mass[k] * flight.at(k, "velocity") for k in (1, 2)]
+            turns = [np.cross(flight.at(k), p) + flight.at(k, "angular_momentum") for k, p in zip((1, 2), linear)]
+            return np.concatenate([sum(linear), sum(turns)])
+        start = momenta()
+        for _ in range(200):
+            flight.window()
+        # moving anchors together takes a share (omega H)^2 of the angular momentum
+        self.assertLess(np.linalg.norm((momenta() - start)[:3]), 1e-13)
+        self.assertLess(np.linalg.norm((momenta() - start)[3:]), 1e-3 * np.linalg.norm(start[3:]))
+        q = {k: quaternion(flight.states[k]["orientation"]) for k in (1, 2)}
+        anchor = flight.at(2) + rotate(q[2], np.array([0, 0, -0.05]))
+        off = rotate(q[1] * [1, -1, -1, -1], anchor - flight.at(1))
+        self.assertLess(np.linalg.norm(off[1:]), 1e-4)
+        self.assertGreater(off[0], 0.1)  # it has slid
+
     def test_same_requests_give_the_same_bits(self) -> None:
         def states() -> dict[int, Message]:
             shards = [slab(i + 2, (0.012, 0.009, 0.002), (0.02 * (i % 4), 0.02 * (i // 4), 0.02 + 0.005 * (i % 3)), parts=1 + i % 2,
@@ -169,6 +237,28 @@ class Refusals(MuJoCoCase):
             self.assertEqual(reply["kind"], "error")
             self.assertIn(says, reply["error"]["message"])
             self.assertEqual(reply["ends_with"], 2)
+
+
+    def test_more_contacts_than_there_is_room_for(self) -> None:
+        heap = [slab(i + 1, (0.05 + 1e-4 * i, 0.04, 0.03), (1e-4 * i, 0, 0), parts=30) for i in range(100)]
+        session = self.anew()
+        session.ask(PROTOCOL)
+        session.ask({"load": {"bodies": heap}})
+        keys = ("id", "position", "orientation", "velocity", "angular_momentum")
+        reply = session.ask({"window": {"ticks": 1, "window_s": 1e-3, "handbacks": [{k: b[k] for k in keys} for b in heap]}})
+        self.assertEqual((reply["kind"], reply["error"]["kind"], reply["ends_with"]), ("error", "contacts", 4), reply)
+        self.assertIn("shorten window_s", reply["error"]["message"])
+
+    def test_another_mujoco_is_refused(self) -> None:
+        # one whose contacts lie elsewhere in its memory
+        program = """import { loadMuJoCo } from './rigid/jolt/packages.mjs';
+            import { Model } from './rigid/mujoco/mujoco_model.mjs';
+            const mujoco = await loadMuJoCo();
+            mujoco.mj_addContact = () => 0;
+            try { new Model(mujoco, [], []); } catch (error) { console.log(error.kind, error.status); }"""
+        done = subprocess.run(["node", "--input-type=module", "-e", program], cwd=REPOSITORY, capture_output=True, text=True,
+                              check=True)
+        self.assertEqual(done.stdout, "bad_engine 2\n")
 
 
 class Peers(MuJoCoCase):
