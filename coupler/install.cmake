@@ -24,7 +24,7 @@ install(DIRECTORY coupler/sunder_tools coupler/sunder_lab coupler/sunder_engine 
 install(PROGRAMS coupler/sunder DESTINATION ${share}/coupler)
 install(FILES coupler/sunder.py coupler/README.md DESTINATION ${share}/coupler)
 install(DIRECTORY scenes proto DESTINATION ${share} PATTERN __pycache__ EXCLUDE PATTERN CMakeLists.txt EXCLUDE)
-install(DIRECTORY rigid/jolt DESTINATION ${share}/rigid USE_SOURCE_PERMISSIONS)
+install(DIRECTORY rigid/jolt rigid/mujoco DESTINATION ${share}/rigid USE_SOURCE_PERMISSIONS)
 install(FILES rigid/README.md DESTINATION ${share}/rigid)
 install(FILES README.md LICENCE DESTINATION ${share})
 file(WRITE ${CMAKE_BINARY_DIR}/VERSION "${PROJECT_VERSION}\n")

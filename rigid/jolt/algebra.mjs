@@ -5,7 +5,7 @@ export const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 export const scale = (s, a) => [s * a[0], s * a[1], s * a[2]];
 export const norm = (a) => Math.hypot(...a);
 export const cross = (a, b) => [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]];
-const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+export const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 
 export const conjugate = (q) => [q[0], -q[1], -q[2], -q[3]];
 
@@ -59,4 +59,22 @@ export function applyInertia(q, principal, v) {
 export function applyInverseInertia(q, principal, v) {
   const local = rotate(conjugate(q), v);
   return rotate(q, [local[0] / principal[0], local[1] / principal[1], local[2] / principal[2]]);
+}
+
+/** Orientation after h seconds of free flight by the midpoint rule; w: angular velocity at the start [rad/s]. */
+export function freeTurn(start, principal, w, h) {
+  const momentum = applyInertia(start, principal, w);
+  const middle = normalized(multiply(turnOf(scale(0.5 * h, w)), start));
+  const spin = applyInverseInertia(middle, principal, momentum);
+  return normalized(multiply(turnOf(scale(h, spin)), start));
+}
+
+/** Two unit vectors across a unit vector. */
+export function tangents(n) {
+  const least = n.map(Math.abs);
+  const k = least.indexOf(Math.min(...least));
+  const axis = [0, 0, 0];
+  axis[k] = 1;
+  const across = cross(n, axis), first = scale(1 / norm(across), across);
+  return [first, cross(n, first)];
 }

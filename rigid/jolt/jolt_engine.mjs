@@ -16,14 +16,6 @@ const kTurnNoise = 1e-6; // [rad]
 const rounded = (v) => v.map(Math.fround);
 const same = (a, b) => a[0] === b[0] && a[1] === b[1] && a[2] === b[2];
 
-/** Orientation after h seconds of free flight by the midpoint rule; w: angular velocity at the start [rad/s]. */
-function freeTurn(start, principal, w, h) {
-  const momentum = m.applyInertia(start, principal, w);
-  const middle = m.normalized(m.multiply(m.turnOf(m.scale(0.5 * h, w)), start));
-  const spin = m.applyInverseInertia(middle, principal, momentum);
-  return m.normalized(m.multiply(m.turnOf(m.scale(h, spin)), start));
-}
-
 /** The engine that a session asks; its calls are those of link::Engine (coupler/link/engine.h). */
 export class JoltEngine {
   constructor({ jolt, version }) {
@@ -166,8 +158,8 @@ export class JoltEngine {
     const change = m.add(m.scale(window / kLength, dv), held.push);
     // Turn the predicted pose by the difference between two free flights, with and without the change of angular
     // velocity. A turn with constant angular velocity would give energy to a thin shard that an impact sets spinning.
-    const without = freeTurn(start.orientation, principal, held.spin, window);
-    const withIt = freeTurn(start.orientation, principal, m.add(held.spin, dw), window);
+    const without = m.freeTurn(start.orientation, principal, held.spin, window);
+    const withIt = m.freeTurn(start.orientation, principal, m.add(held.spin, dw), window);
     const turned = m.multiply(m.multiply(withIt, m.conjugate(without)), predicted.orientation);
     held.motion = {
       position: m.add(predicted.position, change),

@@ -50,3 +50,9 @@ export async function loadJolt() {
   const start = (await load('jolt-physics', 'jolt-physics/wasm')).default;
   return { jolt: await start(), version: require('jolt-physics/package.json').version };
 }
+
+/** MuJoCo's module. */
+export async function loadMuJoCo() {
+  const start = (await load('@mujoco/mujoco', '@mujoco/mujoco')).default;
+  return start();
+}

@@ -74,7 +74,7 @@ export class Session {
     check(this.engine.info.capabilities.includes(capability), () => `${what}: the engine cannot do '${capability}'`);
   }
 
-  /** Refuses a request for a capability that Jolt's adapter does not have. */
+  /** Refuses a request for a capability that no engine under Node.js has. */
   unable(capability, what) {
     this.loaded(what);
     return refuse(`${what}: the engine cannot do '${capability}'`);

@@ -1,4 +1,5 @@
-"""`validate engines`: which suite is called for which engine, what becomes of its rows, and Jolt where it cannot be had."""
+"""`validate engines`: which suite is called for which engine, what becomes of its rows, and an
+engine that cannot be had."""
 from __future__ import annotations
 
 import contextlib
@@ -57,8 +58,8 @@ class Suites(unittest.TestCase):
                             if "conformance" in name else "#!/bin/sh\necho alpha beta\n")
             path.chmod(0o755)
         self.said, self.told = io.StringIO(), io.StringIO()
-        jolt = mock.patch.object(engines, "JOLT_PROGRAM", self.folder / "none")
-        for context in (mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}), jolt,
+        under_node = mock.patch.object(engines, "NODE_PROGRAMS", {})
+        for context in (mock.patch.dict(os.environ, {BUILD_DIR_VARIABLE: str(self.folder / "build")}), under_node,
                         mock.patch.object(conformance, "KNOWN", self.folder),
                         contextlib.redirect_stdout(self.told), contextlib.redirect_stderr(self.said)):
             context.__enter__()
@@ -118,13 +119,15 @@ class Suites(unittest.TestCase):
         self.assertEqual(sunder(["validate", "shells", "--rigid", "alpha"]), 2)
         self.assertIn("only 'validate engines'", self.said.getvalue())
 
-    def test_jolt_is_left_out_with_the_reason_where_it_cannot_be_had(self) -> None:
-        program = self.folder / "jolt"
-        program.write_text("")
-        with mock.patch.object(engines, "JOLT_PROGRAM", program), \
+    def test_an_engine_under_node_js_is_left_out_with_the_reason_where_it_cannot_be_had(self) -> None:
+        programs = {"jolt": self.folder / "jolt", "mujoco": self.folder / "mujoco"}
+        for program in programs.values():
+            program.write_text("")
+        with mock.patch.object(engines, "NODE_PROGRAMS", programs), \
                 mock.patch("sunder_tools.launch.node.ensure_node", side_effect=errors.CommandError("no network")):
             self.assertEqual(self.validate({"alpha": (GOOD, 0), "beta": (GOOD, 0)}), 0)
-        self.assertIn("jolt: left out: no network", self.told.getvalue())
+        for name in programs:
+            self.assertIn(f"{name}: left out: no network", self.told.getvalue())
 
 
 class Testing(unittest.TestCase):
@@ -138,7 +141,7 @@ class Testing(unittest.TestCase):
             run.return_value.returncode = 0
             self.assertEqual(sunder(["test", "-R", "vtp"]), 0)
             self.assertEqual(run.call_count, 1)
-            self.assertIn("no network\nsunder: so the tests of the Jolt engine are skipped", said.getvalue())
+            self.assertIn("no network\nsunder: so the tests of the engines under Node.js are skipped", said.getvalue())
             for what in ("CAD files", "Slurm", "plots", "the viewer"):
                 self.assertIn(f"no rights\nsunder: so the tests of {what} are skipped", said.getvalue())
             self.assertEqual([call.args[1] for call in install.call_args_list],
@@ -162,7 +165,7 @@ class Testing(unittest.TestCase):
 class KnownFailures(unittest.TestCase):
     def test_are_lists_of_engines_that_there_are(self) -> None:
         lists = sorted(path.stem for path in (REPOSITORY / "tests" / "conformance" / "known").glob("*"))
-        self.assertEqual(lists, ["bullet", "freeflight", "jolt", "ode"])
+        self.assertEqual(lists, ["bullet", "freeflight", "jolt", "mujoco", "ode"])
 
 
 if __name__ == "__main__":

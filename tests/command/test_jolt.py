@@ -9,10 +9,10 @@ import unittest
 
 import numpy as np
 
-from .jolt_session import (ENGINE, PATIENCE_S, PROTOCOL, Flight, Message, Session, Sessions, ball, body, floor,
+from .node_session import (PATIENCE_S, PROTOCOL, Flight, Message, Session, Sessions, ball, body, floor, program,
                            quaternion, rotate, slab, vector, why_not, wxyz, xyz)
 
-WHY_NOT = why_not()
+WHY_NOT = why_not("jolt")
 SILENCE_S = 0.8  # a silent peer is still waited for
 
 
@@ -26,7 +26,7 @@ class JoltCase(unittest.TestCase):
     def anew(self) -> Sessions:
         """The one client of a test, in a new session."""
         if self.sessions is None:
-            self.sessions = Sessions(self)
+            self.sessions = Sessions(self, "jolt")
         else:
             self.sessions.tell({"anew": True})
         return self.sessions
@@ -266,7 +266,7 @@ class Refusals(JoltCase):
     def test_a_server_says_so_and_ends_with_the_status(self) -> None:
         for requests, says, status in (([PROTOCOL, self.LOAD, self.window(tick=7)], "bad_message: window at tick 7", 3),
                                        ([PROTOCOL, self.load(half_space=True)], "bad_body: body 1", 2)):
-            session = Session(self)
+            session = Session(self, "jolt")
             replies = [session.ask(request) for request in requests]
             self.assertEqual(replies[-1]["kind"], "error")
             ended, said = session.ended()
@@ -278,7 +278,7 @@ class Refusals(JoltCase):
                                 (["--endpoint", "tcp://192.0.2.1:5555"], "use ipc://PATH"),
                                 (["--endpoint", "ipc:///nowhere/at/all"], "bad_endpoint"),
                                 (["--endpoint", "ipc:///" + 107 * "x"], "its path has 108 bytes, a socket's at most 107")):
-            done = subprocess.run([ENGINE / "sunder-rigid-jolt", *arguments], capture_output=True, text=True, timeout=PATIENCE_S,
+            done = subprocess.run([program("jolt"), *arguments], capture_output=True, text=True, timeout=PATIENCE_S,
                                   check=False)
             self.assertEqual(done.returncode, 2, done.stderr)
             self.assertIn(says, done.stderr)
@@ -286,7 +286,7 @@ class Refusals(JoltCase):
 
 class Peers(JoltCase):
     def test_goodbye_ends_with_0(self) -> None:
-        session = Session(self)
+        session = Session(self, "jolt")
         hello = session.ask(PROTOCOL)["hello"]
         self.assertEqual((hello["engine_name"], hello["protocol"], hello["scene_hash"]), ("jolt", 2, "aGFzaA=="))
         self.assertIn("convex_hulls", hello["capabilities"])
@@ -296,14 +296,14 @@ class Peers(JoltCase):
         self.assertEqual(session.ended(), (0, ""))
 
     def test_spans_where_hello_asks_for_them(self) -> None:
-        session = Session(self)
+        session = Session(self, "jolt")
         session.ask({"hello": {**PROTOCOL["hello"], "trace": True}})
         spans = session.ask(Refusals.LOAD)["spans"]
         self.assertEqual([s["name"] for s in spans], ["decode", "load"])
         self.assertTrue(all(0 < s["begin_ns"] <= s["end_ns"] for s in spans))
 
     def test_a_shell_that_failed_is_not_answered(self) -> None:
-        session = Session(self)
+        session = Session(self, "jolt")
         session.ask(PROTOCOL)
         session.tell({"silent": {"error": {"kind": "ledger", "message": "it does not close"}}})
         status, said = session.ended()
@@ -311,7 +311,7 @@ class Peers(JoltCase):
         self.assertIn("peer_failed: the shell process reports: it does not close", said)
 
     def test_a_peer_that_is_killed_is_lost(self) -> None:
-        session = Session(self)
+        session = Session(self, "jolt")
         session.ask(PROTOCOL)
         session.client.send_signal(signal.SIGKILL)
         status, said = session.ended()
@@ -319,7 +319,7 @@ class Peers(JoltCase):
         self.assertIn("without a goodbye", said)
 
     def test_a_peer_that_is_stopped_is_waited_for(self) -> None:
-        session = Session(self)
+        session = Session(self, "jolt")
         session.ask(PROTOCOL)
         session.client.send_signal(signal.SIGSTOP)
         time.sleep(3 * SILENCE_S)
@@ -331,7 +331,7 @@ class Peers(JoltCase):
         # Boxes in one place, of more and more parts until a window takes longer than a silent peer is waited for.
         for parts in (8, 12, 18, 27):
             heap = [slab(i + 1, (0.05 + 1e-4 * i, 0.04, 0.03), (1e-4 * i, 0, 0), parts=parts) for i in range(60)]
-            session = Session(self)
+            session = Session(self, "jolt")
             session.ask(PROTOCOL)
             session.ask({"load": {"bodies": heap}})
             keys = ("id", "position", "orientation", "velocity", "angular_momentum")
@@ -349,7 +349,7 @@ class Peers(JoltCase):
     def test_dies_with_its_parent(self) -> None:
         # the parent says its child's number, and waits
         program = "import subprocess, sys\np = subprocess.Popen(sys.argv[1:])\nprint(p.pid, flush=True)\np.wait()\n"
-        parent = subprocess.Popen(["/usr/bin/python3", "-c", program, ENGINE / "sunder-rigid-jolt", "--die-with-parent",
+        parent = subprocess.Popen(["/usr/bin/python3", "-c", program, program("jolt"), "--die-with-parent",
                                    "--endpoint", "ipc:///tmp/none"], stdout=subprocess.PIPE, text=True)
         self.addCleanup(parent.communicate)
         assert parent.stdout is not None

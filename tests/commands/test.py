@@ -48,7 +48,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _get_packages() -> None:
     """Packages that only tests need. Where they cannot be had, their tests are skipped."""
-    for what, get in (("the Jolt engine", ensure_node), ("Slurm", _install(SLURM_PACKAGES)),
+    for what, get in (("the engines under Node.js", ensure_node), ("Slurm", _install(SLURM_PACKAGES)),
                       ("the sources", _install(LINT_PACKAGES)), ("plots", _install(PLOT_PACKAGES)),
                       ("the viewer", _ensure_viewer)):
         _can_have(what, get)

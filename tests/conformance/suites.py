@@ -84,8 +84,8 @@ def table(found: dict[str, dict[str, object]]) -> str:
 
 def run_suites(suite: Path, executables: Executables, case: str | None, chosen: str | None = None) -> tuple[
         int, dict[str, dict[str, object]]]:
-    """Exit status, and what the suite wrote for each engine that could be asked. Jolt is left out, with the reason,
-    where its packages cannot be had: they come from a registry."""
+    """Exit status, and what the suite wrote for each engine that could be asked. Engines under Node.js are left
+    out, with the reason, where their packages cannot be had: they come from a registry."""
     status = DONE
     found: dict[str, dict[str, object]] = {}
     for name in [chosen] if chosen else engines.names(executables):

@@ -18,8 +18,7 @@ from .own_time import OwnTime
 from .socket_dir import SocketDir
 
 IN_PROCESS = "inprocess"
-JOLT = "jolt"
-JOLT_PROGRAM = REPOSITORY / "rigid" / "jolt" / "sunder-rigid-jolt"
+NODE_PROGRAMS = {name: REPOSITORY / "rigid" / name / f"sunder-rigid-{name}" for name in ("jolt", "mujoco")}
 PERIOD_S = 0.02     # between two looks
 LAST_WORDS_S = 2.0  # for either side to end after the other
 
@@ -63,10 +62,10 @@ def resolve(text: str, executables: Executables) -> Rigid:
                                "an address (ipc://... or tcp://...) or the path of a program that takes --engine NAME "
                                "--endpoint ADDRESS")
         return Rigid(text, command=(os.path.abspath(text), "--engine", Path(text).stem))
-    if text == JOLT and JOLT_PROGRAM.is_file():
+    if text in _under_node():
         from .node import ensure_node
         ensure_node()
-        return Rigid(text, command=(str(JOLT_PROGRAM), "--engine", text))
+        return Rigid(text, command=(str(NODE_PROGRAMS[text]), "--engine", text))
     return Rigid(text, command=(str(executables.rigid), "--engine", text))
 
 
@@ -89,7 +88,11 @@ def check(text: str, rigid: Rigid, executables: Executables) -> None:
 def names(executables: Executables) -> list[str]:
     """Every engine that comes with the project."""
     listed = subprocess.run([str(executables.rigid), "--list"], stdout=subprocess.PIPE, text=True, check=True).stdout
-    return listed.split() + ([JOLT] if JOLT_PROGRAM.is_file() else [])
+    return listed.split() + _under_node()
+
+
+def _under_node() -> list[str]:
+    return [name for name, program in NODE_PROGRAMS.items() if program.is_file()]
 
 
 def hello(rigid: Rigid, executables: Executables, keys: Path | None = None) -> dict[str, object]:

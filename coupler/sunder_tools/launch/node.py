@@ -1,4 +1,5 @@
-"""Node.js and the packages that the Jolt engine (rigid/jolt) runs with: `python3 -m sunder_tools.launch.node` gets them.
+"""Node.js and the packages of the engines under it, rigid/jolt and rigid/mujoco: `python3 -m sunder_tools.launch.node` gets
+them.
 
 The viewer's page (coupler/viewer) has its three.js and uPlot the same way, and needs no Node.js.
 """
@@ -52,7 +53,7 @@ def ensure_node(sources: Path = REPOSITORY / "rigid" / "jolt", folder: Path | No
     ensure_packages(log, sources, folder)
 
 
-def ensure_packages(log: Path, sources: Path, folder: Path, whose: str = "the Jolt engine") -> None:
+def ensure_packages(log: Path, sources: Path, folder: Path, whose: str = "the engines under Node.js") -> None:
     """The packages alone. They are all there or, after a failure, as they were before."""
     if has_packages(folder, sources):
         return

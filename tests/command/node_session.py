@@ -1,4 +1,4 @@
-"""A session with the Jolt engine for tests: the server, tests/rigid/jolt_client.mjs, and bodies that fly freely."""
+"""A session with an engine under Node.js for tests: the server, tests/rigid/node_client.mjs, and bodies that fly freely."""
 from __future__ import annotations
 
 import json
@@ -6,25 +6,29 @@ import shutil
 import subprocess
 import tempfile
 import unittest
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from . import REPOSITORY
 
-ENGINE = REPOSITORY / "rigid" / "jolt"
-CLIENT = REPOSITORY / "tests" / "rigid" / "jolt_client.mjs"
+CLIENT = REPOSITORY / "tests" / "rigid" / "node_client.mjs"
 PATIENCE_S = 1800.0  # after which a process hangs, whatever else the machine does
 
 Message = dict[str, Any]
 PROTOCOL: Message = {"hello": {"protocol_min": 2, "protocol_max": 2, "scene_hash": "aGFzaA=="}}
 
 
-def why_not() -> str:
+def program(engine: str) -> Path:
+    return REPOSITORY / "rigid" / engine / f"sunder-rigid-{engine}"
+
+
+def why_not(engine: str) -> str:
     """Why the engine cannot run here; '' if it can."""
     if not shutil.which("node"):
         return "there is no node"
-    check = subprocess.run([ENGINE / "sunder-rigid-jolt", "--check"], capture_output=True, text=True, check=False)
+    check = subprocess.run([program(engine), "--check"], capture_output=True, text=True, check=False)
     return check.stderr.strip() if check.returncode else ""
 
 
@@ -91,8 +95,8 @@ def floor(number: int) -> Message:
 class Sessions:
     """Sessions one after the other within the client's process; ends it, whatever the test did."""
 
-    def __init__(self, case: unittest.TestCase, *endpoint: str) -> None:
-        self.client = subprocess.Popen(["node", CLIENT, ENGINE, *endpoint], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
+    def __init__(self, case: unittest.TestCase, engine: str, *endpoint: str) -> None:
+        self.client = subprocess.Popen(["node", CLIENT, engine, *endpoint], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                        text=True)
         case.addCleanup(self._end, self.client)
 
@@ -117,13 +121,13 @@ class Sessions:
 class Session(Sessions):
     """A server of its own and its client."""
 
-    def __init__(self, case: unittest.TestCase) -> None:
+    def __init__(self, case: unittest.TestCase, engine: str) -> None:
         temporary = tempfile.TemporaryDirectory()
         case.addCleanup(temporary.cleanup)
         endpoint = f"ipc://{temporary.name}/socket"
-        self.server = subprocess.Popen([ENGINE / "sunder-rigid-jolt", "--endpoint", endpoint], stderr=subprocess.PIPE, text=True)
+        self.server = subprocess.Popen([program(engine), "--endpoint", endpoint], stderr=subprocess.PIPE, text=True)
         case.addCleanup(self._end, self.server)
-        super().__init__(case, endpoint)
+        super().__init__(case, engine, endpoint)
 
     def ended(self) -> tuple[int, str]:
         """Exit status of the server, and what it said."""

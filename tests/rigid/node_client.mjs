@@ -1,15 +1,26 @@
 // The shell side of sessions, for tests. A line of JSON on standard input is a request, a line on standard output is its
 // reply. Instead of a request: {"raw": TEXT} sends these bytes, {"silent": REQUEST} waits for no reply, and
 // {"anew": true} begins another session where there is no socket. Numbers that JSON lacks are strings, as "NaN". The
-// reply {"lost": true} means that the other side is gone. Arguments: folder of the engine, and an endpoint. Without an
+// reply {"lost": true} means that the other side is gone. Arguments: name of the engine, and an endpoint. Without an
 // endpoint sessions are in this process, and their replies have `ends_with`, the exit status of a server.
-import { join, resolve } from 'node:path';
 import { createInterface } from 'node:readline';
-import { pathToFileURL } from 'node:url';
 
-const [folder, endpoint] = process.argv.slice(2);
-const part = (name) => import(pathToFileURL(join(resolve(folder), name)));
-const { loadJolt, loadMessages, loadZeroMq } = await part('packages.mjs');
+import { JoltEngine } from '../../rigid/jolt/jolt_engine.mjs';
+import { loadJolt, loadMessages, loadMuJoCo, loadZeroMq } from '../../rigid/jolt/packages.mjs';
+import { Session } from '../../rigid/jolt/session.mjs';
+import { MuJoCoEngine } from '../../rigid/mujoco/mujoco_engine.mjs';
+
+const makers = {
+  jolt: async () => {
+    const module = await loadJolt();
+    return () => new JoltEngine(module);
+  },
+  mujoco: async () => {
+    const module = await loadMuJoCo();
+    return () => new MuJoCoEngine(module);
+  },
+};
+const [name, endpoint] = process.argv.slice(2);
 const { Request, Reply } = await loadMessages();
 const plain = { longs: Number, defaults: true, oneofs: true, bytes: String };
 const decode = (bytes) => Reply.toObject(Reply.decode(bytes), plain);
@@ -35,13 +46,12 @@ async function connected() {
 }
 
 async function within() {
-  const { JoltEngine } = await part('jolt_engine.mjs'), { Session } = await part('session.mjs');
-  const jolt = await loadJolt();
+  const make = await makers[name]();
   const types = { Request, Reply };
   let engine, session, reply;
   const anew = () => {
     engine?.close();
-    engine = new JoltEngine(jolt);
+    engine = make();
     session = new Session(engine, types);
   };
   anew();

@@ -1,0 +1,277 @@
+"""Sessions with the MuJoCo engine. Skipped where node or its packages are missing; sunder_tools.launch.node gets them."""
+from __future__ import annotations
+
+import subprocess
+import unittest
+
+import numpy as np
+
+from . import REPOSITORY
+from .node_session import (PROTOCOL, Flight, Message, Session, Sessions, ball, body, floor, quaternion, rotate, slab, vector,
+                           why_not, xyz)
+
+WHY_NOT = why_not("mujoco")
+SLACK_M = 5e-6  # overlap that stays
+
+
+class MuJoCoCase(unittest.TestCase):
+    def setUp(self) -> None:
+        if WHY_NOT:
+            self.skipTest(WHY_NOT)
+
+    sessions: Sessions | None = None
+
+    def anew(self) -> Sessions:
+        """The one client of a test, in a new session."""
+        if self.sessions is None:
+            self.sessions = Sessions(self, "mujoco")
+        else:
+            self.sessions.tell({"anew": True})
+        return self.sessions
+
+    def flight(self, bodies: list[Message], **more: object) -> Flight:
+        return Flight(self.anew(), bodies, **more)  # type: ignore[arg-type]
+
+
+class Engine(MuJoCoCase):
+    def test_what_nothing_touches_comes_back_to_the_bit(self) -> None:
+        shard = slab(7, (0.02, 0.013, 0.0015), (0.1, -0.2, 5.0), parts=2, velocity=(1 / 3, 2, 3))
+        # 4000 rad/s turns four radians a window
+        for spin in (3.0, 4000.0):
+            shard["angular_momentum"] = xyz(spin * vector(shard["principal_inertia"]) * (0.3, 0.5, 0.8))
+            flight = self.flight([shard, floor(1)])
+            for _ in range(50):
+                handback, = flight.window()
+                state = flight.states[7]
+                self.assertEqual({key: state[key] for key in handback}, handback)
+
+    def test_engine_holds_what_was_loaded(self) -> None:
+        shard = slab(1, (0.02, 0.01, 0.002), (0, 0, 1))
+        flight = self.flight([{**shard, "mass": 3 * shard["mass"]}])  # not that of its volume
+        flight.window()
+        self.assertEqual(flight.states[1]["mass"], 3 * shard["mass"])
+
+    def test_a_hit_turns_a_body_by_its_own_inertia(self) -> None:
+        # a ball without friction on a plate's end, a third of the arm from it: exchange of impulse p along z at x = a
+        for factor in (1.0, 1.6):  # of the plate's inertia; it stays below the sum of the other two
+            plate = slab(1, (0.1, 0.02, 0.005), (0, 0, 0))
+            plate["principal_inertia"]["y"] *= factor
+            ball_mass, arm, speed = 0.02, 0.06, 2.0
+            flight = self.flight([plate, ball(2, 0.01, ball_mass, (arm, 0, 0.016), (0, 0, -speed))], gravity=0.0,
+                                 laws=[{"friction": 0.0, "restitution": 0.0}])
+            flight.run(10)
+            inertia, mass = plate["principal_inertia"]["y"], plate["mass"]
+            impulse = speed / (1 / ball_mass + 1 / mass + arm**2 / inertia)
+            self.assertAlmostEqual(flight.at(1, "velocity")[2], -impulse / mass, delta=2e-3 * impulse / mass)
+            self.assertAlmostEqual(flight.at(1, "angular_momentum")[1], impulse * arm, delta=2e-3 * impulse * arm)
+
+    def test_ball_comes_to_rest_on_a_half_space(self) -> None:
+        flight = self.flight([ball(1, 0.05, 1.0, (0.3, 0.1, 0.06)), floor(2)])
+        flight.run(300)
+        self.assertAlmostEqual(flight.at(1)[2], 0.05 - SLACK_M, delta=1e-6)
+        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
+        self.assertLess(np.linalg.norm(flight.at(1)[:2] - (0.3, 0.1)), 1e-6)
+
+    def test_balls_part_by_their_restitution_and_keep_momentum(self) -> None:
+        for restitution in (0.0, 0.4, 1.0):
+            flight = self.flight([ball(1, 0.05, 0.3, (0, 0, 0), (2, 0, 0)), ball(2, 0.03, 0.7, (0.1013, 0, 0), (-1.1, 0, 0))],
+                                 gravity=0.0, laws=[{"friction": 0.3, "restitution": restitution}])
+            flight.run(60)
+            a, b = flight.at(1, "velocity")[0], flight.at(2, "velocity")[0]
+            self.assertAlmostEqual(b - a, restitution * 3.1, delta=1e-6)  # contacts give way by 1e-7 of the closing speed
+            self.assertAlmostEqual(0.3 * a + 0.7 * b, 0.3 * 2.0 - 0.7 * 1.1, delta=1e-14)
+
+    def test_laws_belong_to_pairs_of_groups(self) -> None:
+        def hop(group: int) -> float:
+            dropped = ball(1, 0.05, 1.0, (0, 0, 0.051), (0, 0, -1))
+            flight = self.flight([{**dropped, "contact_group": group}, floor(2)], gravity=0.0,
+                                 laws=[{"first_group": 5, "second_group": 0, "restitution": 0.5}])
+            flight.run(10)
+            return float(flight.at(1, "velocity")[2])
+        self.assertAlmostEqual(hop(5), 0.5, delta=1e-5)
+        self.assertAlmostEqual(hop(6), 0.0, delta=1e-5)
+
+    def test_sliding_bodies_are_not_lifted(self) -> None:
+        # MuJoCo's own cones lift what slides by friction times slip, here 0.5 m/s
+        start = slab(1, (0.05, 0.05, 0.002), (0, 0, 0.003), velocity=(1, 0, -1))
+        flight = self.flight([start, floor(2)], laws=[{"friction": 0.5}])
+        flight.run(20)
+        self.assertLess(flight.at(1)[2], 0.002 + 1e-4)
+        flight.run(300)
+        self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-6)
+        # the impact takes mu v, and the rest is v^2 / (2 mu g); up to one window's way for where the last one ends
+        self.assertAlmostEqual(flight.at(1)[0], 0.5**2 / (2 * 0.5 * 9.81), delta=2e-3)
+
+    def test_thin_shards_fall_flat_and_keep_their_thickness(self) -> None:
+        for parts in (0, 1, 3):
+            shard = slab(1, (0.02, 0.013, 0.0015), (0, 0, 0.03), parts=parts, orientation=(1, 0.5, 0.3, 0.1))
+            flight = self.flight([shard, floor(2)])
+            flight.run(500)
+            self.assertAlmostEqual(flight.at(1)[2], 0.0015, delta=2 * SLACK_M, msg=f"{parts} parts")
+            self.assertLess(np.linalg.norm(flight.at(1, "velocity")), 1e-3)
+            up = rotate(quaternion(flight.states[1]["orientation"]), np.array([0, 0, 1]))
+            self.assertGreater(abs(up[2]), 1 - 1e-4)
+
+    def test_thin_plates_stack(self) -> None:
+        plates = [slab(i + 1, (0.05, 0.04, 0.0015), (0.2, 0.1, 0.0015 + 0.003 * i), parts=1) for i in range(12)]
+        flight = self.flight([*plates, floor(99)])
+        flight.run(200)
+        for i in range(12):
+            self.assertAlmostEqual(flight.at(i + 1)[2], 0.0015 + 0.003 * i, delta=1.5e-5 * (i + 1))
+
+    def test_bodies_born_in_a_run_leave_the_others_as_they_are(self) -> None:
+        # MuJoCo's model is compiled anew with each birth; a body that rests among them must not notice
+        def height(births: int) -> tuple[list[float], int]:
+            flight = self.flight([slab(50, (0.02, 0.013, 0.0015), (0, 0, 0.003), parts=2), floor(60)])
+            for k in range(40):
+                new = [slab(100 - k, (0.01, 0.01, 0.002), (1 + 0.1 * k, 0, 1), parts=1)] if k < births else []
+                flight.window(births=new)
+            return list(flight.at(50)) + list(flight.at(50, "angular_momentum")), len(flight.states)
+        self.assertEqual(height(0)[0], height(30)[0])
+        self.assertEqual(height(30)[1], 31)
+
+    def test_newborn_neighbours_gain_no_energy(self) -> None:
+        # overlapping by 0.2 mm, born at the end of a window
+        shards = [slab(i + 10, (0.0101, 0.0101, 0.002), (0.02 * i, 0, 1), parts=1) for i in range(4)]
+        flight = self.flight([ball(1, 0.01, 0.1, (0, 0, 3))], gravity=0.0)
+        flight.window(births=shards)
+        self.assertEqual(sorted(flight.states), [1, 10, 11, 12, 13])
+        flight.run(100)
+        for i in range(4):
+            self.assertLess(np.linalg.norm(flight.at(i + 10, "velocity")), 1e-6)
+            self.assertLess(np.linalg.norm(flight.at(i + 10) - (0.02 * i, 0, 1)), 0.5e-3)
+
+    def test_solved_bodies_touch_nothing(self) -> None:
+        flight = self.flight([ball(1, 0.05, 1.0, (0, 0, 0.06)), ball(3, 0.05, 1.0, (1, 0, 0.06)), floor(2)])
+        for _ in range(200):
+            flight.window(solved=[1])
+        self.assertLess(flight.at(1)[2], 0.0)
+        self.assertGreater(flight.at(3)[2], 0.049)
+        flight.run(1)  # and no longer than they are named
+        self.assertGreater(flight.at(1, "velocity")[2], -1.0)
+
+    def test_a_body_of_many_parts_lies_as_one_of_few(self) -> None:
+        # where two touch along a plane, the outermost points stand for all
+        plates = [slab(i + 1, (0.05, 0.04, 0.0015), (0.2, 0.1, 0.0015 + 0.003 * i), parts=24) for i in range(3)]
+        flight = self.flight([*plates, floor(99)])
+        flight.run(100)
+        for i in range(3):
+            self.assertAlmostEqual(flight.at(i + 1)[2], 0.0015 + 0.003 * i, delta=1.5e-5 * (i + 1))
+            self.assertLess(np.linalg.norm(flight.at(i + 1, "velocity")), 1e-5)
+
+    def test_a_fast_hull_meets_a_wall_with_all_its_corners(self) -> None:
+        cube = slab(1, (0.1, 0.1, 0.1), (-2, 0.013, -0.021), parts=1, velocity=(200, 0, 0), orientation=(1, 0.15, 0.25, -0.1))
+        wall = {**slab(2, (0.1, 2, 2), (0, 0, 0), parts=1), "is_static": True}
+        flight = self.flight([cube, wall], gravity=0.0, window_s=1 / 60, laws=[{"friction": 0.0, "restitution": 0.0}])
+        flight.run(6)
+        corners = [np.array([x, y, z]) for x in (-0.1, 0.1) for y in (-0.1, 0.1) for z in (-0.1, 0.1)]
+        q = quaternion(flight.states[1]["orientation"])
+        self.assertLess(max((flight.at(1) + rotate(q, c))[0] for c in corners), -0.1 + 0.01)
+
+    def test_joints_hold_what_they_hold(self) -> None:
+        kinds = {"BALL": 1, "HINGE": 2, "SLIDER": 3, "FIXED": 4}
+        # z of the joint, horizontal in the world: across gravity
+        frame = {"w": np.sqrt(0.5), "x": np.sqrt(0.5)}
+        for kind, number in kinds.items():
+            beam = slab(1, (0.05, 0.01, 0.01), (0.05, 0, 1), momentum=(0, 0, 1e-4))
+            joint = {"id": 1, "name": kind, "kind": number, "first": 1, "second": 0,
+                     "first_frame": {"position": xyz((-0.05, 0, 0)), "orientation": frame},
+                     "second_frame": {"position": xyz((0, 0, 1)), "orientation": frame}}
+            flight = self.flight([beam], joints=[joint])
+            flight.run(200)
+            q = quaternion(flight.states[1]["orientation"])
+            end = flight.at(1) + rotate(q, np.array([-0.05, 0, 0]))
+            axis = rotate(q, np.array([0, -1, 0]))
+            turned = 2 * np.arccos(min(1.0, abs(q[0])))
+            self.assertLess(np.linalg.norm((end - (0, 0, 1))[[0, 2]]), 1e-4, kind)  # the slider slides along y
+            if kind in ("BALL", "HINGE"):
+                self.assertGreater(turned, 0.5, kind)
+                self.assertLess(abs(end[1]), 1e-4, kind)
+            if kind != "BALL":
+                self.assertGreater(axis @ (0, -1, 0), 1 - 1e-8, kind)
+            if kind in ("SLIDER", "FIXED"):
+                self.assertLess(turned, 1e-4, kind)
+
+    def test_a_slider_between_two_moving_bodies_keeps_momentum(self) -> None:
+        frame = {"w": np.sqrt(0.5), "y": np.sqrt(0.5)}  # z of the joint along x
+        rail = slab(1, (0.1, 0.01, 0.01), (0, 0, 0), velocity=(0, 0.3, 0))
+        block = slab(2, (0.02, 0.02, 0.02), (0.03, 0, 0.05), velocity=(0.5, 0, 0.2))
+        joint = {"id": 1, "kind": 3, "first": 1, "second": 2, "first_frame": {"orientation": frame},
+                 "second_frame": {"position": xyz((0, 0, -0.05)), "orientation": frame}}
+        flight = self.flight([rail, block], gravity=0.0, joints=[joint])
+        mass = {k: flight.bodies[k]["mass"] for k in (1, 2)}
+        def momenta() -> np.ndarray:
+            linear = [mass[k] * flight.at(k, "velocity") for k in (1, 2)]
+            turns = [np.cross(flight.at(k), p) + flight.at(k, "angular_momentum") for k, p in zip((1, 2), linear)]
+            return np.concatenate([sum(linear), sum(turns)])
+        start = momenta()
+        for _ in range(200):
+            flight.window()
+        # moving anchors together takes a share (omega H)^2 of the angular momentum
+        self.assertLess(np.linalg.norm((momenta() - start)[:3]), 1e-13)
+        self.assertLess(np.linalg.norm((momenta() - start)[3:]), 1e-3 * np.linalg.norm(start[3:]))
+        q = {k: quaternion(flight.states[k]["orientation"]) for k in (1, 2)}
+        anchor = flight.at(2) + rotate(q[2], np.array([0, 0, -0.05]))
+        off = rotate(q[1] * [1, -1, -1, -1], anchor - flight.at(1))
+        self.assertLess(np.linalg.norm(off[1:]), 1e-4)
+        self.assertGreater(off[0], 0.1)  # it has slid
+
+    def test_same_requests_give_the_same_bits(self) -> None:
+        def states() -> dict[int, Message]:
+            shards = [slab(i + 2, (0.012, 0.009, 0.002), (0.02 * (i % 4), 0.02 * (i // 4), 0.02 + 0.005 * (i % 3)), parts=1 + i % 2,
+                           velocity=(0.1 * (i % 5), -0.2, -2), orientation=(1, 0.1 * i, 0.2, -0.1 * (i % 3))) for i in range(16)]
+            self.sessions = None  # in a process of its own
+            flight = self.flight([floor(1), *shards])
+            flight.run(60)
+            return flight.states
+        self.assertEqual(states(), states())
+
+
+class Refusals(MuJoCoCase):
+    def test_what_the_engine_cannot(self) -> None:
+        flat = {"convex": {"parts": [{"corners": [0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0]}]}}
+        for shape, says in ((flat, "shape.parts[0] is no hull"), ({"half_space": True}, "half space that moves")):
+            session = self.anew()
+            session.ask(PROTOCOL)
+            reply = session.ask({"load": {"bodies": [body(1, shape, 1, (1, 1, 1), (0, 0, 0))]}})
+            self.assertEqual(reply["kind"], "error")
+            self.assertIn(says, reply["error"]["message"])
+            self.assertEqual(reply["ends_with"], 2)
+
+
+    def test_more_contacts_than_there_is_room_for(self) -> None:
+        heap = [slab(i + 1, (0.05 + 1e-4 * i, 0.04, 0.03), (1e-4 * i, 0, 0), parts=30) for i in range(100)]
+        session = self.anew()
+        session.ask(PROTOCOL)
+        session.ask({"load": {"bodies": heap}})
+        keys = ("id", "position", "orientation", "velocity", "angular_momentum")
+        reply = session.ask({"window": {"ticks": 1, "window_s": 1e-3, "handbacks": [{k: b[k] for k in keys} for b in heap]}})
+        self.assertEqual((reply["kind"], reply["error"]["kind"], reply["ends_with"]), ("error", "contacts", 4), reply)
+        self.assertIn("shorten window_s", reply["error"]["message"])
+
+    def test_another_mujoco_is_refused(self) -> None:
+        # one whose contacts lie elsewhere in its memory
+        program = """import { loadMuJoCo } from './rigid/jolt/packages.mjs';
+            import { Model } from './rigid/mujoco/mujoco_model.mjs';
+            const mujoco = await loadMuJoCo();
+            mujoco.mj_addContact = () => 0;
+            try { new Model(mujoco, [], []); } catch (error) { console.log(error.kind, error.status); }"""
+        done = subprocess.run(["node", "--input-type=module", "-e", program], cwd=REPOSITORY, capture_output=True, text=True,
+                              check=True)
+        self.assertEqual(done.stdout, "bad_engine 2\n")
+
+
+class Peers(MuJoCoCase):
+    def test_goodbye_ends_with_0(self) -> None:
+        session = Session(self, "mujoco")
+        hello = session.ask(PROTOCOL)["hello"]
+        self.assertEqual((hello["engine_name"], hello["protocol"], hello["scene_hash"]), ("mujoco", 2, "aGFzaA=="))
+        self.assertIn("double_precision", hello["capabilities"])
+        reply = session.ask({"load": {"bodies": [ball(1, 0.1, 2.0, (0, 0, 0))]}})
+        self.assertEqual(reply["load"]["states"][0]["id"], 1)
+        self.assertEqual(session.ask({"bye": {}})["kind"], "bye")
+        self.assertEqual(session.ended(), (0, ""))
+
+
+if __name__ == "__main__":
+    unittest.main()
