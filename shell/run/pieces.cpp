@@ -285,7 +285,8 @@ std::vector<RigidBody> Pieces::hand_off_pieces(bool all, double dt) {
   if (!leaving.empty()) now = pieces_now(all, boxes_of(now, groups, leaving)), groups = groups_of(now), find_leaving();
   give_ids(now);
   counts_.fragments = counts_.handed_off;
-  for (const auto& [root, g] : groups) counts_.fragments += !now[g.members[0].first].pieces[g.members[0].second].gone;
+  for (const auto& [root, g] : groups)  // a sliver is no piece of its own
+    counts_.fragments += !g.sliver && !now[g.members[0].first].pieces[g.members[0].second].gone;
   if (!leaving.empty()) {
     const double before = simulation_.total_energy(dt);
     Totals totals_now = shell_totals();

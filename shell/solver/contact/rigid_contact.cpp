@@ -260,18 +260,17 @@ void find_overlaps(const ShellModel& m, const ShellState& s, const Proxy& body, 
     look(all.size() * part / parts, all.size() * (part + 1) / parts, c.overlaps[part]);
 }
 
-// Relative velocity that contact leaves a sample. `before` [m/s] is that without contact.
+// Relative velocity that contact leaves a sample that came at `arrived` [m/s] along the normal, before the kick.
 //
 // A bouncing sample leaves the overlap by itself. A recovery speed on top would add energy, most to slow ones. A kick
 // may turn a sample that leaves. To stop it in the same substep would do work on its way out: as much as it had left
-// with. So it may come back as fast as it left, and the next substep stops it. With j the impulse and v the velocity
-// before the kick, contact does the work j (v + after) / 2.
-Vec3 wanted_velocity(const Proxy& body, const ContactCoefficients& law, const Proxy::Distance& gap, const Vec3& before,
-                     const Vec3& back, double dt) {
-  const double left = gap.normal.dot(before - 2.0 * back);
-  if (left > 0.0) return -left * gap.normal;
+// with. So it may come back as fast as it left, and the next substep stops it. With j the impulse, contact does the
+// work j (arrived + after) / 2.
+Vec3 wanted_velocity(const Proxy& body, const ContactCoefficients& law, const Proxy::Distance& gap, double arrived,
+                     double dt) {
   const double recovered = std::min(body.recovery * -gap.value / dt, kFastestRecovery);
-  return std::max(recovered, -law.restitution * gap.normal.dot(before)) * gap.normal;
+  if (arrived > 0.0) return (recovered - arrived) * gap.normal;
+  return std::max(recovered, -law.restitution * arrived) * gap.normal;
 }
 
 // Lists the overlaps with body b that impulses can change. Returns the number of overlaps.
@@ -289,8 +288,8 @@ int list_pressed(const ShellModel& m, const ShellState& s, const Proxy& body, co
       for (const auto& f : functions) p.inverse.diagonal().array() += f.n[0] * f.n[0] * s.motion.inverse_mass[f.slot];
       if (p.inverse.trace() <= 0.0) continue;
       p.back = half_kick(s, functions, dt);
-      p.wanted =
-          wanted_velocity(body, law, k.gap, velocity(s, functions) - body.velocity_at(k.x, k.middle), p.back, dt);
+      const Vec3 before = velocity(s, functions) - body.velocity_at(k.x, k.middle);
+      p.wanted = wanted_velocity(body, law, k.gap, k.gap.normal.dot(before - 2.0 * p.back), dt);
       c.pressed.push_back(p);
       c.functions.insert(c.functions.end(), functions.begin(), functions.end());
     }
