@@ -130,6 +130,7 @@ SeamRows seam_rows(const Seam& seam, const std::vector<const ShellModel*>& shell
 
 // The matrix G M^-1 G^T of the rows for each axis, factorised, with the inverse masses of which it is made.
 struct SeamTies::Solver {
+  int released = 0;                                      // supports that have let go
   std::vector<std::pair<int, int>> points;               // shell, slot
   std::vector<double> inverse;                           // of the mass of each point
   std::vector<int> rows;                                 // that hold
@@ -169,13 +170,7 @@ SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std:
     : SeamTies({std::move(rows), std::move(creases), {}, {}}, {}, shells) {}
 
 SeamTies::SeamTies(SeamRows rows, const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells) {
-  for (const ShellModel* m : shells) {
-    auto& fixed = fixed_.emplace_back();
-    for (int d = 0; d < 3; ++d) {
-      fixed[d].assign(m->tables.plane, 0);
-      for (const int slot : m->constraints.held[d]) fixed[d][slot] = m->held[slot] == 0;
-    }
-  }
+  for (const ShellModel* m : shells) slots_.push_back(static_cast<int>(m->tables.plane));
   for (auto& terms : rows.ties) rows_.push_back(row_of(std::move(terms), shells));
   for (auto& terms : rows.creases) creases_.push_back(row_of(std::move(terms), shells));
   for (std::size_t k = 0; k < rows.of_ties.size(); ++k) rows_[k].origin = std::move(rows.of_ties[k]);
@@ -252,8 +247,7 @@ void SeamTies::check() const {
   for (const auto* kind : {&rows_, &creases_})
     for (const Row& row : *kind)
       for (const WeightedSlot& t : row.terms)
-        if (t.shell < 0 || t.shell >= static_cast<int>(fixed_.size()) || t.slot < 0 ||
-            t.slot >= static_cast<int>(fixed_[t.shell][0].size()))
+        if (t.shell < 0 || t.shell >= static_cast<int>(slots_.size()) || t.slot < 0 || t.slot >= slots_[t.shell])
           throw Error(Exit::kBadInput, "bad_checkpoint", "a tie names a control point that is none");
 }
 
@@ -261,13 +255,16 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
   const auto inverse_mass = [&](const std::pair<int, int>& at) {
     return shells[at.first].state->motion.inverse_mass[at.second];
   };
+  int released = 0;
+  for (const ShellRef& r : shells) released += r.state->motion.released;
   if (solver_) {
-    bool same = true;
+    bool same = solver_->released == released;
     for (std::size_t k = 0; k < solver_->points.size() && same; ++k)
       same = solver_->inverse[k] == inverse_mass(solver_->points[k]);
     if (same) return *solver_;
   }
   auto s = std::make_shared<Solver>();
+  s->released = released;
   std::map<std::pair<int, int>, int> number;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     if (!rows_[r].holds) continue;
@@ -293,7 +290,10 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
     s->mobility[d].resize(static_cast<Eigen::Index>(s->points.size()));
     for (std::size_t k = 0; k < s->points.size(); ++k) {
       const auto& [shell, slot] = s->points[k];
-      s->mobility[d][static_cast<Eigen::Index>(k)] = fixed_[shell][d][slot] ? 0.0 : s->inverse[k];
+      const ShellModel& m = *shells[shell].model;
+      const std::vector<int>& held = m.constraints.held[d];
+      const bool fixed = m.held[slot] == 0 && std::binary_search(held.begin(), held.end(), slot);  // along this axis
+      s->mobility[d][static_cast<Eigen::Index>(k)] = fixed ? 0.0 : s->inverse[k];
     }
     for (int e = 0; e < d && !s->factors[d]; ++e)
       if (s->mobility[e] == s->mobility[d]) s->factors[d] = s->factors[e];
@@ -392,6 +392,7 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
     x.row(k) = shells[shell].state->position(slot), v.row(k) = shells[shell].state->velocity(slot);
   }
   const Eigen::MatrixXd now = s.bends * x, along = now.rowwise().normalized();
+  Eigen::MatrixXd given = Eigen::MatrixXd::Zero(bends, 3);  // impulses on creases [N s]
   bool moved = false;
   for (int step = 0; step < kBendSteps; ++step) {
     const Eigen::MatrixXd next = now + dt * (s.bends * v);
@@ -406,14 +407,23 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
     Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(bends, bends);
     for (int d = 0; d < 3; ++d) gain += dt * (line.col(d).asDiagonal() * s.coupling[d] * along.col(d).asDiagonal());
     const Eigen::VectorXd impulse = gain.partialPivLu().solve(-off);
-    for (int d = 0; d < 3; ++d) v.col(d) += s.response[d] * along.col(d).cwiseProduct(impulse);
+    for (int d = 0; d < 3; ++d) {
+      const Eigen::VectorXd j = along.col(d).cwiseProduct(impulse);
+      v.col(d) += s.response[d] * j, given.col(d) += j;
+    }
     moved = true;
   }
   if (!moved) return;
+  Eigen::MatrixXd impulses = s.bends.transpose() * given;  // with those of ties, on control points
+  for (int d = 0; d < 3 && !s.rows.empty(); ++d) {
+    const Eigen::VectorXd free = s.mobility[d].cwiseProduct(impulses.col(d));
+    impulses.col(d) -= s.weights.transpose() * s.factors[d]->solve(Eigen::VectorXd(s.weights * free));
+  }
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& [shell, slot] = s.points[k];
     ShellState& state = *shells[shell].state;
     state.add_velocity(slot, Vec3(v.row(k)) - state.velocity(slot));
+    state.pass_to_supports(slot, impulses.row(k));
   }
 }
 
