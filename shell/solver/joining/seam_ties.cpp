@@ -375,7 +375,7 @@ double SeamTies::align(const std::vector<ShellRef>& shells, double dt, bool pass
       const double before = of(state.motion.v, slot);
       lost += 0.5 * impulse[k] * (-before - v[k]);
       of(state.motion.v, slot) = v[k];
-      if (pass) state.pass_to_supports(slot, impulse[k] * Vec3::Unit(d));
+      if (pass && s.mobility[d][k] == 0.0) state.pass_to_supports(slot, d, impulse[k]);
     }
   }
   return lost;
@@ -423,7 +423,8 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
     const auto& [shell, slot] = s.points[k];
     ShellState& state = *shells[shell].state;
     state.add_velocity(slot, Vec3(v.row(k)) - state.velocity(slot));
-    state.pass_to_supports(slot, impulses.row(k));
+    for (int d = 0; d < 3; ++d)
+      if (s.mobility[d][k] == 0.0) state.pass_to_supports(slot, d, impulses(k, d));
   }
 }
 
