@@ -40,12 +40,11 @@ void check_named(const scene::LoadedScene& scene, const std::string& field, cons
                   ? "export an OBJ file with groups or materials, or leave the part out"
               : by_group ? "name a usemtl, or export groups"
                          : "name a group, or export materials");
-  const bool near = !nearest_names(name, names).empty();
+  const std::string has = nearest_names(name, names).empty() ? "it has" : did_you_mean(name, names) + " It has";
   const std::size_t more = names.size() > kMostListed ? names.size() - kMostListed : 0;
   names.resize(names.size() - more);
-  scene.fail(own, fmt::format("is '{}', which is no {} of '{}'; {}: {}{}", name, kind, m.path(),
-                              near ? did_you_mean(name, names) + " It has" : "it has", fmt::join(names, ", "),
-                              more > 0 ? fmt::format(" and {} more", more) : ""));
+  scene.fail(own, fmt::format("is '{}', which is no {} of '{}'; {}: {}{}", name, kind, m.path(), has,
+                              fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : ""));
 }
 
 // The part of each face of a file: the number in the scene's list, from 1; 0: none.

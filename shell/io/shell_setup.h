@@ -28,6 +28,7 @@ struct ShellSetup {
   std::vector<double> hertz{};  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   bool seam_may_part = false;   // a seam with a shell that can crack
   bool in_seam = false;         // a seam joins it to another shell
+  std::string material{};       // its name in the scene
 
   bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
   /// Whether its own stable step is that without supports. A shell that supports hold wholly has no other, and its

@@ -6,6 +6,7 @@
 
 #include <Eigen/Geometry>
 
+#include "shell/geometry/plane_curves.h"
 #include "shell/meshes/surface_fit.h"
 
 namespace sunder::shell {

@@ -417,7 +417,8 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
   Eigen::MatrixXd impulses = s.bends.transpose() * given;  // with those of ties, on control points
   for (int d = 0; d < 3 && !s.rows.empty(); ++d) {
     const Eigen::VectorXd free = s.mobility[d].cwiseProduct(impulses.col(d));
-    impulses.col(d) -= s.weights.transpose() * s.factors[d]->solve(Eigen::VectorXd(s.weights * free));
+    const Eigen::VectorXd of_ties = s.weights.transpose() * s.factors[d]->solve(Eigen::VectorXd(s.weights * free));
+    impulses.col(d) -= of_ties;
   }
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& [shell, slot] = s.points[k];
