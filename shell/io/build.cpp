@@ -280,7 +280,6 @@ RunSetup build(const scene::LoadedScene& scene) {
   const bool several = r.shells.size() > static_cast<std::size_t>(m.shells_size());
   if (m.has_seams() || several) r.stitches = make_stitches(scene, parts, files, r);
   if (several) check_joined(scene, parts, files, r);
-  for (const Seam& seam : r.stitches.seams) r.shells[seam.first].in_seam = r.shells[seam.second].in_seam = true;
   for (const Seam& seam : r.stitches.seams)
     if (seam.join == Join::kClamped)
       r.shells[seam.first].model.joined |= seam.first_edge, r.shells[seam.second].model.joined |= seam.second_edge;

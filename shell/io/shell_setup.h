@@ -27,13 +27,8 @@ struct ShellSetup {
   double fibre_spacing = 0.0;   // of the fibres' grid, as the scene asks for it [m]
   std::vector<double> hertz{};  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   bool seam_may_part = false;   // a seam with a shell that can crack
-  bool in_seam = false;         // a seam joins it to another shell
-  std::string material{};       // its name in the scene
 
   bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
-  /// Whether its own stable step is that without supports. A shell that supports hold wholly has no other, and its
-  /// neighbours may move.
-  bool steps_as_if_free() const { return can_crack() || !model.releases.empty() || (in_seam && model.wholly_held()); }
 };
 
 class CadFiles;

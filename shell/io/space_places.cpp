@@ -212,6 +212,16 @@ void check_boxes(const scene::LoadedScene& scene, const std::vector<ScenePart>& 
   }
 }
 
+bool steps_as_if_free(const RunSetup& setup, std::size_t shell) {
+  const ShellSetup& own = setup.shells[shell];
+  const auto& seams = setup.stitches.seams;
+  const auto is_of = [&](const Seam& s) {
+    return static_cast<std::size_t>(s.first) == shell || static_cast<std::size_t>(s.second) == shell;
+  };
+  return own.can_crack() || !own.model.releases.empty() ||
+         (own.model.wholly_held() && std::any_of(seams.begin(), seams.end(), is_of));
+}
+
 void add_space_cuts(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, RunSetup& r) {
   for (int i = 0; i < scene.message.shells_size(); ++i) {
     const proto::Shell& shell = scene.message.shells(i);

@@ -187,7 +187,8 @@ void Simulation::start_shells(const std::function<void()>& look) {
     if (setup.fracture.tips_run())  // a load must first overcome the prestress of the face
       for (double& strength : s.layers.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
-    double stable = stable_step(m, s, kStepIterations, model.threads, setup.steps_as_if_free());
+    double stable =
+        stable_step(m, s, kStepIterations, model.threads, steps_as_if_free(setup_, part.setup - setup_.shells.data()));
     if (state.fibres && m.has_fibres()) stable = stable_step_with_fibres(stable, setup_.models());
     part.initial_step = part.smallest_step = stable;
     require(std::isfinite(stable),

@@ -128,6 +128,20 @@ SeamRows seam_rows(const Seam& seam, const std::vector<const ShellModel*>& shell
   return out;
 }
 
+namespace {
+
+// [axis][slot]: 1 where a support holds the slot along this axis, but not along all of them.
+std::array<std::vector<char>, 3> fixed_along_axes(const ShellModel& m) {
+  std::array<std::vector<char>, 3> fixed;
+  for (int d = 0; d < 3; ++d) {
+    fixed[d].assign(m.tables.plane, 0);
+    for (const int slot : m.constraints.held[d]) fixed[d][slot] = m.held[slot] == 0;
+  }
+  return fixed;
+}
+
+}  // namespace
+
 // The matrix G M^-1 G^T of the rows for each axis, factorised, with the inverse masses of which it is made.
 struct SeamTies::Solver {
   int released = 0;                                      // supports that have let go
@@ -170,7 +184,7 @@ SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std:
     : SeamTies({std::move(rows), std::move(creases), {}, {}}, {}, shells) {}
 
 SeamTies::SeamTies(SeamRows rows, const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells) {
-  for (const ShellModel* m : shells) slots_.push_back(static_cast<int>(m->tables.plane));
+  for (const ShellModel* m : shells) fixed_.push_back(fixed_along_axes(*m));
   for (auto& terms : rows.ties) rows_.push_back(row_of(std::move(terms), shells));
   for (auto& terms : rows.creases) creases_.push_back(row_of(std::move(terms), shells));
   for (std::size_t k = 0; k < rows.of_ties.size(); ++k) rows_[k].origin = std::move(rows.of_ties[k]);
@@ -247,7 +261,8 @@ void SeamTies::check() const {
   for (const auto* kind : {&rows_, &creases_})
     for (const Row& row : *kind)
       for (const WeightedSlot& t : row.terms)
-        if (t.shell < 0 || t.shell >= static_cast<int>(slots_.size()) || t.slot < 0 || t.slot >= slots_[t.shell])
+        if (t.shell < 0 || t.shell >= static_cast<int>(fixed_.size()) || t.slot < 0 ||
+            t.slot >= static_cast<int>(fixed_[t.shell][0].size()))
           throw Error(Exit::kBadInput, "bad_checkpoint", "a tie names a control point that is none");
 }
 
@@ -265,6 +280,7 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
   }
   auto s = std::make_shared<Solver>();
   s->released = released;
+  for (std::size_t k = 0; k < shells.size() && released > 0; ++k) fixed_[k] = fixed_along_axes(*shells[k].model);
   std::map<std::pair<int, int>, int> number;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     if (!rows_[r].holds) continue;
@@ -290,10 +306,7 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
     s->mobility[d].resize(static_cast<Eigen::Index>(s->points.size()));
     for (std::size_t k = 0; k < s->points.size(); ++k) {
       const auto& [shell, slot] = s->points[k];
-      const ShellModel& m = *shells[shell].model;
-      const std::vector<int>& held = m.constraints.held[d];
-      const bool fixed = m.held[slot] == 0 && std::binary_search(held.begin(), held.end(), slot);  // along this axis
-      s->mobility[d][static_cast<Eigen::Index>(k)] = fixed ? 0.0 : s->inverse[k];
+      s->mobility[d][static_cast<Eigen::Index>(k)] = fixed_[shell][d][slot] ? 0.0 : s->inverse[k];
     }
     for (int e = 0; e < d && !s->factors[d]; ++e)
       if (s->mobility[e] == s->mobility[d]) s->factors[d] = s->factors[e];

@@ -131,10 +131,10 @@ class SeamTies {
   void check() const;  // throws Error (bad_checkpoint) where rows name control points that are none
 
   std::vector<Row> rows_, creases_;
-  std::vector<TiePlaces> places_;         // [seam]
-  bool cracked_ = false;                  // cracks have changed rows
-  std::vector<int> slots_;                // of each shell
-  std::shared_ptr<const Solver> solver_;  // for the masses and supports of now; made anew where they change
+  std::vector<TiePlaces> places_;                        // [seam]
+  bool cracked_ = false;                                 // cracks have changed rows
+  std::vector<std::array<std::vector<char>, 3>> fixed_;  // [shell][axis][slot]: a support holds it along this axis only
+  std::shared_ptr<const Solver> solver_;                 // for the masses of now; made anew where they change
 };
 
 }  // namespace sunder::shell
