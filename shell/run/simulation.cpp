@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "coupler/core/error.h"
+#include "shell/io/space_places.h"
 #include "shell/run/substep.h"
 #include "shell/solver/compression.h"
 #include "shell/solver/contact/hertz.h"
