@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include <Eigen/Geometry>
 
@@ -173,6 +174,15 @@ void spread(std::vector<Vec2>& points, double least) {
   points = std::move(out);
 }
 
+// Where two stretches of a cut meet on one shell.
+std::optional<Vec2> where_they_meet(const LineRun& one, const LineRun& other) {
+  for (std::size_t i = 1; i < one.points.size() && one.shell == other.shell; ++i)
+    for (std::size_t k = 1; k < other.points.size(); ++k)
+      if (const auto at = segments_touch(one.points[i - 1], one.points[i], other.points[k - 1], other.points[k], 0.0))
+        return at;
+  return {};
+}
+
 }  // namespace
 
 void check_boxes(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const RunSetup& r) {
@@ -254,6 +264,12 @@ void add_space_cuts(const scene::LoadedScene& scene, const std::vector<ScenePart
         if (const auto hit = meets_itself(run.points, kNearPlaces * kNearPlaces * m.spacing))
           scene.fail(field, fmt::format("meets itself at {}; a cut neither crosses nor touches itself: give two cuts",
                                         said(m.patch.evaluate(hit->at).x)));
+        for (const LineRun& other : runs) {
+          if (&other == &run) break;
+          if (const auto hit = where_they_meet(other, run); hit && !(closed && &run == &runs.back()))
+            scene.fail(field, fmt::format("meets itself at {}; a cut neither crosses nor touches itself: give two cuts",
+                                          said(m.patch.evaluate(*hit).x)));
+        }
         std::vector<PrescribedCut> made =
             cut_along(m, run.points, from + run.begin * (until - from), from + run.end * (until - from));
         for (PrescribedCut& cut : made) cut.number = c;

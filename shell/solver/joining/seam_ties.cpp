@@ -369,6 +369,7 @@ double SeamTies::align(const std::vector<ShellRef>& shells, double dt, bool pass
     for (Eigen::Index k = 0; k < count; ++k) {
       Motion& motion = shells[s.points[k].first].state->motion;
       v[k] = of(motion.v, s.points[k].second), x[k] = of(motion.x, s.points[k].second);
+      if (s.mobility[d][k] == 0.0 && s.inverse[k] > 0.0) v[k] = 0.0;  // the kick goes into a support of this axis
     }
     for (Eigen::Index r = 0; r < rest.size(); ++r) rest[r] = rows_[s.rows[r]].rest[d];
     const Eigen::VectorXd parted =
@@ -385,9 +386,13 @@ double SeamTies::align(const std::vector<ShellRef>& shells, double dt, bool pass
     for (Eigen::Index k = 0; k < count; ++k) {
       const auto& [shell, slot] = s.points[k];
       ShellState& state = *shells[shell].state;
-      const double before = of(state.motion.v, slot);
-      lost += 0.5 * impulse[k] * (-before - v[k]);
-      of(state.motion.v, slot) = v[k];
+      if (s.mobility[d][k] > 0.0) {
+        const double before = of(state.motion.v, slot);
+        lost += 0.5 * impulse[k] * (-before - v[k]);
+        of(state.motion.v, slot) = v[k];
+      } else {
+        lost -= impulse[k] * v[k];
+      }
       if (pass && s.mobility[d][k] == 0.0) state.pass_to_supports(slot, d, impulse[k]);
     }
   }
@@ -403,6 +408,8 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& [shell, slot] = s.points[k];
     x.row(k) = shells[shell].state->position(slot), v.row(k) = shells[shell].state->velocity(slot);
+    for (int d = 0; d < 3; ++d)
+      if (s.mobility[d][k] == 0.0 && s.inverse[k] > 0.0) v(k, d) = 0.0;
   }
   const Eigen::MatrixXd now = s.bends * x, along = now.rowwise().normalized();
   Eigen::MatrixXd given = Eigen::MatrixXd::Zero(bends, 3);  // impulses on creases [N s]
@@ -436,9 +443,13 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& [shell, slot] = s.points[k];
     ShellState& state = *shells[shell].state;
-    state.add_velocity(slot, Vec3(v.row(k)) - state.velocity(slot));
-    for (int d = 0; d < 3; ++d)
-      if (s.mobility[d][k] == 0.0) state.pass_to_supports(slot, d, impulses(k, d));
+    const Vec3 before = state.velocity(slot);
+    for (int d = 0; d < 3; ++d) {
+      if (s.mobility[d][k] > 0.0)
+        state.add_velocity(slot, (v(k, d) - before[d]) * Vec3::Unit(d));
+      else
+        state.pass_to_supports(slot, d, impulses(k, d));
+    }
   }
 }
 

@@ -79,9 +79,10 @@ TEST_F(SpacePlaces, ABoxHoldsWhatLiesInItOfAllCharts) {
       "0.45 } } kind: SIMPLY_SUPPORTED axes: Z }");
   int parts = 0;
   for (const ShellSetup& s : two.shells)
-    for (const Constraints::Part& part : s.model.constraints.parts)
-      ++parts,
-          EXPECT_TRUE(std::any_of(part.slots.begin(), part.slots.end(), [](const auto& own) { return !own.empty(); }));
+    for (const Constraints::Part& part : s.model.constraints.parts) {
+      ++parts;
+      EXPECT_TRUE(std::any_of(part.slots.begin(), part.slots.end(), [](const auto& own) { return !own.empty(); }));
+    }
   EXPECT_GE(parts, 3);
 }
 
@@ -115,7 +116,7 @@ TEST_F(SpacePlaces, ImpulsesOfBoxesCloseTheBalanceOfMomentum) {
     Rig rig(std::move(setup));
     measure_supports(rig);
     const double dt = step_of(rig);
-    constexpr int kSteps = 800;
+    constexpr int kSteps = 1200;
     const Sums before = sums_of(rig);
     const Proxy thrown = rig.body();
     rig.run(kSteps, dt);
@@ -150,7 +151,7 @@ TEST_F(SpacePlaces, ABoxMayHoldAWholeShellOfSeveral) {
   const double dt = step_of(rig);
   const Sums before = sums_of(rig);
   const Proxy thrown = rig.body();
-  rig.run(600, dt);
+  rig.run(1500, dt);
   const Sums after = sums_of(rig);
   ASSERT_GT(rig.body().impulse_sum, 0.1);
   const Vec3 to_ball = rig.body().body.mass * (rig.body().body.motion.velocity - thrown.body.motion.velocity);
@@ -175,7 +176,8 @@ TEST_F(SpacePlaces, ABoxLetsGoOverATie) {
   const double stored = energy();
   const Sums before = sums_of(rig);
   ASSERT_TRUE(rig.simulation().release_supports(1e-3, 0.0, dt));
-  EXPECT_NEAR(energy(), stored, 1e-12 * std::abs(stored));
+  // the forces of ties change at once, and half a kick with them, of which this is the energy
+  EXPECT_NEAR(energy(), stored, 1e-6 * std::abs(stored));
   EXPECT_LT((sums_of(rig).momentum - before.momentum).norm(), 1e-12 * before.scale);
   rig.run(400, dt);
   const Sums after = sums_of(rig);
