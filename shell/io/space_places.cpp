@@ -249,7 +249,8 @@ void add_space_cuts(const scene::LoadedScene& scene, const std::vector<ScenePart
       const auto& given = cuts[c].line().points();
       std::vector<LineRun> runs = LineOnSurface(scene, field, cuts[c].line(), search, spacing).runs();
       const double from = cuts[c].time_s(), until = cuts[c].has_until_s() ? cuts[c].until_s() : from;
-      const bool closed = scene::to_vec(given[0]) == scene::to_vec(given[given.size() - 1]) && until == from;
+      const bool returns = scene::to_vec(given[0]) == scene::to_vec(given[given.size() - 1]);
+      const bool closed = returns && until == from;
       if (closed && runs.size() > 1 && runs.front().shell == runs.back().shell) {
         runs.back().points.insert(runs.back().points.end(), runs.front().points.begin() + 1, runs.front().points.end());
         runs.erase(runs.begin());
@@ -266,7 +267,7 @@ void add_space_cuts(const scene::LoadedScene& scene, const std::vector<ScenePart
                                         said(m.patch.evaluate(hit->at).x)));
         for (const LineRun& other : runs) {
           if (&other == &run) break;
-          if (const auto hit = where_they_meet(other, run); hit && !(closed && &run == &runs.back()))
+          if (const auto hit = where_they_meet(other, run); hit && !(returns && &run == &runs.back()))
             scene.fail(field, fmt::format("meets itself at {}; a cut neither crosses nor touches itself: give two cuts",
                                           said(m.patch.evaluate(*hit).x)));
         }
