@@ -14,6 +14,13 @@ inline void positive(const LoadedScene& s, const std::string& field, bool has, d
   s.check(std::isfinite(value) && value > 0.0, field, "is {}; must be positive and finite [{}]", value, unit);
 }
 
+/// A factor of the strength: it must be given, and be within its limits.
+inline void strength_factor(const LoadedScene& s, const std::string& f, bool has, double factor) {
+  positive(s, f, has, factor, "-");
+  s.check(factor >= kLeastFactor && factor <= kMostFactor, f, "is {}; {:.0g} to {:.0g} (a thousand is unbreakable)",
+          factor, kLeastFactor, kMostFactor);
+}
+
 /// A number that must be 0 or more where it is given.
 inline void not_negative(const LoadedScene& s, const std::string& field, bool has, double value) {
   s.check(!has || (std::isfinite(value) && value >= 0.0), field, "is {}; must be finite and not negative", value);
@@ -56,6 +63,23 @@ inline bool is_shell(const proto::Scene& m, const std::string& name) {
     return false;
   for (const proto::Shell& shell : m.shells())
     if (shell.name() == whole && (number.empty() || shell.has_cad() || shell.has_mesh())) return true;
+  return false;
+}
+
+/// A surface that is a shell, its parts and its paint. `field` is the shell's (validate_mesh.cpp).
+void validate_mesh(const LoadedScene& s, const std::string& field, const proto::Shell& shell);
+
+/// Whether any part of a shell is of a material for which `f` is true.
+template <class F>
+bool any_material_of(const proto::Scene& m, const proto::Shell& shell, F&& f) {
+  const auto is_of = [&](const std::string& name) {
+    if (name == shell.material()) return true;
+    for (const proto::MeshPart& part : shell.mesh().parts())
+      if (name == part.material()) return true;
+    return false;
+  };
+  for (const proto::Material& material : m.materials())
+    if (is_of(material.name()) && f(material)) return true;
   return false;
 }
 

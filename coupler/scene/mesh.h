@@ -42,6 +42,12 @@ SolidShapes read_shapes(const LoadedScene& scene, const std::string& field, cons
 struct Polygon {
   std::vector<int> corners;  // indices of the file's points, from 0
   int line = 0;              // of the file, or its number among the faces, from 1
+  int tag = -1;              // index of a FaceTag; -1: none
+};
+/// What an OBJ file says of faces.
+struct FaceTag {
+  std::vector<std::string> groups;  // of g, and of o
+  std::string usemtl;               // empty: none
 };
 /// Triangles of a polygon that may be concave, by ear clipping in the plane of its mean normal. Throws Error (bad_mesh)
 /// where it has too few or too many corners, names a point that is not there, or crosses itself. `word` says what
@@ -56,7 +62,10 @@ struct FileSurface {
   std::vector<Vec3> points;                   // [m]
   std::vector<std::array<int, 3>> triangles;  // indices of points
   std::vector<int> lines;                     // of the face of each triangle
-  std::string word;                           // what lines count
+  std::vector<int> tag_of;                    // of the face of each triangle: index of `tags`; -1: none
+  std::vector<FaceTag> tags;
+  std::vector<Vec3> colours;  // of points: red, green, blue, 1 is full; empty: none. A point without has no numbers
+  std::string word;           // what lines count
   int faces = 0;
 };
 /// Reads the faces of a file; `unit` is its unit of length [m], `field` the mesh. Throws Error (bad_scene).

@@ -81,6 +81,11 @@ void MeshFile::add(const Vec3& point, const std::string& where) {
                                point.y(), point.z(), kFarthest, scale));
 }
 
+void MeshFile::colour(const Vec3& rgb) {
+  colours.resize(points.size(), Vec3::Constant(std::nan("")));
+  colours.back() = rgb;
+}
+
 Solid read_mesh(const LoadedScene& scene, const std::string& field, const proto::Mesh& mesh) {
   scene.check(!mesh.has_scale() || (std::isfinite(mesh.scale()) && mesh.scale() > 0.0), field + ".scale",
               "is {}; must be positive", mesh.scale());

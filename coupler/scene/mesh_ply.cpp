@@ -103,6 +103,12 @@ class Ply {
     return static_cast<double>(std::bit_cast<T>(bytes));
   }
 
+  static constexpr std::array<const char*, 3> kColours{"red", "green", "blue"};
+  // The number of a full colour.
+  static double full(Type t) {
+    return t == Type::kUint8 || t == Type::kInt8 ? 255.0 : t == Type::kUint16 || t == Type::kInt16 ? 65535.0 : 1.0;
+  }
+
   double number(Type t) {
     double x = 0.0;
     if (is_text_) {
@@ -150,12 +156,16 @@ class Ply {
 
   void vertex(const Element& e) {
     Vec3 point = Vec3::Constant(std::nan(""));  // refused where a coordinate is missing
+    Vec3 rgb = point;
     for (const Property& p : e.properties) {
       values(p);
       for (int d = 0; d < 3; ++d)
         if (p.name == std::string(1, "xyz"[d]) && !values_.empty()) point[d] = values_[0];
+      for (int d = 0; d < 3; ++d)
+        if (p.name == kColours[d] && !values_.empty()) rgb[d] = values_[0] / full(p.value);
     }
     mesh_.add(point, place_);
+    if (rgb.allFinite()) mesh_.colour(rgb);
   }
 
   void other(const Element& e, bool is_face, int ordinal) {

@@ -21,6 +21,11 @@ struct MeshFile {
   std::vector<Vec3> points;  // scaled [m]
   std::vector<Polygon> polygons;
   std::string place = "line";  // of polygons: what their numbers count
+  std::vector<FaceTag> tags{};
+  std::vector<Vec3> colours{};  // as in FileSurface; of the points up to the last one that has a colour
+
+  /// Gives the last point a colour.
+  void colour(const Vec3& rgb);
 
   /// Adds a point in the file's lengths. `where` says its place, as "line 5". Throws Error where it is not finite, or
   /// far away, or one too many.

@@ -1,6 +1,7 @@
 // Reads OFF and OBJ files, line by line.
 #include <cstdlib>
 #include <fstream>
+#include <map>
 #include <sstream>
 
 #include "coupler/scene/mesh_reader.h"
@@ -37,6 +38,12 @@ class Lines {
     Vec3 p;
     if (!(words >> p.x() >> p.y() >> p.z())) fail("is no point of three numbers");
     mesh_.add(p, where());
+  }
+  /// A colour that follows a point.
+  void colour(std::istringstream& words) {
+    std::vector<double> rest;
+    for (double x; words >> x;) rest.push_back(x);
+    if (rest.size() == 3) mesh_.colour(Vec3(rest[0], rest[1], rest[2]));
   }
   /// `what` follows the text of the line.
   [[noreturn]] void fail(const std::string& what) const { mesh_.fail_at(where(), fmt::format("'{}' {}", line_, what)); }
@@ -107,15 +114,55 @@ void read_off(MeshFile& mesh) {
   }
 }
 
+namespace {
+
+// Groups, object and material of the faces that follow.
+class Tags {
+ public:
+  explicit Tags(MeshFile& mesh) : mesh_(mesh) {}
+
+  /// Takes in a line that says one of them.
+  void read(const std::string& kind, std::istringstream& words) {
+    if (kind != "g" && kind != "o" && kind != "usemtl") return;
+    std::vector<std::string> names;
+    for (std::string word; words >> word;) names.push_back(word);
+    if (kind == "g")
+      groups_ = names;
+    else
+      (kind == "o" ? object_ : usemtl_) = fmt::format("{}", fmt::join(names, " "));
+    now_ = -2;
+  }
+  /// Index of what holds now; -1: nothing has been said.
+  int now() {
+    if (now_ != -2) return now_;
+    FaceTag tag{groups_, usemtl_};
+    if (!object_.empty()) tag.groups.push_back(object_);
+    const auto [known, is_new] = number_.try_emplace({tag.groups, tag.usemtl}, static_cast<int>(mesh_.tags.size()));
+    if (is_new) mesh_.tags.push_back(tag);
+    return now_ = known->second;
+  }
+
+ private:
+  MeshFile& mesh_;
+  std::vector<std::string> groups_;
+  std::string object_, usemtl_;
+  std::map<std::pair<std::vector<std::string>, std::string>, int> number_;
+  int now_ = -1;  // -2: not looked up
+};
+
+}  // namespace
+
 void read_obj(MeshFile& mesh) {
   Lines in(mesh, true);
+  Tags tags(mesh);
   while (in.next()) {
     std::istringstream words(in.text());
     std::string kind;
     words >> kind;
-    if (kind == "v") in.point(words);
+    if (kind == "v") in.point(words), in.colour(words);
+    tags.read(kind, words);
     if (kind != "f" || !mesh.with_faces) continue;
-    Polygon polygon{{}, in.number()};
+    Polygon polygon{{}, in.number(), tags.now()};
     for (std::string word; words >> word;) {  // corner, or corner/texture/normal; negative: counted from the last point
       const long corner = std::strtol(word.c_str(), nullptr, 10), points = static_cast<long>(mesh.points.size());
       if (corner == 0 || corner < -points || corner > points)

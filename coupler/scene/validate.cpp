@@ -106,20 +106,6 @@ void cad_face(const Scene& s, const std::string& f, const proto::CadFace& c) {
   pose(s, f + ".pose", c.pose());
 }
 
-void surface_mesh(const Scene& s, const std::string& f, const proto::SurfaceMesh& m) {
-  s.check(!m.path().empty(), f + ".path", "is missing; name an .obj, .off, .ply or .stl file beside the scene");
-  if (m.has_unit_m()) positive(s, f + ".unit_m", true, m.unit_m(), "m");
-  positive(s, f + ".element_m", m.has_element_m(), m.element_m(), "m");
-  s.check(!m.has_crease_deg() || (m.crease_deg() >= 5.0 && m.crease_deg() <= 180.0), f + ".crease_deg",
-          "is {}; 5 to 180, where 180 means that there are no creases", m.crease_deg());
-  not_negative(s, f + ".weld_m", true, m.weld_m());
-  s.check(m.weld_m() < m.element_m(), f + ".weld_m", "is {} m, and element_m is {} m; weld less than an element",
-          m.weld_m(), m.element_m());
-  s.check(m.up() == proto::SurfaceMesh::Z || m.up() == proto::SurfaceMesh::Y, f + ".up", "is {}; Z or Y",
-          static_cast<int>(m.up()));
-  pose(s, f + ".pose", m.pose());
-}
-
 void known_edge(const Scene& s, const std::string& f, int edge) {
   s.check(edge >= proto::Support::ALL && edge <= proto::Support::V_MAX, f,
           "has {}; name ALL, U_MIN, U_MAX, V_MIN or V_MAX", edge);
@@ -135,10 +121,22 @@ void over_time(const Scene& s, const std::string& f, const Points& points, Value
   }
 }
 
+void space_box(const Scene& s, const std::string& f, const proto::SpaceBox& box) {
+  bool limited = false;
+  for (const auto& [axis, range] : {std::pair{".x", &box.x()}, std::pair{".y", &box.y()}, std::pair{".z", &box.z()}}) {
+    s.check(std::isfinite(range->low()), f + axis + ".low", "is {}; must be finite, or left out", range->low());
+    s.check(std::isfinite(range->high()), f + axis + ".high", "is {}; must be finite, or left out", range->high());
+    s.check(!range->has_low() || !range->has_high() || range->low() <= range->high(), f + axis,
+            "runs from {} m up to {} m, which is lower; exchange low and high", range->low(), range->high());
+    limited = limited || range->has_low() || range->has_high();
+  }
+  s.check(limited, f, "has no limit, so it would hold all of the shell; give x, y or z {{ low high }}");
+}
+
 void support(const Scene& s, const std::string& g, const proto::Support& m) {
   const auto kind = m.kind();
-  s.check(m.edges_size() + m.corners_size() + m.regions_size() > 0, g + ".edges",
-          "is empty; name ALL, U_MIN, U_MAX, V_MIN or V_MAX, or give corners or regions");
+  s.check(m.edges_size() + m.corners_size() + m.regions_size() + m.boxes_size() > 0, g + ".edges",
+          "is empty; name ALL, U_MIN, U_MAX, V_MIN or V_MAX, or give corners, regions or boxes");
   s.check(kind >= proto::Support::CLAMPED && kind <= proto::Support::SYMMETRY_Z, g + ".kind",
           "is missing; CLAMPED, SIMPLY_SUPPORTED, SYMMETRY_X, SYMMETRY_Y or SYMMETRY_Z");
   for (const int edge : m.edges()) known_edge(s, g + ".edges", edge);
@@ -148,8 +146,10 @@ void support(const Scene& s, const std::string& g, const proto::Support& m) {
   for (const int axis : m.axes())
     s.check(axis >= proto::Support::X && axis <= proto::Support::Z, g + ".axes", "has {}; name X, Y or Z", axis);
   s.check(m.axes_size() == 0 || kind == proto::Support::SIMPLY_SUPPORTED, g + ".axes", "go with SIMPLY_SUPPORTED only");
-  s.check(kind < proto::Support::SYMMETRY_X || (m.corners_size() + m.regions_size() + m.motion_size() == 0),
-          g + ".kind", "symmetry is for edges that stay in their plane: no corners, regions or motion");
+  s.check(kind < proto::Support::SYMMETRY_X ||
+              (m.corners_size() + m.regions_size() + m.boxes_size() + m.motion_size() == 0),
+          g + ".kind", "symmetry is for edges that stay in their plane: no corners, regions, boxes or motion");
+  for (int k = 0; k < m.boxes_size(); ++k) space_box(s, fmt::format("{}.boxes[{}]", g, k), m.boxes(k));
   for (const auto& box : m.regions())
     s.check(box.low().u() <= box.high().u() && box.low().v() <= box.high().v(), g + ".regions",
             "has a box whose low corner is above its high one");
@@ -277,7 +277,7 @@ void shell(const Scene& s, const std::string& f, const proto::Shell& shell, cons
     sector(s, f + ".cone", c);
   }
   if (shell.has_cad()) cad_face(s, f + ".cad", shell.cad());
-  if (shell.has_mesh()) surface_mesh(s, f + ".mesh", shell.mesh());
+  if (shell.has_mesh()) validate_mesh(s, f, shell);
   if (shell.has_nurbs()) refinement(s, f + ".nurbs", shell.nurbs());
   for (int i = 0; i < shell.supports_size(); ++i) support(s, fmt::format("{}.supports[{}]", f, i), shell.supports(i));
   for (int i = 0; i < shell.loads_size(); ++i) load(s, fmt::format("{}.loads[{}]", f, i), shell.loads(i));

@@ -28,11 +28,21 @@ void curve(const LoadedScene& s, const std::string& f, const proto::CutCurve& c,
           "is the first point again, but a closed curve goes back to that by itself; leave the last one out");
 }
 
+void space_line(const LoadedScene& s, const std::string& f, const proto::CutLine& m) {
+  s.check(m.points_size() >= 2, f + ".points", "has {} of them; a line has two or more", m.points_size());
+  for (int k = 0; k < m.points_size(); ++k) {
+    const std::string own = fmt::format("{}.points[{}]", f, k);
+    finite(s, own, m.points(k));
+    s.check(k == 0 || to_vec(m.points(k)) != to_vec(m.points(k - 1)), own,
+            "is where the point before it is; leave one of them out");
+  }
+}
+
 void cut(const LoadedScene& s, const std::string& g, const proto::Cut& m) {
   const bool curved = m.shape_case() != proto::Cut::SHAPE_NOT_SET;
   s.check(!curved || m.points_size() == 0, g + ".points", "are given, and so is a curve; give one of them");
   s.check(curved || m.points_size() >= 2, g + ".points",
-          "has {} points; a cut has at least two, or is a circle, curve or spiral", m.points_size());
+          "has {} points; a cut has at least two, or is a circle, curve, spiral or line", m.points_size());
   not_negative(s, g + ".time_s", true, m.time_s());
   const auto& f = s.message.fracture();
   const double last =
@@ -54,6 +64,7 @@ void cut(const LoadedScene& s, const std::string& g, const proto::Cut& m) {
   all_finite(s, g, m.points());
   if (m.has_circle()) circle(s, g + ".circle", m.circle());
   if (m.has_curve()) curve(s, g + ".curve", m.curve(), "cut's points");
+  if (m.has_line()) space_line(s, g + ".line", m.line());
   if (m.has_spiral()) {
     const auto& c = m.spiral();
     const std::string f = g + ".spiral";

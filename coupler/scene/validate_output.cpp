@@ -18,11 +18,8 @@ void fields(const LoadedScene& s, const std::string& f, const Fields& given, boo
   using proto::Output;
   const proto::Scene& m = s.message;
   const auto any_material = [&](auto&& has) {
-    return std::any_of(m.shells().begin(), m.shells().end(), [&](const proto::Shell& shell) {
-      return std::any_of(m.materials().begin(), m.materials().end(), [&](const proto::Material& material) {
-        return material.name() == shell.material() && has(material);
-      });
-    });
+    return std::any_of(m.shells().begin(), m.shells().end(),
+                       [&](const proto::Shell& shell) { return any_material_of(m, shell, has); });
   };
   std::set<int> seen;
   for (int i = 0; i < given.size(); ++i) {

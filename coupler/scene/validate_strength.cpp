@@ -9,12 +9,6 @@ namespace {
 
 using Scene = LoadedScene;
 
-void strength_factor(const Scene& s, const std::string& f, bool has, double factor) {
-  positive(s, f, has, factor, "-");
-  s.check(factor >= kLeastFactor && factor <= kMostFactor, f, "is {}; {:.0g} to {:.0g} (a thousand is unbreakable)",
-          factor, kLeastFactor, kMostFactor);
-}
-
 void strength_region(const Scene& s, const std::string& f, const proto::StrengthRegion& r) {
   strength_factor(s, f + ".factor", r.has_factor(), r.factor());
   if (r.has_disc()) {
@@ -69,9 +63,7 @@ void validate_strength(const LoadedScene& s, const std::string& f, const proto::
 void validate_strength_lines(const LoadedScene& s) {
   const proto::Scene& m = s.message;
   const auto breaks = [&](const proto::Shell& shell) {
-    return std::any_of(m.materials().begin(), m.materials().end(), [&](const proto::Material& material) {
-      return material.name() == shell.material() && material.has_strength();
-    });
+    return any_material_of(m, shell, [](const proto::Material& material) { return material.has_strength(); });
   };
   for (int i = 0; i < m.strength_lines_size(); ++i) {
     const proto::SpaceLine& line = m.strength_lines(i);

@@ -16,6 +16,7 @@
 #include "shell/io/build_shell.h"
 #include "shell/io/build_soft.h"
 #include "shell/io/part_names.h"
+#include "shell/io/space_places.h"
 #include "shell/io/strength_factors.h"
 #include "shell/solver/contact/hertz.h"
 
@@ -271,6 +272,8 @@ RunSetup build(const scene::LoadedScene& scene) {
     for (const SupportStage& stage : s.releases) r.last_change = std::max(r.last_change, stage.from);
     for (const auto& driven : s.constraints.driven) r.last_change = std::max(r.last_change, driven.motion.back().first);
   }
+  check_boxes(scene, parts, r);
+  add_space_cuts(scene, parts, r);
   std::vector<const proto::Shell*> messages;
   for (const ScenePart& part : parts) messages.push_back(&part.message);
   check_space_lines(scene, messages, r.models());

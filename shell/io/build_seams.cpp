@@ -53,34 +53,25 @@ void give_strengths(const scene::LoadedScene& scene, const std::vector<std::stri
   }
 }
 
-// Slots of the control points of one of the seam's shells that the seam joins.
-std::vector<int> joined_slots(const Seam& seam, bool first, const std::vector<const ShellModel*>& models) {
-  const int shell = first ? seam.first : seam.second;
+// Slots of the control points of one of the shells of a seam of whole edges that the seam joins.
+std::vector<int> joined_slots(const Seam& seam, bool first, const ShellModel& m) {
   std::vector<int> out;
-  if (seam.trimmed()) {
-    const SeamRows rows = seam_rows(seam, models);
-    for (const auto* kind : {&rows.ties, &rows.creases})
-      for (const auto& row : *kind)
-        for (const WeightedSlot& t : row)
-          if (t.shell == shell) out.push_back(t.slot);
-    return out;
-  }
-  const ShellModel& m = *models[shell];
   for (const int depth : {0, 1})
     for (const int i : edge_row(m.patch, first ? seam.first_edge : seam.second_edge, depth))
       out.push_back(m.tables.slot(i));
   return out;
 }
 
-// A support that lets go holds no control point of a seam: what seams join was settled with the support in place.
+// A support that lets go holds no control point of a seam of whole edges: which of them depend on others was settled
+// with the support in place. Ties along trims follow the supports of now.
 void check_releases(const scene::LoadedScene& scene, const std::vector<ScenePart>& parts, const Stitches& found,
                     const RunSetup& r) {
   for (const Seam& seam : found.seams)
     for (const bool first : {true, false}) {
       const int k = first ? seam.first : seam.second;
       const ShellModel& m = r.shells[k].model;
-      if (m.releases.empty()) continue;
-      const std::vector<int> joined = joined_slots(seam, first, r.models());
+      if (m.releases.empty() || seam.trimmed()) continue;
+      const std::vector<int> joined = joined_slots(seam, first, m);
       for (const SupportStage& stage : m.releases) {
         const auto lets_go = [&](int slot) { return m.held[slot] && !stage.held[slot]; };
         scene.check(std::none_of(joined.begin(), joined.end(), lets_go),

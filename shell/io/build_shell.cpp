@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <numbers>
+#include <optional>
 
 #include "shell/fracture/constants.h"
 #include "shell/geometry/builders.h"
@@ -126,6 +127,14 @@ Support make_support(const proto::Support& m) {
   if (m.axes_size() > 0) s.axes = {false, false, false};
   for (const int axis : m.axes()) s.axes[axis - proto::Support::X] = true;
   for (const auto& box : m.regions()) s.regions.push_back({to_parameter(box.low()), to_parameter(box.high())});
+  for (const proto::SpaceBox& given : m.boxes()) {
+    SpaceBox& box = s.boxes.emplace_back();
+    const proto::Range* ranges[] = {&given.x(), &given.y(), &given.z()};
+    for (int d = 0; d < 3; ++d) {
+      if (ranges[d]->has_low()) box.low[d] = ranges[d]->low();
+      if (ranges[d]->has_high()) box.high[d] = ranges[d]->high();
+    }
+  }
   for (const auto& p : m.motion()) s.motion.emplace_back(p.time_s(), scene::to_vec(p.displacement()));
   if (m.has_until_s()) s.until = m.until_s();
   return s;
@@ -265,7 +274,9 @@ ShellModel build_shell(const scene::LoadedScene& scene, const proto::Shell& s, c
                                 return make_shell(s.name(), patch, s.thickness_m(), material,
                                                   s.has_layers() ? s.layers() : 2, gauss, supports, loads, trims);
                               });
-  model.strength_factor = strength_factors(scene, s, model, field);
+  std::optional<Paint> paint;
+  if (s.has_mesh() && s.mesh().has_strength_paint()) paint = files.mesh(scene, field + ".mesh", s.mesh()).paint(part);
+  model.strength_factor = strength_factors(scene, s, model, field, paint ? &*paint : nullptr);
   for (int q = 0; q < model.tables.blocks(); ++q)
     for (int e = 0; e < model.tables.spans_u; ++e) {
       const double strength = model.strength_factor_at(q, e) * material.strength;

@@ -23,10 +23,11 @@ bool is_several(const std::vector<ScenePart>& parts, int shell) {
 void add_charts(const scene::LoadedScene& scene, int shell, CadFiles& files, std::vector<ScenePart>& out) {
   const proto::Shell& m = scene.message.shells(shell);
   const std::string field = fmt::format("shells[{}]", shell);
-  const int charts = static_cast<int>(files.mesh(scene, field + ".mesh", m.mesh()).surfaces.size());
+  const MeshShells& mesh = files.mesh(scene, field + ".mesh", m.mesh());
+  const int charts = static_cast<int>(mesh.surfaces.size());
   check_one_patch(scene, m, field, charts);
   for (int k = 0; k < charts; ++k) {
-    ScenePart& part = out.emplace_back(ScenePart{shell, m, k, 0.0});
+    ScenePart& part = out.emplace_back(ScenePart{shell, shell_of_chart(m, mesh, k), k, 0.0});
     if (charts > 1) part.message.set_name(fmt::format("{}.{}", m.name(), k + 1));
   }
 }

@@ -8,6 +8,7 @@
 
 #include "shell/contact/proxy.h"
 #include "shell/io/felt.h"
+#include "shell/io/space_places.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/hertz.h"
 #include "shell/solver/forces.h"
@@ -31,7 +32,7 @@ int index_of(const scene::LoadedScene& scene, const std::string& name) {
 double own_step(const scene::LoadedScene& scene, const RunSetup& setup, std::size_t shell, ShellState& s) {
   const ShellSetup& shell_setup = setup.shells[shell];
   const ShellModel& m = shell_setup.model;
-  double step = stable_step(m, s, kStepIterations, 1, shell_setup.can_crack() || !m.releases.empty());
+  double step = stable_step(m, s, kStepIterations, 1, steps_as_if_free(setup, shell));
   if (m.has_fibres()) step = stable_step_with_fibres(step, setup.models());
   scene.check(std::isfinite(step), fmt::format("shells[{}].supports", index_of(scene, m.name)),
               "hold every control point of shell '{}'; take more elements, or SIMPLY_SUPPORTED edges", m.name);

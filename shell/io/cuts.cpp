@@ -191,6 +191,12 @@ std::vector<PrescribedCut> growing(const Domain& d, const std::vector<Vec2>& poi
 
 }  // namespace
 
+std::vector<PrescribedCut> cut_along(const ShellModel& model, std::vector<Vec2> points, double from, double until) {
+  const Domain d(model);
+  if (until > from) return growing(d, points, from, until);
+  return {divided(d, std::move(points), from)};
+}
+
 void settle_edges(const scene::LoadedScene& scene, const ShellModel& model, int seamed, const std::string& field,
                   PrescribedCut& cut) {
   std::vector<EdgeCut> seams;
@@ -228,8 +234,7 @@ std::vector<PrescribedCut> make_cut(const scene::LoadedScene& scene, const proto
                                     const std::string& field) {
   const Domain d(model);
   const auto whole = [&](std::vector<Vec2> points) -> std::vector<PrescribedCut> {
-    if (m.has_until_s()) return growing(d, points, m.time_s(), m.until_s());
-    return {divided(d, std::move(points), m.time_s())};
+    return cut_along(model, std::move(points), m.time_s(), m.has_until_s() ? m.until_s() : m.time_s());
   };
   const double least = kSmallestRound * d.spacing;
   if (m.has_circle()) {

@@ -13,6 +13,10 @@ namespace sunder::shell {
 std::vector<PrescribedCut> make_cut(const scene::LoadedScene& scene, const proto::Cut& cut, const ShellModel& model,
                                     const std::string& field);
 
+/// A cut through points of the parameter domain, made at `from` [s], or in pieces that grow from then until `until`
+/// where that is later.
+std::vector<PrescribedCut> cut_along(const ShellModel& model, std::vector<Vec2> points, double from, double until);
+
 /// Decides on segments that lie on edges. On edges with seams (`seamed`, EdgeBits) they open the seam. On clamped edges
 /// they become a cut as near to the edge as cracks can run. Throws Error with `field` on other edges, where nothing can
 /// part.

@@ -43,6 +43,12 @@ std::string mesh_problem(const scene::LoadedScene& scene, const Error& e) {
   return text;
 }
 
+MeshJson named_json(const std::vector<NamedFaces>& list) {
+  MeshJson out = MeshJson::array();
+  for (const NamedFaces& n : list) out.push_back({{"name", n.name}, {"triangles", n.triangles}});
+  return out;
+}
+
 MeshJson chart_of(const ShellModel& m, const MeshPatch& p, double element) {
   const auto holes = std::count_if(p.loops.begin(), p.loops.end(), [](const PatchLoop& l) { return l.hole; });
   double area = 0.0;
@@ -73,15 +79,15 @@ bool is_mesh_file(const std::string& file) {
 
 std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
   const scene::LoadedScene first = mesh_scene(file, asked);
-  TriangleMesh mesh;
-  int faces = 0;
+  ShellMesh read;
   try {
-    mesh = read_shell_mesh(first, "shells[0].mesh", first.message.shells(0).mesh(), faces);
+    read = read_shell_mesh(first, "shells[0].mesh", first.message.shells(0).mesh());
   } catch (const Error& e) {
     Error plain(e.status, "bad_input", file + ": " + mesh_problem(first, e));
     plain.file = file;
     throw plain;
   }
+  const TriangleMesh& mesh = read.mesh;
   Eigen::AlignedBox3d box;
   for (const Vec3& x : mesh.points) box.extend(x);
   if (asked.element <= 0.0) asked.element = box.diagonal().norm() / kMeshElements;
@@ -97,7 +103,7 @@ std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
                   {"unit_m", asked.unit},
                   {"weld_m", asked.weld},
                   {"thickness_m", scene.message.shells(0).thickness_m()},
-                  {"faces", faces},
+                  {"faces", read.faces},
                   {"points", mesh.points.size()},
                   {"triangles", mesh.triangles.size()},
                   {"points_merged", mesh.welded},
@@ -106,6 +112,9 @@ std::string inspect_mesh_report(const std::string& file, MeshQuestion asked) {
                   {"components", mesh.components},
                   {"edges", {{"all", edges.all}, {"on_borders", edges.border}, {"borders", edges.loops}}},
                   {"area_m2", area},
+                  {"groups", named_json(read.groups)},
+                  {"usemtl", named_json(read.usemtl)},
+                  {"coloured", !read.colours.empty()},
                   {"charts", MeshJson::array()},
                   {"seams", nullptr},
                   {"refused", nullptr}};

@@ -1,41 +1,142 @@
 #include "shell/io/mesh_parts.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "coupler/core/nearest.h"
 #include "coupler/scene/mesh.h"
 
 namespace sunder::shell {
 namespace {
 
 constexpr double kDefaultCrease = 40.0;  // [deg]
+constexpr std::size_t kMostListed = 20;  // names in a message
 constexpr double kDegreeOfMesh = std::numbers::pi / 180.0;
 
 double crease_of(const proto::SurfaceMesh& m) { return m.has_crease_deg() ? m.crease_deg() : kDefaultCrease; }
 
+void count_named(std::vector<NamedFaces>& list, const std::string& name) {
+  const auto known = std::find_if(list.begin(), list.end(), [&](const NamedFaces& n) { return n.name == name; });
+  (known == list.end() ? list.emplace_back(NamedFaces{name}) : *known).triangles += 1;
+}
+
+bool is_in_part(const scene::FaceTag& tag, const proto::MeshPart& part) {
+  if (part.group().empty()) return tag.usemtl == part.usemtl();
+  return std::find(tag.groups.begin(), tag.groups.end(), part.group()) != tag.groups.end();
+}
+
+// Throws Error where the file has no faces of such a name.
+void check_named(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& m,
+                 const proto::MeshPart& part, const ShellMesh& read) {
+  const bool by_group = !part.group().empty();
+  const std::string &name = by_group ? part.group() : part.usemtl(), own = field + (by_group ? ".group" : ".usemtl");
+  const char* kind = by_group ? "group" : "usemtl";
+  std::vector<std::string> names;
+  for (const NamedFaces& n : by_group ? read.groups : read.usemtl) names.push_back(n.name);
+  if (std::find(names.begin(), names.end(), name) != names.end()) return;
+  scene.check(!names.empty(), own, "is '{}', and no face of '{}' has a {}; {}", name, m.path(), kind,
+              read.groups.empty() && read.usemtl.empty()
+                  ? "export an OBJ file with groups or materials, or leave the part out"
+              : by_group ? "name a usemtl, or export groups"
+                         : "name a group, or export materials");
+  const std::string has = nearest_names(name, names).empty() ? "it has" : did_you_mean(name, names) + " It has";
+  const std::size_t more = names.size() > kMostListed ? names.size() - kMostListed : 0;
+  names.resize(names.size() - more);
+  scene.fail(own, fmt::format("is '{}', which is no {} of '{}'; {}: {}{}", name, kind, m.path(), has,
+                              fmt::join(names, ", "), more > 0 ? fmt::format(" and {} more", more) : ""));
+}
+
+// The part of each face of a file: the number in the scene's list, from 1; 0: none.
+std::vector<int> parts_of_faces(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& m,
+                                const scene::FileSurface& file, const ShellMesh& read) {
+  for (int k = 0; k < m.parts_size(); ++k)
+    check_named(scene, fmt::format("{}.parts[{}]", field, k), m, m.parts(k), read);
+  std::vector<int> of_tag(file.tags.size(), 0), out(file.triangles.size(), 0);
+  for (std::size_t t = 0; t < file.triangles.size(); ++t) {
+    if (file.tag_of[t] < 0) continue;
+    int& part = of_tag[file.tag_of[t]];
+    for (int k = 0; k < m.parts_size() && part == 0; ++k) {
+      if (!is_in_part(file.tags[file.tag_of[t]], m.parts(k))) continue;
+      part = k + 1;
+      for (int i = k + 1; i < m.parts_size(); ++i)
+        scene.check(!is_in_part(file.tags[file.tag_of[t]], m.parts(i)), fmt::format("{}.parts[{}]", field, i),
+                    "names the face of {} {} of '{}', which parts[{}] names too; give each face one part", file.word,
+                    file.lines[t], m.path(), k);
+    }
+    out[t] = part;
+  }
+  return out;
+}
+
+// Factors of the strength at points of the mesh.
+std::vector<double> factors_of(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& m,
+                               const ShellMesh& read) {
+  const proto::StrengthPaint& paint = m.strength_paint();
+  scene.check(!read.colours.empty(), field,
+              "is given, and points of '{}' have no colours; export a PLY or OBJ file with colours of points, or leave "
+              "it out",
+              m.path());
+  const double low = paint.low_factor(), high = paint.has_high_factor() ? paint.high_factor() : 1.0;
+  std::vector<double> out;
+  for (const int k : read.mesh.of_file) {
+    const Vec3& rgb = read.colours[k];
+    scene.check(rgb.allFinite(), field, "is given, and point {} of '{}', counted from 1, has no colour; paint all",
+                k + 1, m.path());
+    scene.check(rgb.minCoeff() >= 0.0 && rgb.maxCoeff() <= 1.0, field,
+                "is given, and point {} of '{}', counted from 1, has the colour ({:.6g}, {:.6g}, {:.6g}); 0 to 1, or "
+                "whole numbers up to 255 in a PLY file",
+                k + 1, m.path(), rgb.x(), rgb.y(), rgb.z());
+    const double share = paint.channel() == proto::StrengthPaint::GREY ? rgb.mean() : rgb[paint.channel() - 1];
+    out.push_back(low + (high - low) * share);
+  }
+  return out;
+}
+
 }  // namespace
 
-TriangleMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& m,
-                             int& faces) {
+ShellMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& m) {
   scene::FileSurface file = scene::read_surface(scene, field, m.path(), m.has_unit_m() ? m.unit_m() : 1.0);
-  faces = file.faces;
+  ShellMesh out;
+  out.faces = file.faces, out.colours = file.colours;
+  for (const int tag : file.tag_of) {
+    if (tag < 0) continue;
+    for (const std::string& name : file.tags[tag].groups) count_named(out.groups, name);
+    if (!file.tags[tag].usemtl.empty()) count_named(out.usemtl, file.tags[tag].usemtl);
+  }
+  const std::vector<int> parts = parts_of_faces(scene, field, m, file, out);
   if (m.up() == proto::SurfaceMesh::Y)
     for (Vec3& x : file.points) x = Vec3(x.x(), -x.z(), x.y());
   std::vector<FileTriangle> triangles;
-  for (std::size_t t = 0; t < file.triangles.size(); ++t) triangles.push_back({file.triangles[t], file.lines[t]});
+  for (std::size_t t = 0; t < file.triangles.size(); ++t)
+    triangles.push_back({file.triangles[t], file.lines[t], parts[t]});
   try {
-    return make_triangle_mesh(file.points, triangles, m.weld_m(), file.word);
+    out.mesh = make_triangle_mesh(file.points, triangles, m.weld_m(), file.word);
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}' {}", m.path(), e.what()));
   }
+  return out;
+}
+
+proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, int chart) {
+  proto::Shell out = shell;
+  const int part = mesh.charts.patches[chart].part;
+  if (part == 0) return out;
+  const proto::MeshPart& own = shell.mesh().parts(part - 1);
+  if (!own.material().empty()) out.set_material(own.material());
+  if (own.has_thickness_m()) out.set_thickness_m(own.thickness_m());
+  return out;
 }
 
 std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, const std::string& field,
                                               const proto::SurfaceMesh& m) {
   auto out = std::make_shared<MeshShells>();
-  out->mesh = read_shell_mesh(scene, field, m, out->faces);
+  ShellMesh read = read_shell_mesh(scene, field, m);
+  if (m.has_strength_paint()) out->factors = factors_of(scene, field + ".strength_paint", m, read);
+  out->mesh = std::move(read.mesh);
   try {
-    out->charts = patches_of(out->mesh, {m.element_m(), crease_of(m) * kDegreeOfMesh, m.has_degree() ? m.degree() : 2});
+    out->charts = patches_of(out->mesh, {m.element_m(), crease_of(m) * kDegreeOfMesh, m.has_degree() ? m.degree() : 2,
+                                         out->mesh.part, m.has_strength_paint()});
   } catch (const Error& e) {
     scene.fail(field + ".path", fmt::format("'{}': {}", m.path(), e.what()));
   }
@@ -64,8 +165,11 @@ void check_one_patch(const scene::LoadedScene& scene, const proto::Shell& s, con
                 "is for a shell of one patch, and the mesh becomes {} shells, {}.1 to {}.{}; {}", charts, s.name(),
                 s.name(), charts, remedy);
   };
-  refuse(s.supports_size() > 0, "supports", "leave supports out, or let the shell rest on bodies");
-  refuse(s.cuts_size() > 0, "cuts", "leave cuts out");
+  for (int i = 0; i < s.supports_size(); ++i)
+    refuse(s.supports(i).edges_size() + s.supports(i).corners_size() + s.supports(i).regions_size() > 0,
+           fmt::format("supports[{}]", i), "give boxes, which are places in space");
+  for (int i = 0; i < s.cuts_size(); ++i)
+    refuse(!s.cuts(i).has_line(), fmt::format("cuts[{}]", i), "give a line, whose points are places in space");
   refuse(s.trims_size() > 0, "trims", "leave trims out, and cut the mesh in the program that made it");
   refuse(s.strength_regions_size() > 0, "strength_regions", "leave them out");
   refuse(s.has_strength_map(), "strength_map", "leave it out");

@@ -17,13 +17,32 @@ struct MeshShells {
   TriangleMesh mesh;
   MeshPatches charts;
   std::vector<CadSurface> surfaces;  // [chart]
-  int faces = 0;                     // of the file
+  std::vector<double> factors;       // of the strength at each point of the mesh; empty: no paint
+
+  /// Factors of the strength over a chart.
+  Paint paint(int chart) const { return {charts.patches[chart].placed, factors}; }
+};
+
+/// Faces of a file with a name.
+struct NamedFaces {
+  std::string name;
+  int triangles = 0;
+};
+
+/// A mesh that has been read, without its charts.
+struct ShellMesh {
+  TriangleMesh mesh;
+  int faces = 0;                           // of the file
+  std::vector<NamedFaces> groups, usemtl;  // of an OBJ file, in its order
+  std::vector<Vec3> colours;               // as FileSurface has them
 };
 
 /// Reads the file, with `up` and unit applied, but not the pose. `field` is that of the mesh. Throws Error with file,
-/// place and remedy where the surface is no shell.
-TriangleMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& mesh,
-                             int& faces);
+/// place and remedy where the surface is no shell, or has no such parts.
+ShellMesh read_shell_mesh(const scene::LoadedScene& scene, const std::string& field, const proto::SurfaceMesh& mesh);
+
+/// The shell of a chart: that of the scene with what its part of the mesh has of its own.
+proto::Shell shell_of_chart(const proto::Shell& shell, const MeshShells& mesh, int chart);
 
 /// The shells of a mesh. Throws Error as read_shell_mesh, and where no patches can be fitted.
 std::shared_ptr<const MeshShells> mesh_shells(const scene::LoadedScene& scene, const std::string& field,

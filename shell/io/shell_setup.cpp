@@ -130,9 +130,11 @@ ShellSetup make_setup(const scene::LoadedScene& scene, const proto::Shell& shell
   const proto::Scene& m = scene.message;
   ShellSetup r{build_shell(scene, shell, field, files, part)};
   r.velocity = scene::to_vec(shell.velocity());
-  for (int k = 0; k < shell.cuts_size(); ++k)
+  for (int k = 0; k < shell.cuts_size(); ++k) {
+    if (shell.cuts(k).has_line()) continue;  // add_space_cuts() makes it
     for (PrescribedCut& cut : make_cut(scene, shell.cuts(k), r.model, fmt::format("{}.cuts[{}]", field, k)))
       cut.number = k, r.fracture.cuts.push_back(std::move(cut));
+  }
   if (shell.has_equilibrium())
     r.equilibrium = shell.equilibrium().has_tolerance() ? shell.equilibrium().tolerance() : 1e-6;
   r.load_factors.assign(shell.equilibrium().load_factors().begin(), shell.equilibrium().load_factors().end());

@@ -108,12 +108,13 @@ void check_width(const scene::LoadedScene& scene, const std::string& field, doub
 }  // namespace
 
 std::vector<float> strength_factors(const scene::LoadedScene& scene, const proto::Shell& s, const ShellModel& m,
-                                    const std::string& field) {
+                                    const std::string& field, const Paint* paint) {
   const auto& across = scene.message.strength_lines();
   const bool any_across = m.material.strength > 0.0 && std::any_of(across.begin(), across.end(), [&](const auto& line) {
                             return is_for(line, s, m.name);
                           });
-  if (s.strength_regions_size() + s.strength_lines_size() == 0 && !s.has_strength_map() && !any_across) return {};
+  if (s.strength_regions_size() + s.strength_lines_size() == 0 && !s.has_strength_map() && !any_across && !paint)
+    return {};
   const RowTables& t = m.tables;
   const Vec2 low(m.patch.knots_u.begin(), m.patch.knots_v.begin()),
       size = Vec2(m.patch.knots_u.end(), m.patch.knots_v.end()) - low;
@@ -128,9 +129,9 @@ std::vector<float> strength_factors(const scene::LoadedScene& scene, const proto
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {
       const Vec2 p = gauss_point(m.patch, t, q, e).parameter;
-      double factor = 1.0;
+      double factor = paint ? paint->at(p) : 1.0;
       if (s.has_strength_map())
-        factor = black + (white - black) * image.grey((p.x() - low.x()) / size.x(), (p.y() - low.y()) / size.y());
+        factor *= black + (white - black) * image.grey((p.x() - low.x()) / size.x(), (p.y() - low.y()) / size.y());
       for (int k = 0; k < s.strength_regions_size(); ++k)
         if (holds(s.strength_regions(k), p)) ++held[k], factor *= s.strength_regions(k).factor();
       for (int k = 0; k < s.strength_lines_size(); ++k)
@@ -145,7 +146,8 @@ std::vector<float> strength_factors(const scene::LoadedScene& scene, const proto
         factor *= across[k].factor();
       }
       scene.check(factor >= scene::kLeastFactor && factor <= scene::kMostFactor, field + ".strength_regions",
-                  "multiply to {:.3g} at ({:.4g}, {:.4g}), with lines and strength_map; {:.0g} to {:.0g} of the "
+                  "multiply to {:.3g} at ({:.4g}, {:.4g}), with lines, strength_map and strength_paint; {:.0g} to "
+                  "{:.0g} of the "
                   "material's strength",
                   factor, p.x(), p.y(), scene::kLeastFactor, scene::kMostFactor);
       factors[static_cast<std::size_t>(q) * t.lanes + e] = static_cast<float>(factor);

@@ -302,11 +302,12 @@ class Divider {
 
 }  // namespace
 
-std::vector<std::array<char, 3>> without_small_parts(const TriangleMesh& m, Creases creases, double area) {
-  const std::vector<int> one(m.triangles.size(), 0);
+std::vector<std::array<char, 3>> without_small_parts(const TriangleMesh& m, Creases creases, double area,
+                                                     const std::vector<int>& labels) {
+  const std::vector<int> label = labels.empty() ? std::vector<int>(m.triangles.size(), 0) : labels;
   for (bool again = true; again;) {
     again = false;
-    const std::vector<std::vector<int>> parts = connected_parts(m, creases, all_of(m), one);
+    const std::vector<std::vector<int>> parts = connected_parts(m, creases, all_of(m), label);
     std::vector<int> part_of(m.triangles.size(), -1);
     std::vector<double> size(parts.size(), 0.0);
     for (std::size_t p = 0; p < parts.size(); ++p)
@@ -318,7 +319,9 @@ std::vector<std::array<char, 3>> without_small_parts(const TriangleMesh& m, Crea
       const auto each_border = [&](auto&& f) {
         for (const int t : parts[p])
           for (int k = 0; k < 3; ++k)
-            if (const int other = m.beside[t][k]; other >= 0 && part_of[other] != static_cast<int>(p)) f(t, k, other);
+            if (const int other = m.beside[t][k];
+                other >= 0 && part_of[other] != static_cast<int>(p) && label[other] == label[t])
+              f(t, k, other);
       };
       each_border([&](int t, int k, int other) {
         beside[part_of[other]] += (m.points[m.triangles[t][(k + 1) % 3]] - m.points[m.triangles[t][k]]).norm();

@@ -25,9 +25,10 @@ std::vector<Chart> charts_of(const TriangleMesh& mesh, const std::vector<std::ar
                              const ChartRules& rules);
 
 /// Creases without those around parts of less than `area` [m^2]: such a part joins the neighbour along which it has the
-/// longest border. A mesh that is coarse where it bends has such parts.
+/// longest border. A mesh that is coarse where it bends has such parts. `parts` as in ChartRules: borders of those
+/// stay.
 std::vector<std::array<char, 3>> without_small_parts(const TriangleMesh& mesh, std::vector<std::array<char, 3>> creases,
-                                                     double area);
+                                                     double area, const std::vector<int>& parts = {});
 
 /// The part of `triangles` beyond which nothing is within `reach` [m] over edges that are no creases: those triangles
 /// first, then the others.

@@ -185,6 +185,8 @@ void measure_parameters(MeshPatches& all) {
     p.patch = std::move(lengths);
     for (PatchLoop& loop : p.loops)
       for (PlaneCurve& curve : loop.curves) curve = scaled(curve, factor.back());
+    for (PlacedTriangle& t : p.placed)
+      for (Vec2& at : t.at) at = factor.back().cwiseProduct(at);
   }
   for (MeshSeam& seam : all.seams) {
     for (PlaneCurve& curve : seam.on_first) curve = scaled(curve, factor[seam.first]);
@@ -211,7 +213,7 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
       "or take fewer parts into a file",
       m.components, static_cast<double>(m.triangles.size()) / m.components, kMostComponents);
   const Creases creases =
-      without_small_parts(m, creases_of(m, rules.crease), kSmallPart * rules.element * rules.element);
+      without_small_parts(m, creases_of(m, rules.crease), kSmallPart * rules.element * rules.element, rules.parts);
   ChartRules how;
   how.parts = rules.parts;
   how.overlap = std::max(kOverlap * rules.element, kOverlapEdges * edge);
@@ -242,6 +244,7 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
     const Chart& one = charts[c];
     MeshPatch own{{KnotVector::uniform(1, 1.0), KnotVector::uniform(1, 1.0), {}, {}}, {}, 0, 0.0, 0.0, 1.0};
     own.triangles = static_cast<int>(one.triangles.size());
+    if (!rules.parts.empty()) own.part = rules.parts[one.triangles[0]];
     for (std::size_t k = 0; k < one.triangles.size(); ++k)
       own.area += m.area(one.triangles[k]), own.stretch = std::max(own.stretch, one.flat.most[k]);
     const Vec3 where = m.middle(one.triangles[0]);
@@ -268,6 +271,11 @@ MeshPatches patches_of(const TriangleMesh& m, const MeshPatchRules& rules) {
             "element_m is {} m, and a patch of such elements about ({:.4g}, {:.4g}, {:.4g}) m is up to {:.3g} m away "
             "from the mesh, more than a quarter of an element: give a shorter one, or smooth the mesh",
             rules.element, where.x(), where.y(), where.z(), own.error);
+    if (rules.placed)
+      for (const int t : one.flat.triangles) {
+        const auto& [a, b, c] = m.triangles[t];
+        own.placed.push_back({{at.at[a], at.at[b], at.at[c]}, m.triangles[t]});
+      }
     own.patch = at.patch;
     out.patches.push_back(std::move(own));
     placed.push_back(std::move(at));

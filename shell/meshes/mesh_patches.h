@@ -5,6 +5,7 @@
 #include "shell/geometry/patch.h"
 #include "shell/geometry/plane_curves.h"
 #include "shell/meshes/charts.h"
+#include "shell/meshes/paint.h"
 
 namespace sunder::shell {
 
@@ -13,6 +14,7 @@ struct MeshPatchRules {
   double crease = 0.0;   // smooth edges turn by this at most [rad]
   int degree = 2;
   std::vector<int> parts{};  // [triangle]: charts are within one part; empty: all are one
+  bool placed = false;       // keep the triangles in the parameters of their patches
 };
 
 /// A closed loop of curves in the parameters of a patch, each beginning where the one before ends.
@@ -23,12 +25,14 @@ struct PatchLoop {
 
 /// A chart as a patch.
 struct MeshPatch {
-  Patch patch;                   // [m]; its parameters are lengths
-  std::vector<PatchLoop> loops;  // empty: the whole patch
-  int triangles = 0;             // of the file
-  double area = 0.0;             // of these triangles [m^2]
-  double error = 0.0;            // largest distance of a point of the file from the patch [m]
-  double stretch = 1.0;          // largest stretch of a triangle in the plane, or its inverse [-]
+  Patch patch;                           // [m]; its parameters are lengths
+  std::vector<PatchLoop> loops;          // empty: the whole patch
+  int triangles = 0;                     // of the file
+  double area = 0.0;                     // of these triangles [m^2]
+  double error = 0.0;                    // largest distance of a point of the file from the patch [m]
+  double stretch = 1.0;                  // largest stretch of a triangle in the plane, or its inverse [-]
+  int part = 0;                          // of MeshPatchRules::parts
+  std::vector<PlacedTriangle> placed{};  // triangles of the chart and its overlap, where the rules ask for them
 };
 
 /// A border of two charts.

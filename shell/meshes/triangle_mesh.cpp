@@ -160,10 +160,13 @@ TriangleMesh make_triangle_mesh(const std::vector<Vec3>& points, const std::vect
     check(is_new, "{} {}: the face at {} has the corners of the one of {} {}; leave one of them out", word, t.line,
           at(a), word, known->second);
     for (int k = 0; k < 3; ++k) {
-      if (number[own[k]] < 0) number[own[k]] = static_cast<int>(m.points.size()), m.points.push_back(points[own[k]]);
+      if (number[own[k]] < 0) {
+        number[own[k]] = static_cast<int>(m.points.size());
+        m.points.push_back(points[own[k]]), m.of_file.push_back(own[k]);
+      }
       own[k] = number[own[k]];
     }
-    m.triangles.push_back(own), lines.push_back(t.line);
+    m.triangles.push_back(own), m.part.push_back(t.part), lines.push_back(t.line);
   }
   check(flat.empty(), "{} {}: the face at {} has no area, the first of {}; leave them out", word,
         flat.empty() ? 0 : flat[0].first, at(flat.empty() ? Vec3() : flat[0].second), flat.size());

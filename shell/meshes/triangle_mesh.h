@@ -12,6 +12,7 @@ namespace sunder::shell {
 struct FileTriangle {
   std::array<int, 3> corners{};  // indices of points, counter-clockwise seen from the normal's side
   int line = 0;                  // of the file, or its number among the faces, from 1
+  int part = 0;                  // that it belongs to; borders of parts are borders of charts
 };
 
 /// A surface of triangles that are turned alike. An edge belongs to one triangle or two, and the triangles around a
@@ -21,6 +22,8 @@ struct TriangleMesh {
   std::vector<std::array<int, 3>> triangles;  // edge k runs from corner k to corner (k + 1) % 3
   std::vector<std::array<int, 3>> beside;     // triangle across edge k; -1: none, a border
   std::vector<int> component;                 // of each triangle
+  std::vector<int> part;                      // of each triangle, as the file's triangles have it
+  std::vector<int> of_file;                   // number of each point in the file, the first of those that became one
   int components = 0;
   int turned = 0;   // triangles that the file had the other way round
   int welded = 0;   // points that were merged with others

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "coupler/core/error.h"
+#include "shell/io/space_places.h"
 #include "shell/run/substep.h"
 #include "shell/solver/compression.h"
 #include "shell/solver/contact/hertz.h"
@@ -187,7 +188,8 @@ void Simulation::start_shells(const std::function<void()>& look) {
     if (setup.fracture.tips_run())  // a load must first overcome the prestress of the face
       for (double& strength : s.layers.strength) strength += m.material.surface_compression;
     const bool cracks = setup.can_crack();
-    double stable = stable_step(m, s, kStepIterations, model.threads, cracks || !m.releases.empty());
+    double stable =
+        stable_step(m, s, kStepIterations, model.threads, steps_as_if_free(setup_, part.setup - setup_.shells.data()));
     if (state.fibres && m.has_fibres()) stable = stable_step_with_fibres(stable, setup_.models());
     part.initial_step = part.smallest_step = stable;
     require(std::isfinite(stable),

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "shell/geometry/edges.h"
+#include "shell/geometry/parameter_place.h"
 #include "shell/mechanics/point_force.h"
 
 namespace sunder::shell {
@@ -33,6 +34,23 @@ void find_held(const ShellModel& m, const Constraints& c, std::vector<char>& hel
     if (holds(edge, 0) && holds(edge, 1)) clamped |= edge;
 }
 
+// Finds the control points in the boxes of supports. A control point is at the place of the surface at its home.
+std::vector<Support> with_boxes_found(const ShellModel& m, std::vector<Support> supports) {
+  const double tolerance = edge_tolerance(m.patch);  // of a border of a box that a scene rounds
+  for (Support& s : supports) {
+    s.in_boxes.assign(s.boxes.size(), {});
+    for (int i = 0; i < m.control_points() && !s.boxes.empty(); ++i) {
+      if (m.trim.drops(m.tables.slot(i))) continue;
+      const Vec3 x = m.patch.evaluate(m.trim.empty() ? m.parameter[i] : m.trim.home[i]).x;
+      for (std::size_t b = 0; b < s.boxes.size(); ++b)
+        if ((x.array() >= s.boxes[b].low.array() - tolerance).all() &&
+            (x.array() <= s.boxes[b].high.array() + tolerance).all())
+          s.in_boxes[b].push_back(i);
+    }
+  }
+  return supports;
+}
+
 // Stages of the supports after each time at which some of them let go.
 std::vector<SupportStage> find_releases(const ShellModel& m, const std::vector<Support>& supports) {
   std::vector<double> times;
@@ -56,6 +74,12 @@ std::vector<SupportStage> find_releases(const ShellModel& m, const std::vector<S
 double ShellModel::wave_speed() const {
   return std::sqrt(material.youngs_modulus / (1.0 - material.poisson_ratio * material.poisson_ratio) /
                    material.density);
+}
+
+bool ShellModel::wholly_held() const {
+  for (int i = 0; i < control_points(); ++i)
+    if (const int slot = tables.slot(i); held[slot] == 0 && !trim.drops(slot)) return false;
+  return true;
 }
 
 double ShellModel::rayleigh_speed() const {  // Viktorov's fit to the Rayleigh equation
@@ -111,8 +135,13 @@ ShellModel make_shell(const std::string& name, const Patch& patch, double thickn
   m.spacing_v = (m.patch.knots_v.end() - m.patch.knots_v.begin()) / t.spans_v;
   m.spacing = std::sqrt(m.spacing_u * m.spacing_v);
   if (!trim.empty()) trim_shell(m, trim);
+  const std::vector<Support> found = with_boxes_found(m, supports);
+  if (std::any_of(found.begin(), found.end(), [](const Support& s) { return !s.boxes.empty(); })) {
+    m.constraints = make_constraints(m.patch, found, t.stride, "shell '" + name + "'");
+    if (!trim.empty()) trim_supports(m.trim, m.constraints);
+  }
   find_held(m, m.constraints, m.held, m.clamped);
-  m.releases = find_releases(m, supports);
+  m.releases = find_releases(m, found);
   std::vector<GatheredFunction> functions;
   for (int q = 0; q < t.blocks(); ++q)
     for (int e = 0; e < t.spans_u; ++e) {

@@ -85,6 +85,8 @@ struct ShellModel {
   double strength_factor_at(int block, int lane) const {
     return strength_factor.empty() ? 1.0 : strength_factor[static_cast<std::size_t>(block) * tables.lanes + lane];
   }
+  /// Whether supports hold every control point along all axes.
+  bool wholly_held() const;
   bool laminated() const { return material.interlayer.thickness > 0.0; }
   int control_points() const { return tables.columns * tables.rows; }
   double wave_speed() const;      // of compression in the plane [m/s]

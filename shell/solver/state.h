@@ -135,6 +135,11 @@ struct ShellState {
     const std::size_t plane = sum.size() / 3;
     sum[slot] -= impulse.x(), sum[plane + slot] -= impulse.y(), sum[2 * plane + slot] -= impulse.z();
   }
+  /// Books an impulse [N s] along an axis on a control point that is held along it.
+  void pass_to_supports(int slot, int axis, double impulse) {
+    std::vector<double>& sum = motion.support_impulse;
+    if (!sum.empty()) sum[axis * (sum.size() / 3) + slot] -= impulse;
+  }
   /// Books an impulse [N s] of contact on a control point, where it is measured.
   void count_contact(int slot, const Vec3& impulse) {
     std::vector<double>& sum = motion.contact_impulse;

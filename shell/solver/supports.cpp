@@ -107,6 +107,11 @@ Constraints make_constraints(const Patch& p, const std::vector<Support>& support
               "{}: no control point lies in u {:.9g} to {:.9g}, v {:.9g} to {:.9g}; parameters run {}", name,
               box.low.x(), box.high.x(), box.low.y(), box.high.y(), parameter_range(p));
     }
+    for (std::size_t b = 0; b < s.in_boxes.size(); ++b) {
+      if (s.in_boxes[b].empty()) continue;
+      const int part = new_part("box_" + std::to_string(b));
+      for (const int i : s.in_boxes[b]) points.push_back({i, part});
+    }
     if (!holds) continue;
     for (const Named& n : points) c.anchors.push_back(slot(n.point));
     points.insert(points.end(), slopes.begin(), slopes.end());

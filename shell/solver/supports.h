@@ -17,6 +17,12 @@ struct ParameterBox {
   Vec2 low, high;  // in the scene's parameters [m]
 };
 
+/// A box along the axes of the world [m].
+struct SpaceBox {
+  Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
+  Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
+};
+
 /// A support as the scene gives it.
 struct Support {
   int edges = 0;
@@ -25,6 +31,9 @@ struct Support {
   int symmetry = -1;                              // 0 1 2: the edges lie in a symmetry plane across that axis; -1: none
   int corners = 0;
   std::vector<ParameterBox> regions{};  // control points with Greville points inside are held
+  std::vector<SpaceBox> boxes{};        // control points whose places on the surface at rest lie inside are held
+  /// [box]: these control points. make_shell() finds them, since they depend on what trims leave.
+  std::vector<std::vector<int>> in_boxes{};
   /// Displacement over time [s], [m]: linear between points, constant outside. Empty: no motion.
   std::vector<std::pair<double, Vec3>> motion{};
   double until = std::numeric_limits<double>::infinity();  // it lets go at this time [s]
@@ -42,10 +51,11 @@ struct Constraints {
     Vec3 displacement(double time) const;
   };
   std::vector<Driven> driven;
-  /// What one edge, one corner or one region of a support holds or drives. A slot that several hold along an axis is in
-  /// the first of them, in the order of supports, edges, corners and regions.
+  /// What one edge, one corner, one region or one box of a support holds or drives. A slot that several hold along an
+  /// axis is in the first of them, in the order of supports, edges, corners, regions and boxes. A box without control
+  /// points of this shell is no part.
   struct Part {
-    std::string name;  // for example support_0_u_min, support_1_corner_u_min_v_max, support_2_region_0
+    std::string name;  // for example support_0_u_min, support_1_corner_u_min_v_max, support_2_region_0, support_3_box_0
     std::array<std::vector<int>, 3> slots;
   };
   std::vector<Part> parts;

@@ -41,6 +41,7 @@ SHIPPED = (
     Shortened("impactor", 4e-3, True, False),  # like the small one, with 43,200 elements
     Shortened("impactor_small", 0.04, True, True),
     Shortened("intact_pane", 4e-3, True, False),
+    Shortened("lamp", 1e-3, True, True),
     Shortened("rabbit", 3e-4, True, True),
     Shortened("round_pane", 5.2e-5, True, True),
     Shortened("round_window", 1.4e-4, True, True),

@@ -114,6 +114,11 @@ def mesh_report(told: dict[str, Any]) -> str:
              f"{_count(told['components'], 'component')}, {_count(edges['borders'], 'border')} of "
              f"{_count(edges['on_borders'], 'edge')}, {told['points_merged']} points merged, "
              f"{told['triangles_turned']} triangles turned over, {told['triangles_dropped']} with two corners in one place"]
+    for kind in ("groups", "usemtl"):
+        if told[kind]:
+            lines.append(f"{kind}: " + ", ".join(f"{own['name']} ({_count(own['triangles'], 'triangle')})" for own in told[kind]))
+    if told["coloured"]:
+        lines.append("points have colours, which strength_paint may use")
     if told["refused"] is not None:
         return "\n".join([*lines, f"refused: {told['refused']}"]) + "\n"
     lines.append(f"{'shell':12} {'triangles':>9} {'size [m]':>21} {'area [m^2]':>11} {'elements':>11} {'stretch':>8} "

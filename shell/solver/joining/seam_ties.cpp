@@ -128,8 +128,23 @@ SeamRows seam_rows(const Seam& seam, const std::vector<const ShellModel*>& shell
   return out;
 }
 
+namespace {
+
+// [axis][slot]: 1 where a support holds the slot along this axis, but not along all of them.
+std::array<std::vector<char>, 3> fixed_along_axes(const ShellModel& m) {
+  std::array<std::vector<char>, 3> fixed;
+  for (int d = 0; d < 3; ++d) {
+    fixed[d].assign(m.tables.plane, 0);
+    for (const int slot : m.constraints.held[d]) fixed[d][slot] = m.held[slot] == 0;
+  }
+  return fixed;
+}
+
+}  // namespace
+
 // The matrix G M^-1 G^T of the rows for each axis, factorised, with the inverse masses of which it is made.
 struct SeamTies::Solver {
+  int released = 0;                                      // supports that have let go
   std::vector<std::pair<int, int>> points;               // shell, slot
   std::vector<double> inverse;                           // of the mass of each point
   std::vector<int> rows;                                 // that hold
@@ -169,13 +184,7 @@ SeamTies::SeamTies(std::vector<std::vector<WeightedSlot>> rows, std::vector<std:
     : SeamTies({std::move(rows), std::move(creases), {}, {}}, {}, shells) {}
 
 SeamTies::SeamTies(SeamRows rows, const std::vector<Seam>& seams, const std::vector<const ShellModel*>& shells) {
-  for (const ShellModel* m : shells) {
-    auto& fixed = fixed_.emplace_back();
-    for (int d = 0; d < 3; ++d) {
-      fixed[d].assign(m->tables.plane, 0);
-      for (const int slot : m->constraints.held[d]) fixed[d][slot] = m->held[slot] == 0;
-    }
-  }
+  for (const ShellModel* m : shells) fixed_.push_back(fixed_along_axes(*m));
   for (auto& terms : rows.ties) rows_.push_back(row_of(std::move(terms), shells));
   for (auto& terms : rows.creases) creases_.push_back(row_of(std::move(terms), shells));
   for (std::size_t k = 0; k < rows.of_ties.size(); ++k) rows_[k].origin = std::move(rows.of_ties[k]);
@@ -261,13 +270,17 @@ const SeamTies::Solver& SeamTies::solver(const std::vector<ShellRef>& shells) {
   const auto inverse_mass = [&](const std::pair<int, int>& at) {
     return shells[at.first].state->motion.inverse_mass[at.second];
   };
+  int released = 0;
+  for (const ShellRef& r : shells) released += r.state->motion.released;
   if (solver_) {
-    bool same = true;
+    bool same = solver_->released == released;
     for (std::size_t k = 0; k < solver_->points.size() && same; ++k)
       same = solver_->inverse[k] == inverse_mass(solver_->points[k]);
     if (same) return *solver_;
   }
   auto s = std::make_shared<Solver>();
+  s->released = released;
+  for (std::size_t k = 0; k < shells.size() && released > 0; ++k) fixed_[k] = fixed_along_axes(*shells[k].model);
   std::map<std::pair<int, int>, int> number;
   for (std::size_t r = 0; r < rows_.size(); ++r) {
     if (!rows_[r].holds) continue;
@@ -356,6 +369,7 @@ double SeamTies::align(const std::vector<ShellRef>& shells, double dt, bool pass
     for (Eigen::Index k = 0; k < count; ++k) {
       Motion& motion = shells[s.points[k].first].state->motion;
       v[k] = of(motion.v, s.points[k].second), x[k] = of(motion.x, s.points[k].second);
+      if (s.mobility[d][k] == 0.0 && s.inverse[k] > 0.0) v[k] = 0.0;  // the kick goes into a support of this axis
     }
     for (Eigen::Index r = 0; r < rest.size(); ++r) rest[r] = rows_[s.rows[r]].rest[d];
     const Eigen::VectorXd parted =
@@ -372,10 +386,14 @@ double SeamTies::align(const std::vector<ShellRef>& shells, double dt, bool pass
     for (Eigen::Index k = 0; k < count; ++k) {
       const auto& [shell, slot] = s.points[k];
       ShellState& state = *shells[shell].state;
-      const double before = of(state.motion.v, slot);
-      lost += 0.5 * impulse[k] * (-before - v[k]);
-      of(state.motion.v, slot) = v[k];
-      if (pass) state.pass_to_supports(slot, impulse[k] * Vec3::Unit(d));
+      if (s.mobility[d][k] > 0.0) {
+        const double before = of(state.motion.v, slot);
+        lost += 0.5 * impulse[k] * (-before - v[k]);
+        of(state.motion.v, slot) = v[k];
+      } else {
+        lost -= impulse[k] * v[k];
+      }
+      if (pass && s.mobility[d][k] == 0.0) state.pass_to_supports(slot, d, impulse[k]);
     }
   }
   return lost;
@@ -390,8 +408,11 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& [shell, slot] = s.points[k];
     x.row(k) = shells[shell].state->position(slot), v.row(k) = shells[shell].state->velocity(slot);
+    for (int d = 0; d < 3; ++d)
+      if (s.mobility[d][k] == 0.0 && s.inverse[k] > 0.0) v(k, d) = 0.0;
   }
   const Eigen::MatrixXd now = s.bends * x, along = now.rowwise().normalized();
+  Eigen::MatrixXd given = Eigen::MatrixXd::Zero(bends, 3);  // impulses on creases [N s]
   bool moved = false;
   for (int step = 0; step < kBendSteps; ++step) {
     const Eigen::MatrixXd next = now + dt * (s.bends * v);
@@ -406,14 +427,29 @@ void SeamTies::keep_creases(const std::vector<ShellRef>& shells, double dt) {
     Eigen::MatrixXd gain = Eigen::MatrixXd::Zero(bends, bends);
     for (int d = 0; d < 3; ++d) gain += dt * (line.col(d).asDiagonal() * s.coupling[d] * along.col(d).asDiagonal());
     const Eigen::VectorXd impulse = gain.partialPivLu().solve(-off);
-    for (int d = 0; d < 3; ++d) v.col(d) += s.response[d] * along.col(d).cwiseProduct(impulse);
+    for (int d = 0; d < 3; ++d) {
+      const Eigen::VectorXd j = along.col(d).cwiseProduct(impulse);
+      v.col(d) += s.response[d] * j, given.col(d) += j;
+    }
     moved = true;
   }
   if (!moved) return;
+  Eigen::MatrixXd impulses = s.bends.transpose() * given;  // with those of ties, on control points
+  for (int d = 0; d < 3 && !s.rows.empty(); ++d) {
+    const Eigen::VectorXd free = s.mobility[d].cwiseProduct(impulses.col(d));
+    const Eigen::VectorXd of_ties = s.weights.transpose() * s.factors[d]->solve(Eigen::VectorXd(s.weights * free));
+    impulses.col(d) -= of_ties;
+  }
   for (Eigen::Index k = 0; k < count; ++k) {
     const auto& [shell, slot] = s.points[k];
     ShellState& state = *shells[shell].state;
-    state.add_velocity(slot, Vec3(v.row(k)) - state.velocity(slot));
+    const Vec3 before = state.velocity(slot);
+    for (int d = 0; d < 3; ++d) {
+      if (s.mobility[d][k] > 0.0)
+        state.add_velocity(slot, (v(k, d) - before[d]) * Vec3::Unit(d));
+      else
+        state.pass_to_supports(slot, d, impulses(k, d));
+    }
   }
 }
 

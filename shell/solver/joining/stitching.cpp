@@ -50,7 +50,8 @@ Stitching::Stitching(const Stitches& stitches, const std::vector<const ShellMode
     const bool first = any_held(seam.first, seam.first_edge), second = any_held(seam.second, seam.second_edge);
     require(first == second,
             "a support of shell '{0}' holds its seam with shell '{1}', which does not hold it; give the support to the "
-            "same edge of both, or, where they are to stay apart there, add to seams: rules {{ first: \"{0}\" second: "
+            "same edge of both, by a box that holds both, or, where they are to stay apart there, add to seams: rules "
+            "{{ first: \"{0}\" second: "
             "\"{1}\" kind: OPEN }}",
             shells[first ? seam.first : seam.second]->name, shells[first ? seam.second : seam.first]->name);
   }

@@ -1,68 +1,15 @@
 // Shells of mesh files, from the file to the model.
 #include "shell/io/mesh_parts.h"
 
-#include <fstream>
-
-#include <gtest/gtest.h>
-
-#include "shell/io/build.h"
 #include "shell/io/inspect_mesh.h"
-#include "tests/shell/triangles.h"
-#include "tests/temporary_folder.h"
+#include "tests/shell/io/mesh_scene.h"
 
 using namespace sunder;
 using namespace sunder::shell;
 
 namespace {
 
-class MeshParts : public testing::Test {
- protected:
-  void write(const std::string& name, const std::string& text) const {
-    std::ofstream(folder.path + "/" + name) << text;
-  }
-  void write(const std::string& name, const Triangles& t) const {
-    std::ofstream out(folder.path + "/" + name);
-    for (const Vec3& x : t.points) out << fmt::format("v {:.17g} {:.17g} {:.17g}\n", x.x(), x.y(), x.z());
-    for (const FileTriangle& f : t.faces)
-      out << fmt::format("f {} {} {}\n", f.corners[0] + 1, f.corners[1] + 1, f.corners[2] + 1);
-  }
-  RunSetup setup(const std::string& mesh, const std::string& in_shell = "", const std::string& after = "",
-                 const std::string& in_material = "") const {
-    write("scene.textproto", R"(name: "mesh"
-end_time_s: 1
-window_s: 1e-4
-materials { name: "glass" density: 2500 youngs_modulus: 70e9 poisson_ratio: 0.22 )" +
-                                 in_material + R"( }
-shells {
-  name: "pane"
-  material: "glass"
-  thickness_m: 0.01
-  mesh { )" + mesh + " }\n" + in_shell +
-                                 "}\n" + after);
-    return build(scene::load(folder.path + "/scene.textproto", {}));
-  }
-  template <class... Args>
-  std::string refusal(Args&&... args) const {
-    try {
-      setup(std::forward<Args>(args)...);
-    } catch (const Error& e) {
-      EXPECT_EQ(e.status, Exit::kBadInput);
-      return e.what();
-    }
-    return "accepted";
-  }
-  static void expect_part(const std::string& text, const std::string& part) {
-    EXPECT_NE(text.find(part), std::string::npos) << text;
-  }
-  static double area(const RunSetup& r) {
-    double sum = 0.0;
-    for (const ShellSetup& s : r.shells)
-      for (const double part : s.model.mass) sum += part / (s.model.material.density * s.model.thickness);
-    return sum;
-  }
-
-  TemporaryFolder folder;
-};
+class MeshParts : public MeshScene {};
 
 Triangles sheet() {
   return lattice(12, 10, false, [](double u, double v) { return Vec3(u, 0.8 * v, 0.0); });
@@ -184,12 +131,126 @@ TEST_F(MeshParts, ElementsThatDoNotFitAreRefused) {
 TEST_F(MeshParts, WhatIsForOnePatchIsRefusedForSeveral) {
   write("a.obj", ball(0.5, 8));
   const std::string mesh = "path: 'a.obj' element_m: 0.08";
-  expect_part(refusal(mesh, "supports { edges: ALL kind: CLAMPED }"),
-              "shells[0].supports: is for a shell of one patch, and the mesh becomes 2 shells, pane.1 to pane.2");
+  expect_part(
+      refusal(mesh, "supports { edges: ALL kind: CLAMPED }"),
+      "shells[0].supports[0]: is for a shell of one patch, and the mesh becomes 2 shells, pane.1 to pane.2; give "
+      "boxes");
   expect_part(refusal(mesh, "loads { point { at { u: 0 v: 0 } force { z: 1 } } }"), "shells[0].loads[0]");
-  expect_part(refusal(mesh, "cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } }"), "shells[0].cuts");
+  expect_part(refusal(mesh, "cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } }"),
+              "shells[0].cuts[0]: is for a shell of one patch");
   EXPECT_EQ(refusal(mesh, "", "", "strength: 1e8 fracture_energy: 10"), "accepted");  // cracks run over their borders
   EXPECT_EQ(refusal(mesh, "loads { pressure: 1 }"), "accepted");
+}
+
+// Two plates beside each other, each with a group and a material.
+std::string two_groups() {
+  return "o both\nv 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 1 0\nv 1 1 0\nv 2 1 0\n"
+         "g left outer\nusemtl Red\nf 1 2 5 4\ng right outer\nusemtl Blue\nf 2 3 6 5\n";
+}
+
+TEST_F(MeshParts, GroupsHaveAThicknessAndAMaterialOfTheirOwn) {
+  write("a.obj", two_groups());
+  const std::string after = "materials { name: 'steel' density: 8000 youngs_modulus: 2e11 poisson_ratio: 0.3 }\n";
+  for (const char* name : {"group: 'right'", "usemtl: 'Blue'"}) {
+    const RunSetup r =
+        setup(fmt::format("path: 'a.obj' element_m: 0.2 parts {{ {} material: 'steel' thickness_m: 0.02 }}", name), "",
+              after);
+    ASSERT_EQ(r.shells.size(), 2u);
+    EXPECT_EQ(r.shells[0].model.name, "pane.1");
+    double mass[2] = {};
+    for (const int k : {0, 1})
+      for (const double part : r.shells[k].model.mass) mass[k] += part;
+    EXPECT_NEAR(mass[0] / (2500 * 0.01), 1.0, 1e-6);
+    EXPECT_NEAR(mass[1] / (8000 * 0.02), 1.0, 1e-6);
+    EXPECT_EQ(r.shells[1].model.material.youngs_modulus, 2e11);
+    EXPECT_EQ(r.shells[0].model.contact_group, r.shells[1].model.contact_group);
+    ASSERT_EQ(r.stitches.seams.size(), 1u);  // flat, so it bends as one surface
+    EXPECT_TRUE(r.stitches.seams[0].smooth);
+  }
+  EXPECT_EQ(setup("path: 'a.obj' element_m: 0.2").shells.size(), 1u);
+  EXPECT_EQ(setup("path: 'a.obj' element_m: 0.2 parts { group: 'both' thickness_m: 0.02 }").shells.size(), 1u);
+}
+
+TEST_F(MeshParts, PartsThatAreWrongAreRefused) {
+  write("a.obj", two_groups());
+  const auto told = [&](const std::string& part) {
+    return refusal("path: 'a.obj' element_m: 0.2 parts { " + part + " }");
+  };
+  expect_part(told("group: 'rigth' thickness_m: 0.02"),
+              "shells[0].mesh.parts[0].group: is 'rigth', which is no group of 'a.obj'; did you mean 'right'? It has: "
+              "left, outer, both, right");
+  expect_part(told("usemtl: 'Glass' thickness_m: 0.02"),
+              "parts[0].usemtl: is 'Glass', which is no usemtl of 'a.obj'; it has: Red, Blue");
+  expect_part(told("thickness_m: 0.02"), "parts[0]: names neither a group nor a usemtl of the file; name one of them");
+  expect_part(told("group: 'left' usemtl: 'Red' thickness_m: 0.02"), "names a group and a usemtl");
+  expect_part(told("group: 'left'"), "parts[0]: has neither a material nor a thickness_m of its own");
+  expect_part(told("group: 'left' thickness_m: -1"), "parts[0].thickness_m: is -1; must be positive");
+  expect_part(told("group: 'left' material: 'glas'"), "parts[0].material: 'glas' is no material of this scene");
+  expect_part(told("group: 'left' thickness_m: 0.02 } parts { group: 'left' thickness_m: 0.03"),
+              "parts[1]: is for the same faces as parts[0]");
+  expect_part(told("group: 'left' thickness_m: 0.02 } parts { group: 'outer' thickness_m: 0.03"),
+              "parts[1]: names the face of line 10 of 'a.obj', which parts[0] names too");
+  expect_part(refusal("path: 'a.obj' element_m: 0.2 parts { group: 'left' thickness_m: 0.02 }", "",
+                      "materials { name: 'm' density: 1 }\n"),
+              "accepted");
+  expect_part(refusal("path: 'a.obj' element_m: 0.2 parts { group: 'left' material: 'm' }", "",
+                      "materials { name: 'm' density: 1 }\n"),
+              "parts[0].material: 'm' has no youngs_modulus or poisson_ratio");
+  write("a.off", kSquare);
+  expect_part(refusal("path: 'a.off' element_m: 0.2 parts { group: 'left' thickness_m: 0.02 }"),
+              "parts[0].group: is 'left', and no face of 'a.off' has a group; export an OBJ file with groups");
+  write("b.obj", "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 0 1 0\nusemtl Red\nf 1 2 3 4\n");
+  expect_part(refusal("path: 'b.obj' element_m: 0.2 parts { group: 'left' thickness_m: 0.02 }"), "name a usemtl");
+}
+
+std::string painted(const std::string& colours) {
+  return "v 0 0 0 " + colours + "\nv 2 0 0 1 0.5 0\nv 2 1 0 1 0.5 0\nv 0 1 0 0 0.5 0\nf 1 2 3 4\n";
+}
+
+TEST_F(MeshParts, ColoursAreStrength) {
+  const std::string strong = "strength: 1e8 fracture_energy: 10";
+  write("a.obj", painted("0 0.5 0"));
+  write("a.ply",
+        "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+        "property uchar red\nproperty uchar green\nproperty uchar blue\n"
+        "element face 1\nproperty list uchar int vertex_indices\nend_header\n"
+        "0 0 0 0 127 0\n2 0 0 255 127 0\n2 1 0 255 127 0\n0 1 0 0 127 0\n4 0 1 2 3\n");
+  for (const char* end : {"obj", "ply"}) {
+    const RunSetup r = setup(
+        fmt::format("path: 'a.{}' element_m: 0.2 strength_paint {{ channel: RED low_factor: 0.2 high_factor: 1.2 }}",
+                    end),
+        "", "", strong);
+    ASSERT_EQ(r.shells.size(), 1u);
+    const ShellModel& m = r.shells[0].model;
+    for (int q = 0; q < m.tables.blocks(); ++q)
+      for (int e = 0; e < m.tables.spans_u; ++e) {
+        const double x = m.patch.evaluate(gauss_point(m.patch, m.tables, q, e).parameter).x.x();
+        EXPECT_NEAR(m.strength_factor_at(q, e), 0.2 + 0.5 * x, 1e-6);
+      }
+  }
+  const RunSetup r =
+      setup("path: 'a.obj' element_m: 0.2 strength_paint { channel: GREEN low_factor: 0.2 }", "", "", strong);
+  EXPECT_NEAR(r.shells[0].model.strength_factor_at(0, 0), 0.6, 1e-6);
+}
+
+TEST_F(MeshParts, PaintThatIsWrongIsRefused) {
+  const std::string strong = "strength: 1e8 fracture_energy: 10", mesh = "path: 'a.obj' element_m: 0.2 strength_paint ";
+  const auto told = [&](const std::string& paint) { return refusal(mesh + paint, "", "", strong); };
+  write("a.obj", painted("0 0.5 0"));
+  EXPECT_EQ(told("{ channel: RED low_factor: 0.5 }"), "accepted");
+  expect_part(told("{ low_factor: 0.5 }"),
+              "shells[0].mesh.strength_paint.channel: is missing; RED, GREEN, BLUE or GREY");
+  expect_part(told("{ channel: RED }"), "strength_paint.low_factor: is missing");
+  expect_part(told("{ channel: RED low_factor: 0 }"), "strength_paint.low_factor: is 0");
+  expect_part(told("{ channel: RED low_factor: 1 high_factor: 1e9 }"), "strength_paint.high_factor: is 1000000000");
+  expect_part(refusal(mesh + "{ channel: RED low_factor: 0.5 }"),
+              "strength_paint: scales the strength, which material 'glass' has not");
+  write("a.obj", painted("0 2 0"));
+  expect_part(told("{ channel: RED low_factor: 0.5 }"), "point 1 of 'a.obj', counted from 1, has the colour (0, 2, 0)");
+  write("a.obj", painted(""));
+  expect_part(told("{ channel: RED low_factor: 0.5 }"), "point 1 of 'a.obj', counted from 1, has no colour");
+  write("a.obj", sheet());
+  expect_part(told("{ channel: RED low_factor: 0.5 }"), "points of 'a.obj' have no colours; export a PLY or OBJ file");
 }
 
 TEST_F(MeshParts, InspectTellsChartsAndWhatIsRefused) {
