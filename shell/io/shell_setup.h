@@ -27,6 +27,7 @@ struct ShellSetup {
   double fibre_spacing = 0.0;   // of the fibres' grid, as the scene asks for it [m]
   std::vector<double> hertz{};  // stiffness of each body against the shell [N/m^1.5]; 0: impulses
   bool seam_may_part = false;   // a seam with a shell that can crack
+  std::string material{};       // its name in the scene
 
   bool can_crack() const { return shell::can_crack(fracture) || seam_may_part; }
 };

@@ -257,7 +257,11 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   if (recorder.peer()) j["engine"] = {{"name", recorder.peer()->name}, {"version", recorder.peer()->version}};
   j["counts"] = counts_of(run);
   j["shells"] = Json::array();
-  for (const ShellPart& part : state.shells) j["shells"].push_back(part.model().name);
+  j["shell_materials"] = Json::array(), j["shell_thickness_m"] = Json::array();
+  for (const ShellPart& part : state.shells) {
+    j["shells"].push_back(part.model().name), j["shell_materials"].push_back(part.setup->material);
+    j["shell_thickness_m"].push_back(part.model().thickness);
+  }
   j["time"] = time_of(run, recorder);
   j["energy"] = energy_of(run);
   j["cracks"] = cracks_of(run);

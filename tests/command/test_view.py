@@ -251,6 +251,13 @@ class SceneText(InAFolder):
         self.assertEqual((words.shells, words.materials), (tuple(told["shells"]), ("clay", "clay", "clay", "glass")))
         self.assertEqual((words.glass, words.thickness), ((False, False, False, True), (0.01, 0.01, 0.01, 0.02)))
         self.assertEqual(words.surface_density[:3], (20.0,) * 3)
+        own = {**told, "shell_materials": ["clay", "glass", "clay", "glass"], "shell_thickness_m": [0.01, 0.03, 0.01, 0.02]}
+        (self.folder / "run.json").write_text(json.dumps(own))  # a part of the mesh has its own
+        words = scene_words(self.folder)
+        self.assertEqual((words.materials, words.glass), (("clay", "glass", "clay", "glass"), (False, True, False, True)))
+        self.assertEqual((words.thickness[1], words.breaks), (0.03, (True, False, True, False)))
+        (self.folder / "run.json").write_text(json.dumps({**own, "shell_materials": ["clay", "jade", "clay", "glass"]}))
+        self.assertEqual(scene_words(self.folder).materials, ("clay", "clay", "clay", "glass"))
         for shells in (["vase.1", "vase.2", "jug.1", "lid"], ["vase.1", "lid"], "lid", None):  # of no shell, too few, no list
             (self.folder / "run.json").write_text(json.dumps({**told, "shells": shells}))
             self.assertEqual(scene_words(self.folder), Words())

@@ -146,7 +146,8 @@ def _words_of_run(folder: Path) -> Words:
     copy = folder / SCENE_COPY
     path, settings = (copy, []) if copy.is_file() else _scene_file(folder)
     try:
-        words = words_of(parse_text(path.read_text()), settings)
+        scene = parse_text(path.read_text())
+        words = words_of(scene, settings)
     except (OSError, ValueError) as error:
         raise SceneTextError(f"{path} cannot be read ({error})") from None
     run = read_run(folder)
@@ -154,7 +155,7 @@ def _words_of_run(folder: Path) -> Words:
     patches = counts.get("patches") if isinstance(counts, dict) else None
     names = run.get("shells")
     if isinstance(names, list) and len(names) == patches:
-        words = _of_parts(words, [str(name) for name in names])
+        words = _with_own(_of_parts(words, [str(name) for name in names]), scene, run)
     if patches not in (None, len(words.shells)):
         raise SceneTextError(f"{path} has {len(words.shells)} shells, the run {patches}")
     return words
@@ -177,6 +178,20 @@ def _of_parts(words: Words, names: list[str]) -> Words:
 
     return replace(words, shells=tuple(names), materials=of(words.materials), glass=of(words.glass), breaks=of(words.breaks),
                    surface_density=of(words.surface_density), thickness=of(words.thickness))
+
+
+def _with_own(words: Words, scene: Message, run: dict[str, Any]) -> Words:
+    """The same with the materials and thicknesses that shells of the run have: parts of a mesh have their own."""
+    of, thick = run.get("shell_materials"), run.get("shell_thickness_m")
+    if not isinstance(of, list) or not isinstance(thick, list) or not len(of) == len(thick) == len(words.shells):
+        return words
+    materials = {_one(m, "name"): m for m in scene.get("materials", [])}
+    if any(name not in materials for name in of):
+        return words
+    thickness = [float(t) for t in thick]
+    return replace(words, materials=tuple(of), glass=tuple(_kind(m, materials[m]) == "glass" for m in of),
+                   breaks=tuple(_one(materials[m], "strength") is not None for m in of), thickness=tuple(thickness),
+                   surface_density=tuple(_number(_one(materials[m], "density")) * t for m, t in zip(of, thickness)))
 
 
 def _scene_file(folder: Path) -> tuple[Path, list[str]]:
