@@ -24,8 +24,8 @@ TOP = Path(__file__).resolve().parents[2]
 BUILD = os.environ["SUNDER_BUILD_DIR"]
 GLASS = TOP / "scenes" / "glass.textproto"  # a pane, a ball (1) and a floor (2)
 SETTINGS = ("shells[pane].plate.elements_x=40", "shells[pane].plate.elements_y=40", "end_time_s=1.2e-3",
-            "fracture.latest_freeze_s=1e-3", "bodies[ball].twist.linear.z=-15",
-            "materials[glass].toughening=0", "materials[glass].branch_drive=2", "materials[glass].fracture_energy=4",  # many shards
+            "fracture.latest_freeze_s=1e-3", "bodies[ball].twist.linear.z=-20",
+            "materials[glass].toughening=0", "materials[glass].branch_drive=2", "materials[glass].fracture_energy=3",  # many shards
             "output.checkpoint_interval_s=4e-4",
             "output.frame_interval_s=5e-5")
 EVERY_WINDOW, ONE_IN_FOUR = "output.shell_frame_interval_s=5e-5", "output.shell_frame_interval_s=2e-4"

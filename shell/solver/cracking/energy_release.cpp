@@ -194,11 +194,12 @@ Present look_at(const ShellModel& m, const ShellState& s, const ReleaseRing& rin
   return now;
 }
 
-// The linear field nearest to the advance pushed forward: at the tip, and its change along u and along v.
+// The linear field nearest to the advance pushed forward: at the tip, and its change along u and along v. `spacing` [m]
+// makes the equations free of units: which of them is solved first must not depend on the unit.
 struct LinearField {
   Vector<Pack> middle, u, v;
 };
-LinearField nearest_field(const std::vector<Present>& points, int k) {
+LinearField nearest_field(const std::vector<Present>& points, int k, double spacing) {
   Pack square[6] = {};
   Vector<Pack> right[3] = {};
   for (const Present& p : points) {
@@ -214,7 +215,9 @@ LinearField nearest_field(const std::vector<Present>& points, int k) {
   for (int i = 0; i < 6; ++i) sums[i] = sum_of(square[i]);
   a << sums[0], sums[1], sums[2], sums[1], sums[3], sums[4], sums[2], sums[4], sums[5];
   for (int i = 0; i < 3; ++i) b.row(i) << sum_of(right[i].x), sum_of(right[i].y), sum_of(right[i].z);
-  const Eigen::Matrix3d fit = a.ldlt().solve(b);
+  const Eigen::Vector3d free(1.0, 1.0 / spacing, 1.0 / spacing);
+  const Eigen::Matrix3d fit =
+      free.asDiagonal() * (free.asDiagonal() * a * free.asDiagonal()).ldlt().solve(free.asDiagonal() * b);
   return {in_all_lanes(fit.row(0)), in_all_lanes(fit.row(1)), in_all_lanes(fit.row(2))};
 }
 
@@ -289,7 +292,7 @@ Vec2 energy_release_at(const ShellModel& m, const ShellState& s, const ReleaseLo
   if (sound < 4) return Vec2::Zero();  // fewer fix no linear field
   Vec2 sum = Vec2::Zero();
   for (int k = 0; k < 2; ++k) {
-    const LinearField field = nearest_field(points, k);
+    const LinearField field = nearest_field(points, k, m.spacing);
     Pack all{};
     for (const Present& p : points)
       all += select(p.sound, p.at->area * density_at(p, k, field, m.material.density * m.thickness), Pack{});
