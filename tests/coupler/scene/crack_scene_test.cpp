@@ -102,7 +102,7 @@ TEST(Cut, ThatLeavesTheDomainIsRefusedWithHowFar) {
 TEST(Cut, OfTooFewPointsOrNoLengthIsRefused) {
   expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } }"), "shells[0].cuts[0].points",
                  {"has 1 points", "at least two"});
-  expect_refusal(scene("cuts { time_s: 1 }"), "shells[0].cuts[0].points", {"circle, curve or spiral"});
+  expect_refusal(scene("cuts { time_s: 1 }"), "shells[0].cuts[0].points", {"circle, curve, spiral or line"});
   expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: 0.2 v: 0.1 } points { u: 0.2 v: 0.1 } }"),
                  "shells[0].cuts[0].points[2]", {"as points[1] is", "leave one of them out"});
   expect_refusal(scene("cuts { points { u: 0.1 v: 0.1 } points { u: nan v: 0.1 } }"), "shells[0].cuts[0].points[1]",
