@@ -348,8 +348,8 @@ class Peers(JoltCase):
 
     def test_dies_with_its_parent(self) -> None:
         # the parent says its child's number, and waits
-        program = "import subprocess, sys\np = subprocess.Popen(sys.argv[1:])\nprint(p.pid, flush=True)\np.wait()\n"
-        parent = subprocess.Popen(["/usr/bin/python3", "-c", program, program("jolt"), "--die-with-parent",
+        parents_words = "import subprocess, sys\np = subprocess.Popen(sys.argv[1:])\nprint(p.pid, flush=True)\np.wait()\n"
+        parent = subprocess.Popen(["/usr/bin/python3", "-c", parents_words, program("jolt"), "--die-with-parent",
                                    "--endpoint", "ipc:///tmp/none"], stdout=subprocess.PIPE, text=True)
         self.addCleanup(parent.communicate)
         assert parent.stdout is not None
