@@ -68,8 +68,9 @@ class Motion:
         """Returns the largest mean force over any interval of this length [N], without gravity.
 
         It is the largest impulse in such an interval over its length. It converges as windows get shorter, since the
-        interval stays; within it, the force may have been larger. Raises CommandError where rows of the probe are too
-        far apart to tell.
+        interval stays; within it, the force may have been larger. The impulse of a window is spread over it: where a
+        first touch is late in its window, the mean is too small by up to the force after it times window over interval.
+        Raises CommandError where rows of the probe are too far apart to tell.
         """
         check_interval(interval_s)
         if interval_s > self.time[-1] - self.time[0]:

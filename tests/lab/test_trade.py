@@ -106,11 +106,25 @@ class Plans(unittest.TestCase):
 
     def test_the_reference_takes_at_most_half_the_budget(self) -> None:
         # one run takes 1 s; a reference and its next finest 1 + 0.35, 2.8 + 1, 8 + 2.8, 22.6 + 8 s
+        def none(setting: Setting) -> str:
+            return ""
+
         for limit, level in ((2.8, 0), (7.5, 0), (7.8, 1), (21.5, 1), (21.8, 2), (61.0, 2), (62.0, 3), (1e6, 4)):
-            self.assertEqual(reference_level(Budget(limit, 1, 1.0), self.level), level, limit)
+            self.assertEqual(reference_level(Budget(limit, 1, 1.0), self.level, none), level, limit)
         with self.assertRaisesRegex(sunder.Error, r"half of the budget; give --budget 0\.05, or shorten the scene"):
-            reference_level(Budget(2.6, 1, 1.0), self.level)
-        self.assertEqual(reference_level(Budget(21.8, 4, 1.0), self.level), 0)  # four runs of each
+            reference_level(Budget(2.6, 1, 1.0), self.level, none)
+        self.assertEqual(reference_level(Budget(21.8, 4, 1.0), self.level, none), 0)  # four runs of each
+
+    def test_what_the_solver_refuses_is_no_reference(self) -> None:
+        coarse, fine = {self.level(-1).label}, {self.level(2).label}
+        for limit, bad, level in ((7.8, coarse, 1), (21.8, fine, 1), (1e6, fine, 4), (1e6, coarse | fine, 4), (61.0, fine, 1)):
+            self.assertEqual(reference_level(Budget(limit, 1, 1.0), self.level, lambda s, b=bad: s.label if s.label in b else ""),
+                             level, limit)
+        with self.assertRaisesRegex(sunder.Error, r"own, 1 runs each.*give --budget 0\.14, or shorten"):
+            reference_level(Budget(2.8, 1, 1.0), self.level, lambda s: s.label if s.label in coarse else "")
+        self.assertEqual(reference_level(Budget(60 * 0.14, 1, 1.0), self.level, lambda s: s.label if s.label in coarse else ""), 1)
+        with self.assertRaisesRegex(sunder.Error, "no setting can be held against a finer one: too coarse"):
+            reference_level(Budget(2.8, 1, 1.0), self.level, lambda s: "too coarse")
 
     def test_cheapest_first_as_far_as_the_budget_goes(self) -> None:
         settings = [Setting((change("layers", str(n), float(n)),)) for n in (5, 2, 3, 9)]
@@ -298,7 +312,7 @@ class Whole(unittest.TestCase):
         self.assertRegex(err, "inside shell 'pane'")
 
     def test_from_scene_to_front_and_again(self) -> None:
-        arguments = (*self.COARSE, "--jobs", "2", "--budget", "0.06", "--vary", "elements,engine", "--json", str(self.here / "all.json"))
+        arguments = (*self.COARSE, "--jobs", "2", "--budget", "0.12", "--vary", "elements,engine", "--json", str(self.here / "all.json"))
         status, out, err = self.trade(*arguments)
         self.assertEqual(status, 0, err)
         found = json.loads((self.here / "all.json").read_text())

@@ -44,22 +44,29 @@ class Budget:
         return False
 
 
-def reference_level(budget: Budget, level: Callable[[int], Setting]) -> int:
+def reference_level(budget: Budget, level: Callable[[int], Setting], refused: Callable[[Setting], str]) -> int:
     """The finest level that can be run beside the next finest with the reference's share of the budget.
 
-    Raises CommandError where not even the scene's own setting can, with the budget that it would take.
+    `refused` says why the solver would not take a setting, or nothing. Raises CommandError where not even the coarsest
+    level that it takes beside its neighbour fits, with the budget that it would need.
     """
     def cost(k: int) -> float:
         return sum(budget.guess(level(i)) for i in (k, k - 1))
 
     share = REFERENCE_SHARE * budget.limit_s
-    fitting = [k for k in range(COARSEST + 1, FINEST + 1) if cost(k) <= share]
-    if not fitting:
-        least = cost(COARSEST + 1) / 60.0
-        raise CommandError(f"--budget {budget.limit_s / 60:g}: the scene as it is and a coarser one, {budget.runs} runs each, "
-                           f"take about {least:.2g} minutes of processor time, and may take half of the budget; give "
-                           f"--budget {least / REFERENCE_SHARE * 1.1:.2g}, or shorten the scene with --until")
-    return max(fitting)
+    # finest first: what is asked of the solver takes time
+    for k in range(FINEST, COARSEST, -1):
+        if cost(k) <= share and not (refused(level(k)) or refused(level(k - 1))):
+            return k
+    why = ""
+    for k in range(COARSEST + 1, FINEST + 1):
+        why = refused(level(k - 1)) or refused(level(k))
+        if not why:
+            least = cost(k) / 60.0
+            raise CommandError(f"--budget {budget.limit_s / 60:g}: {level(k).label} and {level(k - 1).label}, {budget.runs} runs "
+                               f"each, take about {least:.2g} minutes of processor time, and may take half of the budget; give "
+                               f"--budget {least / REFERENCE_SHARE * 1.1:.2g}, or shorten the scene with --until")
+    raise CommandError(f"no setting can be held against a finer one: {why}")
 
 
 def rounds(settings: Sequence[Setting], budget: Budget, at_once: int,

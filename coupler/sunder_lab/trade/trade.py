@@ -118,7 +118,7 @@ class Trade:
             def level(k: int) -> Setting:
                 return finer(self.scene, k)
 
-            best = reference_level(budget, level)
+            best = reference_level(budget, level, self._refused)
             campaign.say(f"a run takes {budget.own_s:.3g} s; the reference is: {level(best).label}")
             reference, beside = level(best), level(best - 1)
             self._run(campaign, [beside], budget)
@@ -143,6 +143,14 @@ class Trade:
             campaign.write(results, times)
         return Outcome(self.name or self.scene.message.name, rows, reference.label, beside.label, errors, chance, seeds,
                        sum(budget.spent.values()), budget.limit_s, budget.left_out, left, self._not_compared(errors))
+
+    def _refused(self, setting: Setting) -> str:
+        """Why the solver would not take this setting; empty where it does."""
+        try:
+            setting.scene(prepared(self.scene)).check()
+        except CommandError as error:
+            return f"{setting.label}: {error}"
+        return ""
 
     def _together(self, campaign: Campaign, budget: Budget, changes: list[Change], single: list[Setting],
                   reference: Setting, errors: dict[str, float], chance: bool, at_once: int) -> list[Setting]:
