@@ -1,6 +1,7 @@
 // A Jolt world without gravity, damping and sleeping. Lengths and masses are in Jolt's units (jolt_shapes.mjs).
 import { Exit, Failure } from './failure.mjs';
 import { kLength, kMass, Shapes } from './jolt_shapes.mjs';
+import { ContactLaws } from './laws.mjs';
 
 // Limits: Jolt's scratch memory of 10 MB holds 472 bytes for each possible contact.
 const kMaxBodies = 65536, kMaxPairs = 131072, kMaxContacts = 12288;
@@ -16,8 +17,6 @@ const kImpactSpeed = 5; // [cm/s]
 /** Jolt clamps larger speeds without a message; bodies here are far slower. */
 const kNoLimit = 1e9;
 const kStill = 0, kMoving = 1; // layers
-
-const kOtherPairs = { friction: 0.5, restitution: 0 };
 
 /** Key of a pair of bodies, in either order. */
 const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`);
@@ -50,7 +49,7 @@ export class World {
     this.angular = new jolt.Vec3(0, 0, 0);
     this.system.SetGravity(this.linear);
 
-    this.laws = new Map(); // by contact group: a map from the other group to coefficients
+    this.laws = new ContactLaws();
     this.byPointer = new Map(); // from Jolt's body to the argument of add()
     this.solved = new Set(); // ids of bodies whose contacts are left out
     this.joints = [];
@@ -86,7 +85,7 @@ export class World {
         settings.mIsSensor = true;
         return;
       }
-      const law = this.laws.get(a.group)?.get(b.group) ?? kOtherPairs;
+      const law = this.laws.between(a.group, b.group);
       settings.mCombinedFriction = law.friction;
       settings.mCombinedRestitution = this.relaxing ? 0 : law.restitution;
       a.met = a.struck = true;
@@ -101,15 +100,7 @@ export class World {
 
   /** Replaces all contact laws. */
   setLaws(laws) {
-    this.laws.clear();
-    const put = (a, b, law) => {
-      if (!this.laws.has(a)) this.laws.set(a, new Map());
-      this.laws.get(a).set(b, law);
-    };
-    for (const law of laws) {
-      put(law.first_group, law.second_group, law);
-      put(law.second_group, law.first_group, law);
-    }
+    this.laws.set(laws);
   }
 
   /** Adds a body and returns Jolt's one, whose origin is its centre of mass. A step marks `held` as `met` and `struck`

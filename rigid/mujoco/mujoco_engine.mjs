@@ -1,6 +1,7 @@
 // Rigid bodies in MuJoCo, taken through windows (rigid/README.md "A window"). Motions are kept here. MuJoCo finds contacts
 // and solves them; a body without contacts ends in its predicted state, to the bit.
 import * as m from '../jolt/algebra.mjs';
+import { ContactLaws } from '../jolt/laws.mjs';
 import { armOf, corners, findContacts, reach } from './mujoco_contacts.mjs';
 import { takeGainBack } from './mujoco_energy.mjs';
 import { makeJoint } from './mujoco_joints.mjs';
@@ -15,7 +16,6 @@ const kImpactSpeed = 0.05; // [m/s]
 /** Overlap that stays. MuJoCo finds all corners of touching faces only where bodies overlap. */
 const kSlack = 5e-6; // [m]
 const kPushShare = 0.2; // of an overlap from before, removed in a window; what turning bodies add in it goes at once
-const kOtherPairs = { friction: 0.5, restitution: 0 };
 
 /** Key of a pair of bodies, in either order. */
 const pair = (a, b) => (a < b ? `${a} ${b}` : `${b} ${a}`);
@@ -28,7 +28,7 @@ export class MuJoCoEngine {
     this.moving = []; // by ascending id
     this.joints = new Map(); // by id
     this.linked = new Set(); // pairs of bodies that do not collide: pair()
-    this.laws = new Map(); // by contact group: a map from the other group to coefficients
+    this.laws = new ContactLaws();
     this.model = null; // null: bodies came since it was compiled
     this.info = {
       name: 'mujoco',
@@ -48,15 +48,7 @@ export class MuJoCoEngine {
 
   /** Replaces all contact laws. */
   setContactLaws(laws) {
-    this.laws.clear();
-    const put = (a, b, law) => {
-      if (!this.laws.has(a)) this.laws.set(a, new Map());
-      this.laws.get(a).set(b, law);
-    };
-    for (const law of laws) {
-      put(law.first_group, law.second_group, law);
-      put(law.second_group, law.first_group, law);
-    }
+    this.laws.set(laws);
   }
 
   /** Adds a body with a new id. Throws Failure (bad_body). */
@@ -133,7 +125,7 @@ export class MuJoCoEngine {
       .filter(({ first, second }) => !(solved.has(first.id) || solved.has(second.id) ||
         this.linked.has(pair(first.id, second.id))));
     for (const one of found) {
-      one.law = this.laws.get(one.first.group)?.get(one.second.group) ?? kOtherPairs;
+      one.law = this.laws.between(one.first.group, one.second.group);
       const speed = (held, local) => (held.slot < 0 ? [0, 0, 0] :
         m.add(held.linear, m.cross(held.angular, armOf(held, local))));
       one.approach = m.dot(one.normal, m.subtract(speed(one.first, one.firstPoint), speed(one.second, one.secondPoint)));

@@ -7,7 +7,7 @@ import subprocess
 import tempfile
 import unittest
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -185,3 +185,60 @@ class Flight:
 
     def at(self, number: int, what: str = "position") -> np.ndarray:
         return vector(self.states[number][what])
+
+
+class EngineCase(unittest.TestCase):
+    """Tests of one engine under Node.js, skipped where it cannot run."""
+    engine = ""
+    why_not = ""
+    sessions: Sessions | None = None
+
+    def setUp(self) -> None:
+        if self.why_not:
+            self.skipTest(self.why_not)
+
+    def anew(self) -> Sessions:
+        """The one client of a test, in a new session."""
+        if self.sessions is None:
+            self.sessions = Sessions(self, self.engine)
+        else:
+            self.sessions.tell({"anew": True})
+        return self.sessions
+
+    def flight(self, bodies: list[Message], **more: object) -> Flight:
+        return Flight(self.anew(), bodies, **more)  # type: ignore[arg-type]
+
+
+class AnyEngine(EngineCase if TYPE_CHECKING else object):
+    """What every engine under Node.js does. `momentum`: round-off of a momentum of the order of 1 kg m/s."""
+    momentum = 0.0
+
+    def test_what_nothing_touches_comes_back_to_the_bit(self) -> None:
+        shard = slab(7, (0.02, 0.013, 0.0015), (0.1, -0.2, 5.0), parts=2, velocity=(1 / 3, 2, 3))
+        # 4000 rad/s turns four radians a window
+        for spin in (3.0, 4000.0):
+            shard["angular_momentum"] = xyz(spin * vector(shard["principal_inertia"]) * (0.3, 0.5, 0.8))
+            flight = self.flight([shard, floor(1)])
+            for _ in range(50):
+                handback, = flight.window()
+                state = flight.states[7]
+                self.assertEqual({key: state[key] for key in handback}, handback)
+
+    def test_balls_part_by_their_restitution_and_keep_momentum(self) -> None:
+        for restitution in (0.0, 0.4, 1.0):
+            flight = self.flight([ball(1, 0.05, 0.3, (0, 0, 0), (2, 0, 0)), ball(2, 0.03, 0.7, (0.1013, 0, 0), (-1.1, 0, 0))],
+                                 gravity=0.0, laws=[{"friction": 0.3, "restitution": restitution}])
+            flight.run(60)
+            a, b = flight.at(1, "velocity")[0], flight.at(2, "velocity")[0]
+            self.assertAlmostEqual(b - a, restitution * 3.1, delta=1e-6)
+            self.assertAlmostEqual(0.3 * a + 0.7 * b, 0.3 * 2.0 - 0.7 * 1.1, delta=self.momentum)
+
+    def test_laws_belong_to_pairs_of_groups(self) -> None:
+        def hop(group: int) -> float:
+            dropped = ball(1, 0.05, 1.0, (0, 0, 0.051), (0, 0, -1))
+            flight = self.flight([{**dropped, "contact_group": group}, floor(2)], gravity=0.0,
+                                 laws=[{"first_group": 5, "second_group": 0, "restitution": 0.5}])
+            flight.run(10)
+            return float(flight.at(1, "velocity")[2])
+        self.assertAlmostEqual(hop(5), 0.5, delta=1e-5)
+        self.assertAlmostEqual(hop(6), 0.0, delta=1e-5)
