@@ -189,6 +189,15 @@ std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& 
   return linear_stress(n, p.kind == PointKind::kLinear ? none : m, thickness_of(t.layers));
 }
 
+double largest_stretch(const RowTables& t, const GatheredPoint& p, const std::vector<double>& x) {
+  const Derivatives<double> d = gather(t, p, x);
+  const Sym2<double> c{dot(d.u, d.u), dot(d.v, d.v), dot(d.u, d.v)}, &a = p.metric.a;
+  const double inverse = 1.0 / determinant(a);
+  // squares of the stretches are the eigenvalues of a^-1 c
+  const double half = 0.5 * inverse * (a.c22 * c.c11 + a.c11 * c.c22 - 2.0 * a.c12 * c.c12);
+  return std::sqrt(half + std::sqrt(std::max(0.0, half * half - inverse * determinant(c))));
+}
+
 void spread(const RowTables& t, const GatheredPoint& p, const Derivatives<double>& g, int k,
             std::vector<double>& force) {
   const auto along = [&](const Vector<double>& v) { return k == 0 ? v.x : k == 1 ? v.y : v.z; };

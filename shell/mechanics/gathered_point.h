@@ -71,6 +71,9 @@ Derivatives<double> gather(const RowTables& t, const GatheredPoint& point, const
 /// Stress of both faces of a point without damage [Pa]: 11 22 12 of the lower face, then of the upper.
 std::array<double, 6> undamaged_stress(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
 
+/// Largest principal stretch of the middle surface at a point.
+double largest_stretch(const RowTables& t, const GatheredPoint& point, const std::vector<double>& x);
+
 /// Stress of both faces [Pa] by resultants n [N/m] and m [N], each 11 22 12, of a section of `thickness` [m].
 inline std::array<double, 6> linear_stress(const double* n, const double* m, double thickness) {
   std::array<double, 6> faces{};

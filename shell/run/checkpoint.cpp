@@ -71,7 +71,7 @@ void archive_state(A& a, const RunSetup& setup, State& state) {
       state.bodies.emplace_back(std::move(bodies[i]), i < setup.driven.size() ? setup.driven[i] : nullptr,
                                 i < arrived.size() ? arrived[i] : 0.0);
   }
-  archive_all(a, state.stitching, state.seam_strength);
+  archive_all(a, state.stitching, state.seam_strength, state.seam_damage);
   state.soft.archive_state(a);
   for (ShellPart& part : state.shells) {
     archive_one(a, part);

@@ -224,6 +224,7 @@ Json models_of(const RunParts& run) {
   models.add(state.fibres != nullptr, "fibres", "shells with fibres can meet", Stage::kFibres);
   models.add(!setup.stitches.seams.empty(), "seams", "shells hang together", Stage::kInternalForce);
   models.add(!state.seam_strength.empty(), "seam_strength", "a rule of seams has a strength", Stage::kInternalForce);
+  models.add(!state.seam_damage.empty(), "seam_damage", "damage cracks a shell that has a seam", Stage::kCrackUpdate);
   models.add(any([](const ShellSetup& s) { return !s.model.releases.empty(); }), "support_release",
              "a support has until_s", Stage::kKickDrift);
   models.add(!setup.fields.empty(), "fields", "output.fields are given", Stage::kIo);

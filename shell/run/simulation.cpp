@@ -100,6 +100,12 @@ void Simulation::prepare() {
   const std::vector<const ShellModel*> models = setup_.models();
   state.stitching = Stitching(setup_.stitches, models);
   state.seam_strength = SeamStrength(setup_.stitches.seams, models, state.stitching);
+  std::vector<double> reach;
+  for (const ShellSetup& s : setup_.shells) {
+    const FractureRules& f = s.fracture;
+    reach.push_back(f.damages() && f.damage.extract ? f.damage.damaged_reach * s.model.spacing : 0.0);
+  }
+  state.seam_damage = SeamDamage(setup_.stitches.seams, models, reach);
   if (setup_.shells_meet) {
     std::vector<std::vector<SurfaceLaw>> laws(models.size(), std::vector<SurfaceLaw>(models.size()));
     for (std::size_t i = 0; i < models.size(); ++i)

@@ -15,6 +15,7 @@
 #include "shell/soft/soft_bodies.h"
 #include "shell/solver/contact/fibres.h"
 #include "shell/solver/contact/shell_contact.h"
+#include "shell/solver/joining/seam_damage.h"
 #include "shell/solver/joining/seam_strength.h"
 
 namespace sunder::shell {
@@ -45,6 +46,7 @@ struct State {
   std::vector<ShellPart> shells;
   Stitching stitching;                    // of the shells, along seams
   SeamStrength seam_strength;             // of seams that open at a force
+  SeamDamage seam_damage;                 // of seams that open where damage is complete
   std::unique_ptr<ShellContact> contact;  // between shells; null where they cannot meet
   std::unique_ptr<Fibres> fibres;         // null where no shell has any
   SoftBodies soft;

@@ -149,6 +149,10 @@ void crack_update(const Model& model, State& state, Scratch& scratch, const Cloc
     Stopwatch w(scratch.times[Stage::kCrackUpdate]);
     state.seam_strength.open(refs(state, scratch), model.setup.stitches.seams, state.stitching);
   }
+  if (k == n - 1 && !state.seam_damage.empty()) {
+    Stopwatch w(scratch.times[Stage::kCrackUpdate]);
+    state.seam_damage.open(refs(state, scratch), model.setup.stitches.seams, state.stitching);
+  }
   if (!model.setup.can_crack()) return;
   Stopwatch w(scratch.times[Stage::kCrackUpdate]);
   propagate_over_seams(model.setup.stitches.seams, refs(state, scratch), model.tips, state.stitching,

@@ -226,7 +226,8 @@ int start_broad(const ShellModel& m, ShellState& s, const DamageRules& r, const 
 }
 
 // A point that is stretched far beyond complete damage and was not cut becomes rubble: it bears no tension any more,
-// and would only grow into a distorted ligament.
+// and would only grow into a distorted ligament. The stress of some laws grows no further however far they are
+// stretched: then the stretch decides. Its limit is that of pure shear, beyond which a linear law's stress is as large.
 void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
   for (std::size_t i = 0; i < s.cracked.gathered.size(); ++i) {
     GatheredPoint& g = s.cracked.gathered[i];
@@ -234,7 +235,10 @@ void tear(const ShellModel& m, ShellState& s, const DamageRules& r) {
     if (g.kind == PointKind::kDead || d.damage() < 1.0f) continue;
     const std::array<double, 6> six = undamaged_stress(m.tables, g, s.motion.x);
     const double limit = r.torn_stress * d.strength * (1.0 + s.layers.brittleness) / s.layers.brittleness;
-    if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit) continue;
+    const double strain = limit * (1.0 + m.material.poisson_ratio) / m.material.youngs_modulus;
+    if (std::min(principal(six[0], six[1], six[2]).high, principal(six[3], six[4], six[5]).high) < limit &&
+        largest_stretch(m.tables, g, s.motion.x) < 1.0 + strain)
+      continue;
     s.book.fracture += point_energy(m.tables, g, s.motion.x, &d, s.layers.brittleness, s.layers.heals);
     gather_point(m, s, g.block, g.lane);
     g.kind = PointKind::kDead, g.functions.clear();

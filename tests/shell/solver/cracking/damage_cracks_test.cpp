@@ -168,3 +168,27 @@ TEST(ExtractCracks, TornPointsLetGoAndAreCounted) {
   extract_cracks(m, s, 0.0);
   EXPECT_EQ(s.rubble(), damaged);
 }
+
+TEST(ExtractCracks, PointsOfALawWhoseStressNoLongerGrowsAreTornByTheirStretch) {
+  ShellMaterial cloth;
+  cloth.density = 20, cloth.youngs_modulus = 3200, cloth.poisson_ratio = 0.3;
+  cloth.strength = 500, cloth.fracture_energy = 1.6;
+  const ShellModel m =
+      make_shell("cloth", plate(0.3, 0.3, 32, 32, Vec3::Zero(), Quat::Identity()), 0.005, cloth, 2, 2, {});
+  const DamageRules rules;
+  for (const double share : {0.99, 1.01}) {
+    ShellState s = make_state(m, Vec3::Zero(), 1);
+    s.layers.brittleness = brittleness(cloth.strength, cloth.youngs_modulus, cloth.fracture_energy, width(m));
+    ASSERT_GT(s.layers.brittleness, 0.0);
+    damage_where(m, s, [&](const Vec2& p) { return (p - Vec2(0.15, 0.15)).norm() < 0.4 * m.spacing; });
+    const int damaged = static_cast<int>(s.cracked.gathered.size());
+    ASSERT_GT(damaged, 0);
+    const double complete = cloth.strength * (1.0 + s.layers.brittleness) / s.layers.brittleness;
+    const double stretch = 1.0 + share * rules.torn_stress * complete * 1.3 / cloth.youngs_modulus;
+    stretch_x(m, s, 0.5 * (stretch * stretch - 1.0));
+    const std::array<double, 6> six = undamaged_stress(m.tables, s.cracked.gathered[0], s.motion.x);
+    EXPECT_LT(six[0], 0.25 * rules.torn_stress * complete);  // the stress would never tell
+    extract_cracks(m, s, 0.0);
+    EXPECT_EQ(s.rubble(), share > 1.0 ? damaged : 0) << stretch;
+  }
+}

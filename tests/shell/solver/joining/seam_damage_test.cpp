@@ -1,0 +1,104 @@
+// Seams that open where damage is complete.
+#include "shell/solver/joining/seam_damage.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/shell/damaging_panel.h"
+#include "tests/shell/stitched.h"
+
+using namespace sunder;
+using namespace sunder::shell;
+
+namespace {
+
+ShellModel half(const char* name, const Patch& patch) {
+  ShellMaterial m;
+  m.density = 1000, m.youngs_modulus = kYoung, m.poisson_ratio = 0.3;
+  m.strength = kStrength, m.fracture_energy = kToughness;
+  return make_shell(name, patch, 0.01, m, 2, 2, {});
+}
+
+/// Two halves of a square of 0.3 m, which hang together at x = 0.15; the right one has its parameters turned.
+Stitched halves(int turns, int right_rows = 40) {
+  return Stitched({half("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40)),
+                   half("right", turned(flat(0.15, 0.3, 0.0, 0.3, 20, right_rows), turns))});
+}
+
+/// Rest places along the seam [m] of the points that still join the halves.
+std::vector<double> joined_at(Stitched& s) {
+  std::vector<double> out;
+  s.stitching().each_dependence([&](int shell, int slot, int, int) {
+    const ShellModel& m = s.model(shell);
+    const Vec3 x = s.state(shell).at(m.rest, slot);
+    if (std::abs(x.x() - 0.15) < 1e-9) out.push_back(x.y());
+  });
+  return out;
+}
+
+/// Complete damage in half k, nearer to the seam than `depth` and from `from` to `to` along it [m].
+void spend(Stitched& s, int k, double depth, double from, double to) {
+  s.state(k).layers.brittleness = brittleness(kStrength, kYoung, kToughness, width(s.model(k)));
+  damage_where(s.model(k), s.state(k), [&](const Vec2& p) {
+    const Vec3 x = s.model(k).patch.evaluate(p).x;
+    return std::abs(x.x() - 0.15) < depth && x.y() > from && x.y() < to;
+  });
+}
+
+SeamDamage watched(Stitched& s) { return SeamDamage(s.seams(), {&s.model(0), &s.model(1)}, {0.075, 0.075}); }
+
+}  // namespace
+
+TEST(SeamDamage, ATearAlongASeamOpensItThereAndNowhereElse) {
+  for (const int k : {0, 1})
+    for (const int turns : {0, 1, 2, 3})
+      for (const int rows : {40, 28}) {
+        SCOPED_TRACE(testing::Message() << "half " << k << ", " << turns << " turns, " << rows << " rows");
+        Stitched s = halves(turns, rows);
+        SeamDamage damage = watched(s);
+        EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));
+        const std::size_t before = joined_at(s).size();
+        const Stitched::Sums sums = s.sums();
+        spend(s, k, s.model(k).spacing, 0.1, 0.2);
+        EXPECT_TRUE(damage.open(s.refs(), s.seams(), s.stitching()));
+        EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));  // nothing more
+        const std::vector<double> after = joined_at(s);
+        EXPECT_LT(after.size(), before);
+        double below = 0.0, above = 0.3;
+        for (const double y : after) {
+          EXPECT_TRUE(y < 0.14 || y > 0.16) << y;
+          (y < 0.15 ? below : above) = y < 0.15 ? std::max(below, y) : std::min(above, y);
+        }
+        EXPECT_GT(below, 0.075);
+        EXPECT_LT(above, 0.225);
+        EXPECT_NEAR(s.sums().mass, sums.mass, 1e-14 * sums.mass);
+      }
+}
+
+TEST(SeamDamage, ATearAcrossASeamLeavesItToTheCrack) {
+  Stitched s = halves(0);
+  SeamDamage damage = watched(s);
+  for (const int k : {0, 1}) spend(s, k, 1.0, 0.12, 0.18);
+  EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));
+  EXPECT_FALSE(s.stitching().parted());
+}
+
+TEST(SeamDamage, ATearAlongAllOfItPartsTheShells) {
+  for (const int turns : {0, 3}) {
+    Stitched s = halves(turns);
+    SeamDamage damage = watched(s);
+    spend(s, 1, s.model(1).spacing, -1.0, 1.0);
+    EXPECT_TRUE(damage.open(s.refs(), s.seams(), s.stitching()));
+    int links = 0;
+    s.stitching().each_link([&](int, int, int, int) { ++links; });
+    EXPECT_EQ(links, 0);
+  }
+}
+
+TEST(SeamDamage, WhatHasHealedAndOtherShellsAreLeftAlone) {
+  Stitched s = halves(0);
+  SeamDamage damage = watched(s), deaf(s.seams(), {&s.model(0), &s.model(1)}, {0.0, 0.0});
+  EXPECT_TRUE(deaf.empty());
+  spend(s, 0, s.model(0).spacing, 0.05, 0.25);
+  for (PointDamage& d : s.state(0).cracked.damage) d.now.fill(0.0f);
+  EXPECT_FALSE(damage.open(s.refs(), s.seams(), s.stitching()));
+}
