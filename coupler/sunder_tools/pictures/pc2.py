@@ -85,11 +85,11 @@ def obj_text(cache: Cache) -> str:
     points = cache.samples[shape.first - cache.start]
     turn = turn_of(cache.thing.turn[cache.thing.keys.index(shape.first)])
     lines = [f"# sunder export: frame {shape.first}, metres, y up", f"mtllib {MATERIALS}", f"o {cache.name}"]
-    lines += [f"v {x:.9g} {y:.9g} {z:.9g}" for x, y, z in points.tolist()]
-    lines += [f"vn {x:.6g} {y:.6g} {z:.6g}" for x, y, z in upright(shape.normals[0] @ turn.T).tolist()]
+    lines += ["v {:.9g} {:.9g} {:.9g}".format(*point) for point in points]
+    lines += ["vn {:.6g} {:.6g} {:.6g}".format(*normal) for normal in upright(shape.normals[0] @ turn.T)]
     for slot in shape.slots:
         lines.append(f"usemtl {_word(slot.material)}")
-        lines += [f"f {a}//{a} {b}//{b} {c}//{c}" for a, b, c in (1 + slot.first + slot.triangles).tolist()]
+        lines += ["f {0}//{0} {1}//{1} {2}//{2}".format(*corners) for corners in 1 + slot.first + slot.triangles]
     return "\n".join(lines) + "\n"
 
 

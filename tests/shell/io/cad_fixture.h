@@ -22,6 +22,8 @@
 #include <Message.hxx>
 #include <Message_PrinterOStream.hxx>
 #include <STEPControl_Writer.hxx>
+#include <Standard_Version.hxx>
+#include <StepData_StepModel.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Wire.hxx>
 #include <gp_Circ.hxx>
@@ -99,6 +101,10 @@ inline void write_step(const TopoDS_Shape& shape, const std::string& file, const
   const STEPControl_Writer first;  // makes the table of settings
   Interface_Static::SetCVal("write.step.unit", unit);
   STEPControl_Writer writer;
+#if OCC_VERSION_HEX >= 0x070800  // the setting names the unit, and the model scales
+  writer.Model()->SetLocalLengthUnit(1.0);
+  writer.Model()->SetWriteLengthUnit(unit == std::string("INCH") ? 25.4 : unit == std::string("M") ? 1000.0 : 1.0);
+#endif
   ASSERT_EQ(writer.Transfer(shape, STEPControl_AsIs), IFSelect_RetDone);
   ASSERT_EQ(writer.Write(file.c_str()), IFSelect_RetDone);
   Interface_Static::SetCVal("write.step.unit", "MM");
