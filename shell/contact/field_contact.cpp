@@ -14,9 +14,8 @@ constexpr double kRecovery = 0.05;
 // Additional share of the overlap beyond kDeep of the thickness; in a fold, share of the whole overlap.
 constexpr double kDeepRecovery = 0.3;
 constexpr double kDeep = 0.25;
-// Recovery is no faster than this [m/s], or than kBounce of the approach speed if that is faster. A faster recovery
-// makes new overlaps elsewhere, and a crumpled sheet gains energy.
-constexpr double kFastestRecovery = 1.0;
+// Recovery is no faster than the law says, or than this share of the approach speed if that is faster. A faster
+// recovery makes new overlaps elsewhere, and a crumpled sheet gains energy.
 constexpr double kBounce = 0.75;
 // In a fold the cosine between the normals of two samples has fallen by more than this.
 constexpr double kTurned = 0.3;
@@ -140,12 +139,12 @@ int FieldContact::push(std::vector<SurfaceSample>& samples, double dt) {
     const double deeper = std::max(0.0, -pair.gap - kDeep * 0.5 * (a.thickness + b.thickness));
     // surfaces that would touch within the substep are slowed, so that their means just touch at its end; with
     // restitution they bounce already here
-    const double approach = rel.dot(n), fastest = std::max(kFastestRecovery, -kBounce * approach);
+    const SurfaceLaw& law = laws_[a.shell][b.shell];
+    const double approach = rel.dot(n), fastest = std::max(law.recovery, -kBounce * approach);
     // in the bend of a fold the sides are always too near: they stop here, and samples part them two by two
     const double wanted = pair.gap > 0.0 || pair.fold
                               ? std::min(0.0, -pair.gap / dt)
                               : std::min((kRecovery * -pair.gap + kDeepRecovery * deeper) / dt, fastest);
-    const SurfaceLaw& law = laws_[a.shell][b.shell];
     if (approach < wanted && law.restitution > 0.0 && !pair.fold && pair.bounce < -1e299)
       pair.bounce = -law.restitution * approach;
     const double after = std::max(wanted, pair.bounce);
@@ -211,7 +210,7 @@ void FieldContact::find_folds(const std::vector<SurfaceSample>& samples, double 
       const double apart = line.norm();
       if (apart >= reach && line.dot(samples[q].v - samples[p].v) * dt >= apart * (reach - apart)) continue;
       if ((samples[q].rest - samples[p].rest).squaredNorm() <= half_turn * half_turn) continue;
-      close_.push_back({p, q, reach});
+      close_.push_back({p, q, reach, laws_[samples[p].shell][samples[q].shell].recovery});
     }
   }
 }
@@ -219,7 +218,7 @@ void FieldContact::find_folds(const std::vector<SurfaceSample>& samples, double 
 double FieldContact::parting(const Close& c, double apart, double approach, double dt) {
   const double deep = c.reach - apart;
   if (deep < 0.0) return deep / dt;
-  return std::min(kDeepRecovery * deep / dt, std::max(kFastestRecovery, -kBounce * approach));
+  return std::min(kDeepRecovery * deep / dt, std::max(c.recovery, -kBounce * approach));
 }
 
 // The impulses of two fields act at their centres, which are apart, so they make a couple. Both fields turn to balance

@@ -22,6 +22,7 @@ struct SurfaceSample {
 struct SurfaceLaw {
   double friction = 0.5, restitution = 0.0;
   bool elsewhere = false;  // another contact method handles this pair
+  double recovery = 1.0;   // speed at which an overlap is taken back, at most [m/s]
 };
 
 class FieldContact {
@@ -48,8 +49,9 @@ class FieldContact {
   /// Two samples of one fold that are too close, or would be at the end of the substep. The fold is tighter than the
   /// grid resolves.
   struct Close {
-    int p, q;      // samples
-    double reach;  // wanted distance [m]
+    int p, q;         // samples
+    double reach;     // wanted distance [m]
+    double recovery;  // as in SurfaceLaw [m/s]
   };
   /// push() does not move them: the caller parts them.
   const std::vector<Close>& folds() const { return close_; }

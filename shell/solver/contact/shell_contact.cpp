@@ -11,6 +11,19 @@ namespace {
 // with the number of touching samples. One pass lets some layers of a crumpled sheet cross, also with a second pass
 // that only stops them; with two passes none cross (validate contact --case crumple).
 constexpr int kPasses = 2;
+// Fastest recovery of an overlap: a share of the slower shell's wave speed, and a speed [m/s]. What is parted faster
+// gains energy: torn cloth at 8 %. A crumpled film does not pass through itself with 1 % nor with 3 %, and moves less in
+// the end with 1 % (validate contact --case crumple_small).
+constexpr double kRecoveryOfWave = 0.01, kFastestRecovery = 1.0;
+
+std::vector<std::vector<SurfaceLaw>> with_recovery(const std::vector<const ShellModel*>& shells,
+                                                   std::vector<std::vector<SurfaceLaw>> laws) {
+  for (std::size_t i = 0; i < shells.size(); ++i)
+    for (std::size_t k = 0; k < shells.size(); ++k)
+      laws[i][k].recovery =
+          std::min(kFastestRecovery, kRecoveryOfWave * std::min(shells[i]->wave_speed(), shells[k]->wave_speed()));
+  return laws;
+}
 
 double widest(const std::vector<const ShellModel*>& shells) {
   double h = 0.0;
@@ -34,7 +47,7 @@ void push(ShellState& s, int slot, const Vec3& j, double dt) {
 
 ShellContact::ShellContact(const std::vector<const ShellModel*>& shells, const std::vector<Seam>& seams,
                            std::vector<std::vector<SurfaceLaw>> laws)
-    : fields_(widest(shells), components(shells.size(), seams), std::move(laws)),
+    : fields_(widest(shells), components(shells.size(), seams), with_recovery(shells, std::move(laws))),
       near_(shells, {}, components(shells.size(), seams), fields_.spacing(), fields_.one_surface()) {
   for (const ShellModel* m : shells) {
     impulses_.emplace_back(m->tables.plane, Vec3::Zero());
