@@ -47,10 +47,12 @@ void Coupler::check_ledger(double window, double dt) {
     }
     ledger_linear_ = worse(linear, ledger_linear_), ledger_angular_ = worse(angular, ledger_angular_);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
-      Error e(Exit::kPhysics, "ledger",
-              fmt::format(
-                  "window {}: what the shell lost, body '{}' did not gain: {:.3g} linear, {:.3g} angular of {:.3g} N s",
-                  clock_.windows, p.body.name, linear, angular, p.impulse_sum));
+      Error e(
+          Exit::kPhysics, "ledger",
+          fmt::format(
+              "window {}: what the shell lost, body '{}' did not gain: {:.3g} of the impulses, {:.3g} of their moments "
+              "({:.3g} N s, {:.3g} N m s)",
+              clock_.windows, p.body.name, linear, angular, p.impulse_sum, p.moment_sum));
       e.window = clock_.windows, e.body = p.body.name;
       throw e;
     }

@@ -62,7 +62,11 @@ class Snippets(unittest.TestCase):
         text = snippet.text
         if base := snippet.option("into"):
             scene: Any = text_format.Parse((folder / base).read_text(), scene_class()())
-            for path in filter(None, (snippet.option("drop") or "").split(",")):
+            gone = [path for path in (snippet.option("drop") or "").split(",") if path]
+            # a reader sees the block, and not what its fence says
+            told = f"# in {base}" + (f", without its {' and '.join(gone)}" if gone else "")
+            self.assertEqual(text.splitlines()[0], told, snippet.place)
+            for path in gone:
                 dropped(scene, path)
             merged(scene, text_format.Parse(text, scene_class()()))
             text = text_format.MessageToString(scene)

@@ -31,8 +31,8 @@ LOCK_WAIT_S = 300  # another apt may be at work, e.g. unattended-upgrades
 # The names above are those of these distributions: ID and VERSION_ID of os-release, and whether a run was seen there.
 DISTRIBUTIONS = {("debian", "12"): True, ("debian", "13"): True, ("ubuntu", "24.04"): False}
 BY_HAND = ("a C++20 compiler, CMake 3.25, Ninja, pkg-config; with their headers Eigen 3.4, Spectra 1.0, CGAL 5.5, Bullet in "
-           "double precision, ODE, ZeroMQ and cppzmq, Protobuf with protoc, fmt, libpng, OpenSSL; /usr/bin/python3 with numpy, Pillow and "
-           "protobuf. Then 'cmake --preset release -DBUILD_TESTING=OFF && cmake --build build/release', and set "
+           "double precision, ODE, ZeroMQ and cppzmq, Protobuf with protoc, fmt, libpng, OpenSSL, CLI11, nlohmann JSON; "
+           "/usr/bin/python3 with numpy, Pillow and protobuf. Then 'cmake --preset release -DBUILD_TESTING=OFF && cmake --build build/release', and set "
            "SUNDER_BUILD_DIR to that folder")
 
 
