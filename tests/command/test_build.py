@@ -93,14 +93,16 @@ class Building(unittest.TestCase):
         first_use.drawn()
         before = first_use.read(kept.parent)
         self.assertEqual((list(before), before["first_install_s"]), (list(first_use.KEYS), 24.0))
+        made_with = first_use.made_with(kept.parent)
+        self.assertEqual({"commit", "date", "processor", "cores", "load", "compiler"}, set(made_with))
         (self.folder / "CMakeCache.txt").unlink()
         self.commands.clear()
         build.ensure_built()
         first_use.installed(kept.parent, 1.0)
         first_use.drawn()
-        self.assertEqual(first_use.read(kept.parent), before)
+        self.assertEqual((first_use.read(kept.parent), first_use.made_with(kept.parent)), (before, made_with))
         kept.write_text("[")
-        self.assertEqual(first_use.read(kept.parent), {})
+        self.assertEqual((first_use.read(kept.parent), first_use.made_with(kept.parent)), ({}, {}))
 
     def test_an_installation_uses_its_own_programs(self) -> None:
         programs = self.root / "libexec"

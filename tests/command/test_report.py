@@ -170,8 +170,21 @@ class Reporting(unittest.TestCase):
 
     def test_all_are_run_where_none_is_named_and_one_that_fails_is_the_status(self) -> None:
         self.assertEqual(self.report(status=1, found=CASES), 1)
-        self.assertEqual(len(list(self.top.rglob("results/*.json"))), len(report.SUITES))
+        self.assertEqual({path.stem for path in self.top.rglob("results/*.json")}, {*report.SUITES} - {results.FIRST_USE})
         self.assertIn(f"these suites fail: {', '.join(report.VALIDATIONS)}\n", self.said.getvalue())
+
+    def test_the_first_use_of_a_new_checkout_is_kept(self) -> None:
+        builds = self.top / "build"
+        builds.mkdir()
+        with mock.patch.object(report, "build_dir", lambda: builds / "release"):
+            self.assertEqual(self.report("first_use"), 2)
+            self.assertIn("does not tell of a first use: run 'coupler/sunder run", self.said.getvalue())
+            times = {"first_install_s": 50.0, "first_build_s": 700.5, "first_build_steps": 190.0, "first_picture_s": 900.0}
+            (builds / "first_use.json").write_text(json.dumps({**times, "made_with": WITH}))
+            self.assertEqual(self.report("first_use"), 0)
+        self.assertIn("| first_picture_s | 900 |", self.page("benchmarks"))
+        self.assertIn(f"| all | {WITH['commit']} |", self.page("benchmarks"))
+        self.assertNotIn("first_use", results.status(results.read_all(self.top / "benchmarks" / "results")))
 
     def test_a_suite_that_breaks_leaves_the_earlier_result(self) -> None:
         self.assertEqual(self.report("shells", found=CASES), 0)

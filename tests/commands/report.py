@@ -17,10 +17,10 @@ from sunder_tools.report.machine import circumstances
 from sunder_tools.words import did_you_mean
 
 from ..validation.measure import VALIDATIONS, bench, case_names, validate
-from ..validation.results import BENCH, WHOLE, page, put_status, read_all, replace, result_of, write
+from ..validation.results import BENCH, FIRST_USE, NUMBERS, WHOLE, page, put_status, read_all, replace, result_of, write
 
 NAME = "report"
-SUITES = (*VALIDATIONS, BENCH)
+SUITES = (*VALIDATIONS, BENCH, FIRST_USE)
 WITHOUT_KNOWN = ("engines", "extremes")  # `validate` takes no --known for them
 
 
@@ -30,7 +30,8 @@ def add_parser(subparsers: Subparsers) -> None:
         subparsers, NAME, "run suites and write their results as pages",
         "Runs the suites named, all where none is, and keeps the JSON of each in tests/validation/results and\n"
         "tests/benchmarks/results. Writes RESULTS.md beside both and the status lines of README.md, from all JSON\n"
-        "that is there: a suite can be renewed alone, and with --case one case of it. Exit status 1 where a suite fails.",
+        "that is there: a suite can be renewed alone, and with --case one case of it. first_use runs nothing: it keeps what\n"
+        "the first picture of this checkout took, on a machine that had nothing. Exit status 1 where a suite fails.",
         "sunder report shells contact\nsunder report cracks --case mirror")
     parser.add_argument("suites", metavar="SUITE", nargs="*", help=", ".join(SUITES))
     parser.add_argument("--case", metavar="NAME",
@@ -47,12 +48,12 @@ def run(arguments: argparse.Namespace) -> int:
             raise CommandError(f"report: no suite '{suite}'; {did_you_mean(suite, SUITES)}", BAD_INPUT)
     if arguments.suites and arguments.no_run:
         raise CommandError(f"report: --no-run runs no suite; leave '{arguments.suites[0]}' out", BAD_INPUT)
-    if arguments.case is not None and (len(arguments.suites) != 1 or arguments.suites == [BENCH]):
+    if arguments.case is not None and (len(arguments.suites) != 1 or arguments.suites[0] in NUMBERS):
         raise CommandError("report: --case goes with one suite of 'sunder validate', as in 'sunder report cracks --case mirror'",
                            BAD_INPUT)
     top = arguments.json_dir or REPOSITORY / "tests"
     failed = [] if arguments.no_run else [
-        s for s in arguments.suites or SUITES if not run_suite(s, folder_of(s, top), arguments.case)]
+        s for s in arguments.suites or SUITES[:-1] if not run_suite(s, folder_of(s, top), arguments.case)]
     write_pages(top, None if arguments.json_dir else REPOSITORY / "README.md")
     if failed:
         print(f"sunder: these suites fail: {', '.join(failed)}", file=sys.stderr)
@@ -61,13 +62,15 @@ def run(arguments: argparse.Namespace) -> int:
 
 def folder_of(suite: str, top: Path) -> Path:
     """Where the JSON of a suite is kept."""
-    return top / ("benchmarks" if suite == BENCH else "validation") / "results"
+    return top / ("benchmarks" if suite in NUMBERS else "validation") / "results"
 
 
 def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
     """Runs a suite, or one case of it, and keeps what it gives; returns whether it holds. One that breaks leaves the
     earlier result."""
     print(f"sunder: {suite}{f', {case}' if case else ''}", file=sys.stderr, flush=True)
+    if suite == FIRST_USE:
+        return keep_first_use(folder, build_dir().parent)
     made_with, start = circumstances(build_dir()), time.monotonic()
     with tempfile.TemporaryDirectory(prefix="report-sunder-") as temporary:
         numbers = Path(temporary) / f"{suite}.json"
@@ -83,13 +86,21 @@ def run_suite(suite: str, folder: Path, case: str | None = None) -> bool:
             print(f"sunder: {suite}: ended with status {ended} and wrote no JSON", file=sys.stderr)
             return False
         found = json.loads(numbers.read_text())
-        if suite == BENCH:
-            found |= first_use.read(build_dir().parent)
     seconds = time.monotonic() - start
     result = result_of(suite, found, seconds, made_with, case or WHOLE, case_names(suite) if case else ())
     earlier = [kept for kept in read_all(folder) if kept.suite == suite] if case else []
     write(earlier[0].with_case(result) if earlier else result, folder)
     return ended == DONE
+
+
+def keep_first_use(folder: Path, builds: Path) -> bool:
+    """Keeps what the first picture took. Raises CommandError where this checkout has not been built from nothing."""
+    found, made_with = first_use.read(builds), first_use.made_with(builds)
+    if set(found) != set(first_use.KEYS) or not made_with:
+        raise CommandError(f"report: {builds / first_use.FILE} does not tell of a first use: run 'coupler/sunder run "
+                           "scenes/glass.textproto' in a new checkout on a machine without its packages, then this", BAD_INPUT)
+    write(result_of(FIRST_USE, dict(found), found["first_picture_s"], made_with), folder)
+    return True
 
 
 def write_pages(top: Path, readme: Path | None) -> None:

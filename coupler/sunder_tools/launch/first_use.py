@@ -1,15 +1,20 @@
 """What the first use of a checkout takes: installing, building, and all until the first picture.
 
-Kept in FILE of the folder that builds are made in, for `sunder report`. What is there already stays.
+Kept in FILE of the folder that builds are made in, with the circumstances, for `sunder report first_use`. What is there
+already stays.
 """
 from __future__ import annotations
 
 import json
 import time
 from pathlib import Path
+from typing import Any
+
+from ..report.machine import circumstances
 
 FILE = "first_use.json"
 KEYS = ("first_install_s", "first_build_s", "first_build_steps", "first_picture_s")  # s: seconds
+MADE_WITH = "made_with"
 _start = time.monotonic()  # of this process, nearly
 _built_in: Path | None = None  # by this process
 
@@ -27,27 +32,43 @@ def built(folder: Path, seconds: float, steps: int) -> None:
 
 def drawn() -> None:
     """Keeps how long all took until a picture of a run was there, where the same command has built the programs."""
-    if _built_in is not None:
-        _keep(_built_in, first_picture_s=time.monotonic() - _start)
+    if _built_in is not None and _keep(_built_in, first_picture_s=time.monotonic() - _start):
+        _write(_built_in, _all(_built_in) | {MADE_WITH: circumstances(_built_in / "release")})
 
 
 def read(folder: Path) -> dict[str, float]:
     """What is kept, by KEYS; nothing where there is no such file."""
     try:
-        kept = json.loads((folder / FILE).read_text(encoding="utf-8"))
+        kept = _all(folder)
         return {key: float(kept[key]) for key in KEYS if key in kept}
-    except (OSError, ValueError, TypeError):
+    except (ValueError, TypeError):
         return {}
+
+
+def made_with(folder: Path) -> dict[str, object]:
+    """Commit, machine and compiler of the first picture; nothing where none was drawn."""
+    found = _all(folder).get(MADE_WITH)
+    return dict(found) if isinstance(found, dict) else {}
+
+
+def _all(folder: Path) -> dict[str, Any]:
+    try:
+        kept = json.loads((folder / FILE).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return kept if isinstance(kept, dict) else {}
 
 
 def _keep(folder: Path, **numbers: float) -> bool:
     """Adds numbers that are not there yet; returns whether any was new. A folder that cannot be written loses them."""
-    before = read(folder)
+    before = _all(folder)
     after = {key: round(value, 1) for key, value in numbers.items()} | before
-    if after == before:
-        return False
+    return after != before and _write(folder, after)
+
+
+def _write(folder: Path, kept: dict[str, Any]) -> bool:
     try:
-        (folder / FILE).write_text(json.dumps(after, indent=1) + "\n", encoding="utf-8")
+        (folder / FILE).write_text(json.dumps(kept, indent=1) + "\n", encoding="utf-8")
     except OSError:
         return False
     return True
