@@ -157,7 +157,7 @@ class Snippets(unittest.TestCase):
         blocks = (("sh", "", "coupler/sunder check scenes/none.textproto\n"),
                   ("sh", "check: long", "coupler/sunder run scenes/glass.textproto --quick\n"),
                   ("sh", "check: long", "coupler/sunder run scenes/none.textproto\n"),
-                  ("textproto", "into=scenes/intact_pane.textproto", 'shells { name: "pane" thickness_m: -1 }\n'),
+                  ("textproto", "into=scenes/intact_pane.textproto", '# in scenes/intact_pane.textproto\nshells { name: "pane" thickness_m: -1 }\n'),
                   ("python", "run", "import nothing_of_that_name\n"))
         for language, info, text in blocks:
             with tempfile.TemporaryDirectory() as name:
