@@ -45,13 +45,24 @@ Proxy::Proxy(RigidBody b, std::shared_ptr<const DrivenMotion> driven, double arr
   if (const auto* s = std::get_if<BoxShape>(&body.shape)) radius_ = s->half_size.norm();
   if (std::holds_alternative<HalfSpaceShape>(body.shape)) radius_ = std::numeric_limits<double>::infinity();
   if (const auto* s = std::get_if<ConvexShape>(&body.shape)) {
-    if (s->surface) solid_ = std::make_shared<SolidDistance>(*s->surface);
+    if (s->surface) {
+      // Of a shape that changes, always the first one: which triangle is found on an edge depends on how they are
+      // sorted, and a run that goes on must find the same.
+      Surface first = *s->surface;
+      if (deforms()) first.corners = driven_->shape.corners.front();
+      solid_ = std::make_shared<SolidDistance>(first);
+    }
     for (const auto& part : s->parts) {
       if (!solid_) parts_.push_back(hull_planes(part));
       for (const Vec3& c : part) radius_ = std::max(radius_, c.norm());
     }
     if (s->surface && s->parts.empty())
       for (const Vec3& c : s->surface->corners) radius_ = std::max(radius_, c.norm());
+  }
+  if (deforms() && arrived_ > 0.0) {
+    std::vector<Vec3> now;
+    driven_->shape.at(arrived_, now);
+    solid_->move(now);
   }
 }
 
