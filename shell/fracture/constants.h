@@ -262,7 +262,8 @@ constexpr double kSpur = 1.5;
 /// [share]: a middle line is cut where so many of its points are damaged at present; else waves have passed.
 /// calibrated on torn_sheet: by eye
 constexpr double kUnhealed = 0.5;
-/// [h]: reach of an end over damaged material.
+/// [h]: reach of an end over damaged material; complete damage along a seam from which on it opens (seam_damage.h),
+/// longer than a band across is wide.
 /// calibrated on torn_sheet: by eye
 constexpr double kDamagedReach = 5.0;
 /// [share]: of a way's cells that make it damaged.
