@@ -50,9 +50,9 @@ void Coupler::check_ledger(double window, double dt) {
       Error e(
           Exit::kPhysics, "ledger",
           fmt::format(
-              "window {}: what the shell lost, body '{}' did not gain: {:.3g} of the impulses, {:.3g} of their moments "
-              "({:.3g} N s, {:.3g} N m s)",
-              clock_.windows, p.body.name, linear, angular, p.impulse_sum, p.moment_sum));
+              "window {}: what the shell lost, body '{}' did not gain: {:.3g} linear of {:.3g} N s, {:.3g} angular of "
+              "{:.3g} N m s",
+              clock_.windows, p.body.name, linear, p.impulse_sum, angular, p.moment_sum));
       e.window = clock_.windows, e.body = p.body.name;
       throw e;
     }

@@ -91,7 +91,7 @@ TEST(Ledger, NamesWindowBodyAndNumbers) {
   const std::string said = Window([](Proxy& p) { push(p), p.shell_linear *= 1.5; }).refusal();
   EXPECT_NE(said.find("window 7"), std::string::npos) << said;
   EXPECT_NE(said.find("'ball'"), std::string::npos) << said;
-  EXPECT_NE(said.find("0.5 of the impulses"), std::string::npos) << said;
+  EXPECT_NE(said.find("0.5 linear"), std::string::npos) << said;
 }
 
 TEST(Birth, KeepsTheLargestErrorsAndRefusesLargerOnesThanTheTolerance) {
