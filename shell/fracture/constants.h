@@ -436,8 +436,8 @@ constexpr double kInALine = 1e-3;
 /// [of its length at rest]: edges of triangles that are longer are no surface.
 /// numerical: control points of rubble fly off
 constexpr double kNoSurface = 4.0;
-/// [tau]: a remaining piece further off a plane is taken as it stands.
-/// numerical: shape of a static body
+/// [tau]: a piece further off a plane is divided into convex parts that are not.
+/// numerical: shape of a body
 constexpr double kBentPiece = 0.5;
 /// [s]: cracking has ended when so long nothing cracked; the scene may set `quiet_time_s`.
 /// numerical: no source

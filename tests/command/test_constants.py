@@ -13,6 +13,7 @@ FOLDERS = ("shell/fracture", "shell/solver/cracking", "shell/solver/joining", "s
 FILES = ("shell/solver/interlock.cpp", "shell/solver/interlock.h", "shell/solver/state.cpp", "shell/solver/surroundings.cpp",
          "shell/solver/surroundings.h")
 ROUND_OFF, COST, LAYOUT = "round-off of comparisons", "time or memory, no result", "size of an array, a number of a bit or of infinity"
+DRAWING = "what is drawn, no result"
 TIES = "of ties along trims: where they hold, and where a crack meets one; numerical"
 ELSEWHERE = {
     "shell/fracture/conditioning.cpp": {"kMargin": ROUND_OFF, "kProduct": LAYOUT},
@@ -39,6 +40,7 @@ ELSEWHERE = {
                                            "kSameLength": ROUND_OFF},
     "shell/solver/joining/seam_strength.cpp": {"kSameShare": ROUND_OFF},
     "shell/solver/joining/stitching.h": {"kLooseWeight": ROUND_OFF},
+    "shell/solver/parting/bent_piece.h": {"kDrawnFlat": DRAWING},
     "shell/solver/parting/handoff.cpp": {"kAll": LAYOUT, "kRoundOff": ROUND_OFF},
     "shell/solver/surroundings.cpp": {"kFar": LAYOUT, "kSpare": COST, "kWhole": ROUND_OFF},
     "shell/solver/surroundings.h": {"kWays": LAYOUT, "kMost": COST, "kBytesOfCracks": COST},

@@ -9,6 +9,7 @@
 #include "coupler/core/error.h"
 #include "coupler/core/principal_axes.h"
 #include "shell/solver/cracking/clamp.h"
+#include "shell/solver/parting/bent_piece.h"
 
 namespace sunder::shell {
 namespace {
@@ -112,16 +113,25 @@ std::vector<int> neighbours(const ShellModel& m, const ShellState& s, const Tria
   return slots;
 }
 
+// The motion of a piece that becomes rigid, and what its sources allow it.
+struct Leaving {
+  Vec3 centre;
+  double mass;             // [kg]
+  Mat3 inertia;            // about the centre, in world axes [kg m^2]
+  Vec3 momentum, angular;  // [N s, N m s]
+  Vec3 common;             // mean velocity of its sources [m/s]
+  double energy;           // of the sources about that velocity [J]
+};
+
 // Returns excess momentum of a piece to control points beside it. A rigid piece with all momentum of its sources can
 // move faster than any of them: a sliver weighs less than the control points that moved for it. The piece keeps as much
 // as the sources' energy about the velocity `common` allows. The rest becomes a rigid impulse on control points of one
 // neighbouring piece.
 void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, const Piece& piece,
-                   const std::vector<int>& beside, const Vec3& centre, const Vec3& common, double energy, double mass,
-                   const Mat3& inertia, Vec3& momentum, Vec3& angular) {
-  const Vec3 linear = momentum - mass * common;
-  const double rigid = 0.5 * linear.squaredNorm() / mass + 0.5 * angular.dot(inertia.ldlt().solve(angular));
-  if (rigid <= energy) return;
+                   const std::vector<int>& beside, Leaving& p) {
+  const Vec3 linear = p.momentum - p.mass * p.common;
+  const double rigid = 0.5 * linear.squaredNorm() / p.mass + 0.5 * p.angular.dot(p.inertia.ldlt().solve(p.angular));
+  if (rigid <= p.energy) return;
   std::vector<int> takers;
   const auto take = [&](const std::vector<int>& from, std::size_t most) {
     takers.clear();
@@ -154,11 +164,11 @@ void return_excess(const ShellModel& m, const Triangulation& t, ShellState& s, c
     if (can_spin()) break;
     if (!more) return;
   }
-  const double share = 1.0 - std::sqrt(energy / rigid);
-  const Vec3 p = share * linear, l = share * angular + (centre - middle).cross(p);
-  const Vec3 turn = spin.axes * (spin.axes.transpose() * l).cwiseQuotient(spin.moments);
-  for (const int slot : takers) s.add_velocity(slot, p / weight + turn.cross(s.position(slot) - middle));
-  momentum -= p, angular -= share * angular;
+  const double share = 1.0 - std::sqrt(p.energy / rigid);
+  const Vec3 push = share * linear, spun = share * p.angular + (p.centre - middle).cross(push);
+  const Vec3 turn = spin.axes * (spin.axes.transpose() * spun).cwiseQuotient(spin.moments);
+  for (const int slot : takers) s.add_velocity(slot, push / weight + turn.cross(s.position(slot) - middle));
+  p.momentum -= push, p.angular -= share * p.angular;
 }
 
 }  // namespace
@@ -188,19 +198,30 @@ void fit_pose(const ShellModel& m, const ShellState& s, const std::vector<int>& 
 
 void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
              ConvexShape& shape, DrawnMesh& drawn) {
+  const PieceSurface rest{[&](const Vec2& p) -> Faces {
+                            const SurfacePoint q = m.patch.evaluate(p);
+                            const Vec3 unit = q.u.cross(q.v).normalized(), n = 0.5 * m.thickness * unit;
+                            return {to_body * (q.x - n - centre), to_body * (q.x + n - centre), to_body * unit};
+                          },
+                          std::numeric_limits<double>::infinity()};
   const Outline outline = outline_of(t, piece);
   const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
     const SurfacePoint q = m.patch.evaluate(p);
     const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
     low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
   };
-  for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
-    auto& corners = shape.parts.emplace_back();
-    for (const Vec2& p : polygon) {
-      corners.emplace_back(), corners.emplace_back();
-      faces(p, corners[corners.size() - 2], corners.back());
+  if (is_bent(rest, t, piece, kBentPiece * m.thickness)) {
+    add_flat_parts(m, rest, outline, shape);
+  } else {
+    for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
+      auto& corners = shape.parts.emplace_back();
+      for (const Vec2& p : polygon) {
+        corners.emplace_back(), corners.emplace_back();
+        faces(p, corners[corners.size() - 2], corners.back());
+      }
     }
   }
+  if (is_bent(rest, t, piece, kDrawnFlat * m.thickness)) return draw_prisms(rest, t, piece, m.thickness, drawn);
   const int first = static_cast<int>(drawn.points.size());
   for (const Vec2& p : outline.vertices) {
     drawn.points.emplace_back(), drawn.points.emplace_back();
@@ -416,8 +437,8 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   for (const auto& [part, v] : sources) source_mass += part, common += part * v;
   common /= source_mass;
   for (const auto& [part, v] : sources) energy += 0.5 * part * (v - common).squaredNorm();
-  return_excess(m, t, s, piece, beside, centre, common, energy, target, rotation * inertia * rotation.transpose(),
-                momentum, angular);
+  Leaving leaving{centre, target, rotation * inertia * rotation.transpose(), momentum, angular, common, energy};
+  return_excess(m, t, s, piece, beside, leaving);
   const auto [moments, frame] = principal_axes(inertia);
   RigidBody& b = out.body;
   b.id = id, b.name = fmt::format("shard_{}", id);
@@ -425,8 +446,8 @@ Handoff hand_off(const ShellModel& m, ShellState& s, const Triangulation& t, con
   b.principal_inertia = moments;
   b.motion.position = centre;
   b.motion.orientation = Quat(Mat3(rotation * frame)).normalized();
-  b.motion.velocity = momentum / target;
-  b.motion.angular_momentum = angular;
+  b.motion.velocity = leaving.momentum / target;
+  b.motion.angular_momentum = leaving.angular;
   ConvexShape shape;
   thicken(m, t, piece.number, g.centre, frame.transpose(), shape, out.drawn);
   b.shape = std::move(shape);

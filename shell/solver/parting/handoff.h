@@ -8,7 +8,7 @@
 
 namespace sunder::shell {
 
-/// The drawn mesh of a body that was a piece: the thickened outline, in body coordinates [m].
+/// The drawn mesh of a body that was a piece, thickened, in body coordinates [m].
 struct DrawnMesh {
   std::vector<Vec3> points;
   std::vector<std::array<int, 3>> triangles;
@@ -52,7 +52,7 @@ Handoff joined(const std::vector<Handoff>& parts);
 void fit_pose(const ShellModel& model, const ShellState& state, const std::vector<int>& slots, Mat3& rotation,
               Vec3& from, Vec3& to);
 /// Thickens a piece at its rest shape, turned by `to_body` about `centre` [m]. Appends convex parts for collisions to
-/// `shape` and a mesh to `drawn`.
+/// `shape` and a mesh to `drawn`. A curved piece is made of flat parts and drawn with inner vertices.
 void thicken(const ShellModel& model, const Triangulation& t, int piece, const Vec3& centre, const Mat3& to_body,
              ConvexShape& shape, DrawnMesh& drawn);
 /// Removes a piece: nothing reads or moves its control points and Gauss points any more.

@@ -5,8 +5,8 @@
 namespace sunder::shell {
 
 /// Makes one static body of the held part, at its present place, and empties the shell. A part that is flat or has only
-/// swung keeps its rest shape in a few convex parts. A curved or permanently bent part keeps its present shape, with
-/// one convex part for each triangle.
+/// swung keeps its rest shape in a few convex parts. A curved or permanently bent part keeps its present shape, in
+/// convex parts that are flat.
 Handoff freeze(const ShellModel& model, ShellState& state, const Triangulation& t, const std::vector<Piece>& pieces,
                BodyId id);
 
