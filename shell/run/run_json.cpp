@@ -7,6 +7,7 @@
 #include "coupler/core/version.h"
 #include "shell/run/recorder.h"
 #include "shell/run/state_hash.h"
+#include "shell/solver/joining/held_together.h"
 
 namespace sunder::shell {
 namespace {
@@ -20,6 +21,15 @@ constexpr const char* kSchemes[] = {"PROXY", "EXPORTED", "ITERATED", "STAGGERED"
 Json error_of(const Error& e) {
   return {{"kind", e.kind},   {"message", e.what()}, {"file", e.file}, {"line", e.line},
           {"field", e.field}, {"window", e.window},  {"body", e.body}};
+}
+
+// Area at rest of all shells [m^2].
+double whole_area(const RunSetup& setup) {
+  double whole = 0.0;
+  for (const ShellSetup& shell : setup.shells)
+    for (int i = 0; i < shell.model.control_points(); ++i)
+      whole += shell.model.mass[shell.model.tables.slot(i)] / (shell.model.material.density * shell.model.thickness);
+  return whole;
 }
 
 Json counts_of(const RunParts& run) {
@@ -87,14 +97,21 @@ Json cracks_of(const RunParts& run) {
   return out;
 }
 
-Json surface_of(const State& state) {
+Json surface_of(const RunParts& run) {
   double rest = 0.0, now = 0.0;
-  for (const ShellPart& part : state.shells) {
+  std::vector<ShellRef> shells;
+  for (const ShellPart& part : run.simulation.state.shells) {
     if (!part.state) continue;
+    shells.push_back({&part.model(), part.state.get()});
     const auto [before, after] = surface_area(part.model(), *part.state);
     rest += before, now += after;
   }
-  return {{"rest_m2", rest}, {"now_m2", now}};
+  Json out = {{"rest_m2", rest}, {"now_m2", now}};
+  if (shells.size() < run.setup.shells.size()) return out;
+  std::vector<double> held = held_areas(shells, run.simulation.state.stitching);
+  std::erase_if(held, [&](double area) { return area < kCountedShare * whole_area(run.setup); });
+  out["held_together_m2"] = held;
+  return out;
 }
 
 Json coupling_of(const RunParts& run) {
@@ -131,11 +148,9 @@ Json joints_of(const RunParts& run) {
 }
 
 Json shards_of(const RunParts& run) {
-  double whole = 0.0, fastest = 0.0, largest = 0.0;
+  const double whole = whole_area(run.setup);
+  double fastest = 0.0, largest = 0.0;
   BodyId which = 0;
-  for (const ShellSetup& shell : run.setup.shells)
-    for (int i = 0; i < shell.model.control_points(); ++i)
-      whole += shell.model.mass[shell.model.tables.slot(i)] / (shell.model.material.density * shell.model.thickness);
   int big = 0;
   for (const ShardRecord& r : run.pieces.shards()) {
     big += r.area >= kCountedShare * whole;
@@ -267,7 +282,7 @@ std::string run_json(const RunParts& run, const Recorder& recorder, const std::s
   j["energy"] = energy_of(run);
   j["cracks"] = cracks_of(run);
   // Only at the end: it takes a pass over all points.
-  if (state.solving() && !state.shells.empty() && status != "running") j["surface"] = surface_of(state);
+  if (state.solving() && !state.shells.empty() && status != "running") j["surface"] = surface_of(run);
   j["ledger"] = {{"linear_max", run.coupler.ledger_linear()}, {"angular_max", run.coupler.ledger_angular()}};
   j["handoff"] = handoff_of(run);
   j["coupling"] = coupling_of(run);

@@ -38,6 +38,15 @@ class Models(unittest.TestCase):
     def test_the_summary_of_a_run_names_them(self) -> None:
         self.assertIn("active models    plane_stress + seams 90 %", summary(self.here, None))
 
+    def test_the_summary_says_what_damage_parts_that_no_crack_does(self) -> None:
+        for held, wanted in ([0.5, 0.3, 0.1], "; damage parts the shells into 3"), ([0.9], ""), ([0.5, 0.4], ""), (None, ""):
+            with self.subTest(held=held):
+                run = {**RUN, "counts": {"fragments": 5, "handed_off": 3},
+                       "surface": {} if held is None else {"held_together_m2": held}}
+                (self.here / "run.json").write_text(json.dumps(run))
+                line = next(t for t in summary(self.here, None).splitlines() if t.startswith("fragments"))
+                self.assertEqual(line, "fragments        5, handed to the engine 3" + wanted)
+
     def test_the_summary_says_what_cracks_took_where_any_ran(self) -> None:
         self.assertNotIn("cracks ", summary(self.here, None))
         for taken, said in ((1.25, ["cracks           0.0745 m, took 1.25 of the fracture energy of their area"]), (None, [])):

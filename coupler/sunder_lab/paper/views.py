@@ -2,6 +2,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from PIL import Image
@@ -190,8 +191,17 @@ def figure_15(runs: Runs) -> Drawn:
     area = _piece_areas(shell)
     large = int((area > PIECE * area.sum()).sum())
     out.found.append(f"{large} pieces of a hundredth of the cloth or more, and {run['counts']['handed_off']} small ones handed to the "
-                     f"rigid engine; cracks in {across} of {run['counts']['patches']} patches, {run['cracks']['length_m']:.2f} m long.")
+                     f"rigid engine; cracks in {across} of {run['counts']['patches']} patches, {run['cracks']['length_m']:.2f} m long. "
+                     f"{_held_together(run)}")
     return out
+
+
+def _held_together(run: dict[str, Any]) -> str:
+    """The parts of the shells that forces still hold together, from run.json."""
+    areas = run.get("surface", {}).get("held_together_m2")
+    if not areas:
+        return "No shell is left that forces hold together."
+    return f"Forces hold {len(areas)} parts together: {', '.join(f'{area:.3g}' for area in areas[:6])} m^2."
 
 
 def figure_16(runs: Runs) -> Drawn:
@@ -213,7 +223,7 @@ def figure_16(runs: Runs) -> Drawn:
     across = len(np.unique(cracks.cell_data["shell"])) if cracks is not None and len(cracks.line_points) else 0
     out.found.append(f"{int((area > PIECE * area.sum()).sum())} pieces of a hundredth of the cloth or more; cracks in {across} of "
                      f"{run['counts']['patches']} patches, {run['cracks']['length_m']:.2f} m long; "
-                     f"{run['counts']['handed_off']} small pieces handed to the rigid engine.")
+                     f"{run['counts']['handed_off']} small pieces handed to the rigid engine. {_held_together(run)}")
     out.found.append(_depths(frames, CASES["fig16"].made(runs.size).message.shells[0].thickness_m))
     return out
 

@@ -34,7 +34,7 @@ def summary(folder: Path, sheet: Path | None) -> str:
         lines.append(f"simulated        {_number(get('time', 'simulated_s'), '.6g')} s in "
                      f"{_number(get('time', 'wall_s'), '.1f')} s")
     lines.append(f"fragments        {_number(get('counts', 'fragments'), 'd')}, handed to the engine "
-                 f"{_number(get('counts', 'handed_off'), 'd')}")
+                 f"{_number(get('counts', 'handed_off'), 'd')}{_more_parts(run)}")
     if isinstance(get("cracks", "taken_relative"), (int, float)):
         lines.append(f"cracks           {_number(get('cracks', 'length_m'), '.3g')} m, took "
                      f"{_number(get('cracks', 'taken_relative'), '.2f')} of the fracture energy of their area")
@@ -53,3 +53,13 @@ def summary(folder: Path, sheet: Path | None) -> str:
     if (folder / "frames.pvd").exists():
         lines.append(f"frames           {folder / 'frames.pvd'} (ParaView; or: {command_line(['sunder', 'view', folder])})")
     return "\n".join(lines)
+
+
+def _more_parts(run: dict[str, Any]) -> str:
+    """What to add where forces hold more parts together than cracks alone divide the shells into: damage parts them too."""
+    surface, counts = run.get("surface"), run.get("counts")
+    held = surface.get("held_together_m2") if isinstance(surface, dict) else None
+    if not isinstance(held, list) or not isinstance(counts, dict):
+        return ""
+    here = int(counts.get("fragments") or 0) - int(counts.get("handed_off") or 0)
+    return f"; damage parts the shells into {len(held)}" if len(held) > max(here, 1) else ""
