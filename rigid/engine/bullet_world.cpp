@@ -121,8 +121,8 @@ BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&c
     dispatcher_.registerCollisionCreateFunc(STATIC_PLANE_PROXYTYPE, shape, &plane_under_shape_);
   }
   // Bullet finds further points by turning a body a little. On a sphere these are no contacts: a ball on a plate would
-  // sink in and roll off.
-  for (int shape : {BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
+  // sink in and roll off. Bullet's own algorithm for two spheres finds them only in an overlap, a window late.
+  for (int shape : {SPHERE_SHAPE_PROXYTYPE, BOX_SHAPE_PROXYTYPE, CONVEX_HULL_SHAPE_PROXYTYPE}) {
     dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, shape, &one_point_);
     dispatcher_.registerCollisionCreateFunc(shape, SPHERE_SHAPE_PROXYTYPE, &one_point_);
   }
@@ -134,11 +134,7 @@ BulletWorld::BulletWorld(Use use) : configuration_(pool_sizes()), dispatcher_(&c
   }
   world_body_.setUserIndex(0);  // no body's id
   dispatcher_.setNearCallback(find_all);
-  if (use == Use::kLook) {
-    dispatcher_.setNearCallback(find_listed);
-    // Bullet's own algorithm for two spheres finds them only in an overlap.
-    dispatcher_.registerCollisionCreateFunc(SPHERE_SHAPE_PROXYTYPE, SPHERE_SHAPE_PROXYTYPE, &one_point_);
-  }
+  if (use == Use::kLook) dispatcher_.setNearCallback(find_listed);
   gContactBreakingThreshold = kLengthScale * kContactGap_m;  // process-wide; every instance sets the same value
   // Without this the gap would be a share of each body's size.
   dispatcher_.setDispatcherFlags(dispatcher_.getDispatcherFlags() &

@@ -20,6 +20,8 @@ constexpr double kGainTolerance = 1e-9;
 // of a percent.
 constexpr double kElasticTolerance = 1e-2;
 constexpr double kRestitutionTolerance = 1e-2;
+// Shapes are true to 0.1 mm, a thirtieth of the 3 mm that the slower rebound flies there and back in a window.
+constexpr double kPlaceTolerance = 0.05;
 // Least share of the relative momentum that a collision passes on.
 constexpr double kMet = 0.1;
 
@@ -81,11 +83,14 @@ void meet(Suite& s, const Meeting& m) {
   play.end();
 }
 
-// Head-on impact at 2 m/s without gravity: ratio of the rebound speed.
+// Head-on impact at 2 m/s without gravity from a gap of kGap_m, not a whole number of windows away: ratio of the
+// rebound speed, and place. A rebound is of one window, at its begin or at its end. So a body may be ahead by its way
+// there and back in a window, or late by its way back, but by no more.
+constexpr double kGap_m = 0.0433, kFlight_s = 0.1;
 void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double half_width) {
   for (const double restitution : {0.0, 0.5, 1.0}) {
-    Play play(s.target, {{{lower, moving(upper, {0, 0, -2.0})}, law(0.0, restitution), {}}});
-    play.run(0.1);
+    Play play(s.target, {{{lower, moving(upper, {0, 0, -2.0})}, law(0.0, restitution), {}}, Vec3::Zero(), kWindow_s});
+    play.run(kFlight_s);
     const BodyMotion& up = play.body(upper.id).motion;
     const double measured = (up.velocity - play.body(lower.id).motion.velocity).z() / 2.0;
     const double turn = play.body(upper.id).angular_velocity().norm() * half_width / 2.0;
@@ -93,6 +98,16 @@ void bounce(Suite& s, const RigidBody& lower, const RigidBody& upper, double hal
                          kRestitutionTolerance, "absolute");
     s.report.check(fmt::format("turn_{:g}", restitution), turn, 0.0, kRestitutionTolerance,
                    "speed of its rim, relative to the closing speed");
+    if (restitution > 0.0) {
+      const double apart = (up.position - play.body(lower.id).motion.position).z() -
+                           (upper.motion.position - lower.motion.position).z() + kGap_m;
+      const double flown = measured * 2.0 * (kFlight_s - kGap_m / 2.0);
+      const double ahead = (apart - flown) / ((1.0 + restitution) * 2.0 * kWindow_s);
+      const double least = -restitution / (1.0 + restitution);
+      s.report.check_error(fmt::format("ahead_{:g}", restitution), ahead, 0.0,
+                           std::max({0.0, ahead - 1.0, least - ahead}), kPlaceTolerance,
+                           fmt::format("its place, in ways there and back of a window: {:.2f} to 1", least));
+    }
     play.end();
   }
 }

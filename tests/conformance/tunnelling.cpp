@@ -121,6 +121,12 @@ std::vector<Case> tunnelling_cases() {
          shoot(s, "straight", box(2, cube), box(1, wall), straight);
          shoot(s, "askew", box(2, cube), box(1, wall), askew);
        }},
+      {"wall_sphere",
+       "a sphere is shot at a static sphere, head-on",
+       {kSpheres, kContact},
+       [=](Suite& s) {
+         shoot(s, "straight", sphere(2, 0.1), at(sphere(1, 5.0), {4.9, 0.013, -0.021}), straight);
+       }},
   };
 }
 
