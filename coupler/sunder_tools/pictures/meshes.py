@@ -132,6 +132,18 @@ def _ball_centres(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -
     return centres
 
 
+def _shaded_shards(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Returns points, triangles and normals of points for shards, which the shell process writes in pairs of points, inside
+    before outside (`thicken`): smooth over both faces, flat at the edge, whose corners become points of their own."""
+    ids, inverse = np.unique(body, return_inverse=True)
+    first = np.full(len(ids), len(points))
+    np.minimum.at(first, inverse, triangles.min(axis=1))
+    odd = ((triangles - first[inverse][:, None]) % 2).sum(axis=1)
+    face = (odd == 0) | (odd == 3)
+    normals = np.concatenate([vertex_normals(points, triangles[face]), np.zeros_like(points)])
+    return np.concatenate([points, points]), np.where(face[:, None], triangles, triangles + len(points)), normals
+
+
 def _join(parts: list[Surface]) -> Surface:
     shifts = np.cumsum([0] + [len(part.points) for part in parts])
     return Surface(np.concatenate([p.points for p in parts]),
@@ -210,9 +222,11 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
             part = parts_of_bodies(body[broken], look.part_of)
             colours = _broken_colours(body[broken], (kind == FROZEN)[broken], look, part, several, speed[broken])
             clear = is_glass(np.maximum(part, 0), look.glass) & (part >= 0) if several else np.ones(len(part), bool)
+            points, corners, smooth = _shaded_shards(bodies.points, mine, body[broken])
             for where, surfaces in ((clear, glass), (~clear, solid)):
                 if where.any():
-                    surfaces.append(_surface(bodies.points, mine[where], colours[where]))
+                    surfaces.append(_surface(points, corners[where], colours[where]))
+                    surfaces[-1].smooth = smooth
             owner = np.zeros(len(bodies.points), np.int64)
             owner[bodies.triangles.ravel()] = np.repeat(body, 3)
             normals = _surface(bodies.points, mine, colours).normals()
