@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "coupler/core/disjoint_sets.h"
 #include "coupler/core/version.h"
 #include "shell/run/recorder.h"
 #include "shell/run/state_hash.h"
@@ -109,8 +110,13 @@ Json surface_of(const RunParts& run) {
   Json out = {{"rest_m2", rest}, {"now_m2", now}};
   if (shells.size() < run.setup.shells.size()) return out;
   std::vector<double> held = held_areas(shells, run.simulation.state.stitching);
-  std::erase_if(held, [&](double area) { return area < kCountedShare * whole_area(run.setup); });
+  const double least = kCountedShare * whole_area(run.setup);
+  std::erase_if(held, [&](double area) { return area < least; });
   out["held_together_m2"] = held;
+  DisjointSets joined(static_cast<int>(shells.size()));
+  int apart = joined.size();
+  for (const Seam& seam : run.setup.stitches.seams) apart -= joined.join(seam.first, seam.second) ? 1 : 0;
+  out["parts_at_rest"] = apart;
   return out;
 }
 

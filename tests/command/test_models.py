@@ -39,10 +39,11 @@ class Models(unittest.TestCase):
         self.assertIn("active models    plane_stress + seams 90 %", summary(self.here, None))
 
     def test_the_summary_says_what_damage_parts_that_no_crack_does(self) -> None:
-        for held, wanted in ([0.5, 0.3, 0.1], "; damage parts the shells into 3"), ([0.9], ""), ([0.5, 0.4], ""), (None, ""):
-            with self.subTest(held=held):
+        for held, loose, wanted in (([0.5, 0.3, 0.1], 1, "; damage parts the shells into 3"), ([0.5, 0.3, 0.1], 3, ""),
+                                    ([0.9], 1, ""), ([0.5, 0.4], 1, ""), (None, 1, "")):
+            with self.subTest(held=held, loose=loose):
                 run = {**RUN, "counts": {"fragments": 5, "handed_off": 3},
-                       "surface": {} if held is None else {"held_together_m2": held}}
+                       "surface": {} if held is None else {"held_together_m2": held, "parts_at_rest": loose}}
                 (self.here / "run.json").write_text(json.dumps(run))
                 line = next(t for t in summary(self.here, None).splitlines() if t.startswith("fragments"))
                 self.assertEqual(line, "fragments        5, handed to the engine 3" + wanted)

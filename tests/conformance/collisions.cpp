@@ -20,7 +20,7 @@ constexpr double kGainTolerance = 1e-9;
 // of a percent.
 constexpr double kElasticTolerance = 1e-2;
 constexpr double kRestitutionTolerance = 1e-2;
-// Shapes are true to 0.1 mm, a thirtieth of the 3 mm that the slower rebound flies there and back in a window.
+// Shapes are true to 0.1 mm, a twentieth of the 2 mm that a body flies in a window. The way back shifts as the way there.
 constexpr double kPlaceTolerance = 0.05;
 // Least share of the relative momentum that a collision passes on.
 constexpr double kMet = 0.1;

@@ -11,7 +11,7 @@ from .look import Look, parts_of_bodies
 from .motion import shell_velocity
 from .palette import GLASS, is_glass, part_colours, pastel, ramp, varied
 from .soft import balls, colours as soft_colours, speeds
-from .thick import vertex_normals
+from .thick import CREASE_COSINE, vertex_normals
 from .vtp import PolyData
 
 WELD_M = 1e-6  # nearer points are one when lines are searched
@@ -32,7 +32,7 @@ class Surface:
     round_centre: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))    # per triangle [m]
     is_floor: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))       # per triangle
     throws: np.ndarray = field(default_factory=lambda: np.zeros(0, bool))         # per triangle: a shadow on the floor
-    smooth: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # per point: unit normal, NaN where flat
+    smooth: np.ndarray = field(default_factory=lambda: np.zeros((0, 3)))          # per point: unit normal, zero or NaN where flat
 
     def normals(self) -> np.ndarray:
         """Returns unit normals of the triangles; zero for a degenerate one."""
@@ -140,7 +140,11 @@ def _shaded_shards(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) 
     np.minimum.at(first, inverse, triangles.min(axis=1))
     odd = ((triangles - first[inverse][:, None]) % 2).sum(axis=1)
     face = (odd == 0) | (odd == 3)
-    normals = np.concatenate([vertex_normals(points, triangles[face]), np.zeros_like(points)])
+    smooth, corner = vertex_normals(points, triangles[face]), points[triangles]
+    across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+    turn = (smooth[triangles] * across[:, None]).sum(axis=2).min(axis=1)
+    face &= turn > CREASE_COSINE * np.linalg.norm(across, axis=1)  # a fold stays sharp
+    normals = np.concatenate([smooth, np.zeros_like(points)])
     return np.concatenate([points, points]), np.where(face[:, None], triangles, triangles + len(points)), normals
 
 

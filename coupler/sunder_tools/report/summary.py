@@ -58,8 +58,8 @@ def summary(folder: Path, sheet: Path | None) -> str:
 def _more_parts(run: dict[str, Any]) -> str:
     """What to add where forces hold more parts together than cracks alone divide the shells into: damage parts them too."""
     surface, counts = run.get("surface"), run.get("counts")
-    held = surface.get("held_together_m2") if isinstance(surface, dict) else None
-    if not isinstance(held, list) or not isinstance(counts, dict):
+    if not isinstance(surface, dict) or not isinstance(surface.get("held_together_m2"), list) or not isinstance(counts, dict):
         return ""
-    here = int(counts.get("fragments") or 0) - int(counts.get("handed_off") or 0)
-    return f"; damage parts the shells into {len(held)}" if len(held) > max(here, 1) else ""
+    held = len(surface["held_together_m2"])
+    by_cracks = int(counts.get("fragments") or 0) - int(counts.get("handed_off") or 0)  # 0 where nothing has cracked
+    return f"; damage parts the shells into {held}" if held > max(by_cracks, int(surface.get("parts_at_rest") or 1)) else ""

@@ -1,7 +1,10 @@
 #include "shell/solver/parting/bent_piece.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
+
+#include "shell/fracture/constants.h"
 
 namespace sunder::shell {
 namespace {
@@ -12,17 +15,24 @@ bool is_torn(const PieceSurface& surface, double apart, double at_rest, double t
   return apart > surface.torn * at_rest + thickness;
 }
 
-// The direction in which the surface over a box bends more, 0 or 1; the longer one where it bends alike or is no
+// The direction in which the surface over a box turns more, 0 or 1; the longer one where it turns alike or is no
 // number.
 int bent_along(const ShellModel& m, const PieceSurface& surface, const Eigen::AlignedBox2d& box) {
-  double bend[2];
+  constexpr int kSections = 4;  // a ring turns as much, though its two ends look alike
+  constexpr double kMore = 1e-6;
+  double bend[2] = {0.0, 0.0};
   for (const int d : {0, 1}) {
-    Vec2 low = box.center(), high = box.center();
-    low[d] = box.min()[d], high[d] = box.max()[d];
-    bend[d] = (surface.at(high).normal - surface.at(low).normal).norm();
+    Vec2 at = box.center();
+    at[d] = box.min()[d];
+    Vec3 before = surface.at(at).normal;
+    for (int k = 1; k <= kSections; ++k) {
+      at[d] = box.min()[d] + box.sizes()[d] * k / kSections;
+      const Vec3 normal = surface.at(at).normal;
+      bend[d] += (normal - before).norm(), before = normal;
+    }
   }
   const int longer = box.sizes().y() > box.sizes().x() ? 1 : 0;
-  return bend[1 - longer] > bend[longer] && box.sizes()[1 - longer] > 0.5 * m.spacing ? 1 - longer : longer;
+  return bend[1 - longer] > bend[longer] + kMore && box.sizes()[1 - longer] > 0.5 * m.spacing ? 1 - longer : longer;
 }
 
 // Halves of a polygon, by the line across the middle of direction d.
@@ -49,17 +59,27 @@ bool holds(const Polygon& polygon, const Vec2& p) {
   return true;
 }
 
-// Tests whether the surface over the polygon is within kBentPiece of a plane, at its corners and on a grid of spacings.
-bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& polygon) {
+// Where a polygon is looked at: its corners first, then every half spacing along its sides, and a grid of spacings.
+std::vector<Vec2> places_on(const ShellModel& m, const Polygon& polygon) {
   std::vector<Vec2> at = polygon;
   Eigen::AlignedBox2d box;
-  for (const Vec2& p : polygon) box.extend(p);
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    const Vec2 &a = polygon[i], &b = polygon[(i + 1) % polygon.size()];
+    const int parts = std::max(2, static_cast<int>(std::ceil((b - a).norm() / (0.5 * m.spacing))));
+    for (int k = 1; k < parts; ++k) at.push_back(a + (b - a) * k / parts);
+    box.extend(a);
+  }
   for (double u = box.min().x() + 0.5 * m.spacing; u < box.max().x(); u += m.spacing)
     for (double v = box.min().y() + 0.5 * m.spacing; v < box.max().y(); v += m.spacing)
       if (holds(polygon, {u, v})) at.emplace_back(u, v);
+  return at;
+}
+
+// Tests whether the surface over the polygon lies between two planes that are `most` [m] apart.
+bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& polygon, double most) {
   std::vector<Faces> faces;
   Vec3 normal = Vec3::Zero();
-  for (const Vec2& p : at) {
+  for (const Vec2& p : places_on(m, polygon)) {
     faces.push_back(surface.at(p));
     if (!faces.back().finite()) return false;
     normal += faces.back().normal;
@@ -67,7 +87,7 @@ bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& po
   normal.normalize();
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Faces& f : faces) {
-    const double height = normal.dot(0.5 * (f.low + f.high));
+    const double height = normal.dot(f.middle());
     low = std::min(low, height), high = std::max(high, height);
   }
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -75,16 +95,42 @@ bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& po
     if (is_torn(surface, (faces[i].low - faces[j].low).norm(), (polygon[i] - polygon[j]).norm(), m.thickness))
       return false;
   }
-  return high - low <= kBentPiece * m.thickness;
+  return high - low <= most;
 }
 
-double area_of(const Polygon& polygon) {
-  double twice = 0.0;
-  for (std::size_t i = 2; i < polygon.size(); ++i) {
-    const Vec2 a = polygon[i - 1] - polygon[0], b = polygon[i] - polygon[0];
-    twice += a.x() * b.y() - a.y() * b.x();
+// Convex parts that are flat to `most` [m].
+std::vector<std::vector<Vec3>> flat_parts(const ShellModel& m, const PieceSurface& surface, std::vector<Polygon> open,
+                                          double most) {
+  std::vector<std::vector<Vec3>> parts;
+  while (!open.empty()) {
+    const Polygon polygon = std::move(open.back());
+    open.pop_back();
+    Eigen::AlignedBox2d box;
+    for (const Vec2& p : polygon) box.extend(p);
+    const bool small = box.sizes().maxCoeff() <= 0.5 * m.spacing;
+    if (!small && !is_flat(m, surface, polygon, most)) {
+      auto [first, second] = halves_of(polygon, box, bent_along(m, surface, box));
+      open.push_back(std::move(first)), open.push_back(std::move(second));
+      continue;
+    }
+    std::vector<Vec3> corners;
+    bool whole = true;
+    Vec3 twice = Vec3::Zero();
+    for (const Vec2& p : polygon) {
+      const Faces f = surface.at(p);
+      whole = whole && f.finite() &&
+              (corners.empty() ||
+               !is_torn(surface, (f.low - corners[corners.size() - 2]).norm(), box.diagonal().norm(), m.thickness));
+      if (corners.size() >= 4) {
+        const Vec3 first = 0.5 * (corners[0] + corners[1]), last = 0.5 * (corners.end()[-2] + corners.end()[-1]);
+        twice += (last - first).cross(f.middle() - first);
+      }
+      corners.push_back(f.low), corners.push_back(f.high);
+    }
+    // no engine takes a part without volume, such as one that a pole of the patch draws to a line
+    if (whole && 0.5 * twice.norm() > kLeastPart * m.spacing * m.spacing) parts.push_back(std::move(corners));
   }
-  return 0.5 * twice;
+  return parts;
 }
 
 }  // namespace
@@ -98,7 +144,7 @@ bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, dou
       if (seen[v]) continue;
       seen[v] = 1;
       const Faces f = surface.at(t.vertices[v]);
-      middles.push_back(0.5 * (f.low + f.high));
+      middles.push_back(f.middle());
       normal += f.normal, centre += middles.back();
     }
   if (middles.empty()) return false;
@@ -108,58 +154,39 @@ bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, dou
 }
 
 void add_flat_parts(const ShellModel& m, const PieceSurface& surface, const Outline& outline, ConvexShape& shape) {
-  std::vector<Polygon> open = convex_parts(outline, kPartTolerance * m.spacing * m.spacing);
-  double whole = 0.0;
-  for (const Polygon& polygon : open) whole += area_of(polygon);
-  while (!open.empty()) {
-    const Polygon polygon = std::move(open.back());
-    open.pop_back();
-    if (area_of(polygon) <= kLeastPart * whole) continue;  // no engine takes a body's flat parts
-    Eigen::AlignedBox2d box;
-    for (const Vec2& p : polygon) box.extend(p);
-    const bool small = box.sizes().maxCoeff() <= 0.5 * m.spacing;
-    if (!is_flat(m, surface, polygon) && !small) {
-      auto [first, second] = halves_of(polygon, box, bent_along(m, surface, box));
-      open.push_back(std::move(first)), open.push_back(std::move(second));
-      continue;
-    }
-    std::vector<Vec3> corners;
-    bool torn = false;
-    for (const Vec2& p : polygon) {
-      const Faces f = surface.at(p);
-      torn = torn || !f.finite() ||
-             (!corners.empty() &&
-              is_torn(surface, (f.low - corners[corners.size() - 2]).norm(), box.diagonal().norm(), m.thickness));
-      corners.push_back(f.low), corners.push_back(f.high);
-    }
-    if (!torn) shape.parts.push_back(std::move(corners));
+  const std::vector<Polygon> whole = convex_parts(outline, kPartTolerance * m.spacing * m.spacing);
+  double most = kBentPiece * m.thickness;
+  std::vector<std::vector<Vec3>> parts = flat_parts(m, surface, whole, most);
+  const std::size_t enough = std::max(kMostFlatParts, 4 * whole.size());
+  for (int k = 0; k < kDoublings && parts.size() > enough; ++k) {
+    most *= 2.0;
+    parts = flat_parts(m, surface, whole, most);
   }
+  std::move(parts.begin(), parts.end(), std::back_inserter(shape.parts));
 }
 
 void draw_prisms(const PieceSurface& surface, const Triangulation& t, int piece, double thickness, DrawnMesh& drawn) {
-  std::vector<int> number(t.vertices.size(), -1);  // of the lower face's point in `faces`
-  std::vector<Faces> faces;
-  std::vector<int> drawn_as;  // the lower face's point in the mesh
-  const auto face = [&](int v) -> const Faces& {
-    if (number[v] < 0)
-      number[v] = static_cast<int>(faces.size()), faces.push_back(surface.at(t.vertices[v])), drawn_as.push_back(-1);
-    return faces[number[v]];
-  };
+  std::vector<Faces> face(t.vertices.size());
+  std::vector<char> known(t.vertices.size(), 0);
+  std::vector<int> drawn_as(t.vertices.size(), -1);  // the lower face's point in the mesh
   for (const int i : t.triangles_of(piece)) {
     const auto& c = t.triangles[i];
     bool whole = true;
-    for (const int v : c) whole = whole && face(v).finite();
+    for (const int v : c) {
+      if (known[v] == 0) known[v] = 1, face[v] = surface.at(t.vertices[v]);
+      whole = whole && face[v].finite();
+    }
     for (int k = 0; k < 3 && whole; ++k) {
       const int a = c[k], b = c[(k + 1) % 3];
-      whole = !is_torn(surface, (face(a).low - face(b).low).norm(), (t.vertices[a] - t.vertices[b]).norm(), thickness);
+      whole = !is_torn(surface, (face[a].low - face[b].low).norm(), (t.vertices[a] - t.vertices[b]).norm(), thickness);
     }
     if (!whole) continue;
     for (const int v : c) {
-      if (drawn_as[number[v]] >= 0) continue;
-      drawn_as[number[v]] = static_cast<int>(drawn.points.size());
-      drawn.points.push_back(face(v).low), drawn.points.push_back(face(v).high);
+      if (drawn_as[v] >= 0) continue;
+      drawn_as[v] = static_cast<int>(drawn.points.size());
+      drawn.points.push_back(face[v].low), drawn.points.push_back(face[v].high);
     }
-    const auto low = [&](int k) { return drawn_as[number[c[k]]]; };
+    const auto low = [&](int k) { return drawn_as[c[k]]; };
     drawn.triangles.push_back({low(0) + 1, low(1) + 1, low(2) + 1});
     drawn.triangles.push_back({low(0), low(2), low(1)});
     for (int k = 0; k < 3; ++k) {

@@ -10,10 +10,14 @@ namespace sunder::shell {
 
 /// [tau]: a piece further off a plane is drawn with inner vertices. Less than a pixel where the thickness is ten.
 constexpr double kDrawnFlat = 0.05;
+/// Convex parts of a curved piece, besides four for each of its outline: with more, flat is taken less strictly.
+constexpr std::size_t kMostFlatParts = 1024;
+constexpr int kDoublings = 10;  // of the distance between the planes of a flat part
 
 /// The two faces of a shell and its unit normal at one parameter, in the coordinates of a body [m].
 struct Faces {
   Vec3 low, high, normal;
+  Vec3 middle() const { return 0.5 * (low + high); }
   bool finite() const { return low.allFinite() && high.allFinite(); }
 };
 
@@ -27,8 +31,9 @@ struct PieceSurface {
 /// Tells whether a vertex of a piece is further than `most` [m] off the mean plane of all of them.
 bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, double most);
 
-/// Appends convex parts: those of the outline, halved until each is flat to kBentPiece. A part no larger than half a
-/// spacing is taken as it is, and left out where it is torn.
+/// Appends convex parts: those of the outline, halved until each lies between two planes kBentPiece apart. A part no
+/// larger than half a spacing is taken as it is, and left out where it is torn or has no volume. Many parts make
+/// contact slow: where there are more than kMostFlatParts, the planes are twice as far apart, and so on.
 void add_flat_parts(const ShellModel& model, const PieceSurface& surface, const Outline& outline, ConvexShape& shape);
 
 /// Draws a prism for each triangle of a piece. Prisms of one piece share their corners and have no walls between them.

@@ -210,9 +210,9 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
     const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
     low = to_body * (q.x - n - centre), high = to_body * (q.x + n - centre);
   };
-  if (is_bent(rest, t, piece, kBentPiece * m.thickness)) {
-    add_flat_parts(m, rest, outline, shape);
-  } else {
+  const std::size_t before = shape.parts.size();
+  if (is_bent(rest, t, piece, kBentPiece * m.thickness)) add_flat_parts(m, rest, outline, shape);
+  if (shape.parts.size() == before)  // flat
     for (const auto& polygon : convex_parts(outline, kPartTolerance * m.spacing * m.spacing)) {
       auto& corners = shape.parts.emplace_back();
       for (const Vec2& p : polygon) {
@@ -220,7 +220,6 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
         faces(p, corners[corners.size() - 2], corners.back());
       }
     }
-  }
   if (is_bent(rest, t, piece, kDrawnFlat * m.thickness)) return draw_prisms(rest, t, piece, m.thickness, drawn);
   const int first = static_cast<int>(drawn.points.size());
   for (const Vec2& p : outline.vertices) {

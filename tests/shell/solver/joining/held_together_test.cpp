@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "shell/solver/cracking/polyline.h"
+#include "shell/solver/parting/handoff.h"
 #include "tests/shell/damaging_panel.h"
 #include "tests/shell/stitched.h"
 
@@ -57,6 +58,19 @@ TEST(HeldAreas, ACrackAcrossPartsWhatItCutsOff) {
   const std::vector<double> areas = held_areas(s.refs(), s.stitching());
   ASSERT_EQ(areas.size(), 4u);
   for (const double wanted : {0.015, 0.03}) EXPECT_NEAR(wanted == 0.03 ? areas[0] : areas[3], wanted, 0.02 * wanted);
+}
+
+TEST(HeldAreas, WhatWasHandedOffIsLeftOut) {
+  Stitched s = halves();
+  insert_polyline(s.model(0), s.state(0), {{0.03, 0.03}, {0.09, 0.03}, {0.09, 0.09}, {0.03, 0.09}, {0.03, 0.03}}, 0.0);
+  EXPECT_EQ(held_areas(s.refs(), s.stitching()).size(), 2u);
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(s.model(0), s.state(0), pieces);
+  const Piece& small = pieces[0].area < pieces[1].area ? pieces[0] : pieces[1];
+  hand_off(s.model(0), s.state(0), t, small, 7, 0.0);
+  const std::vector<double> areas = held_areas(s.refs(), s.stitching());
+  ASSERT_EQ(areas.size(), 1u);
+  EXPECT_NEAR(areas[0], 0.09 - 0.0036, 0.01 * 0.0036);
 }
 
 // A Gauss point moves control points up to two elements away, so a band must be wider than that to hold nothing.

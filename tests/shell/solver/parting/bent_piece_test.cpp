@@ -1,12 +1,14 @@
 // A piece of a curved shell keeps its curvature as a body: in its convex parts and as it is drawn.
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <variant>
 #include <vector>
 
 #include <gtest/gtest.h>
 
 #include "shell/fracture/constants.h"
+#include "shell/geometry/builders.h"
 #include "shell/solver/cracking/polyline.h"
 #include "shell/solver/parting/handoff.h"
 #include "tests/shell/fixtures.h"
@@ -41,6 +43,22 @@ Handoff middle_of_a_dish(double radius) {
   const Triangulation t = partition(m, s, pieces);
   const Piece& piece = pieces[0].area < pieces[1].area ? pieces[0] : pieces[1];
   return hand_off(m, s, t, piece, 7, 0.0);
+}
+
+// A cylinder of radius 0.05 m along y over `angle` [rad], `length` long, in elements of some 10 mm. A strip of it, from
+// `from` to `to` [m] along y, leaves.
+Handoff strip_of_a_tube(double angle, double length, double from, double to) {
+  const double radius = 0.05;
+  const int around = static_cast<int>(std::lround(radius * angle / 0.01)), along = static_cast<int>(length / 0.01);
+  const ShellModel m =
+      make_shell("tube", cylinder(radius, length, angle, around, along), kThickness, glass(), 2, 2, {});
+  ShellState s = make_state(m, Vec3::Zero(), 1);
+  const double first = m.patch.knots_u.begin(), last = m.patch.knots_u.end();
+  for (const double v : {from, to}) insert_polyline(m, s, {{first, v}, {last, v}}, 0.0);
+  std::vector<Piece> pieces;
+  const Triangulation t = partition(m, s, pieces);
+  const auto least = [](const Piece& a, const Piece& b) { return a.area < b.area; };
+  return hand_off(m, s, t, *std::min_element(pieces.begin(), pieces.end(), least), 7, 0.0);
 }
 
 Vec3 in_world(const Handoff& h, const Vec3& x) { return h.body.motion.position + h.body.motion.orientation * x; }
@@ -84,6 +102,23 @@ TEST(BentPiece, IsMadeOfFlatPartsThatFollowTheSurface) {
     }
     for (std::size_t k = 0; k + 1 < part.size(); k += 2)
       EXPECT_LE(std::abs(normal.normalized().dot(0.5 * (part[k] + part[k + 1]) - middle)), kBentPiece * kThickness);
+  }
+}
+
+// Nothing of a narrow strip lies between its borders: they alone tell that it is bent.
+TEST(BentPiece, ANarrowStripFollowsTheArc) {
+  for (const double angle : {0.5 * std::numbers::pi, 0.75 * std::numbers::pi}) {
+    const Handoff h = strip_of_a_tube(angle, 0.1, 0.05, 0.053);
+    const ConvexShape& shape = std::get<ConvexShape>(h.body.shape);
+    const double area = 0.05 * angle * 0.003;
+    EXPECT_NEAR(h.area, area, 0.02 * area);
+    EXPECT_NEAR(volume_of_prisms(shape), kThickness * area, 0.05 * kThickness * area) << angle;
+    EXPECT_LE(shape.parts.size(), 64u);
+    for (const auto& part : shape.parts) {
+      Vec3 low = in_world(h, part[0]), high = low;
+      for (const Vec3& x : part) low = low.cwiseMin(in_world(h, x)), high = high.cwiseMax(in_world(h, x));
+      EXPECT_LT((high - low).norm(), 0.03);  // a chord of 28 mm is off the arc by the thickness
+    }
   }
 }
 
