@@ -221,7 +221,7 @@ _DIRECTORY = bpy.props.StringProperty(subtype="DIR_PATH")
 _FPS = bpy.props.FloatProperty(name="Frames a second", default=24.0, min=1.0)
 _SPEED = bpy.props.FloatProperty(name="Speed", default=0.0, min=0.0, precision=6,
                                  description="How fast time runs; 0: each frame of the run is a frame")
-_MIDDLE = bpy.props.BoolProperty(name="Middle surfaces only", default=False)
+_MIDDLE = bpy.props.BoolProperty(name="Middle surfaces of shells", default=False)
 
 
 class SunderPreferences(bpy.types.AddonPreferences):

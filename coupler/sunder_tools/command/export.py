@@ -28,7 +28,7 @@ def add_parser(subparsers: Subparsers) -> None:
     parser.add_argument("--fps", metavar="N", type=positive, help="pictures a second of the film (default: 24)")
     parser.add_argument("--speed", metavar="F", type=number_above_zero,
                         help="how fast time runs in the film, e.g. 0.1 (default: the\nrun's frames, one a picture)")
-    parser.add_argument("--middle", action="store_true", help="middle surfaces of shells, without thickness")
+    parser.add_argument("--middle", action="store_true", help="middle surfaces of shells, without thickness; shards stay solid")
     parser.add_argument("--out", metavar="DIR", type=Path, help="another folder")
 
 

@@ -15,7 +15,7 @@ from .frames import BODIES, SHELL, SOFT, Frame
 from .mesh import part_of_points
 from .meshes import reference_points
 from .motion import by_body, shell_velocity
-from .rigid import centre_of, fit, share_of_turn
+from .rigid import centre_of_mass, fit, share_of_turn
 from .vtp import PolyData
 
 FPS = 24.0
@@ -82,7 +82,7 @@ def _end_at_bodies(shell: PolyData, forward: np.ndarray, known: np.ndarray, corr
         if known[used].any():
             continue
         number[points[one]] = np.arange(len(points[one]))
-        centre = centre_of(bodies.points[points[one]], number[bodies.triangles[body == one]])
+        centre = centre_of_mass(bodies.points[points[one]], number[bodies.triangles[body == one]])
         correction[used] = centre - centre_of_sheet(forward, mine, rest)
 
 

@@ -100,6 +100,26 @@ def fragment_edges(mesh: PolyData) -> np.ndarray:
     return edges(mesh.triangles, weld(reference_points(mesh)), mesh.of_triangles("fragment", 0), None)
 
 
+def lines_in_place(lines: PolyData, shell: PolyData | None) -> np.ndarray:
+    """Returns the segments (k, 2) of crack lines that lie where the shells are. Lines are of the shells at rest: once a shell
+    has moved they hang in the air, and its cracks are seen as edges of its mesh (`fragment_edges`), which moves. Lines of a
+    laminated shell move with it, and its mesh has no gaps."""
+    segments = lines.segments()
+    if shell is None or not len(segments) or "shell" not in lines.cell_data:
+        return segments
+    of_line = lines.cell_data["shell"].astype(np.int64)
+    if len(of_line) != len(segments):
+        return segments
+    of_triangle, moved = shell.of_triangles("shell", 0).astype(np.int64), shell.point_data.get("displacement")
+    carried = lines.point_data.get("displacement")
+    keep = np.zeros(len(segments), bool)
+    for one in np.unique(of_line):
+        mine, here = of_line == one, np.unique(shell.triangles[of_triangle == one])
+        at_rest = moved is None or (len(here) > 0 and not moved[here].any())
+        keep |= mine & (at_rest or (carried is not None and bool(carried[segments[mine]].any())))
+    return np.asarray(segments[keep])
+
+
 def _divided(points: np.ndarray, triangles: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Halves triangles until no edge is longer than LONGEST_STATIC_M. Also returns the original triangle of each."""
     corner, source = points[triangles], np.arange(len(triangles))
@@ -134,7 +154,7 @@ def _ball_centres(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -
 
 def _shaded_shards(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """Returns points, triangles and normals of points for shards, which the shell process writes in pairs of points, inside
-    before outside (`thicken`): smooth over both faces, flat at the edge, whose corners become points of their own."""
+    before outside (`thicken`, `draw_prisms`): smooth over both faces, flat at the edge, whose corners become points of their own."""
     ids, inverse = np.unique(body, return_inverse=True)
     first = np.full(len(ids), len(points))
     np.minimum.at(first, inverse, triangles.min(axis=1))
@@ -142,8 +162,10 @@ def _shaded_shards(points: np.ndarray, triangles: np.ndarray, body: np.ndarray) 
     face = (odd == 0) | (odd == 3)
     smooth, corner = vertex_normals(points, triangles[face]), points[triangles]
     across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
-    turn = (smooth[triangles] * across[:, None]).sum(axis=2).min(axis=1)
-    face &= turn > CREASE_COSINE * np.linalg.norm(across, axis=1)  # a fold stays sharp
+    turned = (smooth[triangles] * across[:, None]).sum(axis=2) < CREASE_COSINE * np.linalg.norm(across, axis=1)[:, None]
+    fold = np.zeros(len(points), bool)
+    fold[triangles[turned & face[:, None]]] = True
+    face &= ~fold[triangles].any(axis=1)  # a fold stays sharp
     normals = np.concatenate([smooth, np.zeros_like(points)])
     return np.concatenate([points, points]), np.where(face[:, None], triangles, triangles + len(points)), normals
 
@@ -215,7 +237,7 @@ def load_scene(frame: Frame, look: Look = Look(), velocity: np.ndarray | None = 
         cracks.append(shell.points[fragment_edges(shell)])
     lines = frame.read(CRACKS)
     if lines is not None:
-        cracks.append(lines.points[lines.segments()])
+        cracks.append(lines.points[lines_in_place(lines, shell)])
     bodies = frame.read(BODIES)
     if bodies is not None and len(bodies.triangles):
         kind, body = bodies.of_triangles("kind", MOVING), bodies.of_triangles("body", 0)

@@ -15,7 +15,7 @@ from ..report.run_json import read_run
 from ..report.scene_text import Words, scene_words
 from .frames import BODIES, CRACKS, SHELL, Frame, list_frames
 from .look import origins
-from .meshes import edges, fragment_edges, weld
+from .meshes import edges, fragment_edges, lines_in_place, weld
 from .motion import body_velocity, shell_velocity
 from .palette import PARTS
 from .soft import with_soft
@@ -162,7 +162,7 @@ def pack_frame(frames: list[Frame], k: int) -> bytes:
         arrays["shell.part"] = shell.of_triangles("shell", 0).astype("<i4")
         lines.append(shell.points[fragment_edges(shell)])
     if cracks is not None:
-        lines.append(cracks.points[cracks.segments()])
+        lines.append(cracks.points[lines_in_place(cracks, shell)])
     if bodies is not None:
         arrays |= _mesh("bodies", bodies, moves, origin)
         body = bodies.of_triangles("body", 0)

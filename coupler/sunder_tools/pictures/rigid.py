@@ -3,6 +3,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from .thick import OUTSIDE, sides_of_sheet_body
+
 FLAT_VOLUME = 1e-9  # [-] of the cube of its size: a body with less has no inside
 
 
@@ -14,6 +16,17 @@ def centre_of(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
     if abs(volume.sum()) < FLAT_VOLUME * np.ptp(points, axis=0).max() ** 3:
         return origin
     return origin + (volume[:, None] * (a + b + c) / 4.0).sum(axis=0) / volume.sum()
+
+
+def centre_of_mass(points: np.ndarray, triangles: np.ndarray) -> np.ndarray:
+    """Returns the centre of mass [m] of a body. A shard's mass lies on its middle surface, as the shell has it: where it is
+    curved, the centre of its volume is elsewhere. `points` are the body's alone, in the order of the frame."""
+    face = triangles[sides_of_sheet_body(points, triangles) == OUTSIDE]
+    if not len(face):
+        return centre_of(points, triangles)
+    corner = (0.5 * (points[::2] + points[1::2]))[face // 2]
+    area = np.linalg.norm(np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0]), axis=1)
+    return np.asarray((area[:, None] * corner.mean(axis=1)).sum(axis=0) / area.sum())
 
 
 def fit(before: np.ndarray, after: np.ndarray) -> tuple[np.ndarray, float]:

@@ -19,7 +19,7 @@ from .materials import STEEL, material_of_shards, name_and_material_of_body, slo
 from .mesh import part_of_points, thickness_of_points
 from .meshes import reference_points, weld
 from .motion import by_body
-from .rigid import centre_of, fit, quaternion, turn_of
+from .rigid import centre_of_mass, fit, quaternion, turn_of
 from .soft import RUBBER, balls
 from .thick import EDGE, INSIDE, OTHER, OUTSIDE, corner_normals, sides_of_sheet_body, vertex_normals
 from .vtp import PolyData
@@ -169,7 +169,7 @@ class Story:
         if not ending:
             return
         arriving = ends(before.shell, now.shell, bodies, now.time_s - before.time_s)
-        centres = {key: centre_of(points, triangles) for key, points, triangles, _ in moving if key in ending}
+        centres = {key: centre_of_mass(points, triangles) for key, points, triangles, _ in moving if key in ending}
         for key in ending:
             used, triangles, _ = before.pieces[key]
             if key in now.pieces:
@@ -230,7 +230,7 @@ class Story:
                 thing.place(k, points.mean(axis=0) + turn @ (rigid.centre - rigid.mean), turn @ rigid.base)
                 shape.last = k
                 return
-        centre = centre_of(points, triangles)
+        centre = centre_of_mass(points, triangles)
         base = turn_of(thing.turn[-1]) if thing.turn else np.eye(3)
         self._rigid[key] = _Rigid(points, triangles, centre, points.mean(axis=0), base)
         thing.place(k, centre, base)
