@@ -44,7 +44,8 @@ Exit Run::execute(const std::atomic<bool>& interrupted) {
     finish(interrupted ? "interrupted" : "done");
     return interrupted ? Exit::kInterrupted : Exit::kDone;
   } catch (const Error& e) {
-    const Error told = with_name(e, simulation_.state.bodies);
+    Error told = with_name(e, simulation_.state.bodies);
+    if (told.window < 0 && clock_.windows > 0) told.window = clock_.windows;  // the one that it ended in
     fail(told);
     throw told;
   } catch (const std::exception& e) {  // a bug or a failure of the machine: the peer and run.json are told too

@@ -61,8 +61,8 @@ RigidBody hull_box(BodyId id, const Vec3& half) {
   return plate(id, {rectangle(-half.x(), -half.y(), half.x(), half.y())}, 2.0 * half.z());
 }
 
-// A cube of 0.2 m flies at a wall of 0.2 m, frictionless and without a bounce, over up to forty times its size a
-// window. It stops before the wall, or leaves sideways where it hits with an edge: it never gets through, and never
+// A cube or ball of 0.2 m flies at a wall of 0.2 m, frictionless and without a bounce, over up to forty times its size
+// a window. It stops before the wall, or leaves sideways where it hits with an edge: it never gets through, and never
 // comes back faster than it came.
 void shoot(Suite& s, const std::string& what, const RigidBody& cube, const RigidBody& wall, const Vec3& turn) {
   constexpr double half = 0.1;

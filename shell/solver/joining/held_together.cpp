@@ -8,6 +8,16 @@
 #include "coupler/core/disjoint_sets.h"
 
 namespace sunder::shell {
+namespace {
+
+// Tests whether all layers of a point are fully damaged. Where one alone is, the others still pull.
+bool bears_nothing(const ShellState& s, int point, std::size_t layers) {
+  if (s.cracked.damage.empty()) return false;
+  const auto& now = s.cracked.damage[point].now;
+  return std::all_of(now.begin(), now.begin() + static_cast<std::ptrdiff_t>(layers), [](float c) { return c >= 1.0f; });
+}
+
+}  // namespace
 
 std::vector<double> held_areas(const std::vector<ShellRef>& shells, const Stitching& stitching) {
   std::vector<int> first;
@@ -31,7 +41,7 @@ std::vector<double> held_areas(const std::vector<ShellRef>& shells, const Stitch
             s.cracked.point_of.empty() ? -1 : s.cracked.point_of[static_cast<std::size_t>(block) * t.lanes + lane];
         if (point >= 0) {
           const GatheredPoint& g = s.cracked.gathered[point];
-          if (g.kind == PointKind::kDead || s.is_spent(point)) continue;
+          if (g.kind == PointKind::kDead || bears_nothing(s, point, t.layers.zeta.size())) continue;
           for (const GatheredFunction& f : g.functions) hold(g.functions.front().slot, f.slot);
           borne.push_back({first[k] + g.functions.front().slot, g.area});
           continue;

@@ -75,6 +75,9 @@ std::vector<Vec2> places_on(const ShellModel& m, const Polygon& polygon) {
   return at;
 }
 
+// Tests whether unit normals with this sum turn so far that their mean says nothing, as those of a tube do.
+bool turns_round(const Vec3& sum, std::size_t count) { return !(sum.norm() >= 0.5 * static_cast<double>(count)); }
+
 // Tests whether the surface over the polygon lies between two planes that are `most` [m] apart.
 bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& polygon, double most) {
   std::vector<Faces> faces;
@@ -84,6 +87,7 @@ bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& po
     if (!faces.back().finite()) return false;
     normal += faces.back().normal;
   }
+  if (turns_round(normal, faces.size())) return false;
   normal.normalize();
   double low = std::numeric_limits<double>::infinity(), high = -low;
   for (const Faces& f : faces) {
@@ -98,11 +102,11 @@ bool is_flat(const ShellModel& m, const PieceSurface& surface, const Polygon& po
   return high - low <= most;
 }
 
-// Convex parts that are flat to `most` [m].
+// Convex parts that are flat to `most` [m]; no more of them than `enough`, and one, are made.
 std::vector<std::vector<Vec3>> flat_parts(const ShellModel& m, const PieceSurface& surface, std::vector<Polygon> open,
-                                          double most) {
+                                          double most, std::size_t enough) {
   std::vector<std::vector<Vec3>> parts;
-  while (!open.empty()) {
+  while (!open.empty() && parts.size() <= enough) {
     const Polygon polygon = std::move(open.back());
     open.pop_back();
     Eigen::AlignedBox2d box;
@@ -148,6 +152,7 @@ bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, dou
       normal += f.normal, centre += middles.back();
     }
   if (middles.empty()) return false;
+  if (turns_round(normal, middles.size())) return true;
   normal.normalize(), centre /= static_cast<double>(middles.size());
   return std::any_of(middles.begin(), middles.end(),
                      [&](const Vec3& x) { return !(std::abs(normal.dot(x - centre)) <= most); });
@@ -155,12 +160,13 @@ bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, dou
 
 void add_flat_parts(const ShellModel& m, const PieceSurface& surface, const Outline& outline, ConvexShape& shape) {
   const std::vector<Polygon> whole = convex_parts(outline, kPartTolerance * m.spacing * m.spacing);
-  double most = kBentPiece * m.thickness;
-  std::vector<std::vector<Vec3>> parts = flat_parts(m, surface, whole, most);
+  double most = 2.0 * kBentPiece * m.thickness;  // to either side
   const std::size_t enough = std::max(kMostFlatParts, 4 * whole.size());
+  std::vector<std::vector<Vec3>> parts = flat_parts(m, surface, whole, most, enough);
   for (int k = 0; k < kDoublings && parts.size() > enough; ++k) {
     most *= 2.0;
-    parts = flat_parts(m, surface, whole, most);
+    const bool last = k + 1 == kDoublings;
+    parts = flat_parts(m, surface, whole, most, last ? std::numeric_limits<std::size_t>::max() : enough);
   }
   std::move(parts.begin(), parts.end(), std::back_inserter(shape.parts));
 }

@@ -25,13 +25,14 @@ Stitched halves() {
   return Stitched({half("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40)), half("right", flat(0.15, 0.3, 0.0, 0.3, 20, 40))});
 }
 
-// Complete damage of the left half in elements between `low` and `high` [m] along y.
-void spend(Stitched& s, double low, double high) {
+// Complete damage of the left half in elements between `low` and `high` [m] along y, of both layers or of one.
+void spend(Stitched& s, double low, double high, bool both = true) {
   s.state(0).layers.brittleness = brittleness(kStrength, kYoung, kToughness, width(s.model(0)));
   damage_where(s.model(0), s.state(0), [&](const Vec2& p) {
     const double y = s.model(0).patch.evaluate(p).x.y();
     return y > low && y < high;
   });
+  for (PointDamage& d : s.state(0).cracked.damage) d.now[1] = both ? d.now[0] : 0.0f;
 }
 
 }  // namespace
@@ -78,6 +79,9 @@ TEST(HeldAreas, ABandOfFullDamageHoldsNothing) {
   Stitched narrow = halves();
   spend(narrow, 0.15, 0.155);
   EXPECT_EQ(held_areas(narrow.refs(), narrow.stitching()).size(), 1u);
+  Stitched cracked = halves();  // on one face only
+  spend(cracked, 0.12, 0.18, false);
+  EXPECT_NEAR(held_areas(cracked.refs(), cracked.stitching()).at(0), 0.09, 1e-12);
   Stitched wide = halves();
   spend(wide, 0.12, 0.18);
   for (const Seam& seam : wide.seams()) wide.stitching().open(wide.refs(), seam, 0.0, 1.0);

@@ -131,6 +131,23 @@ TEST(BentPiece, IsDrawnWithItsCurvature) {
   EXPECT_NEAR(lowest, -0.5 * kThickness, 0.1 * kThickness);  // its middle, which an outline alone leaves out
 }
 
+// Pictures and exports take the centre of mass from what is drawn: that of its middle surface.
+TEST(BentPiece, IsDrawnAboutItsCentreOfMass) {
+  for (const double radius : {0.08, 1.0, 10.0, 1e6}) {
+    const DrawnMesh drawn = middle_of_a_dish(radius).drawn;
+    Vec3 first = Vec3::Zero();
+    double area = 0.0;
+    for (const auto& c : drawn.triangles) {
+      if (c[0] % 2 == 0 || c[1] % 2 == 0 || c[2] % 2 == 0) continue;  // outside only
+      Vec3 x[3];
+      for (int k = 0; k < 3; ++k) x[k] = 0.5 * (drawn.points[c[k] - 1] + drawn.points[c[k]]);
+      const double own = 0.5 * (x[1] - x[0]).cross(x[2] - x[0]).norm();
+      area += own, first += own / 3.0 * (x[0] + x[1] + x[2]);
+    }
+    EXPECT_LT((first / area).norm(), 1e-7) << radius;
+  }
+}
+
 // What is nearly flat costs no more than what is flat.
 TEST(BentPiece, NearlyFlatIsOnePart) {
   for (const double radius : {10.0, 1e6}) {  // 0.25 mm deep, and 2.5 nm
