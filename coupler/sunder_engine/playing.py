@@ -13,6 +13,7 @@ from typing import Any, Iterable, Protocol
 from .engine import MOTION
 from .messages import exchange, parsed
 from .recording import Body, Exchange, Summary, exchanges
+from .session import is_sound, unsound
 
 DOUBLE, SINGLE = 1e-9, 1e-4  # tolerances of engines with double_precision and without (rigid/README.md)
 SAME, CLOSE, DIFFERS = "same", "close", "differs"
@@ -147,6 +148,9 @@ class Player:
         if reply.WhichOneof("kind") != kind or reply.sequence != self._sequence:
             raise _Wrong(f"a reply of kind {reply.WhichOneof('kind')} and sequence {reply.sequence}; {kind} and {self._sequence} "
                          "are due")
+        for state in reply.window.states if kind == "window" else ():
+            if not is_sound(state):
+                raise _Wrong(f"body {state.id}: {unsound(state)}")
         return reply
 
     def _greeted(self, one: Exchange, reply: Any) -> None:
@@ -157,8 +161,8 @@ class Player:
             raise _Wrong("scene_hash does not come back as it was sent")
         lacking = [f"{word} (request {number})" for word, number in summary.needs.items() if word not in played.capabilities]
         if lacking:
-            raise Refusal(f"the session needs {', '.join(lacking)}, which {hello.engine_name} does not declare; record one with an "
-                          "engine that can as much as this one, e.g. with itself")
+            raise Refusal(f"the session needs {', '.join(lacking)}, which {hello.engine_name} does not declare; declare them, or record "
+                          "a run of a scene that needs no more (sunder run SCENE --rigid ENGINE --record)")
         if summary.restores and summary.engine != f"{hello.engine_name} {hello.engine_version}".strip():
             raise Refusal(f"the session goes on from a checkpoint with caches of {summary.engine}, which only that engine reads; "
                           "record a run from its start")

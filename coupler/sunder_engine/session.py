@@ -37,6 +37,19 @@ def is_sound(message: Any) -> bool:
     return all(map(math.isfinite, numbers(message))) and abs(math.hypot(q.w, q.x, q.y, q.z) - 1.0) < UNIT
 
 
+def unsound(message: Any) -> str:
+    """Says what is_sound() found: the field and its value."""
+    for field, value in message.ListFields():
+        if field.message_type is not None and field.label != field.LABEL_REPEATED:
+            inner = list(numbers(value))
+            if not all(map(math.isfinite, inner)):
+                return f"{field.name} is ({', '.join(f'{x:g}' for x in inner)}): not finite"
+        elif isinstance(value, float) and not math.isfinite(value):
+            return f"{field.name} is {value:g}: not finite"
+    q = message.orientation
+    return f"orientation has length {math.hypot(q.w, q.x, q.y, q.z):.12g}, which must be 1"
+
+
 class Session:
     """State of one session with an engine."""
 
@@ -187,14 +200,13 @@ class Session:
         need([motion.id for motion in motions] == self._moving,
              "there must be one predicted state for each moving body, by ascending id")
         for motion in motions:
-            need(is_sound(motion), f"the predicted state of body {motion.id} has a number that is not finite, or a "
-                 "quaternion off unit length")
+            need(is_sound(motion), f"the predicted state of body {motion.id}: {'' if is_sound(motion) else unsound(motion)}")
 
     def _add(self, bodies: Sequence[Any], what: str) -> None:
         for body in bodies:
             name = f"{what}[{body.id}]"
             need(body.id > 0 and body.id not in self._known, f"{name}: comes twice, is held already, or has no id")
-            need(is_sound(body), f"{name}: a number that is not finite, or a quaternion off unit length")
+            need(is_sound(body), f"{name}: {'' if is_sound(body) else unsound(body)}")
             shape = body.WhichOneof("shape")
             need(shape is not None, f"{name} has no shape")
             i = body.principal_inertia
@@ -221,6 +233,5 @@ class Session:
                           f"there must be one of each that moves, by ascending id: {self._moving[:9]}", ENGINE_FAILED)
         for state in states:
             if not is_sound(state):
-                raise Refused("engine_failed", f"{self._engine.name}: body {state.id} has a motion that is not finite, or "
-                              "a quaternion off unit length", ENGINE_FAILED)
+                raise Refused("engine_failed", f"{self._engine.name}: body {state.id}: {unsound(state)}", ENGINE_FAILED)
         return states

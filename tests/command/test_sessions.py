@@ -16,7 +16,7 @@ from typing import Any
 from sunder_engine.messages import exchange
 from sunder_engine.playing import Player
 from sunder_engine.recording import BadRecording, Summary, exchanges
-from sunder_engine.session import Session
+from sunder_engine.session import Session, is_sound, unsound
 
 from . import REPOSITORY, sunder
 
@@ -167,7 +167,24 @@ class Sessions(unittest.TestCase):
         return status, said.getvalue(), json.loads(report.read_text()) if report.is_file() else {}
 
 
+class Sound(unittest.TestCase):
+    def test_what_is_wrong_with_a_motion_is_said_with_its_field_and_value(self) -> None:
+        for values, words in (({"velocity": {"x": 1.0, "y": float("nan")}}, "velocity is (1, nan): not finite"),
+                              ({"mass": float("inf")}, "mass is inf: not finite"),
+                              ({"orientation": {"w": 0.9}}, "orientation has length 0.9, which must be 1")):
+            with self.subTest(words):
+                state = exchange().BodyState(**{"id": 1, "mass": 1.0, "orientation": {"w": 1.0}, **values})
+                self.assertFalse(is_sound(state))
+                self.assertEqual(unsound(state), words)
+
+
 class Playing(Sessions):
+    def test_a_state_that_is_not_finite_stops_it(self) -> None:
+        self.recorded()
+        status, said, found = self.validate("push *= float('nan')")
+        self.assertEqual(status, 1, said)
+        self.assertRegex(found["stopped"] + said, "not finite")
+
     def verdicts(self, found: dict[str, Any]) -> list[str]:
         return [reply["verdict"] for reply in found["replies"] if reply["kind"] == "window"]
 
@@ -324,7 +341,7 @@ class Playing(Sessions):
         self.recorded(capabilities=[*WORDS, "save_restore"], keep_windows=True)
         status, said, found = self.validate()
         self.assertEqual((status, found), (2, {}))
-        self.assertIn("the session needs save_restore (request 2), which floor does not declare; record one with", said)
+        self.assertIn("the session needs save_restore (request 2), which floor does not declare; declare them, or", said)
 
     def test_a_session_from_a_checkpoint_is_for_its_own_engine(self) -> None:
         recorder = Recorder(self.path, engine_text(capabilities=[*WORDS, "save_restore"]))

@@ -13,6 +13,7 @@ from sunder_engine import BAD_INPUT, Engine, Refused, main  # noqa: E402
 class @type@(Engine):
     name, version = "@name@", "0.1"
     # Words of rigid/README.md. Declare one once its cases of the suite pass: "contact", "friction", ...
+    # "contact" is held to all shapes declared: to begin with spheres, take the others out.
     capabilities = ["spheres", "boxes", "half_spaces", "convex_hulls", "compound", "deterministic", "double_precision"]
 
     def __init__(self):
@@ -55,6 +56,7 @@ class @type@ final : public link::Engine {
  public:
   link::EngineInfo info() const override {
     // Words of rigid/README.md. Declare one once its cases of the suite pass: "contact", "friction", ...
+    // "contact" is held to all shapes declared: to begin with spheres, take the others out.
     return {"@name@",
             "0.1",
             {"spheres", "boxes", "half_spaces", "convex_hulls", "compound", "deterministic", "double_precision"}};
@@ -102,6 +104,7 @@ import { engineMain, Exit, Failure } from @main@;
 
 class @type@ {
   // Words of rigid/README.md. Declare one once its cases of the suite pass: 'contact', 'friction', ...
+  // 'contact' is held to all shapes declared: to begin with spheres, take the others out.
   info = {
     name: '@name@',
     version: '0.1',
