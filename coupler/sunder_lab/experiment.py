@@ -131,6 +131,7 @@ class Experiment:
                           "results to the bit")
         faults += self._faults_of_names(parameters)
         if faults:
+            faults += dict.fromkeys(self._refused(self.scene))
             raise CommandError(f"{self.name}: nothing was run\n" + "\n".join(faults))
         rows = []
         for values in itertools.product(*(p.values for p in parameters.values())):
@@ -251,9 +252,10 @@ class Experiment:
         out: dict[str, Any] = {}
         for measure in self._measures():
             found = measure(results)
-            there = {name.casefold() for name in (*out, *self.parameters, *OWN)}
-            taken = [name for name in found if name.casefold() in there]
+            there = {name.casefold(): name for name in (*out, *self.parameters, *OWN)}
+            taken = [f"'{name}' beside '{there[name.casefold()]}'" for name in found if name.casefold() in there]
             if taken:
-                raise ValueError(f"a measure gives a column that there is already: {', '.join(taken)}")
+                raise ValueError("a measure gives a column that there is already, or that differs from one in case only: "
+                                 f"{', '.join(taken)}")
             out.update(found)
         return out

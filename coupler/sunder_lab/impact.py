@@ -214,7 +214,8 @@ def impact(body: str | None = None, mass: float | None = None, interval_s: float
     """Measures, for experiments, the usual quantities of an impact by `body`, as columns.
 
     With `interval_s` also `mean_force_N`, the largest mean force over an interval of this length, and
-    `mean_force_interval_s`, the length: give at least ten windows, and keep it where windows change. There is no peak of
+    `mean_force_interval_s`, the length: at least four rows of the probe (a row a window, if `output.probe_interval_s` is no
+    longer), better ten; keep it where windows change. There is no peak of
     the force without an interval: the default contact acts by impulses, so the force over a window grows without limit
     as windows get shorter.
     """
@@ -224,6 +225,10 @@ def impact(body: str | None = None, mass: float | None = None, interval_s: float
         struck(scene.message, body, mass)
         if interval_s is not None:
             check_interval(interval_s)
+            rows = max(scene.message.window_s, scene.message.output.probe_interval_s)
+            if FEWEST_ROWS * rows > interval_s * (1.0 + 1e-9):
+                raise CommandError(f"interval_s is {interval_s:g}, but rows of the probe are {rows:g} s apart; give at least "
+                                   f"{FEWEST_ROWS * rows:g}, or lower window_s and output.probe_interval_s")
 
     def measure(results: Results) -> dict[str, float]:
         one = motion(results, body, mass)

@@ -32,7 +32,7 @@ class Models(unittest.TestCase):
     def test_the_table_has_a_line_a_run_and_the_reasons(self) -> None:
         lines = models.table([self.here, self.here]).splitlines()
         self.assertEqual(lines[2], lines[3])
-        self.assertTrue(lines[2].startswith("| `car` | plane_stress + seams 90 %"))
+        self.assertTrue(lines[2].startswith(f"| `car` ({self.here}) | plane_stress + seams 90 %"))
         self.assertIn("contact, engine: bodies meet", lines)
 
     def test_the_summary_of_a_run_names_them(self) -> None:

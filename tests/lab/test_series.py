@@ -299,12 +299,23 @@ class Names(unittest.TestCase):
             self.refused(f"no column '{name}'; (?s:.*){words}", measure=measure, plots=[sunder.Plot("speed", name)])
         self.refused("interval_s is -1", measure=sunder.impact("pellet", interval_s=-1.0))
 
+    def test_an_interval_of_less_than_four_rows_is_told_before_a_run(self) -> None:
+        rows = float(coarse()["window_s"])
+        words = f"rows of the probe are {rows:g} s apart; give at least {4 * rows:g}, or lower window_s"
+        self.refused(words, measure=sunder.impact("pellet", interval_s=3.9 * rows))
+        self.assertTrue(self.series(measure=sunder.impact("pellet", interval_s=4.0 * rows)).plan())
+
+    def test_what_measures_refuse_is_told_beside_other_faults(self) -> None:
+        self.refused("(?s:'lineer' is no field.*)no body 'pelet'; did you mean 'pellet'",
+                     parameters={"speed": sunder.Parameter([1.0], "bodies[pellet].twist.lineer.z")},
+                     measure=sunder.impact("pelet"))
+
     def test_names_that_differ_in_case_only_are_refused(self) -> None:
         self.refused("'Pieces': differs from 'pieces' in case only", measure=[sunder.fragments(), sunder.gives("Pieces")(len)])
         self.refused("'SPEED': differs from 'speed' in case only", measure=sunder.gives("SPEED")(len))
         self.refused("'pieces': there is one of that name already", measure=[sunder.fragments(), sunder.fragments()])
         done = self.series(measure=lambda _: {"height": 1, "Status": 2}).run(Pretended(self.out, quiet=True))
-        self.assertIn("there is already: Status", done.rows[0]["error"])
+        self.assertIn("in case only: 'Status' beside 'status'", done.rows[0]["error"])
 
     def test_a_measure_of_no_body_or_shell_is_told(self) -> None:
         self.refused("no body 'pelet'; did you mean 'pellet'", measure=sunder.impact("pelet"))

@@ -44,7 +44,8 @@ def table(folders: Sequence[Path]) -> str:
         run = read_run(folder)
         if not _models(run):
             raise CommandError(f"models: {folder}: holds no run.json with models; name the folder of a run")
-        lines.append(f"| `{run.get('scene')}` | {in_words(run)} |")
+        name = f"`{run.get('scene')}`" + (f" ({folder})" if len(folders) > 1 else "")
+        lines.append(f"| {name} | {in_words(run)} |")
         for model in _models(run):
             why.setdefault(str(model["why"]), [])
             if model["name"] not in why[str(model["why"])]:
