@@ -1,6 +1,8 @@
 """`sunder sweep FILE`: runs the experiments that a Python file defines."""
 from __future__ import annotations
 
+import json
+import re
 import runpy
 import sys
 import traceback
@@ -10,7 +12,7 @@ from typing import Union
 
 from sunder_tools.errors import BAD_INPUT, CHECK_FAILED, DONE, CommandError, Interrupted
 
-from .campaign import Settings
+from .campaign import MEMBERS, Settings
 from .experiment import Experiment
 from .table import Table
 from .v50 import V50, Ballistic
@@ -30,6 +32,8 @@ def sweep(file: Path, settings: Settings) -> int:
         done = series.run(here)
         if isinstance(done, Table):
             status = max(status, _tell_table(series, done))
+            for line in _warnings(out, done):
+                print(line)
         else:
             status = max(status, _tell_v50(series, done))
         print(f"table            {out / 'results.csv'}, {out / 'results.sqlite'}")
@@ -72,6 +76,21 @@ def _tell_table(series: Series, table: Table) -> int:
         columns = ", ".join(f"{k} {row[k]}" for k in table.columns[1:table.columns.index("status")])
         print(f"{row['status']:<16} {columns}: {row['error']}")
     return CHECK_FAILED if bad else DONE
+
+
+def _warnings(out: Path, table: Table) -> list[str]:
+    """What the runs of a series warn of, a line for each kind: how many runs, and the first of them in its own words."""
+    kinds: dict[str, list[tuple[str, str]]] = {}
+    for row in table:
+        try:
+            run = json.loads((out / MEMBERS / str(row["member"]) / "run" / "run.json").read_text())
+        except (OSError, ValueError):
+            continue
+        told = run.get("warnings") if isinstance(run, dict) else None
+        for warning in told if isinstance(told, list) else []:
+            kinds.setdefault(re.sub(r"[0-9.eE+-]*[0-9][0-9.eE+-]*", "N", str(warning)), []).append((str(row["member"]), str(warning)))
+    return [f"warning          {len({member for member, _ in found})} of {len(table)} runs, {found[0][0]} first: {found[0][1]}"
+            for found in kinds.values()]
 
 
 def _tell_v50(series: Series, found: Ballistic) -> int:

@@ -16,7 +16,8 @@ from typing import Callable
 
 from . import REPOSITORY, sweeps
 import sunder
-from sunder_lab.sweep import series_of
+from sunder_lab.sweep import _warnings, series_of
+from sunder_lab.table import Table
 from sunder_tools.pictures.plots import there
 
 from .made_up import write_dents, write_pieces, write_run
@@ -298,6 +299,16 @@ class Names(unittest.TestCase):
                                      (with_it, "mean_force", "did you mean 'mean_force_N'")):
             self.refused(f"no column '{name}'; (?s:.*){words}", measure=measure, plots=[sunder.Plot("speed", name)])
         self.refused("interval_s is -1", measure=sunder.impact("pellet", interval_s=-1.0))
+
+    def test_what_runs_warn_of_is_told_once_for_each_kind(self) -> None:
+        for member, warnings in (("a", ["1.5 % of the points are rubble"]), ("b", ["16 % of the points are rubble", "cracks"]),
+                                 ("c", [])):
+            folder = self.out / "members" / member / "run"
+            folder.mkdir(parents=True)
+            (folder / "run.json").write_text(json.dumps({"warnings": warnings}))
+        rows = Table([{"member": member, "status": "done"} for member in ("a", "b", "c", "lost")])
+        self.assertEqual(_warnings(self.out, rows), ["warning          2 of 4 runs, a first: 1.5 % of the points are rubble",
+                                                     "warning          1 of 4 runs, b first: cracks"])
 
     def test_an_interval_of_less_than_four_rows_is_told_before_a_run(self) -> None:
         rows = float(coarse()["window_s"])
