@@ -33,6 +33,7 @@ from sunder_tools.launch.run import COMMAND_FILE, USAGE_FILE, Job, run_scene
 from sunder_tools.pictures.frames import BODIES, SHELL
 from sunder_tools.pictures.vtp import PolyData
 from sunder_tools.report.run_json import read_run
+from sunder_tools.report.summary import summary
 
 PAPER = SCENES / "paper"
 sys.path.append(str(PAPER))
@@ -230,6 +231,24 @@ class Mannequin(unittest.TestCase):
             far = outside(shell.points[np.unique(shell.triangles)], bodies.points, bodies.triangles)
             self.assertAlmostEqual(float(depth[1]), 1e3 * (half - far.min()), delta=0.06)
             self.assertGreater(_off_body(frames[0]).min(), half)  # the dress starts off the body
+
+
+class Garment(unittest.TestCase):
+    """Figure 15 in its small size: "bifurcate at patch borders and leave three fragments", says the paper."""
+
+    def test_straps_tear_off_and_leave_three_parts(self) -> None:
+        with tempfile.TemporaryDirectory() as name:
+            case = CASES["fig15"]
+            folder = Path(name) / "run"
+            job = Job(REPOSITORY / case.file(), settings=tuple(case.all_settings("small")), threads="2")
+            self.assertEqual(run_scene(job, folder, quiet=True), DONE)
+            run = read_run(folder)
+            held, rest = run["surface"]["held_together_m2"], run["surface"]["rest_m2"]
+            self.assertEqual((len(held), run["surface"]["parts_at_rest"]), (3, 1))
+            self.assertGreater(held[0], 0.9 * rest)           # the garment, and two straps that are alike
+            self.assertLess(held[1] - held[2], 0.2 * held[1])
+            self.assertLess(abs(run["energy"]["residual_relative"]), 0.01)
+            self.assertIn("; damage parts the shells into 3", summary(folder, None))
 
 
 class Told(unittest.TestCase):
