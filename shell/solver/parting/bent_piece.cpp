@@ -160,7 +160,7 @@ bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, dou
 
 void add_flat_parts(const ShellModel& m, const PieceSurface& surface, const Outline& outline, ConvexShape& shape) {
   const std::vector<Polygon> whole = convex_parts(outline, kPartTolerance * m.spacing * m.spacing);
-  double most = 2.0 * kBentPiece * m.thickness;  // to either side
+  double most = kBentPiece * m.thickness;
   const std::size_t enough = std::max(kMostFlatParts, 4 * whole.size());
   std::vector<std::vector<Vec3>> parts = flat_parts(m, surface, whole, most, enough);
   for (int k = 0; k < kDoublings && parts.size() > enough; ++k) {

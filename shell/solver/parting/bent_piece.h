@@ -33,9 +33,9 @@ struct PieceSurface {
 /// Tells whether a vertex of a piece is further than `most` [m] off the mean plane of all of them.
 bool is_bent(const PieceSurface& surface, const Triangulation& t, int piece, double most);
 
-/// Appends convex parts: those of the outline, halved until each is within kBentPiece of a plane. A part no
+/// Appends convex parts: those of the outline, halved until each lies between two planes kBentPiece apart. A part no
 /// larger than half a spacing is taken as it is, and left out where it is torn or has no volume. Many parts make
-/// contact slow: where there are more than kMostFlatParts, twice as far off is allowed, and so on.
+/// contact slow: where there are more than kMostFlatParts, the planes are twice as far apart, and so on.
 void add_flat_parts(const ShellModel& model, const PieceSurface& surface, const Outline& outline, ConvexShape& shape);
 
 /// Draws a prism for each triangle of a piece. Prisms of one piece share their corners and have no walls between them.
