@@ -1,6 +1,7 @@
 #pragma once
 // A square panel whose cracks damage drives.
 #include <cmath>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -10,11 +11,14 @@ namespace sunder::shell {
 
 constexpr double kYoung = 3e9, kStrength = 2e6, kToughness = 12.0;
 
-inline ShellModel panel(int elements, double poisson) {
+inline ShellModel panel(const std::string& name, const Patch& patch, double poisson) {
   ShellMaterial m;
   m.density = 1000, m.youngs_modulus = kYoung, m.poisson_ratio = poisson;
   m.strength = kStrength, m.fracture_energy = kToughness;
-  return make_shell("p", plate(0.3, 0.3, elements, elements, Vec3::Zero(), Quat::Identity()), 0.01, m, 2, 2, {});
+  return make_shell(name, patch, 0.01, m, 2, 2, {});
+}
+inline ShellModel panel(int elements, double poisson) {
+  return panel("p", plate(0.3, 0.3, elements, elements, Vec3::Zero(), Quat::Identity()), poisson);
 }
 
 inline double width(const ShellModel& m) { return std::sqrt(3.0) * m.spacing; }

@@ -13,16 +13,10 @@ using namespace sunder::shell;
 
 namespace {
 
-ShellModel half(const char* name, const Patch& patch) {
-  ShellMaterial m;
-  m.density = 1000, m.youngs_modulus = kYoung, m.poisson_ratio = 0.3;
-  m.strength = kStrength, m.fracture_energy = kToughness;
-  return make_shell(name, patch, 0.01, m, 2, 2, {});
-}
-
 // Two halves of a square of 0.3 m, sewn at x = 0.15; the elements are 7.5 mm wide.
 Stitched halves() {
-  return Stitched({half("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40)), half("right", flat(0.15, 0.3, 0.0, 0.3, 20, 40))});
+  return Stitched(
+      {panel("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40), 0.3), panel("right", flat(0.15, 0.3, 0.0, 0.3, 20, 40), 0.3)});
 }
 
 // Complete damage of the left half in elements between `low` and `high` [m] along y, of both layers or of one.

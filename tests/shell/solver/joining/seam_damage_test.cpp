@@ -11,17 +11,10 @@ using namespace sunder::shell;
 
 namespace {
 
-ShellModel half(const char* name, const Patch& patch) {
-  ShellMaterial m;
-  m.density = 1000, m.youngs_modulus = kYoung, m.poisson_ratio = 0.3;
-  m.strength = kStrength, m.fracture_energy = kToughness;
-  return make_shell(name, patch, 0.01, m, 2, 2, {});
-}
-
 /// Two halves of a square of 0.3 m, which hang together at x = 0.15; the right one has its parameters turned.
 Stitched halves(int turns, int right_rows = 40) {
-  return Stitched({half("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40)),
-                   half("right", turned(flat(0.15, 0.3, 0.0, 0.3, 20, right_rows), turns))});
+  return Stitched({panel("left", flat(0.0, 0.15, 0.0, 0.3, 20, 40), 0.3),
+                   panel("right", turned(flat(0.15, 0.3, 0.0, 0.3, 20, right_rows), turns), 0.3)});
 }
 
 /// Rest places along the seam [m] of the points that still join the halves.
