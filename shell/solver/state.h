@@ -109,12 +109,6 @@ struct ShellState {
     return static_cast<int>(std::count_if(cracked.gathered.begin(), cracked.gathered.end(),
                                           [](const auto& g) { return g.kind == PointKind::kDead && !g.left; }));
   }
-  /// Tells whether a layer of a gathered point bears no tension any more: fully damaged, or rubble. One that left with
-  /// a piece does not count.
-  bool is_spent(int point) const {
-    const GatheredPoint& g = cracked.gathered[point];
-    return g.kind == PointKind::kDead ? !g.left : !cracked.damage.empty() && cracked.damage[point].damage() >= 1.0f;
-  }
   /// Returns the force discontinuity; it is zero at first.
   std::vector<double>& discontinuity() {
     if (cracks.force_discontinuity.empty()) cracks.force_discontinuity.assign(motion.force.size(), 0.0);

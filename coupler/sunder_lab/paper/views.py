@@ -199,8 +199,8 @@ def figure_15(runs: Runs) -> Drawn:
 def _held_together(run: dict[str, Any]) -> str:
     """The parts of the shells that forces still hold together, from run.json."""
     areas = run.get("surface", {}).get("held_together_m2")
-    if not areas:
-        return "No shell is left that forces hold together."
+    if areas is None:  # a shell is frozen, or the run is of an older version
+        return "What forces still hold together is not in run.json."
     return f"Forces hold {len(areas)} parts together: {', '.join(f'{area:.3g}' for area in areas[:6])} m^2."
 
 

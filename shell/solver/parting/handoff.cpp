@@ -205,6 +205,7 @@ void thicken(const ShellModel& m, const Triangulation& t, int piece, const Vec3&
                           },
                           std::numeric_limits<double>::infinity()};
   const Outline outline = outline_of(t, piece);
+  // As `rest.at`, but for round-off: bodies of flat panes keep the bits that they have always had.
   const auto faces = [&](const Vec2& p, Vec3& low, Vec3& high) {
     const SurfacePoint q = m.patch.evaluate(p);
     const Vec3 n = 0.5 * m.thickness * q.u.cross(q.v).normalized();
