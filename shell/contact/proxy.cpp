@@ -11,6 +11,52 @@ namespace sunder::shell {
 namespace {
 
 constexpr double kLeastSafety = 0.05;  // a lower time_step_safety is no remedy
+constexpr double kJointGap = 1e-6;     // of a body's radius: parts that are nearer to one another are joined
+
+using Parts = std::vector<std::vector<Plane>>;
+
+/// How far a point is outside of a plane [m], negative inside.
+double outside(const Plane& p, const Vec3& local) { return p.normal.dot(local) - p.offset; }
+
+bool holds(const std::vector<Plane>& planes, const Vec3& local) {
+  return std::all_of(planes.begin(), planes.end(), [&](const Plane& p) { return outside(p, local) <= 0.0; });
+}
+
+/// True where the way out of part `own` through plane `p` leads into another part. `gap`: how far parts that are
+/// joined may be apart [m].
+bool is_joint(const Parts& parts, std::size_t own, const Plane& p, const Vec3& local, double gap) {
+  const Vec3 beyond = local + (gap - outside(p, local)) * p.normal;
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (i != own && holds(parts[i], beyond)) return true;
+  return false;
+}
+
+/// The least deep face of part `own` that is not a joint; where all are joints, the least deep one.
+Proxy::Distance way_out(const Parts& parts, std::size_t own, const Vec3& local, double gap,
+                        const Proxy::Distance& least) {
+  Proxy::Distance best{-std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
+  for (const Plane& p : parts[own])
+    if (const double s = outside(p, local); s > best.value && !is_joint(parts, own, p, local, gap))
+      best = {s, p.normal};
+  return std::isfinite(best.value) ? best : least;
+}
+
+/// Exact inside a part that is alone. Where parts touch, the way out does not lead through what they share. Outside of
+/// all parts a lower bound that is not negative.
+Proxy::Distance nearest_part(const Parts& parts, const Vec3& local, double gap) {
+  Proxy::Distance best{std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
+  std::size_t own = 0;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    Proxy::Distance part{-std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
+    for (const Plane& p : parts[i]) {
+      const double s = outside(p, local);
+      if (s > part.value) part = {s, p.normal};
+      if (part.value >= best.value) break;  // this part is not nearer
+    }
+    if (part.value < best.value) best = part, own = i;
+  }
+  return best.value <= gap && parts.size() > 1 ? way_out(parts, own, local, gap, best) : best;
+}
 
 }  // namespace
 
@@ -132,15 +178,7 @@ Proxy::Distance Proxy::distance(const Vec3& world, std::int32_t guess) const {
     const SolidDistance::Found found = solid_->at(local, guess);
     return {found.value, q * found.normal, found.point, found.triangle};
   }
-  Distance best{std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
-  for (const auto& planes : parts_) {  // exact inside a part; outside a lower bound that is not negative
-    Distance part{-std::numeric_limits<double>::infinity(), Vec3::UnitZ()};
-    for (const Plane& p : planes) {
-      const double s = p.normal.dot(local) - p.offset;
-      if (s > part.value) part = {s, p.normal};
-    }
-    if (part.value < best.value) best = part;
-  }
+  Distance best = nearest_part(parts_, local, kJointGap * radius_);
   best.normal = q * best.normal;
   return best;
 }

@@ -63,6 +63,27 @@ TEST(Proxy, DistanceToAConvexPartIsThatToItsPlanes) {
   EXPECT_NEAR(p.distance({0, -1.5, 0.2}).value, 0.5, 1e-12);
 }
 
+// A plate of two halves: what is pressed into it beside the joint leaves through a face, not into the other half.
+TEST(Proxy, DoesNotPushWhatItHoldsThroughAJoint) {
+  const auto half = [](double from, double to) {
+    std::vector<Vec3> corners;
+    for (const double x : {from, to})
+      for (const double y : {-1.0, 1.0})
+        for (const double z : {-0.1, 0.1}) corners.emplace_back(x, y, z);
+    return corners;
+  };
+  RigidBody b;
+  b.shape = ConvexShape{{half(-1.0, 0.0), half(0.0, 1.0)}};
+  const Proxy plate(b);
+  for (const double x : {-0.02, -1e-9, 0.0, 1e-9, 0.02}) {
+    const Proxy::Distance d = plate.distance({x, 0.3, 0.05});
+    EXPECT_NEAR(d.value, -0.05, 1e-9) << x;
+    EXPECT_LT((d.normal - Vec3::UnitZ()).norm(), 1e-9) << x;
+  }
+  EXPECT_NEAR(plate.distance({0.98, 0.3, 0.05}).normal.x(), 1.0, 1e-9);  // an end is a face
+  EXPECT_NEAR(plate.distance({0.01, 0.3, 0.15}).value, 0.05, 1e-9);
+}
+
 // Of a prism with few corners and with many, which take another way to its faces.
 TEST(Proxy, OfAPrismIsAsFarAsItsFaces) {
   for (const int n : {3, 7, 12, 13, 40, 300}) {
