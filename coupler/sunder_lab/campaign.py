@@ -12,6 +12,7 @@ from typing import Any, Callable, Mapping
 from sunder_tools.errors import CommandError
 from sunder_tools.launch import engines
 from sunder_tools.launch.build import ensure_built
+from sunder_tools.launch.needs import reads_cad
 from sunder_tools.pictures.plots import Panel, write_panels
 
 from .executors import Executor, Local, Slurm, default_jobs
@@ -109,7 +110,7 @@ class Campaign:
             look = None
         if not remaining:
             return
-        executables = ensure_built()
+        executables = ensure_built(cad=any(reads_cad(places[place].member.scene.text()) for place in remaining))
         for engine in dict.fromkeys(places[place].member.engine for place in remaining):
             engines.check(engine, engines.resolve(engine, executables), executables)
         for place in remaining:

@@ -15,7 +15,7 @@ from typing import Any, Sequence, Union
 from google.protobuf import text_format
 
 from sunder_tools.errors import DONE, CommandError
-from sunder_tools.launch.build import ensure_built
+from sunder_tools.launch.needs import built_for
 from sunder_tools.launch.fidelity import PRESETS, taken
 from sunder_tools.launch.run import Job, run_scene
 from sunder_tools.places import REPOSITORY
@@ -173,7 +173,7 @@ class Scene:
         refused."""
         with tempfile.TemporaryDirectory(prefix="check-sunder-") as folder:
             path = self.save(folder)
-            done = subprocess.run([str(ensure_built().shell), "--scene", str(path), "--check"], text=True,
+            done = subprocess.run([str(built_for(path).shell), "--scene", str(path), "--check"], text=True,
                                   stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, check=False)
             if done.returncode != DONE:
                 raise CommandError(self._told(done.stderr, folder).strip() or

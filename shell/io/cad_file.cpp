@@ -10,7 +10,9 @@ struct CadFile::Shape {
 };
 
 CadFile::CadFile(const scene::LoadedScene& scene, const std::string& field, const std::string&) {
-  scene.fail(field, "this build has no OpenCASCADE, which reads STEP and IGES; run `coupler/sunder build --cad`");
+  scene.fail(field,
+             "this build has no OpenCASCADE, which reads STEP and IGES; `coupler/sunder` of a checkout builds with it "
+             "where SUNDER_BUILD_DIR is unset");
 }
 int CadFile::faces() const { return 0; }
 std::vector<CadSurface> CadFile::surfaces(const scene::LoadedScene& scene, const std::string& field,

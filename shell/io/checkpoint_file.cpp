@@ -10,8 +10,9 @@
 namespace sunder::shell {
 namespace {
 
-// Only the build that wrote a checkpoint reads it: plain structures are stored as they are in memory.
-const std::string kFirstLine = "sunder checkpoint 17, " __VERSION__ "\n";
+/// Only the build that wrote a checkpoint reads it: plain structures are stored as they are in memory.
+std::string first_line() { return fmt::format("sunder checkpoint, {}, {}\n", source_hash(), __VERSION__); }
+
 constexpr std::size_t kHashDigits = 64;
 
 std::string digest(const std::string& bytes) {
@@ -31,7 +32,7 @@ void bad_checkpoint(const std::string& path, const std::string& what) {
 }
 
 void write_checkpoint(const std::string& path, const std::string& scene_hash, const std::string& bytes) {
-  const std::string body = kFirstLine + scene_hash + "\n" + bytes;
+  const std::string body = first_line() + scene_hash + "\n" + bytes;
   std::error_code ignored;  // an error shows when the file is written
   std::filesystem::create_directories(std::filesystem::path(path).parent_path(), ignored);
   write_atomically(path, body + digest(body));
@@ -44,9 +45,9 @@ std::string read_checkpoint(const std::string& path, const std::string& scene_ha
                    "there is no checkpoint; a run writes one every output.checkpoint_interval_s, if its engine can do "
                    "'save_restore'");
   std::string bytes((std::istreambuf_iterator<char>(file)), {});
-  const std::string head = kFirstLine + scene_hash + "\n";
-  if (bytes.size() < kFirstLine.size() + kHashDigits || bytes.compare(0, kFirstLine.size(), kFirstLine) != 0)
-    bad_checkpoint(path, "is no checkpoint of this build");
+  const std::string build = first_line(), head = build + scene_hash + "\n";
+  if (bytes.size() < build.size() + kHashDigits || bytes.compare(0, build.size(), build) != 0)
+    bad_checkpoint(path, "is no checkpoint of this build: other sources or another compiler wrote it");
   const std::string sum = bytes.substr(bytes.size() - kHashDigits);
   bytes.resize(bytes.size() - kHashDigits);
   if (digest(bytes) != sum) bad_checkpoint(path, "is damaged");

@@ -14,6 +14,9 @@ void write_checkpoint(const std::string& path, const std::string& scene_hash, co
 /// another scene or other settings, or was written by another build.
 std::string read_checkpoint(const std::string& path, const std::string& scene_hash);
 
+/// SHA-256 over the sources of this build, 64 hexadecimal digits. Made by source_hash.cmake.
+const char* source_hash();
+
 /// Throws Error (bad_checkpoint) that names the file and says `what` is wrong.
 [[noreturn]] void bad_checkpoint(const std::string& path, const std::string& what);
 

@@ -17,8 +17,11 @@ constexpr double kSingleTolerance = 1e-4;  // for engines that declare single pr
 // absolute where the scale is zero
 double relative(double error, double scale) { return scale > 0.0 ? error / scale : error; }
 
+// NaN exceeds all, and nothing exceeds it
+bool exceeds(double a, double b) { return std::isnan(a) || a > b; }
+
 // the larger one; NaN where either is
-double worse(double a, double b) { return std::isnan(a) || a > b ? a : b; }
+double worse(double a, double b) { return exceeds(a, b) ? a : b; }
 
 }  // namespace
 
@@ -29,6 +32,7 @@ void Coupler::check_ledger(double window, double dt) {
   for (Proxy& p : state_.bodies) {
     const std::size_t k = p.body.is_static ? starts_.size() : moving++;
     double linear = 0.0, angular = 0.0;
+    double pushed = p.impulse_sum, turned_by = p.moment_sum;  // what they are shares of [N s], [N m s]
     if (p.impulse_sum != 0.0) {
       linear = (p.linear_impulse + p.shell_linear).norm() / p.impulse_sum;
       angular = relative((p.angular_impulse + p.shell_angular).norm(), p.moment_sum);
@@ -42,8 +46,10 @@ void Coupler::check_ledger(double window, double dt) {
       if (!p.unmoved) gained -= p.linear_impulse, turned -= p.angular_impulse;
       const double fall = window * setup_.gravity.norm(), scale = then.velocity.norm() + now.velocity.norm() + fall;
       const double turning = then.angular_momentum.norm() + now.angular_momentum.norm();
-      linear = worse(relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings, linear);
-      angular = worse(relative(turned.norm(), p.moment_sum + turning) / roundings, angular);
+      const double in_velocity = relative(gained.norm(), p.impulse_sum + p.body.mass * scale) / roundings;
+      const double in_spin = relative(turned.norm(), p.moment_sum + turning) / roundings;
+      if (exceeds(in_velocity, linear)) linear = in_velocity, pushed += p.body.mass * scale;
+      if (exceeds(in_spin, angular)) angular = in_spin, turned_by += turning;
     }
     ledger_linear_ = worse(linear, ledger_linear_), ledger_angular_ = worse(angular, ledger_angular_);
     if (!(linear <= kLedgerTolerance && angular <= kLedgerTolerance)) {  // NaN fails too
@@ -52,7 +58,7 @@ void Coupler::check_ledger(double window, double dt) {
           fmt::format(
               "window {}: what the shell lost, body '{}' did not gain: {:.3g} linear of {:.3g} N s, {:.3g} angular of "
               "{:.3g} N m s",
-              clock_.windows, p.body.name, linear, p.impulse_sum, angular, p.moment_sum));
+              clock_.windows, p.body.name, linear, pushed, angular, turned_by));
       e.window = clock_.windows, e.body = p.body.name;
       throw e;
     }

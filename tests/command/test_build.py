@@ -112,6 +112,7 @@ class Building(unittest.TestCase):
         (self.root / "VERSION").write_text("1.2.3\n")
         with mock.patch.object(build, "INSTALLED", self.root / "VERSION"), mock.patch.object(build, "PROGRAMS", programs):
             self.assertEqual(build.ensure_built().rigid, here / "sunder-rigid")
+            self.assertEqual(build.ensure_built(cad=True).rigid, here / "sunder-rigid", "the solver says whether it has it")
             with self.assertRaisesRegex(CommandError, "which an installation does not have"):
                 build.ensure_built(targets=("sunder-bench",))
         self.assertEqual(self.commands, [], "nothing is built")

@@ -230,7 +230,7 @@ class Shattering:
     takes_its_energy: bool = False  # cracks take the energy that their area needs
 
 
-# A heavy ball breaks a plate of acrylic into sectors. Its cracks dissipate the energy that their area needs.
+# A heavy ball breaks a plate of acrylic into sectors. Its cracks should dissipate the energy that their area needs.
 SNAPPED = Shattering("snapped", "acrylic.textproto", "plate", "pellet", (44, 66, 96), (
     "bodies[pellet].sphere.radius_m=0.008", "bodies[pellet].pose.position.z=0.00851",
     "bodies[pellet].twist.linear.z=-20", "end_time_s=8e-4", "output.frame_interval_s=2e-4"), True)
@@ -364,7 +364,7 @@ def _sizes(table: Table, name: str, key: str, sizes: dict[int, list[np.ndarray]]
 
 
 def snapped(table: Table, executables: Executables) -> None:
-    """Checks pieces where cracks dissipate the energy that their area needs: every result converges."""
+    """Checks pieces where cracks should dissipate the energy that their area needs, so that results may converge."""
     _pieces_of(table, executables, SNAPPED)
 
 

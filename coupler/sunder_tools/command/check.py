@@ -5,7 +5,7 @@ import argparse
 import subprocess
 
 from ..errors import PEER_LOST, CommandError, how_it_ended
-from ..launch.build import ensure_built
+from ..launch.needs import built_for
 from ..launch.fidelity import with_fidelity
 from .parser import Subparsers, add_command, add_scene, add_settings, need_scene
 from .run import add_fidelity
@@ -26,7 +26,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Hands the scene to sunder-shell --check; returns its exit status. Raises CommandError."""
     need_scene(arguments.scene)
     settings = with_fidelity(arguments.scene, arguments.settings, arguments.fidelity, quiet=False)
-    executables = ensure_built()
+    executables = built_for(arguments.scene)
     command = [str(executables.shell), "--scene", str(arguments.scene), "--check"]
     status = subprocess.run(command + [part for s in settings for part in ("--set", s)], check=False).returncode
     if status < 0:

@@ -7,7 +7,7 @@ import sys
 from pathlib import Path
 
 from ..errors import PEER_LOST, CommandError, how_it_ended
-from ..launch.build import ensure_built
+from ..launch.needs import built_for
 from ..launch.modes_folder import open_modes_folder
 from .parser import Subparsers, add_command, add_scene, add_settings, count, need_scene, number_within, threads
 
@@ -38,7 +38,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Hands the scene to sunder-shell --modes and draws; returns its exit status. Raises CommandError."""
     need_scene(arguments.scene)
     folder = open_modes_folder(arguments.out or Path("runs") / f"{arguments.scene.stem}-modes")
-    command = [str(ensure_built().shell), "--scene", str(arguments.scene), "--modes", str(arguments.count),
+    command = [str(built_for(arguments.scene).shell), "--scene", str(arguments.scene), "--modes", str(arguments.count),
                "--amplitude", repr(arguments.amplitude), "--out", str(folder)]
     if arguments.threads:
         command += ["--threads", arguments.threads]

@@ -10,6 +10,7 @@ from pathlib import Path
 from ..errors import BAD_INPUT, CHECK_FAILED, DONE, PEER_LOST, CommandError, how_it_ended
 from ..launch import engines
 from ..launch.build import ensure_built
+from ..launch.needs import built_for
 from ..launch.run import RECORD_FILE, Job
 from ..launch.socket_dir import SocketDir
 from .parser import Subparsers, add_choice, add_command, add_run_folder
@@ -42,7 +43,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _replay_shell(job: Job, recording: Path) -> int:
-    executables = ensure_built()
+    executables = built_for(job.scene)
     with tempfile.TemporaryDirectory(prefix="replay-sunder-") as out:
         threads = ["--threads", job.threads] if job.threads else []
         status = subprocess.run([str(executables.shell), *job.shell_arguments(), *threads, "--out", out, "--quiet",

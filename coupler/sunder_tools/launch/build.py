@@ -45,12 +45,12 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
     """Installs packages and builds as far as needed; quick when nothing is. Raises CommandError.
 
     Always what a run needs; `targets` beside that, or all. The packages of tests are installed for these only.
-    `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on. A build that is finished serves users
-    who may not write to it.
+    `cad`: with OpenCASCADE, now and, as the build tree remembers it, from now on; an installation and a build that
+    SUNDER_BUILD_DIR names stay as they are. A build that is finished serves users who may not write to it.
     """
     testing = all_targets or any(target not in UNTESTED for target in targets)
     if INSTALLED.is_file() and not os.environ.get(BUILD_DIR_VARIABLE):
-        if testing or cad:
+        if testing:
             raise CommandError(f"this {CHECKOUT_ONLY}")
         programs = level(PROGRAMS)
         return Executables(*(programs / name for name in UNTESTED))
@@ -74,7 +74,8 @@ def ensure_built(all_targets: bool = False, cad: bool = False, targets: tuple[st
                              PACKAGES + (TEST_PACKAGES if testing else ()) + (CAD_PACKAGES if cad else ()))
             _build(folder, folder.parent / "build.log", [] if all_targets else [*OF_A_RUN, *targets], testing, cad)
     except OSError as error:
-        if error.errno in NOT_WRITABLE and not all_targets and not cad and not _missing(found, (*OF_A_RUN, *targets)):
+        lacks = all_targets or (cad and not _has(folder, "SUNDER_CAD")) or _missing(found, (*OF_A_RUN, *targets))
+        if error.errno in NOT_WRITABLE and not lacks:
             _say_if_old(found)
             return found
         raise CommandError(f"cannot build in {folder.parent}: {error.strerror or error}: {error.filename}; mend that, or set "

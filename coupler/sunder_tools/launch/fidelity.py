@@ -15,7 +15,7 @@ from typing import Any, Callable, Sequence
 
 from ..errors import DONE
 from ..report.scene_text import Message, SceneTextError, parse_text
-from .build import ensure_built
+from .needs import built_for
 
 PATCHES = {"plate": ("elements_x", "elements_y"), "cylinder": ("elements_u", "elements_v"),
            "sphere": ("elements_u", "elements_v"), "cone": ("elements_u", "elements_v"),
@@ -85,7 +85,7 @@ def with_fidelity(scene: Path, settings: list[str], name: str | None, quiet: boo
     """
     if name is None:
         return settings
-    shell = str(ensure_built().shell)
+    shell = str(built_for(scene).shell)
 
     def accepted(tried: Sequence[str]) -> bool:
         command = [shell, "--scene", str(scene), "--check", *(part for s in tried for part in ("--set", s)),

@@ -19,7 +19,8 @@ from ..report import run_json
 from ..report.summary import summary
 from ..words import command_line
 from . import engines, first_use
-from .build import Executables, ensure_built
+from .build import Executables
+from .needs import built_for
 from .folder import RunFolder, open_folder, refuse_foreign, refuse_own, reopen_folder
 from .logged import tail
 from .socket_dir import SocketDir
@@ -77,7 +78,7 @@ def run_scene(job: Job, out: Path | None, quiet: bool, resume: Path | None = Non
     if out is not None:
         refuse_foreign(out)
         refuse_own(out, job.scene)
-    executables = ensure_built()
+    executables = built_for(job.scene)
     rigid = engines.resolve(job.engine, executables)
     if job.keys and not rigid.endpoint:
         raise CommandError(f"--keys {job.keys}: is for an engine that waits at an address, --rigid tcp://HOST:PORT; "

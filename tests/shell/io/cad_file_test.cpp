@@ -40,8 +40,8 @@ TEST_F(Cad, NumbersAreCheckedBeforeTheFileIsRead) {
 
 TEST_F(Cad, WithoutOpenCascadeTheBuildIsNamedAsTheRemedy) {
   EXPECT_SAYS(refusal("path: 'a.stp'"),
-              "shells[0].cad: this build has no OpenCASCADE, which reads STEP and IGES; run `coupler/sunder build "
-              "--cad`");
+              "shells[0].cad: this build has no OpenCASCADE, which reads STEP and IGES; `coupler/sunder` of a "
+              "checkout builds with it where SUNDER_BUILD_DIR is unset");
 }
 
 #else

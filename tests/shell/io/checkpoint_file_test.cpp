@@ -58,6 +58,12 @@ TEST(CheckpointFile, IsRefusedWhereItIsMissingDamagedOrOfAnotherScene) {
   write_checkpoint(path, "scene", "the state of a run");
   const std::string whole = contents(path);
   EXPECT_TRUE(says(refusal(path, "another"), "is of another scene"));
+  std::string other_sources = whole;
+  const std::size_t at = other_sources.find(source_hash());
+  ASSERT_NE(at, std::string::npos);
+  other_sources[at] = other_sources[at] == '0' ? '1' : '0';
+  std::ofstream(path, std::ios::binary) << other_sources;
+  EXPECT_TRUE(says(refusal(path, "scene"), "other sources or another compiler wrote it"));
   for (std::size_t i = 0; i < whole.size(); i += 7) {  // in the head, the bytes and the sum
     std::string damaged = whole;
     damaged[i] = static_cast<char>(damaged[i] ^ 4);

@@ -92,6 +92,9 @@ TEST(Ledger, NamesWindowBodyAndNumbers) {
   EXPECT_NE(said.find("window 7"), std::string::npos) << said;
   EXPECT_NE(said.find("'ball'"), std::string::npos) << said;
   EXPECT_NE(said.find("0.5 linear"), std::string::npos) << said;
+  // of the momentum before and after, where nothing touched the body: 0.3 kg, from 3.742 m/s to 3.755 m/s, and its fall
+  const std::string alone = Window([](Proxy& p) { p.body.motion.velocity.x() += 0.01; }).refusal();
+  EXPECT_NE(alone.find("linear of 2.25 N s"), std::string::npos) << alone;
 }
 
 TEST(Birth, KeepsTheLargestErrorsAndRefusesLargerOnesThanTheTolerance) {
